@@ -1,0 +1,78 @@
+"""Correlation and separation of neighbouring yielding buildings.
+
+Random vibration of neighbouring bilinear hysteretic buildings by statistical linearization.
+The public names are listed in ``__all__`` and imported when first used.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from stochlin.analyses.amplification import amplification
+    from stochlin.analyses.correlation import correlate, rho_white_noise
+    from stochlin.analyses.ground_fit import fit_ground, fit_spectra
+    from stochlin.analyses.linearization import linearize
+    from stochlin.analyses.records import read_record, strong_part
+    from stochlin.analyses.state_space import stationary_covariance, statespace
+    from stochlin.models.grounds import CloughPenzien, KanaiTajimi, WhiteNoise
+    from stochlin.models.named_grounds import ground_names, named_ground
+    from stochlin.models.structures import Bilinear, BoucWen, Hysteretic
+
+__version__ = "0.1.0"
+
+# Imported when first used: a start of the command line then costs no more than it needs.
+_HOME = {
+    "Bilinear": "models.structures",
+    "BoucWen": "models.structures",
+    "CloughPenzien": "models.grounds",
+    "Hysteretic": "models.structures",
+    "KanaiTajimi": "models.grounds",
+    "WhiteNoise": "models.grounds",
+    "amplification": "analyses.amplification",
+    "correlate": "analyses.correlation",
+    "fit_ground": "analyses.ground_fit",
+    "fit_spectra": "analyses.ground_fit",
+    "ground_names": "models.named_grounds",
+    "linearize": "analyses.linearization",
+    "named_ground": "models.named_grounds",
+    "read_record": "analyses.records",
+    "rho_white_noise": "analyses.correlation",
+    "statespace": "analyses.state_space",
+    "stationary_covariance": "analyses.state_space",
+    "strong_part": "analyses.records",
+}
+
+__all__ = [
+    "Bilinear",
+    "BoucWen",
+    "CloughPenzien",
+    "Hysteretic",
+    "KanaiTajimi",
+    "WhiteNoise",
+    "amplification",
+    "correlate",
+    "fit_ground",
+    "fit_spectra",
+    "ground_names",
+    "linearize",
+    "named_ground",
+    "read_record",
+    "rho_white_noise",
+    "statespace",
+    "stationary_covariance",
+    "strong_part",
+]
+
+
+def __getattr__(name: str) -> object:
+    if name not in _HOME:
+        raise AttributeError(f"module 'stochlin' has no attribute {name!r}")
+    value = getattr(importlib.import_module(f"stochlin.{_HOME[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return [*globals(), *_HOME]

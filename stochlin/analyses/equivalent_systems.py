@@ -1,0 +1,210 @@
+"""Every structure on its own: the linear system equivalent to it, and its response.
+
+`linearize` shows the response, `correlate` combines the systems of two structures.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses import labels
+from stochlin.kernels.amplitude_averaging import solve_amplitude_average
+from stochlin.kernels.arrays import Array
+from stochlin.kernels.covariance import EquivalentSystem, Forcing, linear_system, own_covariance
+from stochlin.kernels.fixed_point import solve_fixed_point
+from stochlin.models.grounds import Ground
+from stochlin.models.structures import NARROW_BAND, Structure
+
+# Below this slip and relaxation (over w) the third state changes nothing in double precision.
+ELASTIC = 1e-18
+INTERNAL = (
+    *(f"system_{n}" for n in EquivalentSystem._fields),
+    *(f"forcing_{n}" for n in Forcing._fields),
+)
+PUBLIC = (
+    "displacement_std",
+    "velocity_std",
+    "ductility_std",
+    "z_std",
+    "velocity_z_corr",
+    "c_eq",
+    "k_eq",
+    "yield_displacement",
+    "iterations",
+    "residual",
+    "status",
+)
+
+
+class Tolerance(NamedTuple):
+    """Stop rule of the fixed point."""
+
+    rtol: float
+    atol: float
+    max_iterations: int
+
+
+def solve_structure(
+    structure: Structure, ground: Ground, closure: str | None, tolerance: Tolerance
+) -> xr.Dataset:
+    """What `linearize` returns, and the equivalent system and forcing that a pair needs.
+
+    Without a closure the structure is taken as elastic, whatever its strength.
+    """
+    if closure is not None and closure not in structure.closure_names():
+        raise ValueError(
+            f"closure = {closure!r} is not available for {type(structure).__name__}; allowed: "
+            f"{', '.join(structure.closure_names())}"
+        )
+    values = structure.arrays()
+    strength = next(
+        (values[k] for k in ("yield_displacement", "reduction_factor") if k in values),
+        xr.DataArray(np.inf),
+    )
+    cells = _Cells(structure, ground, closure, tolerance)
+    inputs = [
+        structure.valid() & ground.valid(),
+        values["period"],
+        values["damping"],
+        values.get("hardening", xr.DataArray(1.0)),
+        strength,
+        values["peak_factor"],
+        *structure.law_parameters(),
+        *ground.kernel_parameters(),
+    ]
+    names = (*PUBLIC, *INTERNAL)
+    try:
+        outputs = xr.apply_ufunc(cells.solve, *inputs, output_core_dims=[[]] * len(names), join="exact")
+    except xr.AlignmentError as error:
+        raise ValueError(
+            f"structure and ground have a dimension in common whose coordinates differ: {error}"
+        ) from error
+    return xr.Dataset(dict(zip(names, outputs, strict=True)))
+
+
+class _Cells(NamedTuple):
+    """The array side of `solve_structure`: flattens, leaves out invalid cells, fills NaN."""
+
+    structure: Structure
+    ground: Ground
+    closure: str | None
+    tolerance: Tolerance
+
+    def solve(self, valid: Array, *parameters: Array) -> tuple[Array, ...]:
+        arrays = np.broadcast_arrays(valid, *parameters)
+        shape = arrays[0].shape
+        where = np.flatnonzero(arrays[0])
+        columns = np.stack([array.reshape(-1)[where] for array in arrays[1:]])
+        solution = self._solve_valid(columns)
+        outputs = []
+        for name in (*PUBLIC, *INTERNAL):
+            filled = _blank(name, arrays[0].size)
+            filled[where] = solution[name]
+            outputs.append(filled.reshape(shape))
+        return tuple(outputs)
+
+    def _solve_valid(self, columns: Array) -> dict[str, Array]:
+        period, damping, hardening, strength, peak_factor = columns[:5]
+        laws = len(self.structure.law_parameters())
+        law, ground = columns[5 : 5 + laws], columns[5 + laws :]
+        w = 2 * np.pi / period
+        elastic = linear_system(w, damping)
+        own = own_covariance(elastic, self.ground.forcing(elastic, ground))
+        elastic_std = np.sqrt(own.mu_mu)
+        if self.structure.reduction_factor is not None:
+            uy = peak_factor * elastic_std / strength
+        else:
+            uy = strength
+        if self.closure is None or not self.structure.yields:
+            return self._report(_Solution.elastic(elastic), ground, uy)
+        scaled = ground.copy()
+        scaled[0] /= uy**2  # the forcing of ductility, f / uy
+        if self.closure == NARROW_BAND:
+
+            def sigma_of(system: EquivalentSystem, cells: Array) -> Array:
+                forcing = self.ground.forcing(system, scaled[:, cells])
+                return np.sqrt(own_covariance(system, forcing).mu_mu)
+
+            average = solve_amplitude_average(
+                w,
+                damping,
+                hardening,
+                elastic_std / uy,
+                sigma_of,
+                self.tolerance.rtol,
+                self.tolerance.max_iterations,
+            )
+            return self._report(_Solution(*average, np.zeros(w.size, bool)), ground, uy)
+        oscillator = np.stack([w**2, 2 * damping * w, (1 - hardening) * w**2])
+        start = np.stack([np.sqrt(own.v_v) / uy, np.minimum(elastic_std / uy, 1), np.full_like(w, 0.1)])
+        closure = self.structure.closure(self.closure)
+        solved = solve_fixed_point(
+            oscillator, law, scaled, start, closure, self.ground.forcing, *self.tolerance
+        )
+        slip, relaxation = solved.coefficients
+        still = (np.abs(slip) < ELASTIC) & (np.abs(relaxation) < ELASTIC * w)
+        pairs = zip(elastic, (*oscillator, slip, relaxation), strict=True)
+        system = EquivalentSystem(*(np.where(still, e, s) for e, s in pairs))
+        solution = _Solution(system, solved.iterations, solved.residual, solved.converged, still)
+        return self._report(solution, ground, uy)
+
+    def _report(self, solution: _Solution, ground: Array, uy: Array) -> dict[str, Array]:
+        system, elastic = solution.system, solution.still
+        forcing = self.ground.forcing(system, ground)
+        own = own_covariance(system, forcing)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            displacement, velocity, z = np.sqrt(own.mu_mu), np.sqrt(own.v_v), np.sqrt(own.z_z)
+            corr = own.v_z / (velocity * z)
+            share = own.mu_z / (displacement * z)
+        physical = (own.mu_mu > 0) & (own.v_v > 0)
+        if self.closure == NARROW_BAND and not elastic.all():
+            z = corr = c_eq = k_eq = np.full_like(z, np.nan)
+        else:
+            z, corr = np.where(elastic, displacement, z), np.where(elastic, 0, corr)
+            c_eq, k_eq = np.where(elastic, -1, system.slip - 1), np.where(elastic, 0, system.relaxation)
+            physical &= elastic | ((z > 0) & (np.abs(corr) <= 1) & (np.abs(share) <= 1 + 1e-9))
+        status = np.where(elastic, labels.ELASTIC_LIMIT, labels.CONVERGED)
+        status = np.where(physical, status, labels.NOT_PHYSICAL)
+        status = np.where(solution.converged, status, labels.NOT_CONVERGED)
+        values = {
+            "displacement_std": displacement,
+            "velocity_std": velocity,
+            "ductility_std": displacement / uy,
+            "z_std": z / uy,
+            "velocity_z_corr": corr,
+            "c_eq": c_eq,
+            "k_eq": k_eq,
+            "yield_displacement": uy,
+            **dict(zip(INTERNAL, (*system, *forcing), strict=True)),
+        }
+        usable = status < labels.NOT_CONVERGED
+        return {
+            **{name: np.where(usable, value, np.nan) for name, value in values.items()},
+            "iterations": solution.iterations,
+            "residual": solution.residual,
+            "status": status,
+        }
+
+
+class _Solution(NamedTuple):
+    system: EquivalentSystem
+    iterations: Array
+    residual: Array
+    converged: Array
+    still: Array  # no slip at all: the 4-state elastic model holds
+
+    @classmethod
+    def elastic(cls, system: EquivalentSystem) -> _Solution:
+        none = np.zeros(system.stiffness.size)
+        return cls(system, none.astype(np.int32), none, none == 0, none == 0)
+
+
+def _blank(name: str, size: int) -> Array:
+    if name == "status":
+        return np.full(size, labels.INVALID_INPUT, np.int8)
+    if name == "iterations":
+        return np.zeros(size, np.int32)
+    return np.full(size, np.nan)

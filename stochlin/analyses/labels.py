@@ -1,0 +1,92 @@
+"""Names, units and run information that every dataset carries."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+
+import stochlin
+from stochlin.models.parameters import Model
+
+PAPER = (
+    "Valles-Mattox, R. E. and Reinhorn, A. M. (1996). Evaluation, prevention and mitigation of "
+    "pounding effects in building structures. 11th World Conference on Earthquake Engineering."
+)
+
+CONVERGED, ELASTIC_LIMIT, NOT_CONVERGED, INVALID_INPUT, NOT_PHYSICAL = range(5)
+STATUS_MEANINGS = (
+    "converged",
+    "elastic_limit",
+    "not_converged",
+    "invalid_input",
+    "not_a_covariance",
+)
+CURES = {
+    NOT_CONVERGED: "raise max_iterations, or loosen rtol and atol",
+    INVALID_INPUT: "correct the parameters that are out of range",
+    NOT_PHYSICAL: "rounding has spoiled the covariance: use less extreme parameters, or another closure",
+}
+
+VARIABLES: Mapping[str, tuple[str, str]] = {
+    "displacement_std": ("m", "standard deviation of the displacement"),
+    "velocity_std": ("m/s", "standard deviation of the velocity"),
+    "ductility_std": ("1", "standard deviation of displacement over yield displacement"),
+    "z_std": ("1", "standard deviation of the hysteretic displacement"),
+    "velocity_z_corr": ("1", "correlation of velocity and hysteretic displacement"),
+    "c_eq": ("1", "equivalent coefficient of the velocity, z' = -c_eq v - k_eq z"),
+    "k_eq": ("1/s", "equivalent coefficient of z, z' = -c_eq v - k_eq z"),
+    "yield_displacement": ("m", "yield displacement"),
+    "period_eq": ("s", "equivalent period"),
+    "damping_eq": ("1", "equivalent damping ratio"),
+    "iterations": ("1", "iterations"),
+    "residual": ("1", "largest mismatch of log sigma and atanh correlation before the last correction"),
+    "rho": ("1", "correlation coefficient of the displacements"),
+    "amplification": ("1", "inelastic over elastic standard deviation of the displacement"),
+}
+
+
+def label(dataset: xr.Dataset) -> xr.Dataset:
+    """Give every variable its units and long name; numbered ones say which structure."""
+    for name in dataset.data_vars:
+        stem, _, number = str(name).rpartition("_")
+        if name == "status":
+            dataset[name].attrs = {
+                "long_name": "status of the cell",
+                "flag_values": np.arange(len(STATUS_MEANINGS), dtype=np.int8),
+                "flag_meanings": " ".join(STATUS_MEANINGS),
+            }
+        elif str(name) in VARIABLES:
+            units, long_name = VARIABLES[str(name)]
+            dataset[name].attrs.update(units=units, long_name=long_name)
+        elif stem in VARIABLES and number.isdigit():
+            units, long_name = VARIABLES[stem]
+            dataset[name].attrs.update(units=units, long_name=f"{long_name}, structure {number}")
+    return dataset
+
+
+def with_run_information(
+    dataset: xr.Dataset, title: str, call: str, models: Mapping[str, Model], references: str = PAPER
+) -> xr.Dataset:
+    """Add title, references, version and the parameters that made the dataset.
+
+    The clock stays out of it: the same inputs give the same file.
+    """
+    version = stochlin.__version__
+    dataset.attrs = {
+        "title": title,
+        "references": references,
+        "stochlin_version": version,
+        "history": f"stochlin {version}: {call}",
+        **{role: model.describe() for role, model in models.items()},
+    }
+    return dataset
+
+
+def raise_if_lone_failure(dataset: xr.Dataset, what: str) -> None:
+    """A single case that failed has no neighbours to go on for: say so."""
+    status = dataset["status"]
+    if status.ndim == 0 and int(status) >= NOT_CONVERGED:
+        code = int(status)
+        raise ArithmeticError(f"{what}: {STATUS_MEANINGS[code].replace('_', ' ')}; {CURES[code]}")

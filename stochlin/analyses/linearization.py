@@ -1,0 +1,90 @@
+"""Statistical linearization of one structure on one ground: eqs. (5) to (12)."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses import labels
+from stochlin.analyses.equivalent_systems import PUBLIC, Tolerance, solve_structure
+from stochlin.models.grounds import Ground
+from stochlin.models.structures import NARROW_BAND, Structure
+
+
+def linearize(
+    structure: Structure,
+    ground: Ground,
+    closure: str = "gaussian",
+    *,
+    rtol: float = 1e-10,
+    atol: float = 1e-12,
+    max_iterations: int = 100,
+) -> xr.Dataset:
+    """Stationary response of a hysteretic structure by statistical linearization.
+
+    The covariance of the linear system with coefficients ``(c_e, k_e)`` and the coefficients
+    that the closure finds for this covariance are iterated, by Newton's method, until they
+    agree.
+
+    Parameters
+    ----------
+    structure : Bilinear, BoucWen or Hysteretic
+    ground : WhiteNoise, KanaiTajimi or CloughPenzien
+        Parameters of both broadcast by dimension name.
+    closure : str
+        ``"gaussian"``: ``(v, z)`` jointly Gaussian, eqs. (9) and (10). ``"clipped"``: ``z`` is a
+        Gaussian clipped at +-1 (bilinear). ``"narrow_band"``: Caughey's amplitude averaging
+        (bilinear), which has no ``z``: its variables are NaN, and ``period_eq`` [s] and
+        ``damping_eq`` are added.
+    rtol, atol : float
+        A cell is done when ``|dy| <= atol + rtol |y|`` for ``y`` the moments ``sigma_v``, ``sigma_z``
+        (``rtol`` alone) and their correlation.
+    max_iterations : int
+        Cells that need more are NaN with status ``not_converged``.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over the dimensions of the parameters: ``displacement_std`` [m], ``velocity_std`` [m/s],
+        ``ductility_std``, ``z_std``, ``velocity_z_corr``, ``c_eq``, ``k_eq`` [1/s],
+        ``yield_displacement`` [m], ``iterations``, ``residual``, ``status`` (CF flags). An elastic
+        structure has infinite ``yield_displacement`` and status ``elastic_limit``.
+
+    Raises
+    ------
+    ValueError
+        If the closure is not one of this law, or dimensions do not fit together.
+    ArithmeticError
+        If a single case fails; in a table its cell is NaN and says why.
+
+    Notes
+    -----
+    Linearization *underestimates*: against exact simulation ``displacement_std`` is 22 to 46 %
+    too small for hardening up to .05, 8 to 29 % at .2.
+
+    References
+    ----------
+    Roberts, J. B. and Spanos, P. D. (1990). Random vibration and statistical linearization.
+
+    Examples
+    --------
+    >>> import numpy as np, stochlin as sl
+    >>> building = sl.Bilinear(period=2 * np.pi, damping=0.05, hardening=0.05, yield_displacement=1.0)
+    >>> round(float(sl.linearize(building, sl.WhiteNoise(0.1 / np.pi)).ductility_std), 6)
+    0.870745
+    """
+    solved = solve_structure(structure, ground, closure, Tolerance(rtol, atol, max_iterations))
+    table = solved[list(PUBLIC)]
+    if closure == NARROW_BAND:
+        equivalent = np.sqrt(solved.system_stiffness)
+        table = table.assign(
+            period_eq=2 * np.pi / equivalent, damping_eq=solved.system_damping / (2 * equivalent)
+        )
+    table = labels.label(table)
+    labels.raise_if_lone_failure(table, f"linearize({structure.describe()}, {ground.describe()})")
+    return labels.with_run_information(
+        table,
+        f"Statistical linearization, {closure} closure, {ground.name} ground",
+        f"linearize(closure={closure!r})",
+        {"structure": structure, "ground": ground},
+    )

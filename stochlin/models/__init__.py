@@ -1,0 +1,1 @@
+"""First floor: what a user describes. Frozen dataclasses, validated here, once."""

@@ -1,0 +1,1 @@
+"""Hysteresis laws, one file each: symbolic form, coefficients, closures."""

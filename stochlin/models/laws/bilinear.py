@@ -1,0 +1,98 @@
+"""The bilinear law of eq. (7) (Suzuki & Minai): elastic, then sliding at ``z = +-1``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.special import erf, erfc, gammainc
+
+from stochlin.kernels.arrays import Array
+from stochlin.kernels.fixed_point import ClosureValue, gaussian_covariance
+from stochlin.kernels.gaussian import regress_slip, slip_quadrant
+
+if TYPE_CHECKING:
+    import sympy
+
+
+def symbolic() -> sympy.Expr:
+    """``G(v, z)`` of eq. (7), in the symbols ``v`` and ``z``."""
+    import sympy
+
+    v, z = sympy.symbols("v z", real=True)
+    step = sympy.Heaviside
+    return v * (1 - step(v) * step(z - 1) - step(-v) * step(-z - 1))
+
+
+def gaussian(latent: Array, parameters: Array) -> ClosureValue:
+    """Gaussian closure: the coefficients of eqs. (9) and (10), in closed form.
+
+    ``1 + c_e = 2 P(v > 0, z > 1)`` and ``k_e = 2 sv h (r h B + q E)``, with ``B`` and ``E``
+    the ``edge`` and ``corner`` of the slip quadrant.
+    """
+    sv, sz, r = latent
+    s = slip_quadrant(sz, r)
+    h, q, edge, corner = s.h, s.q, s.edge, s.corner
+    relaxation = 2 * sv * h * (r * h * edge + q * corner)
+    jacobian = np.stack(
+        [
+            np.stack([np.zeros_like(sv), 2 * h * h * edge, 2 * corner / q]),
+            np.stack(
+                [
+                    relaxation / sv,
+                    -2 * sv * h**2 * (r * h * (2 - h * h) * edge + q * (1 - h * h) * corner),
+                    2 * sv * h * (h * edge - (r / q) * corner),
+                ]
+            ),
+        ]
+    )
+    coefficients = np.stack([2 * s.probability, relaxation])
+    return ClosureValue(coefficients, jacobian, *gaussian_covariance(latent))
+
+
+def clipped(latent: Array, parameters: Array) -> ClosureValue:
+    """Clipped closure (Asano & Iwan 1984; Hurtado & Barbat 1996): ``z = clip(z~, -1, 1)``.
+
+    ``(v, z~)`` is Gaussian with the latent moments. The slip rate ``v - G`` is regressed on
+    ``(v, z)`` under that density, so that ``|z| <= 1`` always holds.
+    """
+    sv, sz, r = latent
+    s = slip_quadrant(sz, r)
+    h, q, edge, corner = s.h, s.q, s.edge, s.corner
+    dh = -h * h
+    slip = np.stack([2 * sv * sv * s.second, 2 * sv * s.first])
+    slip_jacobian = np.stack(
+        [
+            np.stack(
+                [
+                    4 * sv * s.second,
+                    -2 * sv * sv * dh * ((q * q + (r * h) ** 2) * edge + r * h * q * corner),
+                    4 * sv * sv * (r * h * edge + q * corner),
+                ]
+            ),
+            np.stack([2 * s.first, -2 * sv * dh * (r * h * edge + q * corner), 2 * sv * edge]),
+        ]
+    )
+    covariance, covariance_jacobian = _clipped_covariance(latent)
+    coefficients, jacobian = regress_slip(slip, slip_jacobian, covariance, covariance_jacobian)
+    return ClosureValue(coefficients, jacobian, covariance, covariance_jacobian)
+
+
+def _clipped_covariance(latent: Array) -> tuple[Array, Array]:
+    """``(Var v, Var z, Cov(v, z))`` of the clipped density, and the Jacobian."""
+    sv, sz, r = latent
+    h = 1 / sz
+    inside = erf(h / np.sqrt(2))  # P(|z~| < 1)
+    inside_square = gammainc(1.5, 0.5 * h * h)  # E[(z~/sz)^2; |z~| < 1]
+    zero = np.zeros_like(sv)
+    covariance = np.stack(
+        [sv * sv, sz * sz * inside_square + erfc(h / np.sqrt(2)), r * sv * sz * inside]
+    )
+    jacobian = np.stack(
+        [
+            np.stack([2 * sv, zero, zero]),
+            np.stack([zero, 2 * sz * inside_square, zero]),
+            np.stack([r * sz * inside, r * sv * inside_square, sv * sz * inside]),
+        ]
+    )
+    return covariance, jacobian

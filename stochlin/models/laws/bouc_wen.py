@@ -1,0 +1,64 @@
+"""The Bouc-Wen law ``z' = v - beta |v| |z|^(n-1) z - gamma v |z|^n`` for any ``n >= 1``.
+
+The third amplitude of the literature, ``A``, is redundant with the others and fixed at 1,
+so that ``period`` is the period of small oscillations.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.special import beta as beta_function
+from scipy.special import betainc, gamma
+
+from stochlin.kernels.arrays import Array
+from stochlin.kernels.fixed_point import ClosureValue, gaussian_covariance
+
+if TYPE_CHECKING:
+    import sympy
+
+
+def symbolic() -> sympy.Expr:
+    """``G(v, z)`` in the symbols ``v``, ``z``, ``beta``, ``gamma`` and ``n``."""
+    import sympy
+
+    v, z = sympy.symbols("v z", real=True)
+    beta_, gamma_, n = sympy.symbols("beta gamma n", real=True)
+    return v - beta_ * abs(v) * abs(z) ** (n - 1) * z - gamma_ * v * abs(z) ** n
+
+
+def gaussian(latent: Array, parameters: Array) -> ClosureValue:
+    """Gaussian closure (Wen 1980, J. Appl. Mech. 47), with derivatives.
+
+    ``1 + c_e = beta F1 + gamma F2`` and ``k_e = beta F3 + gamma F4``; the integral
+    ``Is = 2 Int_l^(pi/2) sin^n t dt``, ``l = atan2(sqrt(1 - r^2), r)``, is an incomplete beta
+    function of ``r^2``.
+    """
+    sv, sz, r = latent
+    beta_, gamma_, n = parameters
+    q = np.sqrt((1 - r) * (1 + r))
+    with np.errstate(under="ignore"):
+        even = 2 ** (n / 2) * gamma((n + 2) / 2) / np.pi * beta_
+        odd = 2 ** (n / 2) * gamma((n + 1) / 2) / np.sqrt(np.pi) * gamma_
+        integral = np.sign(r) * beta_function(0.5, (n + 1) / 2) * betainc(0.5, (n + 1) / 2, r * r)
+        d_integral = 2 * q ** (n - 1)
+        power, power_less_one = sz**n, sz ** (n - 1)
+
+        slip = power * (even * integral + odd)
+        share = even * (2 / n * q ** (n + 1) + r * integral) + odd * r
+        relaxation = n * sv * power_less_one * share
+        d_share = even * (integral - r * d_integral / n) + odd
+        jacobian = np.stack(
+            [
+                np.stack([np.zeros_like(sv), n * slip / sz, power * even * d_integral]),
+                np.stack(
+                    [
+                        relaxation / sv,
+                        (n - 1) * relaxation / sz,
+                        n * sv * power_less_one * d_share,
+                    ]
+                ),
+            ]
+        )
+    return ClosureValue(np.stack([slip, relaxation]), jacobian, *gaussian_covariance(latent))

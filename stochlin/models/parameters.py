@@ -1,0 +1,130 @@
+"""Parameters of models: declared once with unit and range, checked where they enter."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+Parameter = float | xr.DataArray | npt.ArrayLike
+"""A number, a DataArray (broadcast by dimension name) or a 1-D array (dimension ``case``)."""
+
+CASE = "case"
+
+
+@dataclasses.dataclass(frozen=True)
+class Range:
+    """The open interval of allowed values; ``include_upper`` closes it above."""
+
+    lower: float = 0.0
+    upper: float = np.inf
+    include_lower: bool = False
+    include_upper: bool = False
+    reason: str = ""
+
+    def __str__(self) -> str:
+        at_least, at_most = "<=" if self.include_lower else "<", "<=" if self.include_upper else "<"
+        low = f"{self.lower:g} {at_least} " if self.lower > -np.inf else ""
+        high = f" {at_most} {self.upper:g}" if self.upper < np.inf else ""
+        return f"{low}value{high}, finite" + (f" ({self.reason})" if self.reason else "")
+
+    def contains(self, value: Any) -> Any:
+        """Elementwise test; NaN and infinity are outside."""
+        above = value >= self.lower if self.include_lower else value > self.lower
+        below = value <= self.upper if self.include_upper else value < self.upper
+        return above & below & np.isfinite(value)
+
+
+def parameter(units: str, long_name: str, allowed: Range, default: Any = dataclasses.MISSING) -> Any:
+    """Declare a physical parameter of a model as a dataclass field."""
+    return dataclasses.field(
+        default=default, metadata={"units": units, "long_name": long_name, "allowed": allowed}
+    )
+
+
+@dataclasses.dataclass(frozen=True)
+class Model:
+    """Base of everything a user describes: checks and labels the declared parameters.
+
+    A scalar out of range raises at once. In an array the cells out of range are left to the
+    analyses, which mark them in ``status`` and go on with the others.
+    """
+
+    def __post_init__(self) -> None:
+        for field in self._declared():
+            value = getattr(self, field.name)
+            if value is not None:
+                checked = _checked(value, field, type(self).__name__)
+                object.__setattr__(self, field.name, checked)
+        try:
+            xr.align(*self.arrays().values(), join="exact", copy=False)
+        except (xr.AlignmentError, ValueError) as error:
+            raise ValueError(
+                f"{type(self).__name__}: parameters share a dimension but not its coordinates or length: "
+                f"{error}; give them different dimension names for a table, or equal coordinates"
+            ) from error
+
+    @classmethod
+    def _declared(cls) -> Iterator[dataclasses.Field[Any]]:
+        return (field for field in dataclasses.fields(cls) if "allowed" in field.metadata)
+
+    def arrays(self) -> dict[str, xr.DataArray]:
+        """The parameters that are set, as labelled arrays (0-d for scalars)."""
+        values = {f.name: getattr(self, f.name) for f in self._declared()}
+        return {
+            name: value if isinstance(value, xr.DataArray) else xr.DataArray(value)
+            for name, value in values.items()
+            if value is not None
+        }
+
+    def valid(self) -> xr.DataArray:
+        """True for the cells in which every parameter is in its range."""
+        ok = xr.DataArray(True)
+        arrays = self.arrays()
+        for field in self._declared():
+            if field.name in arrays:
+                ok = ok & field.metadata["allowed"].contains(arrays[field.name])
+        return ok
+
+    def describe(self) -> str:
+        """One line with the parameters, long arrays by their range: for metadata and charts."""
+        parts = [f"{name}={_brief(value)}" for name, value in self.arrays().items()]
+        return f"{type(self).__name__}({', '.join(parts)})"
+
+
+def _checked(value: Any, field: dataclasses.Field[Any], model: str) -> float | xr.DataArray:
+    label = f"{model}: {field.name}"
+    allowed: Range = field.metadata["allowed"]
+    array = value.copy(deep=False) if isinstance(value, xr.DataArray) else np.asarray(value)
+    if array.dtype.kind not in "iuf":
+        raise TypeError(f"{label} = {value!r} is not a real number; allowed: {allowed}")
+    if array.ndim == 0:
+        number = float(array)
+        if not allowed.contains(number):
+            raise ValueError(f"{label} = {number:g} is out of range; allowed: {allowed}")
+        return number
+    if isinstance(array, np.ndarray):
+        if array.ndim > 1:
+            raise ValueError(
+                f"{label} is a plain array of {array.ndim} dimensions; allowed: a number, a 1-D array, "
+                "or an xarray.DataArray whose dimensions have names"
+            )
+        array = xr.DataArray(array, dims=CASE)
+    if not array.size:
+        raise ValueError(f"{label} is empty; allowed: at least one value")
+    array = array.astype(float)
+    for labelled in (array, *([array.coords[field.name]] if field.name in array.coords else [])):
+        labelled.attrs.setdefault("units", field.metadata["units"])
+        labelled.attrs.setdefault("long_name", field.metadata["long_name"])
+    return array
+
+
+def _brief(value: xr.DataArray) -> str:
+    if value.ndim == 0:
+        return f"{float(value):.6g}"
+    low, high = float(value.min()), float(value.max())
+    return f"[{low:.6g} to {high:.6g} over {', '.join(map(str, value.dims))}]"

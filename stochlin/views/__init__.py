@@ -1,0 +1,1 @@
+"""Top floor: what a person sees. Draws and prints what the analyses found, computes nothing."""
