@@ -19,6 +19,7 @@ from stochlin.models.grounds import Ground
 from stochlin.models.structures import NARROW_BAND, Structure
 
 # Below this slip and relaxation (over w) the third state changes nothing in double precision.
+ROUNDING = 1e-9  # by which a correlation may exceed 1
 ELASTIC = 1e-18
 INTERNAL = (
     *(f"system_{n}" for n in EquivalentSystem._fields),
@@ -165,7 +166,8 @@ class _Cells(NamedTuple):
         else:
             z, corr = np.where(elastic, displacement, z), np.where(elastic, 0, corr)
             c_eq, k_eq = np.where(elastic, -1, system.slip - 1), np.where(elastic, 0, system.relaxation)
-            physical &= elastic | ((z > 0) & (np.abs(corr) <= 1) & (np.abs(share) <= 1 + 1e-9))
+            correlated = np.maximum(np.abs(corr), np.abs(share))
+            physical &= elastic | ((z > 0) & (correlated <= 1 + ROUNDING))
         status = np.where(elastic, labels.ELASTIC_LIMIT, labels.CONVERGED)
         status = np.where(physical, status, labels.NOT_PHYSICAL)
         status = np.where(solution.converged, status, labels.NOT_CONVERGED)

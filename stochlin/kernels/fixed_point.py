@@ -1,9 +1,11 @@
-"""The fixed point of statistical linearization, by Newton's method over all cells at once.
+"""The fixed point of statistical linearization, over all cells at once.
 
 The unknowns are the moments ``(sigma_v, sigma_z, corr(v, z))`` of the Gaussian density
 that a closure assumes, as ``(log, log, atanh)``: every iterate is then a valid density,
-whatever the hysteresis law. A step compares what the closure assumes of ``(v, z)`` with
-what the linear system that it implies really does.
+whatever the hysteresis law. The mismatch ``F`` is what the linear system implied by the
+closure really does, less what the closure assumes. ``y' = F(y)`` relaxes to the fixed point;
+it is followed by pseudo-transient continuation (Kelley & Keyes 1998, SIAM J. Numer. Anal. 35),
+``(1/delta - dF/dy) step = F``, which ends as Newton's method.
 """
 
 from __future__ import annotations
@@ -20,6 +22,9 @@ from stochlin.kernels.small_systems import solve_3x3
 CHUNK = 2048  # cells: temporaries of one Newton step then stay in the cache
 COMPLEX_STEP = 1e-30
 LARGEST_STEP = 1.0  # in log(sigma) and atanh(corr)
+FIRST_DELTA = 30.0  # pseudo-time step to begin with: nearly Newton
+RESTART_DELTA = 1.0  # where to begin again after a rise of the mismatch
+SHORTER, LONGER, LONGEST = 0.25, 3.0, 100.0  # factors from one step to the next
 
 
 class ClosureValue(NamedTuple):
@@ -41,7 +46,7 @@ class FixedPoint(NamedTuple):
     coefficients: Array  # (2, n): 1 + c_e, k_e
     latent: Array  # (3, n): sv, sz, r
     iterations: Array
-    residual: Array  # largest mismatch of log sigma_v, log sigma_z, atanh corr(v, z)
+    residual: Array  # mismatch of (log sigma_v, log sigma_z, atanh corr(v, z)), Euclidean norm
     converged: Array
 
 
@@ -93,7 +98,7 @@ def solve_fixed_point(
     for begin in range(0, start.shape[1], CHUNK):
         cells = slice(begin, begin + CHUNK)
         problem = _Problem(structure[:, cells], law[:, cells], ground[:, cells], closure, forcing_of)
-        parts.append(_newton(problem, start[:, cells], rtol, atol, max_iterations))
+        parts.append(_evolve(problem, start[:, cells], rtol, atol, max_iterations))
     if not parts:
         none = np.empty(0)
         return FixedPoint(start[:2], start, none.astype(np.int32), none, none == 0)
@@ -113,55 +118,94 @@ class _Problem(NamedTuple):
         )
 
 
-def _newton(
+class _State(NamedTuple):
+    """Last valid iterate of each cell, its mismatch, the step from there and the pseudo-time step."""
+
+    base: Array
+    norm: Array
+    step: Array
+    delta: Array
+
+
+def _evolve(
     problem: _Problem, start: Array, rtol: float, atol: float, max_iterations: int
 ) -> FixedPoint:
     n = start.shape[1]
     y = np.stack([np.log(start[0]), np.log(start[1]), np.arctanh(start[2])])
-    last_step = np.zeros_like(y)
-    iterations = np.zeros(n, np.int32)
-    residual = np.full(n, np.inf)
-    converged = np.zeros(n, bool)
+    state = _State(y, np.full(n, np.inf), np.zeros_like(y), np.full(n, FIRST_DELTA))
+    iterations, converged = np.zeros(n, np.int32), np.zeros(n, bool)
     for _ in range(max_iterations):
         active = np.flatnonzero(~converged)
         if not active.size:
             break
-        mismatch, step, valid = _newton_step(problem.of(active), y[:, active])
-        # An iterate whose linear system has no stationary state: go back half the way.
-        step = np.where(valid, step, -0.5 * last_step[:, active])
-        y[:, active] += step
-        last_step[:, active] = np.where(valid, step, -step)
+        converged[active] = _advance(problem.of(active), state, active, rtol, atol)
         iterations[active] += 1
-        residual[active] = np.where(valid, np.abs(mismatch).max(axis=0), np.inf)
-        r = np.tanh(y[2, active])
-        change = np.abs(step)
-        change[2] *= (1 - r * r) * rtol / (atol + rtol * np.abs(r))
-        converged[active] = valid & (change.max(axis=0) <= rtol)
+    y = state.base + state.step
     latent = np.stack([np.exp(y[0]), np.exp(y[1]), np.tanh(y[2])])
-    coefficients = problem.closure(latent, problem.law).coefficients
-    return FixedPoint(coefficients, latent, iterations, residual, converged)
+    with np.errstate(all="ignore"):  # where a cell ran away
+        coefficients = problem.closure(latent, problem.law).coefficients
+    return FixedPoint(coefficients, latent, iterations, state.norm, converged)
 
 
-def _newton_step(problem: _Problem, y: Array) -> tuple[Array, Array, Array]:
-    """Mismatch, Newton step in ``y`` and whether the implied linear system is stationary."""
-    sv, sz, r = np.exp(y[0]), np.exp(y[1]), np.tanh(y[2])
-    value = problem.closure(np.stack([sv, sz, r]), problem.law)
-    response, by_coefficients = _response(problem, value.coefficients)
+def _advance(problem: _Problem, state: _State, cells: Array, rtol: float, atol: float) -> Array:
+    """One evaluation of the cells, and what is made of it: a new step, or a part of the old one."""
+    y = state.base[:, cells] + state.step[:, cells]
+    mismatch, jacobian = _mismatch(problem, y)
+    norm = np.sqrt((mismatch**2).sum(axis=0))
+    valid = np.isfinite(norm) & np.isfinite(jacobian).all(axis=(0, 1))
+    delta = _next_delta(state.delta[cells], state.norm[cells], np.where(valid, norm, np.inf))
+    step = _damped_newton_step(jacobian, mismatch, delta)
+    # Not stationary: take back most of the step, or if there was none yet, start nearer to elastic.
+    untried = np.isinf(state.norm[cells])
+    towards_elastic = state.step[:, cells] - np.stack([0 * y[0], np.ones_like(y[1]), 0.5 * y[2]])
+    retreat = np.where(untried, towards_elastic, 0.25 * state.step[:, cells])
+    state.base[:, cells] = np.where(valid, y, state.base[:, cells])
+    state.norm[cells] = np.where(valid, norm, state.norm[cells])
+    state.step[:, cells] = np.where(valid, step, retreat)
+    state.delta[cells] = delta
+    r = np.tanh(y[2])
+    change = np.abs(step)
+    change[2] *= (1 - r * r) * rtol / (atol + rtol * np.abs(r))
+    return valid & (change.max(axis=0) <= rtol)
+
+
+def _next_delta(delta: Array, before: Array, now: Array) -> Array:
+    """Switched evolution relaxation: longer as the mismatch falls, short again when it rises."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        ratio = np.where(np.isinf(before), 1, before / now)
+    shorter = SHORTER * np.minimum(delta, RESTART_DELTA)
+    return np.where(ratio < 1, shorter, delta * np.minimum(LONGER * ratio, LONGEST))
+
+
+def _damped_newton_step(jacobian: Array, mismatch: Array, delta: Array) -> Array:
+    """``(1/delta - J)^-1 F``, limited in length: a relaxation for small delta, Newton for large."""
+    matrix = -jacobian
+    matrix[np.arange(3), np.arange(3)] += 1 / delta
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        step = np.stack(solve_3x3(list(matrix), list(mismatch)))
+        return step / np.maximum(1, np.abs(step).max(axis=0) / LARGEST_STEP)
+
+
+def _mismatch(problem: _Problem, y: Array) -> tuple[Array, Array]:
+    """What the implied linear system does less what the closure assumes, and the Jacobian."""
+    sv, sz, r = np.exp(y[0]), np.exp(y[1]), np.tanh(y[2])
+    # An iterate may be no density or imply no stationary system: its NaN is the answer.
+    with np.errstate(all="ignore"):
+        value = problem.closure(np.stack([sv, sz, r]), problem.law)
+        response, by_coefficients = _response(problem, value.coefficients)
         reached, d_reached = _to_unknowns(response)
         assumed, d_assumed = _to_unknowns(value.covariance)
         scale = np.stack([sv, sz, 1 - r * r])
         jacobian = np.einsum("ijn,jkn,kln->iln", d_reached, by_coefficients, value.coefficients_jacobian)
         jacobian -= np.einsum("ijn,jkn->ikn", d_assumed, value.covariance_jacobian)
-        mismatch = reached - assumed
-        step = np.stack(solve_3x3(list(jacobian * scale), list(-mismatch)))
-    valid = np.isfinite(step).all(axis=0)
-    largest = np.abs(np.where(valid, step, 0)).max(axis=0)
-    return mismatch, step * (LARGEST_STEP / np.maximum(LARGEST_STEP, largest)), valid
+    return reached - assumed, jacobian * scale
 
 
 def _response(problem: _Problem, coefficients: Array) -> tuple[Array, Array]:
-    """``(Var v, Var z, Cov(v, z))`` of the linear system, and its derivatives by (slip, relaxation)."""
+    """``(Var v, Var z, Cov(v, z))`` of the linear system, and its derivatives by (slip, relaxation).
+
+    NaN where the moments are no covariance, for then the system is unstable.
+    """
     derivatives = []
     for which in range(2):
         shifted = coefficients.astype(complex)
@@ -170,7 +214,8 @@ def _response(problem: _Problem, coefficients: Array) -> tuple[Array, Array]:
         own = own_covariance(system, problem.forcing_of(system, problem.ground))
         response = np.stack([own.v_v, own.z_z, own.v_z])
         derivatives.append(response.imag / COMPLEX_STEP)
-    return response.real, np.stack(derivatives, axis=1)
+    stable = (own.mu_mu.real > 0) & (own.mu_mu.real * own.z_z.real > (1 - 1e-9) * own.mu_z.real**2)
+    return np.where(stable, response.real, np.nan), np.stack(derivatives, axis=1)
 
 
 def _to_unknowns(covariance: Array) -> tuple[Array, Array]:
