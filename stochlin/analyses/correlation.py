@@ -107,6 +107,8 @@ def correlate(
     table = labels.label(table.assign(status=status.astype(np.int8)))
     case = f"correlate({first.describe()}, {second.describe()}, {ground.describe()})"
     labels.raise_if_lone_failure(table, case)
+    if linearized and (first.yields or second.yields):
+        table.attrs["comment"] = labels.CAUTION_RHO + " " + labels.CAUTION_SIGMA
     details = f"method={method!r}" + (f", closure={closure!r}" if method == "linearization" else "")
     return labels.with_run_information(
         table,

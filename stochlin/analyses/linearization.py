@@ -82,6 +82,8 @@ def linearize(
         )
     table = labels.label(table)
     labels.raise_if_lone_failure(table, f"linearize({structure.describe()}, {ground.describe()})")
+    if structure.yields:
+        table = table.assign_attrs(comment=labels.CAUTION_SIGMA)
     return labels.with_run_information(
         table,
         f"Statistical linearization, {closure} closure, {ground.name} ground",

@@ -21,6 +21,7 @@ class Ground(Model):
     """Base of the grounds. ``intensity`` is the two-sided PSD ``S0`` of the white noise."""
 
     name: ClassVar[str]
+    source: str = field(default="", compare=False, kw_only=True)
 
     @staticmethod
     def forcing(system: EquivalentSystem, parameters: Array) -> Forcing:
@@ -91,7 +92,6 @@ class WhiteNoise(Ground):
 
     name: ClassVar[str] = "white noise"
     intensity: Parameter = parameter("m^2/s^3", "two-sided PSD of the white noise", POSITIVE, 1.0)
-    source: str = field(default="", compare=False)
 
     @staticmethod
     def forcing(system: EquivalentSystem, parameters: Array) -> Forcing:
@@ -148,7 +148,6 @@ class KanaiTajimi(Ground):
         "1", "ground damping ratio", Range(reason="an undamped ground has no stationary motion")
     )
     intensity: Parameter = parameter("m^2/s^3", "two-sided PSD of the white noise", POSITIVE, 1.0)
-    source: str = field(default="", compare=False)
 
     @staticmethod
     def forcing(system: EquivalentSystem, parameters: Array) -> Forcing:
@@ -205,7 +204,6 @@ class CloughPenzien(Ground):
     high_pass_period: Parameter = parameter("s", "high-pass period", POSITIVE)
     high_pass_damping: Parameter = parameter("1", "high-pass damping ratio", POSITIVE)
     intensity: Parameter = parameter("m^2/s^3", "two-sided PSD of the white noise", POSITIVE, 1.0)
-    source: str = field(default="", compare=False)
 
     @staticmethod
     def forcing(system: EquivalentSystem, parameters: Array) -> Forcing:

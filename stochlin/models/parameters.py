@@ -64,13 +64,18 @@ class Model:
             xr.align(*self.arrays().values(), join="exact", copy=False)
         except (xr.AlignmentError, ValueError) as error:
             raise ValueError(
-                f"{type(self).__name__}: parameters share a dimension but not its coordinates or length: "
+                f"{type(self).__name__}: parameters share a dimension, not its coordinates or length: "
                 f"{error}; give them different dimension names for a table, or equal coordinates"
             ) from error
 
     @classmethod
     def _declared(cls) -> Iterator[dataclasses.Field[Any]]:
         return (field for field in dataclasses.fields(cls) if "allowed" in field.metadata)
+
+    @classmethod
+    def parameter_names(cls) -> tuple[str, ...]:
+        """Names of the physical parameters."""
+        return tuple(field.name for field in cls._declared())
 
     def arrays(self) -> dict[str, xr.DataArray]:
         """The parameters that are set, as labelled arrays (0-d for scalars)."""

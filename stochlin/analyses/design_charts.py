@@ -1,0 +1,242 @@
+"""The data of the design charts: Figs. 3a, 4 and 5 of the paper, and the same for broad band.
+
+The paper leaves out damping, hardening and the periods behind its ratios: they are chosen
+here, stated in every dataset, and can be set. Ratios are all that matters under a common
+scale of time, so that the ground period only sets the units.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses import labels
+from stochlin.analyses.amplification import amplification
+from stochlin.analyses.correlation import correlate, rho_white_noise
+from stochlin.analyses.ground_fit import fit_spectra
+from stochlin.models.grounds import Ground, KanaiTajimi
+from stochlin.models.structures import Bilinear
+
+NARROW_BAND_DAMPING = 0.05  # the paper's, for Figs. 4 and 5
+BROAD_BAND_DAMPING = 0.6  # firm ground, Der Kiureghian & Neuenhofer 1992
+
+
+@dataclass(frozen=True)
+class ChartSettings:
+    """What the charts take as given where the paper is silent.
+
+    Parameters
+    ----------
+    damping, hardening : float
+        Of all structures [-].
+    reduction_factors : tuple of float
+        One curve each in Figs. 4 and 5b.
+    plane_reduction_factor : float
+        ``R`` of Fig. 5a; the paper's is 4.
+    ground_period : float
+        ``Tg`` [s] of the two model grounds.
+    closure : str
+        As in `linearize`.
+    points : int
+        Periods along an axis.
+    """
+
+    damping: float = 0.05
+    hardening: float = 0.05
+    reduction_factors: tuple[float, ...] = (1.0, 2.0, 4.0, 6.0)
+    plane_reduction_factor: float = 4.0
+    ground_period: float = 2.0
+    closure: str = "gaussian"
+    points: int = 161
+
+    def __post_init__(self) -> None:
+        if self.points < 2:
+            raise ValueError(f"points = {self.points}; allowed: at least 2")
+        if not self.reduction_factors:
+            raise ValueError("reduction_factors is empty; allowed: at least one value")
+
+
+def _axis(name: str, long_name: str, low: float, high: float, points: int) -> xr.DataArray:
+    attrs = {"units": "1", "long_name": long_name}
+    values = np.geomspace(low, high, points)
+    return xr.DataArray(values, dims=name, coords={name: (name, values, attrs)}, attrs=attrs)
+
+
+def _reduction_factors(values: tuple[float, ...]) -> xr.DataArray:
+    attrs = {"units": "1", "long_name": "reduction factor"}
+    coords = {"reduction_factor": ("reduction_factor", list(values), attrs)}
+    return xr.DataArray(list(values), dims="reduction_factor", coords=coords, attrs=attrs)
+
+
+def white_noise_chart(settings: ChartSettings) -> xr.Dataset:
+    """Fig. 3a: eq. (4) over the period ratio, for several damping ratios.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``rho`` over (``damping``, ``period_ratio``).
+    """
+    ratio = _axis("period_ratio", "period ratio T1/T2", 0.25, 4, 2 * settings.points - 1)
+    values = [0.01, 0.02, 0.05, 0.1, 0.2]
+    attrs = {"units": "1", "long_name": "damping ratio"}
+    damping = xr.DataArray(values, dims="damping", coords={"damping": ("damping", values, attrs)})
+    table = rho_white_noise(ratio, 1.0, damping, damping).transpose("damping", "period_ratio")
+    return table.assign_attrs(
+        title="Correlation of linear structures under white noise, eq. (4)",
+        caption="Linear structures of equal damping ratio on white noise ground.",
+        comment="Exact for stationary response.",
+    )
+
+
+def period_ratio_chart(settings: ChartSettings, ground: Ground, frequency_ratio: float) -> xr.Dataset:
+    """Fig. 4: rho over ``T1/T2`` with structure 2 fixed at ``w2 = frequency_ratio wg``.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``rho`` and ``status`` over (``reduction_factor``, ``period_ratio``), ``rho_elastic`` (the same
+        ground) and ``rho_white_noise`` (eq. 4) over ``period_ratio``.
+    """
+    ratio = _axis("period_ratio", "period ratio T1/T2", 0.25, 4, 2 * settings.points - 1)
+    second_period = _ground_period(ground) / frequency_ratio
+    factors = _reduction_factors(settings.reduction_factors)
+    periods = (ratio * second_period, second_period)
+    first, second = (
+        Bilinear(period, settings.damping, settings.hardening, reduction_factor=factors)
+        for period in periods
+    )
+    table = correlate(first, second, ground, closure=settings.closure)
+    elastic_1, elastic_2 = (Bilinear(period, settings.damping) for period in periods)
+    chart = table[["rho", "status"]].transpose("reduction_factor", "period_ratio")
+    chart = chart.assign(
+        rho_elastic=correlate(elastic_1, elastic_2, ground).rho,
+        rho_white_noise=correlate(elastic_1, elastic_2, ground, "white_noise").rho,
+    )
+    chart.rho_elastic.attrs["long_name"] = "rho of elastic structures on this ground"
+    chart.rho_white_noise.attrs["long_name"] = "rho of elastic structures under white noise, eq. (4)"
+    return chart.assign_attrs(
+        title=f"Correlation of bilinear structures, {_frequency_title(frequency_ratio)}",
+        caption=f"{_ground_caption(ground)}; T2 = {second_period:.3g} s\n{_structure_caption(settings)}",
+        comment=labels.CAUTION_RHO,
+    )
+
+
+def period_plane_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
+    """Fig. 5a: rho over ``T1/Tg`` and ``T2/Tg``.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``rho`` and ``status`` over (``period_ratio_1``, ``period_ratio_2``).
+    """
+    first, second = (
+        Bilinear(
+            _axis(f"period_ratio_{n}", f"T{n}/Tg", 0.1, 4, settings.points) * _ground_period(ground),
+            settings.damping,
+            settings.hardening,
+            reduction_factor=settings.plane_reduction_factor,
+        )
+        for n in (1, 2)
+    )
+    chart = correlate(first, second, ground, closure=settings.closure)[["rho", "status"]]
+    factor = settings.plane_reduction_factor
+    return chart.assign_attrs(
+        title=f"Correlation of bilinear structures, R = {factor:g}",
+        caption=f"{_ground_caption(ground)}\n{_structure_caption(settings)}",
+        comment=labels.CAUTION_RHO,
+    )
+
+
+def amplification_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
+    """Fig. 5b: amplification ``D`` over ``T/Tg``, for several reduction factors.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``amplification`` and ``status`` over (``reduction_factor``, ``period_ratio``).
+    """
+    ratio = _axis("period_ratio", "T/Tg", 0.1, 4, settings.points)
+    structure = Bilinear(
+        ratio * _ground_period(ground),
+        settings.damping,
+        settings.hardening,
+        reduction_factor=_reduction_factors(settings.reduction_factors),
+    )
+    table = amplification(structure, ground, settings.closure)
+    chart = table[["amplification", "status"]].transpose("reduction_factor", "period_ratio")
+    return chart.assign_attrs(
+        title="Amplification of the displacement by yielding",
+        caption=f"{_ground_caption(ground)}\n{_structure_caption(settings)}",
+        comment=labels.CAUTION_SIGMA,
+    )
+
+
+def chart_functions(
+    settings: ChartSettings, record: xr.DataArray | None = None, site: Ground | None = None
+) -> Mapping[str, Callable[[], xr.Dataset]]:
+    """The charts by name, each a call that computes its dataset.
+
+    Parameters
+    ----------
+    settings : ChartSettings
+    record, site : optional
+        A record and the ground fitted to it: the charts are then those of the site.
+
+    Returns
+    -------
+    mapping
+        File name without ending -> function without arguments.
+    """
+    grounds: dict[str, Ground] = {
+        "": KanaiTajimi(settings.ground_period, NARROW_BAND_DAMPING),
+        "_broad_band": KanaiTajimi(settings.ground_period, BROAD_BAND_DAMPING),
+    }
+    functions: dict[str, Callable[[], xr.Dataset]] = {}
+    if record is not None and site is not None:
+        grounds = {"_site": site}
+        functions["site_spectrum"] = partial(_spectrum_chart, record, site)
+    else:
+        functions["fig3a"] = partial(white_noise_chart, settings)
+    for suffix, ground in grounds.items():
+        for letter, frequency_ratio in (("a", 0.5), ("b", 1.0), ("c", 2.0)):
+            name = f"fig4{letter}{suffix}"
+            functions[name] = partial(period_ratio_chart, settings, ground, frequency_ratio)
+        functions[f"fig5a{suffix}"] = partial(period_plane_chart, settings, ground)
+        functions[f"fig5b{suffix}"] = partial(amplification_chart, settings, ground)
+    return functions
+
+
+def _spectrum_chart(record: xr.DataArray, site: Ground) -> xr.Dataset:
+    return fit_spectra(record, site).assign_attrs(
+        title=f"Ground fitted to {record.attrs.get('source', 'a record')}",
+        caption=f"{_ground_caption(site)}\n{site.source}",
+    )
+
+
+def _frequency_title(ratio: float) -> str:
+    return "ω2 = ωg" if ratio == 1 else f"ω2 = {ratio:g} ωg"
+
+
+def _ground_period(ground: Ground) -> float:
+    return float(ground.arrays()["period"])
+
+
+def _ground_caption(ground: Ground) -> str:
+    values = ground.arrays()
+    period, damping = float(values["period"]), float(values["damping"])
+    text = f"{ground.name} ground: Tg = {period:.3g} s, ξg = {damping:.3g}"
+    if "high_pass_period" in values:
+        period, damping = float(values["high_pass_period"]), float(values["high_pass_damping"])
+        text += f", Tf = {period:.3g} s, ξf = {damping:.3g}"
+    return text
+
+
+def _structure_caption(settings: ChartSettings) -> str:
+    return (
+        f"Bilinear structures: ξ = {settings.damping:g}, α = {settings.hardening:g}, R = 3 σel/uy; "
+        f"linearized, {settings.closure} closure"
+    )

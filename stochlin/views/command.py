@@ -1,0 +1,195 @@
+"""The command line: ``stochlin charts`` and ``stochlin rho``.
+
+Libraries are imported inside the commands: ``stochlin --help`` should not wait for them.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from stochlin import __version__
+from stochlin.views import options as shared
+from stochlin.views.options import CLOSURES, numbers_option, record_options, shared_option
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
+SCREEN_ROWS = 40
+
+
+@click.group(context_settings=CONTEXT)
+@click.version_option(__version__, prog_name="stochlin")
+def main() -> None:
+    """Correlation and separation of neighbouring yielding buildings."""
+
+
+@contextmanager
+def bad_input() -> Iterator[None]:
+    """Show what is wrong with the input in one sentence, exit status 2; failed analysis, status 1."""
+    try:
+        yield
+    except (ValueError, TypeError, OSError) as error:
+        raise click.UsageError(str(error)) from error
+    except ArithmeticError as error:
+        raise click.ClickException(str(error)) from error
+
+
+@main.command()
+@click.argument("name", required=False)
+@click.option(
+    "--out",
+    type=click.Path(file_okay=False, path_type=Path),
+    default=Path("figures"),
+    show_default=True,
+    help="Folder for pictures and datasets.",
+)
+@click.option(
+    "--format",
+    "picture_format",
+    type=click.Choice(["png", "svg", "pdf"]),
+    default="png",
+    show_default=True,
+)
+@click.option(
+    "--damping", type=float, default=0.05, show_default=True, help="Damping ratio of the structures."
+)
+@click.option("--hardening", type=float, default=0.05, show_default=True, help="Hardening ratio.")
+@numbers_option("--reduction-factors", "R of the curves in Figs. 4 and 5b.", "1,2,4,6")
+@click.option(
+    "--plane-reduction-factor", type=float, default=4.0, show_default=True, help="R of Fig. 5a."
+)
+@click.option(
+    "--ground-period",
+    type=float,
+    default=2.0,
+    show_default=True,
+    help="Period of the model grounds [s].",
+)
+@click.option("--closure", type=click.Choice(CLOSURES), default="gaussian", show_default=True)
+@click.option(
+    "--points", type=click.IntRange(min=2), default=161, show_default=True, help="Periods along an axis."
+)
+@record_options
+def charts(
+    name: str | None, out: Path, picture_format: str, record: Path | None, **options: Any
+) -> None:
+    r"""Draw the design charts, all or the one called NAME, each beside its dataset (.nc).
+
+    \b
+    Without a record: fig3a, and on narrow-band ground (xig .05) fig4a, fig4b, fig4c, fig5a, fig5b;
+    the same with the ending _broad_band (xig .6).
+    With --record: site_spectrum and the same figures with the ending _site, on the fitted ground.
+
+    \b
+    Examples:
+      stochlin charts
+      stochlin charts fig5a --damping .02 --hardening .1 --format pdf --out out
+      stochlin charts --record taft.txt --dt .01 --units g
+    """
+    from stochlin.analyses.design_charts import ChartSettings, chart_functions
+    from stochlin.analyses.storage import save_table
+    from stochlin.views.charts import draw, save
+
+    with bad_input():
+        settings = ChartSettings(
+            damping=options["damping"],
+            hardening=options["hardening"],
+            reduction_factors=tuple(options["reduction_factors"]),
+            plane_reduction_factor=options["plane_reduction_factor"],
+            ground_period=options["ground_period"],
+            closure=options["closure"],
+            points=options["points"],
+        )
+        motion, site = shared.site(record, options) if record else (None, None)
+        functions = chart_functions(settings, motion, site)
+        if name is not None and name not in functions:
+            raise ValueError(f"NAME = {name!r} is no chart; allowed: {', '.join(functions)}")
+        chosen = functions if name is None else {name: functions[name]}
+        out.mkdir(parents=True, exist_ok=True)
+        with click.progressbar(
+            chosen.items(), label="charts", file=sys.stderr, item_show_func=lambda item: item and item[0]
+        ) as bar:
+            for chart, compute in bar:
+                dataset = compute()
+                save_table(dataset, out / f"{chart}.nc")
+                save(draw(dataset), out / f"{chart}.{picture_format}")
+    click.echo(f"{len(chosen)} charts and their datasets in {out}")
+
+
+@main.command()
+@shared_option("period", "Period [s].")
+@shared_option("damping", "Damping ratio.", "0.05")
+@shared_option("hardening", "Hardening ratio.")
+@shared_option("reduction-factor", "R = 3 sigma_el/uy; without a strength: elastic.")
+@shared_option("yield-displacement", "uy [m], instead of R.")
+@click.option(
+    "--ground",
+    default="white-noise",
+    show_default=True,
+    help="white-noise, kanai-tajimi, clough-penzien, or a named ground such as firm or sct_1985_ns.",
+)
+@numbers_option("--ground-period", "2 pi/wg [s].")
+@numbers_option("--ground-damping", "xig.")
+@numbers_option("--high-pass-period", "2 pi/wf [s].")
+@numbers_option("--high-pass-damping", "xif.")
+@numbers_option("--intensity", "S0 [m^2/s^3], two-sided; 1 if not given.")
+@click.option(
+    "--method",
+    type=click.Choice(["linearization", "white_noise"]),
+    default="linearization",
+    show_default=True,
+)
+@click.option("--closure", type=click.Choice(CLOSURES), default="gaussian", show_default=True)
+@click.option(
+    "--out", type=click.Path(dir_okay=False, path_type=Path), help="Save the table, .nc or .csv."
+)
+@record_options
+def rho(record: Path | None, out: Path | None, **options: Any) -> None:
+    r"""Correlation coefficient of a pair of structures, or a table over any parameters.
+
+    A number is a value (0.5), a list (0.5,1,2) or a sweep start:stop:count, with :log for a
+    geometric one (0.2:4:81:log). Options without a number in the name hold for both structures.
+
+    \b
+    Examples:
+      stochlin rho --period-1 .7 --period-2 1
+      stochlin rho --period-1 .2:2:19 --period-2 1 --hardening .05 --reduction-factor 2,4,6 \\
+          --ground kanai-tajimi --ground-period 2 --ground-damping .05 --out table.nc
+      stochlin rho --period 1 --period-2 1.2 --record taft.txt --dt .01 --units g
+    """
+    from stochlin.analyses.correlation import correlate
+    from stochlin.analyses.storage import save_table
+
+    with bad_input():
+        first, second = shared.structures(options)
+        ground = shared.site(record, options)[1] if record else shared.ground(options)
+        table = correlate(first, second, ground, options["method"], closure=options["closure"])
+        click.echo(f"# {table.attrs['title']}")
+        for role in ("first", "second", "ground"):
+            click.echo(f"# {role}: {table.attrs[role]}")
+        if "comment" in table.attrs:
+            click.echo(f"# {table.attrs['comment']}")
+        click.echo(_on_screen(table))
+        if out is not None:
+            save_table(table, out)
+            click.echo(f"# saved {out}")
+
+
+def _on_screen(table: xr.Dataset) -> str:
+    """The table as text: a row a cell, statuses by name, cut where a screen ends."""
+    shown = table[[name for name in table.data_vars if not str(name).startswith("yield")]]
+    if not shown.sizes:
+        shown = shown.expand_dims("case")
+    frame = shown.to_dataframe().reset_index().drop(columns="case", errors="ignore")
+    meanings = table.status.attrs["flag_meanings"].split()
+    frame["status"] = [meanings[code] for code in frame["status"]]
+    text = frame.head(SCREEN_ROWS).to_string(index=False, float_format=lambda x: f"{x:.6g}")
+    more = len(frame) - SCREEN_ROWS
+    return text if more <= 0 else f"{text}\n# ... {more} more rows; --out saves all"
