@@ -94,11 +94,13 @@ def draw(dataset: xr.Dataset) -> Figure:
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     """Write a picture whole or not at all; ``.png``, ``.svg`` or ``.pdf``."""
+    import matplotlib as mpl
+
     suffix = os.path.splitext(path)[1][1:].lower()
     if suffix not in FORMATS:
         raise ValueError(f"path = {os.fspath(path)!r} ends in {suffix!r}; allowed: {', '.join(FORMATS)}")
     undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix)
-    with whole_file(path) as temporary:
+    with mpl.rc_context(STYLE), whole_file(path) as temporary:
         figure.savefig(temporary, dpi=200, metadata=undated)
 
 

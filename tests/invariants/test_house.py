@@ -1,0 +1,95 @@
+"""The house itself: imports run downwards, public names are there and documented, nothing prints."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import inspect
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import stochlin as sl
+
+ROOT = Path(sl.__file__).parent
+FLOORS = ("kernels", "models", "analyses", "views")
+MODULES = sorted(ROOT.rglob("*.py"))
+
+
+def imports(path: Path) -> Iterator[str]:
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            yield node.module
+        elif isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_imports_run_downwards(path: Path) -> None:
+    floor = path.relative_to(ROOT).parts[0]
+    if floor not in FLOORS:
+        return
+    above = {f"stochlin.{name}" for name in FLOORS[FLOORS.index(floor) + 1 :]}
+    assert not [name for name in imports(path) if any(name.startswith(a) for a in above)]
+
+
+@pytest.mark.parametrize("path", [p for p in MODULES if p.parts[-2] == "kernels"], ids=lambda p: p.name)
+def test_kernels_know_no_labels(path: Path) -> None:
+    assert not {"xarray", "pandas", "sympy", "matplotlib"} & {
+        name.split(".")[0] for name in imports(path)
+    }
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_modules_stay_readable(path: Path) -> None:
+    assert len(path.read_text(encoding="utf-8").splitlines()) <= 300
+
+
+def test_lazy_names_agree_with_those_a_type_checker_sees() -> None:
+    tree = ast.parse((ROOT / "__init__.py").read_text(encoding="utf-8"))
+    block = next(n for n in tree.body if isinstance(n, ast.If))
+    seen = {
+        alias.name: node.module
+        for node in block.body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
+    assert sorted(seen) == sorted(sl.__all__)
+    for name, module in seen.items():
+        assert getattr(importlib.import_module(str(module)), name) is getattr(sl, name)
+
+
+@pytest.mark.parametrize("name", sl.__all__)
+def test_public_names_are_documented(name: str) -> None:
+    thing = getattr(sl, name)
+    text = inspect.getdoc(thing) or ""
+    assert ">>>" in text, "no example"
+    for parameter in inspect.signature(thing).parameters:
+        assert parameter in text, f"{parameter} is not documented"
+    if inspect.isfunction(thing):
+        assert "Returns" in text
+
+
+def test_unknown_name_is_an_attribute_error() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'linearise'"):
+        _ = sl.linearise  # type: ignore[attr-defined]
+
+
+def test_start_of_the_command_line_waits_for_no_library() -> None:
+    heavy = ("numpy", "scipy", "xarray", "sympy", "matplotlib")
+    program = f"import sys, stochlin.views.command; print([m for m in {heavy} if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_solving_needs_neither_sympy_nor_matplotlib() -> None:
+    program = (
+        "import sys, stochlin as sl;"
+        "sl.linearize(sl.Bilinear(1.0, .05, .05, reduction_factor=2), sl.WhiteNoise());"
+        "print([m for m in ('sympy', 'matplotlib') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
