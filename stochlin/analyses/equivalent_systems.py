@@ -114,43 +114,42 @@ class _Cells(NamedTuple):
         w = 2 * np.pi / period
         elastic = linear_system(w, damping)
         own = own_covariance(elastic, self.ground.forcing(elastic, ground))
-        elastic_std = np.sqrt(own.mu_mu)
-        if self.structure.reduction_factor is not None:
-            uy = peak_factor * elastic_std / strength
-        else:
-            uy = strength
+        by_factor = self.structure.reduction_factor is not None
+        uy = peak_factor * np.sqrt(own.mu_mu) / strength if by_factor else strength
         if self.closure is None or not self.structure.yields:
             return self._report(_Solution.elastic(elastic), ground, uy)
         scaled = ground.copy()
         scaled[0] /= uy**2  # the forcing of ductility, f / uy
-        if self.closure == NARROW_BAND:
+        start = np.sqrt(np.stack([own.mu_mu, own.v_v])) / uy
+        solve = self._amplitude_average if self.closure == NARROW_BAND else self._fixed_point
+        return self._report(solve(w, damping, hardening, law, scaled, start), ground, uy)
 
-            def sigma_of(system: EquivalentSystem, cells: Array) -> Array:
-                forcing = self.ground.forcing(system, scaled[:, cells])
-                return np.sqrt(own_covariance(system, forcing).mu_mu)
-
-            average = solve_amplitude_average(
-                w,
-                damping,
-                hardening,
-                elastic_std / uy,
-                sigma_of,
-                self.tolerance.rtol,
-                self.tolerance.max_iterations,
-            )
-            return self._report(_Solution(*average, np.zeros(w.size, bool)), ground, uy)
-        oscillator = np.stack([w**2, 2 * damping * w, (1 - hardening) * w**2])
-        start = np.stack([np.sqrt(own.v_v) / uy, np.minimum(elastic_std / uy, 1), np.full_like(w, 0.1)])
-        closure = self.structure.closure(self.closure)
+    def _fixed_point(
+        self, w: Array, damping: Array, hardening: Array, law: Array, ground: Array, start: Array
+    ) -> _Solution:
+        elastic = linear_system(w, damping)
+        oscillator = np.stack([w**2, elastic.damping, (1 - hardening) * w**2])
+        latent = np.stack([start[1], np.minimum(start[0], 1), np.full_like(w, 0.1)])
+        closure = self.structure.closure(str(self.closure))
         solved = solve_fixed_point(
-            oscillator, law, scaled, start, closure, self.ground.forcing, *self.tolerance
+            oscillator, law, ground, latent, closure, self.ground.forcing, *self.tolerance
         )
         slip, relaxation = solved.coefficients
         still = (np.abs(slip) < ELASTIC) & (np.abs(relaxation) < ELASTIC * w)
         pairs = zip(elastic, (*oscillator, slip, relaxation), strict=True)
         system = EquivalentSystem(*(np.where(still, e, s) for e, s in pairs))
-        solution = _Solution(system, solved.iterations, solved.residual, solved.converged, still)
-        return self._report(solution, ground, uy)
+        return _Solution(system, solved.iterations, solved.residual, solved.converged, still)
+
+    def _amplitude_average(
+        self, w: Array, damping: Array, hardening: Array, law: Array, ground: Array, start: Array
+    ) -> _Solution:
+        def sigma_of(system: EquivalentSystem, cells: Array) -> Array:
+            forcing = self.ground.forcing(system, ground[:, cells])
+            return np.sqrt(own_covariance(system, forcing).mu_mu)
+
+        limits = self.tolerance.rtol, self.tolerance.max_iterations
+        average = solve_amplitude_average(w, damping, hardening, start[0], sigma_of, *limits)
+        return _Solution(*average, np.zeros(w.size, bool))
 
     def _report(self, solution: _Solution, ground: Array, uy: Array) -> dict[str, Array]:
         system, elastic = solution.system, solution.still
