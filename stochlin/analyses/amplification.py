@@ -5,7 +5,7 @@ from __future__ import annotations
 import xarray as xr
 
 from stochlin.analyses import labels
-from stochlin.analyses.equivalent_systems import Tolerance, solve_structure
+from stochlin.analyses.equivalent_systems import solve_elastic
 from stochlin.analyses.linearization import linearize
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Structure
@@ -50,7 +50,7 @@ def amplification(structure: Structure, ground: Ground, closure: str = "gaussian
     True
     """
     inelastic = linearize(structure, ground, closure)
-    elastic = solve_structure(structure, ground, None, Tolerance(0, 0, 0))
+    elastic = solve_elastic(structure, ground)
     table = inelastic[["displacement_std", "ductility_std", "status"]].assign(
         amplification=inelastic.displacement_std / elastic.displacement_std
     )

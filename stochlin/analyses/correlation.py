@@ -8,12 +8,18 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses import labels
-from stochlin.analyses.equivalent_systems import INTERNAL, Tolerance, solve_structure
+from stochlin.analyses.equivalent_systems import (
+    INTERNAL,
+    Tolerance,
+    check_closure,
+    solve_elastic,
+    solve_structure,
+)
 from stochlin.kernels.arrays import Array
 from stochlin.kernels.covariance import EquivalentSystem, Forcing, pair_covariance
 from stochlin.kernels.white_noise import white_noise_correlation
 from stochlin.models.grounds import Ground
-from stochlin.models.parameters import Parameter
+from stochlin.models.parameters import Parameter, expect
 from stochlin.models.structures import LinearPair, Structure
 
 CHUNK = 8192  # cells of a table at a time: temporaries stay in the cache
@@ -31,7 +37,7 @@ def correlate(
     closure: str = "gaussian",
     rtol: float = 1e-10,
     atol: float = 1e-12,
-    max_iterations: int = 100,
+    max_iterations: int = 200,
 ) -> xr.Dataset:
     """Correlation coefficient of the displacements of two structures.
 
@@ -87,16 +93,18 @@ def correlate(
         raise ValueError(f"method = {method!r} is not known; allowed: {', '.join(METHODS)}")
     linearized = method == "linearization"
     tolerance = Tolerance(rtol, atol, max_iterations)
-    sides = [
-        solve_structure(structure, ground, closure if linearized else None, tolerance)
-        for structure in (first, second)
-    ]
+    for role, structure in (("first", first), ("second", second)):
+        expect(structure, Structure, role)
+        check_closure(structure, closure)
+    expect(ground, Ground, "ground")
     if linearized:
+        sides = [solve_structure(s, ground, closure, tolerance) for s in (first, second)]
         inputs = [side[name] for side in sides for name in ("displacement_std", *INTERNAL)]
         rho = _combine(_correlation_of_systems, *inputs)
     else:
+        sides = [solve_elastic(s, ground) for s in (first, second)]
         inputs = [s.arrays()[name] for name in ("period", "damping") for s in (first, second)]
-        rho = _combine(white_noise_correlation, *inputs)
+        rho = _combine(_white_noise, *inputs)
     status = _combine(np.maximum, sides[0].status, sides[1].status)
     wrong = (status < labels.NOT_CONVERGED) & ~(np.abs(rho) <= 1 + ROUNDING)
     status = status.where(~wrong, labels.NOT_PHYSICAL)
@@ -154,7 +162,7 @@ def rho_white_noise(
     """
     pair = LinearPair(period_1, period_2, damping_1, damping_2)
     valid = pair.valid()
-    rho = _combine(white_noise_correlation, *pair.arrays().values())
+    rho = _combine(_white_noise, *pair.arrays().values())
     status = xr.full_like(valid, labels.CONVERGED, np.int8).where(valid, labels.INVALID_INPUT)
     table = xr.Dataset({"rho": rho.where(valid), "status": status})
     return labels.with_run_information(
@@ -171,12 +179,18 @@ def _combine(function: Callable[..., Array], *inputs: xr.DataArray) -> xr.DataAr
         result: xr.DataArray = xr.apply_ufunc(function, *inputs, join="exact")
     except xr.AlignmentError as error:
         raise ValueError(
-            f"first, second and ground share a dimension whose coordinates differ: {error}; give the two "
-            "structures different dimension names for a table, or equal coordinates for pairs"
+            f"first, second and ground share a dimension whose coordinates differ: {error}; give "
+            "the structures different dimension names for a table, or equal coordinates for pairs"
         ) from error
     return result
 
 
+@np.errstate(invalid="ignore", divide="ignore")  # invalid cells are blanked by their status
+def _white_noise(*inputs: Array) -> Array:
+    return white_noise_correlation(*inputs)
+
+
+@np.errstate(all="ignore")
 def _correlation_of_systems(*inputs: Array) -> Array:
     """``rho`` from standard deviation, system and forcing of each side, over slabs of the table."""
     shape = np.broadcast_shapes(*(array.shape for array in inputs))

@@ -5,6 +5,8 @@
 
 from __future__ import annotations
 
+import numbers
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -40,34 +42,57 @@ PUBLIC = (
 )
 
 
-class Tolerance(NamedTuple):
-    """Stop rule of the fixed point."""
+@dataclass(frozen=True)
+class Tolerance:
+    """Stop rule of the fixed point, as `linearize` describes it."""
 
     rtol: float
     atol: float
     max_iterations: int
 
+    def __post_init__(self) -> None:
+        for name, lowest in (("rtol", np.finfo(float).eps), ("atol", 0.0)):
+            value = getattr(self, name)
+            if not isinstance(value, (int, float, np.number)) or not lowest <= float(value) < np.inf:
+                raise ValueError(
+                    f"{name} = {value!r}; allowed: a number of at least {lowest:.2g}, finite"
+                )
+        if not isinstance(self.max_iterations, numbers.Integral) or self.max_iterations < 1:
+            raise ValueError(f"max_iterations = {self.max_iterations!r}; allowed: a whole number from 1")
 
-def solve_structure(
-    structure: Structure, ground: Ground, closure: str | None, tolerance: Tolerance
-) -> xr.Dataset:
-    """What `linearize` returns, and the equivalent system and forcing that a pair needs.
 
-    Without a closure the structure is taken as elastic, whatever its strength.
-    """
-    if closure is not None and closure not in structure.closure_names():
+def check_closure(structure: Structure, closure: str) -> None:
+    """Raise a ValueError unless the law of the structure has this closure."""
+    if closure not in structure.closure_names():
         raise ValueError(
             f"closure = {closure!r} is not available for {type(structure).__name__}; allowed: "
             f"{', '.join(structure.closure_names())}"
         )
+
+
+def solve_structure(
+    structure: Structure, ground: Ground, closure: str, tolerance: Tolerance
+) -> xr.Dataset:
+    """What `linearize` returns, and the equivalent system and forcing that a pair needs."""
+    check_closure(structure, closure)
+    return _solve(_Cells(structure, ground, closure, tolerance))
+
+
+def solve_elastic(structure: Structure, ground: Ground) -> xr.Dataset:
+    """The same for the structure if it stayed elastic, whatever its strength."""
+    return _solve(_Cells(structure, ground, None, None))
+
+
+def _solve(cells: _Cells) -> xr.Dataset:
+    structure, ground = cells.structure, cells.ground
     values = structure.arrays()
     strength = next(
         (values[k] for k in ("yield_displacement", "reduction_factor") if k in values),
         xr.DataArray(np.inf),
     )
-    cells = _Cells(structure, ground, closure, tolerance)
     inputs = [
-        structure.valid() & ground.valid(),
+        structure.valid(),
+        ground.valid(),
         values["period"],
         values["damping"],
         values.get("hardening", xr.DataArray(1.0)),
@@ -81,7 +106,7 @@ def solve_structure(
         outputs = xr.apply_ufunc(cells.solve, *inputs, output_core_dims=[[]] * len(names), join="exact")
     except xr.AlignmentError as error:
         raise ValueError(
-            f"structure and ground have a dimension in common whose coordinates differ: {error}"
+            f"structure and ground share a dimension whose coordinates or lengths differ: {error}"
         ) from error
     return xr.Dataset(dict(zip(names, outputs, strict=True)))
 
@@ -91,11 +116,14 @@ class _Cells(NamedTuple):
 
     structure: Structure
     ground: Ground
-    closure: str | None
-    tolerance: Tolerance
+    closure: str | None  # None: elastic
+    tolerance: Tolerance | None
 
-    def solve(self, valid: Array, *parameters: Array) -> tuple[Array, ...]:
-        arrays = np.broadcast_arrays(valid, *parameters)
+    @np.errstate(all="ignore")  # what comes of extreme input is judged by its status
+    def solve(
+        self, structure_valid: Array, ground_valid: Array, *parameters: Array
+    ) -> tuple[Array, ...]:
+        arrays = np.broadcast_arrays(structure_valid & ground_valid, *parameters)
         shape = arrays[0].shape
         where = np.flatnonzero(arrays[0])
         columns = np.stack([array.reshape(-1)[where] for array in arrays[1:]])
@@ -116,23 +144,38 @@ class _Cells(NamedTuple):
         own = own_covariance(elastic, self.ground.forcing(elastic, ground))
         by_factor = self.structure.reduction_factor is not None
         uy = peak_factor * np.sqrt(own.mu_mu) / strength if by_factor else strength
-        if self.closure is None or not self.structure.yields:
+        if self.closure is None or self.tolerance is None or not self.structure.yields:
             return self._report(_Solution.elastic(elastic), ground, uy)
         scaled = ground.copy()
         scaled[0] /= uy**2  # the forcing of ductility, f / uy
         start = np.sqrt(np.stack([own.mu_mu, own.v_v])) / uy
         solve = self._amplitude_average if self.closure == NARROW_BAND else self._fixed_point
-        return self._report(solve(w, damping, hardening, law, scaled, start), ground, uy)
+        return self._report(solve(w, damping, hardening, law, scaled, start, self.tolerance), ground, uy)
 
     def _fixed_point(
-        self, w: Array, damping: Array, hardening: Array, law: Array, ground: Array, start: Array
+        self,
+        w: Array,
+        damping: Array,
+        hardening: Array,
+        law: Array,
+        ground: Array,
+        start: Array,
+        tolerance: Tolerance,
     ) -> _Solution:
         elastic = linear_system(w, damping)
         oscillator = np.stack([w**2, elastic.damping, (1 - hardening) * w**2])
         latent = np.stack([start[1], np.minimum(start[0], 1), np.full_like(w, 0.1)])
         closure = self.structure.closure(str(self.closure))
         solved = solve_fixed_point(
-            oscillator, law, ground, latent, closure, self.ground.forcing, *self.tolerance
+            oscillator,
+            law,
+            ground,
+            latent,
+            closure,
+            self.ground.forcing,
+            tolerance.rtol,
+            tolerance.atol,
+            tolerance.max_iterations,
         )
         slip, relaxation = solved.coefficients
         still = (np.abs(slip) < ELASTIC) & (np.abs(relaxation) < ELASTIC * w)
@@ -141,13 +184,20 @@ class _Cells(NamedTuple):
         return _Solution(system, solved.iterations, solved.residual, solved.converged, still)
 
     def _amplitude_average(
-        self, w: Array, damping: Array, hardening: Array, law: Array, ground: Array, start: Array
+        self,
+        w: Array,
+        damping: Array,
+        hardening: Array,
+        law: Array,
+        ground: Array,
+        start: Array,
+        tolerance: Tolerance,
     ) -> _Solution:
         def sigma_of(system: EquivalentSystem, cells: Array) -> Array:
             forcing = self.ground.forcing(system, ground[:, cells])
             return np.sqrt(own_covariance(system, forcing).mu_mu)
 
-        limits = self.tolerance.rtol, self.tolerance.max_iterations
+        limits = tolerance.rtol, tolerance.max_iterations
         average = solve_amplitude_average(w, damping, hardening, start[0], sigma_of, *limits)
         return _Solution(*average, np.zeros(w.size, bool))
 
@@ -155,10 +205,9 @@ class _Cells(NamedTuple):
         system, elastic = solution.system, solution.still
         forcing = self.ground.forcing(system, ground)
         own = own_covariance(system, forcing)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            displacement, velocity, z = np.sqrt(own.mu_mu), np.sqrt(own.v_v), np.sqrt(own.z_z)
-            corr = own.v_z / (velocity * z)
-            share = own.mu_z / (displacement * z)
+        displacement, velocity, z = np.sqrt(own.mu_mu), np.sqrt(own.v_v), np.sqrt(own.z_z)
+        corr = own.v_z / (velocity * z)
+        share = own.mu_z / (displacement * z)
         physical = (own.mu_mu > 0) & (own.v_v > 0)
         if self.closure == NARROW_BAND and not elastic.all():
             z = corr = c_eq = k_eq = np.full_like(z, np.nan)

@@ -8,6 +8,7 @@ import xarray as xr
 from stochlin.analyses import labels
 from stochlin.analyses.equivalent_systems import PUBLIC, Tolerance, solve_structure
 from stochlin.models.grounds import Ground
+from stochlin.models.parameters import expect
 from stochlin.models.structures import NARROW_BAND, Structure
 
 
@@ -18,7 +19,7 @@ def linearize(
     *,
     rtol: float = 1e-10,
     atol: float = 1e-12,
-    max_iterations: int = 100,
+    max_iterations: int = 200,
 ) -> xr.Dataset:
     """Stationary response of a hysteretic structure by statistical linearization.
 
@@ -73,6 +74,8 @@ def linearize(
     >>> round(float(sl.linearize(building, sl.WhiteNoise(0.1 / np.pi)).ductility_std), 6)
     0.870745
     """
+    expect(structure, Structure, "structure")
+    expect(ground, Ground, "ground")
     solved = solve_structure(structure, ground, closure, Tolerance(rtol, atol, max_iterations))
     table = solved[list(PUBLIC)]
     if closure == NARROW_BAND:

@@ -67,6 +67,8 @@ def statespace(
             f"structures, c_eq, k_eq have lengths {len(structures)}, {len(c_eq)}, {len(k_eq)}; allowed: "
             "at least one structure, and one coefficient of each kind for every structure"
         )
+    if not np.isfinite([*c_eq, *k_eq]).all():
+        raise ValueError(f"c_eq = {list(c_eq)}, k_eq = {list(k_eq)}; allowed: finite numbers")
     names, matrix, noise, output = _ground_matrices(ground)
     for number, (structure, c, k) in enumerate(zip(structures, c_eq, k_eq, strict=True), start=1):
         block, states = _structure_matrix(structure, c, k)
@@ -174,10 +176,12 @@ def _scalars(ground: Ground) -> list[xr.DataArray]:
 
 
 def _scalar(model: Structure | Ground, name: str) -> float:
+    if name not in model.arrays():
+        raise ValueError(f"{type(model).__name__}: {name} is not given; allowed here: a scalar")
     value = model.arrays()[name]
     if value.ndim:
         raise ValueError(
-            f"{type(model).__name__}: {name} is an array over {value.dims}; allowed here: a scalar, since "
+            f"{type(model).__name__}: {name} is an array over {value.dims}; allowed: a scalar, since "
             "this describes one system"
         )
     return float(value)

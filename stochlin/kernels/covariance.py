@@ -93,6 +93,29 @@ def pair_covariance(
 ) -> Array:
     """``E[mu_1 mu_2]`` of two structures on one ground, by elimination.
 
+    The stiffer one goes first, cell by cell. Over periods that differ by up to a factor of 900
+    and hardening down to .001, rho then errs by 2e-13 at most; the other way round by 5e-9.
+    """
+    stiffer = np.asarray(first.stiffness >= second.stiffness)
+    if stiffer.all():
+        return _eliminate(first, forcing_1, second, forcing_2)
+    if not stiffer.any():
+        return _eliminate(second, forcing_2, first, forcing_1)
+    systems, forcings = zip(first, second, strict=True), zip(forcing_1, forcing_2, strict=True)
+    (stiff, soft), (force_stiff, force_soft) = (
+        zip(*((np.where(stiffer, a, b), np.where(stiffer, b, a)) for a, b in pairs), strict=True)
+        for pairs in (systems, forcings)
+    )
+    return _eliminate(
+        EquivalentSystem(*stiff), Forcing(*force_stiff), EquivalentSystem(*soft), Forcing(*force_soft)
+    )
+
+
+def _eliminate(
+    first: EquivalentSystem, forcing_1: Forcing, second: EquivalentSystem, forcing_2: Forcing
+) -> Array:
+    """First row of the pair's covariance.
+
     The first row ``x`` of ``A1 X + X A2' + b1 C2' + C1 b2' = 0`` satisfies
     ``D1(-A2) x = r``, where ``D1`` is the characteristic polynomial of ``A1``: a 3 x 3
     system solved by Cramer's rule. No eigenvalue is computed, so nothing can be defective.

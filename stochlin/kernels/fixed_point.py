@@ -22,9 +22,24 @@ from stochlin.kernels.small_systems import solve_3x3
 CHUNK = 2048  # cells: temporaries of one Newton step then stay in the cache
 COMPLEX_STEP = 1e-30
 LARGEST_STEP = 1.0  # in log(sigma) and atanh(corr)
-FIRST_DELTA = 30.0  # pseudo-time step to begin with: nearly Newton
-RESTART_DELTA = 1.0  # where to begin again after a rise of the mismatch
+LEAST_DELTA = 0.05
+LARGEST_MISMATCH = 1e-6  # of a converged cell, whatever its last step
 SHORTER, LONGER, LONGEST = 0.25, 3.0, 100.0  # factors from one step to the next
+
+
+class Pace(NamedTuple):
+    """How boldly the relaxation is followed: the pseudo-time step ``delta`` and how it changes."""
+
+    first: float
+    restart: float  # where to begin again after a rise of the mismatch
+    shorter: float  # factors from one step to the next: after a rise,
+    longer: float  # after a fall, times the ratio of the mismatches,
+    longest: float  # and at most
+
+
+BOLD = Pace(first=30.0, restart=1.0, shorter=0.25, longer=3.0, longest=100.0)  # nearly Newton
+CAREFUL = Pace(first=0.5, restart=0.5, shorter=0.5, longer=1.1, longest=1.5)
+BOLD_SHARE = 0.15  # of max_iterations: 13 do for the bilinear law, a cell that needs 30 is lost
 
 
 class ClosureValue(NamedTuple):
@@ -98,7 +113,7 @@ def solve_fixed_point(
     for begin in range(0, start.shape[1], CHUNK):
         cells = slice(begin, begin + CHUNK)
         problem = _Problem(structure[:, cells], law[:, cells], ground[:, cells], closure, forcing_of)
-        parts.append(_evolve(problem, start[:, cells], rtol, atol, max_iterations))
+        parts.append(_solve(problem, start[:, cells], rtol, atol, max_iterations))
     if not parts:
         none = np.empty(0)
         return FixedPoint(start[:2], start, none.astype(np.int32), none, none == 0)
@@ -127,18 +142,31 @@ class _State(NamedTuple):
     delta: Array
 
 
+def _solve(problem: _Problem, start: Array, rtol: float, atol: float, max_iterations: int) -> FixedPoint:
+    """Boldly first; a cell that ran away begins again with care."""
+    bold = max(1, int(BOLD_SHARE * max_iterations))
+    solution = _evolve(problem, start, rtol, atol, bold, BOLD)
+    lost = np.flatnonzero(~solution.converged)
+    if lost.size and max_iterations > bold:
+        again = _evolve(problem.of(lost), start[:, lost], rtol, atol, max_iterations - bold, CAREFUL)
+        again.iterations[:] += bold
+        for field, better in zip(solution, again, strict=True):
+            field[..., lost] = better
+    return solution
+
+
 def _evolve(
-    problem: _Problem, start: Array, rtol: float, atol: float, max_iterations: int
+    problem: _Problem, start: Array, rtol: float, atol: float, max_iterations: int, pace: Pace
 ) -> FixedPoint:
     n = start.shape[1]
     y = np.stack([np.log(start[0]), np.log(start[1]), np.arctanh(start[2])])
-    state = _State(y, np.full(n, np.inf), np.zeros_like(y), np.full(n, FIRST_DELTA))
+    state = _State(y, np.full(n, np.inf), np.zeros_like(y), np.full(n, pace.first))
     iterations, converged = np.zeros(n, np.int32), np.zeros(n, bool)
     for _ in range(max_iterations):
         active = np.flatnonzero(~converged)
         if not active.size:
             break
-        converged[active] = _advance(problem.of(active), state, active, rtol, atol)
+        converged[active] = _advance(problem.of(active), state, active, rtol, atol, pace)
         iterations[active] += 1
     y = state.base + state.step
     latent = np.stack([np.exp(y[0]), np.exp(y[1]), np.tanh(y[2])])
@@ -147,14 +175,16 @@ def _evolve(
     return FixedPoint(coefficients, latent, iterations, state.norm, converged)
 
 
-def _advance(problem: _Problem, state: _State, cells: Array, rtol: float, atol: float) -> Array:
+def _advance(
+    problem: _Problem, state: _State, cells: Array, rtol: float, atol: float, pace: Pace
+) -> Array:
     """One evaluation of the cells, and what is made of it: a new step, or a part of the old one."""
     y = state.base[:, cells] + state.step[:, cells]
     mismatch, jacobian = _mismatch(problem, y)
     norm = np.sqrt((mismatch**2).sum(axis=0))
     valid = np.isfinite(norm) & np.isfinite(jacobian).all(axis=(0, 1))
-    delta = _next_delta(state.delta[cells], state.norm[cells], np.where(valid, norm, np.inf))
-    step = _damped_newton_step(jacobian, mismatch, delta)
+    delta = _next_delta(state.delta[cells], state.norm[cells], np.where(valid, norm, np.inf), pace)
+    step = _newton_step(jacobian, mismatch, delta)
     # Not stationary: take back most of the step, or if there was none yet, start nearer to elastic.
     untried = np.isinf(state.norm[cells])
     towards_elastic = state.step[:, cells] - np.stack([0 * y[0], np.ones_like(y[1]), 0.5 * y[2]])
@@ -163,21 +193,22 @@ def _advance(problem: _Problem, state: _State, cells: Array, rtol: float, atol: 
     state.norm[cells] = np.where(valid, norm, state.norm[cells])
     state.step[:, cells] = np.where(valid, step, retreat)
     state.delta[cells] = delta
+    # Judged by the undamped step: a damped one is also small where delta is.
+    change = np.abs(_newton_step(jacobian, mismatch, np.inf))
     r = np.tanh(y[2])
-    change = np.abs(step)
     change[2] *= (1 - r * r) * rtol / (atol + rtol * np.abs(r))
-    return valid & (change.max(axis=0) <= rtol)
+    return valid & (norm <= LARGEST_MISMATCH) & (change.max(axis=0) <= rtol)
 
 
-def _next_delta(delta: Array, before: Array, now: Array) -> Array:
+def _next_delta(delta: Array, before: Array, now: Array, pace: Pace) -> Array:
     """Switched evolution relaxation: longer as the mismatch falls, short again when it rises."""
     with np.errstate(invalid="ignore", divide="ignore"):
         ratio = np.where(np.isinf(before), 1, before / now)
-    shorter = SHORTER * np.minimum(delta, RESTART_DELTA)
-    return np.where(ratio < 1, shorter, delta * np.minimum(LONGER * ratio, LONGEST))
+    shorter = np.maximum(pace.shorter * np.minimum(delta, pace.restart), LEAST_DELTA)
+    return np.where(ratio < 1, shorter, delta * np.minimum(pace.longer * ratio, pace.longest))
 
 
-def _damped_newton_step(jacobian: Array, mismatch: Array, delta: Array) -> Array:
+def _newton_step(jacobian: Array, mismatch: Array, delta: Array | float) -> Array:
     """``(1/delta - J)^-1 F``, limited in length: a relaxation for small delta, Newton for large."""
     matrix = -jacobian
     matrix[np.arange(3), np.arange(3)] += 1 / delta

@@ -47,8 +47,9 @@ def slip_expectations(law: SlipRate, latent: Array, order: int) -> tuple[Array, 
     """
     values = np.empty((2, latent.shape[1]))
     jacobian = np.empty((2, 3, latent.shape[1]))
-    for begin in range(0, latent.shape[1], CELLS):
-        cells = slice(begin, begin + CELLS)
+    block = CELLS if law.rate_independent else 1 + CELLS // order
+    for begin in range(0, latent.shape[1], block):
+        cells = slice(begin, begin + block)
         moments = _moments(law, latent[:, cells], order)
         values[:, cells], jacobian[:, :, cells] = _assemble(moments, latent[:, cells])
     return values, jacobian
@@ -90,15 +91,27 @@ def _inner_closed(law: SlipRate, sv: Array, z: Array, mean: Array, q: Array, ord
 
 
 def _inner_quadrature(law: SlipRate, sv: Array, z: Array, mean: Array, q: Array, order: int) -> Array:
-    """``E[w x^a; x > 0 | t]`` by Gauss-Legendre over the part of ``x > 0`` that carries weight."""
-    nodes, weights = np.polynomial.legendre.leggauss(order)
+    """``E[w x^a; x > 0 | t]`` by Gauss-Legendre over the part of ``x > 0`` that carries weight.
+
+    The panels are graded towards ``v = 0``, where rate-dependent laws turn, however slow that is
+    beside ``sv``.
+    """
+    nodes, weights = _graded(order // 2)
     low, high = np.maximum(mean - REACH * q, 0), np.maximum(mean, 0) + REACH * q
-    half = 0.5 * (high - low)[..., None]
-    x = low[..., None] + half * (1 + nodes)
-    weight = half * weights * np.exp(-0.5 * ((x - mean[..., None]) / q[..., None]) ** 2)
+    width = (high - low)[..., None]
+    x = low[..., None] + width * nodes
+    weight = width * weights * np.exp(-0.5 * ((x - mean[..., None]) / q[..., None]) ** 2)
     weight *= law.function(sv[..., None] * x, np.broadcast_to(z[..., None], x.shape))
     weight /= SQRT_2PI * q[..., None]
     return np.stack([(weight * x**power).sum(axis=-1) for power in range(4)])
+
+
+def _graded(order: int) -> tuple[Array, Array]:
+    """Nodes and weights on [0, 1], in panels that grow by a factor of four."""
+    nodes, weights = np.polynomial.legendre.leggauss(order)
+    edges = np.concatenate([[0.0], 4.0 ** np.arange(-6, 1)])
+    half = 0.5 * np.diff(edges)[:, None]
+    return (edges[:-1, None] + half * (1 + nodes)).ravel(), (half * weights).ravel()
 
 
 def _assemble(m: Array, latent: Array) -> tuple[Array, Array]:

@@ -57,7 +57,7 @@ class Model:
     def __post_init__(self) -> None:
         for field in self._declared():
             value = getattr(self, field.name)
-            if value is not None:
+            if value is not None or field.default is not None:
                 checked = _checked(value, field, type(self).__name__)
                 object.__setattr__(self, field.name, checked)
         try:
@@ -101,10 +101,20 @@ class Model:
         return f"{type(self).__name__}({', '.join(parts)})"
 
 
+def expect(value: object, kind: type[Model], role: str) -> None:
+    """Raise a TypeError unless the argument called ``role`` is a ``kind``."""
+    if not isinstance(value, kind):
+        names = sorted(c.__name__ for c in kind.__subclasses__())
+        raise TypeError(f"{role} = {value!r} is of the wrong kind; allowed: {', '.join(names)}")
+
+
 def _checked(value: Any, field: dataclasses.Field[Any], model: str) -> float | xr.DataArray:
     label = f"{model}: {field.name}"
     allowed: Range = field.metadata["allowed"]
-    array = value.copy(deep=False) if isinstance(value, xr.DataArray) else np.asarray(value)
+    try:
+        array = value.copy(deep=False) if isinstance(value, xr.DataArray) else np.asarray(value)
+    except ValueError as error:
+        raise ValueError(f"{label} = {value!r} is no array ({error}); allowed: {allowed}") from error
     if array.dtype.kind not in "iuf":
         raise TypeError(f"{label} = {value!r} is not a real number; allowed: {allowed}")
     if array.ndim == 0:

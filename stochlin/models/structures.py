@@ -50,8 +50,8 @@ class Structure(Model):
             )
         if self.yields and self.hardening is None:
             raise ValueError(
-                f"{name}: hardening is not given; a structure with a strength needs its hardening ratio, "
-                f"allowed: {HARDENING}"
+                f"{name}: hardening is not given; a structure with a strength needs its hardening "
+                f"ratio, allowed: {HARDENING}"
             )
 
     @property
@@ -126,7 +126,7 @@ class BoucWen(Structure):
     beta : float or array
         Positive [-]: width of the loops.
     gamma : float or array
-        [-], ``>= -beta`` in meaning: shape of the loops.
+        [-], above ``-beta``, for ``z`` would not saturate otherwise: shape of the loops.
     exponent : float or array
         ``n >= 1`` [-]: sharpness of yielding; the bilinear law is its limit.
 

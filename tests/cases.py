@@ -1,0 +1,148 @@
+"""Random parameters and independent building blocks that several test files share.
+
+Nothing here uses a formula of the package: matrices are written from the equations of motion,
+expectations are integrated numerically.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+from scipy.integrate import quad
+from scipy.special import ndtr
+
+REACH = 12.0  # standard deviations: the Gaussian density beyond is below 1e-31
+
+# The domain in which structures and grounds of practice lie, and the one beyond it.
+PRACTICE = {
+    "period": (0.15, 4.0),
+    "damping": (0.01, 0.1),
+    "hardening": (0.02, 0.6),
+    "strength_ratio": (0.4, 3.0),
+    "ground_period": (0.15, 4.0),
+    "ground_damping": (0.03, 0.8),
+}
+BEYOND = {
+    "period": (1 / 30, 30.0),
+    "damping": (0.005, 0.2),
+    "hardening": (0.001, 1.0),
+    "strength_ratio": (0.05, 4.0),
+    "ground_period": (1.0, 1.0),
+    "ground_damping": (0.005, 0.9),
+}
+
+
+def log_uniform(rng: np.random.Generator, limits: tuple[float, float], size: int | None = None) -> Any:
+    """Numbers whose logarithm is uniform between the logarithms of the limits."""
+    return np.exp(rng.uniform(*np.log(limits), size))
+
+
+def draw_structure(
+    rng: np.random.Generator, domain: dict[str, tuple[float, float]], size: int | None = None
+) -> dict[str, Any]:
+    """Arguments of a bilinear structure; ``reduction_factor`` is 3 sigma_el/uy."""
+    values = {key: log_uniform(rng, domain[key], size) for key in ("period", "damping", "hardening")}
+    return values | {"reduction_factor": 3 * log_uniform(rng, domain["strength_ratio"], size)}
+
+
+def draw_ground(
+    rng: np.random.Generator, domain: dict[str, tuple[float, float]], size: int | None = None
+) -> dict[str, Any]:
+    """Arguments of a Kanai-Tajimi ground."""
+    return {key: log_uniform(rng, domain[f"ground_{key}"], size) for key in ("period", "damping")}
+
+
+def augmented_system(
+    structures: Sequence[Sequence[Any]], filters: Sequence[Any] = ()
+) -> tuple[list[list[Any]], list[Any]]:
+    """State matrix and noise vector of structures on one ground, in numbers of any type.
+
+    A structure is ``(stiffness, damping)`` if elastic, with the states u, u', or ``(stiffness,
+    damping, coupling, c, k)`` with the states u, u', z: ``u'' = -(stiffness - coupling) u - damping u'
+    - coupling z + f``, ``z' = -c u' - k z``. The states of the ground come last. ``filters`` are
+    circular frequencies and damping ratios: none for white noise, two for Kanai-Tajimi, four for
+    Clough-Penzien.
+    """
+    sizes = [2 if len(structure) == 2 else 3 for structure in structures]
+    ground, size = sum(sizes), sum(sizes) + len(filters)
+    matrix: list[list[Any]] = [[0] * size for _ in range(size)]
+    forcing: list[Any] = [0] * size
+    noise: list[Any] = [0] * size
+    for stage, (w, xi) in enumerate(zip(filters[::2], filters[1::2], strict=True)):
+        x = ground + 2 * stage
+        matrix[x][x + 1] = 1
+        sign = 1 if stage == 0 else -1  # f = wg^2 xg + 2 xig wg xg', then xf'' = f - wf^2 xf - ...
+        forcing[x], forcing[x + 1] = sign * w**2, sign * 2 * xi * w
+        if stage == 0:
+            matrix[x + 1][x], matrix[x + 1][x + 1], noise[x + 1] = -(w**2), -2 * xi * w, 1
+        else:
+            matrix[x + 1] = list(forcing)
+    u = 0
+    for structure, states in zip(structures, sizes, strict=True):
+        stiffness, damping, coupling, *law = [*structure, 0] if states == 2 else structure
+        matrix[u][u + 1] = 1
+        matrix[u + 1] = list(forcing)
+        noise[u + 1] = 0 if filters else 1
+        matrix[u + 1][u], matrix[u + 1][u + 1] = -(stiffness - coupling), -damping
+        if states == 3:
+            matrix[u + 1][u + 2] = -coupling
+            matrix[u + 2][u + 1], matrix[u + 2][u + 2] = -law[0], -law[1]
+        u += states
+    return matrix, noise
+
+
+def lyapunov(system: tuple[list[list[Any]], list[Any]], intensity: float) -> Any:
+    """Covariance of the states by scipy's general solver, under white noise of two-sided PSD S0."""
+    matrix, noise = (np.array(part, dtype=float) for part in system)
+    return scipy.linalg.solve_continuous_lyapunov(
+        matrix, -2 * np.pi * intensity * np.outer(noise, noise)
+    )
+
+
+def slip_moments(
+    share: Callable[[float], float],
+    latent: Sequence[float],
+    edges: Sequence[float] = (),
+    seen: Callable[[float], float] = lambda z: z,
+) -> tuple[float, float]:
+    """``E[w v]`` and ``E[w seen(z)]`` of an odd slip rate ``w = v share(z)`` for ``v > 0``.
+
+    ``(v, z)`` is Gaussian. The integral over ``v`` is a truncated moment, the one over ``z`` is left
+    to QUADPACK, on pieces between the edges of the law.
+    """
+    sv, sz, r = latent
+    q = np.sqrt(1 - r * r)
+
+    def density(x: float) -> float:
+        return float(np.exp(-0.5 * x * x) / np.sqrt(2 * np.pi))
+
+    def first(t: float) -> float:  # E[x; x > 0 | t] for x = v/sv, t = z/sz
+        return r * t * ndtr(r * t / q) + q * density(r * t / q)
+
+    def second(t: float) -> float:  # E[x^2; x > 0 | t]
+        return r * t * first(t) + q * q * ndtr(r * t / q)
+
+    cuts = np.clip([edge / sz for edge in edges], -REACH, REACH)
+    borders = np.unique([-REACH, -4.0, 0.0, 4.0, REACH, *cuts])
+
+    def integral(function: Callable[[float], float]) -> float:
+        accuracy = {"epsabs": 1e-15, "epsrel": 1e-11, "limit": 200}
+        return sum(quad(function, a, b, **accuracy)[0] for a, b in pairwise(borders))
+
+    by_v = integral(lambda t: density(t) * share(sz * t) * second(t))
+    by_z = integral(lambda t: density(t) * share(sz * t) * seen(sz * t) * first(t))
+    return 2 * sv * sv * by_v, 2 * sv * by_z
+
+
+def regressed(slip: tuple[float, float], vv: float, zz: float, vz: float) -> Any:
+    """Least-squares ``(1 + c_e, k_e)``: the slip rate on ``(v, z)`` with these second moments."""
+    return np.linalg.solve([[vv, vz], [vz, zz]], slip)
+
+
+def beyond_yield(z: float) -> float:
+    """The bilinear law: for ``v > 0`` all of the velocity is slip where ``z > 1``."""
+    return float(z > 1)
