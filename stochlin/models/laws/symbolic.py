@@ -81,8 +81,8 @@ class SymbolicLaw:
         if not error < ACCURACY:
             raise ValueError(
                 f"law = {self.expression} has kinks that could not be located (quadrature error "
-                f"{error:.1e}, allowed {ACCURACY:.0e}); found are kinks at v = 0, and those written as Abs, "
-                "sign, Heaviside, Max, Min or Piecewise of z alone"
+                f"{error:.1e}, allowed {ACCURACY:.0e}); found are kinks at v = 0, and those written as "
+                "Abs, sign, Heaviside, Max, Min or Piecewise of z alone"
             )
 
 
