@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from stochlin.analyses.amplification import amplification
     from stochlin.analyses.correlation import correlate, rho_white_noise
-    from stochlin.analyses.ground_fit import fit_ground, fit_spectra
+    from stochlin.analyses.ground_fit import fit_ground
     from stochlin.analyses.linearization import linearize
+    from stochlin.analyses.record_spectra import fit_spectra
     from stochlin.analyses.records import read_record, strong_part
-    from stochlin.analyses.state_space import stationary_covariance, statespace
+    from stochlin.analyses.state_space import statespace, stationary_covariance
     from stochlin.models.grounds import CloughPenzien, KanaiTajimi, WhiteNoise
     from stochlin.models.named_grounds import ground_names, named_ground
     from stochlin.models.structures import Bilinear, BoucWen, Hysteretic
@@ -33,7 +34,7 @@ _HOME = {
     "amplification": "analyses.amplification",
     "correlate": "analyses.correlation",
     "fit_ground": "analyses.ground_fit",
-    "fit_spectra": "analyses.ground_fit",
+    "fit_spectra": "analyses.record_spectra",
     "ground_names": "models.named_grounds",
     "linearize": "analyses.linearization",
     "named_ground": "models.named_grounds",

@@ -17,7 +17,7 @@ import xarray as xr
 from stochlin.analyses import labels
 from stochlin.analyses.amplification import amplification
 from stochlin.analyses.correlation import correlate, rho_white_noise
-from stochlin.analyses.ground_fit import fit_spectra
+from stochlin.analyses.record_spectra import fit_spectra
 from stochlin.models.grounds import Ground, KanaiTajimi
 from stochlin.models.structures import Bilinear
 
