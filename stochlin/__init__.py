@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from stochlin.analyses.linearization import linearize
     from stochlin.analyses.record_spectra import fit_spectra
     from stochlin.analyses.records import read_record, strong_part
+    from stochlin.analyses.simulation import simulate
     from stochlin.analyses.state_space import statespace, stationary_covariance
     from stochlin.models.grounds import CloughPenzien, KanaiTajimi, WhiteNoise
     from stochlin.models.named_grounds import ground_names, named_ground
@@ -41,6 +42,7 @@ _HOME = {
     "read_record": "analyses.records",
     "rho_white_noise": "analyses.correlation",
     "statespace": "analyses.state_space",
+    "simulate": "analyses.simulation",
     "stationary_covariance": "analyses.state_space",
     "strong_part": "analyses.records",
 }
@@ -61,6 +63,7 @@ __all__ = [
     "named_ground",
     "read_record",
     "rho_white_noise",
+    "simulate",
     "statespace",
     "stationary_covariance",
     "strong_part",

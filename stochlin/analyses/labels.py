@@ -52,6 +52,9 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "iterations": ("1", "iterations"),
     "residual": ("1", "mismatch of log sigma and atanh correlation before the last correction"),
     "rho": ("1", "correlation coefficient of the displacements"),
+    "displacement_std_standard_error": ("m", "standard error of the displacement's standard deviation"),
+    "rho_standard_error": ("1", "standard error of rho"),
+    "drift": ("1", "variance of the second half of the run less that of the first, in standard errors"),
     "amplification": ("1", "inelastic over elastic standard deviation of the displacement"),
 }
 

@@ -69,7 +69,7 @@ def statespace(
         )
     if not np.isfinite([*c_eq, *k_eq]).all():
         raise ValueError(f"c_eq = {list(c_eq)}, k_eq = {list(k_eq)}; allowed: finite numbers")
-    names, matrix, noise, output = _ground_matrices(ground)
+    names, matrix, noise, output = ground_matrices([float(value) for value in _scalars(ground)])
     for number, (structure, c, k) in enumerate(zip(structures, c_eq, k_eq, strict=True), start=1):
         block, states = _structure_matrix(structure, c, k)
         names += [f"{state}_{number}" for state in states]
@@ -139,9 +139,14 @@ def stationary_covariance(space: xr.Dataset) -> xr.DataArray:
     return xr.DataArray(covariance, dims=("state", "state_2"), coords=space.coords, name="covariance")
 
 
-def _ground_matrices(ground: Ground) -> tuple[list[str], FloatArray, FloatArray, FloatArray]:
-    """State names, matrix, noise vector and output row (``f = output . states``) of the filters."""
-    _, *filters = (float(value) for value in _scalars(ground))
+def ground_matrices(
+    parameters: Sequence[float],
+) -> tuple[list[str], FloatArray, FloatArray, FloatArray]:
+    """State names, matrix, noise vector and output row (``f = output . states``) of the filters.
+
+    ``parameters`` as `Ground.kernel_parameters` lists them.
+    """
+    _, *filters = parameters
     if not filters:
         empty = np.zeros(0)
         return [], np.zeros((0, 0)), empty, empty

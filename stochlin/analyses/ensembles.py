@@ -1,0 +1,178 @@
+"""From models to an ensemble: cells, steps and burn-in of a simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses import labels
+from stochlin.analyses.equivalent_systems import Tolerance, solve_elastic, solve_structure
+from stochlin.analyses.state_space import ground_matrices
+from stochlin.kernels.arrays import Array
+from stochlin.kernels.ensemble import SAMPLES, Crowd, Plan
+from stochlin.kernels.stepping import LANES, FilterSteps, filter_steps
+from stochlin.models.grounds import Ground
+from stochlin.models.structures import Bilinear, BoucWen, Structure
+
+SAMPLES_PER_PERIOD = 4  # of the shortest period, for second moments
+BURN_IN = 5.0  # relaxation times
+MEMORY = 4e9  # bytes that a run may ask for
+
+
+class Cells(NamedTuple):
+    """Every cell of some structures, one after the other; NaN where invalid."""
+
+    period: Array
+    damping: Array
+    hardening: Array
+    yield_displacement: Array  # infinite where elastic
+    law: Array  # (n, 3): beta, gamma, exponent; NaN for the bilinear law
+    relaxation_time: Array  # [s], of the linearized structure
+    valid: Array
+
+
+class Run(NamedTuple):
+    """An ensemble ready to start."""
+
+    crowd: Crowd
+    order: Array  # position in the crowd of each valid cell
+    scale: Array  # metres of each valid cell's unit of displacement
+    ground: FilterSteps
+    root: Array
+    plan: Plan
+    seconds: float  # recorded, of each path
+
+
+def cells_of(structure: Structure, ground: Ground) -> tuple[Cells, xr.DataArray]:
+    """The cells of a structure, and their positions as an array over its dimensions."""
+    if not isinstance(structure, (Bilinear, BoucWen)):
+        raise ValueError(f"{type(structure).__name__} cannot be simulated; allowed: Bilinear, BoucWen")
+    elastic = solve_elastic(structure, ground)
+    values = structure.arrays()
+    like = elastic.yield_displacement
+    linearized = solve_structure(structure, ground, "gaussian", Tolerance(1e-6, 1e-9, 200))
+    law = structure.law_parameters() or [xr.DataArray(np.nan)] * 3
+    columns = [
+        values["period"],
+        values["damping"],
+        values.get("hardening", xr.DataArray(1.0)),
+        like,
+        *law,
+        linearized.k_eq,
+    ]
+    arrays = [array.broadcast_like(like).transpose(*like.dims).values.ravel() for array in columns]
+    period, damping, hardening, uy, *rest = (np.asarray(a, float) for a in arrays)
+    k_eq = rest[3]
+    w = 2 * np.pi / period
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slow = np.where(k_eq > 0, 1 / (hardening * k_eq), 0)
+    relaxation = np.maximum(1 / (damping * w), np.nan_to_num(slow))
+    status = elastic.status.values.ravel()
+    cells = Cells(
+        period,
+        damping,
+        hardening,
+        uy,
+        np.stack(rest[:3], axis=1),
+        relaxation,
+        status < labels.NOT_CONVERGED,
+    )
+    return cells, xr.full_like(like, 0, dtype=int).copy(data=np.arange(period.size).reshape(like.shape))
+
+
+def joined(parts: Sequence[Cells]) -> Cells:
+    """Cells of several structures in one row."""
+    return Cells(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
+def prepare(
+    cells: Cells,
+    ground: Ground,
+    *,
+    paths: int,
+    seed: int,
+    steps_per_period: int,
+    relaxation_times: float,
+) -> Run:
+    """Choose step, burn-in and length from the cells and lay out the ensemble."""
+    check_whole("paths", paths, 2)
+    check_whole("seed", seed, 0)
+    check_whole("steps_per_period", steps_per_period, 8)
+    if not 1 <= relaxation_times < np.inf:
+        raise ValueError(f"relaxation_times = {relaxation_times!r}; allowed: at least 1, finite")
+    valid = cells.valid
+    if not valid.any():
+        raise ValueError("no structure has valid parameters; correct those that are out of range")
+    parameters = [value.item() for value in ground.kernel_parameters()]
+    names, matrix, noise, output = ground_matrices(parameters)
+    intensity = 2 * np.pi * parameters[0]
+    rates = -np.linalg.eigvals(matrix).real if names else np.array([np.inf])
+    relaxation = max(float(cells.relaxation_time[valid].max()), float((1 / rates).max()))
+    dt = float(cells.period[valid].min()) / steps_per_period
+    every = max(1, steps_per_period // SAMPLES_PER_PERIOD)
+    block = dt * every * SAMPLES
+    recorded = max(2, int(np.ceil(relaxation_times * relaxation / block)))
+    plan = Plan(
+        dt=dt,
+        every=every,
+        burn_in=int(np.ceil(BURN_IN * relaxation / block)),
+        recorded=recorded,
+        groups=int(np.ceil(paths / LANES)),
+        seed=seed,
+    )
+    n = int(valid.sum())
+    needed = 8.0 * (n * n * (4 * LANES + 12) + n * LANES * (SAMPLES + 3))
+    if needed > MEMORY:
+        raise ValueError(
+            f"{n} structures need {needed / 1e9:.1f} GB; allowed: {MEMORY / 1e9:.0f} GB; simulate fewer "
+            "structures at a time"
+        )
+    crowd, order, scale = _crowd(cells, valid)
+    return Run(
+        crowd,
+        order,
+        scale,
+        filter_steps(matrix, noise, output, intensity, dt),
+        _root(matrix, noise, intensity),
+        plan,
+        recorded * block,
+    )
+
+
+def check_whole(name: str, value: object, lowest: int) -> None:
+    """Raise a ValueError unless the value is a whole number from ``lowest``."""
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < lowest:
+        raise ValueError(f"{name} = {value!r}; allowed: a whole number from {lowest}")
+
+
+def _crowd(cells: Cells, valid: Array) -> tuple[Crowd, Array, Array]:
+    """Structures by law, each in units of its yield displacement, elastic ones in metres."""
+    w = 2 * np.pi / cells.period[valid]
+    yields = np.isfinite(cells.yield_displacement[valid])
+    alpha = np.where(yields, cells.hardening[valid], 1.0)
+    scale = np.where(yields, cells.yield_displacement[valid], 1.0)
+    common = np.stack(
+        [2 * cells.damping[valid] * w, alpha * w**2, (1 - alpha) * w**2, 1 / scale], axis=1
+    )
+    law = cells.law[valid]
+    bouc_wen = np.isfinite(law[:, 2])
+    first, second = np.flatnonzero(~bouc_wen), np.flatnonzero(bouc_wen)
+    order = np.empty(w.size, int)
+    order[np.concatenate([first, second])] = np.arange(w.size)
+    both = np.concatenate([common[second], law[second]], axis=1)
+    return Crowd(np.ascontiguousarray(common[first]), np.ascontiguousarray(both)), order, scale
+
+
+def _root(matrix: Array, noise: Array, intensity: float) -> Array:
+    """Square root of the stationary covariance of the filter: paths start stationary."""
+    if not len(noise):
+        return np.zeros((0, 0))
+    from scipy.linalg import solve_continuous_lyapunov
+
+    covariance = solve_continuous_lyapunov(matrix, -intensity * np.outer(noise, noise))
+    values, vectors = np.linalg.eigh(0.5 * (covariance + covariance.T))
+    root: Array = vectors * np.sqrt(np.maximum(values, 0))
+    return root

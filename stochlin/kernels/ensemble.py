@@ -1,0 +1,132 @@
+"""An ensemble of motions of one ground, with all structures riding on each of them.
+
+Motions come in groups of LANES; a group draws from a stream of its own, spawned from the seed by its
+number. Groups are independent tasks and are summed in their order: a seed gives the same answer
+whatever the number of threads.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+
+from stochlin.kernels.arrays import Array
+from stochlin.kernels.stepping import LANES, FilterSteps, bilinear_block, bouc_wen_block, ground_block
+
+SAMPLES = 32  # of each block; a block then fits the second-level cache
+
+Result = TypeVar("Result")
+Progress = Callable[[float], None]
+
+
+class Crowd(NamedTuple):
+    """Structures in the order of their laws: bilinear ones first, then Bouc-Wen."""
+
+    bilinear: Array  # (n1, 4)
+    bouc_wen: Array  # (n2, 7)
+
+    @property
+    def size(self) -> int:
+        """Number of structures."""
+        return len(self.bilinear) + len(self.bouc_wen)
+
+
+class Plan(NamedTuple):
+    """Steps of a run."""
+
+    dt: float
+    every: int  # steps from sample to sample
+    burn_in: int  # blocks
+    recorded: int  # blocks
+    groups: int
+    seed: int
+
+
+class Sums(NamedTuple):
+    """Sums over motions of the second moments ``G`` (n, n) of each, and of their products."""
+
+    moments: Array  # sum of G
+    squares: Array  # sum of G_ij^2
+    with_own: Array  # sum of G_ij G_ii
+    own: Array  # sum of G_ii G_jj
+    change: Array  # (n,): sum over motions of G_ii of the second half less the first
+    change_squares: Array  # (n,)
+
+
+class _Motion:
+    """State of one group of LANES motions and the structures on them."""
+
+    def __init__(self, crowd: Crowd, ground: FilterSteps, root: Array, plan: Plan, group: int) -> None:
+        self.crowd, self.ground, self.plan = crowd, ground, plan
+        stream = np.random.SeedSequence(plan.seed, spawn_key=(group,))
+        self.random = np.random.Generator(np.random.SFC64(stream))
+        self.q = np.ascontiguousarray(root @ self.random.standard_normal((len(root), LANES)))
+        self.state = np.zeros((3, crowd.size, LANES))
+        steps = plan.every * SAMPLES
+        self.xi, self.f = np.empty((steps, LANES)), np.empty((steps, LANES))
+        self.out = np.empty((LANES, crowd.size, SAMPLES))
+
+    def block(self, envelope: Array | None = None) -> Array:
+        """Move on by one block; displacements (LANES, n, SAMPLES)."""
+        plan, n = self.plan, len(self.crowd.bilinear)
+        self.random.standard_normal(out=self.xi)
+        ground_block(self.xi, self.q, *self.ground, self.f)
+        if envelope is not None:
+            self.f *= envelope[:, None]
+        u, v, z = self.state
+        crowd, out = self.crowd, self.out
+        bilinear_block(self.f, plan.dt, crowd.bilinear, u[:n], v[:n], z[:n], plan.every, out[:, :n])
+        bouc_wen_block(self.f, plan.dt, crowd.bouc_wen, u[n:], v[n:], z[n:], plan.every, out[:, n:])
+        return out
+
+
+def stationary_sums(
+    crowd: Crowd, ground: FilterSteps, root: Array, plan: Plan, progress: Progress | None
+) -> Sums:
+    """Run the ensemble and sum its second moments; ``root root'`` is the filter's covariance."""
+
+    def run(group: int) -> Sums:
+        motion = _Motion(crowd, ground, root, plan, group)
+        for _ in range(plan.burn_in):
+            motion.block()
+        halves = [_gram(motion, plan.recorded // 2), _gram(motion, plan.recorded - plan.recorded // 2)]
+        first, second = (np.einsum("lii->li", half) for half in halves)
+        weight = plan.recorded // 2 / (plan.recorded - plan.recorded // 2)
+        change = weight * second - first
+        moments = (halves[0] + halves[1]) / (plan.recorded * SAMPLES)
+        own = np.einsum("lii->li", moments)
+        return Sums(
+            moments.sum(axis=0),
+            np.einsum("lij,lij->ij", moments, moments),
+            np.einsum("lij,li->ij", moments, own),
+            own.T @ own,
+            change.sum(axis=0),
+            (change**2).sum(axis=0),
+        )
+
+    total = None
+    for group, sums in enumerate(in_order(run, plan.groups)):
+        total = sums if total is None else Sums(*(a + b for a, b in zip(total, sums, strict=True)))
+        if progress is not None:
+            progress((group + 1) / plan.groups)
+    assert total is not None
+    return total
+
+
+def _gram(motion: _Motion, blocks: int) -> Array:
+    """Sums of ``u_i u_j`` over the samples of the blocks, (LANES, n, n)."""
+    total = np.zeros((LANES, motion.crowd.size, motion.crowd.size))
+    for _ in range(blocks):
+        out = motion.block()
+        total += out @ out.transpose(0, 2, 1)
+    return total
+
+
+def in_order(task: Callable[[int], Result], count: int) -> Iterator[Result]:
+    """Results of ``task(0), task(1), ...`` in this order, from all cores."""
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        yield from pool.map(task, range(count))
