@@ -15,6 +15,7 @@ from stochlin.analyses.equivalent_systems import (
     solve_elastic,
     solve_structure,
 )
+from stochlin.analyses.simulated_correlation import SimulationSettings, simulate_pairs
 from stochlin.kernels.arrays import Array
 from stochlin.kernels.covariance import EquivalentSystem, Forcing, pair_covariance
 from stochlin.kernels.white_noise import white_noise_correlation
@@ -23,7 +24,7 @@ from stochlin.models.parameters import Parameter, expect
 from stochlin.models.structures import LinearPair, Structure
 
 CHUNK = 8192  # cells of a table at a time: temporaries stay in the cache
-METHODS = ("linearization", "white_noise")
+METHODS = ("linearization", "white_noise", "simulation")
 SHOWN = ("displacement_std", "ductility_std", "yield_displacement")
 ROUNDING = 1e-9  # by which |rho| may exceed 1 before the cell is called wrong
 
@@ -38,6 +39,11 @@ def correlate(
     rtol: float = 1e-10,
     atol: float = 1e-12,
     max_iterations: int = 200,
+    paths: int = 256,
+    seed: int = 0,
+    steps_per_period: int = 32,
+    relaxation_times: float = 40.0,
+    progress: Callable[[float], None] | None = None,
 ) -> xr.Dataset:
     """Correlation coefficient of the displacements of two structures.
 
@@ -50,16 +56,22 @@ def correlate(
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
         All parameters broadcast by dimension name.
     method : str
-        ``"linearization"``, or ``"white_noise"``: eq. (4) with the elastic periods and dampings,
-        whatever the ground, beside the elastic responses on this ground.
+        ``"linearization"``; ``"white_noise"``: eq. (4) with the elastic periods and dampings,
+        whatever the ground, beside the elastic responses on this ground; ``"simulation"``: the
+        exact laws, all structures on the same motions, with standard errors.
     closure, rtol, atol, max_iterations
-        As in `linearize`.
+        As in `linearize`; for linearization.
+    paths, seed, steps_per_period, relaxation_times, progress
+        As in `simulate`; for simulation.
 
     Returns
     -------
     xarray.Dataset
         ``rho`` [-], ``displacement_std_1`` and ``_2`` [m], ``ductility_std_1`` and ``_2`` [-],
         ``yield_displacement_1`` and ``_2`` [m], ``status`` (the worse of the two structures').
+        Simulation adds ``rho_standard_error``, ``displacement_std_standard_error_1`` and ``_2``
+        [m], and ``drift_1`` and ``_2``; where a drift exceeds 5 the run was too short to be
+        stationary, and the cell is ``not_converged``.
 
     Raises
     ------
@@ -91,20 +103,40 @@ def correlate(
     """
     if method not in METHODS:
         raise ValueError(f"method = {method!r} is not known; allowed: {', '.join(METHODS)}")
-    linearized = method == "linearization"
     tolerance = Tolerance(rtol, atol, max_iterations)
     for role, structure in (("first", first), ("second", second)):
         expect(structure, Structure, role)
         check_closure(structure, closure)
     expect(ground, Ground, "ground")
-    if linearized:
+    if method == "simulation":
+        settings = SimulationSettings(paths, seed, steps_per_period, relaxation_times, progress)
+        table = simulate_pairs(first, second, ground, settings)
+        details = f"paths={paths}, seed={seed}"
+    elif method == "linearization":
         sides = [solve_structure(s, ground, closure, tolerance) for s in (first, second)]
         inputs = [side[name] for side in sides for name in ("displacement_std", *INTERNAL)]
-        rho = _combine(_correlation_of_systems, *inputs)
+        table = _table(_combine(_correlation_of_systems, *inputs), sides)
+        details = f"closure={closure!r}"
+        if first.yields or second.yields:
+            table.attrs["comment"] = f"{labels.CAUTION_RHO} {labels.CAUTION_SIGMA}"
     else:
         sides = [solve_elastic(s, ground) for s in (first, second)]
         inputs = [s.arrays()[name] for name in ("period", "damping") for s in (first, second)]
-        rho = _combine(_white_noise, *inputs)
+        table = _table(_combine(_white_noise, *inputs), sides)
+        details = "eq. (4)"
+    table = labels.label(table)
+    case = f"correlate({first.describe()}, {second.describe()}, {ground.describe()})"
+    labels.raise_if_lone_failure(table, case)
+    return labels.with_run_information(
+        table,
+        f"Correlation of two structures by {method.replace('_', ' ')}, {ground.name} ground",
+        f"correlate(method={method!r}, {details})",
+        {"first": first, "second": second, "ground": ground},
+    )
+
+
+def _table(rho: xr.DataArray, sides: list[xr.Dataset]) -> xr.Dataset:
+    """``rho`` beside the two responses, blank where one of them failed."""
     status = _combine(np.maximum, sides[0].status, sides[1].status)
     wrong = (status < labels.NOT_CONVERGED) & ~(np.abs(rho) <= 1 + ROUNDING)
     status = status.where(~wrong, labels.NOT_PHYSICAL)
@@ -112,18 +144,7 @@ def correlate(
     for name in SHOWN:
         for number, side in enumerate(sides, start=1):
             table[f"{name}_{number}"] = side[name]
-    table = labels.label(table.assign(status=status.astype(np.int8)))
-    case = f"correlate({first.describe()}, {second.describe()}, {ground.describe()})"
-    labels.raise_if_lone_failure(table, case)
-    if linearized and (first.yields or second.yields):
-        table.attrs["comment"] = labels.CAUTION_RHO + " " + labels.CAUTION_SIGMA
-    details = f"method={method!r}" + (f", closure={closure!r}" if method == "linearization" else "")
-    return labels.with_run_information(
-        table,
-        f"Correlation of two structures by {method.replace('_', ' ')}, {ground.name} ground",
-        f"correlate({details})",
-        {"first": first, "second": second, "ground": ground},
-    )
+    return table.assign(status=status.astype(np.int8))
 
 
 def rho_white_noise(

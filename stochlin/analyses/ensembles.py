@@ -17,7 +17,7 @@ from stochlin.kernels.stepping import LANES, FilterSteps, filter_steps
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Bilinear, BoucWen, Structure
 
-SAMPLES_PER_PERIOD = 4  # of the shortest period, for second moments
+SAMPLES_PER_PERIOD = 2  # of the shortest period; more would say little new of its variance
 BURN_IN = 5.0  # relaxation times
 MEMORY = 4e9  # bytes that a run may ask for
 

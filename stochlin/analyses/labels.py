@@ -33,7 +33,7 @@ STATUS_MEANINGS = (
     "not_a_covariance",
 )
 CURES = {
-    NOT_CONVERGED: "raise max_iterations, or loosen rtol and atol",
+    NOT_CONVERGED: "raise max_iterations; in a simulation, relaxation_times",
     INVALID_INPUT: "correct the parameters that are out of range",
     NOT_PHYSICAL: "rounding has spoiled the covariance: use less extreme parameters, or another closure",
 }

@@ -104,8 +104,8 @@ def simulate(
         arrays = [name for name, value in structure.arrays().items() if value.ndim]
         if arrays:
             raise ValueError(
-                f"structures[{number - 1}]: {', '.join(arrays)} is an array; allowed: scalars, one entry "
-                "a structure; correlate(method='simulation') takes arrays"
+                f"structures[{number - 1}]: {', '.join(arrays)} is an array; allowed: scalars, one "
+                "entry a structure; correlate(method='simulation') takes arrays"
             )
     cells = joined([cells_of(structure, ground)[0] for structure in structures])
     run = prepare(

@@ -15,7 +15,14 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from stochlin.kernels.arrays import Array
-from stochlin.kernels.stepping import LANES, FilterSteps, bilinear_block, bouc_wen_block, ground_block
+from stochlin.kernels.stepping import (
+    LANES,
+    FilterSteps,
+    add_products,
+    bilinear_block,
+    bouc_wen_block,
+    ground_block,
+)
 
 SAMPLES = 32  # of each block; a block then fits the second-level cache
 
@@ -121,9 +128,8 @@ def _gram(motion: _Motion, blocks: int) -> Array:
     """Sums of ``u_i u_j`` over the samples of the blocks, (LANES, n, n)."""
     total = np.zeros((LANES, motion.crowd.size, motion.crowd.size))
     for _ in range(blocks):
-        out = motion.block()
-        total += out @ out.transpose(0, 2, 1)
-    return total
+        add_products(motion.block(), total)
+    return total + np.tril(total, -1).transpose(0, 2, 1)
 
 
 def in_order(task: Callable[[int], Result], count: int) -> Iterator[Result]:

@@ -131,3 +131,19 @@ def bouc_wen_block(f, dt, parameters, u, v, z, every, out):  # type: ignore[no-u
                 for lane in range(LANES):
                     out[lane, n, sample] = un[lane]
                 sample += 1
+
+
+@nb.njit(nogil=True, cache=True, error_model="numpy", fastmath={"reassoc"})
+def add_products(out, total):  # type: ignore[no-untyped-def]
+    """Add ``sum_samples u_i u_j`` to the lower triangles of ``total`` (LANES, n, n).
+
+    Not left to BLAS, whose own threads get into the way of ours on matrices this small.
+    """
+    lanes, n, samples = out.shape
+    for lane in range(lanes):
+        for i in range(n):
+            for j in range(i + 1):
+                product = 0.0
+                for s in range(samples):
+                    product += out[lane, i, s] * out[lane, j, s]
+                total[lane, i, j] += product

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Iterator, Mapping
+from typing import Any, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -85,6 +85,15 @@ class Model:
             for name, value in values.items()
             if value is not None
         }
+
+    def isel(self, indexers: Mapping[str, slice]) -> Self:
+        """The model with only these cells along the dimensions that it has."""
+        parts = {
+            name: array.isel(indexers, missing_dims="ignore")
+            for name, array in self.arrays().items()
+            if array.ndim
+        }
+        return dataclasses.replace(self, **parts)
 
     def valid(self) -> xr.DataArray:
         """True for the cells in which every parameter is in its range."""
