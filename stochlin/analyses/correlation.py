@@ -42,7 +42,7 @@ def correlate(
     paths: int = 256,
     seed: int = 0,
     steps_per_period: int = 32,
-    relaxation_times: float = 40.0,
+    relaxation_times: float = 10.0,
     progress: Callable[[float], None] | None = None,
 ) -> xr.Dataset:
     """Correlation coefficient of the displacements of two structures.
@@ -82,9 +82,10 @@ def correlate(
 
     Notes
     -----
-    For yielding structures linearized ``rho`` is too large by .05 to .2 where yielding is
-    moderate, and the standard deviations are too small: a separation computed from both is
-    unsafe by a third to a half. Correlation can be negative, where the ground period lies
+    For yielding structures linearized ``rho`` is off by .05 to .2 where yielding is moderate,
+    mostly too large, and by up to .8 for structures much stiffer than a narrow-band ground; the
+    standard deviations are too small: a separation computed from both is unsafe by a third to a
+    half. Simulation takes seconds. Correlation can be negative, where the ground period lies
     between those of the structures.
 
     References

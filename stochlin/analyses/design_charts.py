@@ -8,8 +8,9 @@ scale of time, so that the ground period only sets the units.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -43,6 +44,10 @@ class ChartSettings:
         As in `linearize`.
     points : int
         Periods along an axis.
+    method : str
+        ``"linearization"`` or ``"simulation"``.
+    paths, seed : int
+        As in `simulate`.
     """
 
     damping: float = 0.05
@@ -52,6 +57,15 @@ class ChartSettings:
     ground_period: float = 2.0
     closure: str = "gaussian"
     points: int = 161
+    method: str = "linearization"
+    paths: int = 256
+    seed: int = 0
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """Keywords of `correlate` and `amplification`."""
+        names = ("method", "closure", "paths", "seed")
+        return {name: getattr(self, name) for name in names}
 
     def __post_init__(self) -> None:
         if self.points < 2:
@@ -109,9 +123,9 @@ def period_ratio_chart(settings: ChartSettings, ground: Ground, frequency_ratio:
         Bilinear(period, settings.damping, settings.hardening, reduction_factor=factors)
         for period in periods
     )
-    table = correlate(first, second, ground, closure=settings.closure)
+    table = correlate(first, second, ground, **settings.options)
     elastic_1, elastic_2 = (Bilinear(period, settings.damping) for period in periods)
-    chart = table[["rho", "status"]].transpose("reduction_factor", "period_ratio")
+    chart = table[_shown(table)].transpose("reduction_factor", "period_ratio")
     chart = chart.assign(
         rho_elastic=correlate(elastic_1, elastic_2, ground).rho,
         rho_white_noise=correlate(elastic_1, elastic_2, ground, "white_noise").rho,
@@ -142,7 +156,8 @@ def period_plane_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
         )
         for n in (1, 2)
     )
-    chart = correlate(first, second, ground, closure=settings.closure)[["rho", "status"]]
+    table = correlate(first, second, ground, **settings.options)
+    chart = table[_shown(table)]
     factor = settings.plane_reduction_factor
     return chart.assign_attrs(
         title=f"Correlation of bilinear structures, R = {factor:g}",
@@ -166,8 +181,8 @@ def amplification_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
         settings.hardening,
         reduction_factor=_reduction_factors(settings.reduction_factors),
     )
-    table = amplification(structure, ground, settings.closure)
-    chart = table[["amplification", "status"]].transpose("reduction_factor", "period_ratio")
+    table = amplification(structure, ground, **settings.options)
+    chart = table[_shown(table)].transpose("reduction_factor", "period_ratio")
     return chart.assign_attrs(
         title="Amplification of the displacement by yielding",
         caption=f"{_ground_caption(ground)}\n{_structure_caption(settings)}",
@@ -217,6 +232,11 @@ def _spectrum_chart(record: xr.DataArray, site: Ground) -> xr.Dataset:
     )
 
 
+def _shown(table: xr.Dataset) -> list[str]:
+    names = ("rho", "amplification", "rho_standard_error", "amplification_standard_error", "status")
+    return [name for name in names if name in table]
+
+
 def _frequency_title(ratio: float) -> str:
     return "ω2 = ωg" if ratio == 1 else f"ω2 = {ratio:g} ωg"
 
@@ -239,4 +259,45 @@ def _structure_caption(settings: ChartSettings) -> str:
     return (
         f"Bilinear structures: ξ = {settings.damping:g}, α = {settings.hardening:g}, R = 3 σel/uy; "
         f"linearized, {settings.closure} closure"
+    )
+
+
+def verify_chart(name: str, settings: ChartSettings) -> xr.Dataset:
+    """A chart by linearization and by simulation, and their difference.
+
+    Parameters
+    ----------
+    name : str
+        Of a chart with yielding structures, as `chart_functions` lists them.
+    settings : ChartSettings
+
+    Returns
+    -------
+    xarray.Dataset
+        The chart, ``rho_simulated``, ``rho_standard_error`` and ``rho_difference`` (linearized less
+        simulated); likewise for ``amplification``.
+
+    Raises
+    ------
+    ValueError
+        If there is nothing to simulate under this name.
+    """
+    functions = chart_functions(replace(settings, method="linearization"))
+    if name not in functions or name == "fig3a":
+        allowed = ", ".join(key for key in functions if key != "fig3a")
+        raise ValueError(f"NAME = {name!r} cannot be verified; allowed: {allowed}")
+    chart = functions[name]()
+    simulated = chart_functions(replace(settings, method="simulation"))[name]()
+    shown = "rho" if "rho" in chart else "amplification"
+    units = {"units": "1"}
+    error = f"{shown}_standard_error"
+    chart[f"{shown}_simulated"] = simulated[shown].assign_attrs(units, long_name=f"{shown}, simulated")
+    chart[error] = simulated[error]
+    chart[f"{shown}_difference"] = (chart[shown] - simulated[shown]).assign_attrs(
+        units, long_name=f"{shown}, linearized less simulated"
+    )
+    largest = float(simulated[error].max())
+    return chart.assign_attrs(
+        title=f"{chart.attrs['title']}: linearized against simulated",
+        comment=f"Simulated on {simulated.attrs['paths']} paths; standard error at most {largest:.2g}.",
     )

@@ -20,6 +20,7 @@ from stochlin.models.structures import Bilinear, BoucWen, Structure
 SAMPLES_PER_PERIOD = 2  # of the shortest period; more would say little new of its variance
 BURN_IN = 5.0  # relaxation times
 MEMORY = 4e9  # bytes that a run may ask for
+MOST_STEPS = 2e12  # of all structures on all paths: about an hour on two cores
 
 
 class Cells(NamedTuple):
@@ -129,6 +130,14 @@ def prepare(
         raise ValueError(
             f"{n} structures need {needed / 1e9:.1f} GB; allowed: {MEMORY / 1e9:.0f} GB; simulate fewer "
             "structures at a time"
+        )
+    steps = float(n * plan.groups * LANES) * (plan.burn_in + recorded) * every * SAMPLES
+    if steps > MOST_STEPS:
+        slowest = int(np.argmax(np.where(valid, cells.relaxation_time, 0)))
+        raise ValueError(
+            f"the run would take {steps:.1e} structure-steps, allowed: {MOST_STEPS:.0e}; the structure "
+            f"of period {cells.period[slowest]:.3g} s yields so rarely that its drift relaxes in "
+            f"{cells.relaxation_time[slowest]:.3g} s: leave it out, or lower paths or relaxation_times"
         )
     crowd, order, scale = _crowd(cells, valid)
     return Run(

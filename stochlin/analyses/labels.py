@@ -17,11 +17,11 @@ PAPER = (
 
 CAUTION_RHO = (
     "Caution: against exact simulation, linearized ρ is off by .05 to .2 where yielding is moderate, "
-    "mostly too large."
+    "and by up to .8 for structures much stiffer than a narrow-band ground; see 'stochlin verify'."
 )
 CAUTION_SIGMA = (
-    "Caution: against exact simulation, linearized displacements of yielding structures are 20 to 46 % "
-    "too small at α ≤ .05."
+    "Caution: against exact simulation, linearized displacements are 20 to 46 % too small at α ≤ .05, "
+    "and up to ten times for structures much stiffer than a narrow-band ground; see 'stochlin verify'."
 )
 
 CONVERGED, ELASTIC_LIMIT, NOT_CONVERGED, INVALID_INPUT, NOT_PHYSICAL = range(5)
@@ -55,6 +55,7 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "displacement_std_standard_error": ("m", "standard error of the displacement's standard deviation"),
     "rho_standard_error": ("1", "standard error of rho"),
     "drift": ("1", "variance of the second half of the run less that of the first, in standard errors"),
+    "amplification_standard_error": ("1", "standard error of the amplification"),
     "amplification": ("1", "inelastic over elastic standard deviation of the displacement"),
 }
 

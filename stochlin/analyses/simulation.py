@@ -37,7 +37,7 @@ def simulate(
     paths: int = 256,
     seed: int = 0,
     steps_per_period: int = 32,
-    relaxation_times: float = 40.0,
+    relaxation_times: float = 10.0,
     progress: Callable[[float], None] | None = None,
 ) -> xr.Dataset:
     """Stationary response of structures on one ground, by simulation of the exact laws.

@@ -140,10 +140,12 @@ def _checked(value: Any, field: dataclasses.Field[Any], model: str) -> float | x
         array = xr.DataArray(array, dims=CASE)
     if not array.size:
         raise ValueError(f"{label} is empty; allowed: at least one value")
+    described = {key: field.metadata[key] for key in ("units", "long_name")}
     array = array.astype(float)
-    for labelled in (array, *([array.coords[field.name]] if field.name in array.coords else [])):
-        labelled.attrs.setdefault("units", field.metadata["units"])
-        labelled.attrs.setdefault("long_name", field.metadata["long_name"])
+    array = array.assign_attrs(described | array.attrs)
+    if field.name in array.coords:
+        axis = array.coords[field.name]
+        array = array.assign_coords({field.name: axis.assign_attrs(described | axis.attrs)})
     return array
 
 

@@ -5,48 +5,23 @@ from __future__ import annotations
 import os
 import textwrap
 from itertools import cycle
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
 
 from stochlin.analyses.storage import whole_file
+from stochlin.views.comparisons import draw_comparison
+from stochlin.views.style import CURVES, NAMES, STYLE, plane, ratio_ticks, tenths
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
 FORMATS = ("png", "svg", "pdf")
 SIZE = (7.2, 4.6)  # inches: the width of a printed page
-STYLE: Any = {
-    "font.size": 9,
-    "axes.titlesize": 10,
-    "axes.grid": True,
-    "grid.color": "0.88",
-    "grid.linewidth": 0.6,
-    "lines.linewidth": 1.6,
-    "legend.frameon": False,
-    "svg.hashsalt": "stochlin",  # the same input gives the same file
-}
-# Dark to light, each with a dash of its own: told apart in colour, in grey and by line style.
-CURVES = (
-    ("#1b1b1b", "-"),
-    ("#8c2d04", (0, (6, 1.5))),
-    ("#2166ac", (0, (4, 1.5, 1, 1.5))),
-    ("#d07a00", (0, (2, 1))),
-    ("#4d9a8a", (0, (6, 1.5, 1, 1.5, 1, 1.5))),
-    ("#9e9ac8", (0, (1, 1))),
-)
 COMPARISONS = (("rho_elastic", "0.35", "x", "elastic"), ("rho_white_noise", "0.6", "o", "eq. (4)"))
-CAPTION_WIDTH = 110  # characters
-TICKS = (0.1, 0.25, 0.5, 1, 2, 4)
-NAMES = {
-    "damping": r"$\xi$",
-    "reduction_factor": "R",
-    "rho": r"correlation coefficient $\rho$",
-    "amplification": "amplification D, inelastic / elastic",
-}
+CAPTION_WIDTH, COMMENT_WIDTH = 110, 125  # characters
 
 
 def draw(dataset: xr.Dataset) -> Figure:
@@ -75,6 +50,9 @@ def draw(dataset: xr.Dataset) -> Figure:
         axes = figure.add_axes((0.1, 0.25, 0.64, 0.66))
         if "psd_record" in dataset:
             _spectra(axes, dataset)
+        elif any(str(name).endswith("_difference") for name in dataset):
+            axes.remove()
+            draw_comparison(figure, dataset)
         elif "period_ratio_2" in dataset.dims:
             _plane(figure, axes, dataset)
         elif "period_ratio" in dataset.dims:
@@ -84,11 +62,12 @@ def draw(dataset: xr.Dataset) -> Figure:
                 f"dataset has dimensions {tuple(dataset.dims)}; allowed: a chart, over period_ratio, "
                 "over period_ratio_1 and period_ratio_2, or a record's spectra"
             )
-        axes.set_title(dataset.attrs["title"], loc="left")
+        figure.text(0.1, 0.935, dataset.attrs["title"], size=10)
         lines = dataset.attrs.get("caption", "").splitlines()
         caption = "\n".join(textwrap.fill(line, CAPTION_WIDTH) for line in lines)
         figure.text(0.1, 0.135, caption, va="top", size=8)
-        figure.text(0.1, 0.03, dataset.attrs.get("comment", ""), va="top", size=7, style="italic")
+        comment = textwrap.fill(dataset.attrs.get("comment", ""), COMMENT_WIDTH)
+        figure.text(0.1, 0.05, comment, va="top", size=7, style="italic")
     return figure
 
 
@@ -126,7 +105,7 @@ def _curves(axes: Axes, dataset: xr.Dataset) -> None:
                 label=label,
             )
     axes.set_xscale("log")
-    _ratio_ticks(axes.xaxis, x)
+    ratio_ticks(axes.xaxis, x)
     axes.set_xlabel(table.period_ratio.attrs.get("long_name", "period ratio"))
     axes.set_ylabel(NAMES[name])
     axes.set_xlim(x[0], x[-1])
@@ -137,27 +116,8 @@ def _curves(axes: Axes, dataset: xr.Dataset) -> None:
 
 
 def _plane(figure: Figure, axes: Axes, dataset: xr.Dataset) -> None:
-    from matplotlib import colormaps
-    from matplotlib.colors import ListedColormap
-
-    rho = dataset.rho
-    x, y = rho.period_ratio_1.values, rho.period_ratio_2.values
-    lowest = np.floor(float(rho.min()) * 10) / 10
-    levels = np.round(np.arange(min(lowest, 0.0), 1.01, 0.1), 10)
-    # The upper part of cividis: lightness grows with the value, black lines stay legible on it.
-    shades = ListedColormap(colormaps["cividis"](np.linspace(0.35, 1, 256)))
-    filled = axes.contourf(x, y, rho.values.T, levels=levels, cmap=shades)
-    lines = axes.contour(x, y, rho.values.T, levels=levels, colors="0.1", linewidths=0.6)
-    axes.clabel(lines, levels=levels[::2], fontsize=7, fmt="%.1f")
-    axes.grid(visible=False)
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    _ratio_ticks(axes.xaxis, x)
-    _ratio_ticks(axes.yaxis, y)
-    axes.set_box_aspect(1)
+    filled = plane(axes, dataset.rho, tenths(dataset.rho))
     axes.set_anchor("W")
-    axes.set_xlabel("T1/Tg")
-    axes.set_ylabel("T2/Tg")
     bar = figure.colorbar(filled, cax=figure.add_axes((0.57, 0.25, 0.025, 0.66)), label=NAMES["rho"])
     bar.ax.grid(visible=False)
 
@@ -179,12 +139,3 @@ def _spectra(axes: Axes, dataset: xr.Dataset) -> None:
     axes.set_xlabel("circular frequency [rad/s]")
     axes.set_ylabel(r"two-sided PSD [m$^2$/s$^3$]")
     axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1), borderaxespad=0)
-
-
-def _ratio_ticks(axis: Axis, values: np.ndarray) -> None:
-    from matplotlib.ticker import FixedLocator, NullLocator, StrMethodFormatter
-
-    ticks = [t for t in TICKS if values[0] / 1.001 <= t <= values[-1] * 1.001]
-    axis.set_major_locator(FixedLocator(ticks))
-    axis.set_minor_locator(NullLocator())
-    axis.set_major_formatter(StrMethodFormatter("{x:g}"))

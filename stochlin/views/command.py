@@ -15,7 +15,14 @@ import click
 
 from stochlin import __version__
 from stochlin.views import options as shared
-from stochlin.views.options import CLOSURES, numbers_option, record_options, shared_option
+from stochlin.views.options import (
+    CLOSURES,
+    chart_options,
+    numbers_option,
+    record_options,
+    shared_option,
+    simulation_options,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -43,39 +50,7 @@ def bad_input() -> Iterator[None]:
 
 @main.command()
 @click.argument("name", required=False)
-@click.option(
-    "--out",
-    type=click.Path(file_okay=False, path_type=Path),
-    default=Path("figures"),
-    show_default=True,
-    help="Folder for pictures and datasets.",
-)
-@click.option(
-    "--format",
-    "picture_format",
-    type=click.Choice(["png", "svg", "pdf"]),
-    default="png",
-    show_default=True,
-)
-@click.option(
-    "--damping", type=float, default=0.05, show_default=True, help="Damping ratio of the structures."
-)
-@click.option("--hardening", type=float, default=0.05, show_default=True, help="Hardening ratio.")
-@numbers_option("--reduction-factors", "R of the curves in Figs. 4 and 5b.", "1,2,4,6")
-@click.option(
-    "--plane-reduction-factor", type=float, default=4.0, show_default=True, help="R of Fig. 5a."
-)
-@click.option(
-    "--ground-period",
-    type=float,
-    default=2.0,
-    show_default=True,
-    help="Period of the model grounds [s].",
-)
-@click.option("--closure", type=click.Choice(CLOSURES), default="gaussian", show_default=True)
-@click.option(
-    "--points", type=click.IntRange(min=2), default=161, show_default=True, help="Periods along an axis."
-)
+@chart_options(points=161, reduction_factors="1,2,4,6")
 @record_options
 def charts(
     name: str | None, out: Path, picture_format: str, record: Path | None, **options: Any
@@ -93,20 +68,12 @@ def charts(
       stochlin charts fig5a --damping .02 --hardening .1 --format pdf --out out
       stochlin charts --record taft.txt --dt .01 --units g
     """
-    from stochlin.analyses.design_charts import ChartSettings, chart_functions
+    from stochlin.analyses.design_charts import chart_functions
     from stochlin.analyses.storage import save_table
     from stochlin.views.charts import draw, save
 
     with bad_input():
-        settings = ChartSettings(
-            damping=options["damping"],
-            hardening=options["hardening"],
-            reduction_factors=tuple(options["reduction_factors"]),
-            plane_reduction_factor=options["plane_reduction_factor"],
-            ground_period=options["ground_period"],
-            closure=options["closure"],
-            points=options["points"],
-        )
+        settings = shared.chart_settings(options)
         motion, site = shared.site(record, options) if record else (None, None)
         functions = chart_functions(settings, motion, site)
         if name is not None and name not in functions:
@@ -121,6 +88,31 @@ def charts(
                 save_table(dataset, out / f"{chart}.nc")
                 save(draw(dataset), out / f"{chart}.{picture_format}")
     click.echo(f"{len(chosen)} charts and their datasets in {out}")
+
+
+@main.command()
+@click.argument("name", default="fig5a")
+@chart_options(points=31, reduction_factors="2,4,6")
+@simulation_options
+def verify(name: str, out: Path, picture_format: str, **options: Any) -> None:
+    r"""Draw the chart NAME linearized, simulated, and their difference (fig5a if not given).
+
+    \b
+    Examples:
+      stochlin verify
+      stochlin verify fig4b --reduction-factors 2,4 --paths 512
+    """
+    from stochlin.analyses.design_charts import verify_chart
+    from stochlin.analyses.storage import save_table
+    from stochlin.views.charts import draw, save
+
+    with bad_input():
+        dataset = verify_chart(name, shared.chart_settings(options))
+        out.mkdir(parents=True, exist_ok=True)
+        save_table(dataset, out / f"{name}_verified.nc")
+        save(draw(dataset), out / f"{name}_verified.{picture_format}")
+    click.echo(dataset.attrs["comment"])
+    click.echo(f"{name}_verified and its dataset in {out}")
 
 
 @main.command()
@@ -142,10 +134,11 @@ def charts(
 @numbers_option("--intensity", "S0 [m^2/s^3], two-sided; 1 if not given.")
 @click.option(
     "--method",
-    type=click.Choice(["linearization", "white_noise"]),
+    type=click.Choice(["linearization", "white_noise", "simulation"]),
     default="linearization",
     show_default=True,
 )
+@simulation_options
 @click.option("--closure", type=click.Choice(CLOSURES), default="gaussian", show_default=True)
 @click.option(
     "--out", type=click.Path(dir_okay=False, path_type=Path), help="Save the table, .nc or .csv."
@@ -170,7 +163,8 @@ def rho(record: Path | None, out: Path | None, **options: Any) -> None:
     with bad_input():
         first, second = shared.structures(options)
         ground = shared.site(record, options)[1] if record else shared.ground(options)
-        table = correlate(first, second, ground, options["method"], closure=options["closure"])
+        chosen = {key: options[key] for key in ("closure", "paths", "seed")}
+        table = correlate(first, second, ground, options["method"], **chosen)
         click.echo(f"# {table.attrs['title']}")
         for role in ("first", "second", "ground"):
             click.echo(f"# {role}: {table.attrs[role]}")
