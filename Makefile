@@ -19,6 +19,7 @@ check: $(VENV)/.dev
 
 bench: $(VENV)/.dev
 	$(BIN)/python benchmarks/tables.py
+	$(BIN)/python benchmarks/simulation.py
 
 # The lowest versions that pyproject.toml allows, in an environment of their own.
 oldest: $(VENV)/.dev

@@ -12,12 +12,14 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from stochlin.analyses.amplification import amplification
     from stochlin.analyses.correlation import correlate, rho_white_noise
+    from stochlin.analyses.finite_motions import exceedance
     from stochlin.analyses.ground_fit import fit_ground
     from stochlin.analyses.linearization import linearize
     from stochlin.analyses.record_spectra import fit_spectra
     from stochlin.analyses.records import read_record, strong_part
     from stochlin.analyses.simulation import simulate
     from stochlin.analyses.state_space import statespace, stationary_covariance
+    from stochlin.models.envelopes import AminAng, GammaEnvelope, ShinozukaSato
     from stochlin.models.grounds import CloughPenzien, KanaiTajimi, WhiteNoise
     from stochlin.models.named_grounds import ground_names, named_ground
     from stochlin.models.structures import Bilinear, BoucWen, Hysteretic
@@ -26,14 +28,18 @@ __version__ = "0.1.0"
 
 # Imported when first used: a start of the command line then costs no more than it needs.
 _HOME = {
+    "AminAng": "models.envelopes",
     "Bilinear": "models.structures",
     "BoucWen": "models.structures",
     "CloughPenzien": "models.grounds",
+    "GammaEnvelope": "models.envelopes",
     "Hysteretic": "models.structures",
     "KanaiTajimi": "models.grounds",
+    "ShinozukaSato": "models.envelopes",
     "WhiteNoise": "models.grounds",
     "amplification": "analyses.amplification",
     "correlate": "analyses.correlation",
+    "exceedance": "analyses.finite_motions",
     "fit_ground": "analyses.ground_fit",
     "fit_spectra": "analyses.record_spectra",
     "ground_names": "models.named_grounds",
@@ -41,21 +47,25 @@ _HOME = {
     "named_ground": "models.named_grounds",
     "read_record": "analyses.records",
     "rho_white_noise": "analyses.correlation",
-    "statespace": "analyses.state_space",
     "simulate": "analyses.simulation",
+    "statespace": "analyses.state_space",
     "stationary_covariance": "analyses.state_space",
     "strong_part": "analyses.records",
 }
 
 __all__ = [
+    "AminAng",
     "Bilinear",
     "BoucWen",
     "CloughPenzien",
+    "GammaEnvelope",
     "Hysteretic",
     "KanaiTajimi",
+    "ShinozukaSato",
     "WhiteNoise",
     "amplification",
     "correlate",
+    "exceedance",
     "fit_ground",
     "fit_spectra",
     "ground_names",

@@ -9,6 +9,7 @@ from stochlin.analyses.correlation import correlate
 from stochlin.analyses.equivalent_systems import solve_elastic
 from stochlin.analyses.linearization import linearize
 from stochlin.models.grounds import Ground
+from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
 
 
@@ -63,6 +64,8 @@ def amplification(
     >>> 1 < float(sl.amplification(building, sl.KanaiTajimi(2.0, 0.05)).amplification)
     True
     """
+    expect(structure, Structure, "structure")
+    expect(ground, Ground, "ground")
     elastic = solve_elastic(structure, ground).displacement_std
     if method == "linearization":
         inelastic = linearize(structure, ground, closure)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -97,13 +98,12 @@ def prepare(
     seed: int,
     steps_per_period: int,
     relaxation_times: float,
+    stationary: bool = True,
 ) -> Run:
-    """Choose step, burn-in and length from the cells and lay out the ensemble."""
-    check_whole("paths", paths, 2)
-    check_whole("seed", seed, 0)
-    check_whole("steps_per_period", steps_per_period, 8)
-    if not 1 <= relaxation_times < np.inf:
-        raise ValueError(f"relaxation_times = {relaxation_times!r}; allowed: at least 1, finite")
+    """Choose step, burn-in and length from cells and ground and lay out the ensemble.
+
+    A run that is not stationary has no burn-in and no length yet.
+    """
     valid = cells.valid
     if not valid.any():
         raise ValueError("no structure has valid parameters; correct those that are out of range")
@@ -112,10 +112,12 @@ def prepare(
     intensity = 2 * np.pi * parameters[0]
     rates = -np.linalg.eigvals(matrix).real if names else np.array([np.inf])
     relaxation = max(float(cells.relaxation_time[valid].max()), float((1 / rates).max()))
-    dt = float(cells.period[valid].min()) / steps_per_period
+    filters = 2 * np.pi / np.asarray(parameters[1::2])
+    dt = min([float(cells.period[valid].min()), *filters]) / steps_per_period
     every = max(1, steps_per_period // SAMPLES_PER_PERIOD)
     block = dt * every * SAMPLES
-    recorded = max(2, int(np.ceil(relaxation_times * relaxation / block)))
+    length = relaxation_times * relaxation if stationary else 0.0
+    recorded = max(2, int(np.ceil(length / block)))
     plan = Plan(
         dt=dt,
         every=every,
@@ -125,14 +127,9 @@ def prepare(
         seed=seed,
     )
     n = int(valid.sum())
-    needed = 8.0 * (n * n * (4 * LANES + 12) + n * LANES * (SAMPLES + 3))
-    if needed > MEMORY:
-        raise ValueError(
-            f"{n} structures need {needed / 1e9:.1f} GB; allowed: {MEMORY / 1e9:.0f} GB; simulate fewer "
-            "structures at a time"
-        )
+    check_memory(n, paths)
     steps = float(n * plan.groups * LANES) * (plan.burn_in + recorded) * every * SAMPLES
-    if steps > MOST_STEPS:
+    if stationary and steps > MOST_STEPS:
         slowest = int(np.argmax(np.where(valid, cells.relaxation_time, 0)))
         raise ValueError(
             f"the run would take {steps:.1e} structure-steps, allowed: {MOST_STEPS:.0e}; the structure "
@@ -151,10 +148,29 @@ def prepare(
     )
 
 
-def check_whole(name: str, value: object, lowest: int) -> None:
-    """Raise a ValueError unless the value is a whole number from ``lowest``."""
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < lowest:
-        raise ValueError(f"{name} = {value!r}; allowed: a whole number from {lowest}")
+def check_settings(paths: int, seed: int, steps_per_period: int, relaxation_times: float) -> None:
+    """Raise a ValueError for settings out of range; to be called before any work."""
+    for name, value, lowest in (
+        ("paths", paths, 2),
+        ("seed", seed, 0),
+        ("steps_per_period", steps_per_period, 8),
+    ):
+        if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < lowest:
+            raise ValueError(f"{name} = {value!r}; allowed: a whole number from {lowest}")
+    number = isinstance(relaxation_times, (int, float, np.number)) and relaxation_times is not True
+    if not number or not 1 <= relaxation_times < np.inf:
+        raise ValueError(f"relaxation_times = {relaxation_times!r}; allowed: at least 1, finite")
+
+
+def check_memory(structures: int, paths: int) -> None:
+    """Raise a ValueError if so many structures on one ground would not fit into memory."""
+    at_once = min(os.cpu_count() or 1, -(-paths // LANES))
+    needed = 8.0 * structures**2 * (4 * LANES * at_once + 12)
+    if needed > MEMORY:
+        raise ValueError(
+            f"{structures} structures on one ground need {needed / 1e9:.1f} GB; allowed: "
+            f"{MEMORY / 1e9:.0f} GB; simulate fewer structures at a time"
+        )
 
 
 def _crowd(cells: Cells, valid: Array) -> tuple[Crowd, Array, Array]:

@@ -57,6 +57,22 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "drift": ("1", "variance of the second half of the run less that of the first, in standard errors"),
     "amplification_standard_error": ("1", "standard error of the amplification"),
     "amplification": ("1", "inelastic over elastic standard deviation of the displacement"),
+    "peak": ("m", "largest absolute displacement"),
+    "peak_positive": ("m", "largest displacement"),
+    "peak_negative": ("m", "largest displacement the other way"),
+    "separation": ("m", "largest displacement of the structure towards structure_2"),
+    "peak_mean": ("m", "mean of the largest absolute displacement"),
+    "peak_positive_mean": ("m", "mean of the largest displacement"),
+    "separation_mean": ("m", "mean of the separation"),
+    "peak_mean_standard_error": ("m", "standard error of peak_mean"),
+    "peak_positive_mean_standard_error": ("m", "standard error of peak_positive_mean"),
+    "separation_mean_standard_error": ("m", "standard error of separation_mean"),
+    "separation_quantile": ("m", "separation not exceeded with this probability"),
+    "separation_quantile_lower": ("m", "lower end of its 95 % interval"),
+    "separation_quantile_upper": ("m", "upper end of its 95 % interval"),
+    "probability": ("1", "probability of exceeding the gap"),
+    "probability_lower": ("1", "lower end of its 95 % interval"),
+    "probability_upper": ("1", "upper end of its 95 % interval"),
 }
 
 

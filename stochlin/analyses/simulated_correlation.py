@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses import labels
-from stochlin.analyses.ensembles import cells_of, joined, prepare
+from stochlin.analyses.ensembles import cells_of, check_settings, joined, prepare
 from stochlin.analyses.simulation import NOT_STATIONARY, run_attributes, simulate_moments
 from stochlin.kernels.arrays import Array
 from stochlin.models.grounds import Ground
@@ -25,6 +25,9 @@ class SimulationSettings:
     steps_per_period: int
     relaxation_times: float
     progress: Callable[[float], None] | None
+
+    def __post_init__(self) -> None:
+        check_settings(self.paths, self.seed, self.steps_per_period, self.relaxation_times)
 
 
 def simulate_pairs(

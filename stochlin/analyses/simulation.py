@@ -1,4 +1,4 @@
-"""Exact nonlinear response by simulation: second moments of many structures on one ground."""
+"""Exact nonlinear response by simulation, of many structures on one ground."""
 
 from __future__ import annotations
 
@@ -9,12 +9,22 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses import labels
-from stochlin.analyses.ensembles import Cells, Run, cells_of, joined, prepare
+from stochlin.analyses.ensembles import (
+    Cells,
+    Run,
+    cells_of,
+    check_memory,
+    check_settings,
+    joined,
+    prepare,
+)
+from stochlin.analyses.finite_motions import simulate_finite
 from stochlin.kernels.arrays import Array
 from stochlin.kernels.ensemble import Sums, stationary_sums
 from stochlin.kernels.stepping import LANES
+from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
-from stochlin.models.parameters import expect
+from stochlin.models.parameters import Model, expect
 from stochlin.models.structures import Structure
 
 NOT_STATIONARY = 5.0  # standard errors between the variances of the two halves of a run
@@ -38,11 +48,15 @@ def simulate(
     seed: int = 0,
     steps_per_period: int = 32,
     relaxation_times: float = 10.0,
+    duration: float | None = None,
+    envelope: Envelope | None = None,
+    quantiles: Sequence[float] = (0.5, 0.84, 0.95),
     progress: Callable[[float], None] | None = None,
 ) -> xr.Dataset:
-    """Stationary response of structures on one ground, by simulation of the exact laws.
+    """Response of structures on one ground, by simulation of the exact laws.
 
-    All structures ride on the same motions, so that every pair of them is in the result.
+    Stationary second moments; with a duration, the peaks of finite motions from rest. All
+    structures ride on the same motions, so that every pair of them is in the result.
 
     Parameters
     ----------
@@ -55,11 +69,17 @@ def simulate(
     seed : int
         The same seed gives the same answer, whatever the number of cores.
     steps_per_period : int
-        Steps of the shortest period, at least 8.
+        Steps of the shortest period of structures and ground, at least 8.
     relaxation_times : float
         Length of each motion after burn-in, in units of the slowest relaxation among structures
         and ground: the larger of ``1/(xi w)`` and, for the plastic drift, ``1/(alpha k_eq)``. Burn-in
         takes five of them.
+    duration : float, optional
+        Length of each motion [s]; without it, the stationary response.
+    envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
+        Of a finite motion; without it, the motion is stationary from its start.
+    quantiles : sequence of float
+        Of the separation in finite motions, between 0 and 1.
     progress : callable, optional
         Called with the share of the work that is done.
 
@@ -69,7 +89,12 @@ def simulate(
         Over ``structure``: ``displacement_std`` [m] and ``displacement_std_standard_error``,
         ``ductility_std`` [-], ``drift`` [-]: the change of the variance from the first half of the
         run to the second in standard errors; over (``structure``, ``structure_2``): ``rho`` and
-        ``rho_standard_error``.
+        ``rho_standard_error``. With a duration instead, over ``path`` and ``structure``:
+        ``peak_positive``, ``peak_negative`` and ``peak``, the larger of the two, all [m]; over
+        ``path``, ``structure`` and ``structure_2``: ``separation`` [m], the largest ``u_1 - u_2``, the
+        gap that would just have been enough with ``structure`` on the left. Their means with standard
+        errors, and ``separation_quantile`` with a 95 % interval, ``_lower`` and ``_upper``. `exceedance`
+        takes the probability of a gap from the samples.
 
     Raises
     ------
@@ -96,17 +121,17 @@ def simulate(
     >>> bool(abs(table.rho[0, 1] - exact) < 4 * table.rho_standard_error[0, 1])
     True
     """
+    check_settings(paths, seed, steps_per_period, relaxation_times)
     expect(ground, Ground, "ground")
+    if not isinstance(structures, Sequence):
+        raise TypeError(f"structures = {structures!r}; allowed: a list of structures")
     if not structures:
         raise ValueError("structures is empty; allowed: at least one")
-    for number, structure in enumerate(structures, start=1):
-        expect(structure, Structure, f"structures[{number - 1}]")
-        arrays = [name for name, value in structure.arrays().items() if value.ndim]
-        if arrays:
-            raise ValueError(
-                f"structures[{number - 1}]: {', '.join(arrays)} is an array; allowed: scalars, one "
-                "entry a structure; correlate(method='simulation') takes arrays"
-            )
+    for number, structure in enumerate(structures):
+        expect(structure, Structure, f"structures[{number}]")
+        _refuse_arrays(structure, f"structures[{number}]")
+    _refuse_arrays(ground, "ground")
+    check_memory(len(structures), paths)
     cells = joined([cells_of(structure, ground)[0] for structure in structures])
     run = prepare(
         cells,
@@ -115,9 +140,22 @@ def simulate(
         seed=seed,
         steps_per_period=steps_per_period,
         relaxation_times=relaxation_times,
+        stationary=duration is None,
     )
-    moments = simulate_moments(cells, run, progress)
     names = [f"{n}" for n in range(1, len(structures) + 1)]
+    models = {f"structure_{n}": s for n, s in zip(names, structures, strict=True)}
+    if duration is not None:
+        table = simulate_finite(run, duration, envelope, quantiles, progress)
+        table = table.assign_coords(structure=names, structure_2=names)
+        return labels.with_run_information(
+            labels.label(table),
+            f"Simulation of {len(structures)} structures in finite motions, {ground.name} ground",
+            f"simulate(paths={paths}, seed={seed}, duration={duration})",
+            models | {"ground": ground},
+        )
+    if envelope is not None:
+        raise ValueError("envelope is given without a duration; allowed: both, or neither")
+    moments = simulate_moments(cells, run, progress)
     table = xr.Dataset(
         {
             "displacement_std": ("structure", moments.displacement_std),
@@ -129,13 +167,21 @@ def simulate(
         },
         coords={"structure": names, "structure_2": names},
     )
-    models = {f"structure_{n}": s for n, s in zip(names, structures, strict=True)}
     return labels.with_run_information(
         labels.label(table).assign_attrs(run_attributes(run)),
         f"Simulation of {len(structures)} structures, {ground.name} ground",
         f"simulate(paths={paths}, seed={seed})",
         models | {"ground": ground},
     )
+
+
+def _refuse_arrays(model: Model, role: str) -> None:
+    arrays = [name for name, value in model.arrays().items() if value.ndim]
+    if arrays:
+        raise ValueError(
+            f"{role}: {', '.join(arrays)} is an array; allowed: scalars, one structure an entry; "
+            "correlate(method='simulation') takes arrays"
+        )
 
 
 def simulate_moments(cells: Cells, run: Run, progress: Callable[[float], None] | None) -> Moments:

@@ -22,9 +22,10 @@ from stochlin.kernels.stepping import (
     bilinear_block,
     bouc_wen_block,
     ground_block,
+    keep_extremes,
 )
 
-SAMPLES = 32  # of each block; a block then fits the second-level cache
+SAMPLES = 32  # of each block, unless a plan says otherwise: it then fits the second-level cache
 
 Result = TypeVar("Result")
 Progress = Callable[[float], None]
@@ -51,6 +52,15 @@ class Plan(NamedTuple):
     recorded: int  # blocks
     groups: int
     seed: int
+    samples: int = SAMPLES  # of a block
+
+
+class Extremes(NamedTuple):
+    """Of each motion over its whole length: largest and smallest displacement, largest difference."""
+
+    highest: Array  # (motions, n)
+    lowest: Array  # (motions, n)
+    difference: Array  # (motions, n, n): of the first index less the second
 
 
 class Sums(NamedTuple):
@@ -73,9 +83,9 @@ class _Motion:
         self.random = np.random.Generator(np.random.SFC64(stream))
         self.q = np.ascontiguousarray(root @ self.random.standard_normal((len(root), LANES)))
         self.state = np.zeros((3, crowd.size, LANES))
-        steps = plan.every * SAMPLES
+        steps = plan.every * plan.samples
         self.xi, self.f = np.empty((steps, LANES)), np.empty((steps, LANES))
-        self.out = np.empty((LANES, crowd.size, SAMPLES))
+        self.out = np.empty((LANES, crowd.size, plan.samples))
 
     def block(self, envelope: Array | None = None) -> Array:
         """Move on by one block; displacements (LANES, n, SAMPLES)."""
@@ -104,7 +114,7 @@ def stationary_sums(
         first, second = (np.einsum("lii->li", half) for half in halves)
         weight = plan.recorded // 2 / (plan.recorded - plan.recorded // 2)
         change = weight * second - first
-        moments = (halves[0] + halves[1]) / (plan.recorded * SAMPLES)
+        moments = (halves[0] + halves[1]) / (plan.recorded * plan.samples)
         own = np.einsum("lii->li", moments)
         return Sums(
             moments.sum(axis=0),
@@ -122,6 +132,40 @@ def stationary_sums(
             progress((group + 1) / plan.groups)
     assert total is not None
     return total
+
+
+def finite_extremes(
+    crowd: Crowd,
+    scale: Array,
+    ground: FilterSteps,
+    root: Array,
+    plan: Plan,
+    envelope: Array,
+    progress: Progress | None,
+) -> Extremes:
+    """Motions from rest under an envelope, which has a value a step.
+
+    ``scale`` (n,) puts all structures into metres. The plan takes every step; its burn-in and
+    length are not used.
+    """
+
+    def run(group: int) -> Extremes:
+        motion = _Motion(crowd, ground, root, plan, group)
+        size = (LANES, crowd.size)
+        extremes = Extremes(np.zeros(size), np.zeros(size), np.zeros((*size, crowd.size)))
+        for begin in range(0, envelope.size, plan.samples):
+            part = envelope[begin : begin + plan.samples]
+            shape = np.concatenate([part, np.zeros(plan.samples - part.size)])
+            out = motion.block(shape)
+            keep_extremes(out[:, :, : part.size], scale, *extremes)
+        return extremes
+
+    parts = []
+    for group, extremes in enumerate(in_order(run, plan.groups)):
+        parts.append(extremes)
+        if progress is not None:
+            progress((group + 1) / plan.groups)
+    return Extremes(*(np.concatenate(field) for field in zip(*parts, strict=True)))
 
 
 def _gram(motion: _Motion, blocks: int) -> Array:

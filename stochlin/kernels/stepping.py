@@ -147,3 +147,22 @@ def add_products(out, total):  # type: ignore[no-untyped-def]
                 for s in range(samples):
                     product += out[lane, i, s] * out[lane, j, s]
                 total[lane, i, j] += product
+
+
+@nb.njit(nogil=True, cache=True, error_model="numpy")
+def keep_extremes(out, scale, highest, lowest, difference):  # type: ignore[no-untyped-def]
+    """Update the extremes of displacements and of their differences with the samples of ``out``."""
+    lanes, n, samples = out.shape
+    for lane in range(lanes):
+        for i in range(n):
+            for s in range(samples):
+                first = scale[i] * out[lane, i, s]
+                highest[lane, i] = max(highest[lane, i], first)
+                lowest[lane, i] = min(lowest[lane, i], first)
+            for j in range(n):
+                if i != j:
+                    largest = difference[lane, i, j]
+                    for s in range(samples):
+                        apart = scale[i] * out[lane, i, s] - scale[j] * out[lane, j, s]
+                        largest = max(largest, apart)
+                    difference[lane, i, j] = largest

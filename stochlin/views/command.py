@@ -102,8 +102,8 @@ def verify(name: str, out: Path, picture_format: str, **options: Any) -> None:
       stochlin verify
       stochlin verify fig4b --reduction-factors 2,4 --paths 512
     """
-    from stochlin.analyses.design_charts import verify_chart
     from stochlin.analyses.storage import save_table
+    from stochlin.analyses.verification import verify_chart
     from stochlin.views.charts import draw, save
 
     with bad_input():

@@ -1,0 +1,218 @@
+"""Structure-steps per second of a simulation, beside numpy over paths and OpenSeesPy, within one run.
+
+A structure-step moves one structure on one motion by one step. OpenSeesPy is left out where it does
+not load.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import importlib
+import importlib.util
+import os
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+from unittest import mock
+
+import numpy as np
+
+import stochlin as sl
+from stochlin.analyses.ensembles import Run, cells_of, joined, prepare
+from stochlin.kernels.arrays import Array
+from stochlin.kernels.ensemble import SAMPLES, stationary_sums
+from stochlin.kernels.stepping import LANES, FilterSteps, bilinear_block, ground_block
+
+REPEATS = 5
+SOIL = sl.KanaiTajimi(2.0, 0.05)
+NUMPY_PATHS, NUMPY_STEPS = 2048, 400
+OPENSEES_STEPS = 40_000
+
+
+def building(period: float) -> sl.Bilinear:
+    return sl.Bilinear(period, damping=0.05, hardening=0.05, reduction_factor=4)
+
+
+def ready(count: int, paths: int = 256, relaxation_times: float = 10.0) -> Run:
+    """An ensemble of ``count`` structures, from half to twice the period of the ground."""
+    structures = [building(period) for period in np.geomspace(1, 4, count)]
+    cells = joined([cells_of(structure, SOIL)[0] for structure in structures])
+    lengths = {"steps_per_period": 32, "relaxation_times": relaxation_times}
+    return prepare(cells, SOIL, paths=paths, seed=0, **lengths)
+
+
+def seconds(task: Callable[[], object], repeats: int = REPEATS) -> float:
+    """Median time of a task, the first run left out."""
+    task()
+    times = []
+    for _ in range(repeats):
+        begin = time.perf_counter()
+        task()
+        times.append(time.perf_counter() - begin)
+    return float(np.median(times))
+
+
+def lane_steps(run: Run) -> int:
+    plan = run.plan
+    return plan.groups * LANES * plan.every * SAMPLES * (plan.burn_in + plan.recorded)
+
+
+def ensemble_rate(count: int, threads: int) -> float:
+    """All of it: random numbers, ground, structures, moments."""
+    run = ready(count)
+    with mock.patch("os.cpu_count", return_value=threads):
+        spent = seconds(lambda: stationary_sums(run.crowd, run.ground, run.root, run.plan, None))
+    return count * lane_steps(run) / spent
+
+
+def parts(count: int) -> dict[str, float]:
+    """Seconds a structure-step of each part of a block, on one thread."""
+    run = ready(count)
+    steps = run.plan.every * SAMPLES
+    rng = np.random.Generator(np.random.SFC64(0))
+    xi, f = np.empty((steps, LANES)), np.empty((steps, LANES))
+    q, state = np.zeros((len(run.root), LANES)), np.zeros((3, count, LANES))
+    out, total = np.empty((LANES, count, SAMPLES)), np.zeros((LANES, count, count))
+    law, plan = run.crowd.bilinear, run.plan
+
+    def gram() -> None:
+        np.add(total, out @ out.transpose(0, 2, 1), out=total)
+
+    tasks: dict[str, Callable[[], object]] = {
+        "random": lambda: rng.standard_normal(out=xi),
+        "ground": lambda: ground_block(xi, q, *run.ground, f),
+        "dynamics": lambda: bilinear_block(f, plan.dt, law, *state, plan.every, out),
+        "moments": gram,
+    }
+    times = {
+        name: seconds(lambda task=task: [task() for _ in range(20)]) for name, task in tasks.items()
+    }
+    return {name: spent / (20 * count * steps * LANES) for name, spent in times.items()}
+
+
+def numpy_loop(ground: FilterSteps, dt: float, law: Array, rng: np.random.Generator) -> None:
+    """The same steps in plain numpy, vectorized over paths and structures."""
+    d, k, h, scale = law.T[:, :, None]
+    half = 0.5 * dt
+    u, v, z = np.zeros((3, len(law), NUMPY_PATHS))
+    q = np.zeros((len(ground.gain), NUMPY_PATHS))
+    elastic = 1 / (1 + half * d + half**2 * (k + h))
+    plastic = 1 / (1 + half * d + half**2 * k)
+    for _ in range(NUMPY_STEPS):
+        new = ground.transition @ q + ground.gain[:, None] * rng.standard_normal(NUMPY_PATHS)
+        f = 0.5 * ground.output @ (q + new)
+        base = v * (1 - half * d - half**2 * k) + dt * scale * f - dt * k * u
+        v_new = (base - dt * h * z - half**2 * h * v) * elastic
+        z_new = z + half * (v + v_new)
+        limit = np.clip(z_new, -1, 1)
+        v_new = np.where(limit != z_new, (base - half * h * (z + limit)) * plastic, v_new)
+        u += half * (v + v_new)
+        q, v, z = new, v_new, limit
+
+
+def numpy_rate(count: int) -> float:
+    run = ready(count)
+    rng = np.random.Generator(np.random.SFC64(0))
+    spent = seconds(lambda: numpy_loop(run.ground, run.plan.dt, run.crowd.bilinear, rng), 3)
+    return count * NUMPY_PATHS * NUMPY_STEPS / spent
+
+
+def load_opensees() -> Any:
+    """OpenSeesPy or None; its Linux wheels carry libraries that the linker may not find."""
+    bundle = importlib.util.find_spec("openseespylinux")
+    for folder in (bundle.submodule_search_locations or []) if bundle else []:
+        for pattern in ("libquadmath*", "libgfortran*", "libblas*", "liblapack*"):
+            for library in sorted(Path(folder, "lib").glob(pattern)):
+                try:
+                    ctypes.CDLL(str(library), mode=ctypes.RTLD_GLOBAL)
+                except OSError:
+                    continue  # then the import below tells
+    try:
+        return importlib.import_module("openseespy.opensees")
+    except (ImportError, RuntimeError, OSError):
+        return None
+
+
+def opensees_rate(ops: Any) -> float:
+    """A pair of Steel01 springs with dashpots, one call for the whole motion."""
+    dt = 1 / 32
+    motion = 3 * np.random.default_rng(0).standard_normal(OPENSEES_STEPS + 1)
+
+    def build() -> None:
+        ops.wipe()
+        ops.model("basic", "-ndm", 1, "-ndf", 1)
+        for n, period in enumerate((1.0, 2.0)):
+            w = 2 * np.pi / period
+            ops.node(2 * n, 0.0)
+            ops.node(2 * n + 1, 0.0)
+            ops.fix(2 * n, 1)
+            ops.mass(2 * n + 1, 1.0)
+            ops.uniaxialMaterial("Steel01", 2 * n, 0.02 * w**2, w**2, 0.05)
+            ops.uniaxialMaterial("Viscous", 2 * n + 1, 0.1 * w, 1.0)
+            ops.element("zeroLength", n, 2 * n, 2 * n + 1, "-mat", 2 * n, 2 * n + 1, "-dir", 1, 1)
+        ops.timeSeries("Path", 1, "-dt", dt, "-values", *motion, 0.0)
+        ops.pattern("UniformExcitation", 1, 1, "-accel", 1)
+        ops.constraints("Plain")
+        ops.numberer("Plain")
+        ops.system("FullGeneral")
+        ops.test("NormUnbalance", 1e-9, 20)
+        ops.algorithm("Newton")
+        ops.integrator("Newmark", 0.5, 0.25)
+        ops.analysis("Transient")
+
+    times = []
+    for _ in range(REPEATS):
+        build()
+        begin = time.perf_counter()
+        if ops.analyze(OPENSEES_STEPS, dt) != 0:
+            raise RuntimeError("OpenSees did not converge")
+        times.append(time.perf_counter() - begin)
+    ops.wipe()
+    return 2 * OPENSEES_STEPS / float(np.median(times))
+
+
+def chart(count: int = 60) -> None:
+    """A square chart of rho: one run gives every pair."""
+    structures = [building(period) for period in np.geomspace(0.5, 8, count)]
+    begin = time.perf_counter()
+    cells = joined([cells_of(structure, SOIL)[0] for structure in structures])
+    setup = time.perf_counter() - begin
+    begin = time.perf_counter()
+    table = sl.simulate(structures, SOIL)
+    spent = time.perf_counter() - begin
+    steps = (table.attrs["recorded_s"] + table.attrs["burn_in_s"]) / table.attrs["step_s"]
+    rate = count * table.attrs["paths"] * steps / (spent - setup)
+    print(
+        f"chart {count} x {count}: {spent:.1f} s, of which {setup:.2f} s before the first step; "
+        f"{rate:.3g} structure-steps/s; {cells.valid.size} structures, {table.attrs['paths']} paths, "
+        f"largest rho_standard_error {float(table.rho_standard_error.max()):.4f}"
+    )
+
+
+def main() -> None:
+    """Print one table."""
+    cores = os.cpu_count() or 1
+    ops = load_opensees()
+    opensees = opensees_rate(ops) if ops else np.nan
+    print(f"{cores} cores; rates in structure-steps/s; OpenSeesPy, a pair: {opensees:.3g}")
+    print(
+        f"{'structures':>10} {'dynamics':>9} {'1 thread':>9} {'2 threads':>9} {'numpy':>9} "
+        f"{'x numpy':>8} {'x OpenSees':>10}   ns a structure-step, 1 thread"
+    )
+    for count in (2, 10, 60):
+        shares = parts(count)
+        one, two = ensemble_rate(count, 1), ensemble_rate(count, 2)
+        plain = numpy_rate(count)
+        told = ", ".join(f"{name} {1e9 * value:.2f}" for name, value in shares.items())
+        dynamics = 1 / shares["dynamics"]
+        print(
+            f"{count:>10} {dynamics:9.3g} {one:9.3g} {two:9.3g} {plain:9.3g} {two / plain:8.0f} "
+            f"{two / opensees:10.0f}   {told}",
+            flush=True,
+        )
+    chart()
+
+
+if __name__ == "__main__":
+    main()
