@@ -150,18 +150,11 @@ class _Cells(NamedTuple):
         scaled[0] /= uy**2  # the forcing of ductility, f / uy
         start = np.sqrt(np.stack([own.mu_mu, own.v_v])) / uy
         solve = self._amplitude_average if self.closure == NARROW_BAND else self._fixed_point
-        return self._report(solve(w, damping, hardening, law, scaled, start, self.tolerance), ground, uy)
+        batch = _Batch(w, damping, hardening, law, scaled, start)
+        return self._report(solve(batch, self.tolerance), ground, uy)
 
-    def _fixed_point(
-        self,
-        w: Array,
-        damping: Array,
-        hardening: Array,
-        law: Array,
-        ground: Array,
-        start: Array,
-        tolerance: Tolerance,
-    ) -> _Solution:
+    def _fixed_point(self, batch: _Batch, tolerance: Tolerance) -> _Solution:
+        w, damping, hardening, law, ground, start = batch
         elastic = linear_system(w, damping)
         oscillator = np.stack([w**2, elastic.damping, (1 - hardening) * w**2])
         latent = np.stack([start[1], np.minimum(start[0], 1), np.full_like(w, 0.1)])
@@ -183,16 +176,9 @@ class _Cells(NamedTuple):
         system = EquivalentSystem(*(np.where(still, e, s) for e, s in pairs))
         return _Solution(system, solved.iterations, solved.residual, solved.converged, still)
 
-    def _amplitude_average(
-        self,
-        w: Array,
-        damping: Array,
-        hardening: Array,
-        law: Array,
-        ground: Array,
-        start: Array,
-        tolerance: Tolerance,
-    ) -> _Solution:
+    def _amplitude_average(self, batch: _Batch, tolerance: Tolerance) -> _Solution:
+        w, damping, hardening, _, ground, start = batch
+
         def sigma_of(system: EquivalentSystem, cells: Array) -> Array:
             forcing = self.ground.forcing(system, ground[:, cells])
             return np.sqrt(own_covariance(system, forcing).mu_mu)
@@ -237,6 +223,17 @@ class _Cells(NamedTuple):
             "residual": solution.residual,
             "status": status,
         }
+
+
+class _Batch(NamedTuple):
+    """Yielding structures, in units of their yield displacement."""
+
+    w: Array
+    damping: Array
+    hardening: Array
+    law: Array  # (m, n)
+    ground: Array  # (k, n)
+    start: Array  # (2, n): elastic standard deviations of mu and mu'
 
 
 class _Solution(NamedTuple):
