@@ -24,7 +24,7 @@ def linearize(
     """Stationary response of a hysteretic structure by statistical linearization.
 
     The covariance of the linear system with coefficients ``(c_e, k_e)`` and the coefficients
-    that the closure finds for this covariance are iterated, by Newton's method, until they
+    that the closure finds for this covariance are iterated, by a damped Newton's method, until they
     agree.
 
     Parameters
