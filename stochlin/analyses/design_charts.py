@@ -132,11 +132,9 @@ def period_ratio_chart(settings: ChartSettings, ground: Ground, frequency_ratio:
     )
     chart.rho_elastic.attrs["long_name"] = "rho of elastic structures on this ground"
     chart.rho_white_noise.attrs["long_name"] = "rho of elastic structures under white noise, eq. (4)"
-    return chart.assign_attrs(
-        title=f"Correlation of bilinear structures, {_frequency_title(frequency_ratio)}",
-        caption=f"{_ground_caption(ground)}; T2 = {second_period:.3g} s\n{_structure_caption(settings)}",
-        comment=labels.CAUTION_RHO,
-    )
+    title = f"Correlation of bilinear structures, {_frequency_title(frequency_ratio)}"
+    where = f"{_ground_caption(ground)}; T2 = {second_period:.3g} s"
+    return _captioned(chart, title, where, settings, labels.CAUTION_RHO)
 
 
 def period_plane_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
@@ -157,13 +155,9 @@ def period_plane_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
         for n in (1, 2)
     )
     table = correlate(first, second, ground, **settings.options)
+    title = f"Correlation of bilinear structures, R = {settings.plane_reduction_factor:g}"
     chart = table[_shown(table)]
-    factor = settings.plane_reduction_factor
-    return chart.assign_attrs(
-        title=f"Correlation of bilinear structures, R = {factor:g}",
-        caption=f"{_ground_caption(ground)}\n{_structure_caption(settings)}",
-        comment=labels.CAUTION_RHO,
-    )
+    return _captioned(chart, title, _ground_caption(ground), settings, labels.CAUTION_RHO)
 
 
 def amplification_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
@@ -183,11 +177,8 @@ def amplification_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
     )
     table = amplification(structure, ground, **settings.options)
     chart = table[_shown(table)].transpose("reduction_factor", "period_ratio")
-    return chart.assign_attrs(
-        title="Amplification of the displacement by yielding",
-        caption=f"{_ground_caption(ground)}\n{_structure_caption(settings)}",
-        comment=labels.CAUTION_SIGMA,
-    )
+    title = "Amplification of the displacement by yielding"
+    return _captioned(chart, title, _ground_caption(ground), settings, labels.CAUTION_SIGMA)
 
 
 def chart_functions(
@@ -255,8 +246,14 @@ def _ground_caption(ground: Ground) -> str:
     return text
 
 
-def _structure_caption(settings: ChartSettings) -> str:
-    return (
-        f"Bilinear structures: ξ = {settings.damping:g}, α = {settings.hardening:g}, R = 3 σel/uy; "
-        f"linearized, {settings.closure} closure"
+def _captioned(
+    chart: xr.Dataset, title: str, where: str, settings: ChartSettings, caution: str
+) -> xr.Dataset:
+    """Add what the picture states; the caution is for linearized charts alone."""
+    linearized = settings.method == "linearization"
+    how = f"linearized, {settings.closure} closure" if linearized else "simulated"
+    structures = (
+        f"Bilinear structures: ξ = {settings.damping:g}, α = {settings.hardening:g}, R = 3 σel/uy; {how}"
     )
+    chart = chart.assign_attrs(title=title, caption=f"{where}\n{structures}")
+    return chart.assign_attrs(comment=caution) if linearized else chart

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+import scipy.linalg
 import xarray as xr
 
 from stochlin.analyses import labels
@@ -195,9 +196,7 @@ def _root(matrix: Array, noise: Array, intensity: float) -> Array:
     """Square root of the stationary covariance of the filter: paths start stationary."""
     if not len(noise):
         return np.zeros((0, 0))
-    from scipy.linalg import solve_continuous_lyapunov
-
-    covariance = solve_continuous_lyapunov(matrix, -intensity * np.outer(noise, noise))
+    covariance = scipy.linalg.solve_continuous_lyapunov(matrix, -intensity * np.outer(noise, noise))
     values, vectors = np.linalg.eigh(0.5 * (covariance + covariance.T))
     root: Array = vectors * np.sqrt(np.maximum(values, 0))
     return root

@@ -19,6 +19,21 @@ CONFIDENCE = 0.95
 BLOCK = 256  # steps
 
 
+def check_motion(duration: float | None, envelope: Envelope | None, quantiles: Sequence[float]) -> None:
+    """Raise for what is no finite motion; to be called before any work."""
+    if duration is None:
+        if envelope is not None:
+            raise ValueError("envelope is given without a duration; allowed: both, or neither")
+        return
+    if not isinstance(duration, (int, float)) or not 0 < duration < np.inf:
+        raise ValueError(f"duration = {duration!r}; allowed: a positive number of seconds")
+    levels = np.asarray(quantiles, float)
+    if levels.ndim != 1 or not levels.size or not ((levels > 0) & (levels < 1)).all():
+        raise ValueError(f"quantiles = {quantiles!r}; allowed: numbers between 0 and 1")
+    if envelope is not None:
+        expect(envelope, Envelope, "envelope")
+
+
 def simulate_finite(
     run: Run,
     duration: float,
@@ -27,13 +42,7 @@ def simulate_finite(
     progress: Progress | None,
 ) -> xr.Dataset:
     """What `simulate` returns for a duration, over numbered structures."""
-    if not isinstance(duration, (int, float)) or not 0 < duration < np.inf:
-        raise ValueError(f"duration = {duration!r}; allowed: a positive number of seconds")
     levels = np.asarray(quantiles, float)
-    if levels.ndim != 1 or not levels.size or not ((levels > 0) & (levels < 1)).all():
-        raise ValueError(f"quantiles = {quantiles!r}; allowed: numbers between 0 and 1")
-    if envelope is not None:
-        expect(envelope, Envelope, "envelope")
     plan = run.plan._replace(every=1, samples=BLOCK)
     middle = plan.dt * (np.arange(int(np.ceil(duration / plan.dt))) + 0.5)
     shape = np.ones_like(middle) if envelope is None else envelope.at(middle)

@@ -18,7 +18,7 @@ from stochlin.analyses.ensembles import (
     joined,
     prepare,
 )
-from stochlin.analyses.finite_motions import simulate_finite
+from stochlin.analyses.finite_motions import check_motion, simulate_finite
 from stochlin.kernels.arrays import Array
 from stochlin.kernels.ensemble import Sums, stationary_sums
 from stochlin.kernels.stepping import LANES
@@ -122,6 +122,7 @@ def simulate(
     True
     """
     check_settings(paths, seed, steps_per_period, relaxation_times)
+    check_motion(duration, envelope, quantiles)
     expect(ground, Ground, "ground")
     if not isinstance(structures, Sequence):
         raise TypeError(f"structures = {structures!r}; allowed: a list of structures")
@@ -153,8 +154,6 @@ def simulate(
             f"simulate(paths={paths}, seed={seed}, duration={duration})",
             models | {"ground": ground},
         )
-    if envelope is not None:
-        raise ValueError("envelope is given without a duration; allowed: both, or neither")
     moments = simulate_moments(cells, run, progress)
     table = xr.Dataset(
         {

@@ -1,4 +1,4 @@
-"""The command line: ``stochlin charts`` and ``stochlin rho``.
+"""The command line: ``stochlin charts``, ``stochlin verify`` and ``stochlin rho``.
 
 Libraries are imported inside the commands: ``stochlin --help`` should not wait for them.
 """
@@ -69,8 +69,6 @@ def charts(
       stochlin charts --record taft.txt --dt .01 --units g
     """
     from stochlin.analyses.design_charts import chart_functions
-    from stochlin.analyses.storage import save_table
-    from stochlin.views.charts import draw, save
 
     with bad_input():
         settings = shared.chart_settings(options)
@@ -84,9 +82,7 @@ def charts(
             chosen.items(), label="charts", file=sys.stderr, item_show_func=lambda item: item and item[0]
         ) as bar:
             for chart, compute in bar:
-                dataset = compute()
-                save_table(dataset, out / f"{chart}.nc")
-                save(draw(dataset), out / f"{chart}.{picture_format}")
+                _write_chart(compute(), out / chart, picture_format)
     click.echo(f"{len(chosen)} charts and their datasets in {out}")
 
 
@@ -102,15 +98,12 @@ def verify(name: str, out: Path, picture_format: str, **options: Any) -> None:
       stochlin verify
       stochlin verify fig4b --reduction-factors 2,4 --paths 512
     """
-    from stochlin.analyses.storage import save_table
     from stochlin.analyses.verification import verify_chart
-    from stochlin.views.charts import draw, save
 
     with bad_input():
         dataset = verify_chart(name, shared.chart_settings(options))
         out.mkdir(parents=True, exist_ok=True)
-        save_table(dataset, out / f"{name}_verified.nc")
-        save(draw(dataset), out / f"{name}_verified.{picture_format}")
+        _write_chart(dataset, out / f"{name}_verified", picture_format)
     click.echo(dataset.attrs["comment"])
     click.echo(f"{name}_verified and its dataset in {out}")
 
@@ -153,7 +146,7 @@ def rho(record: Path | None, out: Path | None, **options: Any) -> None:
     \b
     Examples:
       stochlin rho --period-1 .7 --period-2 1
-      stochlin rho --period-1 .2:2:19 --period-2 1 --hardening .05 --reduction-factor 2,4,6 \\
+      stochlin rho --period-1 .2:2:19 --period-2 1 --hardening .05 --reduction-factor 2,4,6 \
           --ground kanai-tajimi --ground-period 2 --ground-damping .05 --out table.nc
       stochlin rho --period 1 --period-2 1.2 --record taft.txt --dt .01 --units g
     """
@@ -174,6 +167,15 @@ def rho(record: Path | None, out: Path | None, **options: Any) -> None:
         if out is not None:
             save_table(table, out)
             click.echo(f"# saved {out}")
+
+
+def _write_chart(dataset: xr.Dataset, stem: Path, picture_format: str) -> None:
+    """The dataset, and the picture drawn from it beside it."""
+    from stochlin.analyses.storage import save_table
+    from stochlin.views.charts import draw, save
+
+    save_table(dataset, stem.with_name(f"{stem.name}.nc"))
+    save(draw(dataset), stem.with_name(f"{stem.name}.{picture_format}"))
 
 
 def _on_screen(table: xr.Dataset) -> str:
