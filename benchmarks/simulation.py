@@ -22,7 +22,8 @@ import stochlin as sl
 from stochlin.analyses.ensembles import Run, cells_of, joined, prepare
 from stochlin.kernels.arrays import Array
 from stochlin.kernels.ensemble import SAMPLES, stationary_sums
-from stochlin.kernels.stepping import LANES, FilterSteps, bilinear_block, ground_block
+from stochlin.kernels.normal_numbers import fill_normal, generator_state
+from stochlin.kernels.stepping import LANES, FilterSteps, add_products, bilinear_block, ground_block
 
 REPEATS = 5
 SOIL = sl.KanaiTajimi(2.0, 0.05)
@@ -70,20 +71,17 @@ def parts(count: int) -> dict[str, float]:
     """Seconds a structure-step of each part of a block, on one thread."""
     run = ready(count)
     steps = run.plan.every * SAMPLES
-    rng = np.random.Generator(np.random.SFC64(0))
+    random = generator_state(0, 0, LANES)
     xi, f = np.empty((steps, LANES)), np.empty((steps, LANES))
     q, state = np.zeros((len(run.root), LANES)), np.zeros((3, count, LANES))
     out, total = np.empty((LANES, count, SAMPLES)), np.zeros((LANES, count, count))
     law, plan = run.crowd.bilinear, run.plan
 
-    def gram() -> None:
-        np.add(total, out @ out.transpose(0, 2, 1), out=total)
-
     tasks: dict[str, Callable[[], object]] = {
-        "random": lambda: rng.standard_normal(out=xi),
+        "random": lambda: fill_normal(random, xi),
         "ground": lambda: ground_block(xi, q, *run.ground, f),
         "dynamics": lambda: bilinear_block(f, plan.dt, law, *state, plan.every, out),
-        "moments": gram,
+        "moments": lambda: add_products(out, total),
     }
     times = {
         name: seconds(lambda task=task: [task() for _ in range(20)]) for name, task in tasks.items()
@@ -100,15 +98,16 @@ def numpy_loop(ground: FilterSteps, dt: float, law: Array, rng: np.random.Genera
     elastic = 1 / (1 + half * d + half**2 * (k + h))
     plastic = 1 / (1 + half * d + half**2 * k)
     for _ in range(NUMPY_STEPS):
-        new = ground.transition @ q + ground.gain[:, None] * rng.standard_normal(NUMPY_PATHS)
-        f = 0.5 * ground.output @ (q + new)
+        xi = rng.standard_normal(NUMPY_PATHS)
+        f = ground.row @ q + ground.direct * xi
+        q = ground.transition @ q + ground.gain[:, None] * xi
         base = v * (1 - half * d - half**2 * k) + dt * scale * f - dt * k * u
         v_new = (base - dt * h * z - half**2 * h * v) * elastic
         z_new = z + half * (v + v_new)
         limit = np.clip(z_new, -1, 1)
         v_new = np.where(limit != z_new, (base - half * h * (z + limit)) * plastic, v_new)
         u += half * (v + v_new)
-        q, v, z = new, v_new, limit
+        v, z = v_new, limit
 
 
 def numpy_rate(count: int) -> float:

@@ -15,6 +15,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from stochlin.kernels.arrays import Array
+from stochlin.kernels.normal_numbers import fill_normal, generator_state
 from stochlin.kernels.stepping import (
     LANES,
     FilterSteps,
@@ -79,9 +80,10 @@ class _Motion:
 
     def __init__(self, crowd: Crowd, ground: FilterSteps, root: Array, plan: Plan, group: int) -> None:
         self.crowd, self.ground, self.plan = crowd, ground, plan
-        stream = np.random.SeedSequence(plan.seed, spawn_key=(group,))
-        self.random = np.random.Generator(np.random.SFC64(stream))
-        self.q = np.ascontiguousarray(root @ self.random.standard_normal((len(root), LANES)))
+        self.random = generator_state(plan.seed, group, LANES)
+        start = np.empty((len(root), LANES))
+        fill_normal(self.random, start)
+        self.q = np.ascontiguousarray(root @ start)
         self.state = np.zeros((3, crowd.size, LANES))
         steps = plan.every * plan.samples
         self.xi, self.f = np.empty((steps, LANES)), np.empty((steps, LANES))
@@ -90,7 +92,7 @@ class _Motion:
     def block(self, envelope: Array | None = None) -> Array:
         """Move on by one block; displacements (LANES, n, SAMPLES)."""
         plan, n = self.plan, len(self.crowd.bilinear)
-        self.random.standard_normal(out=self.xi)
+        fill_normal(self.random, self.xi)
         ground_block(self.xi, self.q, *self.ground, self.f)
         if envelope is not None:
             self.f *= envelope[:, None]
