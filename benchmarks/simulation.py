@@ -19,7 +19,8 @@ from unittest import mock
 import numpy as np
 
 import stochlin as sl
-from stochlin.analyses.ensembles import Run, cells_of, joined, prepare
+from stochlin.analyses.ensembles import Run, cells_of_all, prepare
+from stochlin.analyses.run_lengths import with_length
 from stochlin.kernels.arrays import Array
 from stochlin.kernels.ensemble import SAMPLES, stationary_sums
 from stochlin.kernels.normal_numbers import fill_normal, generator_state
@@ -35,12 +36,11 @@ def building(period: float) -> sl.Bilinear:
     return sl.Bilinear(period, damping=0.05, hardening=0.05, reduction_factor=4)
 
 
-def ready(count: int, paths: int = 256, relaxation_times: float = 10.0) -> Run:
+def ready(count: int, paths: int = 256) -> Run:
     """An ensemble of ``count`` structures, from half to twice the period of the ground."""
     structures = [building(period) for period in np.geomspace(1, 4, count)]
-    cells = joined([cells_of(structure, SOIL)[0] for structure in structures])
-    lengths = {"steps_per_period": 32, "relaxation_times": relaxation_times}
-    return prepare(cells, SOIL, paths=paths, seed=0, **lengths)
+    cells = cells_of_all(structures, SOIL)
+    return with_length(prepare(cells, SOIL, paths=paths, seed=0, steps_per_period=32), cells, 20.0)
 
 
 def seconds(task: Callable[[], object], repeats: int = REPEATS) -> float:
@@ -175,7 +175,7 @@ def chart(count: int = 60) -> None:
     """A square chart of rho: one run gives every pair."""
     structures = [building(period) for period in np.geomspace(0.5, 8, count)]
     begin = time.perf_counter()
-    cells = joined([cells_of(structure, SOIL)[0] for structure in structures])
+    cells = cells_of_all(structures, SOIL)
     setup = time.perf_counter() - begin
     begin = time.perf_counter()
     table = sl.simulate(structures, SOIL)

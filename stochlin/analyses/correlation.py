@@ -42,7 +42,7 @@ def correlate(
     paths: int = 256,
     seed: int = 0,
     steps_per_period: int = 32,
-    relaxation_times: float = 10.0,
+    relaxation_times: float = 20.0,
     progress: Callable[[float], None] | None = None,
 ) -> xr.Dataset:
     """Correlation coefficient of the displacements of two structures.

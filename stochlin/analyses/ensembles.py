@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -14,15 +15,13 @@ from stochlin.analyses import labels
 from stochlin.analyses.equivalent_systems import Tolerance, solve_elastic, solve_structure
 from stochlin.analyses.state_space import ground_matrices
 from stochlin.kernels.arrays import Array
-from stochlin.kernels.ensemble import SAMPLES, Crowd, Plan
+from stochlin.kernels.ensemble import Crowd, Plan
 from stochlin.kernels.stepping import LANES, FilterSteps, filter_steps
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Bilinear, BoucWen, Structure
 
 SAMPLES_PER_PERIOD = 2  # of the shortest period; more would say little new of its variance
-BURN_IN = 5.0  # relaxation times
 MEMORY = 4e9  # bytes that a run may ask for
-MOST_STEPS = 2e12  # of all structures on all paths: about an hour on two cores
 
 
 class Cells(NamedTuple):
@@ -33,7 +32,8 @@ class Cells(NamedTuple):
     hardening: Array
     yield_displacement: Array  # infinite where elastic
     law: Array  # (n, 3): beta, gamma, exponent; NaN for the bilinear law
-    relaxation_time: Array  # [s], of the linearized structure
+    damping_time: Array  # [s], 1/(xi w)
+    drift_time: Array  # [s], relaxation of the plastic displacement, as linearization has it
     valid: Array
 
 
@@ -46,7 +46,7 @@ class Run(NamedTuple):
     ground: FilterSteps
     root: Array
     plan: Plan
-    seconds: float  # recorded, of each path
+    memory: float  # [s], of the slowest vibration or, where that is longer, of the plastic drift
 
 
 def cells_of(structure: Structure, ground: Ground) -> tuple[Cells, xr.DataArray]:
@@ -72,7 +72,6 @@ def cells_of(structure: Structure, ground: Ground) -> tuple[Cells, xr.DataArray]
     w = 2 * np.pi / period
     with np.errstate(divide="ignore", invalid="ignore"):
         slow = np.where(k_eq > 0, 1 / (hardening * k_eq), 0)
-    relaxation = np.maximum(1 / (damping * w), np.nan_to_num(slow))
     status = elastic.status.values.ravel()
     cells = Cells(
         period,
@@ -80,10 +79,25 @@ def cells_of(structure: Structure, ground: Ground) -> tuple[Cells, xr.DataArray]
         hardening,
         uy,
         np.stack(rest[:3], axis=1),
-        relaxation,
+        1 / (damping * w),
+        np.nan_to_num(slow),
         status < labels.NOT_CONVERGED,
     )
     return cells, xr.full_like(like, 0, dtype=int).copy(data=np.arange(period.size).reshape(like.shape))
+
+
+def cells_of_all(structures: Sequence[Structure], ground: Ground) -> Cells:
+    """The cells of structures with scalar parameters, in their order; those alike are solved as one."""
+    alike: dict[tuple[object, ...], list[int]] = {}
+    for number, structure in enumerate(structures):
+        alike.setdefault((type(structure), *structure.arrays()), []).append(number)
+    parts = []
+    for numbers in alike.values():
+        first = structures[numbers[0]]
+        columns = {n: [float(structures[i].arrays()[n]) for i in numbers] for n in first.arrays()}
+        parts.append(cells_of(replace(first, **columns), ground)[0])
+    order = np.argsort([number for numbers in alike.values() for number in numbers])
+    return Cells(*(column[order] for column in joined(parts)))
 
 
 def joined(parts: Sequence[Cells]) -> Cells:
@@ -91,52 +105,20 @@ def joined(parts: Sequence[Cells]) -> Cells:
     return Cells(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
-def prepare(
-    cells: Cells,
-    ground: Ground,
-    *,
-    paths: int,
-    seed: int,
-    steps_per_period: int,
-    relaxation_times: float,
-    stationary: bool = True,
-) -> Run:
-    """Choose step, burn-in and length from cells and ground and lay out the ensemble.
-
-    A run that is not stationary has no burn-in and no length yet.
-    """
+def prepare(cells: Cells, ground: Ground, *, paths: int, seed: int, steps_per_period: int) -> Run:
+    """Choose the step from cells and ground and lay out the ensemble; it has no length yet."""
     valid = cells.valid
     if not valid.any():
         raise ValueError("no structure has valid parameters; correct those that are out of range")
+    check_memory(int(valid.sum()), paths)
     parameters = [value.item() for value in ground.kernel_parameters()]
     names, matrix, noise, output = ground_matrices(parameters)
     intensity = 2 * np.pi * parameters[0]
     rates = -np.linalg.eigvals(matrix).real if names else np.array([np.inf])
-    relaxation = max(float(cells.relaxation_time[valid].max()), float((1 / rates).max()))
     filters = 2 * np.pi / np.asarray(parameters[1::2])
     dt = min([float(cells.period[valid].min()), *filters]) / steps_per_period
     every = max(1, steps_per_period // SAMPLES_PER_PERIOD)
-    block = dt * every * SAMPLES
-    length = relaxation_times * relaxation if stationary else 0.0
-    recorded = max(2, int(np.ceil(length / block)))
-    plan = Plan(
-        dt=dt,
-        every=every,
-        burn_in=int(np.ceil(BURN_IN * relaxation / block)),
-        recorded=recorded,
-        groups=int(np.ceil(paths / LANES)),
-        seed=seed,
-    )
-    n = int(valid.sum())
-    check_memory(n, paths)
-    steps = float(n * plan.groups * LANES) * (plan.burn_in + recorded) * every * SAMPLES
-    if stationary and steps > MOST_STEPS:
-        slowest = int(np.argmax(np.where(valid, cells.relaxation_time, 0)))
-        raise ValueError(
-            f"the run would take {steps:.1e} structure-steps, allowed: {MOST_STEPS:.0e}; the structure "
-            f"of period {cells.period[slowest]:.3g} s yields so rarely that its drift relaxes in "
-            f"{cells.relaxation_time[slowest]:.3g} s: leave it out, or lower paths or relaxation_times"
-        )
+    plan = Plan(dt, every, burn_in=0, recorded=0, groups=int(np.ceil(paths / LANES)), seed=seed)
     crowd, order, scale = _crowd(cells, valid)
     return Run(
         crowd,
@@ -145,7 +127,7 @@ def prepare(
         filter_steps(matrix, noise, output, intensity, dt),
         _root(matrix, noise, intensity),
         plan,
-        recorded * block,
+        max(float(cells.damping_time[valid].max()), float((1 / rates).max())),
     )
 
 

@@ -10,6 +10,7 @@ import xarray as xr
 
 from stochlin.analyses import labels
 from stochlin.analyses.ensembles import cells_of, check_settings, joined, prepare
+from stochlin.analyses.run_lengths import with_length
 from stochlin.analyses.simulation import NOT_STATIONARY, run_attributes, simulate_moments
 from stochlin.kernels.arrays import Array
 from stochlin.models.grounds import Ground
@@ -66,8 +67,8 @@ def _on_one_ground(
         paths=settings.paths,
         seed=settings.seed,
         steps_per_period=settings.steps_per_period,
-        relaxation_times=settings.relaxation_times,
     )
+    run = with_length(run, cells, settings.relaxation_times)
     moments = simulate_moments(cells, run, settings.progress)
     status = np.where(np.abs(moments.drift) <= NOT_STATIONARY, labels.CONVERGED, labels.NOT_CONVERGED)
     status = np.where(cells.valid, status, labels.INVALID_INPUT)

@@ -12,13 +12,13 @@ from stochlin.analyses import labels
 from stochlin.analyses.ensembles import (
     Cells,
     Run,
-    cells_of,
+    cells_of_all,
     check_memory,
     check_settings,
-    joined,
     prepare,
 )
 from stochlin.analyses.finite_motions import check_motion, simulate_finite
+from stochlin.analyses.run_lengths import with_length
 from stochlin.kernels.arrays import Array
 from stochlin.kernels.ensemble import Sums, stationary_sums
 from stochlin.kernels.stepping import LANES
@@ -47,7 +47,7 @@ def simulate(
     paths: int = 256,
     seed: int = 0,
     steps_per_period: int = 32,
-    relaxation_times: float = 10.0,
+    relaxation_times: float = 20.0,
     duration: float | None = None,
     envelope: Envelope | None = None,
     quantiles: Sequence[float] = (0.5, 0.84, 0.95),
@@ -71,9 +71,9 @@ def simulate(
     steps_per_period : int
         Steps of the shortest period of structures and ground, at least 8.
     relaxation_times : float
-        Length of each motion after burn-in, in units of the slowest relaxation among structures
-        and ground: the larger of ``1/(xi w)`` and, for the plastic drift, ``1/(alpha k_eq)``. Burn-in
-        takes five of them.
+        Length of each motion after burn-in, in units of the longest memory among structures and
+        ground: ``1/(xi w)``, or the correlation time of the plastic drift, which a short run
+        measures. Burn-in takes five of them.
     duration : float, optional
         Length of each motion [s]; without it, the stationary response.
     envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
@@ -133,15 +133,13 @@ def simulate(
         _refuse_arrays(structure, f"structures[{number}]")
     _refuse_arrays(ground, "ground")
     check_memory(len(structures), paths)
-    cells = joined([cells_of(structure, ground)[0] for structure in structures])
+    cells = cells_of_all(structures, ground)
     run = prepare(
         cells,
         ground,
         paths=paths,
         seed=seed,
         steps_per_period=steps_per_period,
-        relaxation_times=relaxation_times,
-        stationary=duration is None,
     )
     names = [f"{n}" for n in range(1, len(structures) + 1)]
     models = {f"structure_{n}": s for n, s in zip(names, structures, strict=True)}
@@ -154,6 +152,7 @@ def simulate(
             f"simulate(paths={paths}, seed={seed}, duration={duration})",
             models | {"ground": ground},
         )
+    run = with_length(run, cells, relaxation_times)
     moments = simulate_moments(cells, run, progress)
     table = xr.Dataset(
         {
@@ -233,6 +232,7 @@ def run_attributes(run: Run) -> dict[str, float | int]:
         "paths": plan.groups * LANES,
         "seed": plan.seed,
         "step_s": plan.dt,
-        "recorded_s": run.seconds,
-        "burn_in_s": plan.burn_in * run.seconds / plan.recorded,
+        "memory_s": run.memory,
+        "burn_in_s": plan.burn_in * plan.block,
+        "recorded_s": plan.recorded * plan.block,
     }

@@ -54,6 +54,12 @@ class Plan(NamedTuple):
     groups: int
     seed: int
     samples: int = SAMPLES  # of a block
+    first_group: int = 0  # number of the first stream
+
+    @property
+    def block(self) -> float:
+        """Seconds of a block."""
+        return self.dt * self.every * self.samples
 
 
 class Extremes(NamedTuple):
@@ -109,7 +115,7 @@ def stationary_sums(
     """Run the ensemble and sum its second moments; ``root root'`` is the filter's covariance."""
 
     def run(group: int) -> Sums:
-        motion = _Motion(crowd, ground, root, plan, group)
+        motion = _Motion(crowd, ground, root, plan, plan.first_group + group)
         for _ in range(plan.burn_in):
             motion.block()
         halves = [_gram(motion, plan.recorded // 2), _gram(motion, plan.recorded - plan.recorded // 2)]
@@ -136,6 +142,25 @@ def stationary_sums(
     return total
 
 
+def plastic_displacements(
+    crowd: Crowd, ground: FilterSteps, root: Array, plan: Plan, stride: int
+) -> Array:
+    """``u - z`` of all structures after every ``stride``-th recorded block, (times, n, motions)."""
+
+    def run(group: int) -> Array:
+        motion = _Motion(crowd, ground, root, plan, plan.first_group + group)
+        for _ in range(plan.burn_in):
+            motion.block()
+        histories = np.empty((plan.recorded // stride, crowd.size, LANES))
+        for history in histories:
+            for _ in range(stride):
+                motion.block()
+            np.subtract(motion.state[0], motion.state[2], out=history)
+        return histories
+
+    return np.concatenate(list(in_order(run, plan.groups)), axis=2)
+
+
 def finite_extremes(
     crowd: Crowd,
     scale: Array,
@@ -152,7 +177,7 @@ def finite_extremes(
     """
 
     def run(group: int) -> Extremes:
-        motion = _Motion(crowd, ground, root, plan, group)
+        motion = _Motion(crowd, ground, root, plan, plan.first_group + group)
         size = (LANES, crowd.size)
         extremes = Extremes(np.zeros(size), np.zeros(size), np.zeros((*size, crowd.size)))
         for begin in range(0, envelope.size, plan.samples):

@@ -19,6 +19,7 @@ import numpy as np
 from stochlin.kernels.arrays import Array
 
 LANES = 32  # independent motions in the innermost loop: vector registers, first-level cache
+NEWTON_STEPS = 4  # for the implicit midpoint rule
 
 
 class FilterSteps(NamedTuple):
@@ -132,31 +133,38 @@ def bilinear_block(f, dt, parameters, u, v, z, every, out):  # type: ignore[no-u
 
 @nb.njit(nogil=True, cache=True, error_model="numpy")
 def bouc_wen_block(f, dt, parameters, u, v, z, every, out):  # type: ignore[no-untyped-def]
-    """Bouc-Wen structures likewise: implicit midpoint rule for ``z``, by two corrections.
+    """Bouc-Wen structures likewise: implicit midpoint rule for ``z``, by Newton's method.
 
-    ``parameters`` (n, 7): as for the bilinear law, then ``beta``, ``gamma`` and the exponent.
+    ``parameters`` (n, 7): as for the bilinear law, then ``beta``, ``gamma`` and the exponent. Iterates
+    and results are kept to the interval that ``z`` cannot leave: no step is too long to be stable.
     """
     half = 0.5 * dt
     for n in range(u.shape[0]):
         d, k, h, scale, beta, gamma, exponent = parameters[n]
         keep, pull, push = 1.0 - half * d - half * half * k, dt * k, dt * scale
-        flow = half * h
         implicit = 1.0 / (1.0 + half * d + half * half * k)
+        slope = half * h * implicit  # v_mid = start - slope z_mid
+        limit = (beta + gamma) ** (-1.0 / exponent)
         un, vn, zn = u[n], v[n], z[n]
         sample = 0
         for s in range(f.shape[0]):
             for lane in range(LANES):
                 disp, vel, hyst = un[lane], vn[lane], zn[lane]
                 base = vel * keep + push * f[s, lane] - pull * disp
-                v_mid, z_mid, z_new = vel, hyst, hyst
-                for _ in range(3):
+                start = 0.5 * (vel + base * implicit)
+                z_mid = hyst
+                for _ in range(NEWTON_STEPS):
+                    v_mid = start - slope * z_mid
                     size = abs(z_mid)
-                    power = size if exponent == 1.0 else size**exponent
-                    toward = np.copysign(1.0, z_mid) * abs(v_mid)
-                    z_new = hyst + dt * (v_mid - power * (beta * toward + gamma * v_mid))
-                    v_mid = 0.5 * (vel + (base - flow * (hyst + z_new)) * implicit)
-                    z_mid = 0.5 * (hyst + z_new)
-                zn[lane] = z_new
+                    steep = 1.0 if exponent == 1.0 else size ** (exponent - 1.0)
+                    shape = beta * np.copysign(1.0, v_mid * z_mid) + gamma
+                    by_v = 1.0 - steep * size * shape
+                    by_z = -exponent * steep * shape * v_mid * np.copysign(1.0, z_mid)
+                    off = z_mid - hyst - half * v_mid * by_v
+                    z_mid -= off / (1.0 + half * (slope * by_v - by_z))
+                    z_mid = min(max(z_mid, -limit), limit)
+                v_mid = start - slope * z_mid
+                zn[lane] = min(max(2.0 * z_mid - hyst, -limit), limit)
                 un[lane] = disp + dt * v_mid
                 vn[lane] = 2.0 * v_mid - vel
             if (s + 1) % every == 0:

@@ -54,8 +54,6 @@ def test_variance_under_an_envelope_follows_the_lyapunov_equation():
         paths=4096,
         seed=3,
         steps_per_period=32,
-        relaxation_times=1.0,
-        stationary=False,
     )
     plan = run.plan._replace(every=1, samples=steps)
     envelope = QUAKE.at(plan.dt * (np.arange(steps) + 0.5))

@@ -10,6 +10,7 @@ import sympy
 
 import stochlin as sl
 from stochlin.analyses.ensembles import cells_of, joined, prepare
+from stochlin.analyses.run_lengths import with_length
 from stochlin.analyses.simulation import NOT_STATIONARY, simulate_moments
 from stochlin.analyses.state_space import ground_matrices
 from stochlin.kernels.stepping import LANES, bilinear_block, filter_steps, ground_block
@@ -28,7 +29,8 @@ def yielding(period, strength_ratio, hardening=0.05, model=sl.Bilinear):
 def ensemble(structures, ground, **options):
     """Cells and run of some structures, ready for `simulate_moments` with any seed."""
     cells = joined([cells_of(structure, ground)[0] for structure in structures])
-    return cells, prepare(cells, ground, **options)
+    relaxation_times = options.pop("relaxation_times")
+    return cells, with_length(prepare(cells, ground, **options), cells, relaxation_times)
 
 
 def moments_by_seed(cells, run, seeds):
@@ -347,9 +349,8 @@ def test_run_that_does_not_fit_into_memory_is_refused_before_it_starts(monkeypat
     def never(*_):
         raise AssertionError("work has begun")
 
-    known = cells_of(PLAIN, NOISE)
     monkeypatch.setattr("stochlin.analyses.simulation.stationary_sums", never)
-    monkeypatch.setattr("stochlin.analyses.simulation.cells_of", lambda *_: known)
+    monkeypatch.setattr("stochlin.analyses.simulation.cells_of_all", never)
     with pytest.raises(
         ValueError, match=r"3000 structures on one ground need [\d.]+ GB; allowed: \d+ GB"
     ):
