@@ -75,7 +75,7 @@ def parts(count: int) -> dict[str, float]:
     xi, f = np.empty((steps, LANES)), np.empty((steps, LANES))
     q, state = np.zeros((len(run.root), LANES)), np.zeros((3, count, LANES))
     out, total = np.empty((LANES, count, SAMPLES)), np.zeros((LANES, count, count))
-    law, plan = run.crowd.bilinear, run.plan
+    law, plan = run.crowd.parts[0][1], run.plan
 
     tasks: dict[str, Callable[[], object]] = {
         "random": lambda: fill_normal(random, xi),
@@ -113,7 +113,7 @@ def numpy_loop(ground: FilterSteps, dt: float, law: Array, rng: np.random.Genera
 def numpy_rate(count: int) -> float:
     run = ready(count)
     rng = np.random.Generator(np.random.SFC64(0))
-    spent = seconds(lambda: numpy_loop(run.ground, run.plan.dt, run.crowd.bilinear, rng), 3)
+    spent = seconds(lambda: numpy_loop(run.ground, run.plan.dt, run.crowd.parts[0][1], rng), 3)
     return count * NUMPY_PATHS * NUMPY_STEPS / spent
 
 

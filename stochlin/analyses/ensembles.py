@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 import scipy.linalg
 import xarray as xr
 
@@ -18,8 +19,9 @@ from stochlin.kernels.arrays import Array
 from stochlin.kernels.ensemble import Crowd, Plan
 from stochlin.kernels.stepping import LANES, FilterSteps, filter_steps
 from stochlin.models.grounds import Ground
-from stochlin.models.structures import Bilinear, BoucWen, Structure
+from stochlin.models.structures import Structure
 
+LAW_PARAMETERS = 3  # at most, as the Bouc-Wen law has
 SAMPLES_PER_PERIOD = 2  # of the shortest period; more would say little new of its variance
 MEMORY = 4e9  # bytes that a run may ask for
 
@@ -31,7 +33,8 @@ class Cells(NamedTuple):
     damping: Array
     hardening: Array
     yield_displacement: Array  # infinite where elastic
-    law: Array  # (n, 3): beta, gamma, exponent; NaN for the bilinear law
+    law: Array  # (n, k): parameters beyond those of every structure; NaN where there are fewer
+    block: npt.NDArray[np.object_]  # time steps of its law
     damping_time: Array  # [s], 1/(xi w)
     drift_time: Array  # [s], relaxation of the plastic displacement, as linearization has it
     valid: Array
@@ -51,24 +54,22 @@ class Run(NamedTuple):
 
 def cells_of(structure: Structure, ground: Ground) -> tuple[Cells, xr.DataArray]:
     """The cells of a structure, and their positions as an array over its dimensions."""
-    if not isinstance(structure, (Bilinear, BoucWen)):
-        raise ValueError(f"{type(structure).__name__} cannot be simulated; allowed: Bilinear, BoucWen")
     elastic = solve_elastic(structure, ground)
     values = structure.arrays()
     like = elastic.yield_displacement
     linearized = solve_structure(structure, ground, "gaussian", Tolerance(1e-6, 1e-9, 200))
-    law = structure.law_parameters() or [xr.DataArray(np.nan)] * 3
+    law = structure.law_parameters()
+    law += [xr.DataArray(np.nan)] * (LAW_PARAMETERS - len(law))
     columns = [
         values["period"],
         values["damping"],
         values.get("hardening", xr.DataArray(1.0)),
         like,
-        *law,
         linearized.k_eq,
+        *law,
     ]
     arrays = [array.broadcast_like(like).transpose(*like.dims).values.ravel() for array in columns]
-    period, damping, hardening, uy, *rest = (np.asarray(a, float) for a in arrays)
-    k_eq = rest[3]
+    period, damping, hardening, uy, k_eq, *rest = (np.asarray(a, float) for a in arrays)
     w = 2 * np.pi / period
     with np.errstate(divide="ignore", invalid="ignore"):
         slow = np.where(k_eq > 0, 1 / (hardening * k_eq), 0)
@@ -78,7 +79,8 @@ def cells_of(structure: Structure, ground: Ground) -> tuple[Cells, xr.DataArray]
         damping,
         hardening,
         uy,
-        np.stack(rest[:3], axis=1),
+        np.stack(rest, axis=1),
+        np.full(period.size, structure.block()),
         1 / (damping * w),
         np.nan_to_num(slow),
         status < labels.NOT_CONVERGED,
@@ -90,7 +92,7 @@ def cells_of_all(structures: Sequence[Structure], ground: Ground) -> Cells:
     """The cells of structures with scalar parameters, in their order; those alike are solved as one."""
     alike: dict[tuple[object, ...], list[int]] = {}
     for number, structure in enumerate(structures):
-        alike.setdefault((type(structure), *structure.arrays()), []).append(number)
+        alike.setdefault((structure.block(), *structure.arrays()), []).append(number)
     parts = []
     for numbers in alike.values():
         first = structures[numbers[0]]
@@ -165,13 +167,15 @@ def _crowd(cells: Cells, valid: Array) -> tuple[Crowd, Array, Array]:
     common = np.stack(
         [2 * cells.damping[valid] * w, alpha * w**2, (1 - alpha) * w**2, 1 / scale], axis=1
     )
-    law = cells.law[valid]
-    bouc_wen = np.isfinite(law[:, 2])
-    first, second = np.flatnonzero(~bouc_wen), np.flatnonzero(bouc_wen)
-    order = np.empty(w.size, int)
-    order[np.concatenate([first, second])] = np.arange(w.size)
-    both = np.concatenate([common[second], law[second]], axis=1)
-    return Crowd(np.ascontiguousarray(common[first]), np.ascontiguousarray(both)), order, scale
+    law, blocks = cells.law[valid], cells.block[valid]
+    order, parts, placed = np.empty(w.size, int), [], 0
+    for block in dict.fromkeys(blocks):
+        mine = np.flatnonzero(blocks == block)
+        extra = law[mine][:, np.isfinite(law[mine]).all(axis=0)]
+        parts.append((block, np.concatenate([common[mine], extra], axis=1)))
+        order[mine] = placed + np.arange(mine.size)
+        placed += mine.size
+    return Crowd(tuple(parts)), order, scale
 
 
 def _root(matrix: Array, noise: Array, intensity: float) -> Array:

@@ -11,7 +11,7 @@ import xarray as xr
 from stochlin.analyses import labels
 from stochlin.analyses.ensembles import cells_of, check_settings, joined, prepare
 from stochlin.analyses.run_lengths import with_length
-from stochlin.analyses.simulation import NOT_STATIONARY, run_attributes, simulate_moments
+from stochlin.analyses.simulation import run_attributes, simulate_moments
 from stochlin.kernels.arrays import Array
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Structure
@@ -70,14 +70,12 @@ def _on_one_ground(
     )
     run = with_length(run, cells, settings.relaxation_times)
     moments = simulate_moments(cells, run, settings.progress)
-    status = np.where(np.abs(moments.drift) <= NOT_STATIONARY, labels.CONVERGED, labels.NOT_CONVERGED)
-    status = np.where(cells.valid, status, labels.INVALID_INPUT)
 
     def of_cells(values: Array, *index: xr.DataArray) -> xr.DataArray:
         return xr.apply_ufunc(lambda *i: values[i], *index, join="exact")
 
     worst = xr.apply_ufunc(
-        np.maximum, of_cells(status, index_1), of_cells(status, index_2), join="exact"
+        np.maximum, of_cells(moments.status, index_1), of_cells(moments.status, index_2), join="exact"
     )
     usable = worst < labels.NOT_CONVERGED
     table = xr.Dataset({"rho": of_cells(moments.rho, index_1, index_2).where(usable)})

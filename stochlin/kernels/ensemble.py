@@ -20,8 +20,6 @@ from stochlin.kernels.stepping import (
     LANES,
     FilterSteps,
     add_products,
-    bilinear_block,
-    bouc_wen_block,
     ground_block,
     keep_extremes,
 )
@@ -32,16 +30,18 @@ Result = TypeVar("Result")
 Progress = Callable[[float], None]
 
 
-class Crowd(NamedTuple):
-    """Structures in the order of their laws: bilinear ones first, then Bouc-Wen."""
+Block = Callable[..., None]
 
-    bilinear: Array  # (n1, 4)
-    bouc_wen: Array  # (n2, 7)
+
+class Crowd(NamedTuple):
+    """Structures by their laws: those of one law after those of another."""
+
+    parts: tuple[tuple[Block, Array], ...]  # time steps as `bilinear_block`, and its parameters
 
     @property
     def size(self) -> int:
         """Number of structures."""
-        return len(self.bilinear) + len(self.bouc_wen)
+        return sum(len(parameters) for _, parameters in self.parts)
 
 
 class Plan(NamedTuple):
@@ -97,15 +97,16 @@ class _Motion:
 
     def block(self, envelope: Array | None = None) -> Array:
         """Move on by one block; displacements (LANES, n, SAMPLES)."""
-        plan, n = self.plan, len(self.crowd.bilinear)
+        plan, out = self.plan, self.out
         fill_normal(self.random, self.xi)
         ground_block(self.xi, self.q, *self.ground, self.f)
         if envelope is not None:
             self.f *= envelope[:, None]
-        u, v, z = self.state
-        crowd, out = self.crowd, self.out
-        bilinear_block(self.f, plan.dt, crowd.bilinear, u[:n], v[:n], z[:n], plan.every, out[:, :n])
-        bouc_wen_block(self.f, plan.dt, crowd.bouc_wen, u[n:], v[n:], z[n:], plan.every, out[:, n:])
+        begin = 0
+        for steps, parameters in self.crowd.parts:
+            part = slice(begin, begin + len(parameters))
+            steps(self.f, plan.dt, parameters, *self.state[:, part], plan.every, out[:, part])
+            begin = part.stop
         return out
 
 

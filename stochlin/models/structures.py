@@ -16,6 +16,8 @@ from stochlin.models.parameters import Model, Parameter, Range, parameter
 if TYPE_CHECKING:
     import sympy
 
+    from stochlin.kernels.ensemble import Block
+
 POSITIVE = Range()
 DAMPING = Range(upper=1.0, reason="a ratio, .05 for 5 %")
 HARDENING = Range(
@@ -71,6 +73,10 @@ class Structure(Model):
         """Parameters of the law beyond those of every structure."""
         return []
 
+    def block(self) -> Block:
+        """Time steps of this law."""
+        raise NotImplementedError
+
     def _closures(self) -> Mapping[str, Closure]:
         raise NotImplementedError
 
@@ -114,6 +120,12 @@ class Bilinear(Structure):
         """Names that `linearize` accepts for this law."""
         return (*super().closure_names(), NARROW_BAND)
 
+    def block(self) -> Block:
+        """Time steps of this law."""
+        from stochlin.kernels.stepping import bilinear_block
+
+        return bilinear_block
+
 
 @dataclass(frozen=True)
 class BoucWen(Structure):
@@ -156,6 +168,12 @@ class BoucWen(Structure):
         values = self.arrays()
         return [values["beta"], values["gamma"], values["exponent"]]
 
+    def block(self) -> Block:
+        """Time steps of this law."""
+        from stochlin.kernels.stepping import bouc_wen_block
+
+        return bouc_wen_block
+
 
 @dataclass(frozen=True)
 class Hysteretic(Structure):
@@ -197,6 +215,11 @@ class Hysteretic(Structure):
 
     def _closures(self) -> Mapping[str, Closure]:
         return {"gaussian": self._compiled.gaussian}
+
+    def block(self) -> Block:
+        """Time steps of this law."""
+        block: Block = self._compiled.block
+        return block
 
     def describe(self) -> str:
         """One line with the parameters and the law."""

@@ -6,7 +6,6 @@ import cases
 import numpy as np
 import pytest
 import scipy.stats
-import sympy
 
 import stochlin as sl
 from stochlin.analyses.ensembles import cells_of, joined, prepare
@@ -336,13 +335,6 @@ def test_ground_of_the_wrong_kind_is_named(wrong):
 def test_lone_structure_in_place_of_a_list_is_refused_in_words():
     with pytest.raises(TypeError, match=r"structures = .*allowed"):
         sl.simulate(PLAIN, NOISE)
-
-
-def test_law_that_is_only_an_expression_is_refused():
-    v, z = sympy.symbols("v z")
-    friction = sl.Hysteretic(1.0, 0.05, 0.1, reduction_factor=2, law=v - abs(v) * z)
-    with pytest.raises(ValueError, match="Hysteretic cannot be simulated; allowed: Bilinear, BoucWen"):
-        sl.simulate([friction], NOISE)
 
 
 def test_run_that_does_not_fit_into_memory_is_refused_before_it_starts(monkeypatch):

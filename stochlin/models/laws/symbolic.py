@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 import sympy
@@ -12,6 +14,9 @@ from stochlin.kernels.arrays import Array
 from stochlin.kernels.fixed_point import ClosureValue, gaussian_covariance
 from stochlin.kernels.gaussian import regress_slip
 from stochlin.kernels.quadrature import SlipRate, slip_expectations
+
+if TYPE_CHECKING:
+    from stochlin.kernels.ensemble import Block
 
 ORDER = 40
 ACCURACY = 1e-9
@@ -54,6 +59,20 @@ class SymbolicLaw:
         covariance, covariance_jacobian = gaussian_covariance(latent)
         coefficients, jacobian = regress_slip(slip, slip_jacobian, covariance, covariance_jacobian)
         return ClosureValue(coefficients, jacobian, covariance, covariance_jacobian)
+
+    @cached_property
+    def block(self) -> Block:
+        """Time steps of this law, compiled when first asked for."""
+        from stochlin.kernels.law_stepping import law_block
+
+        v, z = sympy.symbols("v z", real=True)
+        return law_block(sympy.lambdify((v, z), self._without_steps(), "math", cse=True))
+
+    def _without_steps(self) -> sympy.Expr:
+        """The law with its Heaviside steps as cases, which is what plain Python can print."""
+        return self.expression.replace(
+            sympy.Heaviside, lambda *x: sympy.Heaviside(*x).rewrite(sympy.Piecewise)
+        )
 
     def _check_odd(self) -> None:
         v, z = _PROBES
