@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: charts test check bench oldest clean
+.PHONY: charts test check bench bias oldest clean
 
 charts: $(VENV)/.run
 	$(BIN)/stochlin charts --out figures
@@ -20,6 +20,10 @@ check: $(VENV)/.dev
 bench: $(VENV)/.dev
 	$(BIN)/python benchmarks/tables.py
 	$(BIN)/python benchmarks/simulation.py
+
+# The map of linearization's bias that comes with the package: an hour or so, to be resumed.
+bias: $(VENV)/.dev
+	$(BIN)/python benchmarks/bias_map.py stochlin/analyses/bias_map.nc --work build/bias
 
 # The lowest versions that pyproject.toml allows, in an environment of their own.
 oldest: $(VENV)/.dev

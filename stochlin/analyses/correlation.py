@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import numpy as np
 import xarray as xr
 
 from stochlin.analyses import labels
+from stochlin.analyses.bias import relative_bias, rho_bias, with_caution
 from stochlin.analyses.equivalent_systems import (
     INTERNAL,
     Tolerance,
@@ -16,6 +17,7 @@ from stochlin.analyses.equivalent_systems import (
     solve_structure,
 )
 from stochlin.analyses.simulated_correlation import SimulationSettings, simulate_pairs
+from stochlin.analyses.slabs import in_slabs
 from stochlin.kernels.arrays import Array
 from stochlin.kernels.covariance import EquivalentSystem, Forcing, pair_covariance
 from stochlin.kernels.white_noise import white_noise_correlation
@@ -23,7 +25,6 @@ from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Parameter, expect
 from stochlin.models.structures import LinearPair, Structure
 
-CHUNK = 8192  # cells of a table at a time: temporaries stay in the cache
 METHODS = ("linearization", "white_noise", "simulation")
 SHOWN = ("displacement_std", "ductility_std", "yield_displacement")
 ROUNDING = 1e-9  # by which |rho| may exceed 1 before the cell is called wrong
@@ -69,9 +70,12 @@ def correlate(
     xarray.Dataset
         ``rho`` [-], ``displacement_std_1`` and ``_2`` [m], ``ductility_std_1`` and ``_2`` [-],
         ``yield_displacement_1`` and ``_2`` [m], ``status`` (the worse of the two structures').
-        Simulation adds ``rho_standard_error``, ``displacement_std_standard_error_1`` and ``_2``
-        [m], and ``drift_1`` and ``_2``; where a drift exceeds 5 the run was too short to be
-        stationary, and the cell is ``not_converged``.
+        Linearization adds ``bias``, by which ``rho`` is too large, ``bias_1`` and ``bias_2``, the
+        relative error of the standard deviations, and ``caution`` where one exceeds .1 or is unknown;
+        these are interpolated in a map that knows bilinear structures, and ``rho`` where both have
+        equal damping, hardening and strength ratio. Simulation adds ``rho_standard_error``,
+        ``displacement_std_standard_error_1`` and ``_2`` [m], and ``drift_1`` and ``_2``; where a drift
+        exceeds 5 the run was too short to be stationary, and the cell is ``not_converged``.
 
     Raises
     ------
@@ -114,9 +118,7 @@ def correlate(
         table = simulate_pairs(first, second, ground, settings)
         details = f"paths={paths}, seed={seed}"
     elif method == "linearization":
-        sides = [solve_structure(s, ground, closure, tolerance) for s in (first, second)]
-        inputs = [side[name] for side in sides for name in ("displacement_std", *INTERNAL)]
-        table = _table(_combine(_correlation_of_systems, *inputs), sides)
+        table = _linearized(first, second, ground, closure, tolerance)
         details = f"closure={closure!r}"
         if first.yields or second.yields:
             table.attrs["comment"] = f"{labels.CAUTION_RHO} {labels.CAUTION_SIGMA}"
@@ -126,6 +128,8 @@ def correlate(
         table = _table(_combine(_white_noise, *inputs), sides)
         details = "eq. (4)"
     table = labels.label(table)
+    if "bias" in table:
+        table["bias"].attrs["long_name"] = "linearized rho less the exact one"
     case = f"correlate({first.describe()}, {second.describe()}, {ground.describe()})"
     labels.raise_if_lone_failure(table, case)
     return labels.with_run_information(
@@ -212,41 +216,42 @@ def _white_noise(*inputs: Array) -> Array:
     return white_noise_correlation(*inputs)
 
 
+def _linearized(
+    first: Structure, second: Structure, ground: Ground, closure: str, tolerance: Tolerance
+) -> xr.Dataset:
+    """The linearized table, with its biases: those of the Gaussian closure, or as compared with it."""
+    sides, rho = _solve_pair(first, second, ground, closure, tolerance)
+    table = _table(rho, sides)
+    gaussian, gaussian_rho = sides, rho
+    if closure != "gaussian":
+        gaussian, gaussian_rho = _solve_pair(first, second, ground, "gaussian", tolerance)
+    biases = {"bias": rho - gaussian_rho + rho_bias(first, second, ground, gaussian)}
+    for number, structure in enumerate((first, second), start=1):
+        side, other = sides[number - 1], gaussian[number - 1]
+        biases[f"bias_{number}"] = relative_bias(structure, ground, side, other)
+    return with_caution(table, biases)
+
+
+def _solve_pair(
+    first: Structure, second: Structure, ground: Ground, closure: str, tolerance: Tolerance
+) -> tuple[list[xr.Dataset], xr.DataArray]:
+    sides = [solve_structure(s, ground, closure, tolerance) for s in (first, second)]
+    inputs = [side[name] for side in sides for name in ("displacement_std", *INTERNAL)]
+    return sides, _combine(_correlation_of_systems, *inputs)
+
+
 @np.errstate(all="ignore")
 def _correlation_of_systems(*inputs: Array) -> Array:
-    """``rho`` from standard deviation, system and forcing of each side, over slabs of the table."""
-    shape = np.broadcast_shapes(*(array.shape for array in inputs))
-    rho = np.empty(shape)
-    padded = [array.reshape((1,) * (len(shape) - array.ndim) + array.shape) for array in inputs]
-    for slab in _slabs(shape):
-        parts = [array[_clip(slab, array.shape)] for array in padded]
+    """``rho`` from standard deviation, system and forcing of each side."""
+
+    def piece(*parts: Array) -> Array:
         half = len(parts) // 2
-        covariance = pair_covariance(*_system(parts[1:half]), *_system(parts[half + 1 :]))
-        rho[slab] = covariance / (parts[0] * parts[half])
-    return rho
+        (sigma_1, *one), (sigma_2, *other) = parts[:half], parts[half:]
+        return pair_covariance(*_system(one), *_system(other)) / (sigma_1 * sigma_2)
+
+    return in_slabs(piece, *inputs)
 
 
 def _system(parts: list[Array]) -> tuple[EquivalentSystem, Forcing]:
     size = len(EquivalentSystem._fields)
     return EquivalentSystem(*parts[:size]), Forcing(*parts[size:])
-
-
-def _slabs(shape: tuple[int, ...]) -> Iterator[tuple[slice, ...]]:
-    """Contiguous pieces of an array of this shape, of about CHUNK cells."""
-    inner, axis = 1, len(shape)
-    while axis > 0 and inner * shape[axis - 1] <= CHUNK:
-        axis -= 1
-        inner *= shape[axis]
-    whole = (slice(None),) * (len(shape) - axis)
-    if axis == 0:
-        yield whole
-        return
-    step = max(1, CHUNK // inner)
-    for lead in np.ndindex(*shape[: axis - 1]):
-        for begin in range(0, shape[axis - 1], step):
-            yield (*(slice(i, i + 1) for i in lead), slice(begin, begin + step), *whole)
-
-
-def _clip(slab: tuple[slice, ...], shape: tuple[int, ...]) -> tuple[slice, ...]:
-    """The slab of an input that broadcasts: all of a dimension of length 1."""
-    return tuple(slice(None) if n == 1 else s for s, n in zip(slab, shape, strict=True))

@@ -27,6 +27,7 @@ INTERNAL = (
     *(f"system_{n}" for n in EquivalentSystem._fields),
     *(f"forcing_{n}" for n in Forcing._fields),
 )
+STRENGTH_RATIO = "elastic_ductility_std"  # of the elastic structure's displacement to uy: R/p
 PUBLIC = (
     "displacement_std",
     "velocity_std",
@@ -101,7 +102,7 @@ def _solve(cells: _Cells) -> xr.Dataset:
         *structure.law_parameters(),
         *ground.kernel_parameters(),
     ]
-    names = (*PUBLIC, *INTERNAL)
+    names = (*PUBLIC, *INTERNAL, STRENGTH_RATIO)
     try:
         outputs = xr.apply_ufunc(cells.solve, *inputs, output_core_dims=[[]] * len(names), join="exact")
     except xr.AlignmentError as error:
@@ -129,7 +130,7 @@ class _Cells(NamedTuple):
         columns = np.stack([array.reshape(-1)[where] for array in arrays[1:]])
         solution = self._solve_valid(columns)
         outputs = []
-        for name in (*PUBLIC, *INTERNAL):
+        for name in (*PUBLIC, *INTERNAL, STRENGTH_RATIO):
             filled = _blank(name, arrays[0].size)
             filled[where] = solution[name]
             outputs.append(filled.reshape(shape))
@@ -144,14 +145,15 @@ class _Cells(NamedTuple):
         own = own_covariance(elastic, self.ground.forcing(elastic, ground))
         by_factor = self.structure.reduction_factor is not None
         uy = peak_factor * np.sqrt(own.mu_mu) / strength if by_factor else strength
+        ratio = {STRENGTH_RATIO: np.sqrt(own.mu_mu) / uy}
         if self.closure is None or self.tolerance is None or not self.structure.yields:
-            return self._report(_Solution.elastic(elastic), ground, uy)
+            return self._report(_Solution.elastic(elastic), ground, uy) | ratio
         scaled = ground.copy()
         scaled[0] /= uy**2  # the forcing of ductility, f / uy
         start = np.sqrt(np.stack([own.mu_mu, own.v_v])) / uy
         solve = self._amplitude_average if self.closure == NARROW_BAND else self._fixed_point
         batch = _Batch(w, damping, hardening, law, scaled, start)
-        return self._report(solve(batch, self.tolerance), ground, uy)
+        return self._report(solve(batch, self.tolerance), ground, uy) | ratio
 
     def _fixed_point(self, batch: _Batch, tolerance: Tolerance) -> _Solution:
         w, damping, hardening, law, ground, start = batch

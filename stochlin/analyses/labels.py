@@ -51,6 +51,7 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "damping_eq": ("1", "equivalent damping ratio"),
     "iterations": ("1", "iterations"),
     "residual": ("1", "mismatch of log sigma and atanh correlation before the last correction"),
+    "bias": ("1", "relative error of the linearized standard deviation of the displacement"),
     "rho": ("1", "correlation coefficient of the displacements"),
     "displacement_std_standard_error": ("m", "standard error of the displacement's standard deviation"),
     "rho_standard_error": ("1", "standard error of rho"),

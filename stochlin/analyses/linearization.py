@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses import labels
+from stochlin.analyses.bias import relative_bias, with_caution
 from stochlin.analyses.equivalent_systems import PUBLIC, Tolerance, solve_structure
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
@@ -49,7 +50,9 @@ def linearize(
         Over the dimensions of the parameters: ``displacement_std`` [m], ``velocity_std`` [m/s],
         ``ductility_std``, ``z_std``, ``velocity_z_corr``, ``c_eq``, ``k_eq`` [1/s],
         ``yield_displacement`` [m], ``iterations``, ``residual``, ``status`` (CF flags). An elastic
-        structure has infinite ``yield_displacement`` and status ``elastic_limit``.
+        structure has infinite ``yield_displacement`` and status ``elastic_limit``. ``bias``:
+        the relative error of ``displacement_std``, from a map of simulations, and ``caution`` where
+        it exceeds 10 % or is unknown.
 
     Raises
     ------
@@ -77,8 +80,12 @@ def linearize(
     """
     expect(structure, Structure, "structure")
     expect(ground, Ground, "ground")
-    solved = solve_structure(structure, ground, closure, Tolerance(rtol, atol, max_iterations))
+    tolerance = Tolerance(rtol, atol, max_iterations)
+    solved = gaussian = solve_structure(structure, ground, closure, tolerance)
+    if closure != "gaussian":
+        gaussian = solve_structure(structure, ground, "gaussian", tolerance)
     table = solved[list(PUBLIC)]
+    table = with_caution(table, {"bias": relative_bias(structure, ground, solved, gaussian)})
     if closure == NARROW_BAND:
         equivalent = np.sqrt(solved.system_stiffness)
         table = table.assign(

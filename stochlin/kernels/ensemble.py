@@ -81,7 +81,7 @@ class Sums(NamedTuple):
     change_squares: Array  # (n,)
 
 
-class _Motion:
+class Motion:
     """State of one group of LANES motions and the structures on them."""
 
     def __init__(self, crowd: Crowd, ground: FilterSteps, root: Array, plan: Plan, group: int) -> None:
@@ -116,7 +116,7 @@ def stationary_sums(
     """Run the ensemble and sum its second moments; ``root root'`` is the filter's covariance."""
 
     def run(group: int) -> Sums:
-        motion = _Motion(crowd, ground, root, plan, plan.first_group + group)
+        motion = Motion(crowd, ground, root, plan, plan.first_group + group)
         for _ in range(plan.burn_in):
             motion.block()
         halves = [_gram(motion, plan.recorded // 2), _gram(motion, plan.recorded - plan.recorded // 2)]
@@ -149,7 +149,7 @@ def plastic_displacements(
     """``u - z`` of all structures after every ``stride``-th recorded block, (times, n, motions)."""
 
     def run(group: int) -> Array:
-        motion = _Motion(crowd, ground, root, plan, plan.first_group + group)
+        motion = Motion(crowd, ground, root, plan, plan.first_group + group)
         for _ in range(plan.burn_in):
             motion.block()
         histories = np.empty((plan.recorded // stride, crowd.size, LANES))
@@ -178,7 +178,7 @@ def finite_extremes(
     """
 
     def run(group: int) -> Extremes:
-        motion = _Motion(crowd, ground, root, plan, plan.first_group + group)
+        motion = Motion(crowd, ground, root, plan, plan.first_group + group)
         size = (LANES, crowd.size)
         extremes = Extremes(np.zeros(size), np.zeros(size), np.zeros((*size, crowd.size)))
         for begin in range(0, envelope.size, plan.samples):
@@ -196,7 +196,7 @@ def finite_extremes(
     return Extremes(*(np.concatenate(field) for field in zip(*parts, strict=True)))
 
 
-def _gram(motion: _Motion, blocks: int) -> Array:
+def _gram(motion: Motion, blocks: int) -> Array:
     """Sums of ``u_i u_j`` over the samples of the blocks, (LANES, n, n)."""
     total = np.zeros((LANES, motion.crowd.size, motion.crowd.size))
     for _ in range(blocks):

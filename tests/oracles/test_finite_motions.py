@@ -10,7 +10,7 @@ import xarray as xr
 
 import stochlin as sl
 from stochlin.analyses.ensembles import cells_of, joined, prepare
-from stochlin.kernels.ensemble import _Motion
+from stochlin.kernels.ensemble import Motion
 
 FIRM = sl.KanaiTajimi(2 * np.pi / 15, 0.6)
 QUAKE = sl.AminAng(4.0, 15.0, 0.35)
@@ -58,7 +58,7 @@ def test_variance_under_an_envelope_follows_the_lyapunov_equation():
     plan = run.plan._replace(every=1, samples=steps)
     envelope = QUAKE.at(plan.dt * (np.arange(steps) + 0.5))
     last = [
-        _Motion(run.crowd, run.ground, run.root, plan, group).block(envelope)[:, 0, -1].copy()
+        Motion(run.crowd, run.ground, run.root, plan, group).block(envelope)[:, 0, -1].copy()
         for group in range(plan.groups)
     ]
     sampled = np.concatenate(last) ** 2
