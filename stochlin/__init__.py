@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from stochlin.analyses.ground_fit import fit_ground
     from stochlin.analyses.linearization import linearize
     from stochlin.analyses.record_spectra import fit_spectra
+    from stochlin.analyses.recorded_gaps import recorded_gap
+    from stochlin.analyses.recorded_response import pseudo_energy_radius, respond, response_spectrum
     from stochlin.analyses.records import read_record, strong_part
     from stochlin.analyses.simulation import simulate
     from stochlin.analyses.state_space import statespace, stationary_covariance
@@ -45,7 +47,11 @@ _HOME = {
     "ground_names": "models.named_grounds",
     "linearize": "analyses.linearization",
     "named_ground": "models.named_grounds",
+    "pseudo_energy_radius": "analyses.recorded_response",
     "read_record": "analyses.records",
+    "recorded_gap": "analyses.recorded_gaps",
+    "respond": "analyses.recorded_response",
+    "response_spectrum": "analyses.recorded_response",
     "rho_white_noise": "analyses.correlation",
     "simulate": "analyses.simulation",
     "statespace": "analyses.state_space",
@@ -71,7 +77,11 @@ __all__ = [
     "ground_names",
     "linearize",
     "named_ground",
+    "pseudo_energy_radius",
     "read_record",
+    "recorded_gap",
+    "respond",
+    "response_spectrum",
     "rho_white_noise",
     "simulate",
     "statespace",
