@@ -21,6 +21,16 @@ if TYPE_CHECKING:
     from stochlin.analyses.records import read_record, strong_part
     from stochlin.analyses.simulation import simulate
     from stochlin.analyses.state_space import statespace, stationary_covariance
+    from stochlin.models.contacts import (
+        Hertz,
+        HertzDamp,
+        ImpactKelvin,
+        Jankowski,
+        Kelvin,
+        LinearSpring,
+        NoTensionKelvin,
+        Stereomechanical,
+    )
     from stochlin.models.envelopes import AminAng, GammaEnvelope, ShinozukaSato
     from stochlin.models.grounds import CloughPenzien, KanaiTajimi, WhiteNoise
     from stochlin.models.named_grounds import ground_names, named_ground
@@ -35,9 +45,17 @@ _HOME = {
     "BoucWen": "models.structures",
     "CloughPenzien": "models.grounds",
     "GammaEnvelope": "models.envelopes",
+    "Hertz": "models.contacts",
+    "HertzDamp": "models.contacts",
     "Hysteretic": "models.structures",
+    "ImpactKelvin": "models.contacts",
+    "Jankowski": "models.contacts",
     "KanaiTajimi": "models.grounds",
+    "Kelvin": "models.contacts",
+    "LinearSpring": "models.contacts",
+    "NoTensionKelvin": "models.contacts",
     "ShinozukaSato": "models.envelopes",
+    "Stereomechanical": "models.contacts",
     "WhiteNoise": "models.grounds",
     "amplification": "analyses.amplification",
     "correlate": "analyses.correlation",
@@ -65,9 +83,17 @@ __all__ = [
     "BoucWen",
     "CloughPenzien",
     "GammaEnvelope",
+    "Hertz",
+    "HertzDamp",
     "Hysteretic",
+    "ImpactKelvin",
+    "Jankowski",
     "KanaiTajimi",
+    "Kelvin",
+    "LinearSpring",
+    "NoTensionKelvin",
     "ShinozukaSato",
+    "Stereomechanical",
     "WhiteNoise",
     "amplification",
     "correlate",

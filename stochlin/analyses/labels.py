@@ -88,6 +88,14 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "probability": ("1", "probability of exceeding the gap"),
     "probability_lower": ("1", "lower end of its 95 % interval"),
     "probability_upper": ("1", "upper end of its 95 % interval"),
+    "restitution": ("1", "coefficient of restitution"),
+    "restitution_hertz_damp": ("1", "coefficient of restitution of the Hertz-damp contact"),
+    "contact_damping": ("1", "damping of the contact, as its element takes it"),
+    "scaled_contact_time": ("1", "contact time over (m v0^(1-n)/k)^(1/(n+1))"),
+    "scaled_time": ("1", "time over (m v0^(1-n)/k)^(1/(n+1))"),
+    "scaled_deformation": ("1", "deformation d over (m v0^2/k)^(1/(n+1))"),
+    "scaled_velocity": ("1", "rate of deformation over the approach velocity v0"),
+    "scaled_force": ("1", "contact force over k^(1/(n+1)) (m v0^2)^(n/(n+1))"),
 }
 
 

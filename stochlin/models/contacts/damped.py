@@ -1,0 +1,155 @@
+"""Elements with a dashpot, given by its damping or by the restitution that it is to deliver."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+import xarray as xr
+
+from stochlin.models.contacts.base import DAMPING, RESTITUTION, Element, Form, checked, elementwise
+from stochlin.models.parameters import Parameter, parameter
+
+EXACT = "exact"
+
+
+@dataclass(frozen=True)
+class Damped(Element):
+    """An element with a dashpot.
+
+    The relation between its damping and its coefficient of restitution is its own: nothing here is
+    shared between elements but the way of asking.
+    """
+
+    damping: Parameter = parameter("1", "damping of the contact", DAMPING)
+
+    _word: ClassVar[str]  # what the damping is called where it is given
+    _restitution: ClassVar[Form]
+    _damping: ClassVar[Mapping[str, Form]]  # by name of the formula
+
+    @property
+    def e(self) -> Any:
+        """Coefficient of restitution [-] of two free masses."""
+        return self._deliver(self.damping)
+
+    @classmethod
+    def delivered_restitution(cls, restitution: Any, formula: str = EXACT) -> Any:
+        """What the damping by a formula really delivers, where ``restitution`` is asked for.
+
+        Parameters
+        ----------
+        restitution : float or array
+            ``e`` [-] that is asked for, in (0, 1]; of any shape.
+        formula : str
+            ``"exact"``, or a published approximation by its name.
+
+        Returns
+        -------
+        float or array
+            ``e`` [-] that two free masses part with, as the argument; NaN in cells out of range.
+
+        Raises
+        ------
+        ValueError, TypeError
+            If a scalar is out of range, a value is not a number, or the formula is not known.
+        """
+        return cls._deliver(cls._invert(restitution, formula))
+
+    @classmethod
+    def _deliver(cls, damping: Any) -> Any:
+        return elementwise(cls.__name__, cls._word, damping, DAMPING, cls._restitution)
+
+    @classmethod
+    def _invert(cls, restitution: Any, formula: str = EXACT) -> Any:
+        if formula not in cls._damping:
+            known = ", ".join(cls._damping)
+            raise ValueError(f"{cls.__name__}: formula = {formula!r} is not known; allowed: {known}")
+        form = cls._damping[formula]
+        return elementwise(cls.__name__, "restitution", restitution, RESTITUTION, form)
+
+    @classmethod
+    def _settle(cls, damping: Any, restitution: Any) -> Any:
+        """The damping, from what was given of the two."""
+        name = cls.__name__
+        if (damping is None) == (restitution is None):
+            given = "neither is given" if damping is None else "both are given"
+            raise ValueError(
+                f"{name}: of {cls._word} and restitution {given}; allowed: exactly one of them, "
+                "since each defines the dashpot"
+            )
+        if damping is not None:
+            return checked(name, cls._word, damping, "1", DAMPING)
+        return cls._invert(checked(name, "restitution", restitution, "1", RESTITUTION))
+
+
+@dataclass(frozen=True, init=False)
+class WithRatio(Damped):
+    """A dashpot by its damping ratio ``xi = c/(2 sqrt(k m))``, ``m`` the reduced mass."""
+
+    damping: Parameter = parameter("1", "damping ratio of the contact", DAMPING)
+    _word: ClassVar[str] = "damping_ratio"
+
+    def __init__(
+        self,
+        stiffness: Parameter,
+        *,
+        damping_ratio: Parameter | None = None,
+        restitution: Parameter | None = None,
+    ) -> None:
+        object.__setattr__(self, "stiffness", stiffness)
+        object.__setattr__(self, "damping", self._settle(damping_ratio, restitution))
+        self.__post_init__()
+
+    @classmethod
+    def restitution(cls, damping_ratio: Any) -> Any:
+        """Coefficient of restitution that this element delivers between two free masses.
+
+        Parameters
+        ----------
+        damping_ratio : float or array
+            ``xi`` [-], not negative; of any shape.
+
+        Returns
+        -------
+        float or array
+            ``e`` [-], as the argument; NaN in cells out of range.
+
+        Raises
+        ------
+        ValueError, TypeError
+            If a scalar is out of range, or a value is not a number.
+        """
+        return cls._deliver(damping_ratio)
+
+    @classmethod
+    def damping_ratio(cls, restitution: Any, formula: str = EXACT) -> Any:
+        """Damping ratio with which this element delivers a coefficient of restitution.
+
+        Parameters
+        ----------
+        restitution : float or array
+            ``e`` [-], in (0, 1]; of any shape.
+        formula : str
+            ``"exact"``, the inverse of `restitution`; or a published approximation, by its name.
+
+        Returns
+        -------
+        float or array
+            ``xi`` [-], as the argument; NaN in cells out of range.
+
+        Raises
+        ------
+        ValueError, TypeError
+            If a scalar is out of range, a value is not a number, or the formula is not known.
+        """
+        return cls._invert(restitution, formula)
+
+    def damping_coefficient(self, reduced_mass: Any) -> Any:
+        """Dashpot constant ``c = 2 xi sqrt(k m)`` for a reduced mass [kg]: [N s/m] if linear."""
+        product = (self.damping, self.stiffness, reduced_mass)
+        with np.errstate(invalid="ignore"):  # NaN in cells out of range
+            return xr.apply_ufunc(
+                lambda xi, k, m: 2 * xi * np.sqrt(k * m), *product, join="exact", keep_attrs=False
+            )

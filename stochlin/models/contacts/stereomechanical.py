@@ -1,0 +1,132 @@
+"""The stereomechanical impact, eq. (13): velocities jump, nothing is said of forces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import xarray as xr
+
+from stochlin.kernels import contact as kernel
+from stochlin.models.contacts.base import ANY, POSITIVE, Contact, checked
+from stochlin.models.parameters import Parameter, Range, parameter
+
+SHARE = Range(
+    upper=1.0,
+    include_lower=True,
+    include_upper=True,
+    reason="0 is a plastic impact, 1 an elastic one",
+)
+
+
+@dataclass(frozen=True)
+class Stereomechanical(Contact):
+    """Stereomechanical impact, eq. (13): ``u1' - u2'`` becomes ``-e`` times itself, momentum is kept.
+
+    Parameters
+    ----------
+    restitution : float or array
+        Coefficient of restitution ``e`` [-], in [0, 1].
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a scalar is out of range, or a value is not a number.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eq. (13).
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> impact = sl.Stereomechanical(restitution=0.5)
+    >>> [float(v) for v in impact.velocities_after(1.0, -1.0, mass_1=2e5, mass_2=2e5)]
+    [-0.5, 0.5]
+    """
+
+    restitution: Parameter = parameter("1", "coefficient of restitution", SHARE)
+
+    @property
+    def e(self) -> Any:
+        """Coefficient of restitution [-]."""
+        return self.restitution
+
+    def velocities_after(
+        self, velocity_1: Any, velocity_2: Any, mass_1: Any, mass_2: Any
+    ) -> tuple[xr.DataArray, xr.DataArray]:
+        """Velocities of both structures after the impact.
+
+        Parameters
+        ----------
+        velocity_1, velocity_2 : float or array
+            Before [m/s]; structure 1 is on the left, so that they meet if ``velocity_1 >= velocity_2``.
+        mass_1, mass_2 : float or array
+            [kg], positive.
+
+        Returns
+        -------
+        tuple of xarray.DataArray
+            After [m/s]; NaN in cells that are out of range or do not meet.
+
+        Raises
+        ------
+        ValueError, TypeError
+            If a scalar is out of range, a value is not a number, dimensions do not fit, or a single
+            pair does not meet.
+        """
+        given, usable = self._approach(velocity_1, velocity_2, mass_1, mass_2)
+        after = xr.apply_ufunc(
+            kernel.velocities_after_impact, *given, join="exact", output_core_dims=[(), ()]
+        )
+        attrs = {"units": "m/s", "long_name": "velocity after the impact"}
+        first, second = (value.where(usable).assign_attrs(attrs) for value in after)
+        return first, second
+
+    def energy_loss(self, velocity_1: Any, velocity_2: Any, mass_1: Any, mass_2: Any) -> xr.DataArray:
+        """Energy that the impact takes, ``(1 - e^2) m (v1 - v2)^2/2`` with the reduced mass ``m``.
+
+        Parameters
+        ----------
+        velocity_1, velocity_2, mass_1, mass_2
+            As in `velocities_after`.
+
+        Returns
+        -------
+        xarray.DataArray
+            Energy [J]; NaN in cells that are out of range or do not meet.
+
+        Raises
+        ------
+        ValueError, TypeError
+            As in `velocities_after`.
+        """
+        given, usable = self._approach(velocity_1, velocity_2, mass_1, mass_2)
+        loss: xr.DataArray = xr.apply_ufunc(_energy_loss, *given, join="exact")
+        return loss.where(usable).assign_attrs(units="J", long_name="energy lost in the impact")
+
+    def _approach(self, *given: Any) -> tuple[list[xr.DataArray], xr.DataArray]:
+        """Velocities, masses and restitution as arrays, and where they are an impact."""
+        names = ("velocity_1", "velocity_2", "mass_1", "mass_2")
+        ranges = (ANY, ANY, POSITIVE, POSITIVE)
+        units = ("m/s", "m/s", "kg", "kg")
+        name = type(self).__name__
+        values = [
+            xr.DataArray(checked(name, *argument))
+            for argument in zip(names, given, units, ranges, strict=True)
+        ]
+        first, second, *masses = values
+        usable = (first >= second) & self.valid()
+        for mass in masses:
+            usable = usable & POSITIVE.contains(mass)
+        if usable.ndim == 0 and not usable:
+            raise ValueError(
+                f"{name}: velocity_1 = {float(first):g} is below velocity_2 = {float(second):g}; "
+                "allowed: velocity_1 >= velocity_2, for structure 1 is on the left: the others part"
+            )
+        return [*values, xr.DataArray(self.restitution)], usable
+
+
+def _energy_loss(velocity_1: Any, velocity_2: Any, mass_1: Any, mass_2: Any, e: Any) -> Any:
+    mass = kernel.reduced_mass(mass_1, mass_2)
+    return 0.5 * (1 - e) * (1 + e) * mass * (velocity_1 - velocity_2) ** 2
