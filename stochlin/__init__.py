@@ -11,16 +11,22 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from stochlin.analyses.amplification import amplification
+    from stochlin.analyses.code_gaps import code_gaps
     from stochlin.analyses.correlation import correlate, rho_white_noise
+    from stochlin.analyses.critical_gaps import critical_gap
+    from stochlin.analyses.effective_correlation import rho_effective
     from stochlin.analyses.finite_motions import exceedance
     from stochlin.analyses.ground_fit import fit_ground
     from stochlin.analyses.linearization import linearize
+    from stochlin.analyses.peaks import peak_response
     from stochlin.analyses.record_spectra import fit_spectra
     from stochlin.analyses.recorded_gaps import recorded_gap
     from stochlin.analyses.recorded_response import pseudo_energy_radius, respond, response_spectrum
     from stochlin.analyses.records import read_record, strong_part
     from stochlin.analyses.simulation import simulate
     from stochlin.analyses.state_space import statespace, stationary_covariance
+    from stochlin.analyses.strength import reduction_factor, strength_for_ductility
+    from stochlin.models.code_rules import code_rule, code_rule_names
     from stochlin.models.contacts import (
         Hertz,
         HertzDamp,
@@ -31,9 +37,11 @@ if TYPE_CHECKING:
         NoTensionKelvin,
         Stereomechanical,
     )
+    from stochlin.models.effective_properties import effective_rule, effective_rule_names
     from stochlin.models.envelopes import AminAng, GammaEnvelope, ShinozukaSato
     from stochlin.models.grounds import CloughPenzien, KanaiTajimi, WhiteNoise
     from stochlin.models.named_grounds import ground_names, named_ground
+    from stochlin.models.peak_factors import peak_factor_model, peak_factor_names
     from stochlin.models.structures import Bilinear, BoucWen, Hysteretic
 
 __version__ = "0.1.0"
@@ -58,22 +66,34 @@ _HOME = {
     "Stereomechanical": "models.contacts",
     "WhiteNoise": "models.grounds",
     "amplification": "analyses.amplification",
+    "code_gaps": "analyses.code_gaps",
+    "code_rule": "models.code_rules",
+    "code_rule_names": "models.code_rules",
     "correlate": "analyses.correlation",
+    "critical_gap": "analyses.critical_gaps",
+    "effective_rule": "models.effective_properties",
+    "effective_rule_names": "models.effective_properties",
     "exceedance": "analyses.finite_motions",
     "fit_ground": "analyses.ground_fit",
     "fit_spectra": "analyses.record_spectra",
     "ground_names": "models.named_grounds",
     "linearize": "analyses.linearization",
     "named_ground": "models.named_grounds",
+    "peak_factor_model": "models.peak_factors",
+    "peak_factor_names": "models.peak_factors",
+    "peak_response": "analyses.peaks",
     "pseudo_energy_radius": "analyses.recorded_response",
     "read_record": "analyses.records",
     "recorded_gap": "analyses.recorded_gaps",
+    "reduction_factor": "analyses.strength",
     "respond": "analyses.recorded_response",
     "response_spectrum": "analyses.recorded_response",
+    "rho_effective": "analyses.effective_correlation",
     "rho_white_noise": "analyses.correlation",
     "simulate": "analyses.simulation",
     "statespace": "analyses.state_space",
     "stationary_covariance": "analyses.state_space",
+    "strength_for_ductility": "analyses.strength",
     "strong_part": "analyses.records",
 }
 
@@ -96,22 +116,34 @@ __all__ = [
     "Stereomechanical",
     "WhiteNoise",
     "amplification",
+    "code_gaps",
+    "code_rule",
+    "code_rule_names",
     "correlate",
+    "critical_gap",
+    "effective_rule",
+    "effective_rule_names",
     "exceedance",
     "fit_ground",
     "fit_spectra",
     "ground_names",
     "linearize",
     "named_ground",
+    "peak_factor_model",
+    "peak_factor_names",
+    "peak_response",
     "pseudo_energy_radius",
     "read_record",
     "recorded_gap",
+    "reduction_factor",
     "respond",
     "response_spectrum",
+    "rho_effective",
     "rho_white_noise",
     "simulate",
     "statespace",
     "stationary_covariance",
+    "strength_for_ductility",
     "strong_part",
 ]
 

@@ -9,6 +9,7 @@ import xarray as xr
 
 from stochlin.analyses import labels
 from stochlin.analyses.bias import relative_bias, rho_bias, with_caution
+from stochlin.analyses.effective_correlation import EQ_4, effective_pair
 from stochlin.analyses.equivalent_systems import (
     INTERNAL,
     Tolerance,
@@ -21,11 +22,12 @@ from stochlin.analyses.slabs import in_slabs
 from stochlin.kernels.arrays import Array
 from stochlin.kernels.covariance import EquivalentSystem, Forcing, pair_covariance
 from stochlin.kernels.white_noise import white_noise_correlation
+from stochlin.models.effective_properties import EffectiveRule, effective_rule
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Parameter, expect
 from stochlin.models.structures import LinearPair, Structure
 
-METHODS = ("linearization", "white_noise", "simulation")
+METHODS = ("linearization", "white_noise", "effective", "simulation")
 SHOWN = ("displacement_std", "ductility_std", "yield_displacement")
 ROUNDING = 1e-9  # by which |rho| may exceed 1 before the cell is called wrong
 
@@ -37,6 +39,7 @@ def correlate(
     method: str = "linearization",
     *,
     closure: str = "gaussian",
+    rule: str | EffectiveRule = "iwan_1980",
     rtol: float = 1e-10,
     atol: float = 1e-12,
     max_iterations: int = 200,
@@ -58,10 +61,13 @@ def correlate(
         All parameters broadcast by dimension name.
     method : str
         ``"linearization"``; ``"white_noise"``: eq. (4) with the elastic periods and dampings,
-        whatever the ground, beside the elastic responses on this ground; ``"simulation"``: the
-        exact laws, all structures on the same motions, with standard errors.
+        whatever the ground, beside the elastic responses on this ground; ``"effective"``: eq. (4)
+        with the effective periods and dampings of ``rule`` at the linearized peak ductility;
+        ``"simulation"``: the exact laws, all structures on the same motions, with standard errors.
     closure, rtol, atol, max_iterations
-        As in `linearize`; for linearization.
+        As in `linearize`; for linearization and effective properties.
+    rule : str
+        One of `effective_rule_names`, or a rule; for effective properties.
     paths, seed, steps_per_period, relaxation_times, progress
         As in `simulate`; for simulation.
 
@@ -73,14 +79,16 @@ def correlate(
         Linearization adds ``bias``, by which ``rho`` is too large, ``bias_1`` and ``bias_2``, the
         relative error of the standard deviations, and ``caution`` where one exceeds .1 or is unknown;
         these are interpolated in a map that knows bilinear structures, and ``rho`` where both have
-        equal damping, hardening and strength ratio. Simulation adds ``rho_standard_error``,
+        equal damping, hardening and strength ratio. ``"effective"`` adds ``period_eq_1`` and ``_2``
+        [s], ``damping_eq_1`` and ``_2`` [-], and ``ductility_peak_1`` and ``_2`` [-]: the structure's
+        ``peak_factor`` times its ``ductility_std``. Simulation adds ``rho_standard_error``,
         ``displacement_std_standard_error_1`` and ``_2`` [m], and ``drift_1`` and ``_2``; where a drift
         exceeds 5 the run was too short to be stationary, and the cell is ``not_converged``.
 
     Raises
     ------
     ValueError
-        If the method or the closure is unknown, or dimensions do not fit together.
+        If the method, the closure or the rule is unknown, or dimensions do not fit together.
     ArithmeticError
         If a single case fails; in a table its cell is NaN and says why.
 
@@ -117,6 +125,16 @@ def correlate(
         settings = SimulationSettings(paths, seed, steps_per_period, relaxation_times, progress)
         table = simulate_pairs(first, second, ground, settings)
         details = f"paths={paths}, seed={seed}"
+    elif method == "effective":
+        chosen = effective_rule(rule)
+        sides = [solve_structure(s, ground, closure, tolerance) for s in (first, second)]
+        effective = effective_pair(first, second, sides, chosen)
+        rho = _combine(_white_noise, *(effective[name] for name in EQ_4))
+        table = _table(rho, sides).assign(effective)
+        if first.yields or second.yields:
+            table.attrs["comment"] = f"Peak ductilities are linearized. {labels.CAUTION_SIGMA}"
+        table.attrs["rule"] = chosen.describe()
+        details = f"closure={closure!r}, rule={chosen.name!r}"
     elif method == "linearization":
         table = _linearized(first, second, ground, closure, tolerance)
         details = f"closure={closure!r}"

@@ -98,23 +98,23 @@ def pair_covariance(
     """
     stiffer = np.asarray(first.stiffness >= second.stiffness)
     if stiffer.all():
-        return _eliminate(first, forcing_1, second, forcing_2)
+        return pair_row(first, forcing_1, second, forcing_2)[0]
     if not stiffer.any():
-        return _eliminate(second, forcing_2, first, forcing_1)
+        return pair_row(second, forcing_2, first, forcing_1)[0]
     systems, forcings = zip(first, second, strict=True), zip(forcing_1, forcing_2, strict=True)
     (stiff, soft), (force_stiff, force_soft) = (
         zip(*((np.where(stiffer, a, b), np.where(stiffer, b, a)) for a, b in pairs), strict=True)
         for pairs in (systems, forcings)
     )
-    return _eliminate(
+    return pair_row(
         EquivalentSystem(*stiff), Forcing(*force_stiff), EquivalentSystem(*soft), Forcing(*force_soft)
-    )
+    )[0]
 
 
-def _eliminate(
+def pair_row(
     first: EquivalentSystem, forcing_1: Forcing, second: EquivalentSystem, forcing_2: Forcing
-) -> Array:
-    """First row of the pair's covariance.
+) -> tuple[Array, ...]:
+    """First row of the pair's covariance: ``E[mu_1 mu_2]``, ``E[mu_1 mu_2']``, ``E[mu_1 y_2]``.
 
     The first row ``x`` of ``A1 X + X A2' + b1 C2' + C1 b2' = 0`` satisfies
     ``D1(-A2) x = r``, where ``D1`` is the characteristic polynomial of ``A1``: a 3 x 3
@@ -145,4 +145,4 @@ def _eliminate(
     )
     right = [k1 * u - v for u, v in zip(inner, times(inner), strict=True)]
     right[1] = right[1] + h1 * (forcing_1.slip - p1 * forcing_1.mu)
-    return solve_3x3(matrix, right)[0]
+    return solve_3x3(matrix, right)

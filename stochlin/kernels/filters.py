@@ -86,6 +86,13 @@ def kanai_tajimi_forcing(
     return Forcing(*(soil.stiffness * row[0] + soil.damping * row[1] for row in rows))
 
 
+class GroundRows(NamedTuple):
+    """Correlations of a structure's ``(mu, mu', y)`` with what drives it, on Clough-Penzien ground."""
+
+    signal: tuple[Array, Array, Array]  # with the soil's signal, which drives the high-pass oscillator
+    layer: tuple[Pair, Pair, Pair]  # with the high-pass oscillator's displacement and velocity
+
+
 def clough_penzien_forcing(
     system: EquivalentSystem,
     intensity: Array,
@@ -94,7 +101,28 @@ def clough_penzien_forcing(
     high_pass_frequency: Array,
     high_pass_damping: Array,
 ) -> Forcing:
-    """Forcing correlations under ``f = xf''``, with ``xf`` driven by the Kanai-Tajimi signal.
+    """Forcing correlations under ``f = xf''``, with ``xf`` driven by the Kanai-Tajimi signal."""
+    rows = clough_penzien_rows(
+        system, intensity, frequency, damping_ratio, high_pass_frequency, high_pass_damping
+    )
+    stiffness, damping = high_pass_frequency**2, 2 * high_pass_damping * high_pass_frequency
+    return Forcing(
+        *(
+            signal - stiffness * row[0] - damping * row[1]
+            for signal, row in zip(rows.signal, rows.layer, strict=True)
+        )
+    )
+
+
+def clough_penzien_rows(
+    system: EquivalentSystem,
+    intensity: Array,
+    frequency: Array,
+    damping_ratio: Array,
+    high_pass_frequency: Array,
+    high_pass_damping: Array,
+) -> GroundRows:
+    """What `clough_penzien_forcing` is made of.
 
     The high-pass oscillator is itself a linear structure on Kanai-Tajimi ground, and the
     filter cascade is block triangular: two solves of the same kind, one after the other.
@@ -114,14 +142,7 @@ def clough_penzien_forcing(
     layer_f = (-layer_v_v, np.zeros_like(layer_v_v))
 
     soil_rows = _sylvester(system, soil, _NOTHING, soil_f, _NOTHING)
-    drive = [soil.stiffness * row[0] + soil.damping * row[1] for row in soil_rows]
-    zero = np.zeros_like(drive[0])
-    layer_rows = _sylvester(
-        system, layer, (zero, drive[0]), (layer_f[0], layer_f[1] + drive[1]), (zero, drive[2])
-    )
-    return Forcing(
-        *(
-            signal - layer.stiffness * row[0] - layer.damping * row[1]
-            for signal, row in zip(drive, layer_rows, strict=True)
-        )
-    )
+    mu, velocity, slip = (soil.stiffness * row[0] + soil.damping * row[1] for row in soil_rows)
+    zero = np.zeros_like(mu)
+    layer_rows = _sylvester(system, layer, (zero, mu), (layer_f[0], layer_f[1] + velocity), (zero, slip))
+    return GroundRows((mu, velocity, slip), layer_rows)
