@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from stochlin.analyses.correlation import correlate, rho_white_noise
     from stochlin.analyses.critical_gaps import critical_gap
     from stochlin.analyses.effective_correlation import rho_effective
+    from stochlin.analyses.existing_gaps import existing_gap
     from stochlin.analyses.finite_motions import exceedance
     from stochlin.analyses.ground_fit import fit_ground
     from stochlin.analyses.linearization import linearize
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from stochlin.analyses.recorded_gaps import recorded_gap
     from stochlin.analyses.recorded_response import pseudo_energy_radius, respond, response_spectrum
     from stochlin.analyses.records import read_record, strong_part
+    from stochlin.analyses.separation import separation
     from stochlin.analyses.simulation import simulate
     from stochlin.analyses.state_space import statespace, stationary_covariance
     from stochlin.analyses.strength import reduction_factor, strength_for_ductility
@@ -74,6 +76,7 @@ _HOME = {
     "effective_rule": "models.effective_properties",
     "effective_rule_names": "models.effective_properties",
     "exceedance": "analyses.finite_motions",
+    "existing_gap": "analyses.existing_gaps",
     "fit_ground": "analyses.ground_fit",
     "fit_spectra": "analyses.record_spectra",
     "ground_names": "models.named_grounds",
@@ -90,6 +93,7 @@ _HOME = {
     "response_spectrum": "analyses.recorded_response",
     "rho_effective": "analyses.effective_correlation",
     "rho_white_noise": "analyses.correlation",
+    "separation": "analyses.separation",
     "simulate": "analyses.simulation",
     "statespace": "analyses.state_space",
     "stationary_covariance": "analyses.state_space",
@@ -124,6 +128,7 @@ __all__ = [
     "effective_rule",
     "effective_rule_names",
     "exceedance",
+    "existing_gap",
     "fit_ground",
     "fit_spectra",
     "ground_names",
@@ -140,6 +145,7 @@ __all__ = [
     "response_spectrum",
     "rho_effective",
     "rho_white_noise",
+    "separation",
     "simulate",
     "statespace",
     "stationary_covariance",

@@ -1,0 +1,81 @@
+"""Error of every rule for the separation, over modulated motions: `python benchmarks/rules.py`.
+
+30 s under an Amin-Ang envelope (4 s, 15 s, .35); hardening .02, .05, .1; T1/T2 from .3 to .9; three
+T2 around the ground's period. Every rule is fed with the simulated mean peaks, and judged against
+the simulated mean of max |u1 - u2|: its error in the mean over the cases, and at worst.
+"""
+
+import itertools
+from collections import defaultdict
+
+import numpy as np
+
+import stochlin as sl
+
+QUAKE = sl.AminAng(4.0, 15.0, 0.35)
+DURATION, PATHS = 30.0, 1024
+HARDENING = (0.02, 0.05, 0.1)
+RATIOS = (0.3, 0.5, 0.7, 0.8, 0.9)
+GROUNDS = {
+    "firm, KT(15, .6)": (sl.KanaiTajimi(2 * np.pi / 15, 0.6), (0.5, 1.0, 2.0)),
+    "lake bed, KT(pi, .05)": (sl.KanaiTajimi(2.0, 0.05), (1.0, 2.0, 3.0)),
+}
+FACTORS = (2, 4, 6)
+RULES = ("elastic", "secant", "penzien_1997", "iwan_1980", "fema_440")
+
+
+def ensemble(ground, hardening, factor, period):
+    """The second structure last, after its neighbours; their motions."""
+    structures = [
+        sl.Bilinear(ratio * period, 0.05, hardening, reduction_factor=factor) for ratio in (*RATIOS, 1.0)
+    ]
+    motions = sl.simulate(structures, ground, duration=DURATION, envelope=QUAKE, paths=PATHS)
+    uy = [float(sl.linearize(s, ground).yield_displacement) for s in structures]
+    return structures, motions, motions.peak_mean.values / uy
+
+
+def correlations(ground, structures, ductilities):
+    """rho of each neighbour with the last structure, by rule."""
+    last = structures[-1]
+    for n, neighbour in enumerate(structures[:-1]):
+        given = {"ductility_1": ductilities[n], "ductility_2": ductilities[-1]}
+        for number, s in ((1, neighbour), (2, last)):
+            given |= {
+                f"{name}_{number}": getattr(s, name) for name in ("period", "damping", "hardening")
+            }
+        rho = {name: float(sl.rho_effective(**given, rule=name).rho) for name in RULES}
+        rho["linearized rho"] = float(sl.correlate(neighbour, last, ground).rho)
+        yield n, rho | {"SRSS": 0.0, "sum": -1.0}
+
+
+def errors(ground, factor, periods):
+    found = defaultdict(list)
+    for hardening, period in itertools.product(HARDENING, periods):
+        structures, motions, ductilities = ensemble(ground, hardening, factor, period)
+        peaks = motions.peak_mean.values
+        apart = motions.separation.values
+        stationary = sl.simulate(structures, ground)
+        for n, rho in correlations(ground, structures, ductilities):
+            truth = np.maximum(apart[:, n, -1], apart[:, -1, n]).mean()
+            rho["simulated rho"] = float(stationary.rho[n, -1])
+            for rule, value in rho.items():
+                gap = float(sl.critical_gap(peaks[n], peaks[-1], value).gap)
+                found[rule].append(gap / truth - 1)
+    return found
+
+
+def main():
+    columns = [(name, factor) for name in GROUNDS for factor in FACTORS]
+    tables = [errors(GROUNDS[name][0], factor, GROUNDS[name][1]) for name, factor in columns]
+    print("error of the mean separation, mean / worst, in %")
+    print(
+        f"{'eq. (3), rho by':18s}"
+        + "".join(f"{name.split(',')[0] + f' R={r}':>16s}" for name, r in columns)
+    )
+    for rule in tables[0]:
+        cells = [f"{100 * np.mean(t[rule]):+.0f} / {100 * np.min(t[rule]):+.0f}" for t in tables]
+        print(f"{rule:18s}" + "".join(f"{cell:>16s}" for cell in cells))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,213 @@
+"""Every rule for the separation of two buildings, fed with their simulated peaks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.code_gaps import code_gaps
+from stochlin.analyses.correlation import correlate
+from stochlin.analyses.critical_gaps import critical_gap
+from stochlin.analyses.effective_correlation import rho_effective
+from stochlin.analyses.equivalent_systems import STRENGTH_RATIO, solve_structure
+from stochlin.analyses.peaks import TOLERANCE, peak_table, relative_moments
+from stochlin.analyses.simulation import simulate
+from stochlin.kernels.arrays import Array
+from stochlin.models.effective_properties import effective_rule, effective_rule_names
+from stochlin.models.envelopes import Envelope
+from stochlin.models.grounds import Ground
+from stochlin.models.peak_factors import Vanmarcke1975
+from stochlin.models.structures import Structure
+
+STEPS = 2000  # of the envelope, for the length of motion that it stands for
+GUMBEL = np.sqrt(6) / np.pi
+EQ_3 = "eq. (3) with the peaks of both structures"
+
+
+@dataclass(frozen=True)
+class Rule:
+    """One row of the table."""
+
+    name: str
+    kind: str
+    gap: float  # [m], NaN if not available
+    rho: float = np.nan
+    reference: str = ""
+    mark: str = ""
+    assumptions: str = ""
+    missing: str = ""
+
+
+@dataclass(frozen=True)
+class PairInMotion:
+    """Two structures, linearized, and what the simulation of finite motions tells of each."""
+
+    structures: tuple[Structure, Structure]
+    ground: Ground
+    solved: tuple[xr.Dataset, xr.Dataset]
+    motions: xr.Dataset
+    confidence: float
+    strong_seconds: float  # length of the stationary motion that an envelope stands for
+    heights: tuple[float | None, float | None]
+
+    @classmethod
+    def of(
+        cls,
+        first: Structure,
+        second: Structure,
+        ground: Ground,
+        motions: xr.Dataset,
+        confidence: float,
+        duration: float,
+        envelope: Envelope | None,
+        heights: tuple[float | None, float | None],
+    ) -> PairInMotion:
+        """Linearize the structures; an envelope counts by the integral of its square."""
+        solved = tuple(solve_structure(s, ground, "gaussian", TOLERANCE) for s in (first, second))
+        seconds = duration
+        if envelope is not None:
+            middle = (np.arange(STEPS) + 0.5) * duration / STEPS
+            seconds = duration * float(np.mean(envelope.at(middle) ** 2))
+        pair = (first, second)
+        return cls(pair, ground, (solved[0], solved[1]), motions, confidence, seconds, heights)
+
+    @property
+    def peaks(self) -> Array:
+        """Largest ``|u|`` of both [m], not exceeded with the probability ``confidence``."""
+        quantile: Array = np.quantile(self.motions.peak.values, self.confidence, axis=0)
+        return quantile
+
+    @property
+    def ductilities(self) -> Array:
+        """Mean peak ductility of both; 0 where elastic."""
+        return self.motions.peak_mean.values / [float(side.yield_displacement) for side in self.solved]
+
+    def with_yield(self, number: int) -> Any:
+        """A structure by its yield displacement, whatever defined its strength."""
+        structure = self.structures[number]
+        if not structure.yields:
+            return structure
+        uy = float(self.solved[number].yield_displacement)
+        return replace(structure, reduction_factor=None, yield_displacement=uy)
+
+    def quantities(self) -> dict[str, float]:
+        """What the table says of the structures."""
+        table: dict[str, float] = {}
+        for n in (0, 1):
+            mean = ("peak_mean", "peak_mean_standard_error")
+            table |= {f"{name}_{n + 1}": float(self.motions[name][n]) for name in mean}
+            table[f"peak_{n + 1}"] = float(self.peaks[n])
+            yields = self.structures[n].yields
+            table[f"ductility_{n + 1}"] = float(self.ductilities[n]) if yields else np.nan
+            table[f"yield_displacement_{n + 1}"] = float(self.solved[n].yield_displacement)
+            factor = float(self.structures[n].arrays()["peak_factor"] * self.solved[n][STRENGTH_RATIO])
+            table[f"reduction_factor_{n + 1}"] = factor if yields else np.nan
+        for name in ("separation_mean", "separation_mean_standard_error"):
+            table[name] = float(self.motions[name][0, 1])
+        return table
+
+
+def all_rules(pair: PairInMotion, floors_align: bool, zone: str | None, unverified: bool) -> list[Rule]:
+    """Every rule that there is, those that lack something too."""
+    return [
+        _with_simulated_rho(pair),
+        _with_linearized_rho(pair),
+        *(_with_effective_rho(pair, name) for name in effective_rule_names(unverified)),
+        _linearized(pair),
+        *_codes(pair, floors_align, zone),
+    ]
+
+
+def _with_rho(pair: PairInMotion, name: str, rho: float, **texts: str) -> Rule:
+    first, second = pair.peaks
+    gap = float(critical_gap(first, second, float(np.clip(rho, -1, 1))).gap)
+    return Rule(name, "equation_3", gap, rho, **texts)
+
+
+def _with_simulated_rho(pair: PairInMotion) -> Rule:
+    name, kind = "eq_3_simulated", "equation_3"
+    try:
+        table = simulate(pair.structures, pair.ground)
+    except ValueError as error:  # of a structure that yields so rarely that it would take hours
+        return Rule(name, kind, np.nan, missing=str(error))
+    rho = float(table.rho[0, 1])
+    return _with_rho(pair, name, rho, mark="C", assumptions=f"{EQ_3}; rho of stationary simulation")
+
+
+def _with_linearized_rho(pair: PairInMotion) -> Rule:
+    name, kind = "eq_3_linearized", "equation_3"
+    try:
+        rho = float(correlate(*pair.structures, pair.ground).rho)
+    except ArithmeticError as error:
+        return Rule(name, kind, np.nan, missing=str(error))
+    return _with_rho(pair, name, rho, mark="C", assumptions=f"{EQ_3}; rho of linearization")
+
+
+def _with_effective_rho(pair: PairInMotion, name: str) -> Rule:
+    rule = effective_rule(name)
+    values = [structure.arrays() for structure in pair.structures]
+    yields = [structure.yields for structure in pair.structures]
+    arguments: dict[str, float] = {}
+    for n, (given, own) in enumerate(zip(values, yields, strict=True)):
+        arguments |= {f"{key}_{n + 1}": float(given[key]) for key in ("period", "damping")}
+        arguments[f"hardening_{n + 1}"] = float(given["hardening"]) if own else 1.0
+        arguments[f"ductility_{n + 1}"] = float(pair.ductilities[n]) if own else 1.0
+    rho = float(rho_effective(**arguments, rule=rule).rho)
+    doubt = "" if rule.verified else f"; {rule.reason}"
+    return _with_rho(
+        pair,
+        f"eq_3_{rule.name}",
+        rho,
+        reference=rule.reference,
+        mark=rule.mark,
+        assumptions=f"{EQ_3}; rho by eq. (4) at the simulated mean peak ductility{doubt}",
+    )
+
+
+def _linearized(pair: PairInMotion) -> Rule:
+    """Linearization alone: a Gaussian difference, its one-sided peak by Vanmarcke."""
+    l0, l1, l2 = relative_moments(*pair.solved, pair.ground)
+    peak = peak_table(l0, l1, l2, xr.DataArray(pair.strong_seconds), Vanmarcke1975(), sides=1)
+    reduced = -np.log(-np.log(pair.confidence))
+    gap = float(peak.peak_mean + GUMBEL * (reduced - np.euler_gamma) * peak.peak_std)
+    missing = "" if np.isfinite(gap) else "not solved, or the motion is too short to hold a peak"
+    return Rule(
+        "linearization",
+        "linearization",
+        gap,
+        reference=Vanmarcke1975.reference,
+        mark="C",
+        assumptions=f"stationary for {pair.strong_seconds:.3g} s, Gaussian; nothing simulated",
+        missing=missing,
+    )
+
+
+def _codes(pair: PairInMotion, floors_align: bool, zone: str | None) -> list[Rule]:
+    peaks, heights = pair.peaks, pair.heights
+    table = code_gaps(
+        peaks[0],
+        peaks[1],
+        height_1=heights[0],
+        height_2=heights[1],
+        floors_align=floors_align,
+        zone=zone,
+    )
+    return [
+        Rule(
+            str(name),
+            "code",
+            float(table.gap.sel(rule=name)),
+            reference=str(table.reference.sel(rule=name).item()),
+            mark=str(table.mark.sel(rule=name).item()),
+            assumptions=str(table.assumptions.sel(rule=name).item()),
+            missing=_lacking(str(table.missing.sel(rule=name).item())),
+        )
+        for name in table.rule.values
+    ]
+
+
+def _lacking(names: str) -> str:
+    return f"needs {names}" if names else ""
