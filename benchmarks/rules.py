@@ -17,8 +17,8 @@ DURATION, PATHS = 30.0, 1024
 HARDENING = (0.02, 0.05, 0.1)
 RATIOS = (0.3, 0.5, 0.7, 0.8, 0.9)
 GROUNDS = {
-    "firm, KT(15, .6)": (sl.KanaiTajimi(2 * np.pi / 15, 0.6), (0.5, 1.0, 2.0)),
-    "lake bed, KT(pi, .05)": (sl.KanaiTajimi(2.0, 0.05), (1.0, 2.0, 3.0)),
+    "firm, KT(15, .6)": (sl.KanaiTajimi(2 * np.pi / 15, 0.6), (0.3, 0.6, 1.2)),
+    "lake bed, KT(pi, .05)": (sl.KanaiTajimi(2.0, 0.05), (0.5, 1.0, 2.0)),
 }
 FACTORS = (2, 4, 6)
 RULES = ("elastic", "secant", "penzien_1997", "iwan_1980", "fema_440")
