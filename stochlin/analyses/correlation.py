@@ -95,7 +95,7 @@ def correlate(
     Notes
     -----
     For yielding structures linearized ``rho`` is off by .05 to .2 where yielding is moderate,
-    mostly too large, and by up to .8 for structures much stiffer than a narrow-band ground; the
+    mostly too large, and by up to 1.3 for structures much stiffer than a narrow-band ground; the
     standard deviations are too small: a separation computed from both is unsafe by a third to a
     half. Simulation takes seconds. Correlation can be negative, where the ground period lies
     between those of the structures.

@@ -17,11 +17,11 @@ PAPER = (
 
 CAUTION_RHO = (
     "Caution: against exact simulation, linearized ρ is off by .05 to .2 where yielding is moderate, "
-    "and by up to .8 for structures much stiffer than a narrow-band ground; see 'stochlin verify'."
+    "and by up to 1.3 for structures much stiffer than a narrow-band ground: see 'bias'."
 )
 CAUTION_SIGMA = (
     "Caution: against exact simulation, linearized displacements are 20 to 46 % too small at α ≤ .05, "
-    "and up to ten times for structures much stiffer than a narrow-band ground; see 'stochlin verify'."
+    "and up to thirty times for structures much stiffer than a narrow-band ground: see 'bias'."
 )
 
 CONVERGED, ELASTIC_LIMIT, NOT_CONVERGED, INVALID_INPUT, NOT_PHYSICAL = range(5)

@@ -184,8 +184,10 @@ def _on_screen(table: xr.Dataset) -> str:
     if not shown.sizes:
         shown = shown.expand_dims("case")
     frame = shown.to_dataframe().reset_index().drop(columns="case", errors="ignore")
-    meanings = table.status.attrs["flag_meanings"].split()
-    frame["status"] = [meanings[code] for code in frame["status"]]
+    for name in set(frame.columns) & set(table.data_vars):
+        if "flag_meanings" in table[name].attrs:
+            meanings = table[name].attrs["flag_meanings"].split()
+            frame[name] = [meanings[code] for code in frame[name]]
     text = frame.head(SCREEN_ROWS).to_string(index=False, float_format=lambda x: f"{x:.6g}")
     more = len(frame) - SCREEN_ROWS
     return text if more <= 0 else f"{text}\n# ... {more} more rows; --out saves all"
