@@ -17,11 +17,11 @@ PAPER = (
 
 CAUTION_RHO = (
     "Caution: against exact simulation, linearized ρ is off by .05 to .2 where yielding is moderate, "
-    "and by up to 1.3 for structures much stiffer than a narrow-band ground: see 'bias'."
+    "and by up to 1.3 for structures much stiffer than a narrow-band ground; see 'stochlin verify'."
 )
 CAUTION_SIGMA = (
     "Caution: against exact simulation, linearized displacements are 20 to 46 % too small at α ≤ .05, "
-    "and up to thirty times for structures much stiffer than a narrow-band ground: see 'bias'."
+    "and up to 30 times for structures much stiffer than a narrow-band ground; see 'stochlin verify'."
 )
 
 CONVERGED, ELASTIC_LIMIT, NOT_CONVERGED, INVALID_INPUT, NOT_PHYSICAL = range(5)
