@@ -12,11 +12,13 @@ from stochlin.analyses import labels
 from stochlin.analyses.ensembles import Run
 from stochlin.kernels.arrays import Array
 from stochlin.kernels.ensemble import Progress, finite_extremes
+from stochlin.kernels.stepping import LANES
 from stochlin.models.envelopes import Envelope
 from stochlin.models.parameters import expect
 
 CONFIDENCE = 0.95
 BLOCK = 256  # steps
+MOST_STEPS = 1e12  # of all pairs on all paths: minutes on two cores
 
 
 def check_motion(duration: float | None, envelope: Envelope | None, quantiles: Sequence[float]) -> None:
@@ -44,6 +46,12 @@ def simulate_finite(
     """What `simulate` returns for a duration, over numbered structures."""
     levels = np.asarray(quantiles, float)
     plan = run.plan._replace(every=1, samples=BLOCK)
+    steps = duration / plan.dt * plan.groups * LANES * run.crowd.size**2
+    if steps > MOST_STEPS:
+        raise ValueError(
+            f"duration = {duration:g} would take {steps:.1e} steps of all pairs on all paths, allowed: "
+            f"{MOST_STEPS:.0e}; shorten it, or lower paths"
+        )
     middle = plan.dt * (np.arange(int(np.ceil(duration / plan.dt))) + 0.5)
     shape = np.ones_like(middle) if envelope is None else envelope.at(middle)
     scale = np.empty(run.crowd.size)

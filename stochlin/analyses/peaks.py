@@ -134,15 +134,16 @@ def peak_table(
     sides: int,
 ) -> xr.Dataset:
     """Peak of a Gaussian displacement with these spectral moments [m^2, m^2/s, m^2/s^2]."""
-    crossings = duration * np.sqrt(l2 / l0) / np.pi
-    bandwidth = np.sqrt(np.maximum(1 - l1**2 / (l0 * l2), 0))
+    moving = (l0 > 0) & (l2 > 0)  # rounding may leave less of the difference of equal structures
+    crossings = duration * np.sqrt(l2.where(moving) / l0) / np.pi
+    bandwidth = np.sqrt(np.maximum(1 - l1**2 / (l0 * l2).where(moving), 0))
     factors = [
         xr.apply_ufunc(
             lambda n, delta, f=function: f(n, delta, sides), crossings, bandwidth, join="exact"
         )
         for function in (model.mean, model.std)
     ]
-    sigma = np.sqrt(l0)
+    sigma = np.sqrt(l0.where(moving))
     return xr.Dataset(
         {
             "peak_mean": factors[0] * sigma,

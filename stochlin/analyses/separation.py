@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses import labels
+from stochlin.analyses.cells import over_cells
 from stochlin.analyses.finite_motions import exceedance
 from stochlin.analyses.recorded_gaps import recorded_gap
 from stochlin.analyses.rule_table import PairInMotion, Rule, all_rules
@@ -16,10 +17,12 @@ from stochlin.analyses.simulation import simulate
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
+from stochlin.models.separation_rules import PeakPair, check_zone
 from stochlin.models.structures import Bilinear, Structure
 
 VERDICTS = ("answer", "safe", "unsafe", "within_error", "not_available")
 ANSWER, SAFE, UNSAFE, WITHIN_ERROR, NOT_AVAILABLE = range(len(VERDICTS))
+MOTION = ("paths", "seed", "step_s", "duration_s", "envelope")
 TEXTS: Mapping[str, str] = {
     "kind": "simulation, eq. (3) with a correlation, linearization, or building code",
     "reference": "source of the rule",
@@ -58,9 +61,9 @@ def separation(
     Parameters
     ----------
     first, second : Bilinear, BoucWen or Hysteretic
-        With scalar parameters. Strength by ``reduction_factor`` refers to the stationary ground.
+        Strength by ``reduction_factor`` refers to the stationary ground.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
-        With scalar parameters.
+        All parameters broadcast by dimension name; each cell is a simulation of its own.
     duration : float
         Of each motion [s], positive.
     envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
@@ -80,7 +83,7 @@ def separation(
     records : DataArray, or list or mapping of them, optional
         Recorded motions, as `read_record` returns them; bilinear structures only.
     progress : callable, optional
-        Called with the share of the simulation that is done.
+        Called with the share of a simulation that is done.
 
     Returns
     -------
@@ -98,8 +101,7 @@ def separation(
     Raises
     ------
     ValueError, TypeError
-        If a parameter is an array, a number is out of range, or the run would not fit into
-        memory: before any work is done.
+        If a number is out of range, or the run would not fit into memory: before any work is done.
 
     Notes
     -----
@@ -120,30 +122,40 @@ def separation(
     True
     """
     check_confidence(confidence)
+    check_zone(zone)
+    PeakPair(0.0, 0.0, height_1, height_2)
     for role, structure in (("first", first), ("second", second)):
         expect(structure, Structure, role)
         if records is not None and not isinstance(structure, Bilinear):
             raise TypeError(
                 f"{role} = {type(structure).__name__} cannot ride on records; allowed: Bilinear"
             )
-    motions = simulate(
-        [first, second],
-        ground,
-        paths=paths,
-        seed=seed,
-        duration=duration,
-        envelope=envelope,
-        quantiles=[confidence],
-        progress=progress,
-    )
-    pair = PairInMotion.of(
-        first, second, ground, motions, confidence, duration, envelope, (height_1, height_2)
-    )
-    rules = all_rules(pair, floors_align, zone, unverified)
-    table = _judged(rules, motions, confidence).assign(pair.quantities())
-    if records is not None:
+    expect(ground, Ground, "ground")
+
+    def of_cell(first: Structure, second: Structure, ground: Ground) -> xr.Dataset:
+        motions = simulate(
+            [first, second],
+            ground,
+            paths=paths,
+            seed=seed,
+            duration=duration,
+            envelope=envelope,
+            quantiles=[confidence],
+            progress=progress,
+        )
+        pair = PairInMotion.of(
+            first, second, ground, motions, confidence, duration, envelope, (height_1, height_2)
+        )
+        rules = all_rules(pair, floors_align, zone, unverified)
+        table = _judged(rules, motions, confidence).assign(pair.quantities())
+        table.attrs = {name: motions.attrs[name] for name in MOTION}
+        if records is None:
+            return table
         recorded = recorded_gap(pair.with_yield(0), pair.with_yield(1), records)
-        table = table.assign({f"record_{name}": recorded[name] for name in recorded.data_vars})
+        return table.assign({f"record_{name}": recorded[name] for name in recorded.data_vars})
+
+    models = {"first": first, "second": second, "ground": ground}
+    table = over_cells(of_cell, models)
     table = labels.label(table)
     table.verdict.attrs = {
         "long_name": "whether the gap keeps the confidence",
@@ -153,10 +165,10 @@ def separation(
     for name, text in TEXTS.items():
         table[name].attrs["long_name"] = text
     return labels.with_run_information(
-        table.assign_attrs(confidence=confidence, **_motion_attributes(motions)),
+        table.assign_attrs(confidence=confidence),
         f"Separation of two buildings by rule, {ground.name} ground",
         f"separation(duration={duration:g}, confidence={confidence:g}, paths={paths}, seed={seed})",
-        {"first": first, "second": second, "ground": ground},
+        models,
     )
 
 
@@ -164,10 +176,6 @@ def check_confidence(confidence: float) -> None:
     """Raise a ValueError unless it is a probability between 0 and 1."""
     if not isinstance(confidence, (int, float)) or not 0 < confidence < 1:
         raise ValueError(f"confidence = {confidence!r}; allowed: a probability between 0 and 1")
-
-
-def _motion_attributes(motions: xr.Dataset) -> dict[str, Any]:
-    return {name: motions.attrs[name] for name in ("paths", "seed", "step_s", "duration_s", "envelope")}
 
 
 def _judged(rules: list[Rule], motions: xr.Dataset, confidence: float) -> xr.Dataset:

@@ -155,3 +155,36 @@ def test_structure_that_cannot_ride_on_records_is_refused():
     other = sl.BoucWen(1.0, 0.05, 0.1, reduction_factor=3)
     with pytest.raises(TypeError, match="second = BoucWen cannot ride on records"):
         sl.separation(building(0.6), other, FIRM, 20.0, records=[])
+
+
+def test_cells_of_a_table_are_those_of_single_calls():
+    period = xr.DataArray([0.5, -1.0, 0.8], dims="T", coords={"T": [0.5, -1.0, 0.8]})
+    factor = xr.DataArray([3.0, 5.0], dims="R")
+    first = building(period, reduction_factor=factor)
+    table = sl.separation(first, building(1.0), FIRM, 10.0, paths=64)
+    assert set(table.gap.dims) == {"rule", "T", "R"}
+    alone = sl.separation(building(0.8, reduction_factor=5.0), building(1.0), FIRM, 10.0, paths=64)
+    np.testing.assert_array_equal(table.gap.isel(T=2, R=1), alone.gap)
+    np.testing.assert_array_equal(table.verdict.isel(T=2, R=1), alone.verdict)
+    assert np.isnan(table.gap.isel(T=1)).all()
+    assert "invalid_input" in table.status.attrs["flag_meanings"].split()[int(table.status[0, 1, 0])]
+    np.testing.assert_array_equal(table.T, period.T)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"zone": "IV"}, "zone = 'IV' is not known"),
+        ({"height_1": -3.0}, "height_1 = -3 is out of range"),
+        ({"duration": 1e9}, "duration = 1e.09 would take .* steps"),
+        ({"duration": -1.0}, "duration = -1.0; allowed: a positive"),
+    ],
+)
+def test_bad_input_is_refused_before_any_work(monkeypatch, options, message):
+    def never(*_):
+        raise AssertionError("work has begun")
+
+    monkeypatch.setattr("stochlin.analyses.finite_motions.finite_extremes", never)
+    given = {"duration": 10.0} | options
+    with pytest.raises(ValueError, match=message):
+        sl.separation(building(0.6), building(1.0), FIRM, **given)
