@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from stochlin.analyses.finite_motions import exceedance
     from stochlin.analyses.ground_fit import fit_ground
     from stochlin.analyses.linearization import linearize
+    from stochlin.analyses.linked import correlate_linked
     from stochlin.analyses.peaks import peak_response
     from stochlin.analyses.record_spectra import fit_spectra
     from stochlin.analyses.recorded_gaps import recorded_gap
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
     from stochlin.models.effective_properties import effective_rule, effective_rule_names
     from stochlin.models.envelopes import AminAng, GammaEnvelope, ShinozukaSato
     from stochlin.models.grounds import CloughPenzien, KanaiTajimi, WhiteNoise
+    from stochlin.models.links import Link
     from stochlin.models.named_grounds import ground_names, named_ground
     from stochlin.models.peak_factors import peak_factor_model, peak_factor_names
     from stochlin.models.structures import Bilinear, BoucWen, Hysteretic
@@ -63,6 +65,7 @@ _HOME = {
     "KanaiTajimi": "models.grounds",
     "Kelvin": "models.contacts",
     "LinearSpring": "models.contacts",
+    "Link": "models.links",
     "NoTensionKelvin": "models.contacts",
     "ShinozukaSato": "models.envelopes",
     "Stereomechanical": "models.contacts",
@@ -72,6 +75,7 @@ _HOME = {
     "code_rule": "models.code_rules",
     "code_rule_names": "models.code_rules",
     "correlate": "analyses.correlation",
+    "correlate_linked": "analyses.linked",
     "critical_gap": "analyses.critical_gaps",
     "effective_rule": "models.effective_properties",
     "effective_rule_names": "models.effective_properties",
@@ -115,6 +119,7 @@ __all__ = [
     "KanaiTajimi",
     "Kelvin",
     "LinearSpring",
+    "Link",
     "NoTensionKelvin",
     "ShinozukaSato",
     "Stereomechanical",
@@ -124,6 +129,7 @@ __all__ = [
     "code_rule",
     "code_rule_names",
     "correlate",
+    "correlate_linked",
     "critical_gap",
     "effective_rule",
     "effective_rule_names",

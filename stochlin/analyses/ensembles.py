@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +17,7 @@ from stochlin.analyses.equivalent_systems import Tolerance, solve_elastic, solve
 from stochlin.analyses.state_space import ground_matrices
 from stochlin.kernels.arrays import Array
 from stochlin.kernels.ensemble import Crowd, Plan
+from stochlin.kernels.linked_stepping import linked_block
 from stochlin.kernels.stepping import LANES, FilterSteps, filter_steps
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Structure
@@ -50,6 +51,32 @@ class Run(NamedTuple):
     root: Array
     plan: Plan
     memory: float  # [s], of the slowest vibration or, where that is longer, of the plastic drift
+
+
+class LinkedPair(NamedTuple):
+    """What links the two structures of a run: constants of the link over both masses."""
+
+    stiffness: tuple[float, float]  # [1/s^2]
+    damping: tuple[float, float]  # [1/s]
+
+    def crowd(self, apart: Crowd) -> Crowd:
+        """The two bilinear structures of a crowd, linked."""
+        ((_, own),) = apart.parts
+        unit = 1 / own[:, 3]
+        links = np.stack([self.stiffness, self.damping, unit[::-1] / unit], axis=1)
+        return Crowd(((linked_block, np.concatenate([own, links], axis=1)),))
+
+    def times(self, crowd: Crowd) -> tuple[float, float]:
+        """Shortest period and longest relaxation [s] of the linked pair while it is elastic."""
+        ((_, parameters),) = crowd.parts
+        matrix = np.zeros((4, 4))
+        for n, (d, k, h, _, link_k, link_c, ratio) in enumerate(parameters):
+            matrix[2 * n, 2 * n + 1] = 1
+            matrix[2 * n + 1, 2 * n : 2 * n + 2] = -(k + h + link_k), -(d + link_c)
+            other = 2 * (1 - n)
+            matrix[2 * n + 1, other : other + 2] = ratio * link_k, ratio * link_c
+        values = np.linalg.eigvals(matrix)
+        return 2 * np.pi / float(np.abs(values.imag).max() or np.inf), 1 / float(-values.real.max())
 
 
 def cells_of(structure: Structure, ground: Ground) -> tuple[Cells, xr.DataArray]:
@@ -96,7 +123,9 @@ def cells_of_all(structures: Sequence[Structure], ground: Ground) -> Cells:
     parts = []
     for numbers in alike.values():
         first = structures[numbers[0]]
-        columns = {n: [float(structures[i].arrays()[n]) for i in numbers] for n in first.arrays()}
+        columns: dict[str, Any] = {
+            n: [float(structures[i].arrays()[n]) for i in numbers] for n in first.arrays() if n != "mass"
+        }
         parts.append(cells_of(replace(first, **columns), ground)[0])
     order = np.argsort([number for numbers in alike.values() for number in numbers])
     return Cells(*(column[order] for column in joined(parts)))
@@ -107,7 +136,15 @@ def joined(parts: Sequence[Cells]) -> Cells:
     return Cells(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
-def prepare(cells: Cells, ground: Ground, *, paths: int, seed: int, steps_per_period: int) -> Run:
+def prepare(
+    cells: Cells,
+    ground: Ground,
+    *,
+    paths: int,
+    seed: int,
+    steps_per_period: int,
+    link: LinkedPair | None = None,
+) -> Run:
     """Choose the step from cells and ground and lay out the ensemble; it has no length yet."""
     valid = cells.valid
     if not valid.any():
@@ -118,10 +155,16 @@ def prepare(cells: Cells, ground: Ground, *, paths: int, seed: int, steps_per_pe
     intensity = 2 * np.pi * parameters[0]
     rates = -np.linalg.eigvals(matrix).real if names else np.array([np.inf])
     filters = 2 * np.pi / np.asarray(parameters[1::2])
-    dt = min([float(cells.period[valid].min()), *filters]) / steps_per_period
+    periods = [float(cells.period[valid].min()), *filters]
+    memory = max(float(cells.damping_time[valid].max()), float((1 / rates).max()))
+    crowd, order, scale = _crowd(cells, valid)
+    if link is not None:
+        crowd = link.crowd(crowd)
+        shortest, longest = link.times(crowd)
+        periods, memory = [*periods, shortest], max(memory, longest)
+    dt = min(periods) / steps_per_period
     every = max(1, steps_per_period // SAMPLES_PER_PERIOD)
     plan = Plan(dt, every, burn_in=0, recorded=0, groups=int(np.ceil(paths / LANES)), seed=seed)
-    crowd, order, scale = _crowd(cells, valid)
     return Run(
         crowd,
         order,
@@ -129,7 +172,7 @@ def prepare(cells: Cells, ground: Ground, *, paths: int, seed: int, steps_per_pe
         filter_steps(matrix, noise, output, intensity, dt),
         _root(matrix, noise, intensity),
         plan,
-        max(float(cells.damping_time[valid].max()), float((1 / rates).max())),
+        memory,
     )
 
 

@@ -52,6 +52,8 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "iterations": ("1", "iterations"),
     "residual": ("1", "mismatch of log sigma and atanh correlation before the last correction"),
     "bias": ("1", "relative error of the linearized standard deviation of the displacement"),
+    "relative_displacement_std": ("m", "standard deviation of u_1 - u_2"),
+    "link_force_std": ("N", "standard deviation of the force in the link"),
     "rho": ("1", "correlation coefficient of the displacements"),
     "displacement_std_standard_error": ("m", "standard error of the displacement's standard deviation"),
     "rho_standard_error": ("1", "standard error of rho"),

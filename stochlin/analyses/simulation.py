@@ -18,12 +18,14 @@ from stochlin.analyses.ensembles import (
     prepare,
 )
 from stochlin.analyses.finite_motions import check_motion, simulate_finite
+from stochlin.analyses.linked import linked_pair
 from stochlin.analyses.run_lengths import with_length
 from stochlin.kernels.arrays import Array
 from stochlin.kernels.ensemble import Sums, stationary_sums
 from stochlin.kernels.stepping import LANES
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
+from stochlin.models.links import Link
 from stochlin.models.parameters import Model, expect
 from stochlin.models.structures import Structure
 
@@ -52,6 +54,7 @@ def simulate(
     duration: float | None = None,
     envelope: Envelope | None = None,
     quantiles: Sequence[float] = (0.5, 0.84, 0.95),
+    link: Link | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> xr.Dataset:
     """Response of structures on one ground, by simulation of the exact laws.
@@ -81,6 +84,8 @@ def simulate(
         Of a finite motion; without it, the motion is stationary from its start.
     quantiles : sequence of float
         Of the separation in finite motions, between 0 and 1.
+    link : Link, optional
+        Between two bilinear structures that have a mass.
     progress : callable, optional
         Called with the share of the work that is done.
 
@@ -136,6 +141,7 @@ def simulate(
         _refuse_arrays(structure, f"structures[{number}]")
     _refuse_arrays(ground, "ground")
     check_memory(len(structures), paths)
+    pair = None if link is None else linked_pair(structures, link)
     cells = cells_of_all(structures, ground)
     run = prepare(
         cells,
@@ -143,9 +149,12 @@ def simulate(
         paths=paths,
         seed=seed,
         steps_per_period=steps_per_period,
+        link=pair,
     )
     names = [f"{n}" for n in range(1, len(structures) + 1)]
-    models = {f"structure_{n}": s for n, s in zip(names, structures, strict=True)}
+    models: dict[str, Model] = {f"structure_{n}": s for n, s in zip(names, structures, strict=True)}
+    if link is not None:
+        models["link"] = link
     if duration is not None:
         table = simulate_finite(run, duration, envelope, quantiles, progress)
         table = table.assign_coords(structure=names, structure_2=names)

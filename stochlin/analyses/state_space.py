@@ -1,7 +1,7 @@
 """The whole problem as one linear system: the readable definition, and the oracle of the fast path.
 
-Any number of structures stand on one ground. They act on one another in no way, so this is
-never the quick road to a correlation; `correlate` is.
+Any number of structures stand on one ground. Without links they act on one another in no way, and
+`correlate` is the quick road to their correlation; linked ones are solved here.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import xarray as xr
 
 from stochlin.analyses import labels
 from stochlin.models.grounds import Ground
+from stochlin.models.links import Link, check_linked
 from stochlin.models.structures import Structure
 
 FloatArray = npt.NDArray[np.float64]
@@ -25,6 +26,8 @@ def statespace(
     ground: Ground,
     c_eq: Sequence[float],
     k_eq: Sequence[float],
+    *,
+    links: Sequence[Link] = (),
 ) -> xr.Dataset:
     """Augmented state matrix of linearized structures on one ground: eqs. (5), (6), (8), (11), (12).
 
@@ -42,6 +45,8 @@ def statespace(
         With scalar parameters.
     c_eq, k_eq : sequence of float
         Equivalent coefficients [-] and [1/s], one each a structure, as `linearize` returns them.
+    links : sequence of Link, optional
+        From each structure to the next; the structures then need a mass.
 
     Returns
     -------
@@ -79,6 +84,7 @@ def statespace(
         force = np.zeros(len(states))
         force[1] = 0.0 if output.size else 1.0
         noise = np.append(noise, force)
+    _add_links(matrix, names, structures, links)
     space = xr.Dataset(
         {
             "state_matrix": (("state", "state_2"), matrix),
@@ -93,6 +99,32 @@ def statespace(
         "statespace()",
         {f"structure_{n}": s for n, s in enumerate(structures, start=1)} | {"ground": ground},
     )
+
+
+def _add_links(
+    matrix: FloatArray, names: list[str], structures: Sequence[Structure], links: Sequence[Link]
+) -> None:
+    """Write the forces of the links over the masses into the rows of the velocities."""
+    if links and len(links) != len(structures) - 1:
+        raise ValueError(
+            f"links has length {len(links)}; allowed: none, or one fewer than structures, "
+            f"{len(structures) - 1}"
+        )
+    for number, link in enumerate(links, start=1):
+        masses = check_linked(*structures[number - 1 : number + 1])
+        constants = {"u": _link(link, "stiffness"), "v": _link(link, "damping_constant")}
+        for own, other, mass in ((number, number + 1, masses[0]), (number + 1, number, masses[1])):
+            row = names.index(f"v_{own}")
+            for state, constant in constants.items():
+                matrix[row, names.index(f"{state}_{own}")] -= constant / mass
+                matrix[row, names.index(f"{state}_{other}")] += constant / mass
+
+
+def _link(link: Link, name: str) -> float:
+    value = link.arrays()[name]
+    if value.ndim:
+        raise ValueError(f"Link: {name} is an array; allowed here: a scalar")
+    return float(value)
 
 
 def stationary_covariance(space: xr.Dataset) -> xr.DataArray:

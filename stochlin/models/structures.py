@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -32,7 +32,8 @@ class Structure(Model):
     """Base of the structures, eq. (5): ``mu'' + 2 xi w mu' + alpha w^2 mu + (1 - alpha) w^2 z = f/uy``.
 
     Strength is given by ``yield_displacement`` or by ``reduction_factor``; without either the
-    structure stays elastic.
+    structure stays elastic. A mass is for `pound` alone, where structures act on one another: all else
+    does without.
     """
 
     period: Parameter = parameter("s", "period of small oscillations", POSITIVE)
@@ -41,10 +42,14 @@ class Structure(Model):
     yield_displacement: Parameter | None = parameter("m", "yield displacement", POSITIVE, None)
     reduction_factor: Parameter | None = parameter("1", "reduction factor", POSITIVE, None)
     peak_factor: Parameter = parameter("1", "peak factor", POSITIVE, 3.0)
+    _: KW_ONLY
+    mass: float | None = parameter("kg", "mass", POSITIVE, None)
 
     def __post_init__(self) -> None:
         super().__post_init__()
         name = type(self).__name__
+        if isinstance(self.mass, xr.DataArray):
+            raise ValueError(f"{name}: mass is an array; allowed: a number, for pound takes single rows")
         if self.yield_displacement is not None and self.reduction_factor is not None:
             raise ValueError(
                 f"{name}: yield_displacement and reduction_factor are both given; allowed: one of them, "
@@ -99,6 +104,8 @@ class Bilinear(Structure):
         ``R = p sigma_el / uy`` [-], positive: elastic over yield strength on the given ground.
     peak_factor : float or array
         ``p`` [-] in the definition of ``R``.
+    mass : float, optional
+        [kg], positive; only `pound` needs it, and nothing else takes notice of it.
 
     Raises
     ------
@@ -133,7 +140,7 @@ class BoucWen(Structure):
 
     Parameters
     ----------
-    period, damping, hardening, yield_displacement, reduction_factor, peak_factor
+    period, damping, hardening, yield_displacement, reduction_factor, peak_factor, mass
         As in `Bilinear`; ``uy`` scales ``z``, which saturates at ``(beta + gamma)^(-1/n)``.
     beta : float or array
         Positive [-]: width of the loops.
@@ -181,7 +188,7 @@ class Hysteretic(Structure):
 
     Parameters
     ----------
-    period, damping, hardening, yield_displacement, reduction_factor, peak_factor
+    period, damping, hardening, yield_displacement, reduction_factor, peak_factor, mass
         As in `Bilinear`.
     law : sympy.Expr
         ``G`` in symbols named ``v`` (ductility rate) and ``z``, odd in both together.
