@@ -14,6 +14,7 @@ from stochlin.analyses import labels
 from stochlin.analyses.equivalent_systems import STRENGTH_RATIO, solve_structure
 from stochlin.analyses.finite_motions import exceedance
 from stochlin.analyses.peaks import TOLERANCE
+from stochlin.analyses.rule_table import by_yield_displacement
 from stochlin.analyses.separation import check_confidence
 from stochlin.analyses.simulation import simulate
 from stochlin.models.envelopes import Envelope
@@ -91,9 +92,9 @@ def existing_gap(
     samples = separations([first, second], ground)
     pounding = exceedance(samples, float(gap))
     case = _Case.of((first, second), ground)
-    strength = _first_above(lambda s: required(case.weaker(s), ground), STRENGTHS, gap)
-    amplitude = _first_above(lambda a: required(case.pair, case.stronger(a)), AMPLITUDES, gap)
-    damping = _first_below(lambda x: required(case.damped(x), ground), DAMPINGS, gap)
+    strength = first_above(lambda s: required(case.weaker(s), ground), STRENGTHS, gap)
+    amplitude = first_above(lambda a: required(case.pair, case.stronger(a)), AMPLITUDES, gap)
+    damping = first_below(lambda x: required(case.damped(x), ground), DAMPINGS, gap)
     intensity = float(ground.arrays()["intensity"])
     table = xr.Dataset(
         {
@@ -130,9 +131,7 @@ class _Case(NamedTuple):
         pair, factors = [], []
         for structure in structures:
             solved = solve_structure(structure, ground, "gaussian", TOLERANCE)
-            uy = float(solved.yield_displacement)
-            kept: dict[str, Any] = {"reduction_factor": None, "yield_displacement": uy}
-            pair.append(replace(structure, **kept) if structure.yields else structure)
+            pair.append(by_yield_displacement(structure, ground))
             factor = float(structure.arrays()["peak_factor"] * solved[STRENGTH_RATIO])
             factors.append(factor if structure.yields else np.nan)
         return cls((pair[0], pair[1]), ground, (factors[0], factors[1]))
@@ -152,7 +151,7 @@ class _Case(NamedTuple):
         return [replace(s, damping=min(s.damping + added, 0.999)) for s in self.pair]
 
 
-def _first_above(required: Callable[[float], float], grid: Any, gap: float) -> float:
+def first_above(required: Callable[[float], float], grid: Any, gap: float) -> float:
     """Largest value up to which the required gap stays within; infinite if it always does, or NaN."""
     before = np.nan
     for value in grid:
@@ -162,7 +161,7 @@ def _first_above(required: Callable[[float], float], grid: Any, gap: float) -> f
     return np.inf
 
 
-def _first_below(required: Callable[[float], float], grid: Any, gap: float) -> float:
+def first_below(required: Callable[[float], float], grid: Any, gap: float) -> float:
     """Smallest value with which the required gap is within the gap; NaN if there is none."""
     before = np.nan
     for value in grid:

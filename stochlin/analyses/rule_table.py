@@ -85,14 +85,6 @@ class PairInMotion:
         """Mean peak ductility of both; 0 where elastic."""
         return self.motions.peak_mean.values / [float(side.yield_displacement) for side in self.solved]
 
-    def with_yield(self, number: int) -> Any:
-        """A structure by its yield displacement, whatever defined its strength."""
-        structure = self.structures[number]
-        if not structure.yields:
-            return structure
-        uy = float(self.solved[number].yield_displacement)
-        return replace(structure, reduction_factor=None, yield_displacement=uy)
-
     def quantities(self) -> dict[str, float]:
         """What the table says of the structures."""
         table: dict[str, float] = {}
@@ -108,6 +100,14 @@ class PairInMotion:
         for name in ("separation_mean", "separation_mean_standard_error"):
             table[name] = float(self.motions[name][0, 1])
         return table
+
+
+def by_yield_displacement(structure: Structure, ground: Ground) -> Any:
+    """A structure by its yield displacement, whatever defined its strength."""
+    if not structure.yields:
+        return structure
+    uy = float(solve_structure(structure, ground, "gaussian", TOLERANCE).yield_displacement)
+    return replace(structure, reduction_factor=None, yield_displacement=uy)
 
 
 def all_rules(pair: PairInMotion, floors_align: bool, zone: str | None, unverified: bool) -> list[Rule]:

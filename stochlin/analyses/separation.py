@@ -12,7 +12,7 @@ from stochlin.analyses import labels
 from stochlin.analyses.cells import over_cells
 from stochlin.analyses.finite_motions import exceedance
 from stochlin.analyses.recorded_gaps import recorded_gap
-from stochlin.analyses.rule_table import PairInMotion, Rule, all_rules
+from stochlin.analyses.rule_table import PairInMotion, Rule, all_rules, by_yield_displacement
 from stochlin.analyses.simulation import simulate
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
@@ -151,7 +151,7 @@ def separation(
         table.attrs = {name: motions.attrs[name] for name in MOTION}
         if records is None:
             return table
-        recorded = recorded_gap(pair.with_yield(0), pair.with_yield(1), records)
+        recorded = recorded_gap(*(by_yield_displacement(s, ground) for s in (first, second)), records)
         return table.assign({f"record_{name}": recorded[name] for name in recorded.data_vars})
 
     models = {"first": first, "second": second, "ground": ground}
