@@ -151,7 +151,8 @@ def separation(
         table.attrs = {name: motions.attrs[name] for name in MOTION}
         if records is None:
             return table
-        recorded = recorded_gap(*(by_yield_displacement(s, ground) for s in (first, second)), records)
+        one, other = (by_yield_displacement(structure, ground) for structure in (first, second))
+        recorded = recorded_gap(one, other, records)
         return table.assign({f"record_{name}": recorded[name] for name in recorded.data_vars})
 
     models = {"first": first, "second": second, "ground": ground}
