@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from stochlin.analyses.amplification import amplification
+    from stochlin.analyses.case_files import example_case, read_case
     from stochlin.analyses.code_gaps import code_gaps
     from stochlin.analyses.correlation import correlate, rho_white_noise
     from stochlin.analyses.critical_gaps import critical_gap
@@ -79,6 +80,7 @@ _HOME = {
     "critical_gap": "analyses.critical_gaps",
     "effective_rule": "models.effective_properties",
     "effective_rule_names": "models.effective_properties",
+    "example_case": "analyses.case_files",
     "exceedance": "analyses.finite_motions",
     "existing_gap": "analyses.existing_gaps",
     "fit_ground": "analyses.ground_fit",
@@ -90,6 +92,7 @@ _HOME = {
     "peak_factor_names": "models.peak_factors",
     "peak_response": "analyses.peaks",
     "pseudo_energy_radius": "analyses.recorded_response",
+    "read_case": "analyses.case_files",
     "read_record": "analyses.records",
     "recorded_gap": "analyses.recorded_gaps",
     "reduction_factor": "analyses.strength",
@@ -133,6 +136,7 @@ __all__ = [
     "critical_gap",
     "effective_rule",
     "effective_rule_names",
+    "example_case",
     "exceedance",
     "existing_gap",
     "fit_ground",
@@ -144,6 +148,7 @@ __all__ = [
     "peak_factor_names",
     "peak_response",
     "pseudo_energy_radius",
+    "read_case",
     "read_record",
     "recorded_gap",
     "reduction_factor",

@@ -1,4 +1,4 @@
-"""The data of the design charts: Figs. 3a, 4 and 5 of the paper, and the same for broad band.
+"""The data of the design charts: Figs. 3, 4 and 5 of the paper, and the same for broad band.
 
 The paper leaves out damping, hardening and the periods behind its ratios: they are chosen
 here, stated in every dataset, and can be set. Ratios are all that matters under a common
@@ -18,12 +18,15 @@ import xarray as xr
 from stochlin.analyses import labels
 from stochlin.analyses.amplification import amplification
 from stochlin.analyses.correlation import correlate, rho_white_noise
+from stochlin.analyses.record_charts import per_spectrum_chart, portrait_chart, recorded_gap_chart
 from stochlin.analyses.record_spectra import fit_spectra
+from stochlin.analyses.rule_charts import effective_rules_chart
 from stochlin.models.grounds import Ground, KanaiTajimi
 from stochlin.models.structures import Bilinear
 
 NARROW_BAND_DAMPING = 0.05  # the paper's, for Figs. 4 and 5
 BROAD_BAND_DAMPING = 0.6  # firm ground, Der Kiureghian & Neuenhofer 1992
+GAP_POINTS = 61  # at most, of Fig. 2: each cell follows the whole record
 
 
 @dataclass(frozen=True)
@@ -38,6 +41,8 @@ class ChartSettings:
         One curve each in Figs. 4 and 5b.
     plane_reduction_factor : float
         ``R`` of Fig. 5a; the paper's is 4.
+    ductility : float
+        Peak ductility of both structures in Fig. 3b [-].
     ground_period : float
         ``Tg`` [s] of the two model grounds.
     closure : str
@@ -54,6 +59,7 @@ class ChartSettings:
     hardening: float = 0.05
     reduction_factors: tuple[float, ...] = (1.0, 2.0, 4.0, 6.0)
     plane_reduction_factor: float = 4.0
+    ductility: float = 4.0
     ground_period: float = 2.0
     closure: str = "gaussian"
     points: int = 161
@@ -204,9 +210,22 @@ def chart_functions(
     functions: dict[str, Callable[[], xr.Dataset]] = {}
     if record is not None and site is not None:
         grounds = {"_site": site}
+        damping, period = settings.damping, _ground_period(site)
         functions["site_spectrum"] = partial(_spectrum_chart, record, site)
+        functions["fig1"] = partial(portrait_chart, record, period, damping)
+        functions["per_spectrum"] = partial(_per_chart, record, damping, settings.points)
+        functions["fig2"] = partial(
+            recorded_gap_chart, record, damping, min(settings.points, GAP_POINTS)
+        )
     else:
         functions["fig3a"] = partial(white_noise_chart, settings)
+        functions["fig3b"] = partial(
+            effective_rules_chart,
+            settings.damping,
+            settings.hardening,
+            settings.ductility,
+            2 * settings.points - 1,
+        )
     for suffix, ground in grounds.items():
         for letter, frequency_ratio in (("a", 0.5), ("b", 1.0), ("c", 2.0)):
             name = f"fig4{letter}{suffix}"
@@ -221,6 +240,11 @@ def _spectrum_chart(record: xr.DataArray, site: Ground) -> xr.Dataset:
         title=f"Ground fitted to {record.attrs.get('source', 'a record')}",
         caption=f"{_ground_caption(site)}\n{site.source}",
     )
+
+
+def _per_chart(record: xr.DataArray, damping: float, points: int) -> xr.Dataset:
+    title = f"Spectrum of the pseudo energy radius, {record.attrs.get('source', 'a record')}"
+    return per_spectrum_chart(record, damping, points).assign_attrs(title=title)
 
 
 def _shown(table: xr.Dataset) -> list[str]:

@@ -8,6 +8,8 @@ import xarray as xr
 
 from stochlin.analyses.design_charts import ChartSettings, chart_functions
 
+FORMULAS = ("fig3a", "fig3b")  # eq. (4), on white noise: nothing is linearized
+
 
 def verify_chart(name: str, settings: ChartSettings) -> xr.Dataset:
     """A chart by linearization and by simulation, and their difference.
@@ -30,8 +32,8 @@ def verify_chart(name: str, settings: ChartSettings) -> xr.Dataset:
         If there is nothing to simulate under this name.
     """
     functions = chart_functions(replace(settings, method="linearization"))
-    if name not in functions or name == "fig3a":
-        allowed = ", ".join(key for key in functions if key != "fig3a")
+    if name not in functions or name in FORMULAS:
+        allowed = ", ".join(key for key in functions if key not in FORMULAS)
         raise ValueError(f"NAME = {name!r} cannot be verified; allowed: {allowed}")
     chart = functions[name]()
     simulated = chart_functions(replace(settings, method="simulation"))[name]()

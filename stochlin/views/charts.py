@@ -12,6 +12,7 @@ import xarray as xr
 
 from stochlin.analyses.storage import whole_file
 from stochlin.views.comparisons import draw_comparison
+from stochlin.views.record_pictures import draw_critical_gap, draw_per_spectrum, draw_portrait
 from stochlin.views.style import CURVES, NAMES, STYLE, plane, ratio_ticks, tenths
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     Parameters
     ----------
     dataset : xarray.Dataset
-        As `stochlin.analyses.design_charts` makes them, from memory or from file.
+        As `stochlin.analyses.design_charts` and `record_charts` make them, from memory or from file.
 
     Returns
     -------
@@ -53,6 +54,14 @@ def draw(dataset: xr.Dataset) -> Figure:
         elif any(str(name).endswith("_difference") for name in dataset):
             axes.remove()
             draw_comparison(figure, dataset)
+        elif "circle_displacement" in dataset:
+            axes.remove()
+            draw_portrait(figure, dataset)
+        elif "critical_gap" in dataset:
+            axes.remove()
+            draw_critical_gap(figure, dataset)
+        elif "pseudo_energy_radius" in dataset:
+            draw_per_spectrum(axes, dataset)
         elif "period_ratio_2" in dataset.dims:
             _plane(figure, axes, dataset)
         elif "period_ratio" in dataset.dims:
@@ -60,7 +69,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         else:
             raise ValueError(
                 f"dataset has dimensions {tuple(dataset.dims)}; allowed: a chart, over period_ratio, "
-                "over period_ratio_1 and period_ratio_2, or a record's spectra"
+                "over period_ratio_1 and period_ratio_2, or of a record"
             )
         figure.text(0.1, 0.935, dataset.attrs["title"], size=10)
         lines = dataset.attrs.get("caption", "").splitlines()
@@ -89,7 +98,7 @@ def _curves(axes: Axes, dataset: xr.Dataset) -> None:
     (family,) = (d for d in table.dims if d != "period_ratio")
     x = table.period_ratio.values
     for (color, dash), value in zip(cycle(CURVES), table[family].values, strict=False):
-        label = f"{NAMES[str(family)]} = {value:g}"
+        label = value if family == "rule" else f"{NAMES[str(family)]} = {value:g}"
         axes.plot(x, table.sel({family: value}), color=color, linestyle=dash, label=label)
     for other, color, marker, label in COMPARISONS:
         if other in dataset:

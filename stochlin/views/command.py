@@ -1,4 +1,4 @@
-"""The command line: ``stochlin charts``, ``stochlin verify`` and ``stochlin rho``.
+"""The command line: ``stochlin charts``, ``stochlin verify``, ``stochlin rho``; ``gap`` is a module.
 
 Libraries are imported inside the commands: ``stochlin --help`` should not wait for them.
 """
@@ -6,8 +6,6 @@ Libraries are imported inside the commands: ``stochlin --help`` should not wait 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +13,8 @@ import click
 
 from stochlin import __version__
 from stochlin.views import options as shared
+from stochlin.views.failures import bad_input
+from stochlin.views.gap_command import gap
 from stochlin.views.options import (
     CLOSURES,
     chart_options,
@@ -37,20 +37,15 @@ def main() -> None:
     """Correlation and separation of neighbouring yielding buildings."""
 
 
-@contextmanager
-def bad_input() -> Iterator[None]:
-    """Show what is wrong with the input in one sentence, exit status 2; failed analysis, status 1."""
-    try:
-        yield
-    except (ValueError, TypeError, OSError) as error:
-        raise click.UsageError(str(error)) from error
-    except ArithmeticError as error:
-        raise click.ClickException(str(error)) from error
+main.add_command(gap)
 
 
 @main.command()
 @click.argument("name", required=False)
 @chart_options(points=161, reduction_factors="1,2,4,6")
+@click.option(
+    "--ductility", type=float, default=4.0, show_default=True, help="Peak ductility in Fig. 3b."
+)
 @record_options
 def charts(
     name: str | None, out: Path, picture_format: str, record: Path | None, **options: Any
@@ -58,9 +53,10 @@ def charts(
     r"""Draw the design charts, all or the one called NAME, each beside its dataset (.nc).
 
     \b
-    Without a record: fig3a, and on narrow-band ground (xig .05) fig4a, fig4b, fig4c, fig5a, fig5b;
-    the same with the ending _broad_band (xig .6).
-    With --record: site_spectrum and the same figures with the ending _site, on the fitted ground.
+    Without a record: fig3a, fig3b, and on narrow-band ground (xig .05) fig4a, fig4b, fig4c, fig5a,
+    fig5b; the same with the ending _broad_band (xig .6).
+    With --record: site_spectrum, fig1 (pseudo energy radius), per_spectrum and fig2 (critical gap)
+    of the record, and Figs. 4 and 5 with the ending _site, on the fitted ground.
 
     \b
     Examples:

@@ -1,0 +1,218 @@
+"""Values of a TOML file with their units, checked one by one; errors name file, line and key."""
+
+from __future__ import annotations
+
+import difflib
+import re
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from stochlin.models.parameters import Range
+
+Place = tuple[str | int, ...]
+"""Names of the tables around a key, and the key; numbers count tables of one name."""
+
+# Allowed spellings, and what one of each is in SI; the first is the one that examples show.
+UNITS: Mapping[str, Mapping[str, float]] = {
+    "s": {"s": 1.0, "ms": 1e-3},
+    "m": {"cm": 1e-2, "m": 1.0, "mm": 1e-3, "in": 0.0254, "ft": 0.3048},
+    "1/s": {"1/s": 1.0},
+    "m^2/s^3": {"m^2/s^3": 1.0, "cm^2/s^3": 1e-4},
+    "1": {"%": 1e-2},
+}
+_SUPERSCRIPTS = str.maketrans({"²": "^2", "³": "^3"})
+_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(.*)", re.DOTALL)
+_BARE, _QUOTED = r"[A-Za-z0-9_-]+", r"\"[^\"]*\"|'[^']*'"
+_DOTTED = rf"(?:{_BARE}|{_QUOTED})(?:\s*\.\s*(?:{_BARE}|{_QUOTED}))*"
+_HEADER = re.compile(rf"\s*(\[\[?)\s*({_DOTTED})\s*\]")
+_KEY = re.compile(rf"\s*({_DOTTED})\s*=")
+
+
+class Quantity(NamedTuple):
+    """Units in SI, as the parameters of models declare them, and the allowed range."""
+
+    units: str
+    allowed: Range
+
+
+@dataclass(frozen=True)
+class Section:
+    """One table of a TOML file."""
+
+    file: str
+    place: Place
+    values: Mapping[str, Any]
+    lines: Mapping[Place, int]
+
+    def __contains__(self, key: str) -> bool:
+        return key in self.values
+
+    def name(self, key: str = "") -> str:
+        """The key as it is written with its tables, ``building_1.period``."""
+        return ".".join(str(part) for part in (*self.place, key) if isinstance(part, str) and part)
+
+    def error(self, key: str, what: str) -> ValueError:
+        """An error at a key, or, for the empty key, at the table."""
+        places = [(*self.place, key), *(self.place[:n] for n in range(len(self.place), 0, -1))]
+        line = next((self.lines[place] for place in places if place in self.lines), None)
+        where = self.file if line is None else f"{self.file}, line {line}"
+        shown = f"{self.name(key)} = {self.values[key]!r}" if key in self else self.name(key)
+        return ValueError(f"{where}: {shown} {what}".replace(":  ", ": "))
+
+    def only(self, *allowed: str) -> None:
+        """Raise for a key that is not one of these, and suggest the nearest."""
+        for key in self.values:
+            if key not in allowed:
+                near = difflib.get_close_matches(key, allowed, 1)
+                hint = f"did you mean {near[0]}? " if near else ""
+                raise self.error(
+                    key, f"is not a key that is known here; {hint}allowed: {', '.join(allowed)}"
+                )
+
+    def need(self, key: str, example: str) -> Any:
+        """The raw value; raises if there is none."""
+        if key not in self:
+            raise self.error(key, f"is missing; write, for instance, {key} = {example}")
+        return self.values[key]
+
+    def number(self, key: str, quantity: Quantity) -> float:
+        """A number in SI: with a unit, in a text; a ratio as it is, or as per cent."""
+        units, allowed = quantity
+        known = UNITS[units]
+        example = "0.05" if units == "1" else f'"1 {next(iter(known))}"'
+        given = self.need(key, example)
+        value, unit = self._split(key, given, units, example)
+        if unit and unit not in known:
+            raise self.error(key, f"has the unknown unit {unit!r}; allowed: {', '.join(known)}")
+        value *= known[unit] if unit else 1.0
+        if not allowed.contains(value):
+            shown = "" if units == "1" else f", in {units}"
+            raise self.error(key, f"is out of range; allowed: {allowed}{shown}")
+        return value
+
+    def _split(self, key: str, given: Any, units: str, example: str) -> tuple[float, str]:
+        plain = isinstance(given, (int, float)) and not isinstance(given, bool)
+        found = _NUMBER.fullmatch(given) if isinstance(given, str) else None
+        ratio = units == "1"
+        if plain and ratio:
+            return float(given), ""
+        if found is None and not plain:
+            allowed = "a number" if ratio else "a text with a number and its unit"
+            raise self.error(key, f"is no number; allowed: {allowed}, as {example}")
+        unit = "" if found is None else found[2].strip().translate(_SUPERSCRIPTS)
+        if not unit and not ratio:
+            number = found[1] if found else f"{given:g}"
+            suggested = ", ".join(f'"{number} {name}"' for name in UNITS[units])
+            raise self.error(key, f"has no unit; allowed: a text with one of its units, {suggested}")
+        if found and ratio and not unit:
+            raise self.error(key, f"is a text; allowed: the number without quotation marks, {found[1]}")
+        return float(found[1]) if found else float(given), unit
+
+    def text(self, key: str, choices: Sequence[str] = ()) -> str:
+        """A line of text, one of the choices if there are any."""
+        value = self.need(key, f'"{choices[0]}"' if choices else '"..."')
+        if not isinstance(value, str) or not value.strip() or not value.isprintable():
+            raise self.error(key, "is not a line of text; allowed: some words in quotation marks")
+        if choices and value not in choices:
+            near = difflib.get_close_matches(value, choices, 1)
+            hint = f"did you mean {near[0]!r}? " if near else ""
+            raise self.error(key, f"is not known; {hint}allowed: {', '.join(choices)}")
+        return value
+
+    def truth(self, key: str, default: bool = False) -> bool:
+        """True or false."""
+        value = self.values.get(key, default)
+        if not isinstance(value, bool):
+            raise self.error(key, "is neither true nor false; allowed: true, false")
+        return value
+
+    def whole(self, key: str, lowest: int) -> int:
+        """A whole number, not below the lowest."""
+        value = self.need(key, str(lowest))
+        if isinstance(value, bool) or not isinstance(value, int) or value < lowest:
+            raise self.error(key, f"is no whole number from {lowest} on; allowed: {lowest} or more")
+        return value
+
+    def section(self, key: str) -> Section:
+        """The table of this name."""
+        if key not in self:
+            raise self.error(
+                key, f"is missing; allowed: a line [{self.name(key)}] and its keys below it"
+            )
+        return self._inner(key, self.values[key], (*self.place, key))
+
+    def sections(self, key: str) -> list[Section]:
+        """The tables of this name, in the order of the file; none if there is none."""
+        tables = self.values.get(key, [])
+        if not isinstance(tables, list):
+            name = self.name(key)
+            raise self.error(key, f"is no list of tables; allowed: lines [[{name}]], keys below them")
+        return [self._inner(key, table, (*self.place, key, n)) for n, table in enumerate(tables)]
+
+    def _inner(self, key: str, values: Any, place: Place) -> Section:
+        if not isinstance(values, dict):
+            raise self.error(
+                key, f"is no table; allowed: a line [{self.name(key)}] and its keys below it"
+            )
+        return Section(self.file, place, values, self.lines)
+
+
+def read_sections(path: Path) -> Section:
+    """The whole file, as one section.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    ValueError
+        If it is no TOML, or no text in UTF-8.
+    """
+    name = path.name
+    try:
+        text = path.read_bytes().decode("utf-8-sig")
+        values = tomllib.loads(text)
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{name} is no text in UTF-8 ({error}); save it as such") from error
+    except RecursionError as error:
+        raise ValueError(f"{name} is nested too deeply; allowed: tables and their keys") from error
+    except tomllib.TOMLDecodeError as error:
+        found = re.search(r"line (\d+)", str(error))
+        line = int(found[1]) if found else len(text.splitlines())
+        shown = text.splitlines()[line - 1].strip() if line else ""
+        raise ValueError(
+            f"{name}, line {line}: {shown!r} is no TOML ({error}); a value with a unit and any other "
+            'text stand in quotation marks, as period = "0.6 s"'
+        ) from error
+    return Section(name, (), values, key_lines(text))
+
+
+def key_lines(text: str) -> dict[Place, int]:
+    """Line of each key and table, from 1; keys of tables within braces have none.
+
+    A parser of TOML gives none, and messages can do without where this one finds none.
+    """
+    lines: dict[Place, int] = {}
+    counts: dict[Place, int] = {}
+    table: Place = ()
+    within = False  # a text of several lines
+    for number, line in enumerate(text.splitlines(), 1):
+        header, key = _HEADER.match(line), _KEY.match(line)
+        if not within and header:
+            table = _parts(header[2])
+            if header[1] == "[[":
+                counts[table] = counts.get(table, -1) + 1
+                lines.setdefault(table, number)
+                table = (*table, counts[table])
+            lines.setdefault(table, number)
+        elif not within and key:
+            lines.setdefault((*table, *_parts(key[1])), number)
+        if (line.count('"""') + line.count("'''")) % 2:
+            within = not within
+    return lines
+
+
+def _parts(dotted: str) -> Place:
+    return tuple(part.strip("\"'") for part in re.findall(rf"{_QUOTED}|{_BARE}", dotted))
