@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from stochlin.models.separation_rules import (
+    INELASTIC,
     ZONES,
     CodeRule,
     FixedDistance,
@@ -16,6 +17,8 @@ from stochlin.models.separation_rules import (
     Site,
     SquareRoot,
 )
+
+ALIGNED = "the factor for floors that align accepts contact at slab level"
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,9 @@ class Eurocode8(CodeRule):
     name: ClassVar[str] = "eurocode_8"
     reference: ClassVar[str] = "EN 1998-1, 4.4.2.7"
     mark: ClassVar[str] = "M high"
-    assumptions: ClassVar[str] = "peaks are design displacements, behaviour factor times elastic"
+    assumptions: ClassVar[str] = (
+        f"peaks are design displacements, behaviour factor times elastic; {ALIGNED}"
+    )
 
     def _gap(self, site: Site) -> Any:
         return site.if_aligned(0.7) * site.root_of_squares
@@ -70,6 +75,7 @@ class MexicoCity(CodeRule):
     name: ClassVar[str] = "mexico_city"
     reference: ClassVar[str] = "NTC-Sismo, Mexico City"
     mark: ClassVar[str] = "S"
+    assumptions: ClassVar[str] = f"{INELASTIC}; {ALIGNED}"
     needs: ClassVar[tuple[str, ...]] = ("height_1", "height_2", "zone")
 
     def _gap(self, site: Site) -> Any:
@@ -88,7 +94,7 @@ class India(CodeRule):
     name: ClassVar[str] = "is_1893"
     reference: ClassVar[str] = "IS 1893 (Part 1)"
     mark: ClassVar[str] = "M"
-    assumptions: ClassVar[str] = "peaks are R times the displacements under design forces"
+    assumptions: ClassVar[str] = f"peaks are R times the displacements under design forces; {ALIGNED}"
 
     def _gap(self, site: Site) -> Any:
         return site.if_aligned(0.5) * site.total
