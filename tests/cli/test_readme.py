@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+import stochlin as sl
 from stochlin.views.command import main
 
 README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
@@ -31,8 +32,12 @@ def test_command_lines_run(line: str, tmp_path: Path, monkeypatch: pytest.Monkey
     t = np.arange(4000) * 0.01
     motion = np.convolve(rng.normal(size=t.size), np.exp(-5 * t) * np.sin(15 * t), "full")[: t.size]
     np.savetxt("taft.txt", 0.01 * motion)
-    result = CliRunner().invoke(main, shlex.split(line)[1:])
+    Path("case.toml").write_text(sl.example_case(), encoding="utf-8")
+    command, _, target = line.partition(" > ")
+    result = CliRunner().invoke(main, shlex.split(command)[1:])
     assert result.exit_code == 0, result.output
+    if target:
+        assert result.output == Path(target).read_text(encoding="utf-8")
 
 
 def test_python_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
