@@ -1,9 +1,9 @@
-# Two commands: `make charts` and `make test`. Both set up .venv first; only Python and make are needed.
+# `make charts`, `make test` and `make docs` set up .venv first; only Python and make are needed.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: charts test check bench bias oldest clean
+.PHONY: charts test check bench bias docs links oldest clean
 
 charts: $(VENV)/.run
 	$(BIN)/stochlin charts --out figures
@@ -25,6 +25,15 @@ bench: $(VENV)/.dev
 bias: $(VENV)/.dev
 	$(BIN)/python benchmarks/bias_map.py stochlin/analyses/bias_map.nc --work build/bias
 
+# The documentation site, from scratch: a warning is an error, a link that leads nowhere a warning.
+docs: $(VENV)/.docs
+	rm -rf build/docs docs/auto_gallery docs/reference/generated
+	$(BIN)/sphinx-build -W --keep-going -b html docs build/docs
+
+# The links to other sites, listed; one that does not answer is no failure.
+links: $(VENV)/.docs
+	-$(BIN)/sphinx-build -b linkcheck docs build/links
+
 # The lowest versions that pyproject.toml allows, in an environment of their own.
 oldest: $(VENV)/.dev
 	$(BIN)/uv venv --clear --python $(PYTHON) .venv/oldest
@@ -41,5 +50,10 @@ $(VENV)/.dev: pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[dev]"
 	touch $@ $(VENV)/.run
 
+$(VENV)/.docs: pyproject.toml
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[docs]"
+	touch $@ $(VENV)/.run
+
 clean:
-	rm -rf $(VENV) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) build dist docs/auto_gallery docs/reference/generated *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

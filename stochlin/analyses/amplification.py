@@ -41,8 +41,8 @@ def amplification(
     Returns
     -------
     xarray.Dataset
-        ``amplification`` [-], ``displacement_std`` [m], ``ductility_std`` [-], ``status``; simulation
-        adds ``amplification_standard_error``.
+        Over the dimensions of the parameters: ``amplification`` [-], ``displacement_std`` [m],
+        ``ductility_std`` [-], ``status``; simulation adds ``amplification_standard_error``.
 
     Raises
     ------

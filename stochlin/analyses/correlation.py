@@ -64,26 +64,29 @@ def correlate(
         whatever the ground, beside the elastic responses on this ground; ``"effective"``: eq. (4)
         with the effective periods and dampings of ``rule`` at the linearized peak ductility;
         ``"simulation"``: the exact laws, all structures on the same motions, with standard errors.
-    closure, rtol, atol, max_iterations
+    closure : str
         As in `linearize`; for linearization and effective properties.
     rule : str
         One of `effective_rule_names`, or a rule; for effective properties.
+    rtol, atol, max_iterations
+        As in `linearize`; for linearization and effective properties.
     paths, seed, steps_per_period, relaxation_times, progress
         As in `simulate`; for simulation.
 
     Returns
     -------
     xarray.Dataset
-        ``rho`` [-], ``displacement_std_1`` and ``_2`` [m], ``ductility_std_1`` and ``_2`` [-],
-        ``yield_displacement_1`` and ``_2`` [m], ``status`` (the worse of the two structures').
-        Linearization adds ``bias``, by which ``rho`` is too large, ``bias_1`` and ``bias_2``, the
-        relative error of the standard deviations, and ``caution`` where one exceeds .1 or is unknown;
-        these are interpolated in a map that knows bilinear structures, and ``rho`` where both have
-        equal damping, hardening and strength ratio. ``"effective"`` adds ``period_eq_1`` and ``_2``
-        [s], ``damping_eq_1`` and ``_2`` [-], and ``ductility_peak_1`` and ``_2`` [-]: the structure's
-        ``peak_factor`` times its ``ductility_std``. Simulation adds ``rho_standard_error``,
-        ``displacement_std_standard_error_1`` and ``_2`` [m], and ``drift_1`` and ``_2``; where a drift
-        exceeds 5 the run was too short to be stationary, and the cell is ``not_converged``.
+        Over the dimensions of the parameters: ``rho`` [-], ``displacement_std_1`` and ``_2`` [m],
+        ``ductility_std_1`` and ``_2`` [-], ``yield_displacement_1`` and ``_2`` [m], ``status`` (the
+        worse of the two structures'). Linearization adds ``bias``, by which ``rho`` is too large,
+        ``bias_1`` and ``bias_2``, the relative error of the standard deviations, and ``caution``
+        where one exceeds .1 or is unknown; these are interpolated in a map that knows bilinear
+        structures, and ``rho`` where both have equal damping, hardening and strength ratio.
+        ``"effective"`` adds ``period_eq_1`` and ``_2`` [s], ``damping_eq_1`` and ``_2`` [-], and
+        ``ductility_peak_1`` and ``_2`` [-]: the structure's ``peak_factor`` times its
+        ``ductility_std``. Simulation adds ``rho_standard_error``,
+        ``displacement_std_standard_error_1`` and ``_2`` [m], and ``drift_1`` and ``_2``; where a
+        drift exceeds 5 the run was too short to be stationary, and the cell is ``not_converged``.
 
     Raises
     ------
@@ -187,7 +190,7 @@ def rho_white_noise(
     Returns
     -------
     xarray.Dataset
-        ``rho`` [-] and ``status``.
+        Over the dimensions of the parameters: ``rho`` [-] and ``status``.
 
     Raises
     ------

@@ -36,8 +36,8 @@ def critical_gap(peak_1: Parameter, peak_2: Parameter, rho: Parameter) -> xr.Dat
     Returns
     -------
     xarray.Dataset
-        ``gap`` [m] and ``status``. ``rho = 1`` gives the difference of the peaks, 0 the square root of
-        the sum of squares, -1 the sum.
+        Over the dimensions of the parameters: ``gap`` [m] and ``status``. ``rho = 1`` gives the
+        difference of the peaks, 0 the square root of the sum of squares, -1 the sum.
 
     Raises
     ------

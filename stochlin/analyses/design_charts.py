@@ -46,13 +46,13 @@ class ChartSettings:
     ground_period : float
         ``Tg`` [s] of the two model grounds.
     closure : str
-        As in `linearize`.
+        As in `stochlin.linearize`.
     points : int
         Periods along an axis.
     method : str
         ``"linearization"`` or ``"simulation"``.
     paths, seed : int
-        As in `simulate`.
+        As in `stochlin.simulate`.
     """
 
     damping: float = 0.05
@@ -69,7 +69,7 @@ class ChartSettings:
 
     @property
     def options(self) -> dict[str, Any]:
-        """Keywords of `correlate` and `amplification`."""
+        """Keywords of `stochlin.correlate` and `stochlin.amplification`."""
         names = ("method", "closure", "paths", "seed")
         return {name: getattr(self, name) for name in names}
 

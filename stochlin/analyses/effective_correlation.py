@@ -44,7 +44,8 @@ def rho_effective(
     Returns
     -------
     xarray.Dataset
-        ``rho`` [-], ``period_eq_1`` and ``_2`` [s], ``damping_eq_1`` and ``_2`` [-], ``status``.
+        Over the dimensions of the parameters: ``rho`` [-], ``period_eq_1`` and ``_2`` [s],
+        ``damping_eq_1`` and ``_2`` [-], ``status``.
 
     Raises
     ------

@@ -46,25 +46,31 @@ def existing_gap(
 
     Parameters
     ----------
-    first, second, ground, duration, envelope, confidence, paths, seed
+    first, second, ground, duration
         As in `separation`.
     gap : float
         The existing gap [m], positive.
+    envelope, confidence, paths, seed
+        As in `separation`.
 
     Returns
     -------
     xarray.Dataset
-        ``no_pounding_probability`` [-] as things are, with its 95 % interval; ``required_gap`` [m];
-        ``largest_reduction_factor_1`` and ``_2`` [-]: both strengths lowered alike, as far as the
-        confidence holds throughout; ``largest_intensity`` [m^2/s^3] of the ground, strengths in metres
-        kept; ``least_added_damping`` [-], the same ratio added to both. Infinite where the confidence
-        holds over all of the range that was searched, NaN where it holds nowhere; ``searched`` in the
-        attributes says which it was.
+        Without dimensions: ``no_pounding_probability`` [-] as things are, with its 95 % interval;
+        ``required_gap`` [m]; ``largest_reduction_factor_1`` and ``_2`` [-]: both strengths lowered
+        alike, as far as the confidence holds throughout; ``largest_intensity`` [m^2/s^3] of the
+        ground, strengths in metres kept; ``least_added_damping`` [-], the same ratio added to both.
+        Infinite where the confidence holds over all of the range that was searched, NaN where it
+        holds nowhere; ``searched`` in the attributes says which it was.
 
     Raises
     ------
     ValueError, TypeError
         If the gap is not positive; otherwise as `separation`.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), on least supplemental damping, here found by simulation.
 
     Examples
     --------

@@ -101,8 +101,9 @@ def exceedance(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        ``probability`` [-] with its 95 % interval ``probability_lower`` and ``probability_upper``
-        (Clopper and Pearson, which errs to the wide side).
+        Over the dimensions of the samples but ``path``, and those of the gap: ``probability`` [-]
+        with its 95 % interval ``probability_lower`` and ``probability_upper`` (Clopper and Pearson,
+        which errs to the wide side).
 
     Raises
     ------

@@ -56,9 +56,10 @@ def peak_response(
     Returns
     -------
     xarray.Dataset
-        ``peak_mean`` and ``peak_std`` [m], ``peak_factor`` [-]: mean peak over ``displacement_std`` [m],
-        ``crossings`` [-]: mean number of zero crossings, both ways, in the duration, ``bandwidth``
-        [-]: ``sqrt(1 - l1^2/(l0 l2))``, ``status``.
+        Over the dimensions of the parameters: ``peak_mean`` and ``peak_std`` [m], ``peak_factor``
+        [-]: mean peak over ``displacement_std`` [m], ``crossings`` [-]: mean number of zero
+        crossings, both ways, in the duration, ``bandwidth`` [-]: ``sqrt(1 - l1^2/(l0 l2))``,
+        ``status``.
 
     Raises
     ------

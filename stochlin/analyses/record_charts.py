@@ -28,7 +28,7 @@ def portrait_chart(record: xr.DataArray, period: float, damping: float) -> xr.Da
     Parameters
     ----------
     record : xarray.DataArray
-        As `read_record` gives it.
+        As `stochlin.read_record` gives it.
     period, damping : float
         Of the elastic structure, [s] and [-].
 
@@ -68,7 +68,7 @@ def per_spectrum_chart(records: Records, damping: float, points: int = 161) -> x
     Parameters
     ----------
     records : xarray.DataArray, or list or mapping of them
-        As `read_record` gives them.
+        As `stochlin.read_record` gives them.
     damping : float
         Damping ratio [-].
     points : int
@@ -94,7 +94,7 @@ def recorded_gap_chart(record: xr.DataArray, damping: float, points: int = 61) -
     Parameters
     ----------
     record : xarray.DataArray
-        As `read_record` gives it.
+        As `stochlin.read_record` gives it.
     damping : float
         Damping ratio of both structures [-].
     points : int

@@ -87,6 +87,10 @@ def fit_spectra(record: xr.DataArray, ground: Ground, *, part: Part = STRONG_PAR
     TypeError, ValueError
         If the record is not one, or the fractions are out of range.
 
+    References
+    ----------
+    Schuster, A. (1898), Terrestrial Magnetism 3, for the periodogram.
+
     Examples
     --------
     >>> import numpy as np, xarray as xr

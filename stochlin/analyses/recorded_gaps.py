@@ -37,9 +37,9 @@ def recorded_gap(first: Bilinear, second: Bilinear, record: Records) -> xr.Datas
     Returns
     -------
     xarray.Dataset
-        ``separation`` [m]; ``peak_1`` and ``peak_2`` [m], ``max |u|`` of each;
-        ``pseudo_energy_radius_1`` and ``_2`` [m]; ``srss`` [m] of the two peaks and
-        ``separation_over_srss`` [-]; ``rho`` [-], ``int u_1 u_2 dt`` over the root of
+        Over the dimensions of the parameters: ``separation`` [m]; ``peak_1`` and ``peak_2`` [m],
+        ``max |u|`` of each; ``pseudo_energy_radius_1`` and ``_2`` [m]; ``srss`` [m] of the two
+        peaks and ``separation_over_srss`` [-]; ``rho`` [-], ``int u_1 u_2 dt`` over the root of
         ``int u_1^2 dt int u_2^2 dt``, about the position before the motion; ``status``,
         ``elastic_limit`` where neither yielded.
 

@@ -100,9 +100,9 @@ def response_spectrum(
     Returns
     -------
     xarray.Dataset
-        ``displacement_max`` [m] and ``velocity_max`` [m/s], relative to the ground;
-        ``acceleration_max`` [m/s^2], absolute; ``pseudo_velocity`` [m/s], ``w max |u|``, and
-        ``pseudo_acceleration`` [m/s^2], ``w^2 max |u|``, with the elastic ``w``;
+        Over the dimensions of the parameters: ``displacement_max`` [m] and ``velocity_max`` [m/s],
+        relative to the ground; ``acceleration_max`` [m/s^2], absolute; ``pseudo_velocity`` [m/s],
+        ``w max |u|``, and ``pseudo_acceleration`` [m/s^2], ``w^2 max |u|``, with the elastic ``w``;
         ``pseudo_energy_radius`` [m]; and ``status``, ``elastic_limit`` where yield was not reached.
         With a strength, ``permanent_set`` [m]: the position in which the structure comes to rest if
         it does not yield after the record's end.

@@ -112,6 +112,10 @@ def strong_part(record: xr.DataArray, start: float = 0.05, end: float = 0.95) ->
     TypeError, ValueError
         If the record is not such an array, or the fractions are out of range.
 
+    References
+    ----------
+    Trifunac, M. D. and Brady, A. G. (1975), Bull. Seismol. Soc. Am. 65.
+
     Examples
     --------
     >>> import numpy as np, xarray as xr

@@ -59,6 +59,10 @@ def statespace(
     ValueError
         If there is no structure, a parameter is an array, or the coefficients are not one a structure.
 
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eqs. (5) to (12).
+
     Examples
     --------
     >>> import stochlin as sl
@@ -145,6 +149,10 @@ def stationary_covariance(space: xr.Dataset) -> xr.DataArray:
     ArithmeticError
         If the matrix is not stable or the result is not a covariance: a small residual alone
         does not show that a Lyapunov solver was right.
+
+    References
+    ----------
+    Bartels, R. H. and Stewart, G. W. (1972), Commun. ACM 15, for the solver.
 
     Examples
     --------

@@ -62,9 +62,9 @@ def strength_for_ductility(
     Returns
     -------
     xarray.Dataset
-        ``reduction_factor`` [-] and ``yield_displacement`` [m], ``displacement_std`` [m],
-        ``ductility_std`` and ``ductility_peak`` [-] at that strength, ``status``. A cell whose search
-        fails is NaN with status ``not_converged``.
+        Over the dimensions of the parameters: ``reduction_factor`` [-] and ``yield_displacement``
+        [m], ``displacement_std`` [m], ``ductility_std`` and ``ductility_peak`` [-] at that
+        strength, ``status``. A cell whose search fails is NaN with status ``not_converged``.
 
     Raises
     ------
@@ -145,7 +145,8 @@ def reduction_factor(structure: Structure, ground: Ground) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        ``reduction_factor`` [-], ``yield_displacement`` [m], ``status``.
+        Over the dimensions of the parameters: ``reduction_factor`` [-], ``yield_displacement`` [m],
+        ``status``.
 
     Raises
     ------

@@ -153,6 +153,7 @@ def code_rule_names() -> tuple[str, ...]:
     Returns
     -------
     tuple of str
+        In the order of `code_gaps`.
 
     Examples
     --------

@@ -213,6 +213,7 @@ def effective_rule_names(unverified: bool = False) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
+        As `effective_rule` and `correlate` take them.
 
     Examples
     --------

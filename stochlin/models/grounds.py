@@ -135,6 +135,11 @@ class KanaiTajimi(Ground):
     The PSD at zero frequency is ``S0``: displacements of long-period structures are too large.
     `CloughPenzien` removes it.
 
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eqs. (11) and (12); Kanai, K. (1957), Bull. Earthquake Res. Inst.
+    35; Tajimi, H. (1960), 2nd World Conference on Earthquake Engineering.
+
     Examples
     --------
     >>> import stochlin as sl
@@ -187,6 +192,10 @@ class CloughPenzien(Ground):
     ------
     ValueError, TypeError
         If a parameter is out of range, not a number or wrongly shaped.
+
+    References
+    ----------
+    Clough, R. W. and Penzien, J. (1975), Dynamics of structures.
 
     Examples
     --------

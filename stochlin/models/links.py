@@ -29,6 +29,10 @@ class Link(Model):
     ValueError, TypeError
         If a scalar is out of range, or a value is not a number.
 
+    References
+    ----------
+    Westermo, B. D. (1989), Earthquake Eng. Struct. Dyn. 18.
+
     Examples
     --------
     >>> import stochlin as sl

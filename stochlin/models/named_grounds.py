@@ -54,6 +54,7 @@ def ground_names() -> tuple[str, ...]:
     Returns
     -------
     tuple of str
+        In lower case.
 
     Examples
     --------

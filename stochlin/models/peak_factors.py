@@ -193,6 +193,7 @@ def peak_factor_names() -> tuple[str, ...]:
     Returns
     -------
     tuple of str
+        As `peak_factor_model` takes them.
 
     Examples
     --------
@@ -214,6 +215,7 @@ def peak_factor_model(name: str) -> PeakFactor:
     Returns
     -------
     Davenport1964, DerKiureghian1980 or Vanmarcke1975
+        With ``mean`` and ``std`` of the peak, over the standard deviation of the response [-].
 
     Raises
     ------

@@ -113,6 +113,11 @@ class Bilinear(Structure):
         If a scalar is out of range, a value is not a number or an array is wrongly shaped, both
         strengths are given, or a strength comes without hardening.
 
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eqs. (5) to (7), with the law of Suzuki and Minai as in Roberts,
+    J. B. and Spanos, P. D. (1990), Random vibration and statistical linearization.
+
     Examples
     --------
     >>> import stochlin as sl
@@ -153,6 +158,11 @@ class BoucWen(Structure):
     ------
     ValueError, TypeError
         As in `Bilinear`.
+
+    References
+    ----------
+    Wen, Y. K. (1976), J. Eng. Mech. Div. ASCE 102; linearized as in Wen, Y. K. (1980), J. Appl. Mech.
+    47.
 
     Examples
     --------
@@ -198,6 +208,10 @@ class Hysteretic(Structure):
     ValueError, TypeError
         As in `Bilinear`; or if the law is missing, has other symbols, is not odd, or has kinks
         that cannot be located.
+
+    References
+    ----------
+    Roberts, J. B. and Spanos, P. D. (1990), Random vibration and statistical linearization.
 
     Examples
     --------

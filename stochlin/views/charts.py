@@ -31,7 +31,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     Parameters
     ----------
     dataset : xarray.Dataset
-        As `stochlin.analyses.design_charts` and `record_charts` make them, from memory or from file.
+        As the functions of ``stochlin.analyses.design_charts`` and ``record_charts`` make them, from
+        memory or from file.
 
     Returns
     -------

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import importlib
 import inspect
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -13,10 +14,27 @@ from pathlib import Path
 import pytest
 
 import stochlin as sl
+from stochlin.analyses.labels import VARIABLES
 
 ROOT = Path(sl.__file__).parent
 FLOORS = ("kernels", "models", "analyses", "views")
 MODULES = sorted(ROOT.rglob("*.py"))
+# Lists, readers, and look-ups of what carries its own ``reference`` or ``source``.
+WITHOUT_FORMULA = {
+    "WhiteNoise",
+    "code_rule",
+    "code_rule_names",
+    "effective_rule",
+    "effective_rule_names",
+    "example_case",
+    "ground_names",
+    "named_ground",
+    "peak_factor_model",
+    "peak_factor_names",
+    "read_case",
+    "read_record",
+}
+PURE_NUMBERS = {"rtol", "atol", "relaxation_times"}
 
 
 def imports(path: Path) -> Iterator[str]:
@@ -71,6 +89,59 @@ def test_public_names_are_documented(name: str) -> None:
         assert parameter in text, f"{parameter} is not documented"
     if inspect.isfunction(thing):
         assert "Returns" in text
+
+
+def sections(name: str) -> dict[str, str]:
+    """The sections of a numpydoc docstring, each as text; the summary has no name."""
+    parts = re.split(r"^(\w+)\n-+\n", inspect.getdoc(getattr(sl, name)) or "", flags=re.MULTILINE)
+    return dict(zip(["", *parts[1::2]], parts[::2], strict=True))
+
+
+def entries(name: str) -> list[tuple[str, str, str]]:
+    """Names, kind and description of every entry in the list of parameters."""
+    entry = re.compile(r"^(\S[^:\n]*?)(?: : ([^\n]*))?\n((?:[ ]+[^\n]*\n|\n)*)", re.MULTILINE)
+    return entry.findall(sections(name).get("Parameters", "") + "\n")
+
+
+@pytest.mark.parametrize("name", sl.__all__)
+def test_public_names_say_shape_and_unit_of_their_numbers(name: str) -> None:
+    """``float or array`` is a shape; ``[m]`` or ``[-]`` a unit; ``As in `other``` leads to both."""
+    listed = ", ".join(names for names, _, _ in entries(name)).split(", ") if entries(name) else []
+    assert sorted(listed) == sorted(inspect.signature(getattr(sl, name)).parameters)
+    for names, kind, text in entries(name):
+        if re.search(r"As in `\w+`", text):
+            continue
+        assert kind, f"{names}: of what kind?"
+        if kind.startswith("float") and not set(names.split(", ")) <= PURE_NUMBERS:
+            assert re.search(r"\[[^]]+\]|[Pp]robability|Fractions", text), f"{names}: no unit"
+
+
+@pytest.mark.parametrize("name", sl.__all__)
+def test_public_names_say_dimensions_and_units_of_their_datasets(name: str) -> None:
+    returned = sections(name).get("Returns", "")
+    if returned.startswith("xarray."):
+        assert re.search(r"over (the dimensions|\(?``)|without dimensions|`time`", returned.lower())
+    for variable in set(re.findall(r"``([a-z_]+)``", returned)) & set(VARIABLES):
+        units = VARIABLES[variable][0]
+        assert units == "1" or f"[{units}" in returned, f"{variable} is in {units}"
+
+
+@pytest.mark.parametrize("name", sl.__all__)
+def test_public_names_say_what_they_raise(name: str) -> None:
+    """All that takes more than a switch checks it."""
+    parameters = inspect.signature(getattr(sl, name)).parameters.values()
+    if any(str(p.annotation) != "bool" for p in parameters):
+        assert re.search(r"^\w*(Error|Warning)", sections(name).get("Raises", "")), "no error is named"
+
+
+@pytest.mark.parametrize("name", sl.__all__)
+def test_public_names_say_where_their_formulas_come_from(name: str) -> None:
+    """A source has a year, or is a coordinate or a derivation of our own."""
+    source = sections(name).get("References", "")
+    if name in WITHOUT_FORMULA:
+        assert not source, "it has a source: take it off the list"
+    else:
+        assert re.search(r"\b(18|19|20)\d\d\b|coordinate|[Dd]erived here", source), "no source"
 
 
 def test_unknown_name_is_an_attribute_error() -> None:

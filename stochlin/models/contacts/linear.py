@@ -150,6 +150,10 @@ class NoTensionKelvin(LinearDamped, Contact):
     ValueError, TypeError
         As in `Kelvin`.
 
+    References
+    ----------
+    Derived here: free vibration of two masses until the force vanishes.
+
     Examples
     --------
     >>> import stochlin as sl

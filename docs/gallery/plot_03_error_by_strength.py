@@ -1,0 +1,48 @@
+r"""
+Error of linearization over strength and hardening
+==================================================
+
+From the map of simulated structures that comes with the package. Each square is taken
+over all other parameters of the map, each point of it counting alike: dampings of .02, .05 and .1,
+grounds from :math:`\xi_g` = .03 to 1, and periods from a tenth of the ground's (pairs: a third, for
+the longer of the two) to ten times it. Top: the share of these cases in which linearization is off
+by more than 10 % (standard deviation) or .1 (:math:`\rho`). Bottom: the median error; minus is too
+small. Hardening 1 is linear, and exact.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from stochlin.analyses.bias import bias_map
+from stochlin.views.style import STYLE
+
+plt.rcParams.update(STYLE)
+table = bias_map().sel(hardening=slice(0, 0.9))
+shown = ("hardening", "elastic_ductility_std")
+figure, panels = plt.subplots(2, 2, figsize=(7.2, 5.4), layout="constrained")
+for column, name, title in zip(
+    panels.T,
+    ("displacement_std_bias", "rho_bias"),
+    (r"standard deviation $\sigma_u$", r"correlation coefficient $\rho$"),
+    strict=True,
+):
+    bias = table[name]
+    others = [dim for dim in bias.dims if dim not in shown]
+    share = (abs(bias) > 0.1).mean(others).transpose(*shown)
+    median = bias.median(others).transpose(*shown)
+    units = "%" if name.startswith("displacement") else ""
+    factor = 100 if units else 1
+    for axes, values, text, scale in (
+        (column[0], 100 * share, "share off by more than " + ("10 %" if units else ".1") + " [%]", 100),
+        (column[1], factor * median, f"median error{' [%]' if units else ''}", factor * 0.5),
+    ):
+        axes.imshow(abs(values), vmin=0, vmax=scale, cmap="Greys", origin="lower", aspect="auto")
+        for (row, place), value in np.ndenumerate(values.values):
+            dark = abs(value) > 0.55 * scale
+            number = f"{value:+.2f}" if scale == 0.5 else f"{value:.0f}"
+            axes.text(place, row, number, ha="center", va="center", color="w" if dark else "k", size=8)
+        axes.set_title(f"{title}\n{text}", size=9)
+        axes.set_xticks(range(6), [f"{3 * ratio:.2g}" for ratio in table.elastic_ductility_std.values])
+        axes.set_yticks(range(5), [f"{alpha:g}" for alpha in table.hardening.values])
+        axes.set(xlabel="R, with peak factor 3", ylabel=r"hardening $\alpha$")
+        axes.grid(visible=False)

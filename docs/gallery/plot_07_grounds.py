@@ -1,0 +1,24 @@
+"""
+Grounds by name
+===============
+
+Power spectral densities of some of the grounds of `stochlin.named_ground`, each over its largest
+value. The fitted lake bed of Mexico City is a line beside the others.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import xarray as xr
+
+import stochlin as sl
+from stochlin.views.style import CURVES, STYLE
+
+plt.rcParams.update(STYLE)
+frequency = xr.DataArray(np.linspace(0.05, 40, 4000), dims="frequency")
+figure, axes = plt.subplots(figsize=(6.4, 3.8), layout="constrained")
+for name, (color, dash) in zip(("firm", "medium", "soft", "sct_1985_ns"), CURVES, strict=False):
+    psd = sl.named_ground(name).psd(frequency)
+    axes.plot(frequency, psd / psd.max(), color=color, linestyle=dash, label=name)
+axes.set(xlabel="circular frequency [rad/s]", ylabel="PSD over its maximum")
+axes.set(xlim=(0, 40), ylim=(0, 1.05))
+axes.legend()

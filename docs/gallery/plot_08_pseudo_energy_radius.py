@@ -1,0 +1,31 @@
+r"""
+Pseudo energy radius
+====================
+
+The trace of an elastic structure in the plane of :math:`u` and :math:`\dot u/\omega`, eq. (1), and
+the circle of its largest radius. The motion is a synthetic one; put a record read by
+`stochlin.read_record` in its place.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.record_charts import portrait_chart
+from stochlin.views.style import STYLE
+
+plt.rcParams.update(STYLE)
+time = 0.02 * np.arange(1500)
+noise = np.random.default_rng(1).standard_normal(time.size)
+filtered = np.convolve(noise, np.exp(-1.5 * time) * np.sin(8 * time), "full")[: time.size]
+shape = np.minimum(time / 4, 1) * np.exp(-0.25 * np.maximum(time - 12, 0))
+record = xr.DataArray(0.3 * shape * filtered, dims="time", coords={"time": time})
+chart = portrait_chart(record, period=1.0, damping=0.05)
+
+figure, axes = plt.subplots(figsize=(4.6, 5.0), layout="constrained")
+axes.plot(chart.displacement, chart.velocity_over_frequency, color="0.45", lw=0.8, label="trace")
+circle = chart.circle_displacement, chart.circle_velocity_over_frequency
+axes.plot(*circle, "k--", lw=1.4, label=f"$r_{{PER}}$ = {float(chart.pseudo_energy_radius):.3f} m")
+axes.set(xlabel="$u$ [m]", ylabel=r"$\dot u/\omega$ [m]", aspect="equal")
+axes.set_title(r"T = 1 s, $\xi$ = .05", size=9)
+figure.legend(loc="outside lower center", ncols=2)

@@ -1,0 +1,29 @@
+"""
+Contact elements
+================
+
+Force over deformation of the contact elements, eqs. (14) and (16) and the Hertz types, each damped
+one made for a coefficient of restitution of .65. The area of a loop is the energy that the impact
+takes. The Kelvin element pulls before it lets go. Scales are those of two free masses that meet, so
+that all elements compare.
+"""
+
+import matplotlib.pyplot as plt
+
+from stochlin.analyses.contact_charts import contact_loop_chart
+from stochlin.views.style import CURVES, STYLE
+
+plt.rcParams.update(STYLE)
+chart = contact_loop_chart(restitution=0.65)
+figure, panels = plt.subplots(1, 2, figsize=(7.2, 3.6), sharey=True, layout="constrained")
+groups = (
+    ("linear", ["LinearSpring", "Kelvin", "NoTensionKelvin", "ImpactKelvin"]),
+    ("Hertz", ["Hertz", "HertzDamp", "Jankowski"]),
+)
+for axes, (title, names) in zip(panels, groups, strict=True):
+    for name, (color, dash) in zip(names, CURVES, strict=False):
+        loop = chart.sel(element=name)
+        axes.plot(loop.scaled_deformation, loop.scaled_force, color=color, linestyle=dash, label=name)
+    axes.set(title=title, xlabel="deformation, scaled")
+    axes.legend(loc="upper left")
+panels[0].set(ylabel="force, scaled", ylim=(None, 1.9))
