@@ -18,7 +18,8 @@ check: $(VENV)/.dev
 	$(BIN)/python -m pytest
 
 bench: $(VENV)/.dev
-	$(BIN)/python benchmarks/tables.py
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[bench]"
+	$(BIN)/python benchmarks/tables.py build/bench.md
 	$(BIN)/python benchmarks/simulation.py
 
 # The map of linearization's bias that comes with the package: an hour or so, to be resumed.

@@ -1,12 +1,25 @@
-"""Cells per second of a table of rho, beside the textbook loop, as a ratio within one run.
+"""Speed and accuracy of a table of rho, beside other ways to it, within one run: one table.
 
-The textbook loop solves the full augmented Lyapunov equation with scipy inside a root finder
-on the coefficients of eqs. (9) and (10), cell by cell.
+`python benchmarks/tables.py [FILE]` prints it and writes it to FILE. The other ways:
+
+- the textbook loop: the full augmented Lyapunov equation by scipy inside a root finder, cell by cell;
+- python-control's `lyap` for the pair's equation alone, by scipy and by slycot where it is installed;
+- the pair's equation in plain numpy, all cells at once, and by eigenvalues (modal form).
+
+A rate is the median of several repetitions, all in one process and one after another.
 """
 
 from __future__ import annotations
 
+import importlib.util
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
 import time
+from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import scipy.linalg
@@ -14,11 +27,17 @@ import scipy.optimize
 import xarray as xr
 
 import stochlin as sl
+from stochlin.analyses.equivalent_systems import INTERNAL, Tolerance, solve_structure
 from stochlin.kernels.arrays import Array
+from stochlin.kernels.covariance import EquivalentSystem, Forcing, pair_covariance
 from stochlin.models.laws import bilinear
 
 REPEATS = 5
-TEXTBOOK_CELLS = 40
+TEXTBOOK_CELLS, LYAP_CELLS, NUMPY_POINTS = 20, 200, 300
+SIZES = (100, 400, 1000, 2000, 4000)
+BYTES = 18  # of a cell: rho, bias, status, caution
+GROUND = sl.KanaiTajimi(2.0, 0.05)
+Row = tuple[str, float, float, str]  # what, its rate, its error, a remark
 
 
 def axis(name: str, points: int) -> xr.DataArray:
@@ -26,19 +45,39 @@ def axis(name: str, points: int) -> xr.DataArray:
     return xr.DataArray(values, dims=name, coords={name: values})
 
 
-def building(period: xr.DataArray | float) -> sl.Bilinear:
+def building(period: xr.DataArray | Array | float) -> sl.Bilinear:
     return sl.Bilinear(period, damping=0.05, hardening=0.05, reduction_factor=4)
 
 
-def table(points: int) -> float:
-    """Median seconds of a square table."""
-    ground = sl.KanaiTajimi(2.0, 0.05)
-    seconds = []
-    for _ in range(REPEATS):
+def table(points: int) -> xr.Dataset:
+    return sl.correlate(building(axis("a", points)), building(axis("b", points)), GROUND)
+
+
+def seconds(task: Callable[[], object], repeats: int = REPEATS) -> float:
+    """Median time of a task."""
+    times = []
+    for _ in range(repeats):
         begin = time.perf_counter()
-        sl.correlate(building(axis("period_1", points)), building(axis("period_2", points)), ground)
-        seconds.append(time.perf_counter() - begin)
-    return float(np.median(seconds))
+        task()
+        times.append(time.perf_counter() - begin)
+    return statistics.median(times)
+
+
+def solved(period: xr.DataArray | Array) -> xr.Dataset:
+    return solve_structure(building(period), GROUND, "gaussian", Tolerance(1e-10, 1e-12, 200))
+
+
+def system_of(side: xr.Dataset) -> tuple[EquivalentSystem, Forcing]:
+    values = [side[name].values for name in INTERNAL]
+    return EquivalentSystem(*values[:5]), Forcing(*values[5:])
+
+
+def matrices(side: xr.Dataset) -> tuple[Array, Array]:
+    """State matrices (n, 3, 3) of ``(mu, mu', y)``, and the forcing correlations (n, 3)."""
+    (w, d, h, p, k), forcing = system_of(side)
+    zero, one = np.zeros_like(w), np.ones_like(w)
+    rows = [[zero, one, zero], [-w, -d, h], [k, p, -k]]
+    return np.array(rows).transpose(2, 0, 1), np.stack(forcing, axis=-1)
 
 
 def textbook_cell(periods: tuple[float, float], strengths: tuple[float, float]) -> float:
@@ -74,32 +113,199 @@ def _coefficients(covariance: Array) -> Array:
     return bilinear.gaussian(latent, np.empty((0, 1))).coefficients[:, 0]
 
 
-def textbook() -> tuple[float, float]:
-    """Seconds a cell, and the largest difference of rho from the table's."""
+def textbook() -> Row:
     rng = np.random.default_rng(1996)
     periods = rng.uniform(0.3, 3.5, (TEXTBOOK_CELLS, 2))
-    ground = sl.KanaiTajimi(2.0, 0.05)
-    strengths = [
-        [float(sl.linearize(building(period), ground).yield_displacement) for period in pair]
-        for pair in periods
+    strengths = solved(periods.ravel()).yield_displacement.values.reshape(-1, 2)
+    fast = sl.correlate(building(periods[:, 0]), building(periods[:, 1]), GROUND).rho.values
+    slow: list[float] = []
+
+    def loop() -> None:
+        slow[:] = [textbook_cell(tuple(p), tuple(u)) for p, u in zip(periods, strengths, strict=True)]
+
+    rate = TEXTBOOK_CELLS / seconds(loop, 3)
+    return "textbook loop, one core", rate, float(np.abs(fast - slow).max()), "fixed points and pair"
+
+
+def lyap(method: str) -> Row:
+    """The pair's equation only, its structures solved beforehand."""
+    what = f"python-control lyap ({method})"
+    if importlib.util.find_spec("control") is None:
+        return what, np.nan, np.nan, "python-control is not installed"
+    if method == "slycot" and importlib.util.find_spec("slycot") is None:
+        return what, np.nan, np.nan, "slycot is not installed"
+    import control
+
+    rng = np.random.default_rng(1996)
+    one, other = (solved(rng.uniform(0.3, 3.5, LYAP_CELLS)) for _ in range(2))
+    (a, c), (b, e) = matrices(one), matrices(other)
+    found = np.empty(LYAP_CELLS)
+
+    def loop() -> None:
+        push = np.array([0.0, 1.0, 0.0])
+        for n in range(LYAP_CELLS):
+            drive = np.outer(push, e[n]) + np.outer(c[n], push)
+            found[n] = control.lyap(a[n], b[n].T, drive, method=method)[0, 0]
+
+    rate = LYAP_CELLS / seconds(loop, 3)
+    found /= one.displacement_std.values * other.displacement_std.values
+    exact = pair_covariance(*system_of(one), *system_of(other))
+    exact /= one.displacement_std.values * other.displacement_std.values
+    return what, rate, float(np.abs(found - exact).max()), "pair only, one core"
+
+
+def plain_numpy() -> list[Row]:
+    """All cells at once, on one core: elimination, Kronecker and modal form of the pair's equation."""
+    one, other = solved(axis("a", NUMPY_POINTS)), solved(axis("b", NUMPY_POINTS))
+    (system, forcing), (system_2, forcing_2) = system_of(one), system_of(other)
+    column = EquivalentSystem(*(v[:, None] for v in system)), Forcing(*(v[:, None] for v in forcing))
+    scale = one.displacement_std.values[:, None] * other.displacement_std.values
+    compiled = table(NUMPY_POINTS).rho.values
+    rows: list[Row] = []
+
+    def add(what: str, cells: int, function: Callable[[], Array], remark: str) -> None:
+        found = function() / scale.ravel()[:cells].reshape(function().shape)
+        error = np.abs(found - compiled.ravel()[:cells].reshape(found.shape)).max()
+        rows.append((what, cells / seconds(function, 3), float(error), remark))
+
+    elimination = lambda: pair_covariance(*column, system_2, forcing_2)  # noqa: E731
+    add("batched numpy, elimination", NUMPY_POINTS**2, elimination, "pair only, one core")
+    (a, c), (b, e) = matrices(one), matrices(other)
+    push = np.array([0.0, 1.0, 0.0])
+
+    def kronecker() -> Array:
+        eye = np.eye(3)
+        whole = np.einsum("ij,kl->ikjl", a[0], eye) + np.einsum("ij,nkl->nikjl", eye, b)
+        drive = push[:, None] * e[:, None, :] + c[0][:, None] * push
+        return np.linalg.solve(whole.reshape(-1, 9, 9), -drive.reshape(-1, 9, 1))[:, 0, 0]
+
+    add("batched numpy, Kronecker", NUMPY_POINTS, kronecker, "pair only, one core")
+
+    def modes(matrix: Array, correlations: Array) -> tuple[Array, Array, Array]:
+        values, vectors = np.linalg.eig(matrix)
+        inverse = np.linalg.inv(vectors)
+        shape = vectors[:, 0, :]
+        return values, shape * inverse[:, :, 1], shape * np.einsum("nij,nj->ni", inverse, correlations)
+
+    first, second = modes(a, c), modes(b, e)
+
+    def modal() -> Array:
+        total = np.zeros((NUMPY_POINTS, NUMPY_POINTS), complex)
+        for k in range(3):
+            for n in range(3):
+                top = np.outer(first[1][:, k], second[2][:, n]) + np.outer(
+                    first[2][:, k], second[1][:, n]
+                )
+                total -= top / np.add.outer(first[0][:, k], second[0][:, n])
+        return total.real
+
+    remark = f"eigenvectors conditioned to {np.linalg.cond(np.linalg.eig(a)[1]).max():.0f}"
+    add("batched numpy, modal", NUMPY_POINTS**2, modal, remark)
+    return rows
+
+
+def ours() -> list[Row]:
+    """End to end, against the size of the table."""
+    rows = []
+    for points in SIZES:
+        spent = seconds(lambda points=points: table(points), REPEATS if points < 4000 else 3)
+        remark = f"{spent:.3f} s, {BYTES * points**2 / spent / 1e9:.2f} GB/s written"
+        rows.append((f"correlate, {points} x {points}", points**2 / spent, np.nan, remark))
+    return rows
+
+
+def fixed_points() -> Row:
+    periods = axis("a", 20_000)
+    rate = periods.size / seconds(lambda: solved(periods), 3)
+    return "fixed points (a second)", rate, float(solved(periods).residual.max()), "residual; one core"
+
+
+def peak_memory() -> Row:
+    """Growth of the resident set by a table of 4000 x 4000 over its own size, in a fresh process."""
+    program = (
+        "import re, tables; tables.table(300);"
+        "rss = lambda: 1024 * int(re.search(r'VmHWM:\\s+(\\d+)', open('/proc/self/status').read())[1]);"
+        "before = rss(); kept = tables.table(4000); print((rss() - before) / kept.nbytes)"
+    )
+    here = Path(__file__).parent
+    command = [sys.executable, "-c", program]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=here)
+    return "peak memory over the result", float(done.stdout), np.nan, "4000 x 4000"
+
+
+def start_up() -> list[Row]:
+    """Seconds in fresh processes, less those of the libraries where that is said."""
+
+    def spent(*arguments: str) -> float:
+        return seconds(
+            lambda: subprocess.run([sys.executable, *arguments], capture_output=True, check=True)
+        )
+
+    shown = "from stochlin.views.command import main; main(['--help'])"
+    libraries = "import numpy, scipy.special, scipy.linalg, xarray, numba;"
+    bare, loaded = spent("-c", "pass"), spent("-c", libraries)
+    one = "sl.correlate(sl.Bilinear(1.,.05,.1,reduction_factor=2), sl.Bilinear(2.,.05), sl.WhiteNoise())"
+    first = spent("-c", f"{libraries} import stochlin as sl; {one}") - loaded
+    return [
+        ("import stochlin (s)", spent("-c", "import stochlin") - bare, np.nan, "libraries when used"),
+        ("first correlate (s)", first, np.nan, "beyond the import of the libraries"),
+        (
+            "stochlin --help (s)",
+            spent("-c", shown),
+            np.nan,
+            "all of it",
+        ),
     ]
-    fast = sl.correlate(building(periods[:, 0]), building(periods[:, 1]), ground).rho.values
-    begin = time.perf_counter()
-    slow = [textbook_cell(tuple(p), tuple(u)) for p, u in zip(periods, strengths, strict=True)]
-    seconds = (time.perf_counter() - begin) / TEXTBOOK_CELLS
-    return seconds, float(np.abs(fast - slow).max())
+
+
+def atlases() -> list[Row]:
+    """The same atlas by threads and by two dask workers."""
+    if importlib.util.find_spec("distributed") is None:
+        return [("atlas", np.nan, np.nan, "the extra 'scale' is not installed")]
+    from distributed import LocalCluster
+
+    sweep = {"start": 0.1, "stop": 10, "count": 1000, "spacing": "log"}
+    parameters = {"period_1": sweep, "period_2": sweep, "ground_damping": [0.05, 0.2, 0.6]}
+    held = {"damping": 0.05, "hardening": 0.05, "reduction_factor": 4}
+    spec = {"parameters": parameters | held}
+    rows: list[Row] = []
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+    ):
+        made = []
+        for what, scheduler in (("threads", None), ("two dask workers", cluster.scheduler_address)):
+            times = []
+            for n in range(3):
+                begin = time.perf_counter()
+                made.append(sl.write_atlas(spec, f"{folder}/{what}{n}.zarr", scheduler=scheduler))
+                times.append(time.perf_counter() - begin)
+            rate = made[-1].rho.size / statistics.median(times)
+            rows.append((f"atlas on disk, {what}", rate, np.nan, f"{statistics.median(times):.2f} s"))
+        same = all(np.array_equal(made[0][n], made[-1][n], equal_nan=True) for n in ("rho", "bias"))
+        rows.append(("the same bits", float(same), np.nan, "threads and workers"))
+    return rows
 
 
 def main() -> None:
-    """Print one table."""
+    """Print one table, and write it."""
     table(50)
-    seconds_a_cell, difference = textbook()
-    print(f"textbook loop: {1 / seconds_a_cell:.1f} cells/s; rho differs by at most {difference:.1e}")
-    print(f"{'table':>12} {'seconds':>9} {'cells/s':>10} {'x textbook':>11}")
-    for points in (100, 200, 400, 1000):
-        seconds = table(points)
-        rate = points**2 / seconds
-        print(f"{points:>5} x {points:<4} {seconds:9.3f} {rate:10.3g} {rate * seconds_a_cell:11.0f}")
+    book = textbook()
+    rows = [book, lyap("scipy"), lyap("slycot"), *plain_numpy(), *ours()]
+    counted = len(rows)
+    rows += [fixed_points(), peak_memory(), *start_up(), *atlases()]
+    load = f"{os.cpu_count()} cores, load average before and during {os.getloadavg()[0]:.1f}"
+    lines = [f"{load}; cells a second unless said otherwise", ""]
+    lines += ["| what | rate | x textbook | error of rho | remark |", "|---|---|---|---|---|"]
+    for n, (what, rate, error, remark) in enumerate(rows):
+        ratio = f"{rate / book[1]:.3g}" if n < counted and np.isfinite(rate) else ""
+        shown = f"{error:.1e}" if np.isfinite(error) else ""
+        lines.append(f"| {what} | {rate:.3g} | {ratio} | {shown} | {remark} |")
+    text = "\n".join(lines)
+    print(text)
+    if len(sys.argv) > 1:
+        Path(sys.argv[1]).parent.mkdir(parents=True, exist_ok=True)
+        Path(sys.argv[1]).write_text(text + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from stochlin.analyses.amplification import amplification
+    from stochlin.analyses.atlas import open_atlas, write_atlas
+    from stochlin.analyses.atlas_lookup import lookup
     from stochlin.analyses.case_files import example_case, read_case
     from stochlin.analyses.code_gaps import code_gaps
     from stochlin.analyses.correlation import correlate, rho_white_noise
@@ -87,7 +89,9 @@ _HOME = {
     "fit_spectra": "analyses.record_spectra",
     "ground_names": "models.named_grounds",
     "linearize": "analyses.linearization",
+    "lookup": "analyses.atlas_lookup",
     "named_ground": "models.named_grounds",
+    "open_atlas": "analyses.atlas",
     "peak_factor_model": "models.peak_factors",
     "peak_factor_names": "models.peak_factors",
     "peak_response": "analyses.peaks",
@@ -106,6 +110,7 @@ _HOME = {
     "stationary_covariance": "analyses.state_space",
     "strength_for_ductility": "analyses.strength",
     "strong_part": "analyses.records",
+    "write_atlas": "analyses.atlas",
 }
 
 __all__ = [
@@ -143,7 +148,9 @@ __all__ = [
     "fit_spectra",
     "ground_names",
     "linearize",
+    "lookup",
     "named_ground",
+    "open_atlas",
     "peak_factor_model",
     "peak_factor_names",
     "peak_response",
@@ -162,6 +169,7 @@ __all__ = [
     "stationary_covariance",
     "strength_for_ductility",
     "strong_part",
+    "write_atlas",
 ]
 
 

@@ -8,19 +8,18 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses import labels
-from stochlin.analyses.bias import relative_bias, rho_bias, with_caution
+from stochlin.analyses.cellwise import cellwise
 from stochlin.analyses.effective_correlation import EQ_4, effective_pair
 from stochlin.analyses.equivalent_systems import (
-    INTERNAL,
     Tolerance,
     check_closure,
     solve_elastic,
     solve_structure,
 )
+from stochlin.analyses.linearized_pairs import SHOWN, linearized_pairs
 from stochlin.analyses.simulated_correlation import SimulationSettings, simulate_pairs
-from stochlin.analyses.slabs import in_slabs
 from stochlin.kernels.arrays import Array
-from stochlin.kernels.covariance import EquivalentSystem, Forcing, pair_covariance
+from stochlin.kernels.pair_tables import ROUNDING
 from stochlin.kernels.white_noise import white_noise_correlation
 from stochlin.models.effective_properties import EffectiveRule, effective_rule
 from stochlin.models.grounds import Ground
@@ -28,8 +27,6 @@ from stochlin.models.parameters import Parameter, expect
 from stochlin.models.structures import LinearPair, Structure
 
 METHODS = ("linearization", "white_noise", "effective", "simulation")
-SHOWN = ("displacement_std", "ductility_std", "yield_displacement")
-ROUNDING = 1e-9  # by which |rho| may exceed 1 before the cell is called wrong
 
 
 def correlate(
@@ -139,7 +136,7 @@ def correlate(
         table.attrs["rule"] = chosen.describe()
         details = f"closure={closure!r}, rule={chosen.name!r}"
     elif method == "linearization":
-        table = _linearized(first, second, ground, closure, tolerance)
+        table = linearized_pairs(first, second, ground, closure, tolerance)
         details = f"closure={closure!r}"
         if first.yields or second.yields:
             table.attrs["comment"] = f"{labels.CAUTION_RHO} {labels.CAUTION_SIGMA}"
@@ -166,7 +163,7 @@ def _table(rho: xr.DataArray, sides: list[xr.Dataset]) -> xr.Dataset:
     status = _combine(np.maximum, sides[0].status, sides[1].status)
     wrong = (status < labels.NOT_CONVERGED) & ~(np.abs(rho) <= 1 + ROUNDING)
     status = status.where(~wrong, labels.NOT_PHYSICAL)
-    table = xr.Dataset({"rho": np.clip(rho.where(status < labels.NOT_CONVERGED), -1, 1)})
+    table = xr.Dataset({"rho": rho.where(status < labels.NOT_CONVERGED).clip(-1, 1)})
     for name in SHOWN:
         for number, side in enumerate(sides, start=1):
             table[f"{name}_{number}"] = side[name]
@@ -223,7 +220,7 @@ def rho_white_noise(
 def _combine(function: Callable[..., Array], *inputs: xr.DataArray) -> xr.DataArray:
     """Broadcast by dimension name; a shared dimension has one coordinate."""
     try:
-        result: xr.DataArray = xr.apply_ufunc(function, *inputs, join="exact")
+        (result,) = cellwise(function, *inputs)
     except xr.AlignmentError as error:
         raise ValueError(
             f"first, second and ground share a dimension whose coordinates differ: {error}; give "
@@ -235,44 +232,3 @@ def _combine(function: Callable[..., Array], *inputs: xr.DataArray) -> xr.DataAr
 @np.errstate(invalid="ignore", divide="ignore")  # invalid cells are blanked by their status
 def _white_noise(*inputs: Array) -> Array:
     return white_noise_correlation(*inputs)
-
-
-def _linearized(
-    first: Structure, second: Structure, ground: Ground, closure: str, tolerance: Tolerance
-) -> xr.Dataset:
-    """The linearized table, with its biases: those of the Gaussian closure, or as compared with it."""
-    sides, rho = _solve_pair(first, second, ground, closure, tolerance)
-    table = _table(rho, sides)
-    gaussian, gaussian_rho = sides, rho
-    if closure != "gaussian":
-        gaussian, gaussian_rho = _solve_pair(first, second, ground, "gaussian", tolerance)
-    biases = {"bias": rho - gaussian_rho + rho_bias(first, second, ground, gaussian)}
-    for number, structure in enumerate((first, second), start=1):
-        side, other = sides[number - 1], gaussian[number - 1]
-        biases[f"bias_{number}"] = relative_bias(structure, ground, side, other)
-    return with_caution(table, biases)
-
-
-def _solve_pair(
-    first: Structure, second: Structure, ground: Ground, closure: str, tolerance: Tolerance
-) -> tuple[list[xr.Dataset], xr.DataArray]:
-    sides = [solve_structure(s, ground, closure, tolerance) for s in (first, second)]
-    inputs = [side[name] for side in sides for name in ("displacement_std", *INTERNAL)]
-    return sides, _combine(_correlation_of_systems, *inputs)
-
-
-@np.errstate(all="ignore")
-def _correlation_of_systems(*inputs: Array) -> Array:
-    """``rho`` from standard deviation, system and forcing of each side."""
-
-    def piece(*parts: Array) -> Array:
-        half = len(parts) // 2
-        (sigma_1, *one), (sigma_2, *other) = parts[:half], parts[half:]
-        return pair_covariance(*_system(one), *_system(other)) / (sigma_1 * sigma_2)
-
-    return in_slabs(piece, *inputs)
-
-
-def _system(parts: list[Array]) -> tuple[EquivalentSystem, Forcing]:
-    size = len(EquivalentSystem._fields)
-    return EquivalentSystem(*parts[:size]), Forcing(*parts[size:])

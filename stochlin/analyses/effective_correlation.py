@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses import labels
+from stochlin.analyses.cellwise import cellwise
 from stochlin.kernels.arrays import Array
 from stochlin.kernels.white_noise import white_noise_correlation
 from stochlin.models.effective_properties import EffectiveRule, YieldingPair, effective_rule
@@ -84,7 +85,7 @@ def rho_effective(
     valid = pair.valid()
     values = {name: array.where(valid) for name, array in pair.arrays().items()}
     effective = effective_properties(values, chosen)
-    rho = xr.apply_ufunc(white_noise_correlation, *effective.values(), join="exact")
+    (rho,) = cellwise(white_noise_correlation, *effective.values())
     table = xr.Dataset({"rho": rho, **effective})
     status = xr.full_like(valid, labels.CONVERGED, np.int8).where(valid, labels.INVALID_INPUT)
     table = labels.label(table.assign(status=status.astype(np.int8)))
@@ -112,8 +113,8 @@ def effective_properties(
 
     for n in (1, 2):
         given = [values[f"{name}_{n}"] for name in ("ductility", "hardening", "period", "damping")]
-        found[f"period_eq_{n}"], found[f"damping_eq_{n}"] = xr.apply_ufunc(
-            effective, *given, output_core_dims=[[], []], join="exact"
+        found[f"period_eq_{n}"], found[f"damping_eq_{n}"] = cellwise(
+            effective, *given, kinds=(float, float)
         )
     return {name: found[name] for name in EQ_4}
 

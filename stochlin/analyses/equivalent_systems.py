@@ -13,10 +13,11 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses import labels
+from stochlin.analyses.cellwise import cellwise
 from stochlin.kernels.amplitude_averaging import solve_amplitude_average
 from stochlin.kernels.arrays import Array
 from stochlin.kernels.covariance import EquivalentSystem, Forcing, linear_system, own_covariance
-from stochlin.kernels.fixed_point import solve_fixed_point
+from stochlin.kernels.fixed_point import Closure, ForcingOf, solve_fixed_point
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import NARROW_BAND, Structure
 
@@ -76,17 +77,27 @@ def solve_structure(
 ) -> xr.Dataset:
     """What `linearize` returns, and the equivalent system and forcing that a pair needs."""
     check_closure(structure, closure)
-    return _solve(_Cells(structure, ground, closure, tolerance))
+    return _solve(structure, ground, closure, tolerance)
 
 
 def solve_elastic(structure: Structure, ground: Ground) -> xr.Dataset:
     """The same for the structure if it stayed elastic, whatever its strength."""
-    return _solve(_Cells(structure, ground, None, None))
+    return _solve(structure, ground, None, None)
 
 
-def _solve(cells: _Cells) -> xr.Dataset:
-    structure, ground = cells.structure, cells.ground
-    values = structure.arrays()
+def _solve(
+    structure: Structure, ground: Ground, closure: str | None, tolerance: Tolerance | None
+) -> xr.Dataset:
+    values, law = structure.arrays(), structure.law_parameters()
+    elastic = closure is None or not structure.yields
+    cells = _Cells(
+        len(law),
+        structure.reduction_factor is not None,
+        ground.forcing,
+        None if elastic else closure,
+        None if elastic or closure == NARROW_BAND else structure.closure(str(closure)),
+        tolerance,
+    )
     strength = next(
         (values[k] for k in ("yield_displacement", "reduction_factor") if k in values),
         xr.DataArray(np.inf),
@@ -99,12 +110,12 @@ def _solve(cells: _Cells) -> xr.Dataset:
         values.get("hardening", xr.DataArray(1.0)),
         strength,
         values["peak_factor"],
-        *structure.law_parameters(),
+        *law,
         *ground.kernel_parameters(),
     ]
     names = (*PUBLIC, *INTERNAL, STRENGTH_RATIO)
     try:
-        outputs = xr.apply_ufunc(cells.solve, *inputs, output_core_dims=[[]] * len(names), join="exact")
+        outputs = cellwise(cells.solve, *inputs, kinds=[_blank(name, 0).dtype for name in names])
     except xr.AlignmentError as error:
         raise ValueError(
             f"structure and ground share a dimension whose coordinates or lengths differ: {error}"
@@ -115,9 +126,11 @@ def _solve(cells: _Cells) -> xr.Dataset:
 class _Cells(NamedTuple):
     """The array side of `solve_structure`: flattens, leaves out invalid cells, fills NaN."""
 
-    structure: Structure
-    ground: Ground
+    laws: int  # parameters of the law
+    by_factor: bool  # whether strength is a reduction factor
+    forcing: ForcingOf
     closure: str | None  # None: elastic
+    law: Closure | None
     tolerance: Tolerance | None
 
     @np.errstate(all="ignore")  # what comes of extreme input is judged by its status
@@ -138,15 +151,14 @@ class _Cells(NamedTuple):
 
     def _solve_valid(self, columns: Array) -> dict[str, Array]:
         period, damping, hardening, strength, peak_factor = columns[:5]
-        laws = len(self.structure.law_parameters())
-        law, ground = columns[5 : 5 + laws], columns[5 + laws :]
+        law, ground = columns[5 : 5 + self.laws], columns[5 + self.laws :]
         w = 2 * np.pi / period
         elastic = linear_system(w, damping)
-        own = own_covariance(elastic, self.ground.forcing(elastic, ground))
-        by_factor = self.structure.reduction_factor is not None
-        uy = peak_factor * np.sqrt(own.mu_mu) / strength if by_factor else strength
-        ratio = {STRENGTH_RATIO: np.sqrt(own.mu_mu) / uy}
-        if self.closure is None or self.tolerance is None or not self.structure.yields:
+        own = own_covariance(elastic, self.forcing(elastic, ground))
+        uy = peak_factor * np.sqrt(own.mu_mu) / strength if self.by_factor else strength
+        # Without rounding where it is given: equal structures are then seen to be equal.
+        ratio = {STRENGTH_RATIO: strength / peak_factor if self.by_factor else np.sqrt(own.mu_mu) / uy}
+        if self.closure is None or self.tolerance is None:
             return self._report(_Solution.elastic(elastic), ground, uy) | ratio
         scaled = ground.copy()
         scaled[0] /= uy**2  # the forcing of ductility, f / uy
@@ -160,14 +172,14 @@ class _Cells(NamedTuple):
         elastic = linear_system(w, damping)
         oscillator = np.stack([w**2, elastic.damping, (1 - hardening) * w**2])
         latent = np.stack([start[1], np.minimum(start[0], 1), np.full_like(w, 0.1)])
-        closure = self.structure.closure(str(self.closure))
+        assert self.law is not None
         solved = solve_fixed_point(
             oscillator,
             law,
             ground,
             latent,
-            closure,
-            self.ground.forcing,
+            self.law,
+            self.forcing,
             tolerance.rtol,
             tolerance.atol,
             tolerance.max_iterations,
@@ -182,7 +194,7 @@ class _Cells(NamedTuple):
         w, damping, hardening, _, ground, start = batch
 
         def sigma_of(system: EquivalentSystem, cells: Array) -> Array:
-            forcing = self.ground.forcing(system, ground[:, cells])
+            forcing = self.forcing(system, ground[:, cells])
             return np.sqrt(own_covariance(system, forcing).mu_mu)
 
         limits = tolerance.rtol, tolerance.max_iterations
@@ -191,7 +203,7 @@ class _Cells(NamedTuple):
 
     def _report(self, solution: _Solution, ground: Array, uy: Array) -> dict[str, Array]:
         system, elastic = solution.system, solution.still
-        forcing = self.ground.forcing(system, ground)
+        forcing = self.forcing(system, ground)
         own = own_covariance(system, forcing)
         displacement, velocity, z = np.sqrt(own.mu_mu), np.sqrt(own.v_v), np.sqrt(own.z_z)
         corr = own.v_z / (velocity * z)

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses import labels
-from stochlin.analyses.bias import relative_bias, with_caution
+from stochlin.analyses.bias import caution_of, relative_bias
 from stochlin.analyses.equivalent_systems import PUBLIC, Tolerance, solve_structure
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
@@ -85,7 +85,8 @@ def linearize(
     if closure != "gaussian":
         gaussian = solve_structure(structure, ground, "gaussian", tolerance)
     table = solved[list(PUBLIC)]
-    table = with_caution(table, {"bias": relative_bias(structure, ground, solved, gaussian)})
+    bias = relative_bias(structure, ground, solved, gaussian)
+    table = table.assign(bias=bias, caution=caution_of(bias))
     if closure == NARROW_BAND:
         equivalent = np.sqrt(solved.system_stiffness)
         table = table.assign(

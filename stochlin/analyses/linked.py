@@ -60,9 +60,10 @@ def correlate_linked(
     Returns
     -------
     xarray.Dataset
-        Over the dimensions of the parameters: ``rho`` [-], ``displacement_std_1`` and ``_2`` [m], ``relative_displacement_std`` [m]: of
-        ``u_1 - u_2``, ``velocity_std_1`` and ``_2`` [m/s], ``ductility_std_1`` and ``_2`` [-],
-        ``link_force_std`` [N], ``c_eq_1``, ``c_eq_2`` [-], ``k_eq_1``, ``k_eq_2`` [1/s], ``status``.
+        Over the dimensions of the parameters: ``rho`` [-], ``displacement_std_1`` and ``_2`` [m],
+        ``relative_displacement_std`` [m]: of ``u_1 - u_2``, ``velocity_std_1`` and ``_2`` [m/s],
+        ``ductility_std_1`` and ``_2`` [-], ``link_force_std`` [N], ``c_eq_1``, ``c_eq_2`` [-],
+        ``k_eq_1``, ``k_eq_2`` [1/s], ``status``.
 
     Raises
     ------

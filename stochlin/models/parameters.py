@@ -77,6 +77,12 @@ class Model:
         """Names of the physical parameters."""
         return tuple(field.name for field in cls._declared())
 
+    @classmethod
+    def allowed(cls, name: str) -> Range:
+        """The allowed values of a parameter."""
+        allowed: Range = next(f.metadata["allowed"] for f in cls._declared() if f.name == name)
+        return allowed
+
     def arrays(self) -> dict[str, xr.DataArray]:
         """The parameters that are set, as labelled arrays (0-d for scalars)."""
         values = {f.name: getattr(self, f.name) for f in self._declared()}
@@ -152,5 +158,7 @@ def _checked(value: Any, field: dataclasses.Field[Any], model: str) -> float | x
 def _brief(value: xr.DataArray) -> str:
     if value.ndim == 0:
         return f"{float(value):.6g}"
+    if value.chunks is not None:  # not computed to be described
+        return f"[{value.size} values in chunks over {', '.join(map(str, value.dims))}]"
     low, high = float(value.min()), float(value.max())
     return f"[{low:.6g} to {high:.6g} over {', '.join(map(str, value.dims))}]"

@@ -13,7 +13,7 @@ import click
 
 from stochlin import __version__
 from stochlin.views import options as shared
-from stochlin.views.failures import bad_input
+from stochlin.views.atlas_command import atlas, lookup
 from stochlin.views.gap_command import gap
 from stochlin.views.options import (
     CLOSURES,
@@ -23,12 +23,12 @@ from stochlin.views.options import (
     shared_option,
     simulation_options,
 )
+from stochlin.views.screen import bad_input, on_screen
 
 if TYPE_CHECKING:
     import xarray as xr
 
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
-SCREEN_ROWS = 40
 
 
 @click.group(context_settings=CONTEXT)
@@ -38,6 +38,8 @@ def main() -> None:
 
 
 main.add_command(gap)
+main.add_command(atlas)
+main.add_command(lookup)
 
 
 @main.command()
@@ -159,7 +161,7 @@ def rho(record: Path | None, out: Path | None, **options: Any) -> None:
             click.echo(f"# {role}: {table.attrs[role]}")
         if "comment" in table.attrs:
             click.echo(f"# {table.attrs['comment']}")
-        click.echo(_on_screen(table))
+        click.echo(on_screen(table))
         if out is not None:
             save_table(table, out)
             click.echo(f"# saved {out}")
@@ -172,18 +174,3 @@ def _write_chart(dataset: xr.Dataset, stem: Path, picture_format: str) -> None:
 
     save_table(dataset, stem.with_name(f"{stem.name}.nc"))
     save(draw(dataset), stem.with_name(f"{stem.name}.{picture_format}"))
-
-
-def _on_screen(table: xr.Dataset) -> str:
-    """The table as text: a row a cell, statuses by name, cut where a screen ends."""
-    shown = table[[name for name in table.data_vars if not str(name).startswith("yield")]]
-    if not shown.sizes:
-        shown = shown.expand_dims("case")
-    frame = shown.to_dataframe().reset_index().drop(columns="case", errors="ignore")
-    for name in set(frame.columns) & set(table.data_vars):
-        if "flag_meanings" in table[name].attrs:
-            meanings = table[name].attrs["flag_meanings"].split()
-            frame[name] = [meanings[code] for code in frame[name]]
-    text = frame.head(SCREEN_ROWS).to_string(index=False, float_format=lambda x: f"{x:.6g}")
-    more = len(frame) - SCREEN_ROWS
-    return text if more <= 0 else f"{text}\n# ... {more} more rows; --out saves all"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stochlin.views.failures import bad_input
+from stochlin.views.screen import bad_input
 
 if TYPE_CHECKING:
     from stochlin.analyses.case_answers import CaseAnswer

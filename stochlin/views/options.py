@@ -173,7 +173,7 @@ def structures(options: dict[str, Any]) -> tuple[Bilinear, Bilinear]:
         values = {}
         for name in STRUCTURE_OPTIONS:
             own = options[f"{name}_{number}"]
-            values[name] = _parameter(
+            values[name] = parameter_of(
                 name if own is None else f"{name}_{number}", options[name] if own is None else own
             )
         if values["period"] is None:
@@ -188,7 +188,7 @@ def ground(options: dict[str, Any]) -> Ground:
     from stochlin.models.named_grounds import named_ground
 
     given = {
-        model_name: _parameter(option, options[option])
+        model_name: parameter_of(option, options[option])
         for option, model_name in GROUND_OPTIONS.items()
         if options[option] is not None
     }
@@ -231,7 +231,7 @@ def site(record: Path, options: dict[str, Any]) -> tuple[xr.DataArray, Ground]:
     return motion, fit_ground(motion, options["model"], options["estimator"])
 
 
-def _parameter(name: str, values: list[float] | None) -> Any:
+def parameter_of(name: str, values: list[float] | None) -> Any:
     """One number as a scalar; more as a dimension called like the option."""
     import xarray as xr
 

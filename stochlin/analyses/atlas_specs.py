@@ -1,0 +1,229 @@
+"""What an atlas is to hold: a specification in TOML, data only, checked before any work.
+
+::
+
+    title = "Lake beds"             # optional
+    ground = "kanai_tajimi"         # or "white_noise", "clough_penzien"
+    closure = "gaussian"            # optional
+    block_cells = 1000000           # optional: cells that are computed and written at a time
+
+    [parameters]                    # a number is held; a list or a sweep is an axis
+    period_1 = { start = 0.1, stop = 10, count = 400, spacing = "log" }     # over the ground's period
+    period_2 = { start = 0.1, stop = 10, count = 400, spacing = "log" }
+    ground_damping = [0.05, 0.2, 0.6]
+    damping = 0.05                  # of both structures; or damping_1 and damping_2
+    hardening = [0.02, 0.1]
+    reduction_factor = { start = 1, stop = 6, count = 11 }
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import os
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.models.grounds import CloughPenzien, Ground, KanaiTajimi, WhiteNoise
+from stochlin.models.parameters import Model
+from stochlin.models.structures import Bilinear
+
+GROUNDS: Mapping[str, type[Ground]] = {
+    "kanai_tajimi": KanaiTajimi,
+    "white_noise": WhiteNoise,
+    "clough_penzien": CloughPenzien,
+}
+CLOSURES = ("gaussian", "clipped", "narrow_band")
+KEYS = ("title", "ground", "closure", "block_cells", "parameters")
+SWEEP = ("start", "stop", "count", "spacing")
+OF_STRUCTURES = ("damping", "hardening", "reduction_factor")
+OF_GROUNDS = {
+    "ground_damping": "damping",
+    "high_pass_period": "high_pass_period",
+    "high_pass_damping": "high_pass_damping",
+}
+LONGEST_AXIS = 1_000_000
+BLOCK_CELLS = 1_000_000
+
+
+@dataclass(frozen=True)
+class AtlasSpecification:
+    """A checked specification."""
+
+    title: str
+    ground: str
+    closure: str
+    block_cells: int
+    parameters: Mapping[str, float | tuple[float, ...]]
+
+    @property
+    def axes(self) -> dict[str, tuple[float, ...]]:
+        """The parameters that are swept."""
+        return {name: value for name, value in self.parameters.items() if isinstance(value, tuple)}
+
+    @property
+    def held(self) -> dict[str, float]:
+        """The parameters that are not."""
+        return {name: value for name, value in self.parameters.items() if isinstance(value, float)}
+
+    @property
+    def cells(self) -> int:
+        """Size of the table."""
+        return math.prod(len(values) for values in self.axes.values())
+
+    def as_data(self) -> dict[str, Any]:
+        """All that decides the numbers and their layout, for comparison and for the manifest."""
+        parameters = {k: list(v) if isinstance(v, tuple) else v for k, v in self.parameters.items()}
+        kinds = {"ground": self.ground, "closure": self.closure, "block_cells": self.block_cells}
+        return {"title": self.title, **kinds, "parameters": parameters}
+
+    def models(self) -> tuple[Bilinear, Bilinear, Ground]:
+        """The two structures and the ground, whose period is 1 s and intensity 1 m^2/s^3."""
+        pair = []
+        for n in (1, 2):
+            values = {"period": self._value(f"period_{n}")}
+            for name in OF_STRUCTURES:
+                own = f"{name}_{n}" if f"{name}_{n}" in self.parameters else name
+                if own in self.parameters:
+                    values[name] = self._value(own)
+            pair.append(Bilinear(**values))
+        soil = {m: self._value(name) for name, m in OF_GROUNDS.items() if name in self.parameters}
+        if self.ground != "white_noise":
+            soil["period"] = 1.0
+        return pair[0], pair[1], GROUNDS[self.ground](**soil)
+
+    def _value(self, name: str) -> Any:
+        value = self.parameters[name]
+        if isinstance(value, float):
+            return value
+        return xr.DataArray(np.array(value), dims=name, coords={name: np.array(value)})
+
+
+def read_specification(path: str | os.PathLike[str]) -> AtlasSpecification:
+    """Read a TOML file.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    ValueError
+        If it is no TOML, or not a specification: what is wrong, what is allowed.
+    """
+    try:
+        data = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ValueError(f"{path} is no TOML file: {error}") from error
+    return specification(data)
+
+
+def specification(data: Mapping[str, Any]) -> AtlasSpecification:
+    """Check a specification given as nested mappings; raises as `read_specification`."""
+    _only(data, KEYS, "the specification")
+    ground = _one_of(data.get("ground", "kanai_tajimi"), tuple(GROUNDS), "ground")
+    closure = _one_of(data.get("closure", "gaussian"), CLOSURES, "closure")
+    title = data.get("title", "Correlation of two structures")
+    if not isinstance(title, str):
+        raise ValueError(f"title = {title!r}; allowed: text in quotes")
+    block = data.get("block_cells", BLOCK_CELLS)
+    if not isinstance(block, int) or isinstance(block, bool) or block < 1:
+        raise ValueError(f"block_cells = {block!r}; allowed: a whole number from 1")
+    given = data.get("parameters")
+    if not isinstance(given, Mapping):
+        raise ValueError("[parameters] is missing; it needs period_1, period_2 and damping at least")
+    _check_names(given, ground)
+    values = {name: _parameter(name, value) for name, value in given.items()}
+    chosen = AtlasSpecification(title, ground, closure, block, values)
+    if not chosen.axes:
+        raise ValueError("no parameter is swept: an atlas needs a list or a sweep; see `correlate`")
+    try:
+        models = chosen.models()
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"[parameters]: {error}") from error
+    for role, model in zip(("first", "second", "ground"), models, strict=True):
+        _check_ranges(role, model)
+    return chosen
+
+
+def _check_names(given: Mapping[str, Any], ground: str) -> None:
+    of_ground = {"white_noise": (), "kanai_tajimi": ("ground_damping",)}.get(ground, tuple(OF_GROUNDS))
+    numbered = [f"{name}_{n}" for name in OF_STRUCTURES for n in (1, 2)]
+    _only(given, ("period_1", "period_2", *OF_STRUCTURES, *numbered, *of_ground), "[parameters]")
+    for name in OF_STRUCTURES:
+        own = [f"{name}_{n}" for n in (1, 2) if f"{name}_{n}" in given]
+        if own and name in given:
+            raise ValueError(
+                f"{name} and {' and '.join(own)} are given; allowed: {name} for both structures, or "
+                f"{name}_1 and {name}_2"
+            )
+    missing = [name for name in ("period_1", "period_2", *of_ground) if name not in given]
+    if "damping" not in given:
+        missing += [f"damping_{n}" for n in (1, 2) if f"damping_{n}" not in given]
+    if missing:
+        raise ValueError(f"[parameters]: {', '.join(missing)} missing")
+
+
+def _only(data: Mapping[str, Any], allowed: tuple[str, ...], where: str) -> None:
+    unknown = [key for key in data if key not in allowed]
+    if unknown:
+        raise ValueError(f"{', '.join(unknown)} unknown in {where}; allowed: {', '.join(allowed)}")
+
+
+def _one_of(value: Any, allowed: tuple[str, ...], name: str) -> str:
+    if value not in allowed:
+        raise ValueError(f"{name} = {value!r} is not known; allowed: {', '.join(allowed)}")
+    return str(value)
+
+
+def _parameter(name: str, value: Any) -> float | tuple[float, ...]:
+    """A number, or the values of an axis, which increase."""
+    if _is_number(value):
+        return float(value)
+    if isinstance(value, Mapping):
+        value = _sweep(name, value)
+    if not isinstance(value, list) or not all(_is_number(item) for item in value):
+        raise ValueError(
+            f"{name} = {value!r}; allowed: a number, a list of numbers, or a sweep "
+            '{ start = 0.1, stop = 10, count = 50, spacing = "log" }'
+        )
+    if not value:
+        raise ValueError(f"{name} is an empty axis; allowed: at least one value")
+    values = tuple(float(item) for item in value)
+    if any(b <= a for a, b in itertools.pairwise(values)):
+        raise ValueError(f"{name}: its values must increase, or they cannot be looked up")
+    return values
+
+
+def _sweep(name: str, value: Mapping[str, Any]) -> list[float]:
+    _only(value, SWEEP, name)
+    missing = [key for key in SWEEP[:3] if key not in value]
+    if missing:
+        raise ValueError(f"{name}: {', '.join(missing)} missing; a sweep has {', '.join(SWEEP)}")
+    count, spacing = value["count"], value.get("spacing", "linear")
+    if not isinstance(count, int) or isinstance(count, bool) or not 1 <= count <= LONGEST_AXIS:
+        empty = " is an empty axis" if count == 0 else ""
+        raise ValueError(f"{name}: count = {count!r}{empty}; allowed: 1 to {LONGEST_AXIS}")
+    _one_of(spacing, ("linear", "log"), f"{name}: spacing")
+    start, stop = value["start"], value["stop"]
+    if not (_is_number(start) and _is_number(stop) and 0 < start <= stop):
+        raise ValueError(f"{name}: start = {start!r}, stop = {stop!r}; allowed: 0 < start <= stop")
+    spread = np.geomspace if spacing == "log" else np.linspace
+    return [float(x) for x in spread(start, stop, count)]
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def _check_ranges(role: str, model: Model) -> None:
+    """Arrays with cells out of range are refused: an atlas has no use for them."""
+    for name, values in model.arrays().items():
+        allowed = model.allowed(name)
+        if not bool(allowed.contains(values).all()):
+            low, high = float(values.min()), float(values.max())
+            raise ValueError(f"{role}: {name} from {low:g} to {high:g}; allowed: {allowed}")

@@ -1,0 +1,49 @@
+"""Functions of arrays over labelled arrays: broadcast by dimension name, chunk by chunk where lazy.
+
+Every analysis whose cells do not depend on one another goes through here. Arrays that dask holds stay
+with it; nothing is computed until it is asked for, and then by the same function, so that the
+results are the same to the last bit.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+
+def is_lazy(*arrays: xr.DataArray) -> bool:
+    """Whether dask holds one of them."""
+    return any(array.chunks is not None for array in arrays)
+
+
+def cellwise(
+    function: Callable[..., Any],
+    *arrays: xr.DataArray,
+    kinds: Sequence[npt.DTypeLike] = (float,),
+    **options: Any,
+) -> tuple[xr.DataArray, ...]:
+    """``function`` of arrays that broadcast, with a result of each of these kinds.
+
+    Raises
+    ------
+    xarray.AlignmentError
+        If arrays share a dimension, not its coordinates or length.
+    """
+    with warnings.catch_warnings():
+        # A table has more chunks than its axes: dask warns of what is wanted here.
+        warnings.filterwarnings("ignore", message="Increasing number of chunks")
+        found = xr.apply_ufunc(
+            function,
+            *arrays,
+            kwargs=options,
+            output_core_dims=[[]] * len(kinds),
+            join="exact",
+            dask="parallelized",
+            output_dtypes=[np.dtype(kind) for kind in kinds],
+        )
+    return found if len(kinds) > 1 else (found,)
