@@ -115,8 +115,9 @@ def open_atlas(path: str | os.PathLike[str]) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        ``rho``, ``bias`` [-], ``status`` and ``caution`` over the dimensions of both structures; ``ductility_std_1`` and ``_2``,
-        ``bias_1`` and ``_2`` over those of each structure. Periods are over the ground's.
+        ``rho``, ``bias`` [-], ``status`` and ``caution`` over the dimensions of both structures;
+        ``ductility_std_1`` and ``_2``, ``bias_1`` and ``_2`` [-] over those of each. Periods are over
+        the ground's.
 
     Raises
     ------
