@@ -27,7 +27,8 @@ import scipy.optimize
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.equivalent_systems import INTERNAL, Tolerance, solve_structure
+from stochlin.analyses.equivalent_systems import INTERNAL, solve_structure
+from stochlin.analyses.tolerance import Tolerance
 from stochlin.kernels.arrays import Array
 from stochlin.kernels.covariance import EquivalentSystem, Forcing, pair_covariance
 from stochlin.models.laws import bilinear

@@ -42,7 +42,8 @@ def lookup(atlas: xr.Dataset, ground_period: Parameter = 1.0, **parameters: Para
     -------
     xarray.Dataset
         The atlas's variables, over the dimensions of the parameters. NaN where a case is outside,
-        or beside a cell that failed; its ``status`` is ``invalid_input``, or the worst of the cells around, and ``caution`` the worst.
+        or beside a cell that failed; its ``status`` is ``invalid_input``, or the worst of the cells
+        around, and ``caution`` the worst.
 
     Raises
     ------

@@ -22,6 +22,7 @@ from stochlin.models.structures import Bilinear, Structure
 
 FILE = "bias_map.nc"
 SHARED = ("elastic_ductility_std", "hardening", "damping")
+KNOWN_GROUNDS = (KanaiTajimi, WhiteNoise)
 MEANINGS = ("within_10_percent", "off_by_more_than_10_percent", "outside_of_the_map")
 
 
@@ -43,16 +44,25 @@ def _grid(name: str) -> Grid:
 def displacement_bias(structure: Structure, ground: Ground, solved: xr.Dataset) -> xr.DataArray:
     """Relative bias of the Gaussian closure's ``displacement_std``; 0 if elastic, NaN if unknown."""
     elastic = np.isinf(solved.yield_displacement)
-    if not _known(ground) or not isinstance(structure, Bilinear):
+    if type(ground) not in KNOWN_GROUNDS or not isinstance(structure, Bilinear):
         return _nothing_but(elastic)
+    (value,) = cellwise(_at_point, *point_of(structure, ground, solved), name=map_name(ground))
+    return value.where(~elastic, 0.0)
+
+
+def map_name(ground: Ground) -> str:
+    """The map's variable for the standard deviation on this ground."""
+    white = isinstance(ground, WhiteNoise)
+    return "displacement_std_bias_white_noise" if white else "displacement_std_bias"
+
+
+def point_of(structure: Structure, ground: Ground, solved: xr.Dataset) -> list[xr.DataArray]:
+    """Where a solved structure is in `map_name`, axis by axis."""
     point = [solved.elastic_ductility_std, *(_property(structure, name) for name in SHARED[1:])]
     if isinstance(ground, WhiteNoise):
-        name = "displacement_std_bias_white_noise"
-    else:
-        name = "displacement_std_bias"
-        point += [ground.arrays()["damping"], _property(structure, "period") / ground.arrays()["period"]]
-    (value,) = cellwise(_at_point, *point, name=name)
-    return value.where(~elastic, 0.0)
+        return point
+    soil = ground.arrays()
+    return [*point, soil["damping"], _property(structure, "period") / soil["period"]]
 
 
 def relative_bias(
@@ -67,7 +77,8 @@ def relative_bias(
 
 def rho_bias_map(first: Structure, second: Structure, ground: Ground) -> RhoBiasMap | None:
     """What the map knows of ``rho`` on this ground, by the axes of `place_in_map`; None: nothing."""
-    if not _known(ground) or not (isinstance(first, Bilinear) and isinstance(second, Bilinear)):
+    known = type(ground) in KNOWN_GROUNDS
+    if not known or not (isinstance(first, Bilinear) and isinstance(second, Bilinear)):
         return None
     return _rho_grid(isinstance(ground, WhiteNoise))
 
@@ -109,10 +120,6 @@ def caution_of(bias: xr.DataArray) -> xr.DataArray:
 
 def _nothing_but(elastic: xr.DataArray) -> xr.DataArray:
     return xr.zeros_like(elastic, float).where(elastic)
-
-
-def _known(ground: Ground) -> bool:
-    return type(ground) in (KanaiTajimi, WhiteNoise)
 
 
 def _property(structure: Structure, name: str) -> xr.DataArray:

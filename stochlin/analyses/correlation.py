@@ -9,22 +9,19 @@ import xarray as xr
 
 from stochlin.analyses import labels
 from stochlin.analyses.cellwise import cellwise
+from stochlin.analyses.drifting_pairs import drifting_pairs
 from stochlin.analyses.effective_correlation import EQ_4, effective_pair
-from stochlin.analyses.equivalent_systems import (
-    Tolerance,
-    check_closure,
-    solve_elastic,
-    solve_structure,
-)
+from stochlin.analyses.equivalent_systems import check_closure, solve_elastic, solve_structure
 from stochlin.analyses.linearized_pairs import SHOWN, linearized_pairs
 from stochlin.analyses.simulated_correlation import SimulationSettings, simulate_pairs
+from stochlin.analyses.tolerance import Tolerance
 from stochlin.kernels.arrays import Array
 from stochlin.kernels.pair_tables import ROUNDING
 from stochlin.kernels.white_noise import white_noise_correlation
 from stochlin.models.effective_properties import EffectiveRule, effective_rule
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Parameter, expect
-from stochlin.models.structures import LinearPair, Structure
+from stochlin.models.structures import DRIFT, LinearPair, Structure
 
 METHODS = ("linearization", "white_noise", "effective", "simulation")
 
@@ -62,7 +59,8 @@ def correlate(
         with the effective periods and dampings of ``rule`` at the linearized peak ductility;
         ``"simulation"``: the exact laws, all structures on the same motions, with standard errors.
     closure : str
-        As in `linearize`; for linearization and effective properties.
+        As in `linearize`; for linearization and effective properties. With ``"drift"`` both drifts are
+        correlated too, by ``docs/drift.md``; ``rho`` is as derived, without a map.
     rule : str
         One of `effective_rule_names`, or a rule; for effective properties.
     rtol, atol, max_iterations
@@ -136,10 +134,14 @@ def correlate(
         table.attrs["rule"] = chosen.describe()
         details = f"closure={closure!r}, rule={chosen.name!r}"
     elif method == "linearization":
-        table = linearized_pairs(first, second, ground, closure, tolerance)
+        if closure == DRIFT:
+            table = drifting_pairs(first, second, ground, tolerance)
+        else:
+            table = linearized_pairs(first, second, ground, closure, tolerance)
         details = f"closure={closure!r}"
         if first.yields or second.yields:
-            table.attrs["comment"] = f"{labels.CAUTION_RHO} {labels.CAUTION_SIGMA}"
+            linear = f"{labels.CAUTION_RHO} {labels.CAUTION_SIGMA}"
+            table.attrs["comment"] = labels.CAUTION_DRIFT if closure == DRIFT else linear
     else:
         sides = [solve_elastic(s, ground) for s in (first, second)]
         inputs = [s.arrays()[name] for name in ("period", "damping") for s in (first, second)]

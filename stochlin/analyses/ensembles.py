@@ -13,8 +13,9 @@ import scipy.linalg
 import xarray as xr
 
 from stochlin.analyses import labels
-from stochlin.analyses.equivalent_systems import Tolerance, solve_elastic, solve_structure
+from stochlin.analyses.equivalent_systems import solve_elastic, solve_structure
 from stochlin.analyses.state_space import ground_matrices
+from stochlin.analyses.tolerance import Tolerance
 from stochlin.kernels.arrays import Array
 from stochlin.kernels.ensemble import Crowd, Plan
 from stochlin.kernels.linked_stepping import linked_block

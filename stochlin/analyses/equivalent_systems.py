@@ -5,8 +5,7 @@
 
 from __future__ import annotations
 
-import numbers
-from dataclasses import dataclass
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -14,20 +13,26 @@ import xarray as xr
 
 from stochlin.analyses import labels
 from stochlin.analyses.cellwise import cellwise
+from stochlin.analyses.tolerance import Tolerance
 from stochlin.kernels.amplitude_averaging import solve_amplitude_average
 from stochlin.kernels.arrays import Array
 from stochlin.kernels.covariance import EquivalentSystem, Forcing, linear_system, own_covariance
+from stochlin.kernels.drift import ORDERS, drift_of, half_cycles
 from stochlin.kernels.fixed_point import Closure, ForcingOf, solve_fixed_point
 from stochlin.models.grounds import Ground
-from stochlin.models.structures import NARROW_BAND, Structure
+from stochlin.models.structures import DRIFT, NARROW_BAND, Structure
 
-# Below this slip and relaxation (over w) the third state changes nothing in double precision.
 ROUNDING = 1e-9  # by which a correlation may exceed 1
+# Below this slip and relaxation (over w) the third state changes nothing in double precision.
 ELASTIC = 1e-18
 INTERNAL = (
     *(f"system_{n}" for n in EquivalentSystem._fields),
     *(f"forcing_{n}" for n in Forcing._fields),
 )
+# Of the drift closure only: the drift as a pair needs it.
+SHARES = tuple(f"drift_share_{j}" for j in range(1, ORDERS + 2))
+OF_DRIFT = ("drift_std", "drift_rate", *SHARES)
+MemoryOf = Callable[[EquivalentSystem, Array], tuple[Forcing, tuple[Array, ...]]]
 STRENGTH_RATIO = "elastic_ductility_std"  # of the elastic structure's displacement to uy: R/p
 PUBLIC = (
     "displacement_std",
@@ -44,25 +49,6 @@ PUBLIC = (
 )
 
 
-@dataclass(frozen=True)
-class Tolerance:
-    """Stop rule of the fixed point, as `linearize` describes it."""
-
-    rtol: float
-    atol: float
-    max_iterations: int
-
-    def __post_init__(self) -> None:
-        for name, lowest in (("rtol", np.finfo(float).eps), ("atol", 0.0)):
-            value = getattr(self, name)
-            if not isinstance(value, (int, float, np.number)) or not lowest <= float(value) < np.inf:
-                raise ValueError(
-                    f"{name} = {value!r}; allowed: a number of at least {lowest:.2g}, finite"
-                )
-        if not isinstance(self.max_iterations, numbers.Integral) or self.max_iterations < 1:
-            raise ValueError(f"max_iterations = {self.max_iterations!r}; allowed: a whole number from 1")
-
-
 def check_closure(structure: Structure, closure: str) -> None:
     """Raise a ValueError unless the law of the structure has this closure."""
     if closure not in structure.closure_names():
@@ -77,6 +63,18 @@ def solve_structure(
 ) -> xr.Dataset:
     """What `linearize` returns, and the equivalent system and forcing that a pair needs."""
     check_closure(structure, closure)
+    solved = solve_derived(structure, ground, closure, tolerance)
+    if closure != DRIFT:
+        return solved
+    from stochlin.analyses.drift_correction import corrected  # it solves the grid of its map
+
+    return corrected(structure, ground, solved)
+
+
+def solve_derived(
+    structure: Structure, ground: Ground, closure: str, tolerance: Tolerance
+) -> xr.Dataset:
+    """The same as its equations have it, without what simulation adds to the drift closure."""
     return _solve(structure, ground, closure, tolerance)
 
 
@@ -97,6 +95,7 @@ def _solve(
         None if elastic else closure,
         None if elastic or closure == NARROW_BAND else structure.closure(str(closure)),
         tolerance,
+        ground.memory if closure == DRIFT else None,
     )
     strength = next(
         (values[k] for k in ("yield_displacement", "reduction_factor") if k in values),
@@ -113,7 +112,7 @@ def _solve(
         *law,
         *ground.kernel_parameters(),
     ]
-    names = (*PUBLIC, *INTERNAL, STRENGTH_RATIO)
+    names = cells.names
     try:
         outputs = cellwise(cells.solve, *inputs, kinds=[_blank(name, 0).dtype for name in names])
     except xr.AlignmentError as error:
@@ -132,6 +131,11 @@ class _Cells(NamedTuple):
     closure: str | None  # None: elastic
     law: Closure | None
     tolerance: Tolerance | None
+    memory: MemoryOf | None  # for the drift closure
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return (*PUBLIC, *INTERNAL, STRENGTH_RATIO, *(OF_DRIFT if self.memory else ()))
 
     @np.errstate(all="ignore")  # what comes of extreme input is judged by its status
     def solve(
@@ -143,7 +147,7 @@ class _Cells(NamedTuple):
         columns = np.stack([array.reshape(-1)[where] for array in arrays[1:]])
         solution = self._solve_valid(columns)
         outputs = []
-        for name in (*PUBLIC, *INTERNAL, STRENGTH_RATIO):
+        for name in self.names:
             filled = _blank(name, arrays[0].size)
             filled[where] = solution[name]
             outputs.append(filled.reshape(shape))
@@ -188,7 +192,8 @@ class _Cells(NamedTuple):
         still = (np.abs(slip) < ELASTIC) & (np.abs(relaxation) < ELASTIC * w)
         pairs = zip(elastic, (*oscillator, slip, relaxation), strict=True)
         system = EquivalentSystem(*(np.where(still, e, s) for e, s in pairs))
-        return _Solution(system, solved.iterations, solved.residual, solved.converged, still)
+        counts = solved.iterations, solved.residual, solved.converged
+        return _Solution(system, *counts, still, solved.latent)
 
     def _amplitude_average(self, batch: _Batch, tolerance: Tolerance) -> _Solution:
         w, damping, hardening, _, ground, start = batch
@@ -199,7 +204,21 @@ class _Cells(NamedTuple):
 
         limits = tolerance.rtol, tolerance.max_iterations
         average = solve_amplitude_average(w, damping, hardening, start[0], sigma_of, *limits)
-        return _Solution(*average, np.zeros(w.size, bool))
+        return _Solution(*average, np.zeros(w.size, bool), None)
+
+    def _drift(self, solution: _Solution, ground: Array, uy: Array) -> dict[str, Array]:
+        """`OF_DRIFT`; nothing where the structure stays elastic."""
+        nothing = dict.fromkeys(OF_DRIFT, np.zeros_like(uy)) | {"drift_rate": np.ones_like(uy)}
+        if solution.latent is None or self.memory is None:
+            return nothing
+        forcing, soil = self.memory(solution.system, ground)
+        cycles = half_cycles(solution.system, forcing, soil)
+        drift = drift_of(solution.system, solution.latent, cycles)
+        found = uy * np.sqrt(drift.variance), drift.rate, *drift.shares
+        return {
+            name: np.where(solution.still, nothing[name], value)
+            for name, value in zip(OF_DRIFT, found, strict=True)
+        }
 
     def _report(self, solution: _Solution, ground: Array, uy: Array) -> dict[str, Array]:
         system, elastic = solution.system, solution.still
@@ -208,7 +227,9 @@ class _Cells(NamedTuple):
         displacement, velocity, z = np.sqrt(own.mu_mu), np.sqrt(own.v_v), np.sqrt(own.z_z)
         corr = own.v_z / (velocity * z)
         share = own.mu_z / (displacement * z)
-        physical = (own.mu_mu > 0) & (own.v_v > 0)
+        drift = self._drift(solution, ground, uy) if self.memory else {}
+        total = np.hypot(displacement, drift.get("drift_std", 0.0))
+        physical = (own.mu_mu > 0) & (own.v_v > 0) & ~np.isnan(total)
         if self.closure == NARROW_BAND and not elastic.all():
             z = corr = c_eq = k_eq = np.full_like(z, np.nan)
         else:
@@ -220,15 +241,16 @@ class _Cells(NamedTuple):
         status = np.where(physical, status, labels.NOT_PHYSICAL)
         status = np.where(solution.converged, status, labels.NOT_CONVERGED)
         values = {
-            "displacement_std": displacement,
+            "displacement_std": total,
             "velocity_std": velocity,
-            "ductility_std": displacement / uy,
+            "ductility_std": total / uy,
             "z_std": z / uy,
             "velocity_z_corr": corr,
             "c_eq": c_eq,
             "k_eq": k_eq,
             "yield_displacement": uy,
             **dict(zip(INTERNAL, (*system, *forcing), strict=True)),
+            **drift,
         }
         usable = status < labels.NOT_CONVERGED
         return {
@@ -256,11 +278,12 @@ class _Solution(NamedTuple):
     residual: Array
     converged: Array
     still: Array  # no slip at all: the 4-state elastic model holds
+    latent: Array | None  # (3, n) moments of the Gaussian behind the closure
 
     @classmethod
     def elastic(cls, system: EquivalentSystem) -> _Solution:
         none = np.zeros(system.stiffness.size)
-        return cls(system, none.astype(np.int32), none, none == 0, none == 0)
+        return cls(system, none.astype(np.int32), none, none == 0, none == 0, None)
 
 
 def _blank(name: str, size: int) -> Array:

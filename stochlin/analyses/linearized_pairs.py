@@ -14,7 +14,8 @@ import xarray as xr
 from stochlin.analyses import labels
 from stochlin.analyses.bias import caution_of, place_in_map, relative_bias, rho_bias_map
 from stochlin.analyses.cellwise import cellwise, is_lazy
-from stochlin.analyses.equivalent_systems import INTERNAL, Tolerance, solve_structure
+from stochlin.analyses.equivalent_systems import INTERNAL, solve_structure
+from stochlin.analyses.tolerance import Tolerance
 from stochlin.kernels.arrays import Array
 from stochlin.kernels.covariance import EquivalentSystem, Forcing
 from stochlin.kernels.pair_tables import Codes, RhoBiasMap, Side, pair_parameters, pair_table

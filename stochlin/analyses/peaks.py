@@ -8,14 +8,15 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses import labels
-from stochlin.analyses.equivalent_systems import INTERNAL, Tolerance, solve_structure
+from stochlin.analyses.equivalent_systems import INTERNAL, solve_structure
+from stochlin.analyses.tolerance import Tolerance
 from stochlin.kernels.arrays import Array
 from stochlin.kernels.covariance import EquivalentSystem, Forcing
 from stochlin.kernels.spectral_moments import SpectralMoments, difference_moments, displacement_moments
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Parameter, expect
 from stochlin.models.peak_factors import PeakFactor, StationaryMotion, peak_factor_model
-from stochlin.models.structures import Structure
+from stochlin.models.structures import DRIFT, Structure
 
 TOLERANCE = Tolerance(1e-10, 1e-12, 200)
 ONE_SIDED = {
@@ -48,7 +49,7 @@ def peak_response(
     model : str
         ``"davenport"``, ``"der_kiureghian"`` or ``"vanmarcke"``, as `peak_factor_model` knows them.
     closure : str
-        As in `linearize`.
+        As in `linearize`, but for ``"drift"``.
     sides : int
         2: the largest absolute displacement; 1: the largest displacement in one direction, which is
         what pounding on one side asks for.
@@ -94,6 +95,11 @@ def peak_response(
     expect(ground, Ground, "ground")
     chosen = peak_factor_model(model)
     domain = chosen.domain(sides)
+    if closure == DRIFT:
+        raise ValueError(
+            f"closure = {closure!r} is not available for peaks, for a drift in kicks has no spectral "
+            "moments; allowed: the other closures, or simulate"
+        )
     motion = StationaryMotion(duration)
     solved = solve_structure(structure, ground, closure, TOLERANCE)
     case = f"peak_response({structure.describe()}, {ground.describe()})"

@@ -11,12 +11,8 @@ import xarray as xr
 from scipy.optimize import elementwise
 
 from stochlin.analyses import labels
-from stochlin.analyses.equivalent_systems import (
-    Tolerance,
-    check_closure,
-    solve_elastic,
-    solve_structure,
-)
+from stochlin.analyses.equivalent_systems import check_closure, solve_elastic, solve_structure
+from stochlin.analyses.tolerance import Tolerance
 from stochlin.kernels.arrays import Array
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Model, Parameter, expect, parameter

@@ -28,6 +28,11 @@ class Ground(Model):
         """Forcing correlations of ``system``; ``parameters`` as listed by `kernel_parameters`."""
         raise NotImplementedError
 
+    @staticmethod
+    def memory(system: EquivalentSystem, parameters: Array) -> tuple[Forcing, tuple[Array, ...]]:
+        """Forcing of ``system``, and frequency and damping ratio of the soil; white noise has none."""
+        raise NotImplementedError
+
     def kernel_parameters(self) -> list[xr.DataArray]:
         """Intensity first, then frequencies [rad/s] and damping ratios of the filters."""
         raise NotImplementedError
@@ -98,6 +103,11 @@ class WhiteNoise(Ground):
         """Forcing correlations of ``system``."""
         return filters.white_noise_forcing(system, *parameters)
 
+    @staticmethod
+    def memory(system: EquivalentSystem, parameters: Array) -> tuple[Forcing, tuple[Array, ...]]:
+        """Forcing of ``system``; white noise remembers nothing."""
+        return WhiteNoise.forcing(system, parameters), ()
+
     def kernel_parameters(self) -> list[xr.DataArray]:
         """Intensity."""
         return [self.arrays()["intensity"]]
@@ -159,6 +169,11 @@ class KanaiTajimi(Ground):
         """Forcing correlations of ``system``."""
         return filters.kanai_tajimi_forcing(system, *parameters)
 
+    @staticmethod
+    def memory(system: EquivalentSystem, parameters: Array) -> tuple[Forcing, tuple[Array, ...]]:
+        """Forcing of ``system``, and frequency and damping ratio of the soil."""
+        return KanaiTajimi.forcing(system, parameters), tuple(parameters[1:])
+
     def kernel_parameters(self) -> list[xr.DataArray]:
         """Intensity, frequencies [rad/s] and damping ratios."""
         values = self.arrays()
@@ -218,6 +233,11 @@ class CloughPenzien(Ground):
     def forcing(system: EquivalentSystem, parameters: Array) -> Forcing:
         """Forcing correlations of ``system``."""
         return filters.clough_penzien_forcing(system, *parameters)
+
+    @staticmethod
+    def memory(system: EquivalentSystem, parameters: Array) -> tuple[Forcing, tuple[Array, ...]]:
+        """As on the soil alone: the high-pass oscillator is slow against a half-cycle."""
+        return KanaiTajimi.memory(system, parameters[:3])
 
     def kernel_parameters(self) -> list[xr.DataArray]:
         """Intensity, frequencies [rad/s] and damping ratios."""

@@ -25,6 +25,7 @@ HARDENING = Range(
 )
 
 NARROW_BAND = "narrow_band"
+DRIFT = "drift"  # the clipped closure, and the plastic drift that it loses
 
 
 @dataclass(frozen=True)
@@ -126,7 +127,7 @@ class Bilinear(Structure):
     """
 
     def _closures(self) -> Mapping[str, Closure]:
-        return {"gaussian": bilinear.gaussian, "clipped": bilinear.clipped}
+        return {"gaussian": bilinear.gaussian, "clipped": bilinear.clipped, DRIFT: bilinear.clipped}
 
     def closure_names(self) -> tuple[str, ...]:
         """Names that `linearize` accepts for this law."""

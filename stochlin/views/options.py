@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from stochlin.models.grounds import Ground
     from stochlin.models.structures import Bilinear
 
-CLOSURES = ("gaussian", "clipped", "narrow_band")
+CLOSURES = ("gaussian", "clipped", "drift", "narrow_band")
 STRUCTURE_OPTIONS = ("period", "damping", "hardening", "reduction_factor", "yield_displacement")
 GROUND_OPTIONS = {
     "ground_period": "period",

@@ -119,7 +119,7 @@ def test_white_noise_formula_checks_its_arguments():
 
 def test_unknown_names_are_answered_with_the_known_ones():
     structure = sl.Bilinear(**STRUCTURE)
-    with pytest.raises(ValueError, match=r"closure = 'linear' .*gaussian, clipped, narrow_band"):
+    with pytest.raises(ValueError, match=r"closure = 'linear' .*gaussian, clipped, drift, narrow_band"):
         sl.linearize(structure, SOIL, "linear")
     with pytest.raises(ValueError, match=r"closure = 'clipped' .*BoucWen; allowed: gaussian"):
         sl.linearize(sl.BoucWen(**STRUCTURE), SOIL, "clipped")

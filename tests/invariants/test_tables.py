@@ -13,7 +13,7 @@ import stochlin as sl
 
 NUMBERS = ["rho", "displacement_std_1", "displacement_std_2", "ductility_std_1", "ductility_std_2"]
 GROUND = sl.KanaiTajimi(period=1.0, damping=0.2)
-CLOSURES = ["gaussian", "clipped", "narrow_band"]
+CLOSURES = ["gaussian", "clipped", "drift", "narrow_band"]
 
 
 def axis(name, values):

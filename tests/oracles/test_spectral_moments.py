@@ -10,8 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import stochlin as sl
-from stochlin.analyses.equivalent_systems import Tolerance, solve_structure
+from stochlin.analyses.equivalent_systems import solve_structure
 from stochlin.analyses.peaks import relative_moments, response_moments
+from stochlin.analyses.tolerance import Tolerance
 from stochlin.kernels.covariance import EquivalentSystem, Forcing, linear_system
 from stochlin.kernels.filters import clough_penzien_forcing, kanai_tajimi_forcing, white_noise_forcing
 from stochlin.kernels.spectral_moments import difference_moments, displacement_moments

@@ -1,0 +1,27 @@
+"""When a fixed point counts as found."""
+
+from __future__ import annotations
+
+import numbers
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """Stop rule of the fixed point, as `linearize` describes it."""
+
+    rtol: float
+    atol: float
+    max_iterations: int
+
+    def __post_init__(self) -> None:
+        for name, lowest in (("rtol", np.finfo(float).eps), ("atol", 0.0)):
+            value = getattr(self, name)
+            if not isinstance(value, (int, float, np.number)) or not lowest <= float(value) < np.inf:
+                raise ValueError(
+                    f"{name} = {value!r}; allowed: a number of at least {lowest:.2g}, finite"
+                )
+        if not isinstance(self.max_iterations, numbers.Integral) or self.max_iterations < 1:
+            raise ValueError(f"max_iterations = {self.max_iterations!r}; allowed: a whole number from 1")
