@@ -18,12 +18,16 @@ if TYPE_CHECKING:
     from stochlin.analyses.correlation import correlate, rho_white_noise
     from stochlin.analyses.critical_gaps import critical_gap
     from stochlin.analyses.effective_correlation import rho_effective
+    from stochlin.analyses.envelope_fit import energy_build_up, fit_envelope
+    from stochlin.analyses.evolutionary_spectra import evolutionary_psd
     from stochlin.analyses.existing_gaps import existing_gap
     from stochlin.analyses.finite_motions import exceedance
+    from stochlin.analyses.fragility import pounding_fragility
     from stochlin.analyses.ground_fit import fit_ground
     from stochlin.analyses.linearization import linearize
     from stochlin.analyses.linked import correlate_linked
     from stochlin.analyses.peaks import peak_response
+    from stochlin.analyses.pounding_probability import pounding_probability
     from stochlin.analyses.record_spectra import fit_spectra
     from stochlin.analyses.recorded_gaps import recorded_gap
     from stochlin.analyses.recorded_response import pseudo_energy_radius, respond, response_spectrum
@@ -32,6 +36,7 @@ if TYPE_CHECKING:
     from stochlin.analyses.simulation import simulate
     from stochlin.analyses.state_space import statespace, stationary_covariance
     from stochlin.analyses.strength import reduction_factor, strength_for_ductility
+    from stochlin.analyses.transient_response import transient_response
     from stochlin.models.code_rules import code_rule, code_rule_names
     from stochlin.models.contacts import (
         Hertz,
@@ -44,7 +49,7 @@ if TYPE_CHECKING:
         Stereomechanical,
     )
     from stochlin.models.effective_properties import effective_rule, effective_rule_names
-    from stochlin.models.envelopes import AminAng, GammaEnvelope, ShinozukaSato
+    from stochlin.models.envelopes import AminAng, GammaEnvelope, HsuBernard, ShinozukaSato
     from stochlin.models.grounds import CloughPenzien, KanaiTajimi, WhiteNoise
     from stochlin.models.links import Link
     from stochlin.models.named_grounds import ground_names, named_ground
@@ -62,6 +67,7 @@ _HOME = {
     "GammaEnvelope": "models.envelopes",
     "Hertz": "models.contacts",
     "HertzDamp": "models.contacts",
+    "HsuBernard": "models.envelopes",
     "Hysteretic": "models.structures",
     "ImpactKelvin": "models.contacts",
     "Jankowski": "models.contacts",
@@ -82,9 +88,12 @@ _HOME = {
     "critical_gap": "analyses.critical_gaps",
     "effective_rule": "models.effective_properties",
     "effective_rule_names": "models.effective_properties",
+    "energy_build_up": "analyses.envelope_fit",
+    "evolutionary_psd": "analyses.evolutionary_spectra",
     "example_case": "analyses.case_files",
     "exceedance": "analyses.finite_motions",
     "existing_gap": "analyses.existing_gaps",
+    "fit_envelope": "analyses.envelope_fit",
     "fit_ground": "analyses.ground_fit",
     "fit_spectra": "analyses.record_spectra",
     "ground_names": "models.named_grounds",
@@ -95,6 +104,8 @@ _HOME = {
     "peak_factor_model": "models.peak_factors",
     "peak_factor_names": "models.peak_factors",
     "peak_response": "analyses.peaks",
+    "pounding_fragility": "analyses.fragility",
+    "pounding_probability": "analyses.pounding_probability",
     "pseudo_energy_radius": "analyses.recorded_response",
     "read_case": "analyses.case_files",
     "read_record": "analyses.records",
@@ -110,6 +121,7 @@ _HOME = {
     "stationary_covariance": "analyses.state_space",
     "strength_for_ductility": "analyses.strength",
     "strong_part": "analyses.records",
+    "transient_response": "analyses.transient_response",
     "write_atlas": "analyses.atlas",
 }
 
@@ -121,6 +133,7 @@ __all__ = [
     "GammaEnvelope",
     "Hertz",
     "HertzDamp",
+    "HsuBernard",
     "Hysteretic",
     "ImpactKelvin",
     "Jankowski",
@@ -141,9 +154,12 @@ __all__ = [
     "critical_gap",
     "effective_rule",
     "effective_rule_names",
+    "energy_build_up",
+    "evolutionary_psd",
     "example_case",
     "exceedance",
     "existing_gap",
+    "fit_envelope",
     "fit_ground",
     "fit_spectra",
     "ground_names",
@@ -154,6 +170,8 @@ __all__ = [
     "peak_factor_model",
     "peak_factor_names",
     "peak_response",
+    "pounding_fragility",
+    "pounding_probability",
     "pseudo_energy_radius",
     "read_case",
     "read_record",
@@ -169,6 +187,7 @@ __all__ = [
     "stationary_covariance",
     "strength_for_ductility",
     "strong_part",
+    "transient_response",
     "write_atlas",
 ]
 

@@ -26,6 +26,10 @@ class Envelope(Model):
         """Values at times from 0 on, the same shape."""
         raise NotImplementedError
 
+    def kinks(self) -> tuple[float, ...]:
+        """Times [s] at which the slope jumps, increasing: an integration begins anew there."""
+        return ()
+
 
 @dataclass(frozen=True)
 class AminAng(Envelope):
@@ -72,6 +76,10 @@ class AminAng(Envelope):
         """Values at times from 0 on."""
         rise = np.minimum(time / self.rise_end, 1) ** 2
         return rise * np.exp(-self.decay * np.maximum(time - self.strong_end, 0))
+
+    def kinks(self) -> tuple[float, ...]:
+        """End of the rise, end of strong shaking."""
+        return self.rise_end, self.strong_end
 
 
 @dataclass(frozen=True)
@@ -128,8 +136,7 @@ class GammaEnvelope(Envelope):
     power : float
         ``k`` [-], positive.
     decay : float
-        ``c`` [1/s], positive; the maximum is at ``k/c``. With ``k = 1`` it is the envelope of Hsu
-        and Bernard (1978), ``(t/tp) exp(1 - t/tp)`` with ``tp = 1/c``.
+        ``c`` [1/s], positive; the maximum is at ``k/c``. `HsuBernard` is the case ``k = 1``.
 
     Raises
     ------
@@ -154,3 +161,36 @@ class GammaEnvelope(Envelope):
         """Values at times from 0 on."""
         share = np.asarray(time, float) * self.decay / self.power
         return share**self.power * np.exp(self.power * (1 - share))
+
+
+@dataclass(frozen=True)
+class HsuBernard(Envelope):
+    """Linear build-up and exponential decay in one: ``(t/tp) exp(1 - t/tp)``.
+
+    Parameters
+    ----------
+    peak_time : float
+        ``tp`` [s], positive: when it is 1.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the value is not a number or out of range.
+
+    References
+    ----------
+    Hsu, T.-I. and Bernard, M. C. (1978), Earthquake Eng. Struct. Dyn. 6.
+
+    Examples
+    --------
+    >>> import numpy as np, stochlin as sl
+    >>> float(sl.HsuBernard(peak_time=5.0).at(np.array(5.0)))
+    1.0
+    """
+
+    peak_time: float = parameter("s", "time of the maximum", POSITIVE)
+
+    def at(self, time: Array) -> Array:
+        """Values at times from 0 on."""
+        share = np.asarray(time, float) / self.peak_time
+        return share * np.exp(1 - share)

@@ -256,3 +256,10 @@ class LinearPair(Model):
     period_2: Parameter = parameter("s", "period, structure 2", POSITIVE)
     damping_1: Parameter = parameter("1", "damping ratio, structure 1", DAMPING)
     damping_2: Parameter = parameter("1", "damping ratio, structure 2", DAMPING)
+
+
+@dataclass(frozen=True)
+class Gap(Model):
+    """The distance between two structures at rest: ``gap`` [m], positive."""
+
+    gap: Parameter = parameter("m", "gap between the structures", POSITIVE)

@@ -23,6 +23,7 @@ from stochlin.views.options import (
     shared_option,
     simulation_options,
 )
+from stochlin.views.probability_command import probability
 from stochlin.views.screen import bad_input, on_screen
 
 if TYPE_CHECKING:
@@ -40,6 +41,7 @@ def main() -> None:
 main.add_command(gap)
 main.add_command(atlas)
 main.add_command(lookup)
+main.add_command(probability)
 
 
 @main.command()

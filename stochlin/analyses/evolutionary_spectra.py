@@ -1,0 +1,70 @@
+"""Evolutionary power spectral density of a modulated ground."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from stochlin.models.envelopes import Envelope
+from stochlin.models.grounds import Ground
+from stochlin.models.parameters import Parameter, expect
+
+
+def evolutionary_psd(
+    ground: Ground, envelope: Envelope, frequency: Parameter, time: Parameter
+) -> xr.DataArray:
+    """Evolutionary PSD of a uniformly modulated ground, ``m(t)^2 S(w)``.
+
+    Parameters
+    ----------
+    ground : WhiteNoise, KanaiTajimi or CloughPenzien
+        The stationary ground, ``S``.
+    envelope : AminAng, ShinozukaSato, GammaEnvelope or HsuBernard
+        ``m``, the same for all frequencies.
+    frequency : float or array
+        Circular frequency [rad/s]; a plain 1-D array gets the dimension ``frequency``.
+    time : float or array
+        Time [s], from 0 on; a plain 1-D array gets the dimension ``time``.
+
+    Returns
+    -------
+    xarray.DataArray
+        Two-sided PSD per rad/s [m^2/s^3] over ``time``, ``frequency`` and the dimensions of the ground.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a time is negative or not finite, or an argument is no ground or envelope.
+
+    References
+    ----------
+    Priestley, M. B. (1965), J. R. Stat. Soc. B 27.
+
+    Examples
+    --------
+    >>> import numpy as np, stochlin as sl
+    >>> firm = sl.named_ground("firm", intensity=0.01)
+    >>> time, frequency = np.linspace(0, 20, 41), np.linspace(1, 40, 79)
+    >>> psd = sl.evolutionary_psd(firm, sl.HsuBernard(5.0), frequency, time)
+    >>> float(psd.time[int(psd.isel(frequency=0).argmax("time"))])
+    5.0
+    """
+    expect(ground, Ground, "ground")
+    expect(envelope, Envelope, "envelope")
+    if not isinstance(time, xr.DataArray):
+        values = np.asarray(time, float)
+        dims = ["time"][: values.ndim]
+        coords = {"time": ("time", values, {"units": "s", "long_name": "time"})} if dims else None
+        time = xr.DataArray(values, dims=dims, coords=coords)
+    wrong = time.to_numpy()[~((time.to_numpy() >= 0) & np.isfinite(time.to_numpy()))]
+    if wrong.size:
+        raise ValueError(f"time = {wrong[0]:g} is out of range; allowed: 0 <= time, finite, in seconds")
+    strength = time.copy(data=envelope.at(time.to_numpy().astype(float))) ** 2
+    density = strength * ground.psd(frequency)
+    density.attrs = {
+        "units": "m^2/s^3",
+        "long_name": "two-sided evolutionary PSD of ground acceleration",
+        "ground": ground.describe(),
+        "envelope": envelope.describe(),
+    }
+    return density.rename("psd")
