@@ -24,7 +24,7 @@ STEPS = 1000  # of the bar
     "Without it: the cores of this machine.",
 )
 def atlas(spec: Path, out: Path, scheduler: str | None) -> None:
-    r"""Write a design atlas, a table of any size, from the specification SPEC (TOML).
+    """Write a design atlas, a table of any size, from the specification SPEC (TOML).
 
     Stopped at any moment, the same command carries on where it was.
 
@@ -63,11 +63,11 @@ def atlas(spec: Path, out: Path, scheduler: str | None) -> None:
 @shared_option("hardening", "Hardening ratio.")
 @shared_option("reduction-factor", "R = 3 sigma_el/uy.")
 def lookup(atlas: Path, **options: Any) -> None:
-    r"""Interpolate cases in ATLAS; a number may be a list or a sweep, as for 'stochlin rho'.
+    """Interpolate cases in ATLAS; a number may be a list or a sweep, as for 'stochlin rho'.
 
     \b
     Examples:
-      stochlin lookup atlas.zarr --period-1 1.4 --period-2 2 --ground-period 2 --ground-damping .1 \
+      stochlin lookup atlas.zarr --period-1 1.4 --period-2 2 --ground-period 2 --ground-damping .1 \\
           --hardening .05 --reduction-factor 4
     """
     from stochlin.analyses.atlas import open_atlas

@@ -54,7 +54,7 @@ main.add_command(probability)
 def charts(
     name: str | None, out: Path, picture_format: str, record: Path | None, **options: Any
 ) -> None:
-    r"""Draw the design charts, all or the one called NAME, each beside its dataset (.nc).
+    """Draw the design charts, all or the one called NAME, each beside its dataset (.nc).
 
     \b
     Without a record: fig3a, fig3b, and on narrow-band ground (xig .05) fig4a, fig4b, fig4c, fig5a,
@@ -91,7 +91,7 @@ def charts(
 @chart_options(points=31, reduction_factors="2,4,6")
 @simulation_options
 def verify(name: str, out: Path, picture_format: str, **options: Any) -> None:
-    r"""Draw the chart NAME linearized, simulated, and their difference (fig5a if not given).
+    """Draw the chart NAME linearized, simulated, and their difference (fig5a if not given).
 
     \b
     Examples:
@@ -138,7 +138,7 @@ def verify(name: str, out: Path, picture_format: str, **options: Any) -> None:
 )
 @record_options
 def rho(record: Path | None, out: Path | None, **options: Any) -> None:
-    r"""Correlation coefficient of a pair of structures, or a table over any parameters.
+    """Correlation coefficient of a pair of structures, or a table over any parameters.
 
     A number is a value (0.5), a list (0.5,1,2) or a sweep start:stop:count, with :log for a
     geometric one (0.2:4:81:log). Options without a number in the name hold for both structures.
@@ -146,7 +146,7 @@ def rho(record: Path | None, out: Path | None, **options: Any) -> None:
     \b
     Examples:
       stochlin rho --period-1 .7 --period-2 1
-      stochlin rho --period-1 .2:2:19 --period-2 1 --hardening .05 --reduction-factor 2,4,6 \
+      stochlin rho --period-1 .2:2:19 --period-2 1 --hardening .05 --reduction-factor 2,4,6 \\
           --ground kanai-tajimi --ground-period 2 --ground-damping .05 --out table.nc
       stochlin rho --period 1 --period-2 1.2 --record taft.txt --dt .01 --units g
     """

@@ -28,7 +28,7 @@ FILE = click.Path(dir_okay=False, path_type=Path)
 @click.option("--out", type=FILE, help="Save the table, .nc (everything) or .csv (a row a rule).")
 @click.option("--example", is_flag=True, help="Print a case file to start from, and stop.")
 def gap(case: Path | None, report: Path | None, out: Path | None, example: bool) -> None:
-    r"""How far apart two buildings must stand, by simulation and by every rule.
+    """How far apart two buildings must stand, by simulation and by every rule.
 
     CASE is a file that describes the site, the motion and the buildings.
 

@@ -32,7 +32,7 @@ COLUMNS = (
 @click.option("--out", type=FILE, help="Save the table, .nc or .csv.")
 @click.option("--picture", type=FILE, help="Draw it: .png, .svg or .pdf.")
 def probability(case: Path, gap: float | None, out: Path | None, picture: Path | None) -> None:
-    r"""How likely two buildings are to pound in a finite earthquake, over time.
+    """How likely two buildings are to pound in a finite earthquake, over time.
 
     CASE is a file as 'stochlin gap --example' prints one. Records in it are each judged by the hybrid
     method: radii of the record, random phase.

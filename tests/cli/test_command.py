@@ -174,3 +174,12 @@ def test_a_failed_write_leaves_nothing(tmp_path: Path) -> None:
         interrupted()
     assert target.read_text() == "before"
     assert list(tmp_path.iterdir()) == [target]
+
+
+@pytest.mark.parametrize("name", sorted(main.commands))
+def test_help_keeps_its_lines(name):
+    """The mark of paragraphs not to be filled is not shown, and examples stand on their own lines."""
+    text = CliRunner().invoke(main, [name, "--help"]).output
+    assert "\\b" not in text
+    examples = [line for line in text.splitlines() if line.startswith("    stochlin ")]
+    assert examples
