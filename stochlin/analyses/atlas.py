@@ -38,7 +38,7 @@ def write_atlas(
     Parameters
     ----------
     spec : path or mapping
-        A TOML file, or its contents; `stochlin.analyses.atlas_specs` shows one. ``period_1`` and
+        A TOML file, or its contents; ``stochlin atlas --help`` shows one. ``period_1`` and
         ``period_2`` are over the ground's period; numbers are held, lists and sweeps are axes.
     path : path
         Where the store is or will be.

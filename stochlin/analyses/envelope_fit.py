@@ -65,6 +65,7 @@ def fit_envelope(record: xr.DataArray, model: str = "amin_ang") -> Envelope:
     Returns
     -------
     AminAng, ShinozukaSato, GammaEnvelope or HsuBernard
+        The fitted envelope.
 
     Raises
     ------

@@ -43,14 +43,15 @@ def pounding_fragility(
 
     Parameters
     ----------
-    first, second, duration, envelope, confidence, paths, seed, progress
-        As in `pounding_probability`.
+    first, second : Bilinear, BoucWen or Hysteretic
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
         With the intensity at which the strengths are defined.
     gap : float or array
         Gaps [m]; a plain array gets the dimension ``gap``.
     intensity : float or array
         Intensities ``S0`` [m^2/s^3]; a plain array gets the dimension ``intensity``.
+    duration, envelope, confidence, paths, seed, progress
+        As in `pounding_probability`.
 
     Returns
     -------

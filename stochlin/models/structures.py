@@ -33,8 +33,8 @@ class Structure(Model):
     """Base of the structures, eq. (5): ``mu'' + 2 xi w mu' + alpha w^2 mu + (1 - alpha) w^2 z = f/uy``.
 
     Strength is given by ``yield_displacement`` or by ``reduction_factor``; without either the
-    structure stays elastic. A mass is for `pound` alone, where structures act on one another: all else
-    does without.
+    structure stays elastic. A mass is for structures that act on one another, through a `Link`: all
+    else does without.
     """
 
     period: Parameter = parameter("s", "period of small oscillations", POSITIVE)
@@ -50,7 +50,7 @@ class Structure(Model):
         super().__post_init__()
         name = type(self).__name__
         if isinstance(self.mass, xr.DataArray):
-            raise ValueError(f"{name}: mass is an array; allowed: a number, for pound takes single rows")
+            raise ValueError(f"{name}: mass is an array; allowed: a number")
         if self.yield_displacement is not None and self.reduction_factor is not None:
             raise ValueError(
                 f"{name}: yield_displacement and reduction_factor are both given; allowed: one of them, "
@@ -106,7 +106,7 @@ class Bilinear(Structure):
     peak_factor : float or array
         ``p`` [-] in the definition of ``R``.
     mass : float, optional
-        [kg], positive; only `pound` needs it, and nothing else takes notice of it.
+        [kg], positive; only what acts on another structure needs it, as with a `Link`.
 
     Raises
     ------
@@ -146,7 +146,7 @@ class BoucWen(Structure):
 
     Parameters
     ----------
-    period, damping, hardening, yield_displacement, reduction_factor, peak_factor, mass
+    period, damping, hardening, yield_displacement, reduction_factor, peak_factor
         As in `Bilinear`; ``uy`` scales ``z``, which saturates at ``(beta + gamma)^(-1/n)``.
     beta : float or array
         Positive [-]: width of the loops.
@@ -154,6 +154,8 @@ class BoucWen(Structure):
         [-], above ``-beta``, for ``z`` would not saturate otherwise: shape of the loops.
     exponent : float or array
         ``n >= 1`` [-]: sharpness of yielding; the bilinear law is its limit.
+    mass : float, optional
+        As in `Bilinear`.
 
     Raises
     ------
@@ -199,10 +201,12 @@ class Hysteretic(Structure):
 
     Parameters
     ----------
-    period, damping, hardening, yield_displacement, reduction_factor, peak_factor, mass
+    period, damping, hardening, yield_displacement, reduction_factor, peak_factor
         As in `Bilinear`.
     law : sympy.Expr
         ``G`` in symbols named ``v`` (ductility rate) and ``z``, odd in both together.
+    mass : float, optional
+        As in `Bilinear`.
 
     Raises
     ------
