@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from stochlin.analyses.linearization import linearize
     from stochlin.analyses.linked import correlate_linked
     from stochlin.analyses.peaks import peak_response
+    from stochlin.analyses.pounding import pound
+    from stochlin.analyses.pounding_estimates import pounding_estimate
     from stochlin.analyses.pounding_probability import pounding_probability
     from stochlin.analyses.record_spectra import fit_spectra
     from stochlin.analyses.recorded_gaps import recorded_gap
@@ -37,6 +39,7 @@ if TYPE_CHECKING:
     from stochlin.analyses.state_space import statespace, stationary_covariance
     from stochlin.analyses.strength import reduction_factor, strength_for_ductility
     from stochlin.analyses.transient_response import transient_response
+    from stochlin.models.buildings import ShearBuilding
     from stochlin.models.code_rules import code_rule, code_rule_names
     from stochlin.models.contacts import (
         Hertz,
@@ -76,6 +79,7 @@ _HOME = {
     "LinearSpring": "models.contacts",
     "Link": "models.links",
     "NoTensionKelvin": "models.contacts",
+    "ShearBuilding": "models.buildings",
     "ShinozukaSato": "models.envelopes",
     "Stereomechanical": "models.contacts",
     "WhiteNoise": "models.grounds",
@@ -104,6 +108,8 @@ _HOME = {
     "peak_factor_model": "models.peak_factors",
     "peak_factor_names": "models.peak_factors",
     "peak_response": "analyses.peaks",
+    "pound": "analyses.pounding",
+    "pounding_estimate": "analyses.pounding_estimates",
     "pounding_fragility": "analyses.fragility",
     "pounding_probability": "analyses.pounding_probability",
     "pseudo_energy_radius": "analyses.recorded_response",
@@ -142,6 +148,7 @@ __all__ = [
     "LinearSpring",
     "Link",
     "NoTensionKelvin",
+    "ShearBuilding",
     "ShinozukaSato",
     "Stereomechanical",
     "WhiteNoise",
@@ -170,6 +177,8 @@ __all__ = [
     "peak_factor_model",
     "peak_factor_names",
     "peak_response",
+    "pound",
+    "pounding_estimate",
     "pounding_fragility",
     "pounding_probability",
     "pseudo_energy_radius",

@@ -1,0 +1,147 @@
+"""Seconds for a pounding pair of ten storeys in 60 s of motion, beside OpenSeesPy, within one run.
+
+The time of OpenSeesPy depends on its step, and so does its error: both are told, and the ratio of times.
+It is left out where it does not load.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import importlib
+import importlib.util
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+import stochlin as sl
+from stochlin.kernels.arrays import Array
+
+STOREYS, MASS, DAMPING, HARDENING = 10, 2e5, 0.05, 0.05
+GAP, BUMPER = 0.02, 1e9  # [m], [N/m]: a spring, since OpenSees loses its way with a dashpot in the gap
+DT, DURATION = 0.01, 60.0
+STEPS = (2e-3, 1e-3, 5e-4)  # of OpenSees [s]
+REPEATS = 5
+
+
+def building(stiffness: float, yields: bool) -> sl.ShearBuilding:
+    law = {"hardening": HARDENING, "yield_drifts": 0.008} if yields else {}
+    springs = np.linspace(1.5, 0.5, STOREYS) * stiffness
+    return sl.ShearBuilding([MASS] * STOREYS, springs, [3.0] * STOREYS, DAMPING, **law)
+
+
+def motion() -> xr.DataArray:
+    """Coloured noise that comes and goes, at most some tenths of gravity."""
+    samples = round(DURATION / DT) + 1
+    noise = np.random.default_rng(0).standard_normal(samples + 32)
+    smooth = np.convolve(noise, np.hanning(33), mode="valid")
+    values = 3.5 * smooth / abs(smooth).max() * np.sin(np.pi * np.arange(samples) / (samples - 1))
+    return xr.DataArray(values, dims="time", coords={"time": DT * np.arange(samples)})
+
+
+def seconds(task: Callable[[], object]) -> float:
+    """Median time of a task, the first run left out."""
+    task()
+    times = []
+    for _ in range(REPEATS):
+        begin = time.perf_counter()
+        task()
+        times.append(time.perf_counter() - begin)
+    return float(np.median(times))
+
+
+def load_opensees() -> Any:
+    """OpenSeesPy or None; its Linux wheels carry libraries that the linker may not find."""
+    bundle = importlib.util.find_spec("openseespylinux")
+    for folder in (bundle.submodule_search_locations or []) if bundle else []:
+        for pattern in ("libquadmath*", "libgfortran*", "libblas*", "liblapack*"):
+            for library in sorted(Path(folder, "lib").glob(pattern)):
+                try:
+                    ctypes.CDLL(str(library), mode=ctypes.RTLD_GLOBAL)
+                except OSError:
+                    continue  # then the import below tells
+    try:
+        return importlib.import_module("openseespy.opensees")
+    except (ImportError, RuntimeError, OSError):
+        return None
+
+
+def opensees(ops: Any, pair: list[sl.ShearBuilding], record: Array, step: float) -> tuple[float, Array]:
+    """Time of the analysis alone, one call for the motion, and the last displacements of the roofs."""
+    ops.wipe()
+    ops.model("basic", "-ndm", 1, "-ndf", 1)
+    ops.uniaxialMaterial("ElasticPPGap", 1, BUMPER, -1e15, -GAP, 0.0)
+    for b, each in enumerate(pair):
+        base = 100 * (b + 1)
+        ops.node(base, 0.0)
+        ops.fix(base, 1)
+        values = each.arrays()
+        damping = each.damping_matrix()
+        for i in range(STOREYS):
+            k, tag = float(values["stiffnesses"][i]), base + i + 1
+            ops.node(tag, 0.0)
+            ops.mass(tag, MASS)
+            if "yield_drifts" in values:
+                uy = float(values["yield_drifts"])
+                ops.uniaxialMaterial("Steel01", tag, k * uy, k, HARDENING)
+            else:
+                ops.uniaxialMaterial("Elastic", tag, k)
+            ops.element("zeroLength", tag, tag - 1, tag, "-mat", tag, "-dir", 1)
+        for i in range(STOREYS):  # the damping matrix, as dashpots between floors and to the ground
+            for j in range(-1, i):
+                c = damping[i].sum() if j < 0 else -damping[i, j]
+                tag = 10_000 * (b + 1) + 100 * (i + 1) + j + 1
+                ops.uniaxialMaterial("Viscous", tag, c, 1.0)
+                ops.element("zeroLength", tag, base + j + 1, base + i + 1, "-mat", tag, "-dir", 1)
+    for i in range(STOREYS):
+        ops.element("zeroLength", 50_000 + i, 101 + i, 201 + i, "-mat", 1, "-dir", 1)
+    ops.timeSeries("Path", 1, "-dt", DT, "-values", *record, 0.0)
+    ops.pattern("UniformExcitation", 1, 1, "-accel", 1)
+    ops.constraints("Plain")
+    ops.numberer("RCM")
+    ops.system("BandGeneral")
+    ops.test("NormDispIncr", 1e-10, 50)
+    ops.algorithm("Newton")
+    ops.integrator("Newmark", 0.5, 0.25)
+    ops.analysis("Transient")
+    roofs = np.zeros(2)
+    begin = time.perf_counter()
+    if ops.analyze(round(DURATION / step), step) != 0:
+        raise RuntimeError("OpenSees did not converge")
+    spent = time.perf_counter() - begin
+    roofs[:] = [ops.nodeDisp(100 * (b + 1) + STOREYS, 1) for b in range(2)]
+    return spent, roofs
+
+
+def main() -> None:
+    """Print one table."""
+    ops, record = load_opensees(), motion()
+    contact = sl.LinearSpring(BUMPER)
+    print(f"two buildings of {STOREYS} storeys, {DURATION:g} s at {DT:g} s")
+    for yields in (False, True):
+        pair = [building(3e8, yields), building(5e8, yields)]
+        table = sl.pound(pair, GAP, contact, record)
+        spent = seconds(lambda pair=pair: sl.pound(pair, GAP, contact, record))
+        print(
+            f"{'yielding' if yields else 'elastic':>8}: {spent:.3f} s with and without pounding, "
+            f"{table.attrs['steps']} steps, {table.sizes['impact']} impacts, energy balance "
+            f"{float(table.energy_balance_error.max()):.1e}",
+            flush=True,
+        )
+        last = table.displacement.isel(time=-1, floor=-1).to_numpy()
+        size = float(table.peak.isel(floor=-1).max())
+        for step in STEPS if ops else ():
+            theirs, roofs = opensees(ops, pair, record.to_numpy(), step)
+            error = float(abs(roofs - last).max()) / size
+            print(
+                f"{'':>8}  OpenSeesPy at {step:g} s: {theirs:.2f} s, {theirs / spent:.0f} times that; "
+                f"it ends {error:.1e} of the peak away",
+                flush=True,
+            )
+
+
+if __name__ == "__main__":
+    main()

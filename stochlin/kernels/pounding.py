@@ -1,0 +1,293 @@
+"""Buildings in a row through a motion, from event to event; compiled.
+
+The ground is linear between its samples, and steps end at each of them. Where a branch ends within a
+step, the polynomials of the step tell when; the step is cut there, and the next one begins on the next
+branch. Nothing depends on the times at which states are asked for.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+from typing import NamedTuple
+
+import numba as nb
+import numpy as np
+
+from stochlin.kernels import (
+    contact,
+    linear_branch,
+    pounding_events,
+    pounding_impacts,
+    pounding_rates,
+    pounding_steps,
+)
+from stochlin.kernels.arrays import Array
+from stochlin.kernels.contact import reduced_mass
+from stochlin.kernels.linear_branch import jit
+from stochlin.kernels.pounding_events import (
+    NOTHING,
+    first_event,
+    pass_event,
+    watch_forces,
+    watch_peaks,
+)
+from stochlin.kernels.pounding_impacts import (
+    COLUMNS,
+    FIRST_LINES,
+    MOST_BLOWS,
+    begin_entry,
+    end_entry,
+)
+from stochlin.kernels.pounding_rates import (
+    BILINEAR,
+    BOUC_WEN,
+    CLOSED,
+    ELASTIC,
+    OPEN,
+    PARTED,
+    STEREOMECHANICAL,
+    TOGETHER,
+    Row,
+    lean,
+    rates,
+    sizes,
+    starting_branches,
+)
+from stochlin.kernels.pounding_steps import (
+    STAGES,
+    attempt,
+    copy,
+    grow_reach,
+    interpolate,
+    state_within,
+    workspace,
+)
+
+# See VERSION of record_runs: the cache has to know of the files whose functions are called.
+_MODULES = (
+    contact,
+    linear_branch,
+    pounding_events,
+    pounding_impacts,
+    pounding_rates,
+    pounding_steps,
+)
+_SOURCES = b"".join(Path(str(module.__file__)).read_bytes() for module in _MODULES)
+VERSION = np.empty(0, [(hashlib.sha256(_SOURCES).hexdigest()[:16], "i1")])
+
+SAFETY, SHRINK, GROW, ORDER = 0.9, 0.2, 5.0, 8.0  # of the step control
+OUTSET = 1e-3  # of what the motion can do in one interval: nothing smaller is resolved
+FIRST = 0.1  # first step, of an interval of the record
+LEAST = 1e-12  # advance past an event, of an interval of the record
+STUCK = 1e-14  # steps below this share of an interval lead nowhere
+MOST_STEPS = 500_000  # of one interval of the record
+ON_CONTACT = 0.3  # first step in contact, of the contact's own time
+ON_HERTZ = 1e-4  # where the force begins with a fractional power
+
+
+class Motion(NamedTuple):
+    """A ground motion, and when the state is asked for."""
+
+    acceleration: Array  # (samples,) [m/s^2]
+    dt: float
+    interval: Array  # (times,): number of the interval of the record, increasing
+    since: Array  # (times,) [s]: time since its beginning, from 0 to dt
+
+
+class Run(NamedTuple):
+    """What became of a row of buildings."""
+
+    states: Array  # (times, k)
+    forces: Array  # (times, c) [N]
+    peaks: Array  # (2, n) [m]: highest and lowest displacement
+    impacts: Array  # (impacts, COLUMNS)
+    steps: int
+    completed: bool
+    time: float  # where it stopped [s]
+    last: Array  # (k,): and in what state
+
+
+class Asked(NamedTuple):
+    """What is asked for: times as in `Motion`, and room for the states and forces at them."""
+
+    interval: Array
+    since: Array
+    states: Array
+    forces: Array
+    peaks: Array
+
+
+@lean
+def _advance(row, branch, ground, slope, h, x, space):  # type: ignore[no-untyped-def]
+    """Take a step, shorter and shorter until its error is allowed; its length, the next, the trials."""
+    for trial in range(1, 60):
+        error = attempt(row, branch, ground, slope, h, x, space)
+        if error <= 1.0:
+            growth = GROW if error == 0.0 else min(GROW, SAFETY * error ** (-1.0 / ORDER))
+            now = ground + slope * h
+            rates(row, branch, now, space.new, space.stages[STAGES], space.force)
+            return h, h * growth, trial
+        # A trial that overflowed has no error to learn from.
+        h *= max(SHRINK, SAFETY * error ** (-1.0 / ORDER)) if error < np.inf else SHRINK
+    return 0.0, h, trial
+
+
+@lean
+def _first_in_contact(row, branch, j):  # type: ignore[no-untyped-def]
+    """First step in a contact, a share of its time between two free masses [s]."""
+    k, n, c = row.element[j]
+    mass = reduced_mass(row.mass[row.left[j]], row.mass[row.right[j]])
+    pace = (mass * branch.approach[j] ** (1.0 - n) / k) ** (1.0 / (n + 1.0))
+    if n != 1.0:
+        return ON_HERTZ * pace
+    return ON_CONTACT * (min(pace, mass / c) if c > 0.0 else pace)
+
+
+@lean
+def _watch(row, branch, ground, slope, h, end, x, after, known, space, asked, table):  # type: ignore[no-untyped-def]
+    """Take peaks and forces of the share ``end`` of a step; tells whether its polynomials are known."""
+    needed = watch_peaks(row, end, h, x, after, space, asked.peaks, known)
+    if needed and not known:
+        interpolate(row, branch, ground, slope, h, x, space)
+        watch_peaks(row, end, h, x, after, space, asked.peaks, needed)
+        known = needed
+    watch_forces(branch, end, space, table)
+    return known
+
+
+@lean
+def _report(row, branch, ground, slope, h, tau, last, x, after, known, space, asked, at, done):  # type: ignore[no-untyped-def]
+    """Write the states asked for between ``tau`` and ``last`` of interval ``at``; how many are done."""
+    while done < asked.since.size and asked.interval[done] == at and asked.since[done] <= last:
+        state, t = asked.states[done], (asked.since[done] - tau) / h
+        if asked.since[done] == last:
+            copy(after, state)
+        else:
+            if not known:
+                interpolate(row, branch, ground, slope, h, x, space)
+                known = True
+            state_within(x, t, space, state)
+        rates(row, branch, ground + slope * (t * h), state, space.rate, asked.forces[done])
+        done += 1
+    return done
+
+
+@jit
+def _pass(row, branch, event, way, ground, time, planned, x, space, table, used):  # type: ignore[no-untyped-def]
+    """Go on to the next branch; returns the table, its length, and the step to plan with."""
+    before = branch.contact.copy()
+    if used + MOST_BLOWS + 2 * before.size > len(table):
+        longer = np.empty((2 * len(table), COLUMNS))
+        longer[:used] = table[:used]
+        table = longer
+    used = pass_event(row, branch, event, way, ground, time, x, space, table, used)
+    for j in range(before.size):
+        if before[j] == OPEN and branch.contact[j] == CLOSED:
+            planned = min(planned, _first_in_contact(row, branch, j))
+    rates(row, branch, ground, x, space.stages[0], space.force)
+    return table, used, planned
+
+
+@jit
+def _interval(row, branch, begin, slope, dt, at, planned, x, after, space, asked, done, table, used):  # type: ignore[no-untyped-def]
+    """All steps of interval ``at`` of the record, over which the ground goes from ``begin``."""
+    tau, count = 0.0, 0
+    while tau < dt:
+        ground, left = begin + slope * tau, dt - tau
+        h = left if planned >= left else min(planned, 0.5 * left)
+        taken, following, trials = _advance(row, branch, ground, slope, h, x, space)
+        count += trials
+        if count > MOST_STEPS or taken < min(STUCK * dt, left):
+            break
+        planned = max(following, planned) if taken == h else following
+        end, event, way, known = first_event(row, branch, ground, slope, taken, x, space)
+        if event != NOTHING:
+            end = min(1.0, max(end, LEAST * dt / taken))
+        if end < 1.0:
+            state_within(x, end, space, after)
+        else:
+            after[:] = space.new
+        last = dt if taken == left and end == 1.0 else tau + end * taken
+        known = _watch(row, branch, ground, slope, taken, end, x, after, known, space, asked, table)
+        done = _report(
+            row, branch, ground, slope, taken, tau, last, x, after, known, space, asked, at, done
+        )
+        x[:] = after
+        tau = last
+        grow_reach(row, x, space.reach)
+        if event == NOTHING:
+            space.stages[0] = space.stages[STAGES]
+        else:
+            now, time = begin + slope * tau, at * dt + tau
+            table, used, planned = _pass(
+                row, branch, event, way, now, time, planned, x, space, table, used
+            )
+    return tau, count, planned, done, table, used
+
+
+@nb.njit(nogil=True, cache=True, error_model="numpy")
+def _run(row, acceleration, dt, asked, x, version):  # type: ignore[no-untyped-def]
+    space, branch, after = workspace(row), starting_branches(row, x), x.copy()
+    table = np.empty((FIRST_LINES + 4 * row.gap.size, COLUMNS))
+    used = steps = done = np.int64(0)  # a literal would be a type of its own, to be compiled for too
+    asked.peaks[:] = x[: row.mass.size]
+    speed = OUTSET * dt * np.abs(acceleration).max()
+    space.reach[0], space.reach[1] = speed * dt, speed
+    grow_reach(row, x, space.reach)
+    rates(row, branch, acceleration[0], x, space.stages[0], space.force)
+    for j in range(row.gap.size):
+        if branch.contact[j] == TOGETHER:
+            used = begin_entry(row, branch, j, 0.0, 0.0, x, table, used)
+    while done < asked.since.size and asked.interval[done] == 0 and asked.since[done] <= 0.0:
+        asked.states[done], asked.forces[done] = x, space.force
+        done += 1
+    planned, time = FIRST * dt, 0.0
+    for at in range(acceleration.size - 1):
+        begin, slope = acceleration[at], (acceleration[at + 1] - acceleration[at]) / dt
+        tau, count, planned, done, table, used = _interval(
+            row, branch, begin, slope, dt, at, planned, x, after, space, asked, done, table, used
+        )
+        steps, time = steps + count, at * dt + tau
+        if tau < dt:
+            return table[:used], steps, False, time
+    for j in range(row.gap.size):
+        if branch.contact[j] not in (OPEN, PARTED):
+            end_entry(row, branch, j, time, x, table)
+    return table[:used], steps, True, time
+
+
+def run(row: Row, motion: Motion, start: Array | None = None) -> Run:
+    """A row of buildings through a motion, from rest or from the state ``start`` (k,).
+
+    A step that cannot be completed ends it: then ``completed`` is false, and ``time`` and ``last`` say
+    where.
+    """
+    n, _, c, k = sizes(row)
+    state = np.zeros(k) if start is None else np.array(start, float)
+    times = motion.since.size
+    asked = Asked(
+        motion.interval, motion.since, np.zeros((times, k)), np.zeros((times, c)), np.zeros((2, n))
+    )
+    table, steps, completed, time = _run(row, motion.acceleration, motion.dt, asked, state, VERSION)
+    return Run(asked.states, asked.forces, asked.peaks, table, steps, completed, time, state)
+
+
+def without_contacts(row: Row) -> Row:
+    """The same buildings, each standing alone."""
+    nothing = np.zeros(0)
+    none = np.zeros(0, np.int64)
+    return row._replace(left=none, right=none, gap=nothing, element=np.zeros((0, 3)), kind=0)
+
+
+__all__ = [
+    "BILINEAR",
+    "BOUC_WEN",
+    "ELASTIC",
+    "STEREOMECHANICAL",
+    "Motion",
+    "Row",
+    "Run",
+    "run",
+    "without_contacts",
+]
