@@ -79,9 +79,14 @@ def settle(row, branch, struck, ground, time, x, space, table, used):  # type: i
                 _let_go(row, branch, j, time, x, table)
             else:
                 _join(row, branch, j, x)
-    for j in range(row.gap.size):
-        if branch.contact[j] == OPEN and (j == struck or _touches(row, branch, j, touch, x)):
-            used = _press(row, branch, j, ground, time, calm, x, space, table, used)
+    for _ in range(row.gap.size):  # one that is held can press the next
+        held = False
+        for j in range(row.gap.size):
+            if branch.contact[j] == OPEN and (j == struck or _touches(row, branch, j, touch, x)):
+                used = _press(row, branch, j, ground, time, calm, x, space, table, used)
+                held = held or branch.contact[j] == TOGETHER
+        if not held:
+            break
     return used
 
 

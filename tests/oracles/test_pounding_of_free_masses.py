@@ -13,7 +13,7 @@ from stochlin.kernels import pounding as kernel
 from stochlin.kernels.pounding_impacts import AFTER, APPROACH, BEFORE, BEGIN, END, LARGEST
 from stochlin.kernels.pounding_rates import CLOSED, OPENING, branch_force
 
-EXACT = 1e-8  # what is asked for; measured: 3e-10 and better
+EXACT = 1e-8  # what is asked for; measured: 4e-10 in restitutions, 4e-9 in times
 RATIOS = [0.001, 0.01, 0.1, 0.3, 0.5, 0.9, 0.999999, 1.0, 1.000001, 1.5, 3.0]
 KINDS = [sl.Kelvin, sl.NoTensionKelvin, sl.ImpactKelvin]
 LINEAR = [(kind, xi) for kind in KINDS for xi in RATIOS if kind is not sl.Kelvin or xi < 0.99]
