@@ -15,7 +15,7 @@ import xarray as xr
 import stochlin as sl
 from stochlin.analyses.drifting_pairs import pair_correlation
 from stochlin.analyses.equivalent_systems import solve_derived
-from stochlin.analyses.tolerance import Tolerance
+from stochlin.analyses.tolerance import USUAL
 
 PAIRS, SEED = 500, 20261122
 WHITE = 1 / 6  # share of the pairs on white noise
@@ -97,8 +97,7 @@ def candidates(pairs):
         if closure == "gaussian":
             sigma = [s / (1 + table[f"bias_{n}"].values) for n, s in enumerate(sigma, start=1)]
             yield "gaussian, map of the bias where known", (*sigma, table.rho.values)
-    tolerance = Tolerance(1e-10, 1e-12, 200)
-    sides = [solve_derived(structure, ground, "drift", tolerance) for structure in structures]
+    sides = [solve_derived(structure, ground, "drift", USUAL) for structure in structures]
     sigma = [side.displacement_std.values for side in sides]
     yield "drift, as derived", (*sigma, pair_correlation(sides).values)
 

@@ -6,16 +6,13 @@ It is left out where it does not load.
 
 from __future__ import annotations
 
-import ctypes
-import importlib
-import importlib.util
 import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from opensees_loader import opensees_or_none
 
 import stochlin as sl
 from stochlin.kernels.arrays import Array
@@ -51,22 +48,6 @@ def seconds(task: Callable[[], object]) -> float:
         task()
         times.append(time.perf_counter() - begin)
     return float(np.median(times))
-
-
-def load_opensees() -> Any:
-    """OpenSeesPy or None; its Linux wheels carry libraries that the linker may not find."""
-    bundle = importlib.util.find_spec("openseespylinux")
-    for folder in (bundle.submodule_search_locations or []) if bundle else []:
-        for pattern in ("libquadmath*", "libgfortran*", "libblas*", "liblapack*"):
-            for library in sorted(Path(folder, "lib").glob(pattern)):
-                try:
-                    ctypes.CDLL(str(library), mode=ctypes.RTLD_GLOBAL)
-                except OSError:
-                    continue  # then the import below tells
-    try:
-        return importlib.import_module("openseespy.opensees")
-    except (ImportError, RuntimeError, OSError):
-        return None
 
 
 def opensees(ops: Any, pair: list[sl.ShearBuilding], record: Array, step: float) -> tuple[float, Array]:
@@ -118,7 +99,7 @@ def opensees(ops: Any, pair: list[sl.ShearBuilding], record: Array, step: float)
 
 def main() -> None:
     """Print one table."""
-    ops, record = load_opensees(), motion()
+    ops, record = opensees_or_none(), motion()
     contact = sl.LinearSpring(BUMPER)
     print(f"two buildings of {STOREYS} storeys, {DURATION:g} s at {DT:g} s")
     for yields in (False, True):

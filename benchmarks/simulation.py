@@ -6,17 +6,14 @@ not load.
 
 from __future__ import annotations
 
-import ctypes
-import importlib
-import importlib.util
 import os
 import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 from unittest import mock
 
 import numpy as np
+from opensees_loader import opensees_or_none
 
 import stochlin as sl
 from stochlin.analyses.ensembles import Run, cells_of_all, prepare
@@ -117,22 +114,6 @@ def numpy_rate(count: int) -> float:
     return count * NUMPY_PATHS * NUMPY_STEPS / spent
 
 
-def load_opensees() -> Any:
-    """OpenSeesPy or None; its Linux wheels carry libraries that the linker may not find."""
-    bundle = importlib.util.find_spec("openseespylinux")
-    for folder in (bundle.submodule_search_locations or []) if bundle else []:
-        for pattern in ("libquadmath*", "libgfortran*", "libblas*", "liblapack*"):
-            for library in sorted(Path(folder, "lib").glob(pattern)):
-                try:
-                    ctypes.CDLL(str(library), mode=ctypes.RTLD_GLOBAL)
-                except OSError:
-                    continue  # then the import below tells
-    try:
-        return importlib.import_module("openseespy.opensees")
-    except (ImportError, RuntimeError, OSError):
-        return None
-
-
 def opensees_rate(ops: Any) -> float:
     """A pair of Steel01 springs with dashpots, one call for the whole motion."""
     dt = 1 / 32
@@ -192,7 +173,7 @@ def chart(count: int = 60) -> None:
 def main() -> None:
     """Print one table."""
     cores = os.cpu_count() or 1
-    ops = load_opensees()
+    ops = opensees_or_none()
     opensees = opensees_rate(ops) if ops else np.nan
     print(f"{cores} cores; rates in structure-steps/s; OpenSeesPy, a pair: {opensees:.3g}")
     print(

@@ -28,7 +28,7 @@ import xarray as xr
 
 import stochlin as sl
 from stochlin.analyses.equivalent_systems import INTERNAL, solve_structure
-from stochlin.analyses.tolerance import Tolerance
+from stochlin.analyses.tolerance import USUAL
 from stochlin.kernels.arrays import Array
 from stochlin.kernels.covariance import EquivalentSystem, Forcing, pair_covariance
 from stochlin.models.laws import bilinear
@@ -65,7 +65,7 @@ def seconds(task: Callable[[], object], repeats: int = REPEATS) -> float:
 
 
 def solved(period: xr.DataArray | Array) -> xr.Dataset:
-    return solve_structure(building(period), GROUND, "gaussian", Tolerance(1e-10, 1e-12, 200))
+    return solve_structure(building(period), GROUND, "gaussian", USUAL)
 
 
 def system_of(side: xr.Dataset) -> tuple[EquivalentSystem, Forcing]:

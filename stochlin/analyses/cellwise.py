@@ -47,3 +47,16 @@ def cellwise(
             output_dtypes=[np.dtype(kind) for kind in kinds],
         )
     return found if len(kinds) > 1 else (found,)
+
+
+def cellwise_pair(
+    function: Callable[..., Any], *arrays: xr.DataArray, **options: Any
+) -> tuple[xr.DataArray, ...]:
+    """`cellwise` of two structures and a ground; a ValueError says how to make them fit."""
+    try:
+        return cellwise(function, *arrays, **options)
+    except xr.AlignmentError as error:
+        raise ValueError(
+            f"first, second and ground share a dimension whose coordinates differ: {error}; give "
+            "the structures different dimension names for a table, or equal coordinates for pairs"
+        ) from error

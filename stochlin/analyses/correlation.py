@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses import labels
-from stochlin.analyses.cellwise import cellwise
+from stochlin.analyses.cellwise import cellwise_pair
 from stochlin.analyses.drifting_pairs import drifting_pairs
 from stochlin.analyses.effective_correlation import EQ_4, effective_pair
 from stochlin.analyses.equivalent_systems import check_closure, solve_elastic, solve_structure
@@ -220,14 +220,7 @@ def rho_white_noise(
 
 
 def _combine(function: Callable[..., Array], *inputs: xr.DataArray) -> xr.DataArray:
-    """Broadcast by dimension name; a shared dimension has one coordinate."""
-    try:
-        (result,) = cellwise(function, *inputs)
-    except xr.AlignmentError as error:
-        raise ValueError(
-            f"first, second and ground share a dimension whose coordinates differ: {error}; give "
-            "the structures different dimension names for a table, or equal coordinates for pairs"
-        ) from error
+    (result,) = cellwise_pair(function, *inputs)
     return result
 
 

@@ -63,7 +63,7 @@ def critical_gap(peak_1: Parameter, peak_2: Parameter, rho: Parameter) -> xr.Dat
     pair = CorrelatedPeaks(peak_1, peak_2, rho)
     valid = pair.valid()
     values = [array.where(valid) for array in pair.arrays().values()]
-    gap = xr.apply_ufunc(_double_difference, *values, join="exact")
+    gap = xr.apply_ufunc(double_difference, *values, join="exact")
     status = xr.full_like(valid, labels.CONVERGED, np.int8).where(valid, labels.INVALID_INPUT)
     return labels.with_run_information(
         labels.label(xr.Dataset({"gap": gap, "status": status.astype(np.int8)})),
@@ -73,7 +73,7 @@ def critical_gap(peak_1: Parameter, peak_2: Parameter, rho: Parameter) -> xr.Dat
     )
 
 
-def _double_difference(peak_1: Array, peak_2: Array, rho: Array) -> Array:
+def double_difference(peak_1: Array, peak_2: Array, rho: Array) -> Array:
     """Eq. (3) as distance from the nearest of its exact cases, so that no digits cancel."""
     product = 2 * np.sqrt(peak_1) * np.sqrt(peak_2)  # its square is 4 p1 p2
     near_one = np.hypot(peak_1 - peak_2, product * np.sqrt((1 - rho) / 2))

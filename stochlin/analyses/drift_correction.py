@@ -15,7 +15,7 @@ import xarray as xr
 from stochlin.analyses.bias import KNOWN_GROUNDS, bias_map, map_name, point_of
 from stochlin.analyses.cellwise import cellwise
 from stochlin.analyses.equivalent_systems import solve_derived
-from stochlin.analyses.tolerance import Tolerance
+from stochlin.analyses.tolerance import USUAL
 from stochlin.kernels.arrays import Array
 from stochlin.kernels.interpolation import Grid, interpolate
 from stochlin.models.grounds import Ground, KanaiTajimi, WhiteNoise
@@ -23,7 +23,6 @@ from stochlin.models.structures import DRIFT, Bilinear, Structure
 
 ELASTIC = 0.15  # R/p below which no drift grows within a million periods
 STRENGTH = "elastic_ductility_std"
-TOLERANCE = Tolerance(1e-10, 1e-12, 200)
 
 
 def corrected(structure: Structure, ground: Ground, derived: xr.Dataset) -> xr.Dataset:
@@ -47,7 +46,7 @@ def _grid(name: str) -> Grid:
         axis.get("period", 1.0), axis["damping"], axis["hardening"], reduction_factor=3 * axis[STRENGTH]
     )
     gaussian, derived = (
-        solve_derived(structure, ground, closure, TOLERANCE) for closure in ("gaussian", DRIFT)
+        solve_derived(structure, ground, closure, USUAL) for closure in ("gaussian", DRIFT)
     )
     ratio = gaussian.displacement_std / (1 + bias) / derived.displacement_std
     off = np.log(ratio).transpose(*bias.dims)

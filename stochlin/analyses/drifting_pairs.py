@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses import labels
-from stochlin.analyses.bias import caution_of, relative_bias
+from stochlin.analyses.bias import caution_of
 from stochlin.analyses.cellwise import cellwise
 from stochlin.analyses.equivalent_systems import INTERNAL, SHARES, solve_structure
 from stochlin.analyses.linearized_pairs import SHOWN, linearized_pairs
@@ -28,8 +28,8 @@ def drifting_pairs(
     first: Structure, second: Structure, ground: Ground, tolerance: Tolerance
 ) -> xr.Dataset:
     """As `linearized_pairs`; the bias is judged by the truth that the Gaussian closure's bias tells."""
-    table = linearized_pairs(first, second, ground, "gaussian", tolerance)
-    truth = table.rho - table.bias
+    gaussian = table = linearized_pairs(first, second, ground, "gaussian", tolerance)
+    truth = gaussian.rho - gaussian.bias
     sides = [solve_structure(s, ground, DRIFT, tolerance) for s in (first, second)]
     rho = pair_correlation(sides)
     (status,) = cellwise(np.maximum, *(side.status for side in sides), kinds=(np.int8,))
@@ -37,10 +37,10 @@ def drifting_pairs(
     table["bias"] = table.rho - truth
     worst = caution_of(table.bias)
     attrs = worst.attrs
-    for number, (structure, side) in enumerate(zip((first, second), sides, strict=True), start=1):
+    for number, side in enumerate(sides, start=1):
         table = table.assign({f"{name}_{number}": side[name] for name in SHOWN})
-        gaussian = solve_structure(structure, ground, "gaussian", tolerance)
-        bias = relative_bias(structure, ground, side, gaussian)
+        known = 1 + gaussian[f"bias_{number}"]
+        bias = known * side.displacement_std / gaussian[f"displacement_std_{number}"] - 1
         table[f"bias_{number}"] = bias
         (worst,) = cellwise(np.maximum, worst, caution_of(bias), kinds=(np.int8,))
     return table.assign(caution=worst.astype(np.int8).assign_attrs(attrs))

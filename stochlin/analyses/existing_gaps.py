@@ -13,10 +13,10 @@ import xarray as xr
 from stochlin.analyses import labels
 from stochlin.analyses.equivalent_systems import STRENGTH_RATIO, solve_structure
 from stochlin.analyses.finite_motions import exceedance
-from stochlin.analyses.peaks import TOLERANCE
 from stochlin.analyses.rule_table import by_yield_displacement
 from stochlin.analyses.separation import check_confidence
 from stochlin.analyses.simulation import simulate
+from stochlin.analyses.tolerance import USUAL
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
@@ -136,7 +136,7 @@ class _Case(NamedTuple):
     def of(cls, structures: tuple[Structure, Structure], ground: Ground) -> _Case:
         pair, factors = [], []
         for structure in structures:
-            solved = solve_structure(structure, ground, "gaussian", TOLERANCE)
+            solved = solve_structure(structure, ground, "gaussian", USUAL)
             pair.append(by_yield_displacement(structure, ground))
             factor = float(structure.arrays()["peak_factor"] * solved[STRENGTH_RATIO])
             factors.append(factor if structure.yields else np.nan)

@@ -13,7 +13,7 @@ import xarray as xr
 
 from stochlin.analyses import labels
 from stochlin.analyses.bias import caution_of, place_in_map, relative_bias, rho_bias_map
-from stochlin.analyses.cellwise import cellwise, is_lazy
+from stochlin.analyses.cellwise import cellwise_pair, is_lazy
 from stochlin.analyses.equivalent_systems import INTERNAL, solve_structure
 from stochlin.analyses.tolerance import Tolerance
 from stochlin.kernels.arrays import Array
@@ -46,20 +46,14 @@ def linearized_pairs(
         inputs += [side.status, caution_of(bias), np.isinf(gaussian.yield_displacement)]
         sides.append(side)
         biases[f"bias_{number}"] = bias
-    try:
-        rho, status, bias, caution = cellwise(
-            _cells,
-            *inputs,
-            kinds=KINDS,
-            grid=rho_bias_map(first, second, ground),
-            other_closure=closure != "gaussian",
-            threads=not is_lazy(*inputs),  # dask has its own
-        )
-    except xr.AlignmentError as error:
-        raise ValueError(
-            f"first, second and ground share a dimension whose coordinates differ: {error}; give "
-            "the structures different dimension names for a table, or equal coordinates for pairs"
-        ) from error
+    rho, status, bias, caution = cellwise_pair(
+        _cells,
+        *inputs,
+        kinds=KINDS,
+        grid=rho_bias_map(first, second, ground),
+        other_closure=closure != "gaussian",
+        threads=not is_lazy(*inputs),  # dask has its own
+    )
     caution.attrs = caution_of(biases["bias_1"]).attrs
     shown = {f"{name}_{n}": side[name] for name in SHOWN for n, side in enumerate(sides, start=1)}
     return xr.Dataset(

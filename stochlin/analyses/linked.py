@@ -13,8 +13,8 @@ from stochlin.analyses import labels
 from stochlin.analyses.cells import over_cells
 from stochlin.analyses.ensembles import LinkedPair
 from stochlin.analyses.equivalent_systems import check_closure, solve_structure
-from stochlin.analyses.peaks import TOLERANCE
 from stochlin.analyses.state_space import statespace, stationary_covariance
+from stochlin.analyses.tolerance import USUAL
 from stochlin.kernels.arrays import Array
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link, check_linked
@@ -128,7 +128,7 @@ class _Linked(NamedTuple):
 
     @classmethod
     def of(cls, first: Bilinear, second: Bilinear, ground: Ground, link: Link, closure: str) -> _Linked:
-        alone = [solve_structure(s, ground, closure, TOLERANCE) for s in (first, second)]
+        alone = [solve_structure(s, ground, closure, USUAL) for s in (first, second)]
         return cls((first, second), ground, link, closure, (alone[0], alone[1]))
 
     def solve(self) -> xr.Dataset:

@@ -9,7 +9,7 @@ import xarray as xr
 
 from stochlin.analyses import labels
 from stochlin.analyses.equivalent_systems import INTERNAL, solve_structure
-from stochlin.analyses.tolerance import Tolerance
+from stochlin.analyses.tolerance import USUAL
 from stochlin.kernels.arrays import Array
 from stochlin.kernels.covariance import EquivalentSystem, Forcing
 from stochlin.kernels.spectral_moments import SpectralMoments, difference_moments, displacement_moments
@@ -18,7 +18,6 @@ from stochlin.models.parameters import Parameter, expect
 from stochlin.models.peak_factors import PeakFactor, StationaryMotion, peak_factor_model
 from stochlin.models.structures import DRIFT, Structure
 
-TOLERANCE = Tolerance(1e-10, 1e-12, 200)
 ONE_SIDED = {
     "peak_mean": "mean of the largest displacement in one direction",
     "peak_std": "standard deviation of the largest displacement in one direction",
@@ -101,7 +100,7 @@ def peak_response(
             "moments; allowed: the other closures, or simulate"
         )
     motion = StationaryMotion(duration)
-    solved = solve_structure(structure, ground, closure, TOLERANCE)
+    solved = solve_structure(structure, ground, closure, USUAL)
     case = f"peak_response({structure.describe()}, {ground.describe()})"
     labels.raise_if_lone_failure(solved, case)
     l0, l1, l2 = response_moments(solved, ground)

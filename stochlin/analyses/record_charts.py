@@ -11,10 +11,10 @@ import xarray as xr
 
 from stochlin.analyses import labels
 from stochlin.analyses.correlation import rho_white_noise
+from stochlin.analyses.critical_gaps import double_difference
 from stochlin.analyses.recorded_cells import Records
 from stochlin.analyses.recorded_gaps import recorded_gap
 from stochlin.analyses.recorded_response import pseudo_energy_radius, respond
-from stochlin.kernels.arrays import Array
 from stochlin.models.structures import Bilinear
 
 POINTS_PER_PERIOD = 32  # of a portrait, for a smooth curve
@@ -113,7 +113,7 @@ def recorded_gap_chart(record: xr.DataArray, damping: float, points: int = 61) -
     rho = rho_white_noise(first.period, second.period, damping, damping).rho
     radii = (table.pseudo_energy_radius_1, table.pseudo_energy_radius_2)
     chart = table[["separation", "srss", "rho", "status"]].assign(
-        critical_gap=xr.apply_ufunc(_double_difference, *radii, rho), rho_white_noise=rho
+        critical_gap=xr.apply_ufunc(double_difference, *radii, np.minimum(rho, 1)), rho_white_noise=rho
     )
     chart.rho.attrs["long_name"] = "correlation over the recorded motion"
     chart.rho_white_noise.attrs["long_name"] = "rho under white noise, eq. (4)"
@@ -123,12 +123,6 @@ def recorded_gap_chart(record: xr.DataArray, damping: float, points: int = 61) -
         f"Critical gap in {_source(record)}",
         f"Elastic structures: ξ = {damping:.3g}; the largest u1 - u2, and eqs. (3) and (4)",
     )
-
-
-def _double_difference(peak_1: Array, peak_2: Array, rho: Array) -> Array:
-    """Eq. (3), as ``(p1 - p2)^2 + 2 (1 - rho) p1 p2``: no negative difference near ``rho = 1``."""
-    gap: Array = np.sqrt((peak_1 - peak_2) ** 2 + 2 * (1 - np.minimum(rho, 1)) * peak_1 * peak_2)
-    return gap
 
 
 def _periods(name: str, long_name: str, points: int) -> xr.DataArray:

@@ -13,8 +13,9 @@ from stochlin.analyses.correlation import correlate
 from stochlin.analyses.critical_gaps import critical_gap
 from stochlin.analyses.effective_correlation import rho_effective
 from stochlin.analyses.equivalent_systems import STRENGTH_RATIO, solve_structure
-from stochlin.analyses.peaks import TOLERANCE, peak_table, relative_moments
+from stochlin.analyses.peaks import peak_table, relative_moments
 from stochlin.analyses.simulation import simulate
+from stochlin.analyses.tolerance import USUAL
 from stochlin.kernels.arrays import Array
 from stochlin.models.effective_properties import effective_rule, effective_rule_names
 from stochlin.models.envelopes import Envelope
@@ -66,7 +67,7 @@ class PairInMotion:
         heights: tuple[float | None, float | None],
     ) -> PairInMotion:
         """Linearize the structures; an envelope counts by the integral of its square."""
-        solved = tuple(solve_structure(s, ground, "gaussian", TOLERANCE) for s in (first, second))
+        solved = tuple(solve_structure(s, ground, "gaussian", USUAL) for s in (first, second))
         seconds = duration
         if envelope is not None:
             middle = (np.arange(STEPS) + 0.5) * duration / STEPS
@@ -106,7 +107,7 @@ def by_yield_displacement(structure: Structure, ground: Ground) -> Any:
     """A structure by its yield displacement, whatever defined its strength."""
     if not structure.yields:
         return structure
-    uy = float(solve_structure(structure, ground, "gaussian", TOLERANCE).yield_displacement)
+    uy = float(solve_structure(structure, ground, "gaussian", USUAL).yield_displacement)
     return replace(structure, reduction_factor=None, yield_displacement=uy)
 
 

@@ -25,3 +25,6 @@ class Tolerance:
                 )
         if not isinstance(self.max_iterations, numbers.Integral) or self.max_iterations < 1:
             raise ValueError(f"max_iterations = {self.max_iterations!r}; allowed: a whole number from 1")
+
+
+USUAL = Tolerance(1e-10, 1e-12, 200)  # the defaults of `linearize`

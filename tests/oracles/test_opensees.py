@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
-import importlib
-import importlib.util
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -16,29 +11,6 @@ PERIODS, DAMPING, HARDENING = (0.6, 1.0), 0.05, 0.05
 YIELD = (0.012, 0.03)  # [m]
 DT, STEPS = 0.01, 4000
 PEAK_SHARE = 1e-8  # of the peak; both codes iterate or round at 1e-12 or so, over thousands of steps
-
-
-def load_opensees():
-    """OpenSeesPy; its Linux wheels carry libraries that the linker does not always find by itself."""
-    bundle = importlib.util.find_spec("openseespylinux")
-    for folder in (bundle.submodule_search_locations or []) if bundle else []:
-        for pattern in ("libquadmath*", "libgfortran*", "libblas*", "liblapack*"):
-            for library in sorted(Path(folder, "lib").glob(pattern)):
-                try:
-                    ctypes.CDLL(str(library), mode=ctypes.RTLD_GLOBAL)
-                except OSError:
-                    continue  # then the import below tells
-    try:
-        return importlib.import_module("openseespy.opensees")
-    except (ImportError, RuntimeError, OSError) as error:
-        pytest.skip(f"OpenSeesPy does not load: {error}")
-
-
-@pytest.fixture(scope="module")
-def ops():
-    module = load_opensees()
-    yield module
-    module.wipe()
 
 
 def ground_acceleration():

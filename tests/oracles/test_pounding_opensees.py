@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
-import importlib
-import importlib.util
-from pathlib import Path
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -18,29 +13,6 @@ MASSES, YIELD = (2e5, 3e5), (0.03, 0.015)  # [kg], [m]
 GAP, STIFFNESS = 0.001, 5e7  # [m], [N/m]
 DT, STEP = 0.02, 0.0002  # of the record, of OpenSees
 PEAK_SHARE = 0.01  # of the peak: its contacts begin and end at steps
-
-
-def load_opensees():
-    """OpenSeesPy; its Linux wheels carry libraries that the linker does not always find by itself."""
-    bundle = importlib.util.find_spec("openseespylinux")
-    for folder in (bundle.submodule_search_locations or []) if bundle else []:
-        for pattern in ("libquadmath*", "libgfortran*", "libblas*", "liblapack*"):
-            for library in sorted(Path(folder, "lib").glob(pattern)):
-                try:
-                    ctypes.CDLL(str(library), mode=ctypes.RTLD_GLOBAL)
-                except OSError:
-                    continue  # then the import below tells
-    try:
-        return importlib.import_module("openseespy.opensees")
-    except (ImportError, RuntimeError, OSError) as error:
-        pytest.skip(f"OpenSeesPy does not load: {error}")
-
-
-@pytest.fixture(scope="module")
-def ops():
-    module = load_opensees()
-    yield module
-    module.wipe()
 
 
 def record(samples=800):
