@@ -55,6 +55,7 @@ if TYPE_CHECKING:
     from stochlin.models.envelopes import AminAng, GammaEnvelope, HsuBernard, ShinozukaSato
     from stochlin.models.grounds import CloughPenzien, KanaiTajimi, WhiteNoise
     from stochlin.models.links import Link
+    from stochlin.models.measures import Measure
     from stochlin.models.named_grounds import ground_names, named_ground
     from stochlin.models.peak_factors import peak_factor_model, peak_factor_names
     from stochlin.models.structures import Bilinear, BoucWen, Hysteretic
@@ -78,6 +79,7 @@ _HOME = {
     "Kelvin": "models.contacts",
     "LinearSpring": "models.contacts",
     "Link": "models.links",
+    "Measure": "models.measures",
     "NoTensionKelvin": "models.contacts",
     "ShearBuilding": "models.buildings",
     "ShinozukaSato": "models.envelopes",
@@ -147,6 +149,7 @@ __all__ = [
     "Kelvin",
     "LinearSpring",
     "Link",
+    "Measure",
     "NoTensionKelvin",
     "ShearBuilding",
     "ShinozukaSato",
