@@ -10,20 +10,21 @@ import xarray as xr
 
 from stochlin.analyses import labels
 from stochlin.analyses.pounding_estimates import pounding_estimate
+from stochlin.analyses.pounding_histories import by_floor, contacts, histories
 from stochlin.analyses.pounding_rows import (
     Building,
-    Meeting,
     build_row,
     checked_buildings,
     checked_gaps,
+    checked_links,
 )
 from stochlin.analyses.recorded_response import pseudo_energy_radius
 from stochlin.analyses.records import checked_record
 from stochlin.kernels import pounding as kernel
-from stochlin.kernels import pounding_impacts as impacts
 from stochlin.kernels.arrays import Array
-from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Contact
+from stochlin.models.links import Link
+from stochlin.models.parameters import Model
 from stochlin.models.structures import Bilinear
 
 REFERENCES = (
@@ -39,6 +40,7 @@ def pound(
     contact: Contact,
     motion: xr.DataArray,
     *,
+    link: Link | Sequence[Link | None] | None = None,
     output_step: float | None = None,
 ) -> xr.Dataset:
     """Buildings in a row through a motion, from rest, with all their impacts.
@@ -53,6 +55,9 @@ def pound(
         What all neighbours meet at, for instance `Kelvin` or `Stereomechanical`.
     motion : xarray.DataArray
         Ground acceleration [m/s^2] over ``time``, as `read_record` gives it; linear between samples.
+    link : Link or list of Link and None, optional
+        Spring and dashpot between two neighbours, at the highest floors at which they meet; for more
+        than two structures a list, None where there is no link.
     output_step : float, optional
         Time from output to output [s]; the record's own if left out. The response does not depend on
         it.
@@ -67,17 +72,19 @@ def pound(
         ``contact_lost_energy`` [J], and ``energy_balance_error`` [-], what is missing over the largest
         input energy so far. Over ``impact``: ``impact_time`` [s], ``impact_contact``,
         ``approach_velocity`` [m/s], ``largest_force`` [N] (NaN where velocities jump),
-        ``impact_duration`` [s], ``energy_lost`` [J]. ``peak`` and ``peak_alone`` [m], with and without
-        pounding, and ``amplification`` [-], one over the other; where all structures are
+        ``impact_duration`` [s], ``energy_lost`` [J]. ``peak`` and ``peak_alone`` [m], in the row and
+        standing alone, and ``amplification`` [-], one over the other; where all structures are
         `Bilinear` also ``largest_radius_amplification`` [-], the worst that `pounding_estimate` gives
-        for a hit at the largest energy of both.
+        for a hit at the largest energy of both, without links. With links also, over ``time`` and
+        ``link``, ``link_force`` [N], and over ``time`` ``link_stored_energy`` and
+        ``link_lost_energy`` [J].
 
     Raises
     ------
     ValueError, TypeError
         If there are fewer than two structures, a mass is missing, storeys do not meet, parameters are
-        arrays, a gap is negative, their number is wrong, the output step is not positive, or the motion
-        is not a record, has NaN or only zeros.
+        arrays, a gap is negative, the number of gaps or links is wrong, the output step is not
+        positive, or the motion is not a record, has NaN or only zeros.
     ArithmeticError
         If a step cannot be completed; the message has the time and the state.
 
@@ -118,29 +125,33 @@ def pound(
         ground, dt = checked_record(motion)
     except (TypeError, ValueError) as error:
         raise type(error)(f"motion: {error}") from error
-    row, places = build_row(row_of, spaces, contact, ground)
+    links = checked_links(link, len(row_of))
+    row, places = build_row(row_of, spaces, contact, ground, links)
     times = _output_times(output_step, ground.size - 1, dt)
     asked = _intervals(times, dt, ground.size - 1)
     never = np.empty(0, np.int64), np.empty(0)
     done = _completed(row, kernel.Motion(ground, dt, *asked))
-    alone = _completed(kernel.without_contacts(row), kernel.Motion(ground, dt, *never))
+    alone = _completed(kernel.standing_alone(row), kernel.Motion(ground, dt, *never))
     start = float(motion["time"][0])
     time = motion["time"].to_numpy().astype(float) if output_step is None else start + times
-    table = _histories(row, row_of, done, start, time)
-    table = table.merge(_contacts(places))
-    peaks = [_by_floor(np.abs(run.peaks).max(axis=0), row, row_of) for run in (done, alone)]
+    table = histories(row, row_of, done, start, time)
+    table = table.merge(contacts(places, links))
+    peaks = [by_floor(np.abs(run.peaks).max(axis=0), row, row_of) for run in (done, alone)]
     table["peak"], table["peak_alone"] = peaks
     table["amplification"] = peaks[0] / peaks[1].where(peaks[1] > 0)
     oscillators = [structure for structure in row_of if isinstance(structure, Bilinear)]
-    if len(oscillators) == len(row_of):
+    if len(oscillators) == len(row_of) and not any(links):
         worst = _estimates(oscillators, spaces, contact, motion)
         table["largest_radius_amplification"] = ("structure", worst)
     table = labels.label(table)
-    table["amplification"].attrs["long_name"] = "peak with pounding over peak without"
+    table["amplification"].attrs["long_name"] = "peak in the row over peak standing alone"
     table.attrs.update(
         gaps=spaces.tolist(), steps=done.steps, motion=f"{ground.size} samples at {dt:g} s"
     )
-    models = {f"structure_{n}": structure for n, structure in enumerate(row_of, start=1)}
+    models: dict[str, Model] = {
+        f"structure_{n}": structure for n, structure in enumerate(row_of, start=1)
+    }
+    models |= {f"link_{n}": each for n, each in enumerate(links, start=1) if each is not None}
     call = f"pound(output_step={output_step})"
     return labels.with_run_information(
         table, "Pounding of buildings in a row", call, models | {"contact": contact}, REFERENCES
@@ -165,90 +176,6 @@ def _intervals(times: Array, dt: float, intervals: int) -> tuple[Array, Array]:
     number = np.clip(np.ceil(scaled).astype(np.int64) - 1, 0, intervals - 1)
     share = np.clip(scaled - number, 0.0, 1.0)
     return number, share * dt
-
-
-def _by_floor(
-    values: Array, row: kernel.Row, structures: Sequence[Building], time: Array | None = None
-) -> xr.DataArray:
-    """Values (..., n) over ``structure`` and, for shear buildings, ``floor``: NaN above the roof."""
-    sizes = np.diff(row.first)
-    over = np.full((*values.shape[:-1], sizes.size, sizes.max()), np.nan)
-    for b, size in enumerate(sizes):
-        over[..., b, :size] = values[..., row.first[b] : row.first[b + 1]]
-    coords = {"structure": ("structure", np.arange(1, sizes.size + 1), {"long_name": "structure"})}
-    dims: tuple[str, ...] = ("structure", "floor")
-    if isinstance(structures[0], ShearBuilding):
-        coords["floor"] = ("floor", np.arange(1, sizes.max() + 1), {"long_name": "floor"})
-    else:
-        over, dims = over[..., 0], ("structure",)
-    if time is not None:
-        dims = ("time", *dims)
-        coords["time"] = ("time", time, {"units": "s", "long_name": "time"})
-    return xr.DataArray(over, dims=dims, coords=coords)
-
-
-def _histories(
-    row: kernel.Row, structures: Sequence[Building], run: kernel.Run, start: float, time: Array
-) -> xr.Dataset:
-    n, s = row.mass.size, row.first.size - 1
-    u, v, slip, entering, viscous, hysteretic, lost = np.split(
-        run.states, np.cumsum([n, n, n, s, s, s]), axis=1
-    )
-    drift = u - np.where(row.below >= 0, u[:, row.below], 0.0)
-    stored = 0.5 * (row.post * drift**2 + row.couple * (drift - slip) ** 2)
-    energies = {
-        "input_energy": entering,
-        "kinetic_energy": np.add.reduceat(0.5 * row.mass * v**2, row.first[:-1], axis=1),
-        "elastic_energy": np.add.reduceat(stored, row.first[:-1], axis=1),
-        "viscous_energy": viscous,
-        "hysteretic_energy": hysteretic,
-    }
-    squeezed = np.zeros(time.size)
-    if row.kind != kernel.STEREOMECHANICAL:
-        k, power, _ = row.element.T
-        depth = np.maximum(u[:, row.left] - u[:, row.right] - row.gap, 0.0)
-        squeezed = (k * depth ** (power + 1) / (power + 1)).sum(axis=1)
-    kept = [energy for name, energy in energies.items() if name != "input_energy"]
-    missing = entering.sum(1) - sum(energy.sum(1) for energy in kept) - squeezed - lost.sum(1)
-    most = np.maximum.accumulate(np.abs(entering.sum(axis=1)))
-    line = run.impacts.T
-    force = line[impacts.LARGEST]
-    return xr.Dataset(
-        {
-            "displacement": _by_floor(u, row, structures, time),
-            "velocity": _by_floor(v, row, structures, time),
-            "contact_force": (("time", "contact"), run.forces),
-            **{name: (("time", "structure"), energy) for name, energy in energies.items()},
-            "contact_stored_energy": ("time", squeezed),
-            "contact_lost_energy": ("time", lost.sum(axis=1)),
-            "energy_balance_error": (
-                "time",
-                np.divide(np.abs(missing), most, out=np.zeros_like(most), where=most > 0),
-            ),
-            "impact_time": ("impact", start + line[impacts.BEGIN]),
-            "impact_contact": ("impact", line[impacts.CONTACT].astype(np.int64) + 1),
-            "approach_velocity": ("impact", line[impacts.APPROACH]),
-            "largest_force": ("impact", np.where(np.isfinite(force), force, np.nan)),
-            "impact_duration": ("impact", line[impacts.END] - line[impacts.BEGIN]),
-            "energy_lost": ("impact", line[impacts.AFTER] - line[impacts.BEFORE]),
-        }
-    )
-
-
-def _contacts(places: Sequence[Meeting]) -> xr.Dataset:
-    """Coordinates of the contacts: which structures, which floors, at which level."""
-    coords = {
-        "contact": ("contact", np.arange(1, len(places) + 1), {"long_name": "contact"}),
-        "left": ("contact", [m.building + 1 for m in places], {"long_name": "structure on the left"}),
-        "right": ("contact", [m.building + 2 for m in places], {"long_name": "structure on the right"}),
-    }
-    if np.isfinite(places[0].level):
-        name = {"units": "m", "long_name": "level of the contact above the ground"}
-        coords["level"] = ("contact", [m.level for m in places], name)
-        for side in ("left", "right"):
-            floors = [getattr(m, f"floor_{side}") + 1 for m in places]
-            coords[f"floor_{side}"] = ("contact", floors, {"long_name": f"floor on the {side}"})
-    return xr.Dataset(coords=coords)
 
 
 def _estimates(

@@ -15,6 +15,7 @@ from stochlin.kernels.contact import reduced_mass
 from stochlin.kernels.pounding import BILINEAR, BOUC_WEN, ELASTIC, STEREOMECHANICAL, Row
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Contact, Element, Stereomechanical
+from stochlin.models.links import Link
 from stochlin.models.parameters import Model, expect
 from stochlin.models.structures import Bilinear, BoucWen, Structure
 
@@ -89,6 +90,23 @@ def checked_gaps(gaps: npt.ArrayLike, count: int) -> Array:
     return values.astype(float)
 
 
+def checked_links(link: Link | Sequence[Link | None] | None, count: int) -> list[Link | None]:
+    """Links between ``count`` structures; one will do for two."""
+    links: list[Link | None] = [None] * (count - 1)
+    if link is not None:
+        links = [link] if isinstance(link, Link) else list(link)
+    if len(links) != count - 1:
+        raise ValueError(
+            f"link: {len(links)} given; allowed: one between each two neighbours, {count - 1} in all, "
+            "None where there is none"
+        )
+    for each in links:
+        if each is not None:
+            expect(each, Link, "link")
+            _only_numbers(each, "link")
+    return links
+
+
 def meetings(structures: Sequence[Building]) -> list[Meeting]:
     """Contacts of the row, level by level from the ground, and along a level from left to right."""
     found: list[Meeting] = []
@@ -107,9 +125,16 @@ def meetings(structures: Sequence[Building]) -> list[Meeting]:
 
 
 def build_row(
-    structures: Sequence[Building], gaps: Array, contact: Contact, motion: Array
+    structures: Sequence[Building],
+    gaps: Array,
+    contact: Contact,
+    motion: Array,
+    links: Sequence[Link | None],
 ) -> tuple[Row, list[Meeting]]:
-    """The row of buildings for a kernel, and what its contacts are."""
+    """The row of buildings for a kernel, and what its contacts are.
+
+    A link ties the highest floors at which two neighbours meet.
+    """
     expect(contact, Contact, "contact")
     _only_numbers(contact, "contact")
     stacks = [_stack(structure) for structure in structures]
@@ -126,6 +151,8 @@ def build_row(
         for name in ("hardening", "law", "shape")
     )
     places = meetings(structures)
+    tops = {m.building: m for m in sorted(places, key=lambda m: m.floor_left)}
+    tied = [(b, tops[b], link) for b, link in enumerate(links) if link is not None]
     left = np.array([first[m.building] + m.floor_left for m in places])
     right = np.array([first[m.building + 1] + m.floor_right for m in places])
     element, kind, restitution = np.ones((len(places), 3)), STEREOMECHANICAL, 1.0
@@ -139,6 +166,7 @@ def build_row(
         first=first,
         below=below,
         mass=mass,
+        per_mass=1 / mass,
         post=hardening * stiffness,
         couple=(1 - hardening) * stiffness,
         strength=strength,
@@ -152,6 +180,12 @@ def build_row(
         element=element,
         restitution=restitution,
         slow=SLOW * float(np.abs(motion).max()) * min(map(shortest_period, structures)) / (2 * np.pi),
+        tied=np.array(
+            [(first[b] + m.floor_left, first[b + 1] + m.floor_right) for b, m, _ in tied], np.int64
+        ).reshape(-1, 2),
+        tie=np.array([(link.stiffness, link.damping_constant) for *_, link in tied], float).reshape(
+            -1, 2
+        ),
     )
     return row, places
 

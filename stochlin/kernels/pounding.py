@@ -15,22 +15,24 @@ import numba as nb
 import numpy as np
 
 from stochlin.kernels import (
+    borrowing,
     contact,
     linear_branch,
     pounding_events,
     pounding_impacts,
+    pounding_outputs,
     pounding_rates,
+    pounding_rows,
     pounding_steps,
 )
 from stochlin.kernels.arrays import Array
+from stochlin.kernels.borrowing import borrow
 from stochlin.kernels.contact import reduced_mass
 from stochlin.kernels.linear_branch import jit
 from stochlin.kernels.pounding_events import (
     NOTHING,
     first_event,
     pass_event,
-    watch_forces,
-    watch_peaks,
 )
 from stochlin.kernels.pounding_impacts import (
     COLUMNS,
@@ -39,7 +41,9 @@ from stochlin.kernels.pounding_impacts import (
     begin_entry,
     end_entry,
 )
-from stochlin.kernels.pounding_rates import (
+from stochlin.kernels.pounding_outputs import Asked, borrow_asked, report, watch
+from stochlin.kernels.pounding_rates import rates, starting_branches
+from stochlin.kernels.pounding_rows import (
     BILINEAR,
     BOUC_WEN,
     CLOSED,
@@ -49,28 +53,30 @@ from stochlin.kernels.pounding_rates import (
     STEREOMECHANICAL,
     TOGETHER,
     Row,
+    borrow_branches,
+    borrow_row,
     lean,
-    rates,
     sizes,
-    starting_branches,
 )
 from stochlin.kernels.pounding_steps import (
     STAGES,
     attempt,
-    copy,
+    borrow_space,
     grow_reach,
-    interpolate,
     state_within,
     workspace,
 )
 
 # See VERSION of record_runs: the cache has to know of the files whose functions are called.
 _MODULES = (
+    borrowing,
     contact,
     linear_branch,
     pounding_events,
     pounding_impacts,
+    pounding_outputs,
     pounding_rates,
+    pounding_rows,
     pounding_steps,
 )
 _SOURCES = b"".join(Path(str(module.__file__)).read_bytes() for module in _MODULES)
@@ -108,16 +114,6 @@ class Run(NamedTuple):
     last: Array  # (k,): and in what state
 
 
-class Asked(NamedTuple):
-    """What is asked for: times as in `Motion`, and room for the states and forces at them."""
-
-    interval: Array
-    since: Array
-    states: Array
-    forces: Array
-    peaks: Array
-
-
 @lean
 def _advance(row, branch, ground, slope, h, x, space):  # type: ignore[no-untyped-def]
     """Take a step, shorter and shorter until its error is allowed; its length, the next, the trials."""
@@ -142,35 +138,6 @@ def _first_in_contact(row, branch, j):  # type: ignore[no-untyped-def]
     if n != 1.0:
         return ON_HERTZ * pace
     return ON_CONTACT * (min(pace, mass / c) if c > 0.0 else pace)
-
-
-@lean
-def _watch(row, branch, ground, slope, h, end, x, after, known, space, asked, table):  # type: ignore[no-untyped-def]
-    """Take peaks and forces of the share ``end`` of a step; tells whether its polynomials are known."""
-    needed = watch_peaks(row, end, h, x, after, space, asked.peaks, known)
-    if needed and not known:
-        interpolate(row, branch, ground, slope, h, x, space)
-        watch_peaks(row, end, h, x, after, space, asked.peaks, needed)
-        known = needed
-    watch_forces(branch, end, space, table)
-    return known
-
-
-@lean
-def _report(row, branch, ground, slope, h, tau, last, x, after, known, space, asked, at, done):  # type: ignore[no-untyped-def]
-    """Write the states asked for between ``tau`` and ``last`` of interval ``at``; how many are done."""
-    while done < asked.since.size and asked.interval[done] == at and asked.since[done] <= last:
-        state, t = asked.states[done], (asked.since[done] - tau) / h
-        if asked.since[done] == last:
-            copy(after, state)
-        else:
-            if not known:
-                interpolate(row, branch, ground, slope, h, x, space)
-                known = True
-            state_within(x, t, space, state)
-        rates(row, branch, ground + slope * (t * h), state, space.rate, asked.forces[done])
-        done += 1
-    return done
 
 
 @jit
@@ -209,8 +176,8 @@ def _interval(row, branch, begin, slope, dt, at, planned, x, after, space, asked
         else:
             after[:] = space.new
         last = dt if taken == left and end == 1.0 else tau + end * taken
-        known = _watch(row, branch, ground, slope, taken, end, x, after, known, space, asked, table)
-        done = _report(
+        known = watch(row, branch, ground, slope, taken, end, x, after, known, space, asked, table)
+        done = report(
             row, branch, ground, slope, taken, tau, last, x, after, known, space, asked, at, done
         )
         x[:] = after
@@ -226,9 +193,9 @@ def _interval(row, branch, begin, slope, dt, at, planned, x, after, space, asked
     return tau, count, planned, done, table, used
 
 
-@nb.njit(nogil=True, cache=True, error_model="numpy")
-def _run(row, acceleration, dt, asked, x, version):  # type: ignore[no-untyped-def]
-    space, branch, after = workspace(row), starting_branches(row, x), x.copy()
+@jit
+def _go(row, acceleration, dt, asked, x, after, space, branch):  # type: ignore[no-untyped-def]
+    """The whole motion, on borrowed arrays; the table of impacts, the steps, and how far it came."""
     table = np.empty((FIRST_LINES + 4 * row.gap.size, COLUMNS))
     used = steps = done = np.int64(0)  # a literal would be a type of its own, to be compiled for too
     asked.peaks[:] = x[: row.mass.size]
@@ -257,6 +224,22 @@ def _run(row, acceleration, dt, asked, x, version):  # type: ignore[no-untyped-d
     return table[:used], steps, True, time
 
 
+@nb.njit(nogil=True, cache=True, error_model="numpy")
+def _run(row, acceleration, dt, asked, x, version):  # type: ignore[no-untyped-def]
+    space, branch, after = workspace(row), starting_branches(row, x), x.copy()
+    done = _go(
+        borrow_row(row),
+        borrow(acceleration),
+        dt,
+        borrow_asked(asked),
+        borrow(x),
+        borrow(after),
+        borrow_space(space),
+        borrow_branches(branch),
+    )
+    return done, (space, branch, after)  # the owners, which have to live until here
+
+
 def run(row: Row, motion: Motion, start: Array | None = None) -> Run:
     """A row of buildings through a motion, from rest or from the state ``start`` (k,).
 
@@ -269,15 +252,16 @@ def run(row: Row, motion: Motion, start: Array | None = None) -> Run:
     asked = Asked(
         motion.interval, motion.since, np.zeros((times, k)), np.zeros((times, c)), np.zeros((2, n))
     )
-    table, steps, completed, time = _run(row, motion.acceleration, motion.dt, asked, state, VERSION)
+    done, _ = _run(row, motion.acceleration, motion.dt, asked, state, VERSION)
+    table, steps, completed, time = done
     return Run(asked.states, asked.forces, asked.peaks, table, steps, completed, time, state)
 
 
-def without_contacts(row: Row) -> Row:
-    """The same buildings, each standing alone."""
-    nothing = np.zeros(0)
-    none = np.zeros(0, np.int64)
-    return row._replace(left=none, right=none, gap=nothing, element=np.zeros((0, 3)), kind=0)
+def standing_alone(row: Row) -> Row:
+    """The same buildings, each standing alone: without contacts, without links."""
+    none, nothing = np.zeros(0, np.int64), np.zeros(0)
+    alone = row._replace(left=none, right=none, gap=nothing, element=np.zeros((0, 3)), kind=0)
+    return alone._replace(tied=np.zeros((0, 2), np.int64), tie=np.zeros((0, 2)))
 
 
 __all__ = [
@@ -289,5 +273,5 @@ __all__ = [
     "Row",
     "Run",
     "run",
-    "without_contacts",
+    "standing_alone",
 ]

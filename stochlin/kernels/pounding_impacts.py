@@ -9,17 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from stochlin.kernels.contact import reduced_mass, velocities_after_impact
-from stochlin.kernels.pounding_rates import (
-    CLOSING_RATE,
-    OPEN,
-    PENETRATION,
-    TOGETHER,
-    lean,
-    linked,
-    measure,
-    rates,
-    sizes,
-)
+from stochlin.kernels.pounding_rates import CLOSING_RATE, PENETRATION, linked, measure, rates
+from stochlin.kernels.pounding_rows import OPEN, TOGETHER, lean, sizes
 
 BEGIN, CONTACT, APPROACH, LARGEST, END, BEFORE, AFTER = range(7)
 COLUMNS = 7

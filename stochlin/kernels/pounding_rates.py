@@ -6,18 +6,15 @@ Neighbours meet at contacts, each between a floor of the left one and a floor of
 penetration ``d = u_left - u_right - gap``. Which branch a storey or a contact is on is told, so that
 the rates are smooth functions: they go on smoothly a little beyond the end of the branch too.
 
-The state holds displacements, velocities and slips of all floors, the work that the ground, the
-dashpots and the yielding have done in each building, and what each contact has dissipated.
+Links are springs with dashpots between two floors that always act. The state holds displacements,
+velocities and slips of all floors, the work that the ground, the dashpots and the yielding have done in
+each building, and what each contact and each link has dissipated.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
-import numba as nb
 import numpy as np
 
-from stochlin.kernels.arrays import Array
 from stochlin.kernels.contact import (
     HERTZ_DAMP,
     IMPACT_KELVIN,
@@ -27,66 +24,30 @@ from stochlin.kernels.contact import (
     separation_margin,
 )
 from stochlin.kernels.linear_branch import jit
+from stochlin.kernels.pounding_rows import (
+    BILINEAR,
+    BOUC_WEN,
+    CLOSED,
+    OPEN,
+    PARTED,
+    STEREOMECHANICAL,
+    TOGETHER,
+    Branches,
+    lean,
+    sizes,
+)
 
-ELASTIC, BILINEAR, BOUC_WEN = range(3)  # laws of a storey
-STEREOMECHANICAL = 6  # beside the kinds of contact elements
-OPEN, CLOSED, OPENING, PARTED, TOGETHER = range(5)  # branches of a contact
 STRAIN, STRAIN_RATE, PENETRATION, CLOSING_RATE, MARGIN = range(5)  # see `measure`
 
-lean = nb.njit(nogil=True, error_model="numpy")
-
-
-class Row(NamedTuple):
-    """Buildings in a row: n floors of s buildings, c contacts."""
-
-    first: Array  # (s + 1,): number of the first floor of each building, and n
-    below: Array  # (n,): number of the floor below, -1 for the ground
-    mass: Array  # (n,) [kg]
-    post: Array  # (n,) [N/m]: alpha k of the storey below the floor
-    couple: Array  # (n,) [N/m]: (1 - alpha) k
-    strength: Array  # (n,) [m]: yield drift, or uy of the Bouc-Wen law
-    law: Array  # (n,)
-    shape: Array  # (n, 3): beta, gamma and exponent of the Bouc-Wen law
-    damping: Array  # (n, n) [N s/m]: zero between buildings
-    left: Array  # (c,): number of the floor on the left; contacts along one level follow one another
-    right: Array  # (c,)
-    gap: Array  # (c,) [m]
-    kind: int  # of the contacts, for all of them
-    element: Array  # (c, 3): stiffness, exponent and damping, as `stochlin.kernels.contact` takes them
-    restitution: float  # of stereomechanical impacts
-    slow: float  # [m/s]: an approach slower than this does not count as one in the Hertz-damp law
-
-
-class Branches(NamedTuple):
-    """Where each storey and contact is on its law."""
-
-    storey: Array  # (n,): bilinear: 0, or the sign of yielding; Bouc-Wen: sign of the strain rate
-    side: Array  # (n,): Bouc-Wen: sign of the strain y
-    contact: Array  # (c,)
-    approach: Array  # (c,) [m/s]: velocity at the beginning of this contact
-    entry: Array  # (c,): its line in the table of impacts, or -1
-
 
 @lean
-def sizes(row):  # type: ignore[no-untyped-def]
-    """Numbers of floors, buildings and contacts, and the length of the state."""
-    n, s, c = row.mass.size, row.first.size - 1, row.gap.size
-    return n, s, c, 3 * n + 3 * s + c
-
-
-@lean
-def slip_rate(row, branch, i, y, rate):  # type: ignore[no-untyped-def]
-    """Rate of the slip of a storey; Bouc-Wen: ``v |z|^n (beta sign(v z) + gamma)``."""
-    law = row.law[i]
-    if law == BILINEAR:
-        return rate if branch.storey[i] != 0 else 0.0
-    if law == ELASTIC:
-        return 0.0
-    beta, gamma, exponent = row.shape[i]
-    z = branch.side[i] * y / row.strength[i]
+def _bouc_wen_rate(storey, side, shape, strength, y, rate):  # type: ignore[no-untyped-def]
+    """Rate of the slip: ``v |z|^n (beta sign(v z) + gamma)``."""
+    beta, gamma, exponent = shape
+    z = side * y / strength
     if exponent != 1.0:
         z = max(z, 0.0) ** exponent
-    return rate * z * (beta * branch.storey[i] * branch.side[i] + gamma)
+    return rate * z * (beta * storey * side + gamma)
 
 
 @lean
@@ -108,32 +69,70 @@ def branch_force(kind, branch, element, d, v, v0):  # type: ignore[no-untyped-de
 
 
 @lean
+def _drags(damping, lo, v, drag):  # type: ignore[no-untyped-def]
+    """Forces of the dashpots of one building, four floors at a time: sums that do not wait."""
+    m, i = v.size, 0
+    while i + 4 <= m:
+        a, b, c, d = 0.0, 0.0, 0.0, 0.0
+        for j in range(m):
+            w = v[j]
+            a += damping[lo + i, lo + j] * w
+            b += damping[lo + i + 1, lo + j] * w
+            c += damping[lo + i + 2, lo + j] * w
+            d += damping[lo + i + 3, lo + j] * w
+        drag[i], drag[i + 1], drag[i + 2], drag[i + 3] = a, b, c, d
+        i += 4
+    for k in range(i, m):
+        a = 0.0
+        for j in range(m):
+            a += damping[lo + k, lo + j] * v[j]
+        drag[k] = a
+
+
+@lean
+def _building(row, branch, b, ground, x, dx):  # type: ignore[no-untyped-def]
+    """Rates of one building standing alone."""
+    n, s = row.mass.size, row.first.size - 1
+    lo, hi = row.first[b], row.first[b + 1]
+    u, v, slips = x[lo:hi], x[n + lo : n + hi], x[2 * n + lo : 2 * n + hi]
+    shear, drag, slip = dx[lo:hi], dx[n + lo : n + hi], dx[2 * n + lo : 2 * n + hi]
+    _drags(row.damping, lo, v, drag)
+    entering, viscous, hysteretic, below, base = 0.0, 0.0, 0.0, 0.0, 0.0
+    for i in range(u.size):
+        at = lo + i
+        drift, rate, law, storey = u[i] - below, v[i] - base, row.law[at], branch.storey[at]
+        y = drift - slips[i]
+        slipping = rate if law == BILINEAR and storey != 0 else 0.0
+        if law == BOUC_WEN:
+            shape, strength, side = row.shape[at], row.strength[at], branch.side[at]
+            slipping = _bouc_wen_rate(storey, side, shape, strength, y, rate)
+        held = row.couple[at] * y
+        shear[i], slip[i] = row.post[at] * drift + held, slipping
+        entering -= row.mass[at] * v[i]
+        viscous += drag[i] * v[i]
+        hysteretic += held * slipping
+        below, base = u[i], v[i]
+    above = 0.0
+    for i in range(u.size - 1, -1, -1):
+        drag[i] = (above - shear[i] - drag[i]) * row.per_mass[lo + i] - ground
+        above = shear[i]
+        shear[i] = v[i]
+    dx[3 * n + b], dx[3 * n + s + b], dx[3 * n + 2 * s + b] = entering * ground, viscous, hysteretic
+
+
+@lean
 def rates(row, branch, ground, x, dx, force):  # type: ignore[no-untyped-def]
     """Rates ``dx`` of the state ``x`` and forces (c,) of the contacts, for a ground acceleration."""
     n, s, c, _ = sizes(row)
     for b in range(s):
-        lo, hi = row.first[b], row.first[b + 1]
-        entering, viscous, hysteretic, above = 0.0, 0.0, 0.0, 0.0
-        dx[n + lo : n + hi] = 0.0
-        for j in range(lo, hi):  # drags of the dashpots
-            for i in range(lo, hi):
-                dx[n + i] += row.damping[j, i] * x[n + j]
-        for i in range(hi - 1, lo - 1, -1):
-            drift, rate = x[i], x[n + i]
-            if i > lo:
-                drift -= x[i - 1]
-                rate -= x[n + i - 1]
-            y = drift - x[2 * n + i]
-            slip = slip_rate(row, branch, i, y, rate)
-            shear = row.post[i] * drift + row.couple[i] * y
-            drag = dx[n + i]
-            dx[i], dx[2 * n + i] = x[n + i], slip
-            dx[n + i] = (above - shear - drag) / row.mass[i] - ground
-            entering -= row.mass[i] * ground * x[n + i]
-            viscous += drag * x[n + i]
-            hysteretic += row.couple[i] * y * slip
-            above = shear
-        dx[3 * n + b], dx[3 * n + s + b], dx[3 * n + 2 * s + b] = entering, viscous, hysteretic
+        _building(row, branch, b, ground, x, dx)
+    for j in range(len(row.tied)):
+        one, two = row.tied[j]
+        v, drag = x[n + one] - x[n + two], row.tie[j, 1] * (x[n + one] - x[n + two])
+        pull = row.tie[j, 0] * (x[one] - x[two]) + drag
+        dx[n + one] -= pull * row.per_mass[one]
+        dx[n + two] += pull * row.per_mass[two]
+        dx[3 * n + 3 * s + c + j] = drag * v
     for j in range(c):
         f, lost, kept = 0.0, 0.0, branch.contact[j]
         if kept not in (OPEN, TOGETHER):
@@ -141,8 +140,8 @@ def rates(row, branch, ground, x, dx, force):  # type: ignore[no-untyped-def]
             d, v = x[one] - x[two] - row.gap[j], x[n + one] - x[n + two]
             f, elastic = branch_force(row.kind, kept, row.element[j], d, v, branch.approach[j])
             lost = (f - elastic) * v
-            dx[n + one] -= f / row.mass[one]
-            dx[n + two] += f / row.mass[two]
+            dx[n + one] -= f * row.per_mass[one]
+            dx[n + two] += f * row.per_mass[two]
         force[j], dx[3 * n + 3 * s + j] = f, lost
     if row.kind == STEREOMECHANICAL:
         _hold_together(row, branch, dx, force)

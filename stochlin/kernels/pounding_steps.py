@@ -13,8 +13,10 @@ import numpy as np
 from scipy.integrate import DOP853
 
 from stochlin.kernels.arrays import Array
+from stochlin.kernels.borrowing import borrow
 from stochlin.kernels.linear_branch import MARKS, TERMS, jit
-from stochlin.kernels.pounding_rates import OPEN, lean, measure, rates, sizes
+from stochlin.kernels.pounding_rates import measure, rates
+from stochlin.kernels.pounding_rows import OPEN, lean, sizes
 
 # Contiguous, for numba's cache does not take constants that are not.
 A, B, C = (np.ascontiguousarray(table) for table in (DOP853.A, DOP853.B, DOP853.C))
@@ -72,6 +74,24 @@ def workspace(row):  # type: ignore[no-untyped-def]
         np.zeros(TERMS),
         np.zeros((4, TERMS)),
         np.zeros((2, MARKS)),
+    )
+
+
+@lean
+def borrow_space(space):  # type: ignore[no-untyped-def]
+    """The workspace, its arrays borrowed."""
+    return Space(
+        borrow(space.stages),
+        borrow(space.new),
+        borrow(space.shapes),
+        borrow(space.state),
+        borrow(space.rate),
+        borrow(space.force),
+        borrow(space.nodes),
+        borrow(space.reach),
+        borrow(space.line),
+        borrow(space.lines),
+        borrow(space.marks),
     )
 
 

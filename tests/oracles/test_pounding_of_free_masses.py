@@ -11,7 +11,8 @@ import stochlin as sl
 from stochlin.kernels import contact as forces
 from stochlin.kernels import pounding as kernel
 from stochlin.kernels.pounding_impacts import AFTER, APPROACH, BEFORE, BEGIN, END, LARGEST
-from stochlin.kernels.pounding_rates import CLOSED, OPENING, branch_force
+from stochlin.kernels.pounding_rates import branch_force
+from stochlin.kernels.pounding_rows import CLOSED, OPENING
 
 EXACT = 1e-8  # what is asked for; measured: 4e-10 in restitutions, 4e-9 in times
 RATIOS = [0.001, 0.01, 0.1, 0.3, 0.5, 0.9, 0.999999, 1.0, 1.000001, 1.5, 3.0]
@@ -36,6 +37,7 @@ def free_row(masses, contact, gap=0.0):
         first=np.arange(n + 1),
         below=np.full(n, -1),
         mass=mass,
+        per_mass=1 / mass,
         post=np.zeros(n),
         couple=np.zeros(n),
         strength=np.full(n, np.inf),
@@ -49,6 +51,8 @@ def free_row(masses, contact, gap=0.0):
         element=element,
         restitution=restitution,
         slow=0.0,
+        tied=np.zeros((0, 2), np.int64),
+        tie=np.zeros((0, 2)),
     )
 
 
