@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from stochlin.analyses.ground_fit import fit_ground
     from stochlin.analyses.linearization import linearize
     from stochlin.analyses.linked import correlate_linked
+    from stochlin.analyses.mitigation import mitigate
     from stochlin.analyses.peaks import peak_response
     from stochlin.analyses.pounding import pound
     from stochlin.analyses.pounding_estimates import pounding_estimate
@@ -105,6 +106,7 @@ _HOME = {
     "ground_names": "models.named_grounds",
     "linearize": "analyses.linearization",
     "lookup": "analyses.atlas_lookup",
+    "mitigate": "analyses.mitigation",
     "named_ground": "models.named_grounds",
     "open_atlas": "analyses.atlas",
     "peak_factor_model": "models.peak_factors",
@@ -175,6 +177,7 @@ __all__ = [
     "ground_names",
     "linearize",
     "lookup",
+    "mitigate",
     "named_ground",
     "open_atlas",
     "peak_factor_model",

@@ -22,6 +22,11 @@ from stochlin.models.structures import Bilinear, Structure
 
 VERDICTS = ("answer", "safe", "unsafe", "within_error", "not_available")
 ANSWER, SAFE, UNSAFE, WITHIN_ERROR, NOT_AVAILABLE = range(len(VERDICTS))
+VERDICT_ATTRS: Mapping[str, Any] = {
+    "long_name": "whether the gap keeps the confidence",
+    "flag_values": np.arange(len(VERDICTS), dtype=np.int8),
+    "flag_meanings": " ".join(VERDICTS),
+}
 MOTION = ("paths", "seed", "step_s", "duration_s", "envelope")
 TEXTS: Mapping[str, str] = {
     "kind": "simulation, eq. (3) with a correlation, linearization, or building code",
@@ -158,11 +163,7 @@ def separation(
     models = {"first": first, "second": second, "ground": ground}
     table = over_cells(of_cell, models)
     table = labels.label(table)
-    table.verdict.attrs = {
-        "long_name": "whether the gap keeps the confidence",
-        "flag_values": np.arange(len(VERDICTS), dtype=np.int8),
-        "flag_meanings": " ".join(VERDICTS),
-    }
+    table.verdict.attrs = VERDICT_ATTRS
     for name, text in TEXTS.items():
         table[name].attrs["long_name"] = text
     return labels.with_run_information(
@@ -179,6 +180,13 @@ def check_confidence(confidence: float) -> None:
         raise ValueError(f"confidence = {confidence!r}; allowed: a probability between 0 and 1")
 
 
+def verdict_of(lower: xr.DataArray, upper: xr.DataArray, confidence: float) -> xr.DataArray:
+    """Safe or unsafe where the 95 % interval of the probability of no pounding tells."""
+    undecided = xr.where(upper < confidence, UNSAFE, WITHIN_ERROR)  # type: ignore[no-untyped-call]
+    verdict: xr.DataArray = xr.where(lower >= confidence, SAFE, undecided)  # type: ignore[no-untyped-call]
+    return verdict
+
+
 def _judged(rules: list[Rule], motions: xr.Dataset, confidence: float) -> xr.Dataset:
     """Gaps of the rules beside the simulated answer, and what the motions say of each."""
     samples = motions.separation[:, 0, 1].drop_vars(["structure", "structure_2"])
@@ -188,9 +196,8 @@ def _judged(rules: list[Rule], motions: xr.Dataset, confidence: float) -> xr.Dat
     gap = xr.DataArray([rule.gap for rule in rules], dims="rule")
     pounding = exceedance(samples, gap)
     lower, upper = 1 - pounding.probability_upper, 1 - pounding.probability_lower
-    verdict = xr.where(lower >= confidence, SAFE, xr.where(upper < confidence, UNSAFE, WITHIN_ERROR))  # type: ignore[no-untyped-call]
     known = gap.notnull()
-    verdict = verdict.where(known, NOT_AVAILABLE)
+    verdict = verdict_of(lower, upper, confidence).where(known, NOT_AVAILABLE)
     verdict[0] = ANSWER
     only_answer = xr.DataArray(np.arange(len(rules)) == 0, dims="rule")
     columns = {name: ("rule", [getattr(rule, name) for rule in rules]) for name in TEXTS}
