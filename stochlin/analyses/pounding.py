@@ -22,6 +22,7 @@ from stochlin.analyses.recorded_response import pseudo_energy_radius
 from stochlin.analyses.records import checked_record
 from stochlin.kernels import pounding as kernel
 from stochlin.kernels.arrays import Array
+from stochlin.kernels.ensemble import in_order
 from stochlin.models.contacts import Contact
 from stochlin.models.links import Link
 from stochlin.models.parameters import Model
@@ -130,8 +131,8 @@ def pound(
     times = _output_times(output_step, ground.size - 1, dt)
     asked = _intervals(times, dt, ground.size - 1)
     never = np.empty(0, np.int64), np.empty(0)
-    done = _completed(row, kernel.Motion(ground, dt, *asked))
-    alone = _completed(kernel.standing_alone(row), kernel.Motion(ground, dt, *never))
+    runs = (row, asked), (kernel.standing_alone(row), never)
+    done, alone = in_order(lambda i: _completed(runs[i][0], kernel.Motion(ground, dt, *runs[i][1])), 2)
     start = float(motion["time"][0])
     time = motion["time"].to_numpy().astype(float) if output_step is None else start + times
     table = histories(row, row_of, done, start, time)
