@@ -15,6 +15,8 @@ import scipy.linalg
 from scipy.integrate import quad
 from scipy.special import ndtr
 
+import stochlin as sl
+
 REACH = 12.0  # standard deviations: the Gaussian density beyond is below 1e-31
 
 # The domain in which structures and grounds of practice lie, and the one beyond it.
@@ -35,6 +37,13 @@ BEYOND = {
     "ground_period": (1.0, 1.0),
     "ground_damping": (0.005, 0.9),
 }
+
+
+def recorded_example() -> str:
+    """The example of a case file with the lines of its record, ``taft.txt``, taken in."""
+    text = sl.example_case()
+    start, end = text.index("#   [[site.records]]"), text.index("#   column")
+    return text.replace(text[start:end], text[start:end].replace("#   ", ""))
 
 
 def log_uniform(rng: np.random.Generator, limits: tuple[float, float], size: int | None = None) -> Any:

@@ -60,6 +60,11 @@ def answer_case(case: Case, progress: Callable[[float], None] | None = None) -> 
         As `separation` and `existing_gap`.
     """
     pair = case.first.structure, case.second.structure
+    if case.gap == 0:
+        raise ValueError(
+            f"{case.file}: separation.existing = 0; allowed here: 0 < gap, so leave it out for "
+            "buildings that touch"
+        )
     motion = {
         "envelope": case.envelope,
         "confidence": case.confidence,
@@ -100,7 +105,7 @@ def rms_acceleration(ground: Ground) -> float:
 
 def _spectrum(case: Case) -> xr.Dataset:
     """PSD of the ground over period; beside that of the record it is fitted to."""
-    periods = [float(b.structure.arrays()["period"]) for b in case.buildings]
+    periods = [float(b.structure.arrays()["period"]) for b in case.pair]
     periods += [float(p) for name, p in case.ground.arrays().items() if name == "period"]
     low, high = min(periods) / AROUND, max(periods) * AROUND
     if case.fitted:

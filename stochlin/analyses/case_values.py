@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import difflib
 import re
 import tomllib
@@ -10,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from stochlin.models.parameters import Range
+from stochlin.models.parameters import Model, Range
 
 Place = tuple[str | int, ...]
 """Names of the tables around a key, and the key; numbers count tables of one name."""
@@ -20,10 +21,14 @@ UNITS: Mapping[str, Mapping[str, float]] = {
     "s": {"s": 1.0, "ms": 1e-3},
     "m": {"cm": 1e-2, "m": 1.0, "mm": 1e-3, "in": 0.0254, "ft": 0.3048},
     "1/s": {"1/s": 1.0},
+    "kg": {"kg": 1.0, "t": 1e3},
+    "N/m": {"N/m": 1.0, "kN/m": 1e3, "MN/m": 1e6},
+    "N s/m": {"N s/m": 1.0, "kN s/m": 1e3, "MN s/m": 1e6},
     "m^2/s^3": {"m^2/s^3": 1.0, "cm^2/s^3": 1e-4},
     "1": {"%": 1e-2},
 }
-_SUPERSCRIPTS = str.maketrans({"²": "^2", "³": "^3"})
+_OF_POWER = "N/m^"  # stiffness of a spring that is not linear: any exponent
+_OTHER_SIGNS = str.maketrans({"²": "^2", "³": "^3", "·": " "})
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(.*)", re.DOTALL)
 _BARE, _QUOTED = r"[A-Za-z0-9_-]+", r"\"[^\"]*\"|'[^']*'"
 _DOTTED = rf"(?:{_BARE}|{_QUOTED})(?:\s*\.\s*(?:{_BARE}|{_QUOTED}))*"
@@ -36,6 +41,24 @@ class Quantity(NamedTuple):
 
     units: str
     allowed: Range
+
+    @classmethod
+    def declared(cls, kind: type[Model], name: str) -> Quantity:
+        """That of a parameter, as the model declares it."""
+        field = next(field for field in dataclasses.fields(kind) if field.name == name)
+        return cls(field.metadata["units"], field.metadata["allowed"])
+
+    @property
+    def spellings(self) -> Mapping[str, float]:
+        """Allowed units, and what one of each is in SI."""
+        if self.units.startswith(_OF_POWER):
+            return {self.units: 1.0, f"k{self.units}": 1e3, f"M{self.units}": 1e6}
+        return UNITS[self.units]
+
+    @property
+    def example(self) -> str:
+        """A value as a file may have it."""
+        return "0.05" if self.units == "1" else f'"1 {next(iter(self.spellings))}"'
 
 
 @dataclass(frozen=True)
@@ -59,7 +82,8 @@ class Section:
         places = [(*self.place, key), *(self.place[:n] for n in range(len(self.place), 0, -1))]
         line = next((self.lines[place] for place in places if place in self.lines), None)
         where = self.file if line is None else f"{self.file}, line {line}"
-        shown = f"{self.name(key)} = {self.values[key]!r}" if key in self else self.name(key)
+        a_value = key in self and not isinstance(self.values[key], dict)
+        shown = f"{self.name(key)} = {self.values[key]!r}" if a_value else self.name(key)
         return ValueError(f"{where}: {shown} {what}".replace(":  ", ": "))
 
     def only(self, *allowed: str) -> None:
@@ -80,36 +104,45 @@ class Section:
 
     def number(self, key: str, quantity: Quantity) -> float:
         """A number in SI: with a unit, in a text; a ratio as it is, or as per cent."""
-        units, allowed = quantity
-        known = UNITS[units]
-        example = "0.05" if units == "1" else f'"1 {next(iter(known))}"'
+        return self._number(key, self.need(key, quantity.example), quantity)
+
+    def numbers(self, key: str, quantity: Quantity) -> list[float]:
+        """A list of numbers in SI, at least one."""
+        example = f"[{quantity.example}, {quantity.example}]"
         given = self.need(key, example)
-        value, unit = self._split(key, given, units, example)
+        if not isinstance(given, list) or not given:
+            raise self.error(key, f"is no list of numbers; allowed: a list, as {example}")
+        return [
+            self._number(key, one, quantity, f"has a number {place} that ")
+            for place, one in enumerate(given, 1)
+        ]
+
+    def _number(self, key: str, given: Any, quantity: Quantity, which: str = "") -> float:
+        known = quantity.spellings
+        try:
+            value, unit = _split(given, quantity)
+        except ValueError as error:
+            raise self.error(key, f"{which}{error}") from error
         if unit and unit not in known:
-            raise self.error(key, f"has the unknown unit {unit!r}; allowed: {', '.join(known)}")
+            raise self.error(key, f"{which}has the unknown unit {unit!r}; allowed: {', '.join(known)}")
         value *= known[unit] if unit else 1.0
-        if not allowed.contains(value):
-            shown = "" if units == "1" else f", in {units}"
-            raise self.error(key, f"is out of range; allowed: {allowed}{shown}")
+        if not quantity.allowed.contains(value):
+            shown = "" if quantity.units == "1" else f", in {quantity.units}"
+            raise self.error(key, f"{which}is out of range; allowed: {quantity.allowed}{shown}")
         return value
 
-    def _split(self, key: str, given: Any, units: str, example: str) -> tuple[float, str]:
-        plain = isinstance(given, (int, float)) and not isinstance(given, bool)
-        found = _NUMBER.fullmatch(given) if isinstance(given, str) else None
-        ratio = units == "1"
-        if plain and ratio:
-            return float(given), ""
-        if found is None and not plain:
-            allowed = "a number" if ratio else "a text with a number and its unit"
-            raise self.error(key, f"is no number; allowed: {allowed}, as {example}")
-        unit = "" if found is None else found[2].strip().translate(_SUPERSCRIPTS)
-        if not unit and not ratio:
-            number = found[1] if found else f"{given:g}"
-            suggested = ", ".join(f'"{number} {name}"' for name in UNITS[units])
-            raise self.error(key, f"has no unit; allowed: a text with one of its units, {suggested}")
-        if found and ratio and not unit:
-            raise self.error(key, f"is a text; allowed: the number without quotation marks, {found[1]}")
-        return float(found[1]) if found else float(given), unit
+    def model(self, kind: type[Model], names: Sequence[str], lists: Sequence[str] = ()) -> Any:
+        """A model from those of its parameters that the file has to give, some of them lists."""
+        values: dict[str, Any] = {n: self.number(n, Quantity.declared(kind, n)) for n in names}
+        values |= {name: self.numbers(name, Quantity.declared(kind, name)) for name in lists}
+        return self.made(kind, values)
+
+    def made(self, kind: type[Model], values: Mapping[str, Any]) -> Any:
+        """The model with these parameters; an error if they do not fit one another."""
+        try:
+            return kind(**values)
+        except ValueError as error:
+            raise self.error("", f"does not fit: {error}") from error
 
     def text(self, key: str, choices: Sequence[str] = ()) -> str:
         """A line of text, one of the choices if there are any."""
@@ -158,6 +191,26 @@ class Section:
                 key, f"is no table; allowed: a line [{self.name(key)}] and its keys below it"
             )
         return Section(self.file, place, values, self.lines)
+
+
+def _split(given: Any, quantity: Quantity) -> tuple[float, str]:
+    """The number and its unit, as they are written."""
+    plain = isinstance(given, (int, float)) and not isinstance(given, bool)
+    found = _NUMBER.fullmatch(given) if isinstance(given, str) else None
+    ratio = quantity.units == "1"
+    if plain and ratio:
+        return float(given), ""
+    if found is None and not plain:
+        allowed = "a number" if ratio else "a text with a number and its unit"
+        raise ValueError(f"is no number; allowed: {allowed}, as {quantity.example}")
+    unit = "" if found is None else found[2].strip().translate(_OTHER_SIGNS)
+    if not unit and not ratio:
+        number = found[1] if found else f"{given:g}"
+        suggested = ", ".join(f'"{number} {name}"' for name in quantity.spellings)
+        raise ValueError(f"has no unit; allowed: a text with one of its units, {suggested}")
+    if found and ratio and not unit:
+        raise ValueError(f"is a text; allowed: the number without quotation marks, {found[1]}")
+    return float(found[1]) if found else float(given), unit
 
 
 def read_sections(path: Path) -> Section:

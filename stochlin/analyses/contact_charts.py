@@ -36,6 +36,18 @@ PARTING = Range(
 LINEAR = LinearSpring | Kelvin | NoTensionKelvin | ImpactKelvin
 ELEMENT = LINEAR | Hertz | HertzDamp | Jankowski
 TOLERANCE = {"rtol": 1e-12, "atol": 1e-14}
+SCALES = (
+    "Two free masses of reduced mass m meet at v0. Scales: τ = (m v0^(1-n)/k)^(1/(n+1)), v0 τ, "
+    "k (v0 τ)^n;\nn = 1.5 for Hertz, Hertz-damp and Jankowski, 1 for the others."
+)
+PRINTED = (
+    "Printed in the paper with the dashpot's sign reversed, eqs. (14) and (16), and without the "
+    "stiffness under the root of eq. (15): here c opposes the motion, c = 2 ξ √(k m)."
+)
+OWN = (
+    "Eq. (15) of the paper is the curve of Kelvin alone. Hertz-damp has no damping ratio: the upper "
+    "axis is its damping factor a."
+)
 LONGEST = 1e3  # contact times; the slowest to part need about 1/e
 
 
@@ -167,6 +179,8 @@ def restitution_chart(largest: float = 1.0, points: int = 201) -> xr.Dataset:
             "restitution_hertz_damp": HertzDamp.restitution(factor),
         }
     )
+    chart.attrs["caption"] = "Two free masses; ξ = c/(2 √(k m)), of Jankowski c/(2 √(k √d m))."
+    chart.attrs["comment"] = OWN
     return labels.with_run_information(
         labels.label(chart),
         "Coefficient of restitution of contact elements",
@@ -190,7 +204,7 @@ def _histories(models: list[ELEMENT], points: int, title: str, call: str) -> xr.
     chart["restitution"] = ("element", [model.e for model in models])
     chart["contact_damping"] = ("element", [getattr(model, "damping", 0.0) for model in models])
     described: Mapping[str, ELEMENT] = dict(zip(names, models, strict=True))
-    chart.attrs["caption"] = "Two free masses; scales of their reduced mass, stiffness and approach."
+    chart.attrs |= {"caption": SCALES, "comment": PRINTED}
     return labels.with_run_information(labels.label(chart), title, call, described)
 
 

@@ -1,4 +1,4 @@
-"""The data of the design charts: Figs. 3, 4 and 5 of the paper, and the same for broad band.
+"""The data of the design charts: Figs. 3, 4 and 5 of the paper, and the same for broad band; 6 to 8.
 
 The paper leaves out damping, hardening and the periods behind its ratios: they are chosen
 here, stated in every dataset, and can be set. Ratios are all that matters under a common
@@ -17,6 +17,11 @@ import xarray as xr
 
 from stochlin.analyses import labels
 from stochlin.analyses.amplification import amplification
+from stochlin.analyses.contact_charts import (
+    contact_history_chart,
+    contact_loop_chart,
+    restitution_chart,
+)
 from stochlin.analyses.correlation import correlate, rho_white_noise
 from stochlin.analyses.record_charts import per_spectrum_chart, portrait_chart, recorded_gap_chart
 from stochlin.analyses.record_spectra import fit_spectra
@@ -232,6 +237,10 @@ def chart_functions(
             functions[name] = partial(period_ratio_chart, settings, ground, frequency_ratio)
         functions[f"fig5a{suffix}"] = partial(period_plane_chart, settings, ground)
         functions[f"fig5b{suffix}"] = partial(amplification_chart, settings, ground)
+    if site is None:
+        contacts = (contact_loop_chart, contact_history_chart, restitution_chart)
+        for number, chart in enumerate(contacts, start=6):
+            functions[f"fig{number}"] = partial(chart, points=2 * settings.points - 1)
     return functions
 
 

@@ -190,7 +190,12 @@ def reduction_factor(structure: Structure, ground: Ground) -> xr.Dataset:
 def _search(structure: Structure, ground: Ground, target: DuctilityTarget, closure: str) -> xr.DataArray:
     """Reduction factor of every cell by Chandrupatla's method in a bracket; NaN where it fails."""
     models = {"structure": structure, "ground": ground, "target": target}
-    named = {(role, name): array for role, m in models.items() for name, array in m.arrays().items()}
+    named = {
+        (role, name): array
+        for role, model in models.items()
+        for name, array in model.arrays().items()
+        if name != "mass"  # a number that strength does not depend on
+    }
     try:
         arrays = xr.broadcast(*xr.align(*named.values(), join="exact", copy=False))
     except (xr.AlignmentError, ValueError) as error:

@@ -12,6 +12,7 @@ import xarray as xr
 
 from stochlin.analyses.storage import whole_file
 from stochlin.views.comparisons import draw_comparison
+from stochlin.views.contact_pictures import draw_histories, draw_loops, draw_restitution
 from stochlin.views.record_pictures import draw_critical_gap, draw_per_spectrum, draw_portrait
 from stochlin.views.style import CURVES, NAMES, STYLE, plane, ratio_ticks, tenths
 
@@ -31,8 +32,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     Parameters
     ----------
     dataset : xarray.Dataset
-        As the functions of ``stochlin.analyses.design_charts`` and ``record_charts`` make them, from
-        memory or from file.
+        As the functions of ``stochlin.analyses.design_charts``, ``record_charts`` and
+        ``contact_charts`` make them, from memory or from file.
 
     Returns
     -------
@@ -61,6 +62,13 @@ def draw(dataset: xr.Dataset) -> Figure:
         elif "critical_gap" in dataset:
             axes.remove()
             draw_critical_gap(figure, dataset)
+        elif "scaled_force" in dataset:
+            axes.remove()
+            # Springs without a dashpot have a loop, and no damping ratio to be compared at.
+            (draw_loops if "LinearSpring" in dataset.element else draw_histories)(figure, dataset)
+        elif "restitution_hertz_damp" in dataset:
+            axes.remove()
+            draw_restitution(figure, dataset)
         elif "pseudo_energy_radius" in dataset:
             draw_per_spectrum(axes, dataset)
         elif "period_ratio_2" in dataset.dims:
@@ -70,7 +78,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         else:
             raise ValueError(
                 f"dataset has dimensions {tuple(dataset.dims)}; allowed: a chart, over period_ratio, "
-                "over period_ratio_1 and period_ratio_2, or of a record"
+                "over period_ratio_1 and period_ratio_2, of contact elements, or of a record"
             )
         figure.text(0.1, 0.935, dataset.attrs["title"], size=10)
         lines = dataset.attrs.get("caption", "").splitlines()

@@ -23,6 +23,7 @@ from stochlin.views.options import (
     shared_option,
     simulation_options,
 )
+from stochlin.views.pound_command import pound
 from stochlin.views.probability_command import probability
 from stochlin.views.screen import bad_input, on_screen
 
@@ -42,6 +43,7 @@ main.add_command(gap)
 main.add_command(atlas)
 main.add_command(lookup)
 main.add_command(probability)
+main.add_command(pound)
 
 
 @main.command()
@@ -57,8 +59,8 @@ def charts(
     """Draw the design charts, all or the one called NAME, each beside its dataset (.nc).
 
     \b
-    Without a record: fig3a, fig3b, and on narrow-band ground (xig .05) fig4a, fig4b, fig4c, fig5a,
-    fig5b; the same with the ending _broad_band (xig .6).
+    Without a record: fig3a, fig3b; on narrow-band ground (xig .05) fig4a, fig4b, fig4c, fig5a, fig5b,
+    and the same with the ending _broad_band (xig .6); of contact elements fig6, fig7, fig8.
     With --record: site_spectrum, fig1 (pseudo energy radius), per_spectrum and fig2 (critical gap)
     of the record, and Figs. 4 and 5 with the ending _site, on the fitted ground.
 

@@ -3,23 +3,17 @@
 from __future__ import annotations
 
 import sys
-import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from stochlin.views.screen import bad_input
+from stochlin.views.screen import FILE, bad_input, check_target, paragraph, show
 
 if TYPE_CHECKING:
     from stochlin.analyses.case_answers import CaseAnswer
 
-WIDTH = 100
 REPORTS = (".html", ".htm")
-# Consoles that know few signs are still about.
-PLAIN = {ord("\N{MINUS SIGN}"): "-", ord("\N{EN DASH}"): "-", ord("\N{NO-BREAK SPACE}"): " "}
-PLAIN |= {ord("²"): "^2", ord("³"): "^3"}
-FILE = click.Path(dir_okay=False, path_type=Path)
 
 
 @click.command()
@@ -48,11 +42,13 @@ def gap(case: Path | None, report: Path | None, out: Path | None, example: bool)
             raise ValueError(
                 "CASE is missing; 'stochlin gap --example > case.toml' writes one to start from"
             )
-        _check_targets(report, out)
+        from stochlin.analyses.storage import FORMATS
+
+        check_target("--report", report, REPORTS)
+        check_target("--out", out, FORMATS)
         answer = _answer(case)
         page = _page(answer) if report else ""
-        for line in _lines(answer):
-            click.echo(line.translate(PLAIN))
+        show(_lines(answer))
         if out is not None:
             from stochlin.analyses.storage import save_table
 
@@ -64,19 +60,6 @@ def gap(case: Path | None, report: Path | None, out: Path | None, example: bool)
             with whole_file(report) as temporary:
                 temporary.write_text(page, encoding="utf-8")
             click.echo(f"saved {report}")
-
-
-def _check_targets(report: Path | None, out: Path | None) -> None:
-    """Raise before the work for what could not be written after it."""
-    from stochlin.analyses.storage import FORMATS
-
-    for name, path, allowed in (("--report", report, REPORTS), ("--out", out, FORMATS)):
-        if path is None:
-            continue
-        if path.suffix.lower() not in allowed:
-            raise ValueError(f"{name} {path} ends in {path.suffix!r}; allowed: {' or '.join(allowed)}")
-        if not path.parent.is_dir():
-            raise ValueError(f"{name} {path}: there is no folder {path.parent}; make it first")
 
 
 def _answer(path: Path) -> CaseAnswer:
@@ -97,9 +80,6 @@ def _page(answer: CaseAnswer) -> str:
 def _lines(answer: CaseAnswer) -> list[str]:
     """What the screen shows: the answer in words, the table, and what a reader must know of it."""
     from stochlin.views import gap_words as words
-
-    def paragraph(text: str, hang: str = "") -> list[str]:
-        return textwrap.wrap(text, WIDTH, subsequent_indent=hang)
 
     lines = [answer.case.title, "", *paragraph(words.headline(answer))]
     for sentence in words.summary(answer):

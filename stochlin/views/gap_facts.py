@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from stochlin.analyses.case_answers import CaseAnswer
-    from stochlin.analyses.case_files import Building
+    from stochlin.analyses.case_buildings import Building
 
 GRAVITY = 9.80665
 
@@ -33,7 +33,7 @@ def uncertainties(answer: CaseAnswer) -> list[str]:
         "how they combine peaks, not how an engineer would get those peaks. Building codes have "
         "displacements, load factors and least distances of their own in mind.",
     ]
-    if any(building.strength == "ductility" for building in case.buildings):
+    if any(building.strength == "ductility" for building in case.pair):
         sentences.append(
             "Strength from ductility: found by linearization, which underestimates ductility; the "
             f"simulated mean peaks are {ductilities(table)}."
@@ -43,7 +43,7 @@ def uncertainties(answer: CaseAnswer) -> list[str]:
     doubtful = [row.label for row in rows(answer) if "M" in row.mark]
     if doubtful:
         sentences.append(f"From memory, not compared with their sources: {', '.join(doubtful)}.")
-    heights = [b.height / b.storeys for b in case.buildings if b.height and b.storeys]
+    heights = [b.height / b.storeys for b in case.pair if b.height and b.storeys]
     if case.floors_align and len(heights) == 2 and abs(heights[0] - heights[1]) > 0.01 * heights[0]:
         sentences.append(
             f"Floors: said to align, but storeys are {heights[0]:.2f} m and {heights[1]:.2f} m high. "
@@ -74,7 +74,7 @@ def facts(answer: CaseAnswer) -> list[tuple[str, str, str]]:
     ]
     both = [
         (f"Building {n}", *fact)
-        for n, building in enumerate(case.buildings, start=1)
+        for n, building in enumerate(case.pair, start=1)
         for fact in _building(building, answer.separation, n)
     ]
     return [*ground, *motion, *both, *(("Separation", *fact) for fact in wanted)]

@@ -92,7 +92,7 @@ def spectrum_figure(answer: CaseAnswer) -> Figure:
     if "psd_smoothed" in spectrum:
         axes.plot(period, spectrum.psd_smoothed, color="0.55", lw=1, label="record, smoothed")
     axes.plot(period, spectrum.psd_ground, color=CURVES[1][0], label="ground")
-    for n, building in enumerate(answer.case.buildings, start=1):
+    for n, building in enumerate(answer.case.pair, start=1):
         color, dash = CURVES[0] if n == 1 else CURVES[2]
         at = float(building.structure.arrays()["period"])
         axes.axvline(at, color=color, linestyle=(0, (1, 1)) if n == 1 else dash, label=f"building {n}")

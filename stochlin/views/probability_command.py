@@ -8,15 +8,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stochlin.views.screen import bad_input
+from stochlin.views.screen import FILE, PICTURES, bad_input, check_target
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from stochlin.analyses.case_files import Case
 
-FILE = click.Path(dir_okay=False, path_type=Path)
-PICTURES = (".png", ".svg", ".pdf")
 ROWS = 11  # instants that are printed
 COLUMNS = (
     ("formula", ""),
@@ -46,13 +44,8 @@ def probability(case: Path, gap: float | None, out: Path | None, picture: Path |
     from stochlin.analyses.storage import FORMATS, save_table
 
     with bad_input():
-        for name, path, allowed in (("--out", out, FORMATS), ("--picture", picture, PICTURES)):
-            if path is not None and path.suffix.lower() not in allowed:
-                raise ValueError(
-                    f"{name} {path} ends in {path.suffix!r}; allowed: {' or '.join(allowed)}"
-                )
-            if path is not None and not path.parent.is_dir():
-                raise ValueError(f"{name} {path}: there is no folder {path.parent}; make it first")
+        check_target("--out", out, FORMATS)
+        check_target("--picture", picture, PICTURES)
         described = read_case(case)
         chosen = described.gap if gap is None else gap
         if chosen is None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import textwrap
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -11,7 +13,12 @@ import click
 if TYPE_CHECKING:
     import xarray as xr
 
-SCREEN_ROWS = 40
+SCREEN_ROWS, WIDTH = 40, 100
+PICTURES = (".png", ".svg", ".pdf")
+FILE = click.Path(dir_okay=False, path_type=Path)
+# Consoles that know few signs are still about.
+PLAIN = {ord("\N{MINUS SIGN}"): "-", ord("\N{EN DASH}"): "-", ord("\N{NO-BREAK SPACE}"): " "}
+PLAIN |= {ord("²"): "^2", ord("³"): "^3"}
 
 
 @contextmanager
@@ -23,6 +30,27 @@ def bad_input() -> Iterator[None]:
         raise click.UsageError(str(error)) from error
     except (ArithmeticError, RuntimeError, ImportError) as error:
         raise click.ClickException(str(error)) from error
+
+
+def check_target(option: str, path: Path | None, allowed: Sequence[str]) -> None:
+    """Raise before the work for a file that could not be written after it."""
+    if path is None:
+        return
+    if path.suffix.lower() not in allowed:
+        raise ValueError(f"{option} {path} ends in {path.suffix!r}; allowed: {' or '.join(allowed)}")
+    if not path.parent.is_dir():
+        raise ValueError(f"{option} {path}: there is no folder {path.parent}; make it first")
+
+
+def paragraph(text: str, hang: str = "") -> list[str]:
+    """The lines of a text on the screen."""
+    return textwrap.wrap(text, WIDTH, subsequent_indent=hang)
+
+
+def show(lines: Iterable[str]) -> None:
+    """Print lines with signs that every console knows."""
+    for line in lines:
+        click.echo(line.translate(PLAIN))
 
 
 def on_screen(table: xr.Dataset) -> str:

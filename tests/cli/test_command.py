@@ -13,7 +13,7 @@ import stochlin as sl
 from stochlin.analyses import storage
 from stochlin.views.command import main
 
-FORMULAS = ("fig3a", "fig3b")
+FORMULAS = ("fig3a", "fig3b", "fig6", "fig7", "fig8")  # of no ground
 FIGURES = (*FORMULAS, "fig4a", "fig4b", "fig4c", "fig5a", "fig5b")
 RECORDED = ("site_spectrum", "fig1", "per_spectrum", "fig2")
 

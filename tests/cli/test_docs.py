@@ -16,6 +16,7 @@ from urllib.parse import unquote, urlsplit
 
 import numpy as np
 import pytest
+from cases import recorded_example
 from click.testing import CliRunner
 
 import stochlin as sl
@@ -73,6 +74,7 @@ def test_command_lines_run(line: str) -> None:
     noise = np.random.default_rng(7).normal(size=time.size)
     motion = np.convolve(noise, np.exp(-5 * time) * np.sin(15 * time), "full")[: time.size]
     np.savetxt("taft.txt", 0.01 * motion)
+    Path("case.toml").write_text(recorded_example(), encoding="utf-8")
     program, *arguments = shlex.split(line)
     assert program == "stochlin"
     result = CliRunner().invoke(main, arguments)

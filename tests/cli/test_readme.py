@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cases import recorded_example
 from click.testing import CliRunner
 
 import stochlin as sl
@@ -32,7 +33,8 @@ def test_command_lines_run(line: str, tmp_path: Path, monkeypatch: pytest.Monkey
     t = np.arange(4000) * 0.01
     motion = np.convolve(rng.normal(size=t.size), np.exp(-5 * t) * np.sin(15 * t), "full")[: t.size]
     np.savetxt("taft.txt", 0.01 * motion)
-    Path("case.toml").write_text(sl.example_case(), encoding="utf-8")
+    case = recorded_example() if line.startswith("stochlin pound") else sl.example_case()
+    Path("case.toml").write_text(case, encoding="utf-8")
     command, _, target = line.partition(" > ")
     result = CliRunner().invoke(main, shlex.split(command)[1:])
     assert result.exit_code == 0, result.output

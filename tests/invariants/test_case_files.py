@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cases import recorded_example
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -57,7 +58,7 @@ def test_example_is_what_its_comments_say(tmp_path: Path) -> None:
     firm = sl.named_ground("firm", intensity=0.01)
     assert case.ground == firm
     assert case.envelope == sl.AminAng(4.0, 15.0, 0.35)
-    assert case.first.structure == sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=4)
+    assert case.first.structure == sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=4, mass=3.2e6)
     assert (case.duration, case.gap, case.confidence) == (20.0, 0.05, 0.9)
     # The comment on the intensity: an rms acceleration of .1 g.
     assert rms_acceleration(case.ground) == pytest.approx(0.1 * 9.80665, rel=0.02)
@@ -66,16 +67,24 @@ def test_example_is_what_its_comments_say(tmp_path: Path) -> None:
 def test_every_commented_choice_of_the_example_can_be_taken(tmp_path: Path) -> None:
     wave(tmp_path, "taft.txt")
     filtered = 'ground = "kanai_tajimi"\nperiod = "2 s"\ndamping = 0.05\nintensity = "0.001 m^2/s^3"\n'
-    start, end = EXAMPLE.index("#   [[site"), EXAMPLE.index("#   column")
-    record = EXAMPLE[start:end].replace("#   ", "")
-    case = read(tmp_path, with_site(filtered + record))
+    text = recorded_example()
+    start, end = text.index("[[site"), text.index("#   column")
+    case = read(tmp_path, with_site(filtered + text[start:end]))
     assert case.ground == sl.KanaiTajimi(2.0, 0.05, 0.001)
     assert list(case.records) == ["Taft 1952"]
+    assert list(read(tmp_path, text).records) == ["Taft 1952"]
     for strength in ('yield_displacement = "3 cm"', "ductility = 4", "elastic = true"):
         one = read(tmp_path, changed("\nreduction_factor = 4\nheight", f"\n{strength}\nheight"))
         assert one.first.strength == strength.split(" ")[0]
     assert read(tmp_path, changed("# zone", "zone")).zone == "II"
     assert read(tmp_path, changed("# unverified", "unverified")).unverified
+    start, end = EXAMPLE.index("#   masses"), EXAMPLE.index("# More buildings")
+    storeys = EXAMPLE[start:end].replace("#   ", "")
+    start, end = EXAMPLE.index("[building_1]"), EXAMPLE.index("[separation]")
+    both = "".join(f'[building_{n}]\ndamping = "5 %"\nhardening = "5 %"\n{storeys}' for n in (1, 2))
+    case = read(tmp_path, EXAMPLE[:start] + both + EXAMPLE[end:])
+    assert [building.storeys for building in case.buildings] == [3, 3]
+    assert [building.height for building in case.buildings] == [10.0, 10.0]
 
 
 @given(
