@@ -154,7 +154,6 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "added_damping": ("1", "added damping ratio"),
     "link_stiffness": ("N/m", "stiffness of the link"),
     "link_damping_constant": ("N s/m", "damping constant of the link"),
-    "impacts": ("1", "number of impacts"),
     "required_gap_corrected": ("m", "gap that keeps the confidence, bias corrected"),
     "required_gap_simulated": ("m", "gap that keeps the confidence, simulated"),
     "required_gap_simulated_lower": ("m", "lower end of its 95 % interval"),
