@@ -32,7 +32,8 @@ TEXTS: Mapping[str, str] = {
     "kind": "as built, given, or the least that meets an aim",
     "aim": "what the least meets: the confidence, or the limit of amplification on the records",
     "contact": "what the buildings meet at",
-    "missing": "why a row has no answer",
+    "description": "the measure with its parameters",
+    "missing": "what a row lacks, and why",
 }
 
 
@@ -58,6 +59,7 @@ def mitigate(
     The rows are the buildings as built, each measure that is given, and the least damping, added to
     both or to one of them, and the least dashpot between both with which they do not touch with the
     probability ``confidence``; with a limit of amplification also those that keep it on the records.
+    Nothing is looked for where the buildings meet the aim as built.
 
     Parameters
     ----------
@@ -70,9 +72,10 @@ def mitigate(
     envelope, confidence, paths, seed
         As in `separation`.
     contact : Contact, optional
-        What they meet at as built; with it and records, pounding itself is computed.
+        What they meet at as built; records need it.
     records : mapping of str to xarray.DataArray, optional
-        Ground accelerations [m/s^2] by name, as `read_record` gives them.
+        Ground accelerations [m/s^2] by name, as `read_record` gives them, on which pounding itself is
+        computed.
     amplification_limit : float, optional
         Largest peak allowed on the records over the peak as built and standing alone [-], positive.
     progress : callable, optional
@@ -86,8 +89,8 @@ def mitigate(
         ``no_pounding_probability`` [-] of the existing gap, each with a 95 % interval, ``_lower`` and
         ``_upper``, ``verdict`` on the gap, ``peak_mean_1`` and ``_2`` [m] without contact, with standard
         errors; by linearization ``rho`` [-] and ``relative_displacement_std`` [m]; texts in the
-        coordinates ``kind``, ``aim``, ``contact`` and ``missing``. With contact and records also over
-        ``record``: ``amplification_1`` and ``_2`` [-], the peak over the peak as built and standing
+        coordinates ``kind``, ``aim``, ``contact``, ``description`` and ``missing``. With records also
+        over ``record``: ``amplification_1`` and ``_2`` [-], the peak over the peak as built and standing
         alone, ``impacts`` and ``largest_force`` [N]. A row whose search found nothing is NaN.
 
     Raises
@@ -117,7 +120,7 @@ def mitigate(
     >>> bool((table.required_gap.isel(measure=slice(1, 3)) < table.required_gap[0]).all())
     True
     >>> table.measure.values[-1].item()
-    'least dashpot between them'
+    'least dashpot between'
     """
     pair = _checked(first, second, ground, gap, measures, contact, records, amplification_limit)
     check_confidence(confidence)
@@ -134,7 +137,7 @@ def mitigate(
         records=records or {},
     )
     given = [Row(AS_BUILT, AS_BUILT, Measure())]
-    given += [Row(name, "given", measure) for name, measure in measures.items()]
+    given += [_given(name, measure, bool(records)) for name, measure in measures.items()]
     wanted: list[Row | Search] = [*given, *searches(site, amplification_limit)]
     rows, columns = [], []
     for done, one in enumerate(wanted, start=1):
@@ -152,6 +155,12 @@ def mitigate(
         f"mitigate(gap={gap:g}, duration={duration:g}, confidence={confidence:g}, seed={seed})",
         models if contact is None else models | {"contact": contact},
     )
+
+
+def _given(name: str, measure: Measure, recorded: bool) -> Row:
+    unseen = measure.contact is not None and not recorded
+    told = "what a contact does shows on records, and none is given" if unseen else ""
+    return Row(name, "given", measure, missing=told)
 
 
 def _checked(
@@ -172,14 +181,8 @@ def _checked(
         expect(measure, Measure, f"measures[{name!r}]")
         if measure.link is not None:
             check_linked(first, second)
-        if measure.contact is not None and contact is None:
-            raise ValueError(
-                f"measures[{name!r}] has a contact, and contact is not given; give what the buildings "
-                "meet at as built, too, and records, for both to be compared"
-            )
-    if (contact is None) != (not records):
-        lacking, other = ("contact", "records") if contact is None else ("records", "contact")
-        raise ValueError(f"{lacking} is not given, {other} is; give both for pounding, or neither")
+    if records and contact is None:
+        raise ValueError("contact is not given, records are; give what the buildings meet at as built")
     for name, motion in (records or {}).items():
         try:
             checked_record(motion)
@@ -187,9 +190,7 @@ def _checked(
             raise type(error)(f"records[{name!r}]: {error}") from error
     for role, structure in (("first", first), ("second", second)):
         expect(structure, Structure, role)
-        if contact is not None and (
-            not isinstance(structure, (Bilinear, BoucWen)) or structure.mass is None
-        ):
+        if records and (not isinstance(structure, (Bilinear, BoucWen)) or structure.mass is None):
             raise ValueError(f"{role} cannot pound; allowed: Bilinear or BoucWen with a mass, in kg")
     if limit is not None and (not records or not 0 < limit < np.inf):
         raise ValueError(
@@ -228,6 +229,7 @@ def _table(rows: Sequence[Row], columns: Sequence[Mapping[str, Any]], site: Miti
             "measure": ("measure", texts("name"), {"long_name": "measure"}),
             **{name: ("measure", texts(name)) for name in ("kind", "aim", "missing")},
             "contact": ("measure", contacts),
+            "description": ("measure", [row.measure.describe() if row.measure else "" for row in rows]),
         }
     )
     if site.records:

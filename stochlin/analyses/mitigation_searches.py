@@ -54,20 +54,25 @@ class Search(NamedTuple):
 
 
 def searches(site: MitigatedPair, limit: float | None) -> list[Search]:
-    """Searches for added damping, and for a dashpot where there are masses, for each aim."""
+    """Searches for added damping, and for a dashpot where there are masses, for each aim.
+
+    None for an aim that is met as built.
+    """
     aims: list[tuple[str, str, Callable[[Measure], float], float]] = [
         ("confidence", "", site.required_gap, site.gap)
     ]
     if limit is not None:
-        aims.append(("amplification", ", for the limit", site.worst_amplification, limit))
+        aims.append(("amplification", " (limit)", site.worst_amplification, limit))
     found = []
     for aim, suffix, outcome, most in aims:
+        if outcome(Measure()) <= most:
+            continue
         for side, shares in SIDES.items():
-            name = f"least damping in {side}{suffix}"
+            name = f"least damping, {side}{suffix}"
             found.append(Search(name, aim, _damping(shares), outcome, most, _dampings(site, shares), ""))
         scale = _dashpot_scale(site)
         if scale is not None:
-            name = f"least dashpot between them{suffix}"
+            name = f"least dashpot between{suffix}"
             found.append(Search(name, aim, _dashpot, outcome, most, scale * CONSTANTS, " N s/m"))
     return found
 

@@ -26,9 +26,7 @@ from stochlin.kernels import (
     pounding_steps,
 )
 from stochlin.kernels.arrays import Array
-from stochlin.kernels.borrowing import borrow
 from stochlin.kernels.contact import reduced_mass
-from stochlin.kernels.linear_branch import jit
 from stochlin.kernels.pounding_events import (
     NOTHING,
     first_event,
@@ -56,6 +54,7 @@ from stochlin.kernels.pounding_rows import (
     borrow_branches,
     borrow_row,
     lean,
+    once,
     sizes,
 )
 from stochlin.kernels.pounding_steps import (
@@ -114,7 +113,7 @@ class Run(NamedTuple):
     last: Array  # (k,): and in what state
 
 
-@lean
+@once
 def _advance(row, branch, ground, slope, h, x, space):  # type: ignore[no-untyped-def]
     """Take a step, shorter and shorter until its error is allowed; its length, the next, the trials."""
     for trial in range(1, 60):
@@ -140,7 +139,7 @@ def _first_in_contact(row, branch, j):  # type: ignore[no-untyped-def]
     return ON_CONTACT * (min(pace, mass / c) if c > 0.0 else pace)
 
 
-@jit
+@once
 def _pass(row, branch, event, way, ground, time, planned, x, space, table, used):  # type: ignore[no-untyped-def]
     """Go on to the next branch; returns the table, its length, and the step to plan with."""
     before = branch.contact.copy()
@@ -156,7 +155,7 @@ def _pass(row, branch, event, way, ground, time, planned, x, space, table, used)
     return table, used, planned
 
 
-@jit
+@once
 def _interval(row, branch, begin, slope, dt, at, planned, x, after, space, asked, done, table, used):  # type: ignore[no-untyped-def]
     """All steps of interval ``at`` of the record, over which the ground goes from ``begin``."""
     tau, count = 0.0, 0
@@ -193,9 +192,12 @@ def _interval(row, branch, begin, slope, dt, at, planned, x, after, space, asked
     return tau, count, planned, done, table, used
 
 
-@jit
-def _go(row, acceleration, dt, asked, x, after, space, branch):  # type: ignore[no-untyped-def]
-    """The whole motion, on borrowed arrays; the table of impacts, the steps, and how far it came."""
+@nb.njit(nogil=True, cache=True, error_model="numpy")
+def _run(owned, acceleration, dt, wanted, x, version):  # type: ignore[no-untyped-def]
+    """The whole motion: the table of impacts, the steps, whether and how far it came; and the owners."""
+    own_space, own_branch, after = workspace(owned), starting_branches(owned, x), x.copy()
+    row, asked = borrow_row(owned), borrow_asked(wanted)
+    space, branch = borrow_space(own_space), borrow_branches(own_branch)
     table = np.empty((FIRST_LINES + 4 * row.gap.size, COLUMNS))
     used = steps = done = np.int64(0)  # a literal would be a type of its own, to be compiled for too
     asked.peaks[:] = x[: row.mass.size]
@@ -209,35 +211,20 @@ def _go(row, acceleration, dt, asked, x, after, space, branch):  # type: ignore[
     while done < asked.since.size and asked.interval[done] == 0 and asked.since[done] <= 0.0:
         asked.states[done], asked.forces[done] = x, space.force
         done += 1
-    planned, time = FIRST * dt, 0.0
+    planned, time, completed = FIRST * dt, 0.0, True
     for at in range(acceleration.size - 1):
         begin, slope = acceleration[at], (acceleration[at + 1] - acceleration[at]) / dt
         tau, count, planned, done, table, used = _interval(
             row, branch, begin, slope, dt, at, planned, x, after, space, asked, done, table, used
         )
-        steps, time = steps + count, at * dt + tau
-        if tau < dt:
-            return table[:used], steps, False, time
+        steps, time, completed = steps + count, at * dt + tau, tau >= dt
+        if not completed:
+            break
     for j in range(row.gap.size):
-        if branch.contact[j] not in (OPEN, PARTED):
+        if completed and branch.contact[j] not in (OPEN, PARTED):
             end_entry(row, branch, j, time, x, table)
-    return table[:used], steps, True, time
-
-
-@nb.njit(nogil=True, cache=True, error_model="numpy")
-def _run(row, acceleration, dt, asked, x, version):  # type: ignore[no-untyped-def]
-    space, branch, after = workspace(row), starting_branches(row, x), x.copy()
-    done = _go(
-        borrow_row(row),
-        borrow(acceleration),
-        dt,
-        borrow_asked(asked),
-        borrow(x),
-        borrow(after),
-        borrow_space(space),
-        borrow_branches(branch),
-    )
-    return done, (space, branch, after)  # the owners, which have to live until here
+    # What was borrowed has to live until here.
+    return table[:used], steps, completed, time, (own_space, own_branch, after)
 
 
 def run(row: Row, motion: Motion, start: Array | None = None) -> Run:
@@ -252,8 +239,7 @@ def run(row: Row, motion: Motion, start: Array | None = None) -> Run:
     asked = Asked(
         motion.interval, motion.since, np.zeros((times, k)), np.zeros((times, c)), np.zeros((2, n))
     )
-    done, _ = _run(row, motion.acceleration, motion.dt, asked, state, VERSION)
-    table, steps, completed, time = done
+    table, steps, completed, time, _ = _run(row, motion.acceleration, motion.dt, asked, state, VERSION)
     return Run(asked.states, asked.forces, asked.peaks, table, steps, completed, time, state)
 
 

@@ -30,6 +30,7 @@ from stochlin.kernels.pounding_rows import (
     STEREOMECHANICAL,
     TOGETHER,
     lean,
+    once,
     sizes,
 )
 from stochlin.kernels.pounding_steps import (
@@ -137,7 +138,7 @@ def _storeys_stay(row, branch, h, x, space):  # type: ignore[no-untyped-def]
     return True
 
 
-@lean
+@once
 def first_event(row, branch, ground, slope, h, x, space):  # type: ignore[no-untyped-def]
     """First end of a branch within a step that was taken.
 
@@ -180,7 +181,7 @@ def first_event(row, branch, ground, slope, h, x, space):  # type: ignore[no-unt
     return best, event, way, known
 
 
-@lean
+@once
 def pass_event(row, branch, event, way, ground, time, x, space, table, used):  # type: ignore[no-untyped-def]
     """Go from branch to branch at an event; returns how many lines of the table are used.
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from stochlin.kernels.contact import reduced_mass, velocities_after_impact
 from stochlin.kernels.pounding_rates import CLOSING_RATE, PENETRATION, linked, measure, rates
-from stochlin.kernels.pounding_rows import OPEN, TOGETHER, lean, sizes
+from stochlin.kernels.pounding_rows import OPEN, TOGETHER, lean, once, sizes
 
 BEGIN, CONTACT, APPROACH, LARGEST, END, BEFORE, AFTER = range(7)
 COLUMNS = 7
@@ -46,7 +46,7 @@ def _account(row, j):  # type: ignore[no-untyped-def]
     return 3 * n + 3 * s + j
 
 
-@lean
+@once
 def settle(row, branch, struck, ground, time, x, space, table, used):  # type: ignore[no-untyped-def]
     """What follows when the floors of a contact strike each other, or move together no longer.
 

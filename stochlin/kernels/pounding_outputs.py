@@ -8,7 +8,7 @@ from stochlin.kernels.arrays import Array
 from stochlin.kernels.borrowing import borrow
 from stochlin.kernels.pounding_events import watch_forces, watch_peaks
 from stochlin.kernels.pounding_rates import rates
-from stochlin.kernels.pounding_rows import lean
+from stochlin.kernels.pounding_rows import lean, once
 from stochlin.kernels.pounding_steps import copy, interpolate, state_within
 
 
@@ -34,7 +34,7 @@ def borrow_asked(asked):  # type: ignore[no-untyped-def]
     )
 
 
-@lean
+@once
 def watch(row, branch, ground, slope, h, end, x, after, known, space, asked, table):  # type: ignore[no-untyped-def]
     """Take peaks and forces of the share ``end`` of a step; tells whether its polynomials are known."""
     needed = watch_peaks(row, end, h, x, after, space, asked.peaks, known)
@@ -46,7 +46,7 @@ def watch(row, branch, ground, slope, h, end, x, after, known, space, asked, tab
     return known
 
 
-@lean
+@once
 def report(row, branch, ground, slope, h, tau, last, x, after, known, space, asked, at, done):  # type: ignore[no-untyped-def]
     """Write the states asked for between ``tau`` and ``last`` of interval ``at``; how many are done."""
     while done < asked.since.size and asked.interval[done] == at and asked.since[done] <= last:

@@ -16,7 +16,7 @@ from stochlin.kernels.arrays import Array
 from stochlin.kernels.borrowing import borrow
 from stochlin.kernels.linear_branch import MARKS, TERMS, jit
 from stochlin.kernels.pounding_rates import measure, rates
-from stochlin.kernels.pounding_rows import OPEN, lean, sizes
+from stochlin.kernels.pounding_rows import OPEN, lean, once, sizes
 
 # Contiguous, for numba's cache does not take constants that are not.
 A, B, C = (np.ascontiguousarray(table) for table in (DOP853.A, DOP853.B, DOP853.C))
@@ -112,7 +112,7 @@ def _combine(weights, count, stages, h, x, out):  # type: ignore[no-untyped-def]
                 out[i] += w * stages[j, i]
 
 
-@lean
+@once
 def attempt(row, branch, ground, slope, h, x, space):  # type: ignore[no-untyped-def]
     """Take a step of ``h`` seconds from ``x``; returns its error over the tolerance.
 

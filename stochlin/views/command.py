@@ -15,6 +15,7 @@ from stochlin import __version__
 from stochlin.views import options as shared
 from stochlin.views.atlas_command import atlas, lookup
 from stochlin.views.gap_command import gap
+from stochlin.views.mitigate_command import mitigate
 from stochlin.views.options import (
     CLOSURES,
     chart_options,
@@ -44,6 +45,7 @@ main.add_command(atlas)
 main.add_command(lookup)
 main.add_command(probability)
 main.add_command(pound)
+main.add_command(mitigate)
 
 
 @main.command()

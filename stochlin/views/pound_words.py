@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from stochlin.views.gap_words import MISSING, centimetres, length, per_cent
-from stochlin.views.screen import paragraph
+from stochlin.views.screen import columns, paragraph
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -38,7 +38,7 @@ def answer_lines(case: Case, tables: Mapping[str, xr.Dataset]) -> list[str]:
     lines = [case.title]
     for record, table in tables.items():
         lines += ["", *paragraph(f"{record}: {headline(table)}"), ""]
-        lines += [*_columns(*_buildings(table)), "", *_columns(*_contacts(table)), ""]
+        lines += [*columns(*_buildings(table)), "", *columns(*_contacts(table)), ""]
         lines += paragraph(energies(table))
     return [*lines, "", *paragraph(_notes(case, next(iter(tables.values()))))]
 
@@ -122,16 +122,6 @@ def _contacts(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
             named += f", {float(one.level):.4g} m up"
         rows.append([named, centimetres(float(one.gap)), closest, str(int(one.impacts)), *numbers])
     return heads, rows
-
-
-def _columns(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
-    """A table as text: the first column to the left, the others to the right."""
-    all_rows = [heads, *rows]
-    wide = [max(len(row[n]) for row in all_rows) for n in range(len(heads))]
-    return [
-        "  ".join([row[0].ljust(wide[0]), *(row[n].rjust(wide[n]) for n in range(1, len(heads)))])
-        for row in all_rows
-    ]
 
 
 def _notes(case: Case, table: xr.Dataset) -> str:

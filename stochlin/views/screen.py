@@ -53,6 +53,16 @@ def show(lines: Iterable[str]) -> None:
         click.echo(line.translate(PLAIN))
 
 
+def columns(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
+    """A table as text: the first column to the left, the others to the right."""
+    all_rows = [heads, *rows]
+    wide = [max(len(row[n]) for row in all_rows) for n in range(len(heads))]
+    return [
+        "  ".join([row[0].ljust(wide[0]), *(row[n].rjust(wide[n]) for n in range(1, len(heads)))])
+        for row in all_rows
+    ]
+
+
 def on_screen(table: xr.Dataset) -> str:
     """The table as text: a row a cell, flags by name, cut where a screen ends."""
     shown = table[[name for name in table.data_vars if not str(name).startswith("yield")]]
