@@ -5,6 +5,7 @@ from typing import Any
 
 from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
+from sphinx.ext import autosummary
 
 import stochlin
 
@@ -26,6 +27,9 @@ default_role = "py:obj"
 
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
+
+# A summary is the first sentence of a docstring, which these do not end.
+autosummary.WELL_KNOWN_ABBREVIATIONS += ("eq.", "eqs.", "Eq.", "Eqs.")
 
 autodoc_typehints = "none"  # the docstrings say them in words
 autodoc_default_options = {
@@ -55,6 +59,8 @@ linkcheck_workers = 4
 
 html_math_renderer = "mathml"
 html_theme = "furo"
+html_static_path = ["_static"]
+html_css_files = ["math.css"]
 html_title = f"stochlin {release}"
 
 

@@ -38,7 +38,7 @@ for column, name, title in zip(
     ):
         axes.imshow(abs(values), vmin=0, vmax=scale, cmap="Greys", origin="lower", aspect="auto")
         for (row, place), value in np.ndenumerate(values.values):
-            dark = abs(value) > 0.55 * scale
+            dark = abs(value) >= 0.59 * scale
             number = f"{value:+.2f}" if scale == 0.5 else f"{value:.0f}"
             axes.text(place, row, number, ha="center", va="center", color="w" if dark else "k", size=8)
         axes.set_title(f"{title}\n{text}", size=9)

@@ -17,13 +17,14 @@ plt.rcParams.update(STYLE)
 chart = contact_loop_chart(restitution=0.65)
 figure, panels = plt.subplots(1, 2, figsize=(7.2, 3.6), sharey=True, layout="constrained")
 groups = (
-    ("linear", ["LinearSpring", "Kelvin", "NoTensionKelvin", "ImpactKelvin"]),
-    ("Hertz", ["Hertz", "HertzDamp", "Jankowski"]),
+    ("linear elements; damped: e = .65", ["LinearSpring", "Kelvin", "NoTensionKelvin", "ImpactKelvin"]),
+    ("Hertz types; damped: e = .65", ["Hertz", "HertzDamp", "Jankowski"]),
 )
 for axes, (title, names) in zip(panels, groups, strict=True):
     for name, (color, dash) in zip(names, CURVES, strict=False):
         loop = chart.sel(element=name)
         axes.plot(loop.scaled_deformation, loop.scaled_force, color=color, linestyle=dash, label=name)
-    axes.set(title=title, xlabel="deformation, scaled")
+    axes.set_title(title, size=9)
+    axes.set(xlabel="deformation, scaled")
     axes.legend(loc="upper left")
 panels[0].set(ylabel="force, scaled", ylim=(None, 1.9))
