@@ -32,26 +32,38 @@ def linearized_pairs(
     first: Structure, second: Structure, ground: Ground, closure: str, tolerance: Tolerance
 ) -> xr.Dataset:
     """``rho``, its bias and what `correlate` shows of both structures."""
+    pair = (first, second)
+    sides = [solve_structure(s, ground, closure, tolerance) for s in pair]
+    gaussian = sides
+    if closure != "gaussian":
+        gaussian = [solve_structure(s, ground, "gaussian", tolerance) for s in pair]
+    return pairs_of_solved(pair, ground, sides, gaussian)
+
+
+def pairs_of_solved(
+    pair: tuple[Structure, Structure],
+    ground: Ground,
+    sides: list[xr.Dataset],
+    gaussians: list[xr.Dataset],
+) -> xr.Dataset:
+    """The same from both solved structures; ``gaussians`` are ``sides`` where that is the closure."""
+    other_closure = sides is not gaussians
     inputs: list[xr.DataArray] = []
-    sides: list[xr.Dataset] = []
     biases: dict[str, xr.DataArray] = {}
-    for number, structure in enumerate((first, second), start=1):
-        side = gaussian = solve_structure(structure, ground, closure, tolerance)
-        if closure != "gaussian":
-            gaussian = solve_structure(structure, ground, "gaussian", tolerance)
+    solved = zip(pair, sides, gaussians, strict=True)
+    for number, (structure, side, gaussian) in enumerate(solved, start=1):
         bias = relative_bias(structure, ground, side, gaussian)
         inputs += [side[name] for name in SYSTEM]
-        inputs += [gaussian[name] for name in SYSTEM] if closure != "gaussian" else []
+        inputs += [gaussian[name] for name in SYSTEM] if other_closure else []
         inputs += place_in_map(structure, ground, gaussian)
         inputs += [side.status, caution_of(bias), np.isinf(gaussian.yield_displacement)]
-        sides.append(side)
         biases[f"bias_{number}"] = bias
     rho, status, bias, caution = cellwise_pair(
         _cells,
         *inputs,
         kinds=KINDS,
-        grid=rho_bias_map(first, second, ground),
-        other_closure=closure != "gaussian",
+        grid=rho_bias_map(*pair, ground),
+        other_closure=other_closure,
         threads=not is_lazy(*inputs),  # dask has its own
     )
     caution.attrs = caution_of(biases["bias_1"]).attrs

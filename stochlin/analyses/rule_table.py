@@ -10,7 +10,7 @@ import xarray as xr
 
 from stochlin.analyses.code_gaps import code_gaps
 from stochlin.analyses.correlation import correlate
-from stochlin.analyses.critical_gaps import critical_gap
+from stochlin.analyses.critical_gaps import double_difference
 from stochlin.analyses.effective_correlation import rho_effective
 from stochlin.analyses.equivalent_systems import STRENGTH_RATIO, solve_structure
 from stochlin.analyses.peaks import peak_table, relative_moments
@@ -68,10 +68,7 @@ class PairInMotion:
     ) -> PairInMotion:
         """Linearize the structures; an envelope counts by the integral of its square."""
         solved = tuple(solve_structure(s, ground, "gaussian", USUAL) for s in (first, second))
-        seconds = duration
-        if envelope is not None:
-            middle = (np.arange(STEPS) + 0.5) * duration / STEPS
-            seconds = duration * float(np.mean(envelope.at(middle) ** 2))
+        seconds = strong_seconds(duration, envelope)
         pair = (first, second)
         return cls(pair, ground, (solved[0], solved[1]), motions, confidence, seconds, heights)
 
@@ -103,6 +100,14 @@ class PairInMotion:
         return table
 
 
+def strong_seconds(duration: float, envelope: Envelope | None) -> float:
+    """Length [s] of the stationary motion that an envelope stands for: the integral of its square."""
+    if envelope is None:
+        return duration
+    middle = (np.arange(STEPS) + 0.5) * duration / STEPS
+    return duration * float(np.mean(envelope.at(middle) ** 2))
+
+
 def by_yield_displacement(structure: Structure, ground: Ground) -> Any:
     """A structure by its yield displacement, whatever defined its strength."""
     if not structure.yields:
@@ -117,14 +122,18 @@ def all_rules(pair: PairInMotion, floors_align: bool, zone: str | None, unverifi
         _with_simulated_rho(pair),
         _with_linearized_rho(pair),
         *(_with_effective_rho(pair, name) for name in effective_rule_names(unverified)),
-        _linearized(pair),
-        *_codes(pair, floors_align, zone),
+        linearized_rule(pair.solved, pair.ground, pair.strong_seconds, pair.confidence),
+        *code_rules(pair.peaks, pair.heights, floors_align, zone),
     ]
 
 
 def _with_rho(pair: PairInMotion, name: str, rho: float, **texts: str) -> Rule:
-    first, second = pair.peaks
-    gap = float(critical_gap(first, second, float(np.clip(rho, -1, 1))).gap)
+    return equation_3_rule(pair.peaks, name, rho, **texts)
+
+
+def equation_3_rule(peaks: Array, name: str, rho: float, **texts: str) -> Rule:
+    """Eq. (3) with these peaks [m] and this correlation."""
+    gap = float(double_difference(peaks[0], peaks[1], np.clip(rho, -1, 1)))
     return Rule(name, "equation_3", gap, rho, **texts)
 
 
@@ -168,12 +177,12 @@ def _with_effective_rho(pair: PairInMotion, name: str) -> Rule:
     )
 
 
-def _linearized(pair: PairInMotion) -> Rule:
+def linearized_rule(
+    solved: tuple[xr.Dataset, xr.Dataset], ground: Ground, seconds: float, confidence: float
+) -> Rule:
     """Linearization alone: a Gaussian difference, its one-sided peak by Vanmarcke."""
-    l0, l1, l2 = relative_moments(*pair.solved, pair.ground)
-    peak = peak_table(l0, l1, l2, xr.DataArray(pair.strong_seconds), Vanmarcke1975(), sides=1)
-    reduced = -np.log(-np.log(pair.confidence))
-    gap = float(peak.peak_mean + GUMBEL * (reduced - np.euler_gamma) * peak.peak_std)
+    moments = relative_moments(*solved, ground)
+    gap = float(peak_quantile(moments, seconds, confidence, sides=1))
     missing = "" if np.isfinite(gap) else "not solved, or the motion is too short to hold a peak"
     return Rule(
         "linearization",
@@ -181,13 +190,25 @@ def _linearized(pair: PairInMotion) -> Rule:
         gap,
         reference=Vanmarcke1975.reference,
         mark="C",
-        assumptions=f"stationary for {pair.strong_seconds:.3g} s, Gaussian; nothing simulated",
+        assumptions=f"stationary for {seconds:.3g} s, Gaussian; nothing simulated",
         missing=missing,
     )
 
 
-def _codes(pair: PairInMotion, floors_align: bool, zone: str | None) -> list[Rule]:
-    peaks, heights = pair.peaks, pair.heights
+def peak_quantile(
+    moments: tuple[xr.DataArray, ...], seconds: float, confidence: float, sides: int
+) -> xr.DataArray:
+    """Peak [m] that a Gaussian motion does not exceed with this probability, a Gumbel distribution."""
+    l0, l1, l2 = moments
+    peak = peak_table(l0, l1, l2, xr.DataArray(seconds), Vanmarcke1975(), sides)
+    reduced = -np.log(-np.log(confidence))
+    return peak.peak_mean + GUMBEL * (reduced - np.euler_gamma) * peak.peak_std
+
+
+def code_rules(
+    peaks: Array, heights: tuple[float | None, float | None], floors_align: bool, zone: str | None
+) -> list[Rule]:
+    """The rules of building codes, fed with these peaks [m]."""
     table = code_gaps(
         peaks[0],
         peaks[1],
@@ -196,17 +217,19 @@ def _codes(pair: PairInMotion, floors_align: bool, zone: str | None) -> list[Rul
         floors_align=floors_align,
         zone=zone,
     )
+    names = ("rule", "gap", "reference", "mark", "assumptions", "missing")
+    columns = (table[name].values for name in names)
     return [
         Rule(
             str(name),
             "code",
-            float(table.gap.sel(rule=name)),
-            reference=str(table.reference.sel(rule=name).item()),
-            mark=str(table.mark.sel(rule=name).item()),
-            assumptions=str(table.assumptions.sel(rule=name).item()),
-            missing=_lacking(str(table.missing.sel(rule=name).item())),
+            float(gap),
+            reference=str(reference),
+            mark=str(mark),
+            assumptions=str(assumptions),
+            missing=_lacking(str(missing)),
         )
-        for name in table.rule.values
+        for name, gap, reference, mark, assumptions, missing in zip(*columns, strict=True)
     ]
 
 

@@ -38,6 +38,14 @@ class EquivalentSystem(NamedTuple):
         w2, d, h, p, k = self
         return d + k, w2 + d * k - h * p, (w2 - h) * k
 
+    def transfer_squared(self, frequency: Array) -> Array:
+        """``|mu/f|^2 = (w^2 + k^2)/|det(i w I - A)|^2`` at circular frequencies [rad/s], in s^4."""
+        a2, a1, a0 = self.characteristic
+        square = frequency**2
+        real, imaginary = a0 - a2 * square, frequency * (a1 - square)
+        squared: Array = (square + self.relaxation**2) / (real**2 + imaginary**2)
+        return squared
+
 
 class Forcing(NamedTuple):
     """Stationary correlations of the forcing ``f`` with ``mu``, ``mu'`` and ``y``.

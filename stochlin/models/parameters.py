@@ -106,7 +106,7 @@ class Model:
         ok = xr.DataArray(True)
         arrays = self.arrays()
         for field in self._declared():
-            if field.name in arrays:
+            if field.name in arrays and arrays[field.name].ndim:  # a number has been checked before
                 ok = ok & field.metadata["allowed"].contains(arrays[field.name])
         return ok
 

@@ -14,6 +14,7 @@ import click
 from stochlin import __version__
 from stochlin.views import options as shared
 from stochlin.views.atlas_command import atlas, lookup
+from stochlin.views.explorer_command import explore
 from stochlin.views.gap_command import gap
 from stochlin.views.mitigate_command import mitigate
 from stochlin.views.options import (
@@ -46,6 +47,7 @@ main.add_command(lookup)
 main.add_command(probability)
 main.add_command(pound)
 main.add_command(mitigate)
+main.add_command(explore)
 
 
 @main.command()

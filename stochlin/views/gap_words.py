@@ -18,7 +18,7 @@ MISSING, MINUS, SPACE = "\N{EN DASH}", "\N{MINUS SIGN}", "\N{NO-BREAK SPACE}"
 CAPITALS = {"asce": "ASCE", "is": "IS", "ubc": "UBC", "e030": "E.030", "fema": "FEMA", "srss": "SRSS"}
 COMMON = {
     *("simulation", "simulated", "linearization", "linearized", "elastic", "secant"),
-    *("share", "of", "sum", "unverified"),
+    *("share", "of", "sum", "unverified", "drift", "white", "noise"),
 }
 COLUMNS = (
     "Error: the rule's gap against the answer; minus is unsafe. Apart: share of the simulated motions "
