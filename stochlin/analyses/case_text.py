@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from stochlin.analyses.case_files import ENVELOPES, GROUNDS
+from stochlin.analyses.case_site import ENVELOPES, GROUNDS
 from stochlin.analyses.scenes import Scene
 from stochlin.models.parameters import Model
 

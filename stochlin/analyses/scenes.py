@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from stochlin.analyses.case_files import ENVELOPES, FEWEST_PATHS, FITS, FITTED, GROUNDS, NONE, Case
+from stochlin.analyses.case_files import FEWEST_PATHS, Case
+from stochlin.analyses.case_site import ENVELOPES, FITS, FITTED, GROUNDS, NONE
 from stochlin.analyses.separation import check_confidence
 from stochlin.analyses.strength import reduction_factor
 from stochlin.analyses.transient_cells import check_course
@@ -175,10 +176,14 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
         notes.append(f"The ground is fitted to {next(iter(case.records))}: held by its parameters here.")
     if case.records:
         notes.append("Records are left out here, and in a case file saved from here.")
+    if case.contact is not None or case.measures or any(b.structure.mass for b in case.pair):
+        notes.append(
+            "Masses, contact and measures are left out here, and in a case file saved from here."
+        )
     if site not in GROUNDS:
         given = {"intensity": given["intensity"]}
     values: dict[str, Any] = {OF_GROUND.get(name, name): value for name, value in given.items()}
-    for number, building in enumerate(case.buildings, start=1):
+    for number, building in enumerate(case.pair, start=1):
         structure = building.structure
         if building.strength in ("yield_displacement", "ductility"):
             notes.append(
@@ -191,7 +196,8 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
             structure = dataclasses.replace(structure, yield_displacement=None, reduction_factor=factor)
         values |= {f"{name}_{number}": value for name, value in _numbers(structure)}
         values[f"yields_{number}"] = structure.yields
-        values.pop(f"peak_factor_{number}")
+        for left_out in ("peak_factor", "mass"):
+            values.pop(f"{left_out}_{number}", None)
     if case.envelope is not None:
         values["envelope"] = next(n for n, kind in ENVELOPES.items() if type(case.envelope) is kind)
         values |= dict(_numbers(case.envelope))
@@ -201,7 +207,7 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
         notes.append(f"The file states no existing gap: {Scene.gap:g} m is shown, as a start.")
     else:
         values["gap"] = case.gap
-    one, other = case.buildings
+    one, other = case.pair
     kept = ("title", "confidence", "duration", "floors_align", "zone", "unverified", "paths", "seed")
     scene = Scene(
         site=site,

@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from stochlin.analyses.case_files import ENVELOPES, GROUNDS
+from stochlin.analyses.case_site import ENVELOPES, GROUNDS
 from stochlin.analyses.scenes import ALLOWED, OF_GROUND, SHAPES, SITES, Scene, check_count
 
 SCALES = {"cm": 100.0}  # of a unit that is shown, for one in SI
