@@ -1,8 +1,9 @@
-"""The drift closure against simulation: `python benchmarks/drift.py --work FOLDER`.
+"""The drift closure against simulation: `python benchmarks/drift.py --work FOLDER [--save FILE]`.
 
 500 random pairs of unequal structures, drawn after the method was fixed, each simulated to about 1 %;
 a run that was stopped goes on with what is in FOLDER. Prints the errors of every closure, and where in
-the domain those of the drift closure are.
+the domain those of the drift closure are. FILE (.nc) takes the pairs, the simulations and what the
+closures say; the gallery draws it.
 """
 
 import argparse
@@ -13,11 +14,13 @@ import numpy as np
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.drifting_pairs import pair_correlation
+from stochlin.analyses.derived_pairs import derived_correlation
 from stochlin.analyses.equivalent_systems import solve_derived
+from stochlin.analyses.storage import save_table
 from stochlin.analyses.tolerance import USUAL
 
-PAIRS, SEED = 500, 20261122
+PAIRS, SEED = 500, 20261207
+CLOSURES = ("gaussian", "clipped", "narrow_band", "drift")
 WHITE = 1 / 6  # share of the pairs on white noise
 HARDENING, STRENGTH, DAMPING = (0.02, 0.5), (0.3, 4.0), (0.01, 0.1)
 GROUND_DAMPING, PERIOD, RATIO = (0.03, 1.0), (0.2, 5.0), 3.0
@@ -90,7 +93,7 @@ def truth(pairs, folder):
 def candidates(pairs):
     """Standard deviations and rho by every closure."""
     *structures, ground = models(pairs)
-    for closure in ("gaussian", "clipped", "drift"):
+    for closure in CLOSURES:
         table = sl.correlate(*structures, ground, closure=closure)
         sigma = [table[f"displacement_std_{n}"].values for n in (1, 2)]
         yield closure, (*sigma, table.rho.values)
@@ -99,7 +102,7 @@ def candidates(pairs):
             yield "gaussian, map of the bias where known", (*sigma, table.rho.values)
     sides = [solve_derived(structure, ground, "drift", USUAL) for structure in structures]
     sigma = [side.displacement_std.values for side in sides]
-    yield "drift, as derived", (*sigma, pair_correlation(sides).values)
+    yield "drift, as derived", (*sigma, derived_correlation(*sides).values)
 
 
 def difference(sigma_1, sigma_2, rho):
@@ -122,23 +125,42 @@ def line(name, sigma, rho, apart):
     )
 
 
+def saved(pairs, exact, found, path):
+    """All of it over `case` and `closure`, simulation first."""
+    units = {"displacement_std_1": "m", "displacement_std_2": "m", "rho": "1"}
+    values = np.stack([exact[:3], *(found[closure] for closure in CLOSURES)])
+    table = pairs.assign_coords(closure=["simulation", *CLOSURES]).assign_attrs(
+        title="Random pairs of bilinear structures, simulated and by every closure",
+        comment="The ground period is 1 s; strength is R/p.",
+        history="benchmarks/drift.py",
+        stochlin_version=sl.__version__,
+    )
+    for name, unit in units.items():
+        table[name] = ("closure", "case"), values[:, list(units).index(name)], {"units": unit}
+    save_table(table, path)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--work", type=Path, required=True)
+    parser.add_argument("--save", type=Path)
     options = parser.parse_args()
     options.work.mkdir(parents=True, exist_ok=True)
     pairs = drawn()
     exact = truth(pairs, options.work)
     print(f"standard error: sigma {exact[3].mean():.4f} in the mean, rho {exact[4].mean():.4f}")
     print(f"{'':40s}{'n':>5}{'sigma':>8}{'95 %':>8}{'rho':>8}{'u1-u2':>8}{'worst':>8}{'<-20%':>6}")
-    white, shown = pairs.white.values, {}
+    white, shown, values = pairs.white.values, {}, {}
     for kind, here in (("Kanai-Tajimi", ~white), ("white noise", white)):
         for name, found in candidates(pairs.isel(case=here)):
             result = errors(found, exact[:3, here])
             shown.setdefault(name, []).append(result)
+            values.setdefault(name, np.empty((3, PAIRS)))[:, here] = found
             line(f"{kind}: {name}", *result)
     for name, (soil, noise) in shown.items():
         line(f"all: {name}", *(np.concatenate(both, axis=-1) for both in zip(soil, noise, strict=True)))
+    if options.save:
+        saved(pairs, exact, values, options.save)
     print("drift on Kanai-Tajimi ground, by the shorter period over the ground's and by ground damping")
     shorter = np.minimum(pairs.period_1, pairs.period_2).values[~white]
     band = pairs.ground_damping.values[~white]

@@ -39,7 +39,7 @@ GROUNDS: Mapping[str, type[Ground]] = {
     "white_noise": WhiteNoise,
     "clough_penzien": CloughPenzien,
 }
-CLOSURES = ("gaussian", "clipped", "narrow_band")
+CLOSURES = ("gaussian", "clipped", "drift", "narrow_band")
 KEYS = ("title", "ground", "closure", "block_cells", "parameters")
 SWEEP = ("start", "stop", "count", "spacing")
 OF_STRUCTURES = ("damping", "hardening", "reduction_factor")

@@ -25,9 +25,14 @@ def cellwise(
     function: Callable[..., Any],
     *arrays: xr.DataArray,
     kinds: Sequence[npt.DTypeLike] = (float,),
+    core: Sequence[Sequence[str]] | None = None,
+    result: Sequence[str] = (),
     **options: Any,
 ) -> tuple[xr.DataArray, ...]:
     """``function`` of arrays that broadcast, with a result of each of these kinds.
+
+    ``core`` lists the dimensions of each array that come last and belong to a cell, ``result`` those of
+    the results.
 
     Raises
     ------
@@ -41,7 +46,8 @@ def cellwise(
             function,
             *arrays,
             kwargs=options,
-            output_core_dims=[[]] * len(kinds),
+            input_core_dims=core or [[]] * len(arrays),
+            output_core_dims=[list(result)] * len(kinds),
             join="exact",
             dask="parallelized",
             output_dtypes=[np.dtype(kind) for kind in kinds],

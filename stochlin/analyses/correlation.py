@@ -60,7 +60,8 @@ def correlate(
         ``"simulation"``: the exact laws, all structures on the same motions, with standard errors.
     closure : str
         As in `linearize`; for linearization and effective properties. With ``"drift"`` both drifts are
-        correlated too, by ``docs/drift.md``; ``rho`` is as derived, without a map.
+        correlated too, by ``docs/drift.md``; on Kanai-Tajimi ground by what simulated references
+        tell of both structures.
     rule : str
         One of `effective_rule_names`, or a rule; for effective properties.
     rtol, atol, max_iterations
@@ -76,7 +77,9 @@ def correlate(
         worse of the two structures'). Linearization adds ``bias``, by which ``rho`` is too large,
         ``bias_1`` and ``bias_2``, the relative error of the standard deviations, and ``caution``
         where one exceeds .1 or is unknown; these are interpolated in a map that knows bilinear
-        structures, and ``rho`` where both have equal damping, hardening and strength ratio.
+        structures, and ``rho`` where both have equal damping, hardening and strength ratio. The
+        closure ``"drift"`` adds ``rho_error``, the mean error of ``rho`` over simulated pairs of the
+        region, NaN where none were simulated; in ``caution`` it stands in for an unknown ``bias``.
         ``"effective"`` adds ``period_eq_1`` and ``_2`` [s], ``damping_eq_1`` and ``_2`` [-], and
         ``ductility_peak_1`` and ``_2`` [-]: the structure's ``peak_factor`` times its
         ``ductility_std``. Simulation adds ``rho_standard_error``,

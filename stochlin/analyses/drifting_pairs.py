@@ -1,7 +1,4 @@
-"""Pairs under the drift closure: the linear step of a pair, and the correlation of both drifts.
-
-Eq. (8) of ``docs/drift.md``. Not compiled: temporaries are kept small by working in slabs.
-"""
+"""Pairs under the drift closure: the derived correlation, and what simulated references tell of it."""
 
 from __future__ import annotations
 
@@ -11,31 +8,36 @@ import xarray as xr
 from stochlin.analyses import labels
 from stochlin.analyses.bias import caution_of
 from stochlin.analyses.cellwise import cellwise
-from stochlin.analyses.equivalent_systems import INTERNAL, SHARES, solve_structure
+from stochlin.analyses.derived_pairs import OF_A_SIDE, pieces_of_rho
+from stochlin.analyses.drift_errors import expected_rho_error
+from stochlin.analyses.drift_signatures import insight_of, insights
+from stochlin.analyses.equivalent_systems import solve_structure
 from stochlin.analyses.linearized_pairs import SHOWN, linearized_pairs
 from stochlin.analyses.slabs import in_slabs
 from stochlin.analyses.tolerance import Tolerance
 from stochlin.kernels.arrays import Array
-from stochlin.kernels.covariance import EquivalentSystem, Forcing, own_covariance, pair_covariance
-from stochlin.kernels.drift import drift_correlation, innovation_coherence
+from stochlin.kernels.signatures import informed_correlation
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import DRIFT, Structure
-
-OF_A_SIDE = ("drift_std", "drift_rate", *INTERNAL, *SHARES)
 
 
 def drifting_pairs(
     first: Structure, second: Structure, ground: Ground, tolerance: Tolerance
 ) -> xr.Dataset:
-    """As `linearized_pairs`; the bias is judged by the truth that the Gaussian closure's bias tells."""
+    """As `linearized_pairs`; the bias is judged by the truth that the Gaussian closure's bias tells.
+
+    Where that is not known the expected error takes its place in the caution.
+    """
     gaussian = table = linearized_pairs(first, second, ground, "gaussian", tolerance)
     truth = gaussian.rho - gaussian.bias
     sides = [solve_structure(s, ground, DRIFT, tolerance) for s in (first, second)]
-    rho = pair_correlation(sides)
+    rho = _correlation((first, second), sides, ground, tolerance)
     (status,) = cellwise(np.maximum, *(side.status for side in sides), kinds=(np.int8,))
     table = table.assign(rho=rho.where(status < labels.NOT_CONVERGED).clip(-1, 1), status=status)
     table["bias"] = table.rho - truth
-    worst = caution_of(table.bias)
+    error = expected_rho_error(first, second, ground, sides)
+    table["rho_error"] = error.where(table.rho.notnull())
+    worst = caution_of(table.bias.fillna(table.rho_error))
     attrs = worst.attrs
     for number, side in enumerate(sides, start=1):
         table = table.assign({f"{name}_{number}": side[name] for name in SHOWN})
@@ -46,30 +48,27 @@ def drifting_pairs(
     return table.assign(caution=worst.astype(np.int8).assign_attrs(attrs))
 
 
-def pair_correlation(sides: list[xr.Dataset]) -> xr.DataArray:
-    """``rho`` of two structures that `solve_structure` or `solve_derived` has found drifts for."""
-    (rho,) = cellwise(_correlation, *(side[name] for side in sides for name in OF_A_SIDE))
+def _correlation(
+    structures: tuple[Structure, Structure],
+    sides: list[xr.Dataset],
+    ground: Ground,
+    tolerance: Tolerance,
+) -> xr.DataArray:
+    inputs = [[side[name] for name in OF_A_SIDE] for side in sides]
+    known = insights(structures, sides, ground, tolerance) or [[], []]
+    arrays = [array for pair in zip(inputs, known, strict=True) for part in pair for array in part]
+    (rho,) = cellwise(_cells, *arrays)
     return rho
 
 
 @np.errstate(all="ignore")  # what comes of extreme input is judged by its status
-def _correlation(*inputs: Array) -> Array:
+def _cells(*inputs: Array) -> Array:
     def piece(*parts: Array) -> Array:
-        half, end = len(parts) // 2, len(INTERNAL)
-        (slow_1, rate_1, *one), (slow_2, rate_2, *other) = parts[:half], parts[half:]
-        first, second = _system(one[:end]), _system(other[:end])
-        shares = [np.stack(np.broadcast_arrays(*side[end:])) for side in (one, other)]
-        coherence = innovation_coherence(first[0], second[0])
-        drifts = drift_correlation(coherence, shares[0], shares[1], rate_1, rate_2)
-        total_1 = own_covariance(*first).mu_mu + slow_1**2
-        total_2 = own_covariance(*second).mu_mu + slow_2**2
-        joint = pair_covariance(*first, *second) + drifts * slow_1 * slow_2
-        rho: Array = joint / np.sqrt(total_1 * total_2)
-        return rho
+        half, own = len(parts) // 2, len(OF_A_SIDE)
+        one, other = parts[:half], parts[half:]
+        rho = pieces_of_rho(*one[:own], *other[:own])
+        if half == own:
+            return rho
+        return informed_correlation(rho, insight_of(one[own:]), insight_of(other[own:]))
 
     return in_slabs(piece, *inputs)
-
-
-def _system(parts: list[Array]) -> tuple[EquivalentSystem, Forcing]:
-    size = len(EquivalentSystem._fields)
-    return EquivalentSystem(*parts[:size]), Forcing(*parts[size:])

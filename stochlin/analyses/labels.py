@@ -21,7 +21,7 @@ CAUTION_RHO = (
 )
 CAUTION_DRIFT = (
     "Against exact simulation of 500 random pairs, displacements by the drift closure are off by 1.4 % "
-    "in the mean and ρ by .04; where T < Tg/2 on a narrow-band ground (ξg < .1), by 6 % and .12."
+    "in the mean and ρ by .03; where T < Tg/2 on a narrow-band ground (ξg < .1), by 4 % and .05."
 )
 CAUTION_SIGMA = (
     "Caution: against exact simulation, linearized displacements are 20 to 46 % too small at α ≤ .05, "
@@ -62,6 +62,7 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "link_force_std": ("N", "standard deviation of the force in the link"),
     "rho": ("1", "correlation coefficient of the displacements"),
     "displacement_std_standard_error": ("m", "standard error of the displacement's standard deviation"),
+    "rho_error": ("1", "mean absolute error of rho over simulated pairs of this region"),
     "rho_standard_error": ("1", "standard error of rho"),
     "drift": ("1", "variance of the second half of the run less that of the first, in standard errors"),
     "amplification_standard_error": ("1", "standard error of the amplification"),

@@ -21,7 +21,7 @@ from stochlin.models.effective_properties import effective_rule, effective_rule_
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.peak_factors import Vanmarcke1975
-from stochlin.models.structures import Structure
+from stochlin.models.structures import DRIFT, Structure
 
 STEPS = 2000  # of the envelope, for the length of motion that it stands for
 GUMBEL = np.sqrt(6) / np.pi
@@ -121,6 +121,7 @@ def all_rules(pair: PairInMotion, floors_align: bool, zone: str | None, unverifi
     return [
         _with_simulated_rho(pair),
         _with_linearized_rho(pair),
+        _with_drifting_rho(pair),
         *(_with_effective_rho(pair, name) for name in effective_rule_names(unverified)),
         linearized_rule(pair.solved, pair.ground, pair.strong_seconds, pair.confidence),
         *code_rules(pair.peaks, pair.heights, floors_align, zone),
@@ -148,12 +149,24 @@ def _with_simulated_rho(pair: PairInMotion) -> Rule:
 
 
 def _with_linearized_rho(pair: PairInMotion) -> Rule:
-    name, kind = "eq_3_linearized", "equation_3"
+    return _with_solved_rho(pair, "eq_3_linearized", "gaussian", "rho of linearization")
+
+
+def _with_drifting_rho(pair: PairInMotion) -> Rule:
+    name = "eq_3_drift"
+    lacking = [s for s in pair.structures if DRIFT not in s.closure_names()]
+    if lacking:
+        names = ", ".join(sorted({type(structure).__name__ for structure in lacking}))
+        return Rule(name, "equation_3", np.nan, missing=f"no drift closure for {names}")
+    return _with_solved_rho(pair, name, DRIFT, "rho of linearization with plastic drift")
+
+
+def _with_solved_rho(pair: PairInMotion, name: str, closure: str, source: str) -> Rule:
     try:
-        rho = float(correlate(*pair.structures, pair.ground).rho)
+        rho = float(correlate(*pair.structures, pair.ground, closure=closure).rho)
     except ArithmeticError as error:
-        return Rule(name, kind, np.nan, missing=str(error))
-    return _with_rho(pair, name, rho, mark="C", assumptions=f"{EQ_3}; rho of linearization")
+        return Rule(name, "equation_3", np.nan, missing=str(error))
+    return _with_rho(pair, name, rho, mark="C", assumptions=f"{EQ_3}; {source}")
 
 
 def _with_effective_rho(pair: PairInMotion, name: str) -> Rule:

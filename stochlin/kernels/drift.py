@@ -15,8 +15,9 @@ from numpy.polynomial.laguerre import laggauss, lagvander
 from scipy.special import erf
 
 from stochlin.kernels.arrays import Array
-from stochlin.kernels.covariance import EquivalentSystem, Forcing, own_covariance, pair_row
+from stochlin.kernels.covariance import EquivalentSystem, Forcing, own_covariance
 from stochlin.kernels.gaussian import SlipQuadrant, slip_quadrant
+from stochlin.kernels.small_systems import solve_3x3
 
 ORDERS = 12  # of the Laguerre series; what is beyond counts as one more order
 NODES = 40  # of the quadrature over amplitudes
@@ -185,9 +186,18 @@ def innovation_coherence(first: EquivalentSystem, second: EquivalentSystem) -> A
 
     On white noise it is the correlation of the velocities themselves.
     """
+    w, d, h, p, k = first
+    own, other = first.characteristic, second.characteristic
+    # As `covariance.pair_row`, of a unit of noise on both; A^3 by the theorem of Cayley and Hamilton.
+    e, f, g = own[0] + other[0], own[1] - other[1], own[2] + other[2]
+    matrix = (
+        (g - e * w, f - e * d, e * h),
+        (e * (d * w + h * k) - f * w, e * (d * d + h * p - w) - f * d + g, f * h - e * (h * (d + k))),
+        (f * k - e * (p * w + k * k), f * p + e * (k - p * (d + k)), e * (p * h + k * k) - f * k + g),
+    )
+    both, velocity, slip = solve_3x3(matrix, (-np.ones_like(w), second.relaxation + d, -p))
+    joint = 2 * (w * both + d * velocity - h * slip)
     noise = Forcing(np.zeros(()), np.ones(()), np.zeros(()))
-    both, velocity, slip = pair_row(second, noise, first, noise)
-    joint = first.stiffness * both + first.damping * velocity - first.coupling * slip
     unit = own_covariance(first, noise).v_v * own_covariance(second, noise).v_v
     return np.clip(joint / np.sqrt(unit), -1, 1)
 
@@ -200,9 +210,9 @@ def drift_correlation(
     Kicks of order ``j`` are correlated as ``coherence |coherence|^(2 j - 2)``; drifts that relax at
     different rates share ``2 sqrt(l1 l2)/(l1 + l2)`` of it.
     """
-    square = coherence**2
-    total = np.sqrt(shares_1[-1] * shares_2[-1])
+    square, root_1, root_2 = coherence**2, np.sqrt(shares_1), np.sqrt(shares_2)
+    total = root_1[-1] * root_2[-1]
     for j in range(ORDERS - 1, -1, -1):
-        total = total * square + np.sqrt(shares_1[j] * shares_2[j])
+        total = total * square + root_1[j] * root_2[j]
     result: Array = coherence * total * 2 * np.sqrt(rate_1 * rate_2) / (rate_1 + rate_2)
     return result

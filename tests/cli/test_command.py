@@ -12,6 +12,7 @@ from click.testing import CliRunner, Result
 import stochlin as sl
 from stochlin.analyses import storage
 from stochlin.views.command import main
+from stochlin.views.options import CLOSURES
 
 FORMULAS = ("fig3a", "fig3b", "fig6", "fig7", "fig8")  # of no ground
 FIGURES = (*FORMULAS, "fig4a", "fig4b", "fig4c", "fig5a", "fig5b")
@@ -63,6 +64,21 @@ def test_csv_has_a_row_a_cell(tmp_path: Path) -> None:
     lines = out.read_text().splitlines()
     assert lines[0].startswith("period_1,rho,")
     assert len(lines) == 4
+
+
+@pytest.mark.parametrize("closure", CLOSURES)
+def test_every_closure_is_an_option_of_rho(closure: str, tmp_path: Path) -> None:
+    options = ("--hardening", 0.05, "--reduction-factor", 4, "--closure", closure)
+    periods = ("--period-1", "0.5,0.9", "--period-2", 0.7)
+    out = tmp_path / "table.nc"
+    result = run("rho", *periods, *options, "--out", out)
+    assert result.exit_code == 0, result.output
+    first, second = (
+        sl.Bilinear(period, 0.05, 0.05, reduction_factor=4) for period in (np.array([0.5, 0.9]), 0.7)
+    )
+    with xr.open_dataset(out) as table:
+        expected = sl.correlate(first, second, sl.WhiteNoise(), closure=closure)
+        np.testing.assert_array_equal(table.rho, expected.rho)
 
 
 def test_named_ground_and_white_noise_method() -> None:

@@ -103,7 +103,7 @@ def test_the_table_has_no_samples_in_csv(tmp_path: Path) -> None:
     assert run(tmp_path / "case.toml", "--out", tmp_path / "t.csv").exit_code == 0
     lines = (tmp_path / "t.csv").read_text().splitlines()
     assert lines[1].startswith("simulation,")
-    assert len(lines) == 20
+    assert len(lines) == 21
 
 
 class Page(HTMLParser):

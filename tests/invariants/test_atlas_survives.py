@@ -53,6 +53,19 @@ def assert_is(atlas, whole):
         np.testing.assert_array_equal(variable, expected, err_msg=str(name))
 
 
+def test_drift_closure_in_blocks_is_that_in_one_piece(tmp_path):
+    short = {**SWEEP, "count": 7}
+    drifting = {**SPEC, "closure": "drift", "block_cells": 20}
+    drifting["parameters"] = {**SPEC["parameters"], "period_1": short, "period_2": short}
+    atlas = sl.write_atlas(drifting, tmp_path / "a.zarr")
+    first, second, ground = specification(drifting).models()
+    whole = sl.correlate(first, second, ground, closure="drift")
+    for name, variable in atlas.data_vars.items():  # series are cut by the largest cell of a block
+        expected = whole[name].transpose(*variable.dims)
+        np.testing.assert_allclose(variable, expected, rtol=0, atol=1e-9, err_msg=str(name))
+    assert set(np.unique(atlas.caution)) == {0, 1, 2}
+
+
 def test_without_interruption(whole, tmp_path):
     told = []
     atlas = sl.write_atlas(SPEC, tmp_path / "a.zarr", progress=told.append)

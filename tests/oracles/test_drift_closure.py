@@ -331,9 +331,9 @@ def test_nodes_of_the_map_are_given_back():
     structure, ground, exact, _ = grid("displacement_std_bias", damping=[0.05], ground_damping=[0.07])
     table = sl.linearize(structure, ground, "drift")
     xr.testing.assert_allclose(
-        table.ductility_std.drop_attrs(), exact.transpose(*table.ductility_std.dims), rtol=1e-9
+        table.ductility_std.drop_attrs(), exact.transpose(*table.ductility_std.dims), rtol=1e-6
     )
-    assert float(np.abs(table.bias).max()) < 1e-9
+    assert float(np.abs(table.bias).max()) < 1e-6
     assert (table.caution == 0).all()
 
 
