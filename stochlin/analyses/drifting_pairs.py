@@ -31,7 +31,7 @@ def drifting_pairs(
     gaussian = table = linearized_pairs(first, second, ground, "gaussian", tolerance)
     truth = gaussian.rho - gaussian.bias
     sides = [solve_structure(s, ground, DRIFT, tolerance) for s in (first, second)]
-    rho = _correlation((first, second), sides, ground, tolerance)
+    rho = correlation_with_drift((first, second), sides, ground, tolerance)
     (status,) = cellwise(np.maximum, *(side.status for side in sides), kinds=(np.int8,))
     table = table.assign(rho=rho.where(status < labels.NOT_CONVERGED).clip(-1, 1), status=status)
     table["bias"] = table.rho - truth
@@ -48,12 +48,13 @@ def drifting_pairs(
     return table.assign(caution=worst.astype(np.int8).assign_attrs(attrs))
 
 
-def _correlation(
+def correlation_with_drift(
     structures: tuple[Structure, Structure],
     sides: list[xr.Dataset],
     ground: Ground,
     tolerance: Tolerance,
 ) -> xr.DataArray:
+    """``rho`` of structures solved with the drift closure, eq. (11) of ``docs/drift.md``."""
     inputs = [[side[name] for name in OF_A_SIDE] for side in sides]
     known = insights(structures, sides, ground, tolerance) or [[], []]
     arrays = [array for pair in zip(inputs, known, strict=True) for part in pair for array in part]

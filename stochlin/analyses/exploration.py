@@ -10,7 +10,7 @@ import xarray as xr
 
 from stochlin.analyses import labels
 from stochlin.analyses.correlation import rho_white_noise
-from stochlin.analyses.drifting_pairs import pair_correlation
+from stochlin.analyses.drifting_pairs import correlation_with_drift
 from stochlin.analyses.equivalent_systems import INTERNAL, solve_structure
 from stochlin.analyses.linearized_pairs import pairs_of_solved
 from stochlin.analyses.peaks import response_moments
@@ -140,7 +140,7 @@ def correlation(scene: Scene) -> xr.Dataset:
     shown |= {
         "rho_white_noise": rho_white_noise(*arguments).rho.drop_attrs(),
         "rho_linearized": table.rho.drop_attrs(),
-        "rho_drift": pair_correlation(list(pair.drift)).clip(-1, 1),
+        "rho_drift": correlation_with_drift(pair.structures, list(pair.drift), ground, USUAL),
     }
     texts = ("eq. (4)", "linearization, Gaussian closure", "linearization, drift closure")
     for name, text in zip(list(shown)[-3:], texts, strict=True):
