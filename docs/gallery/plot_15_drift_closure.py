@@ -8,8 +8,6 @@ dot is a structure (left) or a pair (right); between the dashed lines the error 
 The pairs were drawn after the closure had been fixed (``benchmarks/drift.py``).
 """
 
-from pathlib import Path
-
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
@@ -17,7 +15,7 @@ import xarray as xr
 from stochlin.views.style import STYLE
 
 plt.rcParams.update(STYLE)
-table = xr.load_dataset(Path(__file__).with_name("drift_pairs.nc"), engine="scipy")
+table = xr.load_dataset("drift_pairs.nc", engine="scipy")  # beside this file
 exact = table.sel(closure="simulation")
 names = {"gaussian": "Gaussian closure", "drift": "drift closure"}
 figure, panels = plt.subplots(2, 2, figsize=(6.6, 6.4), layout="constrained")

@@ -7,8 +7,6 @@ structure, in terms of R with a peak factor of 3 (pairs: geometric means), and b
 bandwidth of the ground (pairs: the shorter period). Squares with fewer than five cases are empty.
 """
 
-from pathlib import Path
-
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
@@ -16,7 +14,7 @@ import xarray as xr
 from stochlin.views.style import STYLE
 
 plt.rcParams.update(STYLE)
-table = xr.load_dataset(Path(__file__).with_name("drift_pairs.nc"), engine="scipy")
+table = xr.load_dataset("drift_pairs.nc", engine="scipy")  # beside this file
 exact, white = table.sel(closure="simulation"), table.white.values.astype(bool)
 closures = ("gaussian", "clipped", "narrow_band", "drift")
 strength, hardening = (0.3, 0.6, 1.2, 2.0, 4.0), (0.02, 0.06, 0.2, 0.5)

@@ -83,9 +83,10 @@ def test_command_lines_run(line: str, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
-def test_script_of_the_gallery_draws_one_picture(path: Path) -> None:
+def test_script_of_the_gallery_draws_one_picture(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     import matplotlib.pyplot as plt
 
+    monkeypatch.chdir(path.parent)  # as the site builds it
     runpy.run_path(str(path))
     (number,) = plt.get_fignums()
     figure = plt.figure(number)
