@@ -104,7 +104,7 @@ def _keeps_sign(what, i, shift, sign):  # type: ignore[no-untyped-def]
     return what, i, shift, 0.0 if sign > 0 else -INFINITE, INFINITE if sign > 0 else 0.0
 
 
-@lean
+@once
 def _in_contact(branch):  # type: ignore[no-untyped-def]
     for kept in branch.contact:  # noqa: SIM110  a generator would be an allocation
         if kept != OPEN:
@@ -112,7 +112,7 @@ def _in_contact(branch):  # type: ignore[no-untyped-def]
     return False
 
 
-@lean
+@once
 def _storeys_stay(row, branch, h, x, space):  # type: ignore[no-untyped-def]
     """Whether no storey can end its branch within the step: the test of `first_event`, at one go."""
     n, new, begin, end = row.mass.size, space.new, space.stages[0], space.stages[STAGES]
@@ -223,7 +223,7 @@ def _end_contact(row, branch, j, time, x, table):  # type: ignore[no-untyped-def
         branch.entry[j] = -1
 
 
-@lean
+@once
 def watch_forces(branch, end, space, table):  # type: ignore[no-untyped-def]
     """Take the largest forces up to the share ``end`` of a step into the table."""
     for j in range(branch.contact.size):

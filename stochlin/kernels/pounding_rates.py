@@ -35,6 +35,7 @@ from stochlin.kernels.pounding_rows import (
     Branches,
     lean,
     sizes,
+    tight,
 )
 
 STRAIN, STRAIN_RATE, PENETRATION, CLOSING_RATE, MARGIN = range(5)  # see `measure`
@@ -68,7 +69,7 @@ def branch_force(kind, branch, element, d, v, v0):  # type: ignore[no-untyped-de
     return elastic, elastic
 
 
-@lean
+@tight
 def _drags(damping, lo, v, drag):  # type: ignore[no-untyped-def]
     """Forces of the dashpots of one building, four floors at a time: sums that do not wait."""
     m, i = v.size, 0
@@ -89,7 +90,7 @@ def _drags(damping, lo, v, drag):  # type: ignore[no-untyped-def]
         drag[k] = a
 
 
-@lean
+@tight
 def _building(row, branch, b, ground, x, dx):  # type: ignore[no-untyped-def]
     """Rates of one building standing alone."""
     n, s = row.mass.size, row.first.size - 1
@@ -120,7 +121,7 @@ def _building(row, branch, b, ground, x, dx):  # type: ignore[no-untyped-def]
     dx[3 * n + b], dx[3 * n + s + b], dx[3 * n + 2 * s + b] = entering * ground, viscous, hysteretic
 
 
-@lean
+@tight
 def rates(row, branch, ground, x, dx, force):  # type: ignore[no-untyped-def]
     """Rates ``dx`` of the state ``x`` and forces (c,) of the contacts, for a ground acceleration."""
     n, s, c, _ = sizes(row)

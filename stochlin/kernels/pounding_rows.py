@@ -14,6 +14,8 @@ STEREOMECHANICAL = 6  # beside the kinds of contact elements
 OPEN, CLOSED, OPENING, PARTED, TOGETHER = range(5)  # branches of a contact
 
 lean = nb.njit(nogil=True, error_model="numpy")
+# Called so often that handing over a row takes longer than the work.
+tight = nb.njit(nogil=True, error_model="numpy", forceinline=True)
 # What is called in one place only: the compiler then goes over it once, not once a level.
 once = nb.njit(nogil=True, error_model="numpy", inline="always")
 

@@ -16,7 +16,7 @@ from stochlin.kernels.arrays import Array
 from stochlin.kernels.borrowing import borrow
 from stochlin.kernels.linear_branch import MARKS, TERMS, jit
 from stochlin.kernels.pounding_rates import measure, rates
-from stochlin.kernels.pounding_rows import OPEN, lean, once, sizes
+from stochlin.kernels.pounding_rows import OPEN, lean, once, sizes, tight
 
 # Contiguous, for numba's cache does not take constants that are not.
 A, B, C = (np.ascontiguousarray(table) for table in (DOP853.A, DOP853.B, DOP853.C))
@@ -131,7 +131,7 @@ def attempt(row, branch, ground, slope, h, x, space):  # type: ignore[no-untyped
     return error
 
 
-@lean
+@tight
 def grow_reach(row, x, reach):  # type: ignore[no-untyped-def]
     """Take a state into the largest displacement, velocity and energy."""
     n, s, _, k = sizes(row)
@@ -146,7 +146,7 @@ def grow_reach(row, x, reach):  # type: ignore[no-untyped-def]
         reach[2, 0] = max(reach[2, 0], abs(x[i]))
 
 
-@lean
+@once
 def _error(row, h, space):  # type: ignore[no-untyped-def]
     """Error of the step over the tolerance: the root of the sum over the state, not of its mean."""
     n, _, _, k = sizes(row)
@@ -154,24 +154,26 @@ def _error(row, h, space):  # type: ignore[no-untyped-def]
     for i in range(REACH):
         copy(space.reach[i], reach[i])
     grow_reach(row, space.new, reach)
-    fifth, third, b = 0.0, 0.0, 0
+    fives, threes = space.state, space.rate
     for i in range(k):
-        e5, e3 = 0.0, 0.0
-        for m in range(STAGES):
-            e5 += ERROR_5[m] * space.stages[m, i]
-            e3 += ERROR_3[m] * space.stages[m, i]
-        if i < 3 * n:
-            floor = i % n
-            if floor == 0:
-                b = 0
-            elif floor == row.first[b + 1]:
-                b += 1
-            size = reach[1, b] if n <= i < 2 * n else reach[0, b]
-        else:
-            size = reach[2, 0]
-        allowed = TOLERANCE * size + TINY
-        fifth += (e5 / allowed) ** 2
-        third += (e3 / allowed) ** 2
+        fives[i] = threes[i] = 0.0
+    for m in range(STAGES):
+        five, three = ERROR_5[m], ERROR_3[m]
+        for i in range(fives.size):
+            fives[i] += five * space.stages[m, i]
+            threes[i] += three * space.stages[m, i]
+    fifth, third = 0.0, 0.0
+    for i in range(3 * n, k):
+        fifth, third = fifth + fives[i] ** 2, third + threes[i] ** 2
+    weight = 1.0 / (TOLERANCE * reach[2, 0] + TINY)
+    fifth, third = fifth * weight**2, third * weight**2
+    for b in range(row.first.size - 1):
+        for part in range(3):
+            size = reach[1 if part == 1 else 0, b]
+            weight = 1.0 / (TOLERANCE * size + TINY)
+            for i in range(part * n + row.first[b], part * n + row.first[b + 1]):
+                fifth += (fives[i] * weight) ** 2
+                third += (threes[i] * weight) ** 2
     if fifth == 0.0 and third == 0.0:
         return 0.0
     return h * fifth / np.sqrt(fifth + 0.01 * third)
