@@ -21,6 +21,7 @@ bench: $(VENV)/.dev
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[bench]"
 	$(BIN)/python benchmarks/tables.py build/bench.md
 	$(BIN)/python benchmarks/simulation.py
+	$(BIN)/python benchmarks/pounding.py
 
 # The maps that come with the package, of linearization's bias and of what simulation adds to the drift
 # closure: an hour and a half or so, to be resumed.
