@@ -80,12 +80,19 @@ class LinkedPair(NamedTuple):
         return 2 * np.pi / float(np.abs(values.imag).max() or np.inf), 1 / float(-values.real.max())
 
 
-def cells_of(structure: Structure, ground: Ground) -> tuple[Cells, xr.DataArray]:
-    """The cells of a structure, and their positions as an array over its dimensions."""
+def cells_of(
+    structure: Structure, ground: Ground, stationary: bool = True
+) -> tuple[Cells, xr.DataArray]:
+    """The cells of a structure, and their positions as an array over its dimensions.
+
+    How slowly a structure drifts, by linearization, a run has to know that is to be stationary.
+    """
     elastic = solve_elastic(structure, ground)
     values = structure.arrays()
     like = elastic.yield_displacement
-    linearized = solve_structure(structure, ground, "gaussian", Tolerance(1e-6, 1e-9, 200))
+    k_eq = xr.zeros_like(like)
+    if stationary:
+        k_eq = solve_structure(structure, ground, "gaussian", Tolerance(1e-6, 1e-9, 200)).k_eq
     law = structure.law_parameters()
     law += [xr.DataArray(np.nan)] * (LAW_PARAMETERS - len(law))
     columns = [
@@ -93,14 +100,14 @@ def cells_of(structure: Structure, ground: Ground) -> tuple[Cells, xr.DataArray]
         values["damping"],
         values.get("hardening", xr.DataArray(1.0)),
         like,
-        linearized.k_eq,
+        k_eq,
         *law,
     ]
     arrays = [array.broadcast_like(like).transpose(*like.dims).values.ravel() for array in columns]
-    period, damping, hardening, uy, k_eq, *rest = (np.asarray(a, float) for a in arrays)
+    period, damping, hardening, uy, pace, *rest = (np.asarray(a, float) for a in arrays)
     w = 2 * np.pi / period
     with np.errstate(divide="ignore", invalid="ignore"):
-        slow = np.where(k_eq > 0, 1 / (hardening * k_eq), 0)
+        slow = np.where(pace > 0, 1 / (hardening * pace), 0)
     status = elastic.status.values.ravel()
     cells = Cells(
         period,
@@ -116,7 +123,7 @@ def cells_of(structure: Structure, ground: Ground) -> tuple[Cells, xr.DataArray]
     return cells, xr.full_like(like, 0, dtype=int).copy(data=np.arange(period.size).reshape(like.shape))
 
 
-def cells_of_all(structures: Sequence[Structure], ground: Ground) -> Cells:
+def cells_of_all(structures: Sequence[Structure], ground: Ground, stationary: bool = True) -> Cells:
     """The cells of structures with scalar parameters, in their order; those alike are solved as one."""
     alike: dict[tuple[object, ...], list[int]] = {}
     for number, structure in enumerate(structures):
@@ -127,7 +134,7 @@ def cells_of_all(structures: Sequence[Structure], ground: Ground) -> Cells:
         columns: dict[str, Any] = {
             n: [float(structures[i].arrays()[n]) for i in numbers] for n in first.arrays() if n != "mass"
         }
-        parts.append(cells_of(replace(first, **columns), ground)[0])
+        parts.append(cells_of(replace(first, **columns), ground, stationary)[0])
     order = np.argsort([number for numbers in alike.values() for number in numbers])
     return Cells(*(column[order] for column in joined(parts)))
 

@@ -78,7 +78,7 @@ def linearize(
     leaves of it in the map, and unknown outside. ``velocity_std``, ``z_std``, ``velocity_z_corr``,
     ``c_eq`` and ``k_eq`` are those of the clipped closure: they describe the response without the drift.
     Over 500 random pairs on such ground ``displacement_std`` was off by 1.4 % in the mean and by more
-    than 5 % in one case of twenty; as derived, without the map, by 6 and 21 %, mostly where T < Tg/2.
+    than 5 % in one case of twenty; as derived, without the map, by 6 and 23 %, mostly where T < Tg/2.
 
     References
     ----------

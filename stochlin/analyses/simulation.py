@@ -142,7 +142,7 @@ def simulate(
     _refuse_arrays(ground, "ground")
     check_memory(len(structures), paths)
     pair = None if link is None else linked_pair(structures, link)
-    cells = cells_of_all(structures, ground)
+    cells = cells_of_all(structures, ground, stationary=duration is None)
     run = prepare(
         cells,
         ground,
