@@ -133,9 +133,15 @@ def verify(name: str, out: Path, picture_format: str, **options: Any) -> None:
 @numbers_option("--intensity", "S0 [m^2/s^3], two-sided; 1 if not given.")
 @click.option(
     "--method",
-    type=click.Choice(["linearization", "white_noise", "simulation"]),
+    type=click.Choice(["linearization", "white_noise", "effective", "simulation"]),
     default="linearization",
     show_default=True,
+)
+@click.option(
+    "--rule",
+    default="iwan_1980",
+    show_default=True,
+    help="Effective properties, where the method is effective.",
 )
 @simulation_options
 @click.option("--closure", type=click.Choice(CLOSURES), default="gaussian", show_default=True)
@@ -162,7 +168,7 @@ def rho(record: Path | None, out: Path | None, **options: Any) -> None:
     with bad_input():
         first, second = shared.structures(options)
         ground = shared.site(record, options)[1] if record else shared.ground(options)
-        chosen = {key: options[key] for key in ("closure", "paths", "seed")}
+        chosen = {key: options[key] for key in ("closure", "rule", "paths", "seed")}
         table = correlate(first, second, ground, options["method"], **chosen)
         click.echo(f"# {table.attrs['title']}")
         for role in ("first", "second", "ground"):

@@ -102,7 +102,7 @@ def _lines(case: Case, gap: float, table: xr.Dataset) -> list[str]:
     lines += [
         "",
         f"Gap for a confidence of {case.confidence:g}: {float(table.required_gap):.4f} m by formula, "
-        f"{_number(table.required_gap_corrected).strip()} m corrected, "
+        f"{_corrected(table)}, "
         f"{float(table.required_gap_simulated):.4f} m simulated "
         f"({float(table.required_gap_simulated_lower):.4f} - "
         f"{float(table.required_gap_simulated_upper):.4f})",
@@ -116,7 +116,12 @@ def _lines(case: Case, gap: float, table: xr.Dataset) -> list[str]:
     return lines
 
 
-def _number(value: xr.DataArray, width: int = 0) -> str:
+def _corrected(table: xr.Dataset) -> str:
+    known = bool(table.required_gap_corrected.notnull())
+    return f"{float(table.required_gap_corrected):.4f} m corrected" if known else "correction unknown"
+
+
+def _number(value: xr.DataArray, width: int) -> str:
     """Four decimals; where the map of the bias does not reach, a word."""
     return f"{'unknown':>{width}}" if bool(value.isnull()) else f"{float(value):{width}.4f}"
 

@@ -26,6 +26,8 @@ def bad_input() -> Iterator[None]:
     """Show what is wrong with the input in one sentence, exit status 2; failed work, status 1."""
     try:
         yield
+    except BrokenPipeError:
+        raise  # whoever reads has seen enough; click ends quietly
     except (ValueError, TypeError, OSError) as error:
         raise click.UsageError(str(error)) from error
     except (ArithmeticError, RuntimeError, ImportError) as error:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -79,6 +82,30 @@ def test_every_closure_is_an_option_of_rho(closure: str, tmp_path: Path) -> None
     with xr.open_dataset(out) as table:
         expected = sl.correlate(first, second, sl.WhiteNoise(), closure=closure)
         np.testing.assert_array_equal(table.rho, expected.rho)
+
+
+def test_effective_properties_by_a_rule_of_ones_own_choice() -> None:
+    given = ("rho", "--period-1", 0.7, "--period-2", 1, "--hardening", 0.05, "--reduction-factor", 4)
+    given += ("--method", "effective", "--rule", "secant")
+    result = run(*given)
+    assert result.exit_code == 0, result.output
+    first, second = (sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.7, 1.0))
+    table = sl.correlate(first, second, sl.WhiteNoise(), "effective", rule="secant")
+    assert f"{float(table.rho):.6g}" in result.output
+    unknown = run(*given[:-1], "mine")
+    assert unknown.exit_code == 2
+    assert "iwan_1980" in unknown.output
+
+
+def test_a_reader_that_has_seen_enough_is_no_error() -> None:
+    code = "import sys; from stochlin.views.command import main; main(sys.argv[1:])"
+    command = [sys.executable, "-c", code, "rho", "--period-1", ".2:2:30", "--period-2", "1"]
+    reader, writer = os.pipe()
+    os.close(reader)
+    done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, text=True, check=False)
+    os.close(writer)
+    assert "Usage" not in done.stderr
+    assert "Error" not in done.stderr
 
 
 def test_named_ground_and_white_noise_method() -> None:
