@@ -12,7 +12,7 @@ import xarray as xr
 
 from stochlin.analyses import labels
 from stochlin.analyses.equivalent_systems import STRENGTH_RATIO, solve_structure
-from stochlin.analyses.finite_motions import exceedance
+from stochlin.analyses.finite_motions import keeping_apart, pair_separation
 from stochlin.analyses.rule_table import by_yield_displacement
 from stochlin.analyses.separation import check_confidence
 from stochlin.analyses.simulation import simulate
@@ -82,21 +82,19 @@ def existing_gap(
     (True, True)
     """
     check_confidence(confidence)
-    if not isinstance(gap, (int, float)) or not 0 < gap < np.inf:
-        raise ValueError(f"gap = {gap!r}; allowed: a positive number of metres")
+    check_gap(gap)
     for role, structure in (("first", first), ("second", second)):
         expect(structure, Structure, role)
 
     def separations(pair: Sequence[Structure], ground: Ground) -> xr.DataArray:
         options: dict[str, Any] = {"paths": paths, "seed": seed, "envelope": envelope}
         motions = simulate(list(pair), ground, duration=duration, quantiles=[confidence], **options)
-        return motions.separation[:, 0, 1].drop_vars(["structure", "structure_2"])
+        return pair_separation(motions)
 
     def required(pair: Sequence[Structure], ground: Ground) -> float:
         return float(np.quantile(separations(pair, ground), confidence))
 
     samples = separations([first, second], ground)
-    pounding = exceedance(samples, float(gap))
     case = _Case.of((first, second), ground)
     strength = first_above(lambda s: required(case.weaker(s), ground), STRENGTHS, gap)
     amplitude = first_above(lambda a: required(case.pair, case.stronger(a)), AMPLITUDES, gap)
@@ -104,9 +102,7 @@ def existing_gap(
     intensity = float(ground.arrays()["intensity"])
     table = xr.Dataset(
         {
-            "no_pounding_probability": 1 - pounding.probability,
-            "no_pounding_probability_lower": 1 - pounding.probability_upper,
-            "no_pounding_probability_upper": 1 - pounding.probability_lower,
+            **keeping_apart(samples, float(gap)),
             "required_gap": float(np.quantile(samples, confidence)),
             **{f"largest_reduction_factor_{n}": r * strength for n, r in enumerate(case.factors, 1)},
             "largest_intensity": intensity * amplitude**2,
@@ -123,6 +119,12 @@ def existing_gap(
         f"existing_gap(gap={gap:g}, duration={duration:g}, confidence={confidence:g}, seed={seed})",
         {"first": first, "second": second, "ground": ground},
     )
+
+
+def check_gap(gap: float) -> None:
+    """Raise a ValueError unless the existing gap is open."""
+    if not isinstance(gap, (int, float)) or not 0 < gap < np.inf:
+        raise ValueError(f"gap = {gap!r}; allowed: a positive number of metres")
 
 
 class _Case(NamedTuple):

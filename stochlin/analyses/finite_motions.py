@@ -138,6 +138,21 @@ def exceedance(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Dataset:
     return labels.label(table)
 
 
+def pair_separation(motions: xr.Dataset) -> xr.DataArray:
+    """The largest ``u_1 - u_2`` [m] in each motion, of what `simulate` returns for two structures."""
+    return motions.separation[:, 0, 1].drop_vars(["structure", "structure_2"])
+
+
+def keeping_apart(separation: xr.DataArray, gap: float | xr.DataArray) -> dict[str, xr.DataArray]:
+    """Probability that a gap [m] keeps two structures apart, and its 95 % interval; see `exceedance`."""
+    pounding = exceedance(separation, gap)
+    return {
+        "no_pounding_probability": 1 - pounding.probability,
+        "no_pounding_probability_lower": 1 - pounding.probability_upper,
+        "no_pounding_probability_upper": 1 - pounding.probability_lower,
+    }
+
+
 def _quantiles(samples: Array, levels: Array) -> tuple[Array, Array, Array]:
     """Quantiles along the first axis and their distribution-free 95 % intervals (order statistics)."""
     ordered = np.sort(samples, axis=0)

@@ -11,7 +11,8 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.correlation import correlate
-from stochlin.analyses.finite_motions import exceedance
+from stochlin.analyses.critical_gaps import double_difference
+from stochlin.analyses.finite_motions import keeping_apart, pair_separation
 from stochlin.analyses.linked import correlate_linked
 from stochlin.analyses.pounding import pound
 from stochlin.analyses.simulation import simulate
@@ -56,16 +57,13 @@ class MitigatedPair:
     def simulated(self, measure: Measure) -> dict[str, float]:
         """What random motions say: the required gap, how probable no pounding is, mean peaks."""
         motions = self._motions(measure)
-        samples = motions.separation[:, 0, 1].drop_vars(["structure", "structure_2"])
-        pounding = exceedance(samples, self.gap)
+        apart = keeping_apart(pair_separation(motions), self.gap)
         quantile = motions.separation_quantile[0, 0, 1]
         row = {
             "required_gap": float(quantile),
             "required_gap_lower": float(motions.separation_quantile_lower[0, 0, 1]),
             "required_gap_upper": float(motions.separation_quantile_upper[0, 0, 1]),
-            "no_pounding_probability": 1 - float(pounding.probability),
-            "no_pounding_probability_lower": 1 - float(pounding.probability_upper),
-            "no_pounding_probability_upper": 1 - float(pounding.probability_lower),
+            **{name: float(share) for name, share in apart.items()},
         }
         for n in (0, 1):
             for name in ("peak_mean", "peak_mean_standard_error"):
@@ -86,11 +84,9 @@ class MitigatedPair:
             table = correlate(*pair, self.ground)
         except ArithmeticError:
             return {"rho": np.nan, "relative_displacement_std": np.nan}
-        one, two, rho = (
-            float(table[name]) for name in ("displacement_std_1", "displacement_std_2", "rho")
-        )
-        variance = (one - two) ** 2 + 2 * (1 - rho) * one * two
-        return {"rho": rho, "relative_displacement_std": float(np.sqrt(variance))}
+        values = (table[n].values for n in ("displacement_std_1", "displacement_std_2", "rho"))
+        apart = float(double_difference(*values))
+        return {"rho": float(table.rho), "relative_displacement_std": apart}
 
     def recorded(self, measure: Measure) -> dict[str, Array]:
         """What the records say (records,): amplification of the peaks as built and alone, impacts."""

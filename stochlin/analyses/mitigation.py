@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses import labels
+from stochlin.analyses.existing_gaps import check_gap
 from stochlin.analyses.mitigated_pairs import RECORDED, MitigatedPair
 from stochlin.analyses.mitigation_searches import Row, Search, searches
 from stochlin.analyses.records import checked_record
@@ -175,8 +176,7 @@ def _checked(
 ) -> list[Any]:
     """The structures by their yield displacements, once all that is given fits together."""
     expect(ground, Ground, "ground")
-    if not isinstance(gap, (int, float)) or not 0 < gap < np.inf:
-        raise ValueError(f"gap = {gap!r}; allowed: a positive number of metres")
+    check_gap(gap)
     for name, measure in measures.items():
         expect(measure, Measure, f"measures[{name!r}]")
         if measure.link is not None:
@@ -239,8 +239,7 @@ def _table(rows: Sequence[Row], columns: Sequence[Mapping[str, Any]], site: Miti
         values = np.array([column.get(name, blank) for column in columns], float)
         table[name] = (("measure", "record") if name in RECORDED else ("measure",), values)
     known = table.required_gap.notnull()
-    interval = table.no_pounding_probability_lower, table.no_pounding_probability_upper
-    verdict = verdict_of(*interval, site.confidence).where(known, NOT_AVAILABLE)
+    verdict = verdict_of(table.data_vars, site.confidence).where(known, NOT_AVAILABLE)
     table["verdict"] = verdict.astype(np.int8)
     table["status"] = (
         xr.full_like(verdict, labels.CONVERGED, np.int8)

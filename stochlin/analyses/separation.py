@@ -10,7 +10,7 @@ import xarray as xr
 
 from stochlin.analyses import labels
 from stochlin.analyses.cells import over_cells
-from stochlin.analyses.finite_motions import exceedance
+from stochlin.analyses.finite_motions import keeping_apart, pair_separation
 from stochlin.analyses.recorded_gaps import recorded_gap
 from stochlin.analyses.rule_table import PairInMotion, Rule, all_rules, by_yield_displacement
 from stochlin.analyses.simulation import simulate
@@ -180,8 +180,9 @@ def check_confidence(confidence: float) -> None:
         raise ValueError(f"confidence = {confidence!r}; allowed: a probability between 0 and 1")
 
 
-def verdict_of(lower: xr.DataArray, upper: xr.DataArray, confidence: float) -> xr.DataArray:
+def verdict_of(apart: Mapping[Any, xr.DataArray], confidence: float) -> xr.DataArray:
     """Safe or unsafe where the 95 % interval of the probability of no pounding tells."""
+    lower, upper = (apart[f"no_pounding_probability_{end}"] for end in ("lower", "upper"))
     undecided = xr.where(upper < confidence, UNSAFE, WITHIN_ERROR)  # type: ignore[no-untyped-call]
     verdict: xr.DataArray = xr.where(lower >= confidence, SAFE, undecided)  # type: ignore[no-untyped-call]
     return verdict
@@ -189,15 +190,14 @@ def verdict_of(lower: xr.DataArray, upper: xr.DataArray, confidence: float) -> x
 
 def _judged(rules: list[Rule], motions: xr.Dataset, confidence: float) -> xr.Dataset:
     """Gaps of the rules beside the simulated answer, and what the motions say of each."""
-    samples = motions.separation[:, 0, 1].drop_vars(["structure", "structure_2"])
+    samples = pair_separation(motions)
     quantile = [float(motions[f"separation_quantile{end}"][0, 0, 1]) for end in ("", "_lower", "_upper")]
     answer = Rule("simulation", "simulation", quantile[0], assumptions="exact laws, no model error")
     rules = [answer, *rules]
     gap = xr.DataArray([rule.gap for rule in rules], dims="rule")
-    pounding = exceedance(samples, gap)
-    lower, upper = 1 - pounding.probability_upper, 1 - pounding.probability_lower
+    apart = keeping_apart(samples, gap)
     known = gap.notnull()
-    verdict = verdict_of(lower, upper, confidence).where(known, NOT_AVAILABLE)
+    verdict = verdict_of(apart, confidence).where(known, NOT_AVAILABLE)
     verdict[0] = ANSWER
     only_answer = xr.DataArray(np.arange(len(rules)) == 0, dims="rule")
     columns = {name: ("rule", [getattr(rule, name) for rule in rules]) for name in TEXTS}
@@ -207,9 +207,7 @@ def _judged(rules: list[Rule], motions: xr.Dataset, confidence: float) -> xr.Dat
             "gap_lower": xr.where(only_answer, quantile[1], np.nan),  # type: ignore[no-untyped-call]
             "gap_upper": xr.where(only_answer, quantile[2], np.nan),  # type: ignore[no-untyped-call]
             "error": gap / gap[0].where(gap[0] > 0) - 1,
-            "no_pounding_probability": (1 - pounding.probability).where(known),
-            "no_pounding_probability_lower": lower.where(known),
-            "no_pounding_probability_upper": upper.where(known),
+            **{name: share.where(known) for name, share in apart.items()},
             "rho": ("rule", [rule.rho for rule in rules]),
             "verdict": verdict.astype(np.int8),
             "status": xr.full_like(verdict, labels.CONVERGED, np.int8).where(

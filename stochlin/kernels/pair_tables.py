@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
 import math
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numba as nb
@@ -22,10 +20,9 @@ from stochlin.kernels.pair_steps import (
     new_memory,
     rho_of_tile,
 )
+from stochlin.kernels.source_versions import version_of
 
-# As in `record_runs`: a change of the compiled steps, in another file, calls for a compilation anew.
-_SOURCE = Path(str(pair_steps.__file__)).read_bytes()
-VERSION = np.empty(0, [(hashlib.sha256(_SOURCE).hexdigest()[:16], "i1")])
+VERSION = version_of(pair_steps)
 
 PART = 1 << 18  # cells of a task
 ROUNDING = 1e-9  # by which |rho| may exceed 1 before the cell is called wrong

@@ -7,8 +7,6 @@ branch. Nothing depends on the times at which states are asked for.
 
 from __future__ import annotations
 
-import hashlib
-from pathlib import Path
 from typing import NamedTuple
 
 import numba as nb
@@ -65,9 +63,9 @@ from stochlin.kernels.pounding_steps import (
     state_within,
     workspace,
 )
+from stochlin.kernels.source_versions import version_of
 
-# See VERSION of record_runs: the cache has to know of the files whose functions are called.
-_MODULES = (
+VERSION = version_of(
     borrowing,
     contact,
     linear_branch,
@@ -78,8 +76,6 @@ _MODULES = (
     pounding_rows,
     pounding_steps,
 )
-_SOURCES = b"".join(Path(str(module.__file__)).read_bytes() for module in _MODULES)
-VERSION = np.empty(0, [(hashlib.sha256(_SOURCES).hexdigest()[:16], "i1")])
 
 SAFETY, SHRINK, GROW, ORDER = 0.9, 0.2, 5.0, 8.0  # of the step control
 OUTSET = 1e-3  # of what the motion can do in one interval: nothing smaller is resolved

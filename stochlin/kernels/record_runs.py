@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import NamedTuple
 
 import numba as nb
@@ -14,14 +12,11 @@ from stochlin.kernels import linear_branch, recorded
 from stochlin.kernels.arrays import Array
 from stochlin.kernels.ensemble import in_order
 from stochlin.kernels.recorded import PEAKS, run, substeps, top, workspace
+from stochlin.kernels.source_versions import version_of
 
 entry = nb.njit(nogil=True, cache=True, error_model="numpy")
 
-# numba takes a compiled function from its cache as long as that function's own file is unchanged,
-# whatever became of those that it calls. The types of the arguments are part of the key: this one
-# is named after the sources below.
-_SOURCES = b"".join(Path(str(module.__file__)).read_bytes() for module in (linear_branch, recorded))
-VERSION = np.empty(0, [(hashlib.sha256(_SOURCES).hexdigest()[:16], "i1")])
+VERSION = version_of(linear_branch, recorded)
 
 PARTS = 16  # into which the structures of a record are dealt out to the cores
 PAIR = 2.0  # sub-steps of a pair per those that its stiffer structure alone would need

@@ -9,7 +9,7 @@ import numpy as np
 from stochlin.analyses.separation import NOT_AVAILABLE, SAFE, UNSAFE
 from stochlin.views.gap_words import MISSING, SPACE, centimetres, length, per_cent
 from stochlin.views.pound_words import short
-from stochlin.views.screen import columns, paragraph
+from stochlin.views.screen import columns, cut, paragraph
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -73,7 +73,7 @@ def _motions(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
         low, high = (centimetres(float(one[f"required_gap_{end}"])) for end in ("lower", "upper"))
         rows.append(
             [
-                _cut(one.measure.item()),
+                cut(one.measure.item(), WIDE),
                 _pair(one, "added_damping", "{:.1f}", 100),
                 short(float(one.link_stiffness) / 1e6),
                 short(float(one.link_damping_constant) / 1e6),
@@ -91,7 +91,7 @@ def _recorded(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
     heads = ["measure", "times", "impacts", "force [MN]"]
     rows = [
         [
-            _cut(one.measure.item()),
+            cut(one.measure.item(), WIDE),
             _pair(one, "amplification", "{:.2f}"),
             short(float(one.impacts)),
             short(float(one.largest_force) / 1e6),
@@ -105,7 +105,3 @@ def _recorded(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
 def _pair(one: xr.Dataset, name: str, form: str, scale: float = 1.0) -> str:
     values = [scale * float(one[f"{name}_{n}"]) for n in (1, 2)]
     return " | ".join(form.format(value) for value in values) if np.isfinite(values).all() else MISSING
-
-
-def _cut(name: str) -> str:
-    return name if len(name) <= WIDE else f"{name[: WIDE - 3]}..."

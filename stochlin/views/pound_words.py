@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stochlin.views.gap_words import MISSING, centimetres, length, per_cent
-from stochlin.views.screen import columns, paragraph
+from stochlin.views.screen import columns, cut, paragraph
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -78,7 +78,9 @@ def short(value: float) -> str:
 
 def _buildings(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
     """Heads and rows: what pounding does to each building."""
-    names = [f"{n}  {_cut(str(name))}" for n, name in enumerate(table.building.values, start=1)]
+    names = [
+        f"{n}  {cut(str(name), LONGEST_NAME)}" for n, name in enumerate(table.building.values, start=1)
+    ]
     if "floor" in table.dims:
         return ["building", "peak [cm]", "alone [cm]", "times", "worst"], [
             [name, *_roof(table.isel(structure=number))] for number, name in enumerate(names)
@@ -129,7 +131,3 @@ def _notes(case: Case, table: xr.Dataset) -> str:
     if any(building.strength in ("reduction_factor", "ductility") for building in case.buildings):
         notes.append(STRENGTH.format(case.site))
     return " ".join(notes)
-
-
-def _cut(name: str) -> str:
-    return name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 3]}..."

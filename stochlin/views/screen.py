@@ -55,6 +55,11 @@ def show(lines: Iterable[str]) -> None:
         click.echo(line.translate(PLAIN))
 
 
+def cut(name: str, wide: int) -> str:
+    """A name of at most so many characters."""
+    return name if len(name) <= wide else f"{name[: wide - 3]}..."
+
+
 def columns(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
     """A table as text: the first column to the left, the others to the right."""
     all_rows = [heads, *rows]
