@@ -26,8 +26,8 @@ bench: $(VENV)/.dev
 # The maps that come with the package, of linearization's bias and of what simulation adds to the drift
 # closure: an hour and a half or so, to be resumed.
 bias: $(VENV)/.dev
-	$(BIN)/python benchmarks/bias_map.py stochlin/analyses/bias_map.nc --work build/bias
-	$(BIN)/python benchmarks/drift_map.py stochlin/analyses/drift_map.nc --work build/drift
+	$(BIN)/python benchmarks/bias_map.py stochlin/analyses/linearization/bias_map.nc --work build/bias
+	$(BIN)/python benchmarks/drift_map.py stochlin/analyses/linearization/drift_map.nc --work build/drift
 
 # The documentation site, from scratch: a warning is an error, a link that leads nowhere a warning.
 docs: $(VENV)/.docs

@@ -14,8 +14,8 @@ import numpy as np
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.storage import whole_file
-from stochlin.kernels.stepping import LANES
+from stochlin.analyses.tables.storage import whole_file
+from stochlin.kernels.simulation.stepping import LANES
 
 HARDENING = (0.02, 0.05, 0.1, 0.2, 0.5)
 DAMPING = (0.02, 0.05, 0.1)

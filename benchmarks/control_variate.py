@@ -12,10 +12,10 @@ import numba as nb
 import numpy as np
 
 import stochlin as sl
-from stochlin.analyses.ensembles import cells_of_all, prepare
-from stochlin.analyses.run_lengths import with_length
-from stochlin.kernels.ensemble import Motion
-from stochlin.kernels.stepping import LANES
+from stochlin.analyses.simulation.ensembles import cells_of_all, prepare
+from stochlin.analyses.simulation.run_lengths import with_length
+from stochlin.kernels.simulation.ensemble import Motion
+from stochlin.kernels.simulation.stepping import LANES
 
 RATIO = 0.7  # of the periods of the pair
 

@@ -14,10 +14,10 @@ import numpy as np
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.derived_pairs import derived_correlation
-from stochlin.analyses.equivalent_systems import solve_derived
-from stochlin.analyses.storage import save_table
-from stochlin.analyses.tolerance import USUAL
+from stochlin.analyses.correlation.derived_pairs import derived_correlation
+from stochlin.analyses.linearization.equivalent_systems import solve_derived
+from stochlin.analyses.linearization.tolerance import USUAL
+from stochlin.analyses.tables.storage import save_table
 
 PAIRS, SEED = 500, 20261207
 CLOSURES = ("gaussian", "clipped", "narrow_band", "drift")

@@ -14,12 +14,12 @@ import numpy as np
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.bias import bias_map
-from stochlin.analyses.drift_signatures import derived_signatures
-from stochlin.analyses.equivalent_systems import solve_derived
-from stochlin.analyses.storage import whole_file
-from stochlin.analyses.tolerance import USUAL
-from stochlin.kernels.signatures import signature
+from stochlin.analyses.correlation.drifting_signatures import derived_signatures
+from stochlin.analyses.linearization.bias_map import bias_map
+from stochlin.analyses.linearization.equivalent_systems import solve_derived
+from stochlin.analyses.linearization.tolerance import USUAL
+from stochlin.analyses.tables.storage import whole_file
+from stochlin.kernels.correlation.signatures import signature
 
 HARDENING = (0.02, 0.05, 0.1, 0.2, 0.5)
 DAMPING = (0.01, 0.02, 0.05, 0.1)

@@ -15,7 +15,7 @@ import xarray as xr
 from opensees_loader import opensees_or_none
 
 import stochlin as sl
-from stochlin.kernels.arrays import Array
+from stochlin.kernels.basics.arrays import Array
 
 STOREYS, MASS, DAMPING, HARDENING = 10, 2e5, 0.05, 0.05
 GAP, BUMPER = 0.02, 1e9  # [m], [N/m]: a spring, since OpenSees loses its way with a dashpot in the gap

@@ -16,12 +16,18 @@ import numpy as np
 from opensees_loader import opensees_or_none
 
 import stochlin as sl
-from stochlin.analyses.ensembles import Run, cells_of_all, prepare
-from stochlin.analyses.run_lengths import with_length
-from stochlin.kernels.arrays import Array
-from stochlin.kernels.ensemble import SAMPLES, stationary_sums
-from stochlin.kernels.normal_numbers import fill_normal, generator_state
-from stochlin.kernels.stepping import LANES, FilterSteps, add_products, bilinear_block, ground_block
+from stochlin.analyses.simulation.ensembles import Run, cells_of_all, prepare
+from stochlin.analyses.simulation.run_lengths import with_length
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.simulation.ensemble import SAMPLES, stationary_sums
+from stochlin.kernels.simulation.normal_numbers import fill_normal, generator_state
+from stochlin.kernels.simulation.stepping import (
+    LANES,
+    FilterSteps,
+    add_products,
+    bilinear_block,
+    ground_block,
+)
 
 REPEATS = 5
 SOIL = sl.KanaiTajimi(2.0, 0.05)

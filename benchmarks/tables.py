@@ -27,10 +27,10 @@ import scipy.optimize
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.equivalent_systems import INTERNAL, solve_structure
-from stochlin.analyses.tolerance import USUAL
-from stochlin.kernels.arrays import Array
-from stochlin.kernels.covariance import EquivalentSystem, Forcing, pair_covariance
+from stochlin.analyses.linearization.equivalent_systems import INTERNAL, solve_structure
+from stochlin.analyses.linearization.tolerance import USUAL
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, pair_covariance
 from stochlin.models.laws import bilinear
 
 REPEATS = 5

@@ -10,38 +10,37 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from stochlin.analyses.amplification import amplification
-    from stochlin.analyses.atlas import open_atlas, write_atlas
-    from stochlin.analyses.atlas_lookup import lookup
-    from stochlin.analyses.case_files import example_case, read_case
-    from stochlin.analyses.code_gaps import code_gaps
-    from stochlin.analyses.correlation import correlate, rho_white_noise
-    from stochlin.analyses.critical_gaps import critical_gap
-    from stochlin.analyses.effective_correlation import rho_effective
-    from stochlin.analyses.envelope_fit import energy_build_up, fit_envelope
-    from stochlin.analyses.evolutionary_spectra import evolutionary_psd
-    from stochlin.analyses.existing_gaps import existing_gap
-    from stochlin.analyses.finite_motions import exceedance
-    from stochlin.analyses.fragility import pounding_fragility
-    from stochlin.analyses.ground_fit import fit_ground
-    from stochlin.analyses.linearization import linearize
-    from stochlin.analyses.linked import correlate_linked
-    from stochlin.analyses.mitigation import mitigate
-    from stochlin.analyses.peaks import peak_response
-    from stochlin.analyses.pounding import pound
-    from stochlin.analyses.pounding_estimates import pounding_estimate
-    from stochlin.analyses.pounding_probability import pounding_probability
-    from stochlin.analyses.record_spectra import fit_spectra
-    from stochlin.analyses.recorded_gaps import recorded_gap
-    from stochlin.analyses.recorded_response import pseudo_energy_radius, respond, response_spectrum
-    from stochlin.analyses.records import read_record, strong_part
-    from stochlin.analyses.separation import separation
-    from stochlin.analyses.simulation import simulate
-    from stochlin.analyses.state_space import statespace, stationary_covariance
-    from stochlin.analyses.strength import reduction_factor, strength_for_ductility
-    from stochlin.analyses.transient_response import transient_response
+    from stochlin.analyses.atlases.atlas import open_atlas, write_atlas
+    from stochlin.analyses.atlases.lookup import lookup
+    from stochlin.analyses.cases.case import example_case, read_case
+    from stochlin.analyses.correlation.amplification import amplification
+    from stochlin.analyses.correlation.correlation import correlate, rho_white_noise
+    from stochlin.analyses.correlation.effective import rho_effective
+    from stochlin.analyses.correlation.linked import correlate_linked
+    from stochlin.analyses.linearization.linearization import linearize
+    from stochlin.analyses.linearization.peaks import peak_response
+    from stochlin.analyses.linearization.state_space import statespace, stationary_covariance
+    from stochlin.analyses.linearization.strength import reduction_factor, strength_for_ductility
+    from stochlin.analyses.linearization.transient_response import transient_response
+    from stochlin.analyses.mitigation.mitigation import mitigate
+    from stochlin.analyses.pounding.estimates import pounding_estimate
+    from stochlin.analyses.pounding.pounding import pound
+    from stochlin.analyses.probability.fragility import pounding_fragility
+    from stochlin.analyses.probability.probability import pounding_probability
+    from stochlin.analyses.records.envelope_fit import energy_build_up, fit_envelope
+    from stochlin.analyses.records.evolutionary_spectra import evolutionary_psd
+    from stochlin.analyses.records.gaps import recorded_gap
+    from stochlin.analyses.records.ground_fit import fit_ground
+    from stochlin.analyses.records.records import read_record, strong_part
+    from stochlin.analyses.records.response import pseudo_energy_radius, respond, response_spectrum
+    from stochlin.analyses.records.spectra import fit_spectra
+    from stochlin.analyses.separation.code_gaps import code_gaps
+    from stochlin.analyses.separation.critical_gap import critical_gap
+    from stochlin.analyses.separation.existing_gap import existing_gap
+    from stochlin.analyses.separation.separation import separation
+    from stochlin.analyses.simulation.finite_motions import exceedance
+    from stochlin.analyses.simulation.simulation import simulate
     from stochlin.models.buildings import ShearBuilding
-    from stochlin.models.code_rules import code_rule, code_rule_names
     from stochlin.models.contacts import (
         Hertz,
         HertzDamp,
@@ -52,13 +51,14 @@ if TYPE_CHECKING:
         NoTensionKelvin,
         Stereomechanical,
     )
-    from stochlin.models.effective_properties import effective_rule, effective_rule_names
     from stochlin.models.envelopes import AminAng, GammaEnvelope, HsuBernard, ShinozukaSato
     from stochlin.models.grounds import CloughPenzien, KanaiTajimi, WhiteNoise
     from stochlin.models.links import Link
     from stochlin.models.measures import Measure
     from stochlin.models.named_grounds import ground_names, named_ground
-    from stochlin.models.peak_factors import peak_factor_model, peak_factor_names
+    from stochlin.models.rules.codes import code_rule, code_rule_names
+    from stochlin.models.rules.effective_properties import effective_rule, effective_rule_names
+    from stochlin.models.rules.peak_factors import peak_factor_model, peak_factor_names
     from stochlin.models.structures import Bilinear, BoucWen, Hysteretic
 
 __version__ = "0.1.0"
@@ -86,53 +86,53 @@ _HOME = {
     "ShinozukaSato": "models.envelopes",
     "Stereomechanical": "models.contacts",
     "WhiteNoise": "models.grounds",
-    "amplification": "analyses.amplification",
-    "code_gaps": "analyses.code_gaps",
-    "code_rule": "models.code_rules",
-    "code_rule_names": "models.code_rules",
-    "correlate": "analyses.correlation",
-    "correlate_linked": "analyses.linked",
-    "critical_gap": "analyses.critical_gaps",
-    "effective_rule": "models.effective_properties",
-    "effective_rule_names": "models.effective_properties",
-    "energy_build_up": "analyses.envelope_fit",
-    "evolutionary_psd": "analyses.evolutionary_spectra",
-    "example_case": "analyses.case_files",
-    "exceedance": "analyses.finite_motions",
-    "existing_gap": "analyses.existing_gaps",
-    "fit_envelope": "analyses.envelope_fit",
-    "fit_ground": "analyses.ground_fit",
-    "fit_spectra": "analyses.record_spectra",
+    "amplification": "analyses.correlation.amplification",
+    "code_gaps": "analyses.separation.code_gaps",
+    "code_rule": "models.rules.codes",
+    "code_rule_names": "models.rules.codes",
+    "correlate": "analyses.correlation.correlation",
+    "correlate_linked": "analyses.correlation.linked",
+    "critical_gap": "analyses.separation.critical_gap",
+    "effective_rule": "models.rules.effective_properties",
+    "effective_rule_names": "models.rules.effective_properties",
+    "energy_build_up": "analyses.records.envelope_fit",
+    "evolutionary_psd": "analyses.records.evolutionary_spectra",
+    "example_case": "analyses.cases.case",
+    "exceedance": "analyses.simulation.finite_motions",
+    "existing_gap": "analyses.separation.existing_gap",
+    "fit_envelope": "analyses.records.envelope_fit",
+    "fit_ground": "analyses.records.ground_fit",
+    "fit_spectra": "analyses.records.spectra",
     "ground_names": "models.named_grounds",
-    "linearize": "analyses.linearization",
-    "lookup": "analyses.atlas_lookup",
-    "mitigate": "analyses.mitigation",
+    "linearize": "analyses.linearization.linearization",
+    "lookup": "analyses.atlases.lookup",
+    "mitigate": "analyses.mitigation.mitigation",
     "named_ground": "models.named_grounds",
-    "open_atlas": "analyses.atlas",
-    "peak_factor_model": "models.peak_factors",
-    "peak_factor_names": "models.peak_factors",
-    "peak_response": "analyses.peaks",
-    "pound": "analyses.pounding",
-    "pounding_estimate": "analyses.pounding_estimates",
-    "pounding_fragility": "analyses.fragility",
-    "pounding_probability": "analyses.pounding_probability",
-    "pseudo_energy_radius": "analyses.recorded_response",
-    "read_case": "analyses.case_files",
-    "read_record": "analyses.records",
-    "recorded_gap": "analyses.recorded_gaps",
-    "reduction_factor": "analyses.strength",
-    "respond": "analyses.recorded_response",
-    "response_spectrum": "analyses.recorded_response",
-    "rho_effective": "analyses.effective_correlation",
-    "rho_white_noise": "analyses.correlation",
-    "separation": "analyses.separation",
-    "simulate": "analyses.simulation",
-    "statespace": "analyses.state_space",
-    "stationary_covariance": "analyses.state_space",
-    "strength_for_ductility": "analyses.strength",
-    "strong_part": "analyses.records",
-    "transient_response": "analyses.transient_response",
-    "write_atlas": "analyses.atlas",
+    "open_atlas": "analyses.atlases.atlas",
+    "peak_factor_model": "models.rules.peak_factors",
+    "peak_factor_names": "models.rules.peak_factors",
+    "peak_response": "analyses.linearization.peaks",
+    "pound": "analyses.pounding.pounding",
+    "pounding_estimate": "analyses.pounding.estimates",
+    "pounding_fragility": "analyses.probability.fragility",
+    "pounding_probability": "analyses.probability.probability",
+    "pseudo_energy_radius": "analyses.records.response",
+    "read_case": "analyses.cases.case",
+    "read_record": "analyses.records.records",
+    "recorded_gap": "analyses.records.gaps",
+    "reduction_factor": "analyses.linearization.strength",
+    "respond": "analyses.records.response",
+    "response_spectrum": "analyses.records.response",
+    "rho_effective": "analyses.correlation.effective",
+    "rho_white_noise": "analyses.correlation.correlation",
+    "separation": "analyses.separation.separation",
+    "simulate": "analyses.simulation.simulation",
+    "statespace": "analyses.linearization.state_space",
+    "stationary_covariance": "analyses.linearization.state_space",
+    "strength_for_ductility": "analyses.linearization.strength",
+    "strong_part": "analyses.records.records",
+    "transient_response": "analyses.linearization.transient_response",
+    "write_atlas": "analyses.atlases.atlas",
 }
 
 __all__ = [

@@ -11,8 +11,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.record_charts import portrait_chart
-from stochlin.views.style import STYLE
+from stochlin.analyses.charts.records import portrait_chart
+from stochlin.views.shared.style import STYLE
 
 plt.rcParams.update(STYLE)
 time = 0.02 * np.arange(1500)

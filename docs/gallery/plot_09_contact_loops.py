@@ -10,8 +10,8 @@ that all elements compare.
 
 import matplotlib.pyplot as plt
 
-from stochlin.analyses.contact_charts import contact_loop_chart
-from stochlin.views.style import CURVES, STYLE
+from stochlin.analyses.charts.contacts import contact_loop_chart
+from stochlin.views.shared.style import CURVES, STYLE
 
 plt.rcParams.update(STYLE)
 chart = contact_loop_chart(restitution=0.65)

@@ -8,8 +8,8 @@ Eq. (15) holds for the Kelvin element that may pull, and for no other.
 
 import matplotlib.pyplot as plt
 
-from stochlin.analyses.contact_charts import restitution_chart
-from stochlin.views.style import CURVES, STYLE
+from stochlin.analyses.charts.contacts import restitution_chart
+from stochlin.views.shared.style import CURVES, STYLE
 
 plt.rcParams.update(STYLE)
 chart = restitution_chart()

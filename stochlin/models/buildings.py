@@ -9,7 +9,7 @@ import numpy as np
 import scipy.linalg
 import xarray as xr
 
-from stochlin.kernels.arrays import Array
+from stochlin.kernels.basics.arrays import Array
 from stochlin.models.parameters import Model, Parameter, Range, parameter
 from stochlin.models.structures import DAMPING, HARDENING
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stochlin.kernels.arrays import Array
+from stochlin.kernels.basics.arrays import Array
 from stochlin.models.parameters import Model, Range, parameter
 
 POSITIVE = Range()

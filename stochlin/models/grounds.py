@@ -8,9 +8,9 @@ from typing import ClassVar
 import numpy as np
 import xarray as xr
 
-from stochlin.kernels import filters
-from stochlin.kernels.arrays import Array
-from stochlin.kernels.covariance import EquivalentSystem, Forcing
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.linearization import filters
+from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
 from stochlin.models.parameters import Model, Parameter, Range, parameter
 
 POSITIVE = Range()

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from stochlin.kernels.fixed_point import Closure
+from stochlin.kernels.linearization.fixed_point import Closure
 from stochlin.models.laws import bilinear, bouc_wen
 from stochlin.models.parameters import Model, Parameter, Range, parameter
 
 if TYPE_CHECKING:
     import sympy
 
-    from stochlin.kernels.ensemble import Block
+    from stochlin.kernels.simulation.ensemble import Block
 
 POSITIVE = Range()
 DAMPING = Range(upper=1.0, reason="a ratio, .05 for 5 %")
@@ -135,7 +135,7 @@ class Bilinear(Structure):
 
     def block(self) -> Block:
         """Time steps of this law."""
-        from stochlin.kernels.stepping import bilinear_block
+        from stochlin.kernels.simulation.stepping import bilinear_block
 
         return bilinear_block
 
@@ -190,7 +190,7 @@ class BoucWen(Structure):
 
     def block(self) -> Block:
         """Time steps of this law."""
-        from stochlin.kernels.stepping import bouc_wen_block
+        from stochlin.kernels.simulation.stepping import bouc_wen_block
 
         return bouc_wen_block
 

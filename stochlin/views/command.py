@@ -12,12 +12,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stochlin import __version__
-from stochlin.views import options as shared
-from stochlin.views.atlas_command import atlas, lookup
-from stochlin.views.explorer_command import explore
-from stochlin.views.gap_command import gap
-from stochlin.views.mitigate_command import mitigate
-from stochlin.views.options import (
+from stochlin.views.atlases.command import atlas, lookup
+from stochlin.views.explorer.command import explore
+from stochlin.views.mitigation.command import mitigate
+from stochlin.views.pounding.command import pound
+from stochlin.views.probability.command import probability
+from stochlin.views.separation.command import gap
+from stochlin.views.shared import options as shared
+from stochlin.views.shared.options import (
     CLOSURES,
     chart_options,
     numbers_option,
@@ -25,9 +27,7 @@ from stochlin.views.options import (
     shared_option,
     simulation_options,
 )
-from stochlin.views.pound_command import pound
-from stochlin.views.probability_command import probability
-from stochlin.views.screen import bad_input, on_screen
+from stochlin.views.shared.screen import bad_input, on_screen
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -74,7 +74,7 @@ def charts(
       stochlin charts fig5a --damping .02 --hardening .1 --format pdf --out out
       stochlin charts --record taft.txt --dt .01 --units g
     """
-    from stochlin.analyses.design_charts import chart_functions
+    from stochlin.analyses.charts.design import chart_functions
 
     with bad_input():
         settings = shared.chart_settings(options)
@@ -104,7 +104,7 @@ def verify(name: str, out: Path, picture_format: str, **options: Any) -> None:
       stochlin verify
       stochlin verify fig4b --reduction-factors 2,4 --paths 512
     """
-    from stochlin.analyses.verification import verify_chart
+    from stochlin.analyses.charts.verification import verify_chart
 
     with bad_input():
         dataset = verify_chart(name, shared.chart_settings(options))
@@ -162,8 +162,8 @@ def rho(record: Path | None, out: Path | None, **options: Any) -> None:
           --ground kanai-tajimi --ground-period 2 --ground-damping .05 --out table.nc
       stochlin rho --period 1 --period-2 1.2 --record taft.txt --dt .01 --units g
     """
-    from stochlin.analyses.correlation import correlate
-    from stochlin.analyses.storage import save_table
+    from stochlin.analyses.correlation.correlation import correlate
+    from stochlin.analyses.tables.storage import save_table
 
     with bad_input():
         first, second = shared.structures(options)
@@ -183,8 +183,8 @@ def rho(record: Path | None, out: Path | None, **options: Any) -> None:
 
 def _write_chart(dataset: xr.Dataset, stem: Path, picture_format: str) -> None:
     """The dataset, and the picture drawn from it beside it."""
-    from stochlin.analyses.storage import save_table
-    from stochlin.views.charts import draw, save
+    from stochlin.analyses.tables.storage import save_table
+    from stochlin.views.charts.charts import draw, save
 
     save_table(dataset, stem.with_name(f"{stem.name}.nc"))
     save(draw(dataset), stem.with_name(f"{stem.name}.{picture_format}"))

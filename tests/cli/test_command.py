@@ -13,9 +13,9 @@ import xarray as xr
 from click.testing import CliRunner, Result
 
 import stochlin as sl
-from stochlin.analyses import storage
+from stochlin.analyses.tables import storage
 from stochlin.views.command import main
-from stochlin.views.options import CLOSURES
+from stochlin.views.shared.options import CLOSURES
 
 FORMULAS = ("fig3a", "fig3b", "fig6", "fig7", "fig8")  # of no ground
 FIGURES = (*FORMULAS, "fig4a", "fig4b", "fig4c", "fig5a", "fig5b")

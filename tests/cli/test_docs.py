@@ -70,7 +70,7 @@ def test_first_chart_is_the_one_of_the_page() -> None:
 
 @pytest.mark.parametrize("line", command_lines())
 def test_command_lines_run(line: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("stochlin.views.explorer_server.serve", lambda *scene, **options: None)
+    monkeypatch.setattr("stochlin.views.explorer.server.serve", lambda *scene, **options: None)
     time = 0.01 * np.arange(4000)
     noise = np.random.default_rng(7).normal(size=time.size)
     motion = np.convolve(noise, np.exp(-5 * time) * np.sin(15 * time), "full")[: time.size]

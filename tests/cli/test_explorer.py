@@ -21,7 +21,7 @@ from click.testing import CliRunner
 
 import stochlin as sl
 from stochlin.views.command import main
-from stochlin.views.explorer_server import OwnOrigin, names_of
+from stochlin.views.explorer.server import OwnOrigin, names_of
 
 PROGRAM = "from stochlin.views.command import main; main()"
 PATIENCE = 60.0  # s, on a machine that is busy
@@ -57,7 +57,7 @@ def test_an_unknown_host_is_told():
 
 
 def test_a_missing_extra_is_told_with_its_cure(monkeypatch):
-    monkeypatch.delitem(sys.modules, "stochlin.views.explorer_server", raising=False)
+    monkeypatch.delitem(sys.modules, "stochlin.views.explorer.server", raising=False)
     monkeypatch.setitem(sys.modules, "nicegui", None)
     done = run()
     assert done.exit_code == 1

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 import stochlin as sl
 from stochlin.views.command import main
-from stochlin.views.mitigate_pictures import draw_measures
+from stochlin.views.mitigation.pictures import draw_measures
 
 FEW = ("paths = 2048", "paths = 128")
 

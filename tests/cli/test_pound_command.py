@@ -15,9 +15,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import stochlin as sl
-from stochlin.analyses.case_contacts import CONTACTS
+from stochlin.analyses.cases.contacts import CONTACTS
 from stochlin.views.command import main
-from stochlin.views.pound_pictures import draw_pound
+from stochlin.views.pounding.pictures import draw_pound
 
 STEP = 0.02
 RECORD = '[[site.records]]\npath = "{}.txt"\nname = "{}"\nunits = "g"\ndt = "0.02 s"\n'

@@ -7,7 +7,7 @@ import xarray as xr
 from click.testing import CliRunner
 
 import stochlin as sl
-from stochlin.views.probability_command import probability
+from stochlin.views.probability.command import probability
 
 
 @pytest.fixture

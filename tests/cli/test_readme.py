@@ -36,7 +36,7 @@ def test_command_lines_run(line: str, tmp_path: Path, monkeypatch: pytest.Monkey
     case = recorded_example() if line.startswith("stochlin pound") else sl.example_case()
     Path("case.toml").write_text(case, encoding="utf-8")
     # It would serve until it is interrupted; tests/cli/test_explorer.py lets it.
-    monkeypatch.setattr("stochlin.views.explorer_server.serve", lambda *scene, **options: None)
+    monkeypatch.setattr("stochlin.views.explorer.server.serve", lambda *scene, **options: None)
     command, _, target = line.partition(" > ")
     result = CliRunner().invoke(main, shlex.split(command)[1:])
     assert result.exit_code == 0, result.output

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from stochlin.analyses.atlas_specs import read_specification, specification
-from stochlin.analyses.atlas_store import block_shape, largest_bytes
+from stochlin.analyses.atlases.specification import read_specification, specification
+from stochlin.analyses.atlases.store import block_shape, largest_bytes
 
 GOOD = {"period_1": [0.5, 1.0], "period_2": 0.8, "damping": 0.05, "ground_damping": 0.2}
 STRONG = GOOD | {"hardening": 0.05, "reduction_factor": [2, 4]}

@@ -13,9 +13,9 @@ import pytest
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses import atlas as atlas_module
-from stochlin.analyses import atlas_store
-from stochlin.analyses.atlas_specs import specification
+from stochlin.analyses.atlases import atlas as atlas_module
+from stochlin.analyses.atlases import store as atlas_store
+from stochlin.analyses.atlases.specification import specification
 
 pytest.importorskip("zarr", reason="zarr is in the extra 'scale'")
 
@@ -81,7 +81,7 @@ def test_without_interruption(whole, tmp_path):
 def test_killed_at_random_moments(whole, tmp_path):
     """SIGKILL, twenty times; an atlas that was finished in spite of it is compared and begun anew."""
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["stochlin.analyses.atlas", "zarr", "scipy.special"])
+    context.set_forkserver_preload(["stochlin.analyses.atlases.atlas", "zarr", "scipy.special"])
     rng = np.random.default_rng(1985)
     target, partial = tmp_path / "a.zarr", 0
     for _ in range(KILLS):

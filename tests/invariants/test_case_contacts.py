@@ -11,11 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import stochlin as sl
-from stochlin.analyses.case_buildings import StoreyBuilding
-from stochlin.analyses.case_contacts import CONTACTS, read_contact
-from stochlin.analyses.case_files import Case
-from stochlin.analyses.case_pounding import pound_case
-from stochlin.analyses.case_values import Section
+from stochlin.analyses.cases.buildings import StoreyBuilding
+from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.contacts import CONTACTS, read_contact
+from stochlin.analyses.cases.pounding import pound_case
+from stochlin.analyses.cases.values import Section
 
 EXAMPLE = sl.example_case()
 CONTACT = EXAMPLE[EXAMPLE.index("[contact]") : EXAMPLE.index("# Measures")]

@@ -12,9 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import stochlin as sl
-from stochlin.analyses.case_answers import answer_case, rms_acceleration
-from stochlin.analyses.case_files import Case
-from stochlin.analyses.case_values import UNITS, Quantity, Section, key_lines
+from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.separation import answer_case, rms_acceleration
+from stochlin.analyses.cases.values import UNITS, Quantity, Section, key_lines
 from stochlin.models.parameters import Range
 
 EXAMPLE = sl.example_case()

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import stochlin as sl
-from stochlin.kernels.filters import kanai_tajimi_forcing
-from stochlin.kernels.fixed_point import solve_fixed_point
+from stochlin.kernels.linearization.filters import kanai_tajimi_forcing
+from stochlin.kernels.linearization.fixed_point import solve_fixed_point
 from stochlin.models.laws import bilinear
 
 DOMAINS = {"practice": cases.PRACTICE, "beyond": cases.BEYOND}

@@ -10,17 +10,17 @@ import pytest
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.case_text import case_text
-from stochlin.analyses.equivalent_systems import INTERNAL, solve_structure
-from stochlin.analyses.exploration import correlation, gap_rules, probability, spectra
-from stochlin.analyses.exploration_runs import simulations, together
-from stochlin.analyses.scenes import ALLOWED, SHAPES, SITES, Scene, scene_of
-from stochlin.analyses.storage import as_netcdf
-from stochlin.analyses.tolerance import USUAL
-from stochlin.kernels.covariance import EquivalentSystem
-from stochlin.views import explorer_charts as charts
-from stochlin.views import explorer_words as words
-from stochlin.views.explorer_controls import GROUPS, NUMBERS, SCALES, Control, counts
+from stochlin.analyses.explorer.case_text import case_text
+from stochlin.analyses.explorer.formulas import correlation, gap_rules, probability, spectra
+from stochlin.analyses.explorer.scene import ALLOWED, SHAPES, SITES, Scene, scene_of
+from stochlin.analyses.explorer.simulations import simulations, together
+from stochlin.analyses.linearization.equivalent_systems import INTERNAL, solve_structure
+from stochlin.analyses.linearization.tolerance import USUAL
+from stochlin.analyses.tables.storage import as_netcdf
+from stochlin.kernels.linearization.covariance import EquivalentSystem
+from stochlin.views.explorer import pictures as charts
+from stochlin.views.explorer import words
+from stochlin.views.explorer.controls import GROUPS, NUMBERS, SCALES, Control, counts
 
 LAKEBED = {"site": "kanai_tajimi", "ground_period": 2.0, "ground_damping": 0.05, "intensity": 1e-3}
 ELASTIC = Scene(yields_1=False, yields_2=False, period_2=0.7)

@@ -6,8 +6,8 @@ import scipy.interpolate
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.bias import bias_map
-from stochlin.kernels.interpolation import Grid, interpolate
+from stochlin.analyses.linearization.bias_map import bias_map
+from stochlin.kernels.basics.interpolation import Grid, interpolate
 
 LAKEBED = sl.KanaiTajimi(period=2.0, damping=0.05)
 UNKNOWN = 2

@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from scipy.special import erfc, ndtr
 
 import stochlin as sl
-from stochlin.kernels.amplitude_averaging import equivalent_system
+from stochlin.kernels.linearization.amplitude_averaging import equivalent_system
 from stochlin.models.laws import bilinear
 
 TAU = 2 * np.pi

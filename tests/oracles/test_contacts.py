@@ -11,7 +11,7 @@ from hypothesis import given
 from scipy.integrate import solve_ivp
 
 import stochlin as sl
-from stochlin.kernels import contact as kernel
+from stochlin.kernels.pounding import contact as kernel
 
 KELVINS = [sl.Kelvin, sl.NoTensionKelvin, sl.ImpactKelvin]
 RATIOS = [0.001, 0.01, 0.1, 0.3, 0.5, 0.7, 0.9]

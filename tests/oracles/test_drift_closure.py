@@ -14,12 +14,12 @@ from scipy.linalg import expm, solve_continuous_lyapunov
 from scipy.special import erf
 
 import stochlin as sl
-from stochlin.analyses.bias import bias_map
-from stochlin.analyses.equivalent_systems import solve_derived
-from stochlin.analyses.tolerance import Tolerance
-from stochlin.kernels import drift
-from stochlin.kernels.covariance import EquivalentSystem
-from stochlin.kernels.gaussian import slip_quadrant
+from stochlin.analyses.linearization.bias_map import bias_map
+from stochlin.analyses.linearization.equivalent_systems import solve_derived
+from stochlin.analyses.linearization.tolerance import Tolerance
+from stochlin.kernels.linearization import drift
+from stochlin.kernels.linearization.covariance import EquivalentSystem
+from stochlin.kernels.linearization.gaussian import slip_quadrant
 from stochlin.models.laws import bilinear
 
 TAU = 2 * np.pi

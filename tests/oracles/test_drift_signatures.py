@@ -12,9 +12,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import stochlin as sl
-from stochlin.analyses.bias import bias_map
-from stochlin.analyses.drift_correction import drift_map
-from stochlin.kernels.signatures import LEFT, OWN, Insight, informed_correlation, insight, signature
+from stochlin.analyses.linearization.bias_map import bias_map
+from stochlin.analyses.linearization.drift_map import drift_map
+from stochlin.kernels.correlation.signatures import (
+    LEFT,
+    OWN,
+    Insight,
+    informed_correlation,
+    insight,
+    signature,
+)
 
 ROOT = Path(__file__).parents[2]
 LAKEBED = sl.KanaiTajimi(period=1.0, damping=0.05)

@@ -9,8 +9,8 @@ import scipy.stats
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.ensembles import cells_of, joined, prepare
-from stochlin.kernels.ensemble import Motion
+from stochlin.analyses.simulation.ensembles import cells_of, joined, prepare
+from stochlin.kernels.simulation.ensemble import Motion
 
 FIRM = sl.KanaiTajimi(2 * np.pi / 15, 0.6)
 QUAKE = sl.AminAng(4.0, 15.0, 0.35)

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import stochlin as sl
-from stochlin.kernels.phases import beyond_phase, concentration, exceeding, least_phase
+from stochlin.kernels.probability.phases import beyond_phase, concentration, exceeding, least_phase
 
 RECORDS = Path(__file__).parents[2].parent / "shared" / "records"
 needs_records = pytest.mark.skipif(
@@ -205,8 +205,8 @@ def test_evolutionary_psd_is_the_product_and_holds_the_variance():
 
 
 def test_pictures(quake, tmp_path):
-    from stochlin.views.charts import save
-    from stochlin.views.pounding_charts import draw_evolutionary_psd, draw_fragility, draw_pounding
+    from stochlin.views.charts.charts import save
+    from stochlin.views.probability.pictures import draw_evolutionary_psd, draw_fragility, draw_pounding
 
     firm = sl.named_ground("firm", 0.01)
     motion = {"envelope": sl.HsuBernard(4.0), "duration": 12.0, "paths": 64}

@@ -8,8 +8,8 @@ import scipy.integrate
 import xarray as xr
 
 import stochlin as sl
-from stochlin.kernels.linked_stepping import linked_block
-from stochlin.kernels.stepping import LANES
+from stochlin.kernels.simulation.linked_stepping import linked_block
+from stochlin.kernels.simulation.stepping import LANES
 
 GROUND = sl.KanaiTajimi(0.5, 0.4)
 NOTHING = sl.Link()

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.existing_gaps import CLOSE
+from stochlin.analyses.separation.existing_gap import CLOSE
 
 GROUND = sl.named_ground("firm", intensity=0.01)
 MOTION = {"envelope": sl.AminAng(4.0, 12.0, 0.35), "paths": 128, "seed": 3}

@@ -6,7 +6,7 @@ import scipy.stats
 from numpy.polynomial import polynomial
 from numpy.polynomial.legendre import leggauss
 
-from stochlin.kernels.normal_numbers import POLYNOMIAL, fill_normal, generator_state
+from stochlin.kernels.simulation.normal_numbers import POLYNOMIAL, fill_normal, generator_state
 
 WORD = 2**64
 

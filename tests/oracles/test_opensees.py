@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from stochlin.kernels.stepping import LANES, bilinear_block
+from stochlin.kernels.simulation.stepping import LANES, bilinear_block
 
 PERIODS, DAMPING, HARDENING = (0.6, 1.0), 0.05, 0.05
 YIELD = (0.012, 0.03)  # [m]

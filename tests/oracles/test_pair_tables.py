@@ -10,12 +10,12 @@ import test_small_slip_mpmath as oracle
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.bias import bias_map
-from stochlin.kernels import pair_tables
-from stochlin.kernels.covariance import EquivalentSystem, own_covariance, pair_covariance
-from stochlin.kernels.filters import kanai_tajimi_forcing
-from stochlin.kernels.interpolation import Grid, interpolate
-from stochlin.kernels.pair_tables import Codes, Side, pair_parameters, pair_table
+from stochlin.analyses.linearization.bias_map import bias_map
+from stochlin.kernels.basics.interpolation import Grid, interpolate
+from stochlin.kernels.correlation import tables as pair_tables
+from stochlin.kernels.correlation.tables import Codes, Side, pair_parameters, pair_table
+from stochlin.kernels.linearization.covariance import EquivalentSystem, own_covariance, pair_covariance
+from stochlin.kernels.linearization.filters import kanai_tajimi_forcing
 
 WORST = 2e-11  # of rho; reached: 4e-12, over 1000 such pairs
 

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from scipy.integrate import solve_ivp
 
 import stochlin as sl
-from stochlin.kernels import contact as forces
+from stochlin.kernels.pounding import contact as forces
 
 RECORDS = Path(__file__).parents[2].parent / "shared" / "records"
 needs_records = pytest.mark.skipif(

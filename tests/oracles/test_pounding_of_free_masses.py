@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given
 
 import stochlin as sl
-from stochlin.kernels import contact as forces
-from stochlin.kernels import pounding as kernel
-from stochlin.kernels.pounding_impacts import AFTER, APPROACH, BEFORE, BEGIN, END, LARGEST
-from stochlin.kernels.pounding_rates import branch_force
-from stochlin.kernels.pounding_rows import CLOSED, OPENING
+from stochlin.kernels.pounding import contact as forces
+from stochlin.kernels.pounding import run as kernel
+from stochlin.kernels.pounding.impacts import AFTER, APPROACH, BEFORE, BEGIN, END, LARGEST
+from stochlin.kernels.pounding.rates import branch_force
+from stochlin.kernels.pounding.rows import CLOSED, OPENING
 
 EXACT = 1e-8  # what is asked for; measured: 4e-10 in restitutions, 4e-9 in times
 RATIOS = [0.001, 0.01, 0.1, 0.3, 0.5, 0.9, 0.999999, 1.0, 1.000001, 1.5, 3.0]

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import stochlin as sl
-from stochlin.kernels.crossings import exceeding, hazards, positive_part
+from stochlin.kernels.probability.crossings import exceeding, hazards, positive_part
 
 FIRM = sl.KanaiTajimi(2 * np.pi / 15, 0.6, intensity=0.01)
 QUAKE = {"envelope": sl.AminAng(4.0, 15.0, 0.35), "duration": 25.0}

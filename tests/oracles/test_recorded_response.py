@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 import stochlin as sl
-from stochlin.analyses import labels, record_charts
+from stochlin.analyses.charts import records as record_charts
+from stochlin.analyses.tables import labels
 
 RECORDS = Path(__file__).parents[2].parent / "shared" / "records"
 needs_records = pytest.mark.skipif(

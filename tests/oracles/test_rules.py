@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import stochlin as sl
-from stochlin.models.effective_properties import Secant
+from stochlin.models.rules.effective_properties import Secant
 
 EFFECTIVE = sl.effective_rule_names(unverified=True)
 GROUND = sl.KanaiTajimi(1.0, 0.3)

@@ -8,11 +8,11 @@ import pytest
 import scipy.stats
 
 import stochlin as sl
-from stochlin.analyses.ensembles import cells_of, joined, prepare
-from stochlin.analyses.run_lengths import with_length
-from stochlin.analyses.simulation import NOT_STATIONARY, simulate_moments
-from stochlin.analyses.state_space import ground_matrices
-from stochlin.kernels.stepping import LANES, bilinear_block, filter_steps, ground_block
+from stochlin.analyses.linearization.state_space import ground_matrices
+from stochlin.analyses.simulation.ensembles import cells_of, joined, prepare
+from stochlin.analyses.simulation.run_lengths import with_length
+from stochlin.analyses.simulation.simulation import NOT_STATIONARY, simulate_moments
+from stochlin.kernels.simulation.stepping import LANES, bilinear_block, filter_steps, ground_block
 
 ERRORS = 4.0  # standard errors: beyond them once in 16 000 numbers
 NOISE = sl.WhiteNoise(0.01)
@@ -231,7 +231,9 @@ SHORT = {"paths": 96, "relaxation_times": 2.0, "steps_per_period": 12}
 def test_one_seed_gives_one_answer_whatever_the_number_of_threads(monkeypatch, threads):
     tables = []
     for cores in (1, threads):
-        monkeypatch.setattr("stochlin.kernels.ensemble.os.cpu_count", lambda cores=cores: cores)
+        monkeypatch.setattr(
+            "stochlin.kernels.simulation.ensemble.os.cpu_count", lambda cores=cores: cores
+        )
         tables.append(sl.simulate(MIXED, sl.KanaiTajimi(1.0, 0.2), seed=7, **SHORT))
     for name in STATISTICS:
         np.testing.assert_array_equal(tables[0][name], tables[1][name], err_msg=name)
@@ -341,8 +343,8 @@ def test_run_that_does_not_fit_into_memory_is_refused_before_it_starts(monkeypat
     def never(*_):
         raise AssertionError("work has begun")
 
-    monkeypatch.setattr("stochlin.analyses.simulation.stationary_sums", never)
-    monkeypatch.setattr("stochlin.analyses.simulation.cells_of_all", never)
+    monkeypatch.setattr("stochlin.analyses.simulation.simulation.stationary_sums", never)
+    monkeypatch.setattr("stochlin.analyses.simulation.simulation.cells_of_all", never)
     with pytest.raises(
         ValueError, match=r"3000 structures on one ground need [\d.]+ GB; allowed: \d+ GB"
     ):
@@ -353,7 +355,7 @@ def test_structure_that_hardly_ever_yields_is_refused_by_the_time_that_its_drift
     def never(*_):
         raise AssertionError("work has begun")
 
-    monkeypatch.setattr("stochlin.analyses.simulation.stationary_sums", never)
+    monkeypatch.setattr("stochlin.analyses.simulation.simulation.stationary_sums", never)
     rare = yielding(0.7, 0.15, 0.01)
     with pytest.raises(ValueError, match=r"structure-steps, allowed: .*period 0\.7 s yields so rarely"):
         sl.simulate([PLAIN, rare], NOISE)

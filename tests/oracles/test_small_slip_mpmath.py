@@ -7,8 +7,13 @@ import mpmath
 import numpy as np
 import pytest
 
-from stochlin.kernels.covariance import EquivalentSystem, linear_system, own_covariance, pair_covariance
-from stochlin.kernels.filters import clough_penzien_forcing, kanai_tajimi_forcing
+from stochlin.kernels.linearization.covariance import (
+    EquivalentSystem,
+    linear_system,
+    own_covariance,
+    pair_covariance,
+)
+from stochlin.kernels.linearization.filters import clough_penzien_forcing, kanai_tajimi_forcing
 
 DIGITS = 60
 SLIPS = [1e-18, 1e-15, 1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-3, 1e-2, 1e-1]

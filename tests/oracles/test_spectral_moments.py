@@ -10,12 +10,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import stochlin as sl
-from stochlin.analyses.equivalent_systems import solve_structure
-from stochlin.analyses.peaks import relative_moments, response_moments
-from stochlin.analyses.tolerance import Tolerance
-from stochlin.kernels.covariance import EquivalentSystem, Forcing, linear_system
-from stochlin.kernels.filters import clough_penzien_forcing, kanai_tajimi_forcing, white_noise_forcing
-from stochlin.kernels.spectral_moments import difference_moments, displacement_moments
+from stochlin.analyses.linearization.equivalent_systems import solve_structure
+from stochlin.analyses.linearization.peaks import relative_moments, response_moments
+from stochlin.analyses.linearization.tolerance import Tolerance
+from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, linear_system
+from stochlin.kernels.linearization.filters import (
+    clough_penzien_forcing,
+    kanai_tajimi_forcing,
+    white_noise_forcing,
+)
+from stochlin.kernels.linearization.spectral_moments import difference_moments, displacement_moments
 
 FORCING = {1: white_noise_forcing, 3: kanai_tajimi_forcing, 5: clough_penzien_forcing}
 ACCURACY = 5e-12  # reached: 1.4e-12; the rule is built for 5e-13

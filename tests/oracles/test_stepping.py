@@ -8,7 +8,13 @@ import pytest
 import scipy.linalg
 from scipy.integrate import solve_ivp
 
-from stochlin.kernels.stepping import LANES, bilinear_block, bouc_wen_block, filter_steps, ground_block
+from stochlin.kernels.simulation.stepping import (
+    LANES,
+    bilinear_block,
+    bouc_wen_block,
+    filter_steps,
+    ground_block,
+)
 
 SECONDS = 10.0
 STEPS = 500  # of the coarsest run: 50 a period of the structure

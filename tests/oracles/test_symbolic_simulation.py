@@ -5,8 +5,8 @@ import pytest
 import sympy
 
 import stochlin as sl
-from stochlin.kernels.law_stepping import law_block
-from stochlin.kernels.stepping import LANES, bouc_wen_block
+from stochlin.kernels.simulation.law_stepping import law_block
+from stochlin.kernels.simulation.stepping import LANES, bouc_wen_block
 from stochlin.models.laws import bilinear
 
 V, Z = sympy.symbols("v z")

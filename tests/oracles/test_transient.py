@@ -10,7 +10,7 @@ import xarray as xr
 from cases import augmented_system
 
 import stochlin as sl
-from stochlin.analyses.pounding_pairs import Pair
+from stochlin.analyses.probability.cells import Pair
 from stochlin.models.structures import Gap
 
 QUAKE = sl.AminAng(4.0, 12.0, 0.35)

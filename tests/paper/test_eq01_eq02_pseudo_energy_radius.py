@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import stochlin as sl
-from stochlin.analyses import record_charts
+from stochlin.analyses.charts import records as record_charts
 
 RECORDS = Path(__file__).parents[2].parent / "shared" / "records"
 needs_records = pytest.mark.skipif(

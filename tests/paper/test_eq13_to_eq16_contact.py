@@ -9,7 +9,7 @@ import xarray as xr
 from hypothesis import given
 
 import stochlin as sl
-from stochlin.analyses.contact_charts import (
+from stochlin.analyses.charts.contacts import (
     contact_history_chart,
     contact_loop_chart,
     restitution_chart,

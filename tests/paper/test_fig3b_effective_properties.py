@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stochlin as sl
-from stochlin.analyses.rule_charts import effective_rules_chart
+from stochlin.analyses.charts.rules import effective_rules_chart
 
 CHART = effective_rules_chart(0.05, 0.05, 4.0, points=81)
 

@@ -10,9 +10,9 @@ import pytest
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.design_charts import ChartSettings, chart_functions
-from stochlin.views.charts import draw
-from stochlin.views.style import CURVES
+from stochlin.analyses.charts.design import ChartSettings, chart_functions
+from stochlin.views.charts.charts import draw
+from stochlin.views.shared.style import CURVES
 
 FOLDER = Path(__file__).parents[2] / "figures"
 NAMES = ("fig6", "fig7", "fig8")

@@ -12,8 +12,8 @@ from typing import Any, ClassVar, Self
 import numpy as np
 import xarray as xr
 
-from stochlin.kernels import contact as kernel
-from stochlin.kernels.arrays import Array
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.pounding import contact as kernel
 from stochlin.models.parameters import Model, Parameter, Range, parameter
 
 POSITIVE = Range()
@@ -66,7 +66,7 @@ class Element(Model):
         return 0.0
 
     def kernel_parameters(self, reduced_mass: Any) -> tuple[Any, Any, Any]:
-        """What `stochlin.kernels.contact.force` takes with ``kind``, for a reduced mass [kg].
+        """What `stochlin.kernels.pounding.contact.force` takes with ``kind``, for a reduced mass [kg].
 
         Returns
         -------

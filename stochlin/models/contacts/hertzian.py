@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 from scipy.special import gamma
 
-from stochlin.kernels import contact as kernel
+from stochlin.kernels.pounding import contact as kernel
 from stochlin.models.contacts import restitution as closed_forms
 from stochlin.models.contacts.base import (
     DAMPING,

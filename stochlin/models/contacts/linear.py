@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from stochlin.kernels import contact as kernel
+from stochlin.kernels.pounding import contact as kernel
 from stochlin.models.contacts import restitution as closed_forms
 from stochlin.models.contacts.base import DAMPING, Contact, Element, Form, elementwise
 from stochlin.models.contacts.damped import EXACT, WithRatio

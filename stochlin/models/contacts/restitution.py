@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stochlin.kernels.arrays import Array
+from stochlin.kernels.basics.arrays import Array
 
 NEWTON_STEPS = 6  # five reach the last digit from these starts, over all of (0, 1]
 AT_ONE = 1e-6  # of xi: slopes are 0/0 there, and their limit is good to this order

@@ -7,7 +7,7 @@ from typing import Any
 
 import xarray as xr
 
-from stochlin.kernels import contact as kernel
+from stochlin.kernels.pounding import contact as kernel
 from stochlin.models.contacts.base import ANY, POSITIVE, Contact, checked
 from stochlin.models.parameters import Parameter, Range, parameter
 

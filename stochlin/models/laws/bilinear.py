@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.special import erf, erfc, gammainc
 
-from stochlin.kernels.arrays import Array
-from stochlin.kernels.fixed_point import ClosureValue, gaussian_covariance
-from stochlin.kernels.gaussian import regress_slip, slip_quadrant
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.linearization.fixed_point import ClosureValue, gaussian_covariance
+from stochlin.kernels.linearization.gaussian import regress_slip, slip_quadrant
 
 if TYPE_CHECKING:
     import sympy

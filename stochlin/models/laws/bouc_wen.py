@@ -12,8 +12,8 @@ import numpy as np
 from scipy.special import beta as beta_function
 from scipy.special import betainc, gamma
 
-from stochlin.kernels.arrays import Array
-from stochlin.kernels.fixed_point import ClosureValue, gaussian_covariance
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.linearization.fixed_point import ClosureValue, gaussian_covariance
 
 if TYPE_CHECKING:
     import sympy

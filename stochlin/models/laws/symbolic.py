@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 import sympy
 
-from stochlin.kernels.arrays import Array
-from stochlin.kernels.fixed_point import ClosureValue, gaussian_covariance
-from stochlin.kernels.gaussian import regress_slip
-from stochlin.kernels.quadrature import SlipRate, slip_expectations
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.linearization.fixed_point import ClosureValue, gaussian_covariance
+from stochlin.kernels.linearization.gaussian import regress_slip
+from stochlin.kernels.linearization.quadrature import SlipRate, slip_expectations
 
 if TYPE_CHECKING:
-    from stochlin.kernels.ensemble import Block
+    from stochlin.kernels.simulation.ensemble import Block
 
 ORDER = 40
 ACCURACY = 1e-9
@@ -63,7 +63,7 @@ class SymbolicLaw:
     @cached_property
     def block(self) -> Block:
         """Time steps of this law, compiled when first asked for."""
-        from stochlin.kernels.law_stepping import law_block
+        from stochlin.kernels.simulation.law_stepping import law_block
 
         v, z = sympy.symbols("v z", real=True)
         return law_block(sympy.lambdify((v, z), self._without_steps(), "math", cse=True))

@@ -1,0 +1,160 @@
+"""The buildings of a case file, in a row from left to right, and the gaps between them."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from stochlin.analyses.cases.values import Quantity, Section
+from stochlin.analyses.linearization.strength import DuctilityTarget, strength_for_ductility
+from stochlin.models.buildings import ShearBuilding
+from stochlin.models.grounds import Ground
+from stochlin.models.links import NOT_NEGATIVE
+from stochlin.models.structures import POSITIVE, Bilinear
+
+STRENGTHS = ("reduction_factor", "yield_displacement", "ductility", "elastic")
+OF_STOREYS = ("masses", "stiffnesses", "heights")
+DRIFTS = ("yield_drifts", "elastic")
+LENGTH, OPEN_OR_TOUCHING = Quantity("m", POSITIVE), Quantity("m", NOT_NEGATIVE)
+_NUMBERED = re.compile(r"building_([1-9]\d*)")
+
+
+@dataclass(frozen=True)
+class Building:
+    """A building of a case that is one oscillator.
+
+    ``strength`` says by which key the file gives it; ``height`` [m] and ``storeys`` may be unknown.
+    """
+
+    name: str
+    structure: Bilinear
+    strength: str
+    height: float | None
+    storeys: int | None
+
+
+@dataclass(frozen=True)
+class StoreyBuilding:
+    """A building of a case whose storeys are described one by one."""
+
+    name: str
+    structure: ShearBuilding
+    strength: str
+
+    @property
+    def height(self) -> float:
+        """Level of the roof [m]."""
+        return float(self.structure.levels()[-1])
+
+    @property
+    def storeys(self) -> int:
+        """Number of storeys."""
+        return self.structure.storeys
+
+
+def building_keys(whole: Section) -> tuple[str, ...]:
+    """``building_1``, ``building_2`` and as many more as there are."""
+    given = [key for key in whole.values if _NUMBERED.fullmatch(key)]
+    for number, key in enumerate(sorted(given, key=lambda key: int(key.partition("_")[2])), start=1):
+        expected = f"building_{number}"
+        if key != expected:
+            raise whole.error(
+                key,
+                f"is there, {expected} is not; did you mean {expected}? allowed: building_1, building_2 "
+                "and so on, from left to right, none left out",
+            )
+    return tuple(f"building_{number}" for number in range(1, max(2, len(given)) + 1))
+
+
+def read_buildings(whole: Section, ground: Ground) -> tuple[Building | StoreyBuilding, ...]:
+    """All of them; strengths by reduction factor and by ductility refer to this ground."""
+    sections = [whole.section(key) for key in building_keys(whole)]
+    storeyed = [any(key in one for key in OF_STOREYS) for one in sections]
+    if any(storeyed) and not all(storeyed):
+        bare = sections[storeyed.index(False)]
+        raise bare.error(
+            "",
+            f"has no storeys, but {sections[storeyed.index(True)].name()} has; allowed: one kind in a "
+            f"row, so give it {', '.join(OF_STOREYS)} as well, of one storey if need be",
+        )
+    return tuple(
+        _of_storeys(one, number) if own else _single(one, number, ground)
+        for number, (one, own) in enumerate(zip(sections, storeyed, strict=True), start=1)
+    )
+
+
+def read_gaps(wanted: Section, count: int) -> tuple[float, ...]:
+    """The gaps there are between so many buildings [m]; none if nothing is said."""
+    key = "existing"
+    if key not in wanted:
+        return ()
+    listed = isinstance(wanted.values[key], list)
+    gaps = wanted.numbers(key, OPEN_OR_TOUCHING) if listed else [wanted.number(key, OPEN_OR_TOUCHING)]
+    if len(gaps) != count - 1:
+        each = ", ".join(['"5 cm"'] * (count - 1))
+        example = each if count == 2 else f"[{each}]"
+        raise wanted.error(
+            key,
+            f"is {len(gaps)} gap{'s' * (len(gaps) > 1)} for {count} buildings; allowed: one between "
+            f"each two, {count - 1} in all, as {key} = {example}",
+        )
+    return tuple(gaps)
+
+
+def _single(one: Section, number: int, ground: Ground) -> Building:
+    one.only("name", "period", "damping", "hardening", *STRENGTHS, "mass", "height", "storeys")
+    strength = _strength(
+        one,
+        STRENGTHS,
+        'reduction_factor = 4, yield_displacement = "3 cm", ductility = 4, elastic = true',
+    )
+    names = ("period", "damping") if strength == "elastic" else ("period", "damping", "hardening")
+    if strength in ("reduction_factor", "yield_displacement"):
+        names = (*names, strength)
+    structure: Bilinear = one.model(Bilinear, (*names, "mass") if "mass" in one else names)
+    if strength == "ductility":
+        wanted = one.model(DuctilityTarget, ("ductility",)).ductility
+        try:
+            found = strength_for_ductility(structure, ground, wanted)
+        except ArithmeticError as error:
+            raise one.error("ductility", f"has no strength ({error}); give another one") from error
+        structure = dataclasses.replace(structure, reduction_factor=float(found.reduction_factor))
+    return Building(
+        name=_name(one, number),
+        structure=structure,
+        strength=strength,
+        height=one.number("height", LENGTH) if "height" in one else None,
+        storeys=one.whole("storeys", 1) if "storeys" in one else None,
+    )
+
+
+def _of_storeys(one: Section, number: int) -> StoreyBuilding:
+    one.only("name", *OF_STOREYS, "damping", "hardening", *DRIFTS)
+    strength = _strength(one, DRIFTS, 'yield_drifts = "2 cm", of all storeys or a list, elastic = true')
+    numbers, lists = ["damping"], list(OF_STOREYS)
+    if strength != "elastic":
+        numbers.append("hardening")
+        (lists if isinstance(one.values[strength], list) else numbers).append(strength)
+    structure: ShearBuilding = one.model(ShearBuilding, numbers, lists)
+    return StoreyBuilding(_name(one, number), structure, strength)
+
+
+def _name(one: Section, number: int) -> str:
+    return one.text("name") if "name" in one else f"Building {number}"
+
+
+def _strength(one: Section, keys: Sequence[str], example: str) -> str:
+    """The key by which the strength is given."""
+    elastic = one.truth("elastic")
+    given = [key for key in keys if key in one and (key != "elastic" or elastic)]
+    if not given:
+        raise one.error("", f"has no strength; allowed: one of {example}")
+    if len(given) > 1:
+        raise one.error(
+            given[1],
+            f"is one too many: strength is given {len(given)} times, by {' and '.join(given)}; allowed: "
+            f"one of {example}",
+        )
+    return given[0]

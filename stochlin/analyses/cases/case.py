@@ -1,0 +1,193 @@
+"""Case files: a site, buildings in a row and a motion, described in TOML."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+
+import xarray as xr
+
+from stochlin.analyses.cases.buildings import (
+    Building,
+    StoreyBuilding,
+    building_keys,
+    read_buildings,
+    read_gaps,
+)
+from stochlin.analyses.cases.contacts import read_amplification_limit, read_contact, read_measures
+from stochlin.analyses.cases.site import FITTED, TIME, read_envelope, read_ground, read_records
+from stochlin.analyses.cases.values import Quantity, Section, read_sections
+from stochlin.models.contacts import Contact
+from stochlin.models.envelopes import Envelope
+from stochlin.models.grounds import Ground
+from stochlin.models.measures import Measure
+from stochlin.models.parameters import Range
+from stochlin.models.rules.separations import ZONES
+
+SHARE = Quantity("1", Range(upper=1.0, reason="a probability"))
+FEWEST_PATHS = 100  # for a quantile to have an interval
+TABLES = ("site", "motion", "separation", "simulation", "contact", "measures", "mitigation")
+
+
+@dataclass(frozen=True)
+class Case:
+    """What a case file describes, in SI; ``file`` is its name, ``gaps`` [m] are those that exist.
+
+    ``buildings`` stand in a row from left to right. What is about two oscillators asks for ``pair``,
+    ``first``, ``second`` and ``gap``.
+    """
+
+    file: str
+    title: str
+    site: str  # the file's word for the ground
+    ground: Ground
+    buildings: tuple[Building | StoreyBuilding, ...]
+    duration: float
+    envelope: Envelope | None
+    records: Mapping[str, xr.DataArray]
+    confidence: float
+    gaps: tuple[float, ...]
+    floors_align: bool
+    zone: str | None
+    unverified: bool
+    paths: int
+    seed: int
+    contact: Contact | None
+    measures: Mapping[str, Measure]
+    amplification_limit: float | None
+
+    @property
+    def fitted(self) -> bool:
+        """Whether the ground is fitted to the first record."""
+        return self.site == FITTED
+
+    @property
+    def pair(self) -> tuple[Building, Building]:
+        """The two buildings, the left one first; an error if there are others."""
+        first, second, *more = self.buildings
+        if more:
+            raise ValueError(
+                f"{self.file}: describes {len(self.buildings)} buildings; this takes two, building_1 "
+                "and building_2, so leave the others out; 'stochlin pound' takes any number"
+            )
+        if isinstance(first, StoreyBuilding) or isinstance(second, StoreyBuilding):
+            raise ValueError(
+                f"{self.file}: describes the storeys of its buildings; this takes two oscillators, each "
+                "by its period, damping and strength; 'stochlin pound' takes storeys"
+            )
+        return first, second
+
+    @property
+    def first(self) -> Building:
+        """The left one of two."""
+        return self.pair[0]
+
+    @property
+    def second(self) -> Building:
+        """The right one of two."""
+        return self.pair[1]
+
+    @property
+    def gap(self) -> float | None:
+        """The gap between the two buildings [m]; an error if there are others."""
+        return self.gaps[0] if self.pair and self.gaps else None
+
+
+def example_case() -> str:
+    """Text of a case file, with comments, to start from.
+
+    Returns
+    -------
+    str
+        As ``stochlin gap --example`` prints it.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> sl.example_case().splitlines()[0]
+    '# How far must two buildings stand apart? A case for'
+    """
+    return files("stochlin.analyses.cases").joinpath("example_case.toml").read_text(encoding="utf-8")
+
+
+def read_case(path: str | os.PathLike[str]) -> Case:
+    """Read a case file.
+
+    Parameters
+    ----------
+    path : str or path
+        The file, TOML as `example_case` shows it. Values with a unit are texts, ``"0.8 s"``; paths of
+        records are relative to the file. Nothing in it is evaluated.
+
+    Returns
+    -------
+    Case
+        With ``ground``, ``first`` and ``second`` (each with its ``structure``), ``duration`` [s],
+        ``envelope``, ``records``, ``confidence``, ``gap`` [m] and the rest, as `separation` takes them;
+        ``buildings`` and ``gaps`` [m] of a longer row, ``contact``, ``measures`` and
+        ``amplification_limit`` [-], as `pound` takes them.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    ValueError
+        If the file is no TOML; if a key is unknown or missing, a unit missing or unknown, a number
+        no number or out of range, a building without a strength or with two, gaps too many or too
+        few; or if a record cannot be read or fitted. The message names file, line and key, and what is
+        allowed.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, stochlin as sl
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "case.toml"
+    >>> _ = path.write_text(sl.example_case(), encoding="utf-8")
+    >>> case = sl.read_case(path)
+    >>> case.second.name, case.second.structure.period, case.gap
+    ('Annex', 0.6, 0.05)
+    """
+    path = Path(path)
+    whole = read_sections(path)
+    keys = building_keys(whole)
+    whole.only("title", *TABLES[:2], *keys, *TABLES[2:])
+    site, motion, wanted = (whole.section(key) for key in ("site", "motion", "separation"))
+    wanted.only("confidence", "existing", "floors_align", "zone", "unverified")
+    records = read_records(site, path.parent)
+    ground = read_ground(site, records)
+    buildings = read_buildings(whole, ground)
+    envelope = read_envelope(motion)
+    paths, seed = _simulation(whole)
+    names = [building.name for building in buildings]
+    return Case(
+        file=path.name,
+        title=whole.text("title") if "title" in whole else f"{', '.join(names[:-1])} and {names[-1]}",
+        site=site.text("ground"),
+        ground=ground,
+        buildings=buildings,
+        duration=motion.number("duration", TIME),
+        envelope=envelope,
+        records=records,
+        confidence=wanted.number("confidence", SHARE),
+        gaps=read_gaps(wanted, len(buildings)),
+        floors_align=wanted.truth("floors_align"),
+        zone=wanted.text("zone", tuple(ZONES)) if "zone" in wanted else None,
+        unverified=wanted.truth("unverified"),
+        paths=paths,
+        seed=seed,
+        contact=read_contact(whole.section("contact")) if "contact" in whole else None,
+        measures=read_measures(whole),
+        amplification_limit=read_amplification_limit(whole),
+    )
+
+
+def _simulation(whole: Section) -> tuple[int, int]:
+    settings = {"paths": 2048, "seed": 0}
+    if "simulation" in whole:
+        given = whole.section("simulation")
+        given.only(*settings)
+        lowest = {"paths": FEWEST_PATHS, "seed": 0}
+        settings |= {key: given.whole(key, lowest[key]) for key in given.values}
+    return settings["paths"], settings["seed"]

@@ -1,0 +1,96 @@
+"""What the buildings of a case file meet at, and the measures against pounding that it names."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Mapping
+from typing import Any
+
+from stochlin.analyses.cases.values import Quantity, Section
+from stochlin.models import contacts
+from stochlin.models.contacts import Contact
+from stochlin.models.contacts.base import DAMPING, RESTITUTION
+from stochlin.models.contacts.hertzian import SPHERES
+from stochlin.models.links import Link
+from stochlin.models.measures import Measure
+from stochlin.models.structures import POSITIVE
+
+CONTACTS: Mapping[str, type[Contact]] = {
+    "linear_spring": contacts.LinearSpring,
+    "kelvin": contacts.Kelvin,
+    "no_tension_kelvin": contacts.NoTensionKelvin,
+    "impact_kelvin": contacts.ImpactKelvin,
+    "hertz": contacts.Hertz,
+    "hertz_damp": contacts.HertzDamp,
+    "jankowski": contacts.Jankowski,
+    "stereomechanical": contacts.Stereomechanical,
+}
+DAMPINGS = ("added_damping_1", "added_damping_2")
+LINK = {"link_stiffness": "stiffness", "link_damping_constant": "damping_constant"}
+
+
+def read_contact(section: Section) -> Contact:
+    """The contact of a table: its model, and the parameters that this model takes."""
+    kind = CONTACTS[section.text("model", tuple(CONTACTS))]
+    names = inspect.signature(kind).parameters
+    section.only("model", *names)
+    needed = [name for name, one in names.items() if one.default is inspect.Parameter.empty]
+    values: dict[str, Any] = {}
+    for name in dict.fromkeys([*needed, *(key for key in section.values if key != "model")]):
+        values[name] = section.number(name, _quantity(section, kind, name))
+    contact: Contact = section.made(kind, values)
+    return contact
+
+
+def read_measures(whole: Section) -> dict[str, Measure]:
+    """The measures by name, in the order of the file; none if there is no such table."""
+    if "measures" not in whole:
+        return {}
+    table = whole.section("measures")
+    return {name: _measure(table.section(name)) for name in table.values}
+
+
+def read_amplification_limit(whole: Section) -> float | None:
+    """The largest amplification that is accepted, if it is said."""
+    if "mitigation" not in whole:
+        return None
+    section = whole.section("mitigation")
+    section.only("amplification_limit")
+    return section.number("amplification_limit", Quantity("1", POSITIVE))
+
+
+def _quantity(section: Section, kind: type[Contact], name: str) -> Quantity:
+    """Unit and range; what a contact takes without declaring it are the two names of its damping."""
+    if name not in kind.parameter_names():
+        return Quantity("1", RESTITUTION if name == "restitution" else DAMPING)
+    declared = Quantity.declared(kind, name)
+    if not declared.units.endswith("^n"):
+        return declared
+    power = SPHERES
+    if "exponent" in section:
+        power = section.number("exponent", Quantity.declared(kind, "exponent"))
+    return declared._replace(units=declared.units.replace("^n", f"^{power:g}"))
+
+
+def _measure(section: Section) -> Measure:
+    section.only(*DAMPINGS, *LINK, "contact")
+    if not section.values:
+        raise section.error(
+            "", f"does nothing; allowed: {', '.join(DAMPINGS)}, {', '.join(LINK)}, contact"
+        )
+    values: dict[str, Any] = {
+        name: section.number(name, Quantity.declared(Measure, name))
+        for name in DAMPINGS
+        if name in section
+    }
+    link = {
+        own: section.number(key, Quantity.declared(Link, own))
+        for key, own in LINK.items()
+        if key in section
+    }
+    if link:
+        values["link"] = Link(**link)
+    if "contact" in section:
+        values["contact"] = read_contact(section.section("contact"))
+    measure: Measure = section.made(Measure, values)
+    return measure

@@ -1,0 +1,64 @@
+"""Measures against pounding of the two buildings of a case file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import xarray as xr
+
+from stochlin.analyses.cases.case import Case
+from stochlin.analyses.mitigation.mitigation import mitigate
+
+
+def mitigate_case(case: Case, progress: Callable[[float], None] | None = None) -> xr.Dataset:
+    """The measures of a case compared, and the least that would do.
+
+    Parameters
+    ----------
+    case : Case
+        As `stochlin.read_case` gives it, of two buildings, with the gap there is. Pounding itself is
+        computed on its records, where it has some, a contact, and masses.
+    progress : callable, optional
+        Called with the share of the rows that is done.
+
+    Returns
+    -------
+    xarray.Dataset
+        As `stochlin.mitigate` returns it.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the case lacks something; the message names the file, and the cure.
+    """
+    first, second = case.pair
+    if case.gap is None or case.gap <= 0:
+        raise ValueError(
+            f"{case.file}: measures are compared for the gap there is, and it has to be open; write "
+            'existing = "5 cm" in [separation]'
+        )
+    for name, measure in case.measures.items():
+        if measure.link is not None and None in (first.structure.mass, second.structure.mass):
+            raise ValueError(
+                f"{case.file}: {name} links the buildings, which takes their masses; write "
+                'mass = "1500 t" in [building_1] and [building_2]'
+            )
+    pounding = bool(case.records) and case.contact is not None
+    pounding = pounding and None not in (first.structure.mass, second.structure.mass)
+    table = mitigate(
+        first.structure,
+        second.structure,
+        case.ground,
+        case.duration,
+        case.gap,
+        case.measures,
+        envelope=case.envelope,
+        confidence=case.confidence,
+        paths=case.paths,
+        seed=case.seed,
+        contact=case.contact,
+        records=dict(case.records) if pounding else None,
+        amplification_limit=case.amplification_limit if pounding else None,
+        progress=progress,
+    )
+    return table.assign_attrs(title=f"{case.title}: {table.attrs['title']}", case=case.title)

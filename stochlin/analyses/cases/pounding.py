@@ -1,0 +1,158 @@
+"""Pounding of the buildings of a case file, in each of its records."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.cases.buildings import StoreyBuilding
+from stochlin.analyses.cases.case import Case
+from stochlin.analyses.pounding.pounding import pound
+from stochlin.analyses.pounding.rows import Building as Structure
+from stochlin.analyses.separation.rules import by_yield_displacement
+from stochlin.analyses.tables import labels
+from stochlin.models.contacts import Contact
+from stochlin.models.structures import Bilinear
+
+ENERGIES = ("viscous", "hysteretic", "contacts", "remaining")
+
+
+def pound_case(case: Case, progress: Callable[[float], None] | None = None) -> dict[str, xr.Dataset]:
+    """The buildings of a case through each of its records, with all their impacts.
+
+    Parameters
+    ----------
+    case : Case
+        As `stochlin.read_case` gives it, with records, a contact, gaps, and the mass of every building.
+    progress : callable, optional
+        Called with the share of the records that is done.
+
+    Returns
+    -------
+    dict of xarray.Dataset
+        By record: what `stochlin.pound` returns; over ``structure`` the name of the ``building``, its
+        ``storeys`` or ``yield_displacement`` [m] and ``peak_ductility`` [-], NaN where elastic; over
+        ``contact`` its ``gap`` [m], ``impacts``, ``hardest_force`` [N], ``fastest_approach`` [m/s],
+        ``longest_impact`` [s], ``contact_energy`` [J] that it has taken and ``least_clearance`` [m] at
+        the instants of ``time``; over ``sink`` the ``energy_share`` [-] of the input, at the end.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the case lacks something, or as in `stochlin.pound`. The message names the file, and the cure.
+    ArithmeticError
+        As in `stochlin.pound`.
+
+    Notes
+    -----
+    A reduction factor, or the strength that a ductility asks for, refers to the elastic response to the
+    ground of the case, whatever the record.
+    """
+    contact = _checked(case)
+    structures = [_structure(case, number) for number in range(len(case.buildings))]
+    tables: dict[str, xr.Dataset] = {}
+    for name, record in case.records.items():
+        try:
+            table = pound(structures, list(case.gaps), contact, record)
+        except (ValueError, ArithmeticError) as error:
+            raise type(error)(f"{case.file}, record {name}: {error}") from error
+        tables[name] = _described(table, case, structures).assign_attrs(
+            title=f"{case.title}: pounding in {name}", record=name, case=case.title
+        )
+        if progress is not None:
+            progress(len(tables) / len(case.records))
+    return tables
+
+
+def _checked(case: Case) -> Contact:
+    """The contact, once nothing else is missing either."""
+    needs = f"{case.file}: pounding needs"
+    if not case.records:
+        raise ValueError(
+            f"{needs} a recorded motion; write [[site.records]], and below it its path, units and dt"
+        )
+    if not case.gaps:
+        raise ValueError(
+            f'{needs} the gap there is; write existing = "5 cm" in [separation], "0 cm" for buildings '
+            "that touch, and a list for more than two"
+        )
+    for number, building in enumerate(case.buildings, start=1):
+        if isinstance(building.structure, Bilinear) and building.structure.mass is None:
+            raise ValueError(
+                f'{needs} the mass of every building; write mass = "1500 t" in [building_{number}]'
+            )
+    if case.contact is None:
+        raise ValueError(
+            f'{needs} what the buildings meet at; write [contact], and below it model = "kelvin", '
+            'stiffness = "2000 MN/m" and restitution = 0.65'
+        )
+    return case.contact
+
+
+def _structure(case: Case, number: int) -> Structure:
+    building = case.buildings[number]
+    if isinstance(building, StoreyBuilding):
+        return building.structure
+    structure: Bilinear = by_yield_displacement(building.structure, case.ground)
+    return structure
+
+
+def _described(table: xr.Dataset, case: Case, structures: list[Structure]) -> xr.Dataset:
+    """The dataset with the names of the case, and with what its impacts and energies add up to."""
+    names = [building.name for building in case.buildings]
+    strengths = [
+        structure.yield_displacement if isinstance(structure, Bilinear) and structure.yields else np.nan
+        for structure in structures
+    ]
+    table = table.assign_coords(building=("structure", names, {"long_name": "name of the building"}))
+    if "floor" in table.dims:
+        storeys = [building.storeys for building in case.buildings]
+        table = table.assign_coords(storeys=("structure", storeys, {"long_name": "number of storeys"}))
+    else:
+        table["yield_displacement"] = ("structure", np.array(strengths, float))
+        table["peak_ductility"] = table.peak / table.yield_displacement
+    return labels.label(_with_energies(_with_tallies(table)))
+
+
+def _with_tallies(table: xr.Dataset) -> xr.Dataset:
+    """What the impacts of each contact come to."""
+    hit = table.impact_contact.values == table.contact.values[:, None]
+    table["impacts"] = ("contact", hit.sum(axis=1))
+    at_most = {
+        "hardest_force": table.largest_force,
+        "fastest_approach": table.approach_velocity,
+        "longest_impact": table.impact_duration,
+    }
+    for name, values in at_most.items():  # NaN without an impact, or where one has no such value
+        most = np.array([np.maximum.reduce(values.values[own], initial=-np.inf) for own in hit])
+        table[name] = ("contact", np.where(np.isfinite(most), most, np.nan))
+    table["contact_energy"] = ("contact", hit @ table.energy_lost.values)
+    table["gap"] = ("contact", np.array(table.attrs["gaps"])[table.left.values - 1])
+    left, right = (_side(table, side) for side in ("left", "right"))
+    table["least_clearance"] = table.gap - (left - right).max("time")
+    return table
+
+
+def _side(table: xr.Dataset, side: str) -> xr.DataArray:
+    """Displacement of the floor on one side of each contact, over ``time`` and ``contact``."""
+    at = {"structure": table[side].drop_vars(table[side].coords)}
+    if "floor" in table.dims:
+        at["floor"] = table[f"floor_{side}"].drop_vars(table[f"floor_{side}"].coords)
+    return table.displacement.sel(at).drop_vars(
+        ["structure", "floor", "building", "storeys"], errors="ignore"
+    )
+
+
+def _with_energies(table: xr.Dataset) -> xr.Dataset:
+    """Shares of what the ground has put in, at the end of the record."""
+    last = table.isel(time=-1)
+    lost = [float(last[f"{name}_energy"].sum()) for name in ENERGIES[:2]] + [
+        float(last.contact_lost_energy)
+    ]
+    rest = [float(last[f"{name}_energy"].sum()) for name in ("kinetic", "elastic", "contact_stored")]
+    given = float(last.input_energy.sum())
+    shares = np.array([*lost, sum(rest)]) / (given if given > 0 else np.nan)
+    table = table.assign_coords(sink=("sink", list(ENERGIES), {"long_name": "where the energy is"}))
+    return table.assign(energy_share=("sink", shares))

@@ -1,0 +1,120 @@
+"""The answer to a case file: separation, what the existing gap allows, and the ground's spectrum."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.cases.case import Case
+from stochlin.analyses.records.spectra import fit_spectra
+from stochlin.analyses.separation.existing_gap import existing_gap
+from stochlin.analyses.separation.separation import separation
+from stochlin.models.grounds import Ground, WhiteNoise
+from stochlin.models.parameters import expect
+
+FREQUENCIES = np.geomspace(1e-4, 1e4, 16001)  # times 2 pi rad/s: four decades to either side
+POINTS = 401
+AROUND = 5.0  # how far the spectrum goes beyond the periods of buildings and ground
+
+
+@dataclass(frozen=True)
+class CaseAnswer:
+    """A case, and what the analyses say of it; ``existing`` is None where there is no gap yet."""
+
+    case: Case
+    separation: xr.Dataset
+    existing: xr.Dataset | None
+    spectrum: xr.Dataset
+    rms_acceleration: float  # m/s^2; infinite for white noise
+
+    def table(self, samples: bool = True) -> xr.Dataset:
+        """All of it for a file; without samples, only what there is one of, and a row a rule."""
+        table = self.separation
+        if self.existing is not None:
+            existing = {f"existing_{name}": array for name, array in self.existing.items()}
+            table = table.assign(existing).assign_attrs(existing_gap_m=self.existing.attrs["gap_m"])
+        table = table.assign_attrs(title=f"{self.case.title}: {table.attrs['title']}")
+        return table if samples else table.drop_dims(["path", "record"], errors="ignore")
+
+
+def answer_case(case: Case, progress: Callable[[float], None] | None = None) -> CaseAnswer:
+    """Separation of the two buildings of a case, and what the existing gap allows.
+
+    Parameters
+    ----------
+    case : Case
+        As `read_case` gives it.
+    progress : callable, optional
+        Called with the share of the simulation that is done.
+
+    Returns
+    -------
+    CaseAnswer
+
+    Raises
+    ------
+    ValueError, ArithmeticError
+        As `separation` and `existing_gap`.
+    """
+    pair = case.first.structure, case.second.structure
+    if case.gap == 0:
+        raise ValueError(
+            f"{case.file}: separation.existing = 0; allowed here: 0 < gap, so leave it out for "
+            "buildings that touch"
+        )
+    motion = {
+        "envelope": case.envelope,
+        "confidence": case.confidence,
+        "paths": case.paths,
+        "seed": case.seed,
+    }
+    table = separation(
+        *pair,
+        case.ground,
+        case.duration,
+        **motion,  # type: ignore[arg-type]
+        height_1=case.first.height,
+        height_2=case.second.height,
+        floors_align=case.floors_align,
+        zone=case.zone,
+        unverified=case.unverified,
+        records=dict(case.records) or None,
+        progress=progress,
+    )
+    existing = None
+    if case.gap is not None:
+        existing = existing_gap(*pair, case.ground, case.duration, case.gap, **motion)  # type: ignore[arg-type]
+    return CaseAnswer(case, table, existing, _spectrum(case), rms_acceleration(case.ground))
+
+
+def rms_acceleration(ground: Ground) -> float:
+    """Standard deviation of the ground acceleration [m/s^2]; infinite for white noise.
+
+    For Kanai-Tajimi ground it is ``sqrt(pi S0 wg (1 + 4 xig^2)/(2 xig))``.
+    """
+    expect(ground, Ground, "ground")
+    if isinstance(ground, WhiteNoise):
+        return np.inf
+    frequency = 2 * np.pi * FREQUENCIES
+    density = ground.psd(frequency).values * frequency  # over log w, on which the steps are even
+    return float(np.sqrt(2 * np.trapezoid(density, np.log(frequency))))
+
+
+def _spectrum(case: Case) -> xr.Dataset:
+    """PSD of the ground over period; beside that of the record it is fitted to."""
+    periods = [float(b.structure.arrays()["period"]) for b in case.pair]
+    periods += [float(p) for name, p in case.ground.arrays().items() if name == "period"]
+    low, high = min(periods) / AROUND, max(periods) * AROUND
+    if case.fitted:
+        spectrum = fit_spectra(next(iter(case.records.values())), case.ground)[
+            ["psd_smoothed", "psd_ground"]
+        ]
+    else:
+        frequency = np.geomspace(2 * np.pi / high, 2 * np.pi / low, POINTS)
+        spectrum = case.ground.psd(frequency).rename("psd_ground").to_dataset()
+    attrs = {"units": "s", "long_name": "period"}
+    spectrum = spectrum.assign_coords(period=("frequency", 2 * np.pi / spectrum.frequency.values, attrs))
+    return spectrum.isel(frequency=((spectrum.period >= low) & (spectrum.period <= high)).values)

@@ -1,0 +1,83 @@
+"""The site and the motion of a case file: its records, its ground, its envelope."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from stochlin.analyses.cases.values import Quantity, Section
+from stochlin.analyses.records.ground_fit import fit_ground
+from stochlin.analyses.records.records import read_record
+from stochlin.analyses.records.spectra import ESTIMATORS
+from stochlin.models.envelopes import AminAng, Envelope, GammaEnvelope, ShinozukaSato
+from stochlin.models.grounds import CloughPenzien, Ground, KanaiTajimi, WhiteNoise
+from stochlin.models.named_grounds import ground_names, named_ground
+from stochlin.models.structures import POSITIVE
+
+FITTED, NONE = "fitted", "none"
+FITS: Mapping[str, type[Ground]] = {"kanai_tajimi": KanaiTajimi, "clough_penzien": CloughPenzien}
+GROUNDS: Mapping[str, type[Ground]] = {**FITS, "white_noise": WhiteNoise}
+ENVELOPES: Mapping[str, type[Envelope]] = {
+    "amin_ang": AminAng,
+    "shinozuka_sato": ShinozukaSato,
+    "gamma": GammaEnvelope,
+}
+TIME = Quantity("s", POSITIVE)
+
+
+def read_records(site: Section, folder: Path) -> dict[str, xr.DataArray]:
+    """The records by name, in the order of the file."""
+    records: dict[str, xr.DataArray] = {}
+    for one in site.sections("records"):
+        one.only("path", "name", "units", "dt", "column", "time_column")
+        path = one.text("path")
+        name = one.text("name") if "name" in one else Path(path).name
+        options: dict[str, Any] = {"units": one.text("units")} if "units" in one else {}
+        if "dt" in one:
+            options["dt"] = one.number("dt", TIME)
+        for key in ("column", "time_column"):
+            if key in one:
+                known = isinstance(one.values[key], str)
+                options[key] = one.text(key) if known else one.whole(key, 0)
+        if name in records:
+            raise one.error("name" if "name" in one else "path", "is there twice; give it another name")
+        try:
+            records[name] = read_record(folder / path, **options)
+        except (OSError, ValueError) as error:
+            raise one.error("path", f"cannot be read: {error}") from error
+    return records
+
+
+def read_ground(site: Section, records: Mapping[str, xr.DataArray]) -> Ground:
+    """The ground, by name, by parameters, or fitted to the first record."""
+    kinds = (*ground_names(), *GROUNDS, FITTED)
+    name = site.text("ground", kinds)
+    if name == FITTED:
+        site.only("ground", "records", "model", "estimator")
+        model = site.text("model", tuple(FITS)) if "model" in site else "kanai_tajimi"
+        estimator = site.text("estimator", tuple(ESTIMATORS)) if "estimator" in site else "psd"
+        if not records:
+            raise site.error("ground", "needs a record to be fitted to; allowed: a [[site.records]]")
+        try:
+            return fit_ground(next(iter(records.values())), model, estimator)
+        except ValueError as error:
+            raise site.error("ground", f"cannot be fitted to {next(iter(records))}: {error}") from error
+    names = GROUNDS[name].parameter_names() if name in GROUNDS else ("intensity",)
+    site.only("ground", "records", *names)
+    if name in GROUNDS:
+        ground: Ground = site.model(GROUNDS[name], names)
+        return ground
+    intensity = site.model(WhiteNoise, ("intensity",)).intensity
+    return named_ground(name, intensity)
+
+
+def read_envelope(motion: Section) -> Envelope | None:
+    """How the shaking rises and falls, if it is said."""
+    name = motion.text("envelope", (*ENVELOPES, NONE)) if "envelope" in motion else NONE
+    names = () if name == NONE else ENVELOPES[name].parameter_names()
+    motion.only("duration", "envelope", *names)
+    envelope: Envelope | None = None if name == NONE else motion.model(ENVELOPES[name], names)
+    return envelope

@@ -1,0 +1,281 @@
+"""The data of Figs. 6 to 8 of the paper: loops, histories and restitution of contact elements.
+
+Two free masses of reduced mass ``m`` meet at ``v0``. In the scales ``tau = (m v0^(1-n)/k)^(1/(n+1))`` of
+time, ``v0 tau`` of deformation and ``k (v0 tau)^n`` of force, neither stiffness nor mass nor velocity
+is left in the motion; for the linear elements ``tau = sqrt(m/k)``. They are solved in closed form,
+the others by a Runge-Kutta method of order 8.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+from scipy.integrate import solve_ivp
+
+from stochlin.analyses.tables import labels
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.pounding import contact as kernel
+from stochlin.models.contacts import (
+    Hertz,
+    HertzDamp,
+    ImpactKelvin,
+    Jankowski,
+    Kelvin,
+    LinearSpring,
+    NoTensionKelvin,
+)
+from stochlin.models.contacts.base import POSITIVE, RESTITUTION, checked
+from stochlin.models.parameters import Range
+
+PARTING = Range(
+    upper=1.0, include_lower=True, reason="from 1 on the contact of the Kelvin element never ends"
+)
+LINEAR = LinearSpring | Kelvin | NoTensionKelvin | ImpactKelvin
+ELEMENT = LINEAR | Hertz | HertzDamp | Jankowski
+TOLERANCE = {"rtol": 1e-12, "atol": 1e-14}
+SCALES = (
+    "Two free masses of reduced mass m meet at v0. Scales: τ = (m v0^(1-n)/k)^(1/(n+1)), v0 τ, "
+    "k (v0 τ)^n;\nn = 1.5 for Hertz, Hertz-damp and Jankowski, 1 for the others."
+)
+PRINTED = (
+    "Printed in the paper with the dashpot's sign reversed, eqs. (14) and (16), and without the "
+    "stiffness under the root of eq. (15): here c opposes the motion, c = 2 ξ √(k m)."
+)
+OWN = (
+    "Eq. (15) of the paper is the curve of Kelvin alone. Hertz-damp has no damping ratio: the upper "
+    "axis is its damping factor a."
+)
+LONGEST = 1e3  # contact times; the slowest to part need about 1/e
+
+
+class History(NamedTuple):
+    """A contact from its beginning to its end, in its scales."""
+
+    time: Array
+    deformation: Array
+    velocity: Array
+
+
+def contact_loop_chart(restitution: float = 0.65, points: int = 201) -> xr.Dataset:
+    """Fig. 6: force over deformation of every element, the damped ones made for one restitution.
+
+    Parameters
+    ----------
+    restitution : float
+        ``e`` [-] of the damped elements, in (0, 1].
+    points : int
+        Of each loop, at least 2, evenly in time from the first touch to the end of contact.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``scaled_deformation``, ``scaled_force``, ``scaled_velocity`` and ``scaled_time`` [-] over
+        (``element``, ``point``); ``restitution``, ``contact_damping``, ``scaled_contact_time`` [-] over
+        ``element``. The area of a loop is the energy lost, ``(1 - e^2)/2``.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the restitution is out of range or not a number, or points are too few.
+
+    Examples
+    --------
+    >>> from stochlin.analyses.charts.contacts import contact_loop_chart
+    >>> chart = contact_loop_chart(restitution=0.5)
+    >>> round(float(chart.scaled_force.sel(element="ImpactKelvin").max()), 3)
+    1.195
+    """
+    restitution = _number("restitution", restitution, RESTITUTION)
+    given: dict[str, Any] = {"stiffness": 1.0, "restitution": restitution}
+    models: list[ELEMENT] = [
+        LinearSpring(1.0),
+        Kelvin(**given),
+        NoTensionKelvin(**given),
+        ImpactKelvin(**given),
+        Hertz(1.0),
+        HertzDamp(**given),
+        Jankowski(**given),
+    ]
+    title = f"Force and deformation of contact elements, e = {restitution:g}"
+    return _histories(models, points, title, f"contact_loop_chart(restitution={restitution:g})")
+
+
+def contact_history_chart(damping_ratio: float = 0.5, points: int = 201) -> xr.Dataset:
+    """Fig. 7: histories of deformation and force of the elements that have a damping ratio.
+
+    Parameters
+    ----------
+    damping_ratio : float
+        ``xi`` [-], in [0, 1): from 1 on the contact of the Kelvin element never ends. The paper's is .5.
+    points : int
+        Of each history, at least 2.
+
+    Returns
+    -------
+    xarray.Dataset
+        As `contact_loop_chart` returns.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the damping ratio is out of range or not a number, or points are too few.
+
+    Examples
+    --------
+    >>> from stochlin.analyses.charts.contacts import contact_history_chart
+    >>> chart = contact_history_chart()
+    >>> [round(float(t), 3) for t in chart.scaled_contact_time.sel(element=["Kelvin", "ImpactKelvin"])]
+    [3.628, 2.78]
+    """
+    damping_ratio = _number("damping_ratio", damping_ratio, PARTING)
+    given: dict[str, Any] = {"stiffness": 1.0, "damping_ratio": damping_ratio}
+    models: list[ELEMENT] = [Kelvin(**given), NoTensionKelvin(**given)]
+    models += [ImpactKelvin(**given), Jankowski(**given)]
+    title = f"Histories of deformation and contact force, ξ = {damping_ratio:g}"
+    return _histories(models, points, title, f"contact_history_chart(damping_ratio={damping_ratio:g})")
+
+
+def restitution_chart(largest: float = 1.0, points: int = 201) -> xr.Dataset:
+    """Fig. 8: coefficient of restitution over the damping of every damped element.
+
+    Parameters
+    ----------
+    largest : float
+        Damping ratio [-] at the end of the axis, positive.
+    points : int
+        Along the axis, at least 2.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``restitution`` [-] over (``element``, ``damping_ratio``), and ``restitution_hertz_damp`` [-]
+        over ``damping_factor``, the factor ``a`` of the Hertz-damp contact, which is no damping ratio:
+        its axis is twice as long.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the end of the axis is out of range or not a number, or points are too few.
+
+    Examples
+    --------
+    >>> from stochlin.analyses.charts.contacts import restitution_chart
+    >>> chart = restitution_chart()
+    >>> [round(float(e), 4) for e in chart.restitution.sel(damping_ratio=0.5)]
+    [0.163, 0.2984, 0.5463, 0.5749]
+    """
+    _check_points(points)
+    largest = _number("largest", largest, POSITIVE)
+    classes = (Kelvin, NoTensionKelvin, ImpactKelvin, Jankowski)
+    ratio = _axis("damping_ratio", "damping ratio of the contact", largest, points)
+    factor = _axis("damping_factor", "damping factor of the Hertz-damp contact", 2 * largest, points)
+    rows = [kind.restitution(ratio) for kind in classes]
+    chart = xr.Dataset(
+        {
+            "restitution": xr.concat(rows, _elements([kind.__name__ for kind in classes])),
+            "restitution_hertz_damp": HertzDamp.restitution(factor),
+        }
+    )
+    chart.attrs["caption"] = "Two free masses; ξ = c/(2 √(k m)), of Jankowski c/(2 √(k √d m))."
+    chart.attrs["comment"] = OWN
+    return labels.with_run_information(
+        labels.label(chart),
+        "Coefficient of restitution of contact elements",
+        f"restitution_chart(largest={largest:g})",
+        {},
+    )
+
+
+def _histories(models: list[ELEMENT], points: int, title: str, call: str) -> xr.Dataset:
+    _check_points(points)
+    names = [type(model).__name__ for model in models]
+    chart = xr.Dataset(coords={"element": _elements(names)})
+    found = [_linear(m, points) if isinstance(m, LINEAR) else _integrated(m, points) for m in models]
+    over = ("element", "point")
+    chart["scaled_time"] = (over, np.stack([history.time for history in found]))
+    chart["scaled_deformation"] = (over, np.stack([history.deformation for history in found]))
+    chart["scaled_velocity"] = (over, np.stack([history.velocity for history in found]))
+    forces = [_force(model, history) for model, history in zip(models, found, strict=True)]
+    chart["scaled_force"] = (over, np.stack(forces))
+    chart["scaled_contact_time"] = ("element", [history.time[-1] for history in found])
+    chart["restitution"] = ("element", [model.e for model in models])
+    chart["contact_damping"] = ("element", [getattr(model, "damping", 0.0) for model in models])
+    described: Mapping[str, ELEMENT] = dict(zip(names, models, strict=True))
+    chart.attrs |= {"caption": SCALES, "comment": PRINTED}
+    return labels.with_run_information(labels.label(chart), title, call, described)
+
+
+def _force(model: ELEMENT, history: History) -> Array:
+    """The force within the contact: at its ends the dashpot acts, though the deformation is zero."""
+    within = np.maximum(history.deformation, np.finfo(float).tiny)
+    return kernel.forces(model.kind, *model.kernel_parameters(1.0), within, history.velocity, 1.0)
+
+
+def _linear(model: LINEAR, points: int) -> History:
+    """Closed form: free motion with the damping, without it once an Impact Kelvin element has turned."""
+    if isinstance(model, LinearSpring):
+        return History(*_free_motion(np.linspace(0, model.contact_time(), points), 0.0))
+    time = np.linspace(0, model.contact_time(model.damping), points)
+    coefficient = model.kernel_parameters(1.0)[2]
+    damped = History(*_free_motion(time, 0.5 * coefficient))
+    if not isinstance(model, ImpactKelvin):
+        return damped
+    back = time - (time[-1] - np.pi / 2)  # since the deepest point, where d = e v0/w
+    turned = back > 0
+    return History(
+        time,
+        np.where(turned, model.e * np.cos(back), damped.deformation),
+        np.where(turned, -model.e * np.sin(back), damped.velocity),
+    )
+
+
+def _free_motion(time: Array, xi: float) -> tuple[Array, Array, Array]:
+    """``y'' + 2 xi y' + y = 0`` from ``y = 0``, ``y' = 1``, for any damping ratio."""
+    root = np.sqrt(complex(xi * xi - 1))
+    swing = np.sinh(root * time) / root if root else time.astype(complex)
+    decay = np.exp(-xi * time)
+    return time, decay * swing.real, decay * (np.cosh(root * time) - xi * swing).real
+
+
+def _integrated(model: ELEMENT, points: int) -> History:
+    parameters = tuple(float(value) for value in model.kernel_parameters(1.0))
+
+    def rates(_: float, state: Array) -> tuple[float, float]:
+        return state[1], -kernel.force(model.kind, parameters, state[0], state[1], 1.0)
+
+    def margin(_: float, state: Array) -> float:
+        return kernel.separation_margin(model.kind, parameters, state[0], state[1])
+
+    margin.terminal, margin.direction = True, -1  # type: ignore[attr-defined]
+    span = (0.0, LONGEST / float(model.e))
+    solved = solve_ivp(
+        rates, span, (0.0, 1.0), method="DOP853", events=margin, dense_output=True, **TOLERANCE
+    )
+    time = np.linspace(0, solved.t_events[0][0], points)
+    return History(time, *solved.sol(time))
+
+
+def _number(name: str, value: Any, allowed: Range) -> float:
+    number = checked("chart", name, value, "1", allowed)
+    if not isinstance(number, float):
+        raise TypeError(f"chart: {name} is an array; allowed: a number, {allowed}")
+    return number
+
+
+def _check_points(points: int) -> None:
+    if points < 2:
+        raise ValueError(f"points = {points}; allowed: at least 2")
+
+
+def _axis(name: str, long_name: str, largest: float, points: int) -> xr.DataArray:
+    attrs = {"units": "1", "long_name": long_name}
+    values = np.linspace(0, largest, points)
+    return xr.DataArray(values, dims=name, coords={name: (name, values, attrs)}, attrs=attrs)
+
+
+def _elements(names: list[str]) -> xr.DataArray:
+    attrs = {"long_name": "contact element"}
+    return xr.DataArray(names, dims="element", coords={"element": names}, name="element", attrs=attrs)

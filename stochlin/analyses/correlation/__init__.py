@@ -1,0 +1,1 @@
+"""Two structures together: rho by every method."""

@@ -1,0 +1,54 @@
+"""Correlation of two drifting structures as ``docs/drift.md`` derives it, eq. (8), without a map.
+
+Not compiled: temporaries are kept small by working in slabs.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.linearization.equivalent_systems import INTERNAL, SHARES
+from stochlin.analyses.tables.cellwise import cellwise
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.slabs import in_slabs
+from stochlin.kernels.linearization.covariance import (
+    EquivalentSystem,
+    Forcing,
+    own_covariance,
+    pair_covariance,
+)
+from stochlin.kernels.linearization.drift import drift_correlation, innovation_coherence
+
+OF_A_SIDE = ("drift_std", "drift_rate", *INTERNAL, *SHARES)
+
+
+def derived_correlation(first: xr.Dataset, second: xr.Dataset) -> xr.DataArray:
+    """``rho`` of two structures that `solve_structure` or `solve_derived` has found drifts for."""
+    (rho,) = cellwise(_correlation, *(side[name] for side in (first, second) for name in OF_A_SIDE))
+    return rho
+
+
+@np.errstate(all="ignore")  # what comes of extreme input is judged by its status
+def _correlation(*inputs: Array) -> Array:
+    return in_slabs(pieces_of_rho, *inputs)
+
+
+def pieces_of_rho(*parts: Array) -> Array:
+    """``rho`` of cells, from `OF_A_SIDE` of the first structures and of the second."""
+    half, end = len(parts) // 2, len(INTERNAL)
+    (slow_1, rate_1, *one), (slow_2, rate_2, *other) = parts[:half], parts[half:]
+    first, second = _system(one[:end]), _system(other[:end])
+    shares = [np.stack(np.broadcast_arrays(*side[end:])) for side in (one, other)]
+    coherence = innovation_coherence(first[0], second[0])
+    drifts = drift_correlation(coherence, shares[0], shares[1], rate_1, rate_2)
+    total_1 = own_covariance(*first).mu_mu + slow_1**2
+    total_2 = own_covariance(*second).mu_mu + slow_2**2
+    joint = pair_covariance(*first, *second) + drifts * slow_1 * slow_2
+    rho: Array = joint / np.sqrt(total_1 * total_2)
+    return rho
+
+
+def _system(parts: list[Array]) -> tuple[EquivalentSystem, Forcing]:
+    size = len(EquivalentSystem._fields)
+    return EquivalentSystem(*parts[:size]), Forcing(*parts[size:])

@@ -1,0 +1,89 @@
+"""Signatures of drifting structures: how they move together with references that were simulated.
+
+Two structures drift together as far as they slip at the same moments, and that cannot be seen from
+either of their covariances. It can be tabulated structure by structure all the same: by the
+correlations with a few reference structures on the same ground. The derived signature comes from
+the derived correlations, and its correction from the map of simulations.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.correlation.derived_pairs import derived_correlation
+from stochlin.analyses.linearization.bias_map import point_of
+from stochlin.analyses.linearization.drift_map import REFERENCE, SIGNATURE, drift_map, held
+from stochlin.analyses.linearization.equivalent_systems import solve_derived
+from stochlin.analyses.linearization.tolerance import Tolerance
+from stochlin.analyses.tables.cellwise import cellwise
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.correlation.signatures import Insight, insight, signature
+from stochlin.models.grounds import Ground, KanaiTajimi
+from stochlin.models.structures import DRIFT, Bilinear, Structure
+
+OTHER = "other_reference"
+PEAK_FACTOR = 3.0  # of the references, by which a reduction factor is told from R/p
+
+
+def references(ground: Ground) -> Bilinear:
+    """The reference structures of the map, over ``drift_reference`` and the dimensions of the ground."""
+    table = drift_map()
+    return Bilinear(
+        table.reference_period * ground.arrays()["period"],
+        table.reference_damping,
+        table.reference_hardening,
+        reduction_factor=PEAK_FACTOR * table.reference_elastic_ductility_std,
+        peak_factor=PEAK_FACTOR,
+    )
+
+
+def derived_signatures(solved: list[xr.Dataset], known: xr.Dataset) -> list[xr.DataArray]:
+    """Signatures of structures over the references, all with the drifts of `solve_derived`."""
+    gram = derived_correlation(known, known.rename({REFERENCE: OTHER}))
+    core = ([REFERENCE], [REFERENCE, OTHER])
+    joint = [derived_correlation(side, known) for side in solved]
+    return [cellwise(_signature, one, gram, core=core, result=[REFERENCE])[0] for one in joint]
+
+
+def _signature(joint: Array, gram: Array) -> Array:
+    """Of cells whose ground could be solved; NaN elsewhere."""
+    good = np.asarray(np.isfinite(gram).all(axis=(-2, -1)))
+    safe = np.where(good[..., None, None], gram, np.eye(gram.shape[-1]))
+    return np.where(good[..., None], signature(joint, safe), np.nan)
+
+
+def insights(
+    structures: tuple[Structure, Structure],
+    solved: list[xr.Dataset],
+    ground: Ground,
+    tolerance: Tolerance,
+) -> list[list[xr.DataArray]] | None:
+    """Arrays of the `Insight` of both structures, flat; None where the map does not know the ground."""
+    if type(ground) is not KanaiTajimi or not any(structure.yields for structure in structures):
+        return None
+    known = solve_derived(references(ground), ground, DRIFT, tolerance)
+    both = []
+    derived = derived_signatures(solved, known)
+    for structure, side, own in zip(structures, solved, derived, strict=True):
+        parts = [own.isel({REFERENCE: n}, drop=True) for n in range(own.sizes[REFERENCE])]
+        correction = held(SIGNATURE, point_of(structure, ground, side))
+        both.append(list(cellwise(_insight, *parts, *correction, kinds=(float,) * (2 * len(parts) + 1))))
+    return both
+
+
+@np.errstate(invalid="ignore")  # cells that are not solved are NaN
+def _insight(*arrays: Array) -> tuple[Array, ...]:
+    half = len(arrays) // 2
+    derived, correction = (
+        np.stack(np.broadcast_arrays(*part)) for part in (arrays[:half], arrays[half:])
+    )
+    found = insight(derived, correction)
+    return (*found.known, *found.derived, found.unseen)
+
+
+def insight_of(arrays: tuple[Array, ...] | list[Array]) -> Insight:
+    """From arrays as `insights` lists them."""
+    half = len(arrays) // 2
+    known, derived = (np.stack(part) for part in (arrays[:half], arrays[half : 2 * half]))
+    return Insight(known, derived, arrays[-1])

@@ -1,0 +1,136 @@
+"""Eq. (4) with effective periods and dampings: the estimates of the literature for yielding pairs."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.cellwise import cellwise
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.correlation.white_noise import white_noise_correlation
+from stochlin.models.parameters import Parameter
+from stochlin.models.rules.effective_properties import EffectiveRule, YieldingPair, effective_rule
+from stochlin.models.structures import Structure
+
+EQ_4 = ("period_eq_1", "period_eq_2", "damping_eq_1", "damping_eq_2")  # in the order of its arguments
+
+
+def rho_effective(
+    period_1: Parameter,
+    period_2: Parameter,
+    damping_1: Parameter,
+    damping_2: Parameter,
+    hardening_1: Parameter,
+    hardening_2: Parameter,
+    ductility_1: Parameter,
+    ductility_2: Parameter,
+    rule: str | EffectiveRule = "iwan_1980",
+) -> xr.Dataset:
+    """Correlation of two yielding structures by eq. (4) with effective periods and dampings.
+
+    Parameters
+    ----------
+    period_1, period_2 : float or array
+        Elastic periods [s], positive; all parameters broadcast by dimension name.
+    damping_1, damping_2 : float or array
+        Viscous damping ratios [-], in (0, 1).
+    hardening_1, hardening_2 : float or array
+        Hardening ratios [-], in (0, 1].
+    ductility_1, ductility_2 : float or array
+        Peak ductilities [-], positive; below 1 the structure is elastic.
+    rule : str
+        One of `effective_rule_names`, or a rule.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over the dimensions of the parameters: ``rho`` [-], ``period_eq_1`` and ``_2`` [s],
+        ``damping_eq_1`` and ``_2`` [-], ``status``.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the rule is unknown, a scalar is out of range or not a number, or dimensions do not fit.
+
+    Notes
+    -----
+    The ground is not in it. Against simulation such rules err by tens of per cent of the separation,
+    both ways, and most for narrow-band ground.
+
+    References
+    ----------
+    Jeng, Kasai and Maison (1992), Earthquake Spectra 8, for the idea; each rule names its own.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> pair = {"damping_1": 0.05, "damping_2": 0.05, "hardening_1": 0.05, "hardening_2": 0.05}
+    >>> table = sl.rho_effective(0.7, 1.0, ductility_1=4.0, ductility_2=4.0, **pair, rule="secant")
+    >>> elastic = sl.rho_white_noise(0.7, 1.0, 0.05, 0.05)
+    >>> bool(table.rho > elastic.rho)
+    True
+    """
+    chosen = effective_rule(rule)
+    pair = YieldingPair(
+        period_1,
+        period_2,
+        damping_1,
+        damping_2,
+        hardening_1,
+        hardening_2,
+        ductility_1,
+        ductility_2,
+    )
+    valid = pair.valid()
+    values = {name: array.where(valid) for name, array in pair.arrays().items()}
+    effective = effective_properties(values, chosen)
+    (rho,) = cellwise(white_noise_correlation, *effective.values())
+    table = xr.Dataset({"rho": rho, **effective})
+    status = xr.full_like(valid, labels.CONVERGED, np.int8).where(valid, labels.INVALID_INPUT)
+    table = labels.label(table.assign(status=status.astype(np.int8)))
+    return labels.with_run_information(
+        table.assign_attrs(rule=chosen.describe()),
+        f"Correlation of two yielding structures by eq. (4) and the rule {chosen.name}",
+        f"rho_effective(rule={chosen.name!r})",
+        {"pair": pair},
+        f"{labels.PAPER} {chosen.reference}.",
+    )
+
+
+def effective_properties(
+    values: dict[str, xr.DataArray], rule: EffectiveRule
+) -> dict[str, xr.DataArray]:
+    """Effective periods and dampings, each on its structure's dimensions.
+
+    ``values`` by the names of `YieldingPair`.
+    """
+    found = {}
+
+    @np.errstate(invalid="ignore")  # invalid cells are blanked by their status
+    def effective(mu: Array, alpha: Array, period: Array, xi: Array) -> tuple[Array, Array]:
+        return period * rule.period_ratio(mu, alpha), rule.damping(mu, alpha, xi)
+
+    for n in (1, 2):
+        given = [values[f"{name}_{n}"] for name in ("ductility", "hardening", "period", "damping")]
+        found[f"period_eq_{n}"], found[f"damping_eq_{n}"] = cellwise(
+            effective, *given, kinds=(float, float)
+        )
+    return {name: found[name] for name in EQ_4}
+
+
+def effective_pair(
+    first: Structure, second: Structure, sides: list[xr.Dataset], rule: EffectiveRule
+) -> dict[str, xr.DataArray]:
+    """`effective_properties` of linearized structures, at a peak ductility ``p ductility_std``.
+
+    An elastic structure has none, and keeps its period and damping.
+    """
+    values: dict[str, xr.DataArray] = {}
+    for n, (structure, side) in enumerate(zip((first, second), sides, strict=True), start=1):
+        own = structure.arrays()
+        values |= {f"{name}_{n}": own[name] for name in ("period", "damping")}
+        values[f"hardening_{n}"] = own.get("hardening", xr.DataArray(1.0))
+        values[f"ductility_{n}"] = own["peak_factor"] * side.ductility_std
+    peaks = {f"ductility_peak_{n}": values[f"ductility_{n}"] for n in (1, 2)}
+    return effective_properties(values, rule) | peaks

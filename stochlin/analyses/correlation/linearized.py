@@ -1,0 +1,115 @@
+"""The linearized table: every cell from the two structures that meet in it, compiled.
+
+The structures are solved on their own dimensions; a cell is then one linear step and a look at the map
+of the bias. Arrays that dask holds stay with it, chunk by chunk.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.linearization.bias_map import (
+    caution_of,
+    place_in_map,
+    relative_bias,
+    rho_bias_map,
+)
+from stochlin.analyses.linearization.equivalent_systems import INTERNAL, solve_structure
+from stochlin.analyses.linearization.tolerance import Tolerance
+from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.cellwise import cellwise_pair, is_lazy
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.correlation.tables import Codes, RhoBiasMap, Side, pair_parameters, pair_table
+from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
+from stochlin.models.grounds import Ground
+from stochlin.models.structures import Structure
+
+CODES = Codes(labels.NOT_CONVERGED, labels.NOT_PHYSICAL)
+SYSTEM = ("displacement_std", *INTERNAL)
+SHOWN = ("displacement_std", "ductility_std", "yield_displacement")
+KINDS = (float, np.int8, float, np.int8)  # of rho, status, bias, caution
+
+
+def linearized_pairs(
+    first: Structure, second: Structure, ground: Ground, closure: str, tolerance: Tolerance
+) -> xr.Dataset:
+    """``rho``, its bias and what `correlate` shows of both structures."""
+    pair = (first, second)
+    sides = [solve_structure(s, ground, closure, tolerance) for s in pair]
+    gaussian = sides
+    if closure != "gaussian":
+        gaussian = [solve_structure(s, ground, "gaussian", tolerance) for s in pair]
+    return pairs_of_solved(pair, ground, sides, gaussian)
+
+
+def pairs_of_solved(
+    pair: tuple[Structure, Structure],
+    ground: Ground,
+    sides: list[xr.Dataset],
+    gaussians: list[xr.Dataset],
+) -> xr.Dataset:
+    """The same from both solved structures; ``gaussians`` are ``sides`` where that is the closure."""
+    other_closure = sides is not gaussians
+    inputs: list[xr.DataArray] = []
+    biases: dict[str, xr.DataArray] = {}
+    solved = zip(pair, sides, gaussians, strict=True)
+    for number, (structure, side, gaussian) in enumerate(solved, start=1):
+        bias = relative_bias(structure, ground, side, gaussian)
+        inputs += [side[name] for name in SYSTEM]
+        inputs += [gaussian[name] for name in SYSTEM] if other_closure else []
+        inputs += place_in_map(structure, ground, gaussian)
+        inputs += [side.status, caution_of(bias), np.isinf(gaussian.yield_displacement)]
+        biases[f"bias_{number}"] = bias
+    rho, status, bias, caution = cellwise_pair(
+        _cells,
+        *inputs,
+        kinds=KINDS,
+        grid=rho_bias_map(*pair, ground),
+        other_closure=other_closure,
+        threads=not is_lazy(*inputs),  # dask has its own
+    )
+    caution.attrs = caution_of(biases["bias_1"]).attrs
+    shown = {f"{name}_{n}": side[name] for name in SHOWN for n, side in enumerate(sides, start=1)}
+    return xr.Dataset(
+        {"rho": rho, **shown, "status": status, "bias": bias, **biases, "caution": caution}
+    )
+
+
+@np.errstate(all="ignore")  # what comes of extreme input is judged by its status
+def _cells(
+    *inputs: Array, grid: RhoBiasMap | None, other_closure: bool, threads: bool
+) -> tuple[Array, ...]:
+    """All cells from the arrays of the first side and of the second, which broadcast."""
+    shape = np.broadcast_shapes(*(array.shape for array in inputs))
+    half = len(inputs) // 2
+    first, second = (_side(part, len(shape), other_closure) for part in (inputs[:half], inputs[half:]))
+    table = pair_table(first, second, shape, grid, CODES, threads=threads)
+    return tuple(array.reshape(shape) for array in table)
+
+
+def _side(arrays: tuple[Array, ...], dimensions: int, other_closure: bool) -> Side:
+    *systems, status, caution, elastic = arrays
+    shape = np.broadcast_shapes(*(array.shape for array in arrays))
+    count, size = len(SYSTEM), math.prod(shape)
+
+    def parameters(values: list[Array]) -> Array:
+        sigma, *rest = (np.broadcast_to(value, shape) for value in values)
+        split = len(EquivalentSystem._fields)
+        return pair_parameters(EquivalentSystem(*rest[:split]), Forcing(*rest[split:]), sigma)
+
+    own = parameters(systems[:count])
+    gaussian = parameters(systems[count : 2 * count]) if other_closure else own
+    place = [np.log(value) for value in systems[2 * count if other_closure else count :]]
+    flags = (status, caution, elastic.astype(np.int8))
+    # Steps of a C-ordered array; none along the dimensions that this side does not have.
+    whole = (1,) * (dimensions - len(shape)) + shape
+    steps = [math.prod(whole[d + 1 :]) if whole[d] > 1 else 0 for d in range(dimensions)]
+
+    def rows(values: tuple[Array, ...] | list[Array]) -> Array:
+        columns = [np.broadcast_to(value, shape).reshape(size) for value in values]
+        return np.ascontiguousarray(np.stack(columns, axis=-1))
+
+    return Side(own, gaussian, rows(place), rows(flags), np.array(steps, int))

@@ -1,0 +1,1 @@
+"""A scene of the explorer: its numbers, its formulas, its simulations."""

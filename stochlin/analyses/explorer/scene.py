@@ -1,0 +1,230 @@
+"""A scene: ground, two buildings, gap and motion by single numbers, from sliders or a case file."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from stochlin.analyses.cases.case import FEWEST_PATHS, Case
+from stochlin.analyses.cases.site import ENVELOPES, FITS, FITTED, GROUNDS, NONE
+from stochlin.analyses.linearization.strength import reduction_factor
+from stochlin.analyses.linearization.transient_systems import check_course
+from stochlin.analyses.separation.separation import check_confidence
+from stochlin.models.envelopes import AminAng, Envelope, GammaEnvelope, ShinozukaSato
+from stochlin.models.grounds import Ground, KanaiTajimi
+from stochlin.models.named_grounds import ground_names, named_ground
+from stochlin.models.parameters import Model, Range, parameter
+from stochlin.models.structures import DAMPING, HARDENING, POSITIVE, Bilinear
+
+SITES = (*ground_names(), *GROUNDS)
+SHAPES = (*ENVELOPES, NONE)
+MOST_PATHS = 20_000
+# So that no entry asks for work of hours.
+PERIOD = Range(0.02, 20.0, True, True)
+FACTOR = Range(upper=100.0, include_upper=True)
+DURATION = Range(1.0, 300.0, True, True)
+SOIL = KanaiTajimi.allowed("damping")
+# A scene's word for a parameter of the ground; the others have the same one.
+OF_GROUND = {"period": "ground_period", "damping": "ground_damping"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene(Model):
+    """Ground, two buildings, gap and motion: what the explorer's controls hold, in SI.
+
+    Of ground and envelope only the parameters of the chosen ``site`` and ``envelope`` count; the
+    others wait for another choice. What no control shows is kept for the case file.
+    """
+
+    site: str = "firm"
+    intensity: float = parameter("m^2/s^3", "intensity S0 of the ground", POSITIVE, 0.01)
+    ground_period: float = parameter("s", "ground period", PERIOD, 1.0)
+    ground_damping: float = parameter("1", "ground damping ratio", SOIL, 0.3)
+    high_pass_period: float = parameter("s", "high-pass period", POSITIVE, 4.0)
+    high_pass_damping: float = parameter("1", "high-pass damping ratio", POSITIVE, 0.6)
+    period_1: float = parameter("s", "period", PERIOD, 1.0)
+    damping_1: float = parameter("1", "damping ratio", DAMPING, 0.05)
+    yields_1: bool = True
+    hardening_1: float = parameter("1", "hardening ratio", HARDENING, 0.05)
+    reduction_factor_1: float = parameter("1", "reduction factor R", FACTOR, 4.0)
+    period_2: float = parameter("s", "period", PERIOD, 0.6)
+    damping_2: float = parameter("1", "damping ratio", DAMPING, 0.05)
+    yields_2: bool = True
+    hardening_2: float = parameter("1", "hardening ratio", HARDENING, 0.05)
+    reduction_factor_2: float = parameter("1", "reduction factor R", FACTOR, 4.0)
+    gap: float = parameter("m", "existing gap", POSITIVE, 0.05)
+    confidence: float = parameter("1", "confidence of no pounding", Range(upper=1.0), 0.9)
+    duration: float = parameter("s", "duration", DURATION, 20.0)
+    envelope: str = "amin_ang"
+    rise_end: float = parameter("s", "end of the rise", AminAng.allowed("rise_end"), 4.0)
+    strong_end: float = parameter("s", "end of strong shaking", AminAng.allowed("strong_end"), 15.0)
+    decay: float = parameter("1/s", "rate of decay", AminAng.allowed("decay"), 0.35)
+    slow: float = parameter("1/s", "slow rate", ShinozukaSato.allowed("slow"), 0.1)
+    fast: float = parameter("1/s", "fast rate", ShinozukaSato.allowed("fast"), 1.0)
+    power: float = parameter("1", "power of the rise", GammaEnvelope.allowed("power"), 2.0)
+    paths: int = 2048
+    seed: int = 0
+    title: str = "Two buildings"
+    names: tuple[str, str] = ("Building 1", "Building 2")
+    heights: tuple[float | None, float | None] = (None, None)
+    storeys: tuple[int | None, int | None] = (None, None)
+    floors_align: bool = False
+    zone: str | None = None
+    unverified: bool = False
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name, value, allowed in (("site", self.site, SITES), ("envelope", self.envelope, SHAPES)):
+            if value not in allowed:
+                raise ValueError(f"{name} = {value!r} is not known; allowed: {', '.join(allowed)}")
+        check_count("paths", self.paths)
+        check_confidence(self.confidence)
+        check_course(self.duration, self.motion_envelope())
+        for number in (1, 2):
+            period = getattr(self, f"period_{number}")
+            if period > self.duration:
+                raise ValueError(
+                    f"duration = {self.duration:g} s is shorter than the period of building {number}, "
+                    f"{period:g} s; allowed: a period and more"
+                )
+
+    def ground(self) -> Ground:
+        """The ground of the site, at this intensity."""
+        if self.site not in GROUNDS:
+            return named_ground(self.site, self.intensity)
+        kind: Any = GROUNDS[self.site]
+        return kind(**self.site_parameters())
+
+    def site_parameters(self) -> dict[str, float]:
+        """What the case file says of the ground beside its name."""
+        names = GROUNDS[self.site].parameter_names() if self.site in GROUNDS else ("intensity",)
+        return {name: getattr(self, OF_GROUND.get(name, name)) for name in names}
+
+    def structures(self) -> tuple[Bilinear, Bilinear]:
+        """Both buildings, the left one first."""
+        return self.structure(1), self.structure(2)
+
+    def structure(self, number: int, **changed: Any) -> Bilinear:
+        """Building 1 or 2, with other parameters where they are given."""
+        names = ["period", "damping"]
+        if getattr(self, f"yields_{number}"):
+            names += ["hardening", "reduction_factor"]
+        return Bilinear(**{name: getattr(self, f"{name}_{number}") for name in names} | changed)
+
+    def motion_envelope(self) -> Envelope | None:
+        """The envelope, None where shaking has none."""
+        kind = ENVELOPES.get(self.envelope)
+        return kind(**self.envelope_parameters()) if kind else None
+
+    def envelope_parameters(self) -> dict[str, float]:
+        """What the case file says of the envelope beside its name."""
+        kind = ENVELOPES.get(self.envelope)
+        return {name: getattr(self, name) for name in kind.parameter_names()} if kind else {}
+
+    def motion(self) -> dict[str, Any]:
+        """Duration, envelope and confidence, as the verbs take them."""
+        return {
+            "duration": self.duration,
+            "envelope": self.motion_envelope(),
+            "confidence": self.confidence,
+        }
+
+    def for_codes(self) -> dict[str, Any]:
+        """What building codes ask for beside the peaks."""
+        height_1, height_2 = self.heights
+        return {
+            "height_1": height_1,
+            "height_2": height_2,
+            "floors_align": self.floors_align,
+            "zone": self.zone,
+        }
+
+
+def check_count(name: str, value: object) -> int:
+    """A number of simulated motions; raises a ValueError for another value."""
+    whole = isinstance(value, int) and not isinstance(value, bool)
+    if not whole or not FEWEST_PATHS <= value <= MOST_PATHS:  # type: ignore[operator]
+        raise ValueError(
+            f"{name} = {value!r}; allowed: a whole number from {FEWEST_PATHS} to {MOST_PATHS}"
+        )
+    return value  # type: ignore[return-value]
+
+
+def scene_of(case: Case) -> tuple[Scene, list[str]]:
+    """The scene of a case file, and in sentences what of the file it cannot hold.
+
+    Parameters
+    ----------
+    case : Case
+        As `read_case` gives it.
+
+    Returns
+    -------
+    tuple of Scene and list of str
+
+    Raises
+    ------
+    ValueError
+        If a number lies beyond what the explorer takes.
+    """
+    notes = []
+    site, given = case.site, dict(_numbers(case.ground))
+    if site == FITTED:
+        site = next(name for name, kind in FITS.items() if type(case.ground) is kind)
+        notes.append(f"The ground is fitted to {next(iter(case.records))}: held by its parameters here.")
+    if case.records:
+        notes.append("Records are left out here, and in a case file saved from here.")
+    if case.contact is not None or case.measures or any(b.structure.mass for b in case.pair):
+        notes.append(
+            "Masses, contact and measures are left out here, and in a case file saved from here."
+        )
+    if site not in GROUNDS:
+        given = {"intensity": given["intensity"]}
+    values: dict[str, Any] = {OF_GROUND.get(name, name): value for name, value in given.items()}
+    for number, building in enumerate(case.pair, start=1):
+        structure = building.structure
+        if building.strength in ("yield_displacement", "ductility"):
+            notes.append(
+                f"The strength of {building.name}, given by {building.strength.replace('_', ' ')}, is "
+                "held as a reduction factor here: another ground or period changes its yield "
+                "displacement."
+            )
+        if building.strength == "yield_displacement":
+            factor = float(reduction_factor(structure, case.ground).reduction_factor)
+            structure = dataclasses.replace(structure, yield_displacement=None, reduction_factor=factor)
+        values |= {f"{name}_{number}": value for name, value in _numbers(structure)}
+        values[f"yields_{number}"] = structure.yields
+        for left_out in ("peak_factor", "mass"):
+            values.pop(f"{left_out}_{number}", None)
+    if case.envelope is not None:
+        values["envelope"] = next(n for n, kind in ENVELOPES.items() if type(case.envelope) is kind)
+        values |= dict(_numbers(case.envelope))
+    else:
+        values["envelope"] = NONE
+    if case.gap is None:
+        notes.append(f"The file states no existing gap: {Scene.gap:g} m is shown, as a start.")
+    else:
+        values["gap"] = case.gap
+    one, other = case.pair
+    kept = ("title", "confidence", "duration", "floors_align", "zone", "unverified", "paths", "seed")
+    scene = Scene(
+        site=site,
+        names=(one.name, other.name),
+        heights=(one.height, other.height),
+        storeys=(one.storeys, other.storeys),
+        **values,
+        **{name: getattr(case, name) for name in kept},
+    )
+    return scene, notes
+
+
+def _numbers(model: Model) -> list[tuple[str, float]]:
+    return [(name, float(value)) for name, value in model.arrays().items()]
+
+
+ALLOWED: Mapping[str, dataclasses.Field[Any]] = {
+    field.name: field for field in dataclasses.fields(Scene) if "allowed" in field.metadata
+}
+"""The numbers of a scene, with ``units``, ``long_name`` and ``allowed`` in their metadata."""

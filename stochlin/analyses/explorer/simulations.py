@@ -1,0 +1,90 @@
+"""Simulations of a scene, and one dataset of all that the explorer shows of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.correlation.correlation import correlate
+from stochlin.analyses.explorer.formulas import models_of, swept
+from stochlin.analyses.explorer.scene import Scene
+from stochlin.analyses.probability.probability import pounding_probability
+from stochlin.analyses.separation.separation import separation
+from stochlin.analyses.tables import labels
+
+SIMULATED_RATIOS = np.geomspace(0.25, 4.0, 13)
+RATIO_PATHS = 256  # correlations need fewer motions than quantiles
+
+
+def simulations(scene: Scene, progress: Callable[[float], None] | None = None) -> dict[str, xr.Dataset]:
+    """The same questions to the exact laws, by simulation.
+
+    Parameters
+    ----------
+    scene : Scene
+    progress : callable, optional
+        Called with the share that is done; what it raises stops the simulation.
+
+    Returns
+    -------
+    dict of xarray.Dataset
+        ``correlation`` over the ratio of periods, as `correlate`; ``gaps``, as `separation`;
+        ``probability``, as `pounding_probability`.
+
+    Raises
+    ------
+    ValueError
+        If the run would not fit into memory, or take hours.
+    """
+
+    def part(number: int) -> Callable[[float], None]:
+        return lambda share: progress((number + share) / 3) if progress else None
+
+    first, second = scene.structures()
+    ground = scene.ground()
+    motions = scene.motion() | {"paths": scene.paths, "seed": scene.seed}
+    rules = scene.for_codes() | {"unverified": scene.unverified}
+    gaps = separation(first, second, ground, **motions, **rules, progress=part(0))
+    chances = pounding_probability(first, second, ground, scene.gap, **motions, progress=part(1))
+    ratio = scene.period_2 / scene.period_1
+    other = swept(scene, np.union1d(SIMULATED_RATIOS, ratio))
+    shared = {"paths": RATIO_PATHS, "seed": scene.seed, "progress": part(2)}
+    rho = correlate(first, other, ground, "simulation", **shared)  # type: ignore[arg-type]
+    return {
+        "correlation": rho.assign_attrs(period_ratio=ratio),
+        "gaps": gaps.drop_dims("path").assign_attrs(peaks="simulated", gap_m=scene.gap),
+        "probability": chances,
+    }
+
+
+def together(scene: Scene, tables: Mapping[str, xr.Dataset]) -> xr.Dataset:
+    """One dataset of all that is shown, for a file.
+
+    Parameters
+    ----------
+    scene : Scene
+    tables : mapping
+        Datasets by the name of what they show.
+
+    Returns
+    -------
+    xarray.Dataset
+        Variables, coordinates and dimensions with the name of their table before their own.
+    """
+    whole = xr.Dataset()
+    for name, table in tables.items():
+        flat = table.reset_coords(set(table.coords) - set(table.dims))
+        flat = flat.rename({part: f"{name}_{part}" for part in [*flat.variables, *_bare(flat)]})
+        whole = whole.merge(flat)
+        whole.attrs |= {f"{name}_{key}": value for key, value in table.attrs.items()}
+    return labels.with_run_information(
+        whole, f"Explored: {scene.title}", "explore", models_of(scene)
+    ).assign_attrs(confidence=scene.confidence, duration_s=scene.duration, gap_m=scene.gap)
+
+
+def _bare(table: xr.Dataset) -> list[Any]:
+    """Dimensions without coordinate."""
+    return [name for name in table.dims if name not in table.variables]

@@ -1,0 +1,299 @@
+"""Every structure on its own: the linear system equivalent to it, and its response.
+
+`linearize` shows the response, `correlate` combines the systems of two structures.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.linearization.tolerance import Tolerance
+from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.cellwise import cellwise
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.linearization.amplitude_averaging import solve_amplitude_average
+from stochlin.kernels.linearization.covariance import (
+    EquivalentSystem,
+    Forcing,
+    linear_system,
+    own_covariance,
+)
+from stochlin.kernels.linearization.drift import ORDERS, drift_of, half_cycles
+from stochlin.kernels.linearization.fixed_point import Closure, ForcingOf, solve_fixed_point
+from stochlin.models.grounds import Ground
+from stochlin.models.structures import DRIFT, NARROW_BAND, Structure
+
+ROUNDING = 1e-9  # by which a correlation may exceed 1
+# Below this slip and relaxation (over w) the third state changes nothing in double precision.
+ELASTIC = 1e-18
+INTERNAL = (
+    *(f"system_{n}" for n in EquivalentSystem._fields),
+    *(f"forcing_{n}" for n in Forcing._fields),
+)
+# Of the drift closure only: the drift as a pair needs it.
+SHARES = tuple(f"drift_share_{j}" for j in range(1, ORDERS + 2))
+OF_DRIFT = ("drift_std", "drift_rate", *SHARES)
+MemoryOf = Callable[[EquivalentSystem, Array], tuple[Forcing, tuple[Array, ...]]]
+STRENGTH_RATIO = "elastic_ductility_std"  # of the elastic structure's displacement to uy: R/p
+PUBLIC = (
+    "displacement_std",
+    "velocity_std",
+    "ductility_std",
+    "z_std",
+    "velocity_z_corr",
+    "c_eq",
+    "k_eq",
+    "yield_displacement",
+    "iterations",
+    "residual",
+    "status",
+)
+
+
+def check_closure(structure: Structure, closure: str) -> None:
+    """Raise a ValueError unless the law of the structure has this closure."""
+    if closure not in structure.closure_names():
+        raise ValueError(
+            f"closure = {closure!r} is not available for {type(structure).__name__}; allowed: "
+            f"{', '.join(structure.closure_names())}"
+        )
+
+
+def solve_structure(
+    structure: Structure, ground: Ground, closure: str, tolerance: Tolerance
+) -> xr.Dataset:
+    """What `linearize` returns, and the equivalent system and forcing that a pair needs."""
+    check_closure(structure, closure)
+    solved = solve_derived(structure, ground, closure, tolerance)
+    if closure != DRIFT:
+        return solved
+    from stochlin.analyses.linearization.drift_map import corrected  # it solves the grid of its map
+
+    return corrected(structure, ground, solved)
+
+
+def solve_derived(
+    structure: Structure, ground: Ground, closure: str, tolerance: Tolerance
+) -> xr.Dataset:
+    """The same as its equations have it, without what simulation adds to the drift closure."""
+    return _solve(structure, ground, closure, tolerance)
+
+
+def solve_elastic(structure: Structure, ground: Ground) -> xr.Dataset:
+    """The same for the structure if it stayed elastic, whatever its strength."""
+    return _solve(structure, ground, None, None)
+
+
+def _solve(
+    structure: Structure, ground: Ground, closure: str | None, tolerance: Tolerance | None
+) -> xr.Dataset:
+    values, law = structure.arrays(), structure.law_parameters()
+    elastic = closure is None or not structure.yields
+    cells = _Cells(
+        len(law),
+        structure.reduction_factor is not None,
+        ground.forcing,
+        None if elastic else closure,
+        None if elastic or closure == NARROW_BAND else structure.closure(str(closure)),
+        tolerance,
+        ground.memory if closure == DRIFT else None,
+    )
+    strength = next(
+        (values[k] for k in ("yield_displacement", "reduction_factor") if k in values),
+        xr.DataArray(np.inf),
+    )
+    inputs = [
+        structure.valid(),
+        ground.valid(),
+        values["period"],
+        values["damping"],
+        values.get("hardening", xr.DataArray(1.0)),
+        strength,
+        values["peak_factor"],
+        *law,
+        *ground.kernel_parameters(),
+    ]
+    names = cells.names
+    try:
+        outputs = cellwise(cells.solve, *inputs, kinds=[_blank(name, 0).dtype for name in names])
+    except xr.AlignmentError as error:
+        raise ValueError(
+            f"structure and ground share a dimension whose coordinates or lengths differ: {error}"
+        ) from error
+    return xr.Dataset(dict(zip(names, outputs, strict=True)))
+
+
+class _Cells(NamedTuple):
+    """The array side of `solve_structure`: flattens, leaves out invalid cells, fills NaN."""
+
+    laws: int  # parameters of the law
+    by_factor: bool  # whether strength is a reduction factor
+    forcing: ForcingOf
+    closure: str | None  # None: elastic
+    law: Closure | None
+    tolerance: Tolerance | None
+    memory: MemoryOf | None  # for the drift closure
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return (*PUBLIC, *INTERNAL, STRENGTH_RATIO, *(OF_DRIFT if self.memory else ()))
+
+    @np.errstate(all="ignore")  # what comes of extreme input is judged by its status
+    def solve(
+        self, structure_valid: Array, ground_valid: Array, *parameters: Array
+    ) -> tuple[Array, ...]:
+        arrays = np.broadcast_arrays(structure_valid & ground_valid, *parameters)
+        shape = arrays[0].shape
+        where = np.flatnonzero(arrays[0])
+        columns = np.stack([array.reshape(-1)[where] for array in arrays[1:]])
+        solution = self._solve_valid(columns)
+        outputs = []
+        for name in self.names:
+            filled = _blank(name, arrays[0].size)
+            filled[where] = solution[name]
+            outputs.append(filled.reshape(shape))
+        return tuple(outputs)
+
+    def _solve_valid(self, columns: Array) -> dict[str, Array]:
+        period, damping, hardening, strength, peak_factor = columns[:5]
+        law, ground = columns[5 : 5 + self.laws], columns[5 + self.laws :]
+        w = 2 * np.pi / period
+        elastic = linear_system(w, damping)
+        own = own_covariance(elastic, self.forcing(elastic, ground))
+        uy = peak_factor * np.sqrt(own.mu_mu) / strength if self.by_factor else strength
+        # Without rounding where it is given: equal structures are then seen to be equal.
+        ratio = {STRENGTH_RATIO: strength / peak_factor if self.by_factor else np.sqrt(own.mu_mu) / uy}
+        if self.closure is None or self.tolerance is None:
+            return self._report(_Solution.elastic(elastic), ground, uy) | ratio
+        scaled = ground.copy()
+        scaled[0] /= uy**2  # the forcing of ductility, f / uy
+        start = np.sqrt(np.stack([own.mu_mu, own.v_v])) / uy
+        solve = self._amplitude_average if self.closure == NARROW_BAND else self._fixed_point
+        batch = _Batch(w, damping, hardening, law, scaled, start)
+        return self._report(solve(batch, self.tolerance), ground, uy) | ratio
+
+    def _fixed_point(self, batch: _Batch, tolerance: Tolerance) -> _Solution:
+        w, damping, hardening, law, ground, start = batch
+        elastic = linear_system(w, damping)
+        oscillator = np.stack([w**2, elastic.damping, (1 - hardening) * w**2])
+        latent = np.stack([start[1], np.minimum(start[0], 1), np.full_like(w, 0.1)])
+        assert self.law is not None
+        solved = solve_fixed_point(
+            oscillator,
+            law,
+            ground,
+            latent,
+            self.law,
+            self.forcing,
+            tolerance.rtol,
+            tolerance.atol,
+            tolerance.max_iterations,
+        )
+        slip, relaxation = solved.coefficients
+        still = (np.abs(slip) < ELASTIC) & (np.abs(relaxation) < ELASTIC * w)
+        pairs = zip(elastic, (*oscillator, slip, relaxation), strict=True)
+        system = EquivalentSystem(*(np.where(still, e, s) for e, s in pairs))
+        counts = solved.iterations, solved.residual, solved.converged
+        return _Solution(system, *counts, still, solved.latent)
+
+    def _amplitude_average(self, batch: _Batch, tolerance: Tolerance) -> _Solution:
+        w, damping, hardening, _, ground, start = batch
+
+        def sigma_of(system: EquivalentSystem, cells: Array) -> Array:
+            forcing = self.forcing(system, ground[:, cells])
+            return np.sqrt(own_covariance(system, forcing).mu_mu)
+
+        limits = tolerance.rtol, tolerance.max_iterations
+        average = solve_amplitude_average(w, damping, hardening, start[0], sigma_of, *limits)
+        return _Solution(*average, np.zeros(w.size, bool), None)
+
+    def _drift(self, solution: _Solution, ground: Array, uy: Array) -> dict[str, Array]:
+        """`OF_DRIFT`; nothing where the structure stays elastic."""
+        nothing = dict.fromkeys(OF_DRIFT, np.zeros_like(uy)) | {"drift_rate": np.ones_like(uy)}
+        if solution.latent is None or self.memory is None:
+            return nothing
+        forcing, soil = self.memory(solution.system, ground)
+        cycles = half_cycles(solution.system, forcing, soil)
+        drift = drift_of(solution.system, solution.latent, cycles)
+        found = uy * np.sqrt(drift.variance), drift.rate, *drift.shares
+        return {
+            name: np.where(solution.still, nothing[name], value)
+            for name, value in zip(OF_DRIFT, found, strict=True)
+        }
+
+    def _report(self, solution: _Solution, ground: Array, uy: Array) -> dict[str, Array]:
+        system, elastic = solution.system, solution.still
+        forcing = self.forcing(system, ground)
+        own = own_covariance(system, forcing)
+        displacement, velocity, z = np.sqrt(own.mu_mu), np.sqrt(own.v_v), np.sqrt(own.z_z)
+        corr = own.v_z / (velocity * z)
+        share = own.mu_z / (displacement * z)
+        drift = self._drift(solution, ground, uy) if self.memory else {}
+        total = np.hypot(displacement, drift.get("drift_std", 0.0))
+        physical = (own.mu_mu > 0) & (own.v_v > 0) & ~np.isnan(total)
+        if self.closure == NARROW_BAND and not elastic.all():
+            z = corr = c_eq = k_eq = np.full_like(z, np.nan)
+        else:
+            z, corr = np.where(elastic, displacement, z), np.where(elastic, 0, corr)
+            c_eq, k_eq = np.where(elastic, -1, system.slip - 1), np.where(elastic, 0, system.relaxation)
+            correlated = np.maximum(np.abs(corr), np.abs(share))
+            physical &= elastic | ((z > 0) & (correlated <= 1 + ROUNDING))
+        status = np.where(elastic, labels.ELASTIC_LIMIT, labels.CONVERGED)
+        status = np.where(physical, status, labels.NOT_PHYSICAL)
+        status = np.where(solution.converged, status, labels.NOT_CONVERGED)
+        values = {
+            "displacement_std": total,
+            "velocity_std": velocity,
+            "ductility_std": total / uy,
+            "z_std": z / uy,
+            "velocity_z_corr": corr,
+            "c_eq": c_eq,
+            "k_eq": k_eq,
+            "yield_displacement": uy,
+            **dict(zip(INTERNAL, (*system, *forcing), strict=True)),
+            **drift,
+        }
+        usable = status < labels.NOT_CONVERGED
+        return {
+            **{name: np.where(usable, value, np.nan) for name, value in values.items()},
+            "iterations": solution.iterations,
+            "residual": solution.residual,
+            "status": status,
+        }
+
+
+class _Batch(NamedTuple):
+    """Yielding structures, in units of their yield displacement."""
+
+    w: Array
+    damping: Array
+    hardening: Array
+    law: Array  # (m, n)
+    ground: Array  # (k, n)
+    start: Array  # (2, n): elastic standard deviations of mu and mu'
+
+
+class _Solution(NamedTuple):
+    system: EquivalentSystem
+    iterations: Array
+    residual: Array
+    converged: Array
+    still: Array  # no slip at all: the 4-state elastic model holds
+    latent: Array | None  # (3, n) moments of the Gaussian behind the closure
+
+    @classmethod
+    def elastic(cls, system: EquivalentSystem) -> _Solution:
+        none = np.zeros(system.stiffness.size)
+        return cls(system, none.astype(np.int32), none, none == 0, none == 0, None)
+
+
+def _blank(name: str, size: int) -> Array:
+    if name == "status":
+        return np.full(size, labels.INVALID_INPUT, np.int8)
+    if name == "iterations":
+        return np.zeros(size, np.int32)
+    return np.full(size, np.nan)

@@ -1,0 +1,212 @@
+"""Mean and standard deviation of the peak displacement in a stationary motion of finite length."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.linearization.equivalent_systems import INTERNAL, solve_structure
+from stochlin.analyses.linearization.tolerance import USUAL
+from stochlin.analyses.tables import labels
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
+from stochlin.kernels.linearization.spectral_moments import (
+    SpectralMoments,
+    difference_moments,
+    displacement_moments,
+)
+from stochlin.models.grounds import Ground
+from stochlin.models.parameters import Parameter, expect
+from stochlin.models.rules.peak_factors import PeakFactor, StationaryMotion, peak_factor_model
+from stochlin.models.structures import DRIFT, Structure
+
+ONE_SIDED = {
+    "peak_mean": "mean of the largest displacement in one direction",
+    "peak_std": "standard deviation of the largest displacement in one direction",
+    "peak_factor": "mean largest displacement in one direction over the standard deviation",
+}
+
+
+def peak_response(
+    structure: Structure,
+    ground: Ground,
+    duration: Parameter,
+    *,
+    model: str = "vanmarcke",
+    closure: str = "gaussian",
+    sides: int = 2,
+) -> xr.Dataset:
+    """Peak displacement of a structure in a stationary motion of a given duration.
+
+    The structure is linearized; its response is taken as Gaussian, and as stationary from the
+    first instant on.
+
+    Parameters
+    ----------
+    structure : Bilinear, BoucWen or Hysteretic
+    ground : WhiteNoise, KanaiTajimi or CloughPenzien
+    duration : float or array
+        Duration of the motion [s], positive; all parameters broadcast by dimension name.
+    model : str
+        ``"davenport"``, ``"der_kiureghian"`` or ``"vanmarcke"``, as `peak_factor_model` knows them.
+    closure : str
+        As in `linearize`, but for ``"drift"``.
+    sides : int
+        2: the largest absolute displacement; 1: the largest displacement in one direction, which is
+        what pounding on one side asks for.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over the dimensions of the parameters: ``peak_mean`` and ``peak_std`` [m], ``peak_factor``
+        [-]: mean peak over ``displacement_std`` [m], ``crossings`` [-]: mean number of zero
+        crossings, both ways, in the duration, ``bandwidth`` [-]: ``sqrt(1 - l1^2/(l0 l2))``,
+        ``status``.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a model, closure or number of sides is unknown, a scalar is out of range, or a single
+        case lies outside the domain of the peak factor: a motion too short to hold a peak.
+    ArithmeticError
+        As in `linearize`.
+
+    Notes
+    -----
+    On elastic oscillators with 20 to 100 cycles the mean peak errs, against simulation, by -1 to +4 %
+    (Vanmarcke), -1 to +5 % (Der Kiureghian), +4 to +20 % (Davenport); one-sided, by 0 to +5, +2 to +8
+    and +3 to +15 %. Where structures yield, linearization errs by more, and to the unsafe side: over
+    30 s, R from 2 to 6 and alpha from .02 to .2, by 0 to -27 % on firm ground (wg = 15, xig = .6) and by
+    up to -84 % for a stiff structure (.5 s) on a lake bed (2 s, xig = .05).
+
+    References
+    ----------
+    Vanmarcke, E. H. (1975), J. Appl. Mech. 42; Der Kiureghian, A. (1980), J. Eng. Mech. Div. ASCE
+    106; Davenport, A. G. (1964), Proc. Inst. Civil Eng. 28.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> building = sl.Bilinear(period=1.0, damping=0.05)
+    >>> table = sl.peak_response(building, sl.WhiteNoise(0.01), duration=20.0)
+    >>> round(float(table.crossings), 6), round(float(table.peak_factor), 3)
+    (40.0, 2.629)
+    """
+    expect(structure, Structure, "structure")
+    expect(ground, Ground, "ground")
+    chosen = peak_factor_model(model)
+    domain = chosen.domain(sides)
+    if closure == DRIFT:
+        raise ValueError(
+            f"closure = {closure!r} is not available for peaks, for a drift in kicks has no spectral "
+            "moments; allowed: the other closures, or simulate"
+        )
+    motion = StationaryMotion(duration)
+    solved = solve_structure(structure, ground, closure, USUAL)
+    case = f"peak_response({structure.describe()}, {ground.describe()})"
+    labels.raise_if_lone_failure(solved, case)
+    l0, l1, l2 = response_moments(solved, ground)
+    time = motion.arrays()["duration"]
+    table = peak_table(l0, l1, l2, time.where(motion.valid()), chosen, sides)
+    outside = np.isnan(table.peak_mean) & (solved.status < labels.NOT_CONVERGED)
+    if outside.ndim == 0 and bool(outside):
+        raise ValueError(
+            f"duration = {float(time):g} holds {float(table.crossings):.3g} zero crossings; allowed for "
+            f"{type(chosen).__name__}, sides={sides}: {domain}; give a longer duration, or simulate"
+        )
+    status = solved.status.where(~outside, labels.INVALID_INPUT)
+    table = table.assign(status=status.astype(np.int8))
+    table = labels.label(table.assign(displacement_std=solved.displacement_std))
+    comment = f"{type(chosen).__name__} is defined for {domain}; NaN elsewhere."
+    if structure.yields:
+        comment = f"{labels.CAUTION_SIGMA} {comment}"
+    if sides == 1:
+        for name, long_name in ONE_SIDED.items():
+            table[name].attrs["long_name"] = long_name
+    table = table.assign_attrs(comment=comment, peak_factor_model=type(chosen).__name__, sides=sides)
+    return labels.with_run_information(
+        table,
+        f"Peak displacement in a stationary motion, {type(chosen).__name__}, {ground.name} ground",
+        f"peak_response(model={type(chosen).__name__!r}, closure={closure!r}, sides={sides})",
+        {"structure": structure, "ground": ground, "motion": motion},
+        f"{labels.PAPER} {chosen.reference}.",
+    )
+
+
+def peak_table(
+    l0: xr.DataArray,
+    l1: xr.DataArray,
+    l2: xr.DataArray,
+    duration: xr.DataArray,
+    model: PeakFactor,
+    sides: int,
+) -> xr.Dataset:
+    """Peak of a Gaussian displacement with these spectral moments [m^2, m^2/s, m^2/s^2]."""
+    moving = (l0 > 0) & (l2 > 0)  # rounding may leave less of the difference of equal structures
+    crossings = duration * np.sqrt(l2.where(moving) / l0) / np.pi
+    bandwidth = np.sqrt(np.maximum(1 - l1**2 / (l0 * l2).where(moving), 0))
+    factors = [
+        xr.apply_ufunc(
+            lambda n, delta, f=function: f(n, delta, sides), crossings, bandwidth, join="exact"
+        )
+        for function in (model.mean, model.std)
+    ]
+    sigma = np.sqrt(l0.where(moving))
+    return xr.Dataset(
+        {
+            "peak_mean": factors[0] * sigma,
+            "peak_std": factors[1] * sigma,
+            "peak_factor": factors[0],
+            "crossings": crossings,
+            "bandwidth": bandwidth,
+        }
+    )
+
+
+def response_moments(solved: xr.Dataset, ground: Ground) -> tuple[xr.DataArray, ...]:
+    """Spectral moments of the displacement [m]; ``solved`` as `solve_structure` returns it."""
+
+    def moments(parts: list[Array], parameters: list[Array]) -> SpectralMoments:
+        return displacement_moments(*_system(parts), parameters)
+
+    return _moments(moments, [solved], ground)
+
+
+def relative_moments(first: xr.Dataset, second: xr.Dataset, ground: Ground) -> tuple[xr.DataArray, ...]:
+    """Spectral moments of ``u_1 - u_2`` [m]; arguments as in `response_moments`."""
+
+    def moments(parts: list[Array], parameters: list[Array]) -> SpectralMoments:
+        half = len(parts) // 2
+        return difference_moments(*_system(parts[:half]), *_system(parts[half:]), parameters)
+
+    return _moments(moments, [first, second], ground)
+
+
+def _moments(
+    function: Callable[[list[Array], list[Array]], SpectralMoments],
+    sides: list[xr.Dataset],
+    ground: Ground,
+) -> tuple[xr.DataArray, ...]:
+    """Cells in one row for the kernel; a cell without a response stays NaN."""
+    inputs = [side[name] for side in sides for name in INTERNAL]
+
+    @np.errstate(invalid="ignore", divide="ignore")
+    def flat(*arrays: Array) -> tuple[Array, ...]:
+        shape = np.broadcast_shapes(*(np.shape(array) for array in arrays))
+        rows = [np.broadcast_to(array, shape).ravel() for array in arrays]
+        moments = function(rows[: len(inputs)], rows[len(inputs) :])
+        return tuple(moment.reshape(shape) for moment in moments)
+
+    cores: list[list[str]] = [[]] * len(SpectralMoments._fields)
+    arrays = [*inputs, *ground.kernel_parameters()]
+    result: tuple[xr.DataArray, ...] = xr.apply_ufunc(
+        flat, *arrays, output_core_dims=cores, join="exact"
+    )
+    return result
+
+
+def _system(parts: list[Array]) -> tuple[EquivalentSystem, Forcing]:
+    size = len(EquivalentSystem._fields)
+    return EquivalentSystem(*parts[:size]), Forcing(*parts[size:])

@@ -1,0 +1,227 @@
+"""From models to the equations of transient linearization: cells, pairs of them, and instants."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import groupby
+from typing import NamedTuple
+
+import numpy as np
+import scipy.linalg
+import xarray as xr
+
+from stochlin.analyses.linearization.equivalent_systems import solve_elastic
+from stochlin.analyses.linearization.state_space import ground_matrices
+from stochlin.analyses.tables import labels
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.linearization.transient import (
+    Coefficients,
+    Difference,
+    Filters,
+    Own,
+    Structures,
+    Transient,
+)
+from stochlin.models.envelopes import Envelope
+from stochlin.models.grounds import Ground
+from stochlin.models.parameters import expect
+from stochlin.models.structures import Structure
+
+STEPS_PER_PERIOD = 16  # of the shortest period, for integrals over time
+STRONG = 0.5  # of the envelope's largest value: shaking is strong until it falls below for good
+SCANNED = 4096  # instants at which an envelope is looked at
+MEMORY = 4e9  # bytes that a run may ask for
+POINTS = 101  # instants of a result
+
+
+class Side(NamedTuple):
+    """One structure: its cells in a row, and where each is."""
+
+    structure: Structure
+    columns: Array  # period, damping, hardening, uy, elastic displacement_std, law, (m, n)
+    ground: Array  # (k, n)
+    status: xr.DataArray
+    position: xr.DataArray  # of each cell in the row of all sides, -1 where invalid
+
+
+class Course(NamedTuple):
+    """The instants of a finite motion."""
+
+    envelope: Envelope | None
+    duration: float
+    times: Array  # for integrals
+    shown: Array  # indices of the instants of the result
+    strong_end: float  # [s]
+
+    def value(self, time: float) -> float:
+        """The envelope at an instant."""
+        return 1.0 if self.envelope is None else float(self.envelope.at(np.asarray(time)))
+
+
+class Moments(NamedTuple):
+    """Moments of all cells that are valid, over the instants for integrals."""
+
+    own: Own
+    difference: Difference
+    sides: tuple[Side, ...]
+    course: Course
+
+
+def check_course(duration: float | None, envelope: Envelope | None) -> None:
+    """Raise for what is no finite motion; to be called before any work."""
+    if duration is None:
+        raise ValueError("duration is missing; give the length of the motion in seconds")
+    number = isinstance(duration, (int, float, np.number)) and not isinstance(duration, bool)
+    if not number or not 0 < duration < np.inf:
+        raise ValueError(f"duration = {duration!r}; allowed: a positive number of seconds")
+    if envelope is None:
+        return
+    expect(envelope, Envelope, "envelope")
+    values = np.asarray(envelope.at(np.linspace(0, duration, SCANNED)), float)
+    if not np.isfinite(values).all() or values.min() < 0:
+        raise ValueError(
+            f"envelope = {envelope.describe()} is {values[~(values >= 0)][0]:g} within the duration; "
+            "allowed: finite values from 0 on"
+        )
+    if not values.max() > 0:
+        raise ValueError(
+            f"envelope = {envelope.describe()} is 0 all through duration = {duration:g}; allowed: some "
+            "motion within the duration"
+        )
+
+
+def check_points(points: int) -> None:
+    """Raise a ValueError unless it is a number of instants."""
+    if isinstance(points, bool) or not isinstance(points, (int, np.integer)) or points < 2:
+        raise ValueError(f"points = {points!r}; allowed: a whole number from 2")
+
+
+def side_of(structure: Structure, ground: Ground, duration: float, role: str, first: int) -> Side:
+    """The cells of a structure, numbered from ``first``; those longer than the motion are invalid."""
+    period = structure.arrays()["period"]
+    if period.ndim == 0 and float(period) > duration:
+        raise ValueError(
+            f"duration = {duration:g} s is shorter than the period of {role}, {float(period):g} s; "
+            "allowed: a period and more"
+        )
+    elastic = solve_elastic(structure, ground)
+    values = structure.arrays()
+    like = elastic.yield_displacement
+    arrays = [
+        values["period"],
+        values["damping"],
+        values.get("hardening", xr.DataArray(1.0)),
+        like,
+        elastic.displacement_std,
+        *structure.law_parameters(),
+        *ground.kernel_parameters(),
+    ]
+    rows = [array.broadcast_like(like).transpose(*like.dims).to_numpy().ravel() for array in arrays]
+    status = elastic.status.where(elastic.status >= labels.NOT_CONVERGED, labels.CONVERGED)
+    status = status.where(period <= duration, labels.INVALID_INPUT)
+    valid = status.to_numpy().ravel() < labels.NOT_CONVERGED
+    place = np.where(valid, first + np.cumsum(valid) - 1, -1).reshape(like.shape)
+    table = np.stack(rows).astype(float)[:, valid]
+    cut = len(rows) - len(ground.kernel_parameters())
+    return Side(structure, table[:cut], table[cut:], status, xr.full_like(like, 0, int).copy(data=place))
+
+
+def course_of(envelope: Envelope | None, duration: float, shortest: float, points: int) -> Course:
+    """Instants so dense that integrals over time are right for the shortest period."""
+    stretches = points - 1
+    each = max(1, int(np.ceil(duration * STEPS_PER_PERIOD / shortest / stretches)))
+    times = np.linspace(0, duration, stretches * each + 1)
+    shown = np.arange(points) * each
+    scan = np.linspace(0, duration, SCANNED)
+    values = np.ones(SCANNED) if envelope is None else envelope.at(scan)
+    strong = np.flatnonzero(values >= STRONG * values.max())
+    last = duration if strong[-1] == SCANNED - 1 else float(scan[strong[-1] + 1])
+    return Course(envelope, float(duration), times, shown, last)
+
+
+def solve_course(sides: Sequence[Side], pairs: Array, course: Course) -> Moments:
+    """Second moments of all structures and pairs (2, p) of them, from rest."""
+    columns = np.concatenate([side.columns[:5] for side in sides], axis=1)
+    period, damping, hardening, uy, scale = columns
+    needed = 8.0 * course.times.size * (5 * period.size + 8 * pairs.shape[1])
+    if needed > MEMORY:
+        raise ValueError(
+            f"{pairs.shape[1]} pairs at {course.times.size} instants need {needed / 1e9:.1f} GB; "
+            f"allowed: {MEMORY / 1e9:.0f} GB; take fewer cells at a time"
+        )
+    w = 2 * np.pi / period
+    elastic = np.isinf(uy)
+    structures = Structures(
+        w, 2 * damping * w, np.where(elastic, 0.0, (1 - hardening) * w**2), uy, scale
+    )
+    filters = _filters(np.concatenate([side.ground for side in sides], axis=1))
+    closure = _coefficients(sides) if not elastic.all() else None
+    transient = Transient(structures, filters, pairs, closure, course.value)
+    kinks = () if course.envelope is None else course.envelope.kinks()
+    return Moments(*transient.solve(course.times, kinks), tuple(sides), course)
+
+
+def flags(course: Course, time: xr.DataArray) -> xr.DataArray:
+    """Whether strong shaking is over at each instant."""
+    flag = (time > course.strong_end).astype(np.int8)
+    flag.attrs = {
+        "long_name": f"whether the envelope has fallen for good below {STRONG:g} of its largest value",
+        "flag_values": np.arange(2, dtype=np.int8),
+        "flag_meanings": "strong_shaking permanent_set_not_represented",
+    }
+    return flag.drop_vars("time")
+
+
+def time_axis(course: Course) -> xr.DataArray:
+    """The instants of the result as a coordinate [s]."""
+    values = course.times[course.shown]
+    return xr.DataArray(
+        values, dims="time", coords={"time": ("time", values, {"units": "s", "long_name": "time"})}
+    )
+
+
+def _coefficients(sides: Sequence[Side]) -> Coefficients:
+    """Equivalent coefficients of all cells, each by the closure of its law; neighbours alike at once."""
+    closures = [s.structure.closure("gaussian") if s.structure.yields else None for s in sides]
+    groups = [
+        (closure, np.concatenate([side.columns[5:] for _, side in members], axis=1))
+        for closure, members in (
+            (closure, list(group))
+            for closure, group in groupby(zip(closures, sides, strict=True), key=lambda pair: pair[0])
+        )
+    ]
+
+    def coefficients(latent: Array) -> Array:
+        parts, begin = [], 0
+        for closure, law in groups:
+            end = begin + law.shape[1]
+            part = latent[:, begin:end]
+            parts.append(closure(part, law).coefficients if closure else np.zeros((2, end - begin)))
+            begin = end
+        return np.concatenate(parts, axis=1)
+
+    return coefficients
+
+
+def _filters(parameters: Array) -> Filters:
+    """Ground filters of the cells, those alike found once."""
+    alike, which = np.unique(parameters[1:], axis=1, return_inverse=True)
+    intensity = 2 * np.pi * parameters[0]
+    if not len(alike):
+        none = np.zeros((parameters.shape[1], 0))
+        return Filters(
+            np.zeros((parameters.shape[1], 0, 0)), none, np.zeros((parameters.shape[1], 0, 0)), intensity
+        )
+    matrices, outputs, covariances = [], [], []
+    for column in alike.T:
+        _, matrix, noise, output = ground_matrices([1.0, *column])
+        covariance = scipy.linalg.solve_continuous_lyapunov(matrix, -np.outer(noise, noise))
+        scale = np.sqrt(np.diag(covariance))
+        matrices.append(matrix * scale / scale[:, None])
+        outputs.append(output * scale)
+        covariances.append(covariance / np.outer(scale, scale))
+    which = which.ravel()
+    stacked = [np.stack(parts)[which] for parts in (matrices, outputs, covariances)]
+    return Filters(
+        stacked[0], stacked[1] * np.sqrt(intensity)[:, None], stacked[2], np.zeros_like(intensity)
+    )

@@ -1,0 +1,1 @@
+"""What would help: measures compared, the least that does."""

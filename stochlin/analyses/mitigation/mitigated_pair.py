@@ -1,0 +1,128 @@
+"""A pair of buildings with one measure against pounding at a time: simulated, linearized, on records."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.correlation.correlation import correlate
+from stochlin.analyses.correlation.linked import correlate_linked
+from stochlin.analyses.pounding.pounding import pound
+from stochlin.analyses.separation.critical_gap import double_difference
+from stochlin.analyses.simulation.finite_motions import keeping_apart, pair_separation
+from stochlin.analyses.simulation.simulation import simulate
+from stochlin.kernels.basics.arrays import Array
+from stochlin.models.contacts import Contact
+from stochlin.models.envelopes import Envelope
+from stochlin.models.grounds import Ground
+from stochlin.models.measures import Measure
+
+RECORDED = ("amplification_1", "amplification_2", "impacts", "largest_force")
+
+
+@dataclass(frozen=True)
+class MitigatedPair:
+    """Two structures, by their yield displacements, and all that a measure leaves as it is."""
+
+    structures: tuple[Any, Any]
+    ground: Ground
+    gap: float
+    duration: float
+    envelope: Envelope | None
+    confidence: float
+    paths: int
+    seed: int
+    contact: Contact | None
+    records: Mapping[str, xr.DataArray]
+
+    def changed(self, measure: Measure) -> tuple[Any, Any]:
+        """The structures with added damping."""
+        added: tuple[Any, Any] = (measure.added_damping_1, measure.added_damping_2)
+        pair = []
+        for n, (structure, more) in enumerate(zip(self.structures, added, strict=True), start=1):
+            total = float(structure.damping) + float(more)
+            if total >= 1:
+                raise ValueError(
+                    f"added_damping_{n} = {float(more):g} makes the damping {total:g}; allowed: less "
+                    "than 1 in all"
+                )
+            pair.append(replace(structure, damping=total))
+        return pair[0], pair[1]
+
+    def simulated(self, measure: Measure) -> dict[str, float]:
+        """What random motions say: the required gap, how probable no pounding is, mean peaks."""
+        motions = self._motions(measure)
+        apart = keeping_apart(pair_separation(motions), self.gap)
+        quantile = motions.separation_quantile[0, 0, 1]
+        row = {
+            "required_gap": float(quantile),
+            "required_gap_lower": float(motions.separation_quantile_lower[0, 0, 1]),
+            "required_gap_upper": float(motions.separation_quantile_upper[0, 0, 1]),
+            **{name: float(share) for name, share in apart.items()},
+        }
+        for n in (0, 1):
+            for name in ("peak_mean", "peak_mean_standard_error"):
+                row[f"{name}_{n + 1}"] = float(motions[name][n])
+        return row
+
+    def required_gap(self, measure: Measure) -> float:
+        """The gap that keeps the confidence [m]."""
+        return float(self._motions(measure).separation_quantile[0, 0, 1])
+
+    def linearized(self, measure: Measure) -> dict[str, float]:
+        """Correlation and standard deviation of ``u_1 - u_2`` by linearization; NaN if not solved."""
+        pair = self.changed(measure)
+        try:
+            if measure.link is not None:
+                table = correlate_linked(*pair, self.ground, measure.link)
+                return {name: float(table[name]) for name in ("rho", "relative_displacement_std")}
+            table = correlate(*pair, self.ground)
+        except ArithmeticError:
+            return {"rho": np.nan, "relative_displacement_std": np.nan}
+        values = (table[n].values for n in ("displacement_std_1", "displacement_std_2", "rho"))
+        apart = float(double_difference(*values))
+        return {"rho": float(table.rho), "relative_displacement_std": apart}
+
+    def recorded(self, measure: Measure) -> dict[str, Array]:
+        """What the records say (records,): amplification of the peaks as built and alone, impacts."""
+        found: dict[str, list[float]] = {name: [] for name in RECORDED}
+        contact = self.contact if measure.contact is None else measure.contact
+        for motion, peaks in zip(self.records.values(), self.peaks_alone, strict=True):
+            table = pound(self.changed(measure), self.gap, contact, motion, link=measure.link)  # type: ignore[arg-type]
+            for n in (0, 1):
+                found[f"amplification_{n + 1}"].append(float(table.peak[n] / peaks[n]))
+            found["impacts"].append(float(table.sizes["impact"]))
+            forces = table.largest_force.dropna("impact").values
+            found["largest_force"].append(float(forces.max()) if forces.size else np.nan)
+        return {name: np.array(values) for name, values in found.items()}
+
+    def worst_amplification(self, measure: Measure) -> float:
+        """The largest of both buildings on all records [-]."""
+        found = self.recorded(measure)
+        return float(max(found["amplification_1"].max(), found["amplification_2"].max()))
+
+    @cached_property
+    def peaks_alone(self) -> Array:
+        """Peaks of the structures as built and standing alone (records, 2) [m]."""
+        peaks = [
+            pound(self.structures, self.gap, self.contact, motion).peak_alone.values  # type: ignore[arg-type]
+            for motion in self.records.values()
+        ]
+        return np.array(peaks).reshape(-1, 2)
+
+    def _motions(self, measure: Measure) -> xr.Dataset:
+        return simulate(
+            self.changed(measure),
+            self.ground,
+            paths=self.paths,
+            seed=self.seed,
+            duration=self.duration,
+            envelope=self.envelope,
+            quantiles=[self.confidence],
+            link=measure.link,
+        )

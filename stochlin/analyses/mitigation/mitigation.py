@@ -1,0 +1,257 @@
+"""Measures against pounding compared in one table, and the least that would do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.mitigation.mitigated_pair import RECORDED, MitigatedPair
+from stochlin.analyses.mitigation.searches import Row, Search, searches
+from stochlin.analyses.records.records import checked_record
+from stochlin.analyses.separation.existing_gap import check_gap
+from stochlin.analyses.separation.rules import by_yield_displacement
+from stochlin.analyses.separation.separation import (
+    NOT_AVAILABLE,
+    VERDICT_ATTRS,
+    check_confidence,
+    verdict_of,
+)
+from stochlin.analyses.tables import labels
+from stochlin.models.contacts import Contact
+from stochlin.models.envelopes import Envelope
+from stochlin.models.grounds import Ground
+from stochlin.models.links import Link, check_linked
+from stochlin.models.measures import Measure
+from stochlin.models.parameters import expect
+from stochlin.models.structures import Bilinear, BoucWen, Structure
+
+AS_BUILT = "as built"
+TEXTS: Mapping[str, str] = {
+    "kind": "as built, given, or the least that meets an aim",
+    "aim": "what the least meets: the confidence, or the limit of amplification on the records",
+    "contact": "what the buildings meet at",
+    "description": "the measure with its parameters",
+    "missing": "what a row lacks, and why",
+}
+
+
+def mitigate(
+    first: Structure,
+    second: Structure,
+    ground: Ground,
+    duration: float,
+    gap: float,
+    measures: Mapping[str, Measure],
+    *,
+    envelope: Envelope | None = None,
+    confidence: float = 0.9,
+    paths: int = 2048,
+    seed: int = 0,
+    contact: Contact | None = None,
+    records: Mapping[str, xr.DataArray] | None = None,
+    amplification_limit: float | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> xr.Dataset:
+    """Compare measures against pounding, all on the same motions, and find the least that would do.
+
+    The rows are the buildings as built, each measure that is given, and the least damping, added to
+    both or to one of them, and the least dashpot between both with which they do not touch with the
+    probability ``confidence``; with a limit of amplification also those that keep it on the records.
+    Nothing is looked for where the buildings meet the aim as built.
+
+    Parameters
+    ----------
+    first, second, ground, duration
+        As in `separation`, numbers only; a link between them asks for `Bilinear` with a mass.
+    gap : float
+        The existing gap [m], positive.
+    measures : mapping of str to Measure
+        By name; may be empty.
+    envelope, confidence, paths, seed
+        As in `separation`.
+    contact : Contact, optional
+        What they meet at as built; records need it.
+    records : mapping of str to xarray.DataArray, optional
+        Ground accelerations [m/s^2] by name, as `read_record` gives them, on which pounding itself is
+        computed.
+    amplification_limit : float, optional
+        Largest peak allowed on the records over the peak as built and standing alone [-], positive.
+    progress : callable, optional
+        Called with the share of the rows that is done.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``measure``: ``added_damping_1``, ``added_damping_2`` [-], ``link_stiffness`` [N/m],
+        ``link_damping_constant`` [N s/m]; by simulation ``required_gap`` [m] and
+        ``no_pounding_probability`` [-] of the existing gap, each with a 95 % interval, ``_lower`` and
+        ``_upper``, ``verdict`` on the gap, ``peak_mean_1`` and ``_2`` [m] without contact, with standard
+        errors; by linearization ``rho`` [-] and ``relative_displacement_std`` [m]; texts in the
+        coordinates ``kind``, ``aim``, ``contact``, ``description`` and ``missing``. With records also
+        over ``record``: ``amplification_1`` and ``_2`` [-], the peak over the peak as built and standing
+        alone, ``impacts`` and ``largest_force`` [N]. A row whose search found nothing is NaN.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a gap, limit, mass or measure is out of range, missing or of the wrong kind; otherwise as
+        `separation`.
+
+    Notes
+    -----
+    Strengths stay what they are as built, in metres. Peaks, required gaps and probabilities are those
+    of motions without contact, on which a contact of another kind has no influence: what bumpers do
+    shows on the records. Linearization is unsafe where structures yield and stands here to be compared.
+    A least measure is the first that meets its aim going up from none.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), on links, bumpers and supplemental damping.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> one, two = (sl.Bilinear(T, 0.05, 0.05, reduction_factor=3, mass=1e6) for T in (0.6, 1.0))
+    >>> measures = {"dampers": sl.Measure(0.1, 0.1), "dashpot": sl.Measure(link=sl.Link(0.0, 5e6))}
+    >>> ground = sl.named_ground("firm", intensity=0.01)
+    >>> table = sl.mitigate(one, two, ground, 20.0, 0.08, measures, paths=128)
+    >>> bool((table.required_gap.isel(measure=slice(1, 3)) < table.required_gap[0]).all())
+    True
+    >>> table.measure.values[-1].item()
+    'least dashpot between'
+    """
+    pair = _checked(first, second, ground, gap, measures, contact, records, amplification_limit)
+    check_confidence(confidence)
+    site = MitigatedPair(
+        structures=(pair[0], pair[1]),
+        ground=ground,
+        gap=float(gap),
+        duration=duration,
+        envelope=envelope,
+        confidence=confidence,
+        paths=paths,
+        seed=seed,
+        contact=contact,
+        records=records or {},
+    )
+    given = [Row(AS_BUILT, AS_BUILT, Measure())]
+    given += [_given(name, measure, bool(records)) for name, measure in measures.items()]
+    wanted: list[Row | Search] = [*given, *searches(site, amplification_limit)]
+    rows, columns = [], []
+    for done, one in enumerate(wanted, start=1):
+        row = one.result() if isinstance(one, Search) else one
+        rows.append(row)
+        columns.append(_column(site, row))
+        if progress is not None:
+            progress(done / len(wanted))
+    models = {"first": first, "second": second, "ground": ground}
+    return labels.with_run_information(
+        _table(rows, columns, site).assign_attrs(
+            gap_m=float(gap), confidence=confidence, duration_s=duration, paths=paths, seed=seed
+        ),
+        f"Measures against pounding, {ground.name} ground",
+        f"mitigate(gap={gap:g}, duration={duration:g}, confidence={confidence:g}, seed={seed})",
+        models if contact is None else models | {"contact": contact},
+    )
+
+
+def _given(name: str, measure: Measure, recorded: bool) -> Row:
+    unseen = measure.contact is not None and not recorded
+    told = "what a contact does shows on records, and none is given" if unseen else ""
+    return Row(name, "given", measure, missing=told)
+
+
+def _checked(
+    first: Structure,
+    second: Structure,
+    ground: Ground,
+    gap: float,
+    measures: Mapping[str, Measure],
+    contact: Contact | None,
+    records: Mapping[str, xr.DataArray] | None,
+    limit: float | None,
+) -> list[Any]:
+    """The structures by their yield displacements, once all that is given fits together."""
+    expect(ground, Ground, "ground")
+    check_gap(gap)
+    for name, measure in measures.items():
+        expect(measure, Measure, f"measures[{name!r}]")
+        if measure.link is not None:
+            check_linked(first, second)
+    if records and contact is None:
+        raise ValueError("contact is not given, records are; give what the buildings meet at as built")
+    for name, motion in (records or {}).items():
+        try:
+            checked_record(motion)
+        except (TypeError, ValueError) as error:
+            raise type(error)(f"records[{name!r}]: {error}") from error
+    for role, structure in (("first", first), ("second", second)):
+        expect(structure, Structure, role)
+        if records and (not isinstance(structure, (Bilinear, BoucWen)) or structure.mass is None):
+            raise ValueError(f"{role} cannot pound; allowed: Bilinear or BoucWen with a mass, in kg")
+    if limit is not None and (not records or not 0 < limit < np.inf):
+        raise ValueError(
+            f"amplification_limit = {limit!r}; allowed: a positive number, with contact and records"
+        )
+    return [by_yield_displacement(structure, ground) for structure in (first, second)]
+
+
+def _column(site: MitigatedPair, row: Row) -> dict[str, Any]:
+    """All numbers of a row."""
+    measure = row.measure
+    if measure is None:
+        return {}
+    link = measure.link or Link()
+    column: dict[str, Any] = {
+        "added_damping_1": measure.added_damping_1,
+        "added_damping_2": measure.added_damping_2,
+        "link_stiffness": link.stiffness,
+        "link_damping_constant": link.damping_constant,
+        **site.simulated(measure),
+        **site.linearized(measure),
+    }
+    return column | (site.recorded(measure) if site.records else {})
+
+
+def _table(rows: Sequence[Row], columns: Sequence[Mapping[str, Any]], site: MitigatedPair) -> xr.Dataset:
+    def texts(name: str) -> list[str]:
+        return [getattr(row, name) for row in rows]
+
+    built = "" if site.contact is None else site.contact.describe()
+    contacts = [
+        row.measure.contact.describe() if row.measure and row.measure.contact else built for row in rows
+    ]
+    table = xr.Dataset(
+        coords={
+            "measure": ("measure", texts("name"), {"long_name": "measure"}),
+            **{name: ("measure", texts(name)) for name in ("kind", "aim", "missing")},
+            "contact": ("measure", contacts),
+            "description": ("measure", [row.measure.describe() if row.measure else "" for row in rows]),
+        }
+    )
+    if site.records:
+        table = table.assign_coords(record=("record", list(site.records), {"long_name": "record"}))
+    for name in columns[0]:
+        blank = np.full(len(site.records), np.nan) if name in RECORDED else np.nan
+        values = np.array([column.get(name, blank) for column in columns], float)
+        table[name] = (("measure", "record") if name in RECORDED else ("measure",), values)
+    known = table.required_gap.notnull()
+    verdict = verdict_of(table.data_vars, site.confidence).where(known, NOT_AVAILABLE)
+    table["verdict"] = verdict.astype(np.int8)
+    table["status"] = (
+        xr.full_like(verdict, labels.CONVERGED, np.int8)
+        .where(known, labels.NOT_CONVERGED)
+        .astype(np.int8)
+    )
+    table = labels.label(table)
+    table.verdict.attrs = VERDICT_ATTRS
+    for n in (1, 2):
+        if site.records:
+            told = f"peak over that as built and standing alone, structure {n}"
+            table[f"amplification_{n}"].attrs["long_name"] = told
+    for name, text in TEXTS.items():
+        table[name].attrs["long_name"] = text
+    return table

@@ -1,0 +1,102 @@
+"""The least measure against pounding that meets an aim, of each kind."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from stochlin.analyses.mitigation.mitigated_pair import MitigatedPair
+from stochlin.analyses.separation.existing_gap import DAMPINGS, first_below
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.pounding.contact import reduced_mass
+from stochlin.models.links import Link
+from stochlin.models.measures import Measure
+from stochlin.models.structures import Bilinear
+
+CONSTANTS = np.append(0.0, np.geomspace(1e-3, 10, 13))  # of dashpots, over 2 m w
+SIDES: Mapping[str, tuple[float, float]] = {
+    "both": (1.0, 1.0),
+    "structure 1": (1.0, 0.0),
+    "structure 2": (0.0, 1.0),
+}
+
+
+class Row(NamedTuple):
+    """A row of the table; without a measure, none was found."""
+
+    name: str
+    kind: str
+    measure: Measure | None
+    aim: str = ""
+    missing: str = ""
+
+
+class Search(NamedTuple):
+    """What a least measure is looked for with."""
+
+    name: str
+    aim: str
+    build: Callable[[float], Measure]
+    outcome: Callable[[Measure], float]
+    most: float  # of the outcome
+    values: Array
+    unit: str
+
+    def result(self) -> Row:
+        """The least measure, or why there is none."""
+        value = first_below(lambda x: self.outcome(self.build(x)), self.values, self.most)
+        if np.isfinite(value):
+            return Row(self.name, "least", self.build(value), self.aim)
+        tried = f"nothing up to {self.values[-1]:.3g}{self.unit} meets the aim"
+        return Row(self.name, "least", None, self.aim, tried)
+
+
+def searches(site: MitigatedPair, limit: float | None) -> list[Search]:
+    """Searches for added damping, and for a dashpot where there are masses, for each aim.
+
+    None for an aim that is met as built.
+    """
+    aims: list[tuple[str, str, Callable[[Measure], float], float]] = [
+        ("confidence", "", site.required_gap, site.gap)
+    ]
+    if limit is not None:
+        aims.append(("amplification", " (limit)", site.worst_amplification, limit))
+    found = []
+    for aim, suffix, found_by, most in aims:
+        outcome = cache(found_by)  # every search begins with the buildings as built
+        if outcome(Measure()) <= most:
+            continue
+        for side, shares in SIDES.items():
+            name = f"least damping, {side}{suffix}"
+            found.append(Search(name, aim, _damping(shares), outcome, most, _dampings(site, shares), ""))
+        scale = _dashpot_scale(site)
+        if scale is not None:
+            name = f"least dashpot between{suffix}"
+            found.append(Search(name, aim, _dashpot, outcome, most, scale * CONSTANTS, " N s/m"))
+    return found
+
+
+def _damping(shares: tuple[float, float]) -> Callable[[float], Measure]:
+    return lambda added: Measure(shares[0] * added, shares[1] * added)
+
+
+def _dashpot(constant: float) -> Measure:
+    return Measure(link=Link(damping_constant=constant))
+
+
+def _dampings(site: MitigatedPair, shares: tuple[float, float]) -> Array:
+    """The values to try, as far as the damping stays a ratio below 1."""
+    own = max(float(s.damping) for s, share in zip(site.structures, shares, strict=True) if share)
+    values: Array = DAMPINGS[own + DAMPINGS < 1]
+    return values
+
+
+def _dashpot_scale(site: MitigatedPair) -> float | None:
+    """``2 m w`` [N s/m] of the reduced mass and the mean frequency; None where there are no masses."""
+    if not all(isinstance(s, Bilinear) and s.mass is not None for s in site.structures):
+        return None
+    mass = float(reduced_mass(*(float(s.mass) for s in site.structures)))
+    return 2 * mass * float(np.mean([2 * np.pi / float(s.period) for s in site.structures]))

@@ -1,0 +1,1 @@
+"""What happens when they hit: histories of a row, estimate of a hit."""

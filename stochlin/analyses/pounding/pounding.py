@@ -1,0 +1,216 @@
+"""Histories of buildings in a row that pound against each other in a recorded motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from stochlin.analyses.pounding.estimates import pounding_estimate
+from stochlin.analyses.pounding.histories import by_floor, contacts, histories
+from stochlin.analyses.pounding.rows import (
+    Building,
+    build_row,
+    checked_buildings,
+    checked_gaps,
+    checked_links,
+)
+from stochlin.analyses.records.records import checked_record
+from stochlin.analyses.records.response import pseudo_energy_radius
+from stochlin.analyses.tables import labels
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.pounding import run as kernel
+from stochlin.kernels.simulation.ensemble import in_order
+from stochlin.models.contacts import Contact
+from stochlin.models.links import Link
+from stochlin.models.parameters import Model
+from stochlin.models.structures import Bilinear
+
+REFERENCES = (
+    f"{labels.PAPER} Hairer, E., Norsett, S. P. and Wanner, G. (1993), Solving Ordinary Differential "
+    "Equations I, section II.10."
+)
+ON_GRID = 1e-9  # of a step: times this close to a sample of the record are that
+
+
+def pound(
+    structures: Sequence[Building],
+    gaps: npt.ArrayLike,
+    contact: Contact,
+    motion: xr.DataArray,
+    *,
+    link: Link | Sequence[Link | None] | None = None,
+    output_step: float | None = None,
+) -> xr.Dataset:
+    """Buildings in a row through a motion, from rest, with all their impacts.
+
+    Parameters
+    ----------
+    structures : list of Bilinear or BoucWen with a mass, or of ShearBuilding
+        At least two, from left to right. Shear buildings meet at floors of one level, within .05 m.
+    gaps : list of float
+        Between neighbours [m], not negative: 0 touches. For two structures a number will do.
+    contact : Contact
+        What all neighbours meet at, for instance `Kelvin` or `Stereomechanical`.
+    motion : xarray.DataArray
+        Ground acceleration [m/s^2] over ``time``, as `read_record` gives it; linear between samples.
+    link : Link or list of Link and None, optional
+        Spring and dashpot between two neighbours, at the highest floors at which they meet; for more
+        than two structures a list, None where there is no link.
+    output_step : float, optional
+        Time from output to output [s]; the record's own if left out. The response does not depend on
+        it.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``time`` [s] and ``structure``, for shear buildings also ``floor``: ``displacement`` [m] and
+        ``velocity`` [m/s], relative to the ground. Over ``time`` and ``contact``: ``contact_force`` [N].
+        Over ``time`` and ``structure``: ``input_energy``, ``kinetic_energy``, ``elastic_energy``,
+        ``viscous_energy``, ``hysteretic_energy`` [J]; over ``time``: ``contact_stored_energy`` and
+        ``contact_lost_energy`` [J], and ``energy_balance_error`` [-], what is missing over the largest
+        input energy so far. Over ``impact``: ``impact_time`` [s], ``impact_contact``,
+        ``approach_velocity`` [m/s], ``largest_force`` [N] (NaN where velocities jump),
+        ``impact_duration`` [s], ``energy_lost`` [J]. ``peak`` and ``peak_alone`` [m], in the row and
+        standing alone, and ``amplification`` [-], one over the other; where all structures are
+        `Bilinear` also ``largest_radius_amplification`` [-], the worst that `pounding_estimate` gives
+        for a hit at the largest energy of both, without links. With links also, over ``time`` and
+        ``link``, ``link_force`` [N], and over ``time`` ``link_stored_energy`` and
+        ``link_lost_energy`` [J].
+
+    Raises
+    ------
+    ValueError, TypeError
+        If there are fewer than two structures, a mass is missing, storeys do not meet, parameters are
+        arrays, a gap is negative, the number of gaps or links is wrong, the output step is not
+        positive, or the motion is not a record, has NaN or only zeros.
+    ArithmeticError
+        If a step cannot be completed; the message has the time and the state.
+
+    Notes
+    -----
+    Displacements are positive to the right, where structure 2 stands beside structure 1. Steps of the
+    8th order method of Dormand and Prince with an error of 1e-10 of the largest displacement, velocity
+    and energy so far; they end at the samples of the record and wherever a structure yields or unloads,
+    a contact begins, turns or ends. Peaks are those between outputs too.
+
+    An impact ends with its force. A `NoTensionKelvin` that pushes again before the floors are clear of
+    it goes on with the same impact. In the law of `HertzDamp`, an approach slower than a thousandth of
+    ``max |a| T/(2 pi)``, with the shortest period, counts as none: such a contact is elastic. Floors
+    that a `Stereomechanical` impact would lift by less than 1e-10 of the largest displacement, while
+    they are pressed together, move together from then on, until the force between them vanishes.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eqs. (13) to (16); Hairer, Norsett and Wanner (1993).
+
+    Examples
+    --------
+    >>> import numpy as np, xarray as xr, stochlin as sl
+    >>> time = 0.02 * np.arange(500)
+    >>> record = xr.DataArray(np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    >>> soft = sl.Bilinear(period=1.2, damping=0.05, mass=2e5)
+    >>> stiff = sl.Bilinear(period=0.6, damping=0.05, mass=3e5)
+    >>> bumper = sl.Kelvin(stiffness=1e8, restitution=0.65)
+    >>> table = sl.pound([soft, stiff], gaps=0.05, contact=bumper, motion=record)
+    >>> table.sizes["impact"], bool((table.approach_velocity > 0).all())
+    (10, True)
+    >>> bool(table.energy_balance_error.max() < 1e-6)
+    True
+    """
+    row_of = checked_buildings(structures)
+    spaces = checked_gaps(gaps, len(row_of))
+    try:
+        ground, dt = checked_record(motion)
+    except (TypeError, ValueError) as error:
+        raise type(error)(f"motion: {error}") from error
+    links = checked_links(link, len(row_of))
+    row, places = build_row(row_of, spaces, contact, ground, links)
+    times = _output_times(output_step, ground.size - 1, dt)
+    asked = _intervals(times, dt, ground.size - 1)
+    never = np.empty(0, np.int64), np.empty(0)
+    runs = (row, asked), (kernel.standing_alone(row), never)
+    done, alone = in_order(lambda i: _completed(runs[i][0], kernel.Motion(ground, dt, *runs[i][1])), 2)
+    start = float(motion["time"][0])
+    time = motion["time"].to_numpy().astype(float) if output_step is None else start + times
+    table = histories(row, row_of, done, start, time)
+    table = table.merge(contacts(places, links))
+    peaks = [by_floor(np.abs(run.peaks).max(axis=0), row, row_of) for run in (done, alone)]
+    table["peak"], table["peak_alone"] = peaks
+    table["amplification"] = peaks[0] / peaks[1].where(peaks[1] > 0)
+    oscillators = [structure for structure in row_of if isinstance(structure, Bilinear)]
+    if len(oscillators) == len(row_of) and not any(links):
+        worst = _estimates(oscillators, spaces, contact, motion)
+        table["largest_radius_amplification"] = ("structure", worst)
+    table = labels.label(table)
+    table["amplification"].attrs["long_name"] = "peak in the row over peak standing alone"
+    table.attrs.update(
+        gaps=spaces.tolist(), steps=done.steps, motion=f"{ground.size} samples at {dt:g} s"
+    )
+    models: dict[str, Model] = {
+        f"structure_{n}": structure for n, structure in enumerate(row_of, start=1)
+    }
+    models |= {f"link_{n}": each for n, each in enumerate(links, start=1) if each is not None}
+    call = f"pound(output_step={output_step})"
+    return labels.with_run_information(
+        table, "Pounding of buildings in a row", call, models | {"contact": contact}, REFERENCES
+    )
+
+
+def _output_times(output_step: float | None, intervals: int, dt: float) -> Array:
+    if output_step is None:
+        return dt * np.arange(intervals + 1)
+    if isinstance(output_step, bool) or not isinstance(output_step, (int, float)):
+        raise TypeError(f"output_step = {output_step!r} is not a number; allowed: seconds, positive")
+    if not 0 < output_step < np.inf:
+        raise ValueError(f"output_step = {output_step!r} is out of range; allowed: 0 < value, finite")
+    return output_step * np.arange(int(intervals * dt / output_step * (1 + ON_GRID)) + 1)
+
+
+def _intervals(times: Array, dt: float, intervals: int) -> tuple[Array, Array]:
+    """Interval of the record and time since its beginning; samples are the ends of intervals."""
+    scaled = times / dt
+    whole = np.rint(scaled)
+    scaled = np.where(np.abs(scaled - whole) < ON_GRID, whole, scaled)
+    number = np.clip(np.ceil(scaled).astype(np.int64) - 1, 0, intervals - 1)
+    share = np.clip(scaled - number, 0.0, 1.0)
+    return number, share * dt
+
+
+def _estimates(
+    structures: Sequence[Bilinear], gaps: Array, contact: Contact, motion: xr.DataArray
+) -> Array:
+    """Largest amplification of each radius by a hit from either side, each pair at its own largest."""
+    radii = [
+        pseudo_energy_radius(
+            motion,
+            structure.period,
+            structure.damping,
+            hardening=structure.hardening,
+            yield_displacement=structure.yield_displacement,
+        ).pseudo_energy_radius
+        for structure in structures
+    ]
+    worst = np.ones(len(structures))
+    for b, gap in enumerate(gaps):
+        first, second = structures[b : b + 2]
+        hit = pounding_estimate(first, second, gap, contact, radii[b], radii[b + 1])
+        for side in range(2):
+            most = float(hit[f"largest_radius_amplification_{side + 1}"])
+            worst[b + side] = max(worst[b + side], most)
+    return worst
+
+
+def _completed(row: kernel.Row, motion: kernel.Motion) -> kernel.Run:
+    run = kernel.run(row, motion)
+    if run.completed:
+        return run
+    n = row.mass.size
+    u, v = ([f"{value:.6g}" for value in run.last[part : part + n]] for part in (0, n))
+    raise ArithmeticError(
+        f"pound: the step from {run.time:.9g} s after the beginning could not be completed, after "
+        f"{run.steps} steps; displacements of the floors [{', '.join(u)}] m, velocities "
+        f"[{', '.join(v)}] m/s; use a softer or less damped contact, or a smaller restitution"
+    )

@@ -1,0 +1,1 @@
+"""How likely they hit: over time, by record, over intensity and gap."""

@@ -1,0 +1,206 @@
+"""Two structures in a finite earthquake: every cell of their table, by formula and by simulation."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy.stats
+import xarray as xr
+
+from stochlin.analyses.correlation.correlation import correlate
+from stochlin.analyses.linearization.linearization import linearize
+from stochlin.analyses.linearization.transient_systems import (
+    Course,
+    Moments,
+    Side,
+    course_of,
+    side_of,
+    solve_course,
+)
+from stochlin.analyses.probability.crossings import bandwidths, chances, gap_for
+from stochlin.analyses.probability.simulated import simulate_course
+from stochlin.analyses.simulation.finite_motions import CONFIDENCE
+from stochlin.analyses.tables import labels
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.probability.drift_growth import drift_variances
+from stochlin.kernels.simulation.ensemble import Progress
+from stochlin.models.envelopes import Envelope
+from stochlin.models.grounds import Ground
+from stochlin.models.structures import Gap, Structure
+
+
+class Pair(NamedTuple):
+    """Cells, moments, and where each pair and gap is."""
+
+    sides: tuple[Side, ...]
+    pairs: Array  # (2, p)
+    moments: Moments
+    pair_at: xr.DataArray  # number of the pair, -1 where invalid
+    cell_at: xr.DataArray  # number of the (pair, gap), likewise
+    gap: Array  # (c,)
+    pair: Array  # (c,)
+    status: xr.DataArray
+
+    @classmethod
+    def of(
+        cls,
+        first: Structure,
+        second: Structure,
+        ground: Ground,
+        wanted: Gap,
+        duration: float,
+        envelope: Envelope | None,
+        points: int,
+    ) -> Pair:
+        """Check, number and solve the cells."""
+        one = side_of(first, ground, duration, "first", 0)
+        two = side_of(second, ground, duration, "second", one.columns.shape[1])
+        gap = wanted.arrays()["gap"]
+        try:
+            xr.align(one.position, two.position, gap, join="exact", copy=False)
+        except (xr.AlignmentError, ValueError) as error:
+            raise ValueError(
+                "first, second, ground and gap share a dimension that differs in coordinates or "
+                f"length: {error}; give them different dimension names for a table"
+            ) from error
+        left, right = xr.broadcast(one.position, two.position)
+        both = (left >= 0) & (right >= 0)
+        pair_at = _numbered(both)
+        spread, wide = xr.broadcast(pair_at, gap)
+        good = (spread >= 0) & (wide > 0) & np.isfinite(wide)
+        status = xr.apply_ufunc(np.maximum, one.status, two.status)
+        status = status.broadcast_like(good).where((spread < 0) | good, labels.INVALID_INPUT)
+        chosen = both.to_numpy().ravel()
+        pairs = np.stack([side.to_numpy().ravel()[chosen] for side in (left, right)])
+        usable = good.to_numpy().ravel()
+        if not usable.any():
+            raise ValueError("no pair has valid parameters; correct those that are out of range")
+        period = np.concatenate([side.columns[0] for side in (one, two)])
+        course = course_of(envelope, duration, float(period.min()), points)
+        sides = (one, two)
+        return cls(
+            sides,
+            pairs,
+            solve_course(sides, pairs, course),
+            pair_at,
+            _numbered(good),
+            wide.to_numpy().ravel()[usable].astype(float),
+            spread.to_numpy().ravel()[usable],
+            status.transpose(*good.dims).astype(np.int8),
+        )
+
+    @property
+    def course(self) -> Course:
+        """The instants."""
+        return self.moments.course
+
+
+def spread_over(values: Array, at: xr.DataArray) -> xr.DataArray:
+    """Values (..., numbers) laid out where ``at`` has their numbers, after ``time`` if that is there."""
+    place = at.to_numpy().ravel()
+    filled = np.full((*values.shape[:-1], place.size), np.nan)
+    filled[..., place >= 0] = values[..., place[place >= 0]]
+    lead = ("time",) if values.ndim == 2 else ()
+    return xr.DataArray(
+        filled.reshape((*values.shape[:-1], *at.shape)), dims=(*lead, *at.dims), coords=at.coords
+    )
+
+
+def _numbered(where: xr.DataArray) -> xr.DataArray:
+    flat = where.to_numpy().ravel()
+    number = np.where(flat, np.cumsum(flat) - 1, -1)
+    return xr.DataArray(number.reshape(where.shape), dims=where.dims, coords=where.coords)
+
+
+def by_formula(pair: Pair, ground: Ground, confidence: float) -> xr.Dataset:
+    """What linearization says, and what it says with the drift put back."""
+    moments, course = pair.moments, pair.course
+    bandwidth = bandwidths(moments, pair.pairs, ground)
+    both = moments.difference
+    table, required = xr.Dataset(), None
+    nothing = np.zeros_like(moments.own.displacement), np.zeros_like(both.d_d)
+    for ending, (own, apart) in (("", nothing), ("_corrected", _drift(pair, ground))):
+        if required is None or np.isnan(apart).any() or apart.any():
+            found = chances(both, bandwidth, apart, pair.gap, pair.pair, course)
+            required = gap_for(both, bandwidth, apart, confidence, course)
+        table[f"instantaneous_probability{ending}"] = spread_over(found.now, pair.cell_at)
+        table[f"confidence_of_no_pounding{ending}"] = spread_over(found.vanmarcke, pair.cell_at)
+        if not ending:
+            table["confidence_of_no_pounding_poisson"] = spread_over(found.poisson, pair.cell_at)
+        shown = np.sqrt(np.maximum((moments.own.displacement + own)[course.shown], 0))
+        for number, side in enumerate(pair.sides, start=1):
+            table[f"displacement_std{ending}_{number}"] = spread_over(shown, side.position)
+        spread = np.sqrt((both.d_d + apart)[course.shown])
+        table[f"difference_std{ending}"] = spread_over(spread, pair.pair_at)
+        table[f"required_gap{ending}"] = spread_over(required, pair.pair_at)
+    one, two = (np.sqrt(moments.own.displacement[course.shown][:, side]) for side in pair.pairs)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        rho = moments.difference.product[course.shown] / (one * two)
+    return table.assign(rho=spread_over(np.where(one * two > 0, rho, np.nan), pair.pair_at))
+
+
+def by_simulation(
+    pair: Pair,
+    ground: Ground,
+    confidence: float,
+    counts: tuple[int, int],
+    progress: Progress | None,
+) -> xr.Dataset:
+    """What simulated motions say, with errors; ``counts`` are paths and seed."""
+    paths, seed = counts
+    cells = (pair.gap, pair.pair)
+    found = simulate_course(pair.sides, pair.pairs, cells, ground, pair.course, paths, seed, progress)
+    n = len(found.largest)
+    tail = (1 - CONFIDENCE) / 2
+    alive = found.survivors
+    lower = np.nan_to_num(scipy.stats.beta.ppf(tail, alive, n - alive + 1), nan=0.0)
+    upper = np.nan_to_num(scipy.stats.beta.ppf(1 - tail, alive + 1, n - alive), nan=1.0)
+    stem = "confidence_of_no_pounding_simulated"
+    table = xr.Dataset(
+        {
+            "instantaneous_probability_simulated": spread_over(found.beyond / n, pair.cell_at),
+            stem: spread_over(alive / n, pair.cell_at),
+            f"{stem}_lower": spread_over(lower, pair.cell_at),
+            f"{stem}_upper": spread_over(upper, pair.cell_at),
+        }
+    )
+    mean = found.squares / n
+    error = np.sqrt(np.maximum(found.fourths / n - mean**2, 0) / n) / (
+        2 * np.sqrt(np.where(mean > 0, mean, 1.0))
+    )
+    names = ("displacement_std_simulated_1", "displacement_std_simulated_2", "difference_std_simulated")
+    for row, name in enumerate(names):
+        table[name] = spread_over(np.sqrt(mean[:, row]), pair.pair_at)
+    table["difference_std_simulated_standard_error"] = spread_over(error[:, 2], pair.pair_at)
+    ordered = np.sort(found.largest, axis=0)
+    low = int(scipy.stats.binom.ppf(tail, n, confidence)) - 1
+    high = int(scipy.stats.binom.ppf(1 - tail, n, confidence))
+    gaps = {
+        "": np.quantile(found.largest, confidence, axis=0),
+        "_lower": ordered[low] if low >= 0 else np.zeros_like(ordered[0]),
+        "_upper": ordered[high] if high < n else np.full_like(ordered[0], np.inf),
+    }
+    for ending, values in gaps.items():
+        table[f"required_gap_simulated{ending}"] = spread_over(values, pair.pair_at)
+    return table.assign_attrs(paths=n, seed=seed)
+
+
+def _drift(pair: Pair, ground: Ground) -> tuple[Array, Array]:
+    """Variances of the drift; NaN where the map of the bias does not reach."""
+    structures = [side.structure for side in pair.sides]
+    known = [
+        linearize(structure, ground).bias.broadcast_like(side.position)
+        for structure, side in zip(structures, pair.sides, strict=True)
+    ]
+    bias = np.concatenate(
+        [
+            one.transpose(*side.position.dims).to_numpy()[side.position.to_numpy() >= 0]
+            for one, side in zip(known, pair.sides, strict=True)
+        ]
+    )
+    shared = correlate(structures[0], structures[1], ground).bias.broadcast_like(pair.pair_at)
+    shared_row = shared.transpose(*pair.pair_at.dims).to_numpy()[pair.pair_at.to_numpy() >= 0]
+    columns = np.concatenate([side.columns[:4] for side in pair.sides], axis=1)
+    own, both = pair.moments.own, pair.moments.difference
+    return drift_variances(own, both, pair.pairs, pair.course.times, columns[2], bias, shared_row)

@@ -1,0 +1,143 @@
+"""Fragility: the probability of pounding against the intensity of the motion and the gap."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import xarray as xr
+
+from stochlin.analyses.linearization.equivalent_systems import solve_elastic
+from stochlin.analyses.probability.probability import REFERENCES, pounding_probability
+from stochlin.analyses.tables import labels
+from stochlin.models.envelopes import Envelope
+from stochlin.models.grounds import Ground, WhiteNoise
+from stochlin.models.parameters import Parameter, expect
+from stochlin.models.structures import Gap, Structure
+
+POINTS = 11  # instants at which a simulation is looked at; only the last is reported
+ENDINGS = ("", "_poisson", "_corrected", "_simulated")
+BOUNDS = (("_simulated_lower", "_simulated_upper"), ("_simulated_upper", "_simulated_lower"))
+GAPS = ("", "_corrected", "_simulated", "_simulated_lower", "_simulated_upper")
+
+
+def pounding_fragility(
+    first: Structure,
+    second: Structure,
+    ground: Ground,
+    gap: Parameter,
+    intensity: Parameter,
+    *,
+    duration: float,
+    envelope: Envelope | None = None,
+    confidence: float = 0.9,
+    paths: int = 1024,
+    seed: int = 0,
+    progress: Callable[[float], None] | None = None,
+) -> xr.Dataset:
+    """Probability of pounding over intensity and gap, of two given buildings.
+
+    The buildings stay what they are: a ``reduction_factor`` refers to ``ground`` as given, and the
+    strength in metres that it means there is kept at all intensities.
+
+    Parameters
+    ----------
+    first, second : Bilinear, BoucWen or Hysteretic
+    ground : WhiteNoise, KanaiTajimi or CloughPenzien
+        With the intensity at which the strengths are defined.
+    gap : float or array
+        Gaps [m]; a plain array gets the dimension ``gap``.
+    intensity : float or array
+        Intensities ``S0`` [m^2/s^3]; a plain array gets the dimension ``intensity``.
+    duration, envelope, confidence, paths, seed, progress
+        As in `pounding_probability`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``intensity`` and ``gap``: ``pounding_probability`` [-] in the whole motion, crossings in
+        clumps; ``_poisson``; ``_corrected``; ``_simulated`` with a 95 % interval, ``_lower`` and
+        ``_upper``. Over ``intensity``: ``required_gap`` [m], ``_corrected`` and ``_simulated``.
+        ``status``.
+
+    Raises
+    ------
+    ValueError, TypeError, ArithmeticError
+        As `pounding_probability`.
+
+    References
+    ----------
+    Vanmarcke, E. H. (1975), J. Appl. Mech. 42; Rice, S. O. (1945), Bell Syst. Tech. J. 24.
+
+    Examples
+    --------
+    >>> import numpy as np, stochlin as sl
+    >>> one, two = (sl.Bilinear(T, 0.05) for T in (0.6, 1.0))
+    >>> firm = sl.named_ground("firm", intensity=0.01)
+    >>> table = sl.pounding_fragility(
+    ...     one, two, firm, np.linspace(0.1, 0.5, 5), [0.01, 0.04], duration=20.0, paths=64
+    ... )
+    >>> bool((table.pounding_probability.diff("gap") < 0).all())
+    True
+    """
+    expect(first, Structure, "first")
+    expect(second, Structure, "second")
+    expect(ground, Ground, "ground")
+    named_gap = _named(Gap(gap).gap, "gap", "m", "gap")
+    named_intensity = _named(WhiteNoise(intensity).intensity, "intensity", "m^2/s^3", "intensity S0")
+    changed: dict[str, Any] = {"intensity": named_intensity}
+    found = pounding_probability(
+        _of_strength(first, ground),
+        _of_strength(second, ground),
+        replace(ground, **changed),
+        named_gap,
+        envelope=envelope,
+        duration=duration,
+        confidence=confidence,
+        points=POINTS,
+        paths=paths,
+        seed=seed,
+        progress=progress,
+    ).isel(time=-1, drop=True)
+    table = xr.Dataset()
+    stem, source = "pounding_probability", "confidence_of_no_pounding"
+    for ending in ENDINGS:
+        if source + ending in found:
+            table[stem + ending] = 1 - found[source + ending]
+    for ending, opposite in BOUNDS:
+        if source + opposite in found:
+            table[stem + ending] = 1 - found[source + opposite]
+    for ending in GAPS:
+        if f"required_gap{ending}" in found:
+            table[f"required_gap{ending}"] = found[f"required_gap{ending}"]
+    table = labels.label(table.assign(status=found.status)).assign_attrs(found.attrs)
+    return labels.with_run_information(
+        table,
+        f"Fragility of two structures against pounding, {ground.name} ground",
+        f"pounding_fragility(duration={duration:g}, confidence={confidence:g}, paths={paths}, "
+        f"seed={seed})",
+        {"first": first, "second": second, "ground": ground},
+        REFERENCES,
+    )
+
+
+def _named(value: Any, name: str, units: str, long_name: str) -> Any:
+    """A plain array as an axis of its own."""
+    if not isinstance(value, xr.DataArray) or value.dims != ("case",) or "case" in value.coords:
+        return value
+    attrs = {"units": units, "long_name": long_name}
+    values = value.to_numpy()
+    return xr.DataArray(values, dims=name, coords={name: (name, values, attrs)}, attrs=attrs)
+
+
+def _of_strength(structure: Structure, ground: Ground) -> Structure:
+    """The structure with its strength in metres."""
+    if structure.reduction_factor is None:
+        return structure
+    uy = solve_elastic(structure, ground).yield_displacement
+    kept: dict[str, Any] = {
+        "reduction_factor": None,
+        "yield_displacement": uy if uy.ndim else float(uy),
+    }
+    return replace(structure, **kept)

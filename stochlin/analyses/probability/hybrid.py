@@ -1,0 +1,127 @@
+"""Pounding in a recorded motion: the radii are known, the phase between the structures is not."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.correlation.correlation import correlate
+from stochlin.analyses.linearization.equivalent_systems import solve_elastic
+from stochlin.analyses.records.cells import check_structure, only_scalars
+from stochlin.analyses.records.gaps import recorded_gap
+from stochlin.analyses.records.ground_fit import fit_ground
+from stochlin.analyses.records.response import respond
+from stochlin.analyses.tables import labels
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.probability.phases import beyond_phase, concentration, exceeding, least_phase
+from stochlin.models.grounds import Ground
+from stochlin.models.parameters import expect
+from stochlin.models.structures import Bilinear, Gap, Structure
+
+POINTS_PER_PERIOD = 16
+CLOSE = 1e-6  # relative, of the gap that is searched
+
+
+def hybrid_pounding(
+    first: Structure,
+    second: Structure,
+    ground: Ground | None,
+    wanted: Gap,
+    record: xr.DataArray | None,
+    confidence: float,
+) -> xr.Dataset:
+    """`pounding_probability` by the hybrid method.
+
+    Given the phase difference ``D``, the difference of the two reaches ``A(t, D)`` once a cycle, which
+    grows with ``D`` in [0, pi]. With one ``D`` for all of the record, pounding so far means that ``D``
+    exceeds the least phase that was enough at any instant so far.
+    """
+    if record is None:
+        raise ValueError("record is missing; method='hybrid' needs one, as read_record gives it")
+    for role, structure in (("first", first), ("second", second)):
+        expect(structure, Bilinear, role)
+        only_scalars(structure, role)  # type: ignore[arg-type]
+    if ground is None:
+        ground = fit_ground(record)
+    expect(ground, Ground, "ground")
+    one, two = (_rideable(s, ground, role) for s, role in ((first, "first"), (second, "second")))
+    rho = float(correlate(one, two, ground).rho)
+    period = min(float(one.arrays()["period"]), float(two.arrays()["period"]))
+    step = float(record["time"][1] - record["time"][0])
+    refine = max(1, int(np.ceil(POINTS_PER_PERIOD * step / period)))
+    motions = [respond(structure, record, refine=refine) for structure in (one, two)]
+    radius_1, radius_2 = (motion.radius.to_numpy() for motion in motions)
+    k = concentration(min(max(rho, -1.0), 1.0))
+    gap = wanted.arrays()["gap"]
+    valid = wanted.valid()
+    cells = gap.where(valid, 1.0).to_numpy().ravel()
+    seconds = np.gradient(motions[0].time.to_numpy())
+    cycles = seconds * 0.5 * sum(1 / float(s.arrays()["period"]) for s in (one, two))
+    columns = [_of_gap(radius_1, radius_2, g, k, cycles) for g in cells]
+    names = (
+        "instantaneous_probability",
+        "confidence_of_no_pounding",
+        "confidence_of_no_pounding_fresh_phase",
+    )
+    table = xr.Dataset(coords=motions[0].coords)
+    for name, rows in zip(names, zip(*columns, strict=True), strict=True):
+        values = np.stack(rows, axis=-1).reshape((-1, *gap.shape))
+        table[name] = xr.DataArray(values, dims=("time", *gap.dims), coords=gap.coords).where(valid)
+    table = table.assign(
+        radius_1=motions[0].radius,
+        radius_2=motions[1].radius,
+        recorded_difference=motions[0].displacement - motions[1].displacement,
+        separation=recorded_gap(one, two, record).separation,
+        required_gap=_required(radius_1, radius_2, k, confidence),
+        rho=rho,
+        status=xr.where(valid, labels.CONVERGED, labels.INVALID_INPUT).astype(np.int8),  # type: ignore[no-untyped-call]
+    )
+    table = labels.label(table.drop_attrs(deep=False)).assign_attrs(
+        confidence=confidence,
+        record=str(record.attrs.get("source", "record")),
+        phase="von Mises, of mean cosine rho",
+    )
+    table.separation.attrs["long_name"] = "gap that the record itself takes"
+    return labels.with_run_information(
+        table,
+        "Probability of pounding in a recorded motion, random phase",
+        f"pounding_probability(method='hybrid', confidence={confidence:g})",
+        {"first": one, "second": two, "ground": ground, "distance": wanted},
+    )
+
+
+def _rideable(structure: Structure, ground: Ground, role: str) -> Bilinear:
+    """The structure with its strength in metres, which a record can be put under."""
+    if structure.reduction_factor is not None:
+        uy = float(solve_elastic(structure, ground).yield_displacement)
+        changed: dict[str, Any] = {"reduction_factor": None, "yield_displacement": uy}
+        structure = dataclasses.replace(structure, **changed)
+    check_structure(structure, role)
+    assert isinstance(structure, Bilinear)
+    return structure
+
+
+def _of_gap(one: Array, two: Array, gap: float, k: float, cycles: Array) -> tuple[Array, Array, Array]:
+    """Over time: probability at the instant; of no pounding so far, with one phase, and fresh ones."""
+    level = np.full_like(one, gap)
+    phase = least_phase(one, two, level)
+    reached = beyond_phase(phase, k)
+    with np.errstate(divide="ignore"):
+        fresh = np.exp(np.cumsum(cycles * np.log1p(-reached)))
+    safe = 1 - beyond_phase(np.minimum.accumulate(phase), k)
+    # Radii that are large for less than a cycle still see a phase.
+    return exceeding(one, two, level, k), safe, np.minimum(fresh, safe)
+
+
+def _required(one: Array, two: Array, k: float, confidence: float) -> float:
+    """Gap that keeps the confidence over the record, with one phase; by bisection."""
+    low, high = 0.0, float((one + two).max())
+    while high - low > CLOSE * high:
+        middle = 0.5 * (low + high)
+        phase = least_phase(one, two, np.full_like(one, middle)).min(keepdims=True)
+        enough = 1 - float(beyond_phase(phase, k)[0]) >= confidence
+        low, high = (low, middle) if enough else (middle, high)
+    return high

@@ -1,0 +1,183 @@
+"""Probability of pounding in a finite earthquake: formula, correction and simulation side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.linearization.transient_systems import (
+    POINTS,
+    check_course,
+    check_points,
+    flags,
+    time_axis,
+)
+from stochlin.analyses.probability.cells import Pair, by_formula, by_simulation
+from stochlin.analyses.probability.hybrid import hybrid_pounding
+from stochlin.analyses.separation.separation import check_confidence
+from stochlin.analyses.tables import labels
+from stochlin.models.envelopes import Envelope
+from stochlin.models.grounds import Ground
+from stochlin.models.parameters import Parameter, expect
+from stochlin.models.structures import Gap, Structure
+
+METHODS = ("evolutionary", "hybrid")
+REFERENCES = (
+    f"{labels.PAPER} Vanmarcke, E. H. (1975), J. Appl. Mech. 42; Rice, S. O. (1945), Bell Syst. Tech. "
+    "J. 24; Roberts, J. B. and Spanos, P. D. (1990). Random vibration and statistical linearization."
+)
+
+
+def pounding_probability(
+    first: Structure,
+    second: Structure,
+    ground: Ground | None,
+    gap: Parameter,
+    *,
+    envelope: Envelope | None = None,
+    duration: float | None = None,
+    method: str = "evolutionary",
+    record: xr.DataArray | None = None,
+    confidence: float = 0.9,
+    points: int = POINTS,
+    paths: int = 2048,
+    seed: int = 0,
+    progress: Callable[[float], None] | None = None,
+) -> xr.Dataset:
+    """Probability that two structures pound in a motion of finite length, over time.
+
+    ``first`` stands on the left; they pound when ``u_1 - u_2`` exceeds the gap.
+
+    Parameters
+    ----------
+    first, second : Bilinear, BoucWen or Hysteretic
+        All parameters broadcast by dimension name.
+    ground : WhiteNoise, KanaiTajimi or CloughPenzien
+        Stationary, before it is modulated. For ``"hybrid"`` it may be None: it is then fitted to the
+        record.
+    gap : float or array
+        Gap [m], positive.
+    envelope : AminAng, ShinozukaSato, GammaEnvelope or HsuBernard, optional
+        ``m(t)``, which multiplies the ground; without it the ground starts at once.
+    duration : float
+        Length of the motion [s], at least a period of the structures. Not for ``"hybrid"``.
+    method : str
+        ``"evolutionary"``: modulated ground, Gaussian response by transient linearization.
+        ``"hybrid"``: radii of eq. (1) from ``record``, the phase between the structures random.
+    record : xarray.DataArray
+        For ``"hybrid"``: ground acceleration [m/s^2] over ``time``, as `read_record` gives it.
+    confidence : float
+        Probability of no pounding, for ``required_gap``; between 0 and 1.
+    points : int
+        Instants of the result.
+    paths, seed : int
+        Of the simulation beside the formulas, as in `simulate`; with ``paths=0`` there is none. In a
+        simulation only the intensity of the ground may be an array.
+    progress : callable, optional
+        Called with the share of the simulation that is done.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``time`` [s], from rest at 0: ``instantaneous_probability`` [-], ``1 - Phi(gap/s)``, and
+        ``confidence_of_no_pounding`` [-], ``exp(-Int)`` of the rate of first crossings, which come in
+        clumps (Vanmarcke); ``_poisson``: of all crossings; ``_corrected``: with the drift of yielding
+        structures that linearization loses, as far as the map of its bias reaches (NaN elsewhere);
+        ``_simulated`` with a 95 % interval, ``_lower``, ``_upper``. ``displacement_std_1``, ``_2`` and
+        ``difference_std`` [m] likewise, and ``rho``, NaN at rest. ``envelope`` [-]. ``permanent_set``: a
+        flag once shaking is no longer strong. Without ``time``: ``required_gap`` [m], ``_corrected`` and
+        ``_simulated``; ``status``. The variables of ``"hybrid"`` are in the notes.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a number is out of range, the envelope is negative or nothing within the duration, the
+        duration is shorter than a period, or arguments do not go with the method.
+    ArithmeticError
+        If a single case fails.
+
+    Notes
+    -----
+    For linear structures the moments are exact, and the confidence errs by the crossings only: against
+    simulation by -.15 to +.06 (Poisson -.32 to 0), most for small gaps and structures of very different
+    periods or light damping; the 90 % gap by -4 to +4 %.
+
+    Where structures yield (hardening .05, firm ground, R from 4 to 6), linearized standard deviations
+    are 34 to 40 % too small at the end of strong shaking, and by far more after it, when the permanent
+    set remains; the confidence is too large by up to .24. Corrected standard deviations err by about
+    10 %, confidences by .1.
+
+    The hybrid method gives, over the record's time, ``radius_1`` and ``_2`` [m],
+    ``instantaneous_probability``, ``confidence_of_no_pounding`` (one phase for all of the record) and
+    ``confidence_of_no_pounding_fresh_phase`` (a new one in every cycle), ``recorded_difference`` [m];
+    and ``rho``, ``separation`` [m], what the record itself takes, and ``required_gap`` [m].
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eq. (1); Vanmarcke, E. H. (1975), J. Appl. Mech. 42; Rice (1945).
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> one, two = (sl.Bilinear(T, 0.05) for T in (0.6, 1.0))
+    >>> quake = {"envelope": sl.AminAng(4.0, 15.0, 0.35), "duration": 25.0}
+    >>> table = sl.pounding_probability(one, two, sl.named_ground("firm", 0.01), 0.3, paths=256, **quake)
+    >>> last = table.isel(time=-1)
+    >>> bool(last.confidence_of_no_pounding > last.confidence_of_no_pounding_poisson)
+    True
+    """
+    expect(first, Structure, "first")
+    expect(second, Structure, "second")
+    check_confidence(confidence)
+    if method not in METHODS:
+        raise ValueError(f"method = {method!r}; allowed: {', '.join(METHODS)}")
+    wanted = Gap(gap)
+    if method == "hybrid":
+        if envelope is not None or duration is not None:
+            raise ValueError("envelope and duration do not go with method='hybrid': the record has both")
+        return hybrid_pounding(first, second, ground, wanted, record, confidence)
+    if record is not None:
+        raise ValueError("record goes with method='hybrid'; allowed here: envelope and duration")
+    expect(ground, Ground, "ground")
+    assert ground is not None
+    check_points(points)
+    _check_counts(paths, seed)
+    check_course(duration, envelope)
+    assert duration is not None
+    pair = Pair.of(first, second, ground, wanted, float(duration), envelope, points)
+    table = by_formula(pair, ground, confidence)
+    if paths:
+        simulated = by_simulation(pair, ground, confidence, (paths, seed), progress)
+        table = table.assign(simulated.data_vars).assign_attrs(simulated.attrs)
+    time = time_axis(pair.course)
+    shape = [pair.course.value(instant) for instant in time.values]
+    table = table.assign(
+        envelope=("time", np.array(shape)), permanent_set=flags(pair.course, time), status=pair.status
+    ).assign_coords(time=time)
+    table = labels.label(table).assign_attrs(
+        confidence=confidence,
+        duration_s=float(duration),
+        envelope_model="none" if envelope is None else envelope.describe(),
+        strong_shaking_end_s=pair.course.strong_end,
+    )
+    labels.raise_if_lone_failure(table, "pounding_probability")
+    if first.yields or second.yields:
+        table = table.assign_attrs(comment=labels.CAUTION_SIGMA)
+    return labels.with_run_information(
+        table,
+        f"Probability of pounding in a finite motion, {ground.name} ground",
+        f"pounding_probability(duration={duration:g}, confidence={confidence:g}, paths={paths}, "
+        f"seed={seed})",
+        {"first": first, "second": second, "ground": ground, "distance": wanted},
+        REFERENCES,
+    )
+
+
+def _check_counts(paths: int, seed: int) -> None:
+    for name, value, lowest in (("seed", seed, 0), ("paths", paths, 0)):
+        if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < lowest:
+            raise ValueError(f"{name} = {value!r}; allowed: a whole number from {lowest}")
+    if paths == 1:
+        raise ValueError("paths = 1; allowed: 0 for no simulation, or a whole number from 2")

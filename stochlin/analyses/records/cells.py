@@ -1,0 +1,182 @@
+"""From records and structures to what follows them through time: checked grounds, cells, tables."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.records.records import checked_record
+from stochlin.analyses.tables import labels
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.records.runs import Ground
+from stochlin.models.parameters import Parameter, expect
+from stochlin.models.structures import Bilinear, Structure
+
+Records = xr.DataArray | Sequence[xr.DataArray] | Mapping[str, xr.DataArray]
+"""One record, as `read_record` gives it, or several: a list, or a mapping with their names."""
+
+RECORD = "record"
+SHORTEST = 0.1  # of the record's step: shorter periods would follow its straight lines, no ground
+
+
+class Motions(NamedTuple):
+    """Records ready to run."""
+
+    grounds: list[Ground]
+    names: list[str] | None  # None for a lone record, which has no dimension
+
+    @property
+    def longest_step(self) -> float:
+        """The coarsest time step [s]."""
+        return max(ground.dt for ground in self.grounds)
+
+    def describe(self) -> str:
+        """One line for the run information."""
+        names = self.names or ["record"]
+        return "; ".join(
+            f"{name}: {len(ground.acceleration)} samples at {ground.dt:g} s"
+            for name, ground in zip(names, self.grounds, strict=True)
+        )
+
+
+class Cells(NamedTuple):
+    """Every cell of a structure, one after the other."""
+
+    parameters: Array  # (n, 4): w, damping, hardening, yield displacement; infinite where elastic
+    valid: Array  # (n,)
+
+
+def checked_motions(record: Records) -> Motions:
+    """The records, checked; a list takes its names from their sources where these are distinct."""
+    if isinstance(record, xr.DataArray):
+        return Motions([Ground(*checked_record(record))], None)
+    if isinstance(record, Mapping):
+        names, records = [str(name) for name in record], list(record.values())
+    elif isinstance(record, (list, tuple)):
+        records = list(record)
+        sources = [str(getattr(each, "attrs", {}).get("source", "")) for each in records]
+        distinct = all(sources) and len(set(sources)) == len(sources)
+        names = sources if distinct else [str(n + 1) for n in range(len(records))]
+    else:
+        raise TypeError(
+            f"record is a {type(record).__name__}; allowed: an xarray.DataArray, see read_record, or a "
+            "list or mapping of them"
+        )
+    if not records:
+        raise ValueError("record is empty; allowed: at least one record")
+    grounds = []
+    for name, each in zip(names, records, strict=True):
+        try:
+            grounds.append(Ground(*checked_record(each)))
+        except (TypeError, ValueError) as error:
+            raise type(error)(f"record {name}: {error}") from error
+    return Motions(grounds, names)
+
+
+def elastic_or_bilinear(
+    period: Parameter,
+    damping: Parameter,
+    hardening: Parameter | None,
+    yield_displacement: Parameter | None,
+) -> Bilinear:
+    """The structure of these parameters; one number, infinity, for the strength: elastic."""
+    if yield_displacement is not None and np.ndim(yield_displacement) == 0:
+        yield_displacement = None if yield_displacement == np.inf else yield_displacement
+    return Bilinear(period, damping, hardening, yield_displacement)
+
+
+def check_structure(structure: Structure, role: str) -> None:
+    """Raise for a structure that cannot follow a record."""
+    expect(structure, Structure, role)
+    if not isinstance(structure, Bilinear):
+        raise ValueError(
+            f"{role}: {type(structure).__name__} cannot follow a record; allowed: Bilinear, elastic or "
+            "with yield_displacement"
+        )
+    if structure.reduction_factor is not None:
+        raise ValueError(
+            f"{role}: reduction_factor has no meaning on a record, for it refers to the elastic "
+            "response to a ground model; give yield_displacement, for instance the one that linearize "
+            "finds on a ground fitted to the record"
+        )
+
+
+def template(*structures: Bilinear) -> xr.DataArray:
+    """False over all dimensions of the structures, by name, with their coordinates."""
+    arrays = [array for structure in structures for array in structure.arrays().values()]
+    try:
+        aligned = xr.align(*arrays, join="exact", copy=False)
+    except (xr.AlignmentError, ValueError) as error:
+        raise ValueError(
+            f"first and second share a dimension whose coordinates or lengths differ: {error}; give the "
+            "structures different dimension names for a table, or equal coordinates for pairs"
+        ) from error
+    like = xr.zeros_like(xr.broadcast(*aligned)[0], dtype=bool).drop_attrs(deep=False)
+    if RECORD in like.dims:
+        raise ValueError(
+            f"a parameter has the dimension {RECORD!r}, that of the records; allowed: any other name"
+        )
+    return like
+
+
+def cells_of(structure: Bilinear, like: xr.DataArray, motions: Motions) -> Cells:
+    """The cells of a structure over the dimensions of ``like``, in their order.
+
+    A cell without a finite strength is elastic; one so short that the record says nothing of it,
+    or out of range, is not valid.
+    """
+    values = structure.arrays()
+    uy = values.get("yield_displacement", xr.DataArray(np.inf))
+    elastic = np.isposinf(uy)
+    if structure.yields:
+        structure = dataclasses.replace(structure, yield_displacement=uy.where(~elastic, 1.0))
+    shortest = SHORTEST * motions.longest_step
+    if values["period"].ndim == 0 and values["period"] < shortest:
+        raise ValueError(
+            f"period = {float(values['period']):g} s is below {shortest:g} s, a tenth of the record's "
+            "step; allowed: longer ones, since the ground between two samples is not known"
+        )
+    valid = structure.valid() & (values["period"] >= shortest)
+    hardening = values.get("hardening", xr.DataArray(1.0))
+    columns = [2 * np.pi / values["period"].where(valid, 1.0), values["damping"], hardening, uy, valid]
+    flat = [column.broadcast_like(like).transpose(*like.dims).to_numpy().ravel() for column in columns]
+    return Cells(np.stack(flat[:4], axis=1).astype(float), flat[4].astype(bool))
+
+
+def table_over(
+    columns: Mapping[str, Array], like: xr.DataArray, motions: Motions, valid: Array
+) -> xr.Dataset:
+    """Columns (records, valid cells) as a labelled table over the records and the cells' dimensions."""
+    table = xr.Dataset(coords=like.coords)
+    for name, values in columns.items():
+        filled = np.full((len(motions.grounds), valid.size), np.nan)
+        filled[:, valid] = values
+        if motions.names is None:
+            table[name] = (like.dims, filled.reshape(like.shape))
+        else:
+            table[name] = ((RECORD, *like.dims), filled.reshape((-1, *like.shape)))
+    if motions.names is not None:
+        table = table.assign_coords({RECORD: (RECORD, motions.names, {"long_name": "record"})})
+    return table
+
+
+def with_status(table: xr.Dataset, stayed_elastic: xr.DataArray) -> xr.Dataset:
+    """Add the status: elastic limit where yield was not reached, invalid input where NaN."""
+    status = xr.full_like(stayed_elastic, labels.CONVERGED, np.int8)
+    status = status.where(~stayed_elastic, labels.ELASTIC_LIMIT)
+    invalid = next(iter(table.data_vars.values())).isnull()
+    return table.assign(status=status.where(~invalid, labels.INVALID_INPUT).astype(np.int8))
+
+
+def only_scalars(structure: Bilinear, role: str) -> None:
+    """Raise for a structure with arrays."""
+    arrays: Iterable[str] = [name for name, value in structure.arrays().items() if value.ndim]
+    if arrays:
+        raise ValueError(
+            f"{role}: {', '.join(arrays)} is an array; allowed: scalars, since histories are of one "
+            "structure; response_spectrum takes arrays"
+        )

@@ -1,0 +1,177 @@
+"""Fit of an envelope to the way the energy of a record builds up."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import product
+
+import numpy as np
+import xarray as xr
+from scipy import optimize
+
+from stochlin.analyses.records.records import checked_record
+from stochlin.analyses.tables import labels
+from stochlin.kernels.basics.arrays import Array
+from stochlin.models.envelopes import AminAng, Envelope, GammaEnvelope, HsuBernard, ShinozukaSato
+from stochlin.models.parameters import expect
+
+POINTS = 400  # instants at which build-ups are compared
+FEWEST = 1e-3  # of the record's length: shortest time that is sought
+LONGEST = 20.0  # times the record's length
+
+
+def _amin_ang(values: Array) -> Envelope:
+    rise, strong, decay = values
+    return AminAng(float(rise), float(rise + strong), float(1 / decay))
+
+
+def _shinozuka_sato(values: Array) -> Envelope:
+    long, share = values
+    return ShinozukaSato(float(1 / long), float((1 + share) / long))
+
+
+def _gamma(values: Array) -> Envelope:
+    power, time = values
+    return GammaEnvelope(float(power), float(power / time))
+
+
+def _hsu_bernard(values: Array) -> Envelope:
+    return HsuBernard(float(values[0]))
+
+
+# By positive numbers: how to make the envelope, and for each whether it is a time, and where to start.
+_MODELS: dict[str, tuple[Callable[[Array], Envelope], tuple[tuple[bool, tuple[float, ...]], ...]]] = {
+    "amin_ang": (_amin_ang, ((True, (0.05, 0.3)), (True, (0.1, 0.4)), (True, (0.05, 0.3)))),
+    "shinozuka_sato": (_shinozuka_sato, ((True, (0.1, 0.5)), (False, (0.5, 5.0)))),
+    "gamma": (_gamma, ((False, (1.0, 4.0)), (True, (0.1, 0.3)))),
+    "hsu_bernard": (_hsu_bernard, ((True, (0.05, 0.2, 0.5)),)),
+}
+
+
+def fit_envelope(record: xr.DataArray, model: str = "amin_ang") -> Envelope:
+    """Envelope whose energy builds up as that of a record.
+
+    Least squares on the share of ``Int m^2 dt`` over time, against the record's ``Int a^2 dt`` (Husid
+    plot): the energy, not the noise of single peaks, decides.
+
+    Parameters
+    ----------
+    record : xarray.DataArray
+        Ground acceleration [m/s^2] over ``time`` [s], as `read_record` gives it. The time of the
+        envelope counts from its first sample.
+    model : str
+        ``"amin_ang"``, ``"shinozuka_sato"``, ``"gamma"`` or ``"hsu_bernard"``.
+
+    Returns
+    -------
+    AminAng, ShinozukaSato, GammaEnvelope or HsuBernard
+        The fitted envelope.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the record is not one, or the model is unknown.
+    ArithmeticError
+        If no fit is found.
+
+    References
+    ----------
+    Husid, R. (1969), Rev. IDIEM 8; Saragoni and Hart (1974), Earthquake Eng. Struct. Dyn. 2.
+
+    Examples
+    --------
+    >>> import numpy as np, stochlin as sl, xarray as xr
+    >>> time = 0.01 * np.arange(4000)
+    >>> shape = sl.HsuBernard(6.0).at(time) * np.sin(30 * time)
+    >>> record = xr.DataArray(shape, dims="time", coords={"time": time})
+    >>> round(sl.fit_envelope(record, "hsu_bernard").peak_time, 1)
+    6.0
+    """
+    values, dt = checked_record(record)
+    if model not in _MODELS:
+        raise ValueError(f"model = {model!r} is no envelope; allowed: {', '.join(_MODELS)}")
+    make, unknowns = _MODELS[model]
+    time = dt * np.arange(values.size)
+    chosen = np.unique(np.linspace(0, values.size - 1, POINTS).astype(int))
+    target = _build_up(values, dt)[chosen]
+    unit = np.array([time[-1] if is_time else 1.0 for is_time, _ in unknowns])
+
+    def residual(logs: Array) -> Array:
+        envelope = make(np.exp(logs) * unit)
+        return _build_up(envelope.at(time), dt)[chosen] - target
+
+    best = None
+    for start in product(*(starts for _, starts in unknowns)):
+        found = optimize.least_squares(
+            residual, np.log(start), bounds=(np.log(FEWEST), np.log(LONGEST)), x_scale=1.0
+        )
+        if found.success and (best is None or found.cost < best.cost):
+            best = found
+    if best is None:
+        raise ArithmeticError(f"no {model} fits the energy of the record; give another model")
+    return make(np.exp(best.x) * unit)
+
+
+def energy_build_up(record: xr.DataArray, envelope: Envelope) -> xr.Dataset:
+    """Energy of a record beside that of an envelope, over time: what a chart of a fit shows.
+
+    Parameters
+    ----------
+    record : xarray.DataArray
+        Ground acceleration [m/s^2] over ``time`` [s].
+    envelope : AminAng, ShinozukaSato, GammaEnvelope or HsuBernard
+        As `fit_envelope` gives it, or any other.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``time`` [s], from the first sample: ``record_energy`` and ``envelope_energy`` [-], shares
+        of the total so far, and ``envelope`` [-].
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the record or the envelope is not one.
+
+    References
+    ----------
+    Husid, R. (1969), Rev. IDIEM 8.
+
+    Examples
+    --------
+    >>> import numpy as np, stochlin as sl, xarray as xr
+    >>> time = 0.01 * np.arange(2000)
+    >>> record = xr.DataArray(np.sin(time), dims="time", coords={"time": time})
+    >>> table = sl.energy_build_up(record, sl.HsuBernard(5.0))
+    >>> float(table.record_energy[-1]), float(table.envelope_energy[-1])
+    (1.0, 1.0)
+    """
+    values, dt = checked_record(record)
+    expect(envelope, Envelope, "envelope")
+    time = dt * np.arange(values.size)
+    shape = envelope.at(time)
+    table = xr.Dataset(
+        {
+            "record_energy": ("time", _build_up(values, dt)),
+            "envelope_energy": ("time", _build_up(shape, dt)),
+            "envelope": ("time", shape),
+        },
+        coords={"time": ("time", time, {"units": "s", "long_name": "time"})},
+    )
+    source = str(record.attrs.get("source", "a record"))
+    return labels.with_run_information(
+        labels.label(table),
+        f"Build-up of energy in {source}",
+        "energy_build_up()",
+        {"envelope_model": envelope},
+        f"{labels.PAPER} Husid, R. (1969), Rev. IDIEM 8.",
+    )
+
+
+def _build_up(values: Array, dt: float) -> Array:
+    """Share of the energy so far, trapezoidal."""
+    square = values**2
+    steps = 0.5 * dt * (square[1:] + square[:-1])
+    energy = np.concatenate([[0.0], np.cumsum(steps)])
+    total: Array = energy / energy[-1]
+    return total

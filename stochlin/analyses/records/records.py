@@ -1,0 +1,245 @@
+"""Strong-motion records: a labelled history of ground acceleration, and its strong part."""
+
+from __future__ import annotations
+
+import numbers
+import os
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from stochlin.analyses.records.files import (
+    METRES,
+    Column,
+    Series,
+    acceleration_units,
+    allowed_units,
+    read_series,
+    spelled,
+)
+
+MINIMUM_SAMPLES = 16
+
+# Fractions of the step by which a printed time may miss its place and a printed step the usual
+# one: 1/300 s is printed .003, .007, .010. A lost sample misses both by 1.
+_TIME_TOLERANCE, _GAP = 0.25, 0.5
+# Relative difference of two steps that rounding may make: 1/128 s is printed .0078.
+_STEP_TOLERANCE = 2e-3
+_CURE = "correct it, or leave it out"
+
+
+def read_record(
+    path: str | os.PathLike[str],
+    *,
+    dt: float | None = None,
+    units: str | None = None,
+    column: Column | None = None,
+    time_column: Column | None = None,
+) -> xr.DataArray:
+    r"""Read a strong-motion record.
+
+    Formats: PEER AT2 (recognised by ``NPTS`` in its header, in the dialects
+    ``NPTS=  5372, DT=   .0100 SEC`` and ``4096    0.0100    NPTS, DT``), which states its time step
+    and units; and columns of text separated by comma, semicolon or white space, with or without a
+    row of names, which state neither. Text after ``#`` or ``%`` is a comment. Nothing is guessed.
+
+    Parameters
+    ----------
+    path : str or path
+        The file, text in UTF-8.
+    dt : float, optional
+        Time step [s], positive. Not needed for AT2 or with a ``time_column``.
+    units : {"g", "m/s^2", "cm/s^2", "gal", "mm/s^2"}, optional
+        Units of the numbers in the file. Not needed for AT2.
+    column, time_column : int or str, optional
+        Column of the acceleration and of the time [s]: index from 0, or name in the row of names.
+        ``column`` may be left out where one column remains.
+
+    Returns
+    -------
+    xarray.DataArray
+        Ground acceleration [m/s^2] with the dimension ``time`` [s], named ``acceleration``. The
+        attributes ``source`` and ``dt`` hold the file name and the time step.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If a time step, units or a column are missing, unknown or contradict the file; if the file
+        has text, NaN or infinity among its numbers (the message names the line), lines of unequal
+        length, a time that does not increase or has a gap, fewer than 16 samples or only zeros.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib
+    >>> import stochlin as sl
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "record.csv"
+    >>> lines = [f"{0.02 * i:.2f},{(-1) ** i}" for i in range(100)]
+    >>> _ = path.write_text("time,north\n" + "\n".join(lines), encoding="utf-8")
+    >>> record = sl.read_record(path, time_column="time", units="gal")
+    >>> record.sizes["time"], record.attrs["dt"], float(record.max())
+    (100, 0.02, 0.01)
+    """
+    path = Path(path)
+    if dt is not None and not (isinstance(dt, numbers.Real) and 0 < dt < np.inf):
+        raise ValueError(f"dt = {dt!r} is out of range; allowed: 0 < dt, finite, in seconds")
+    units = None if units is None else acceleration_units(units, "units")
+    series = read_series(path, column, time_column)
+    return _labelled(series, path.name, dt, units)
+
+
+def strong_part(record: xr.DataArray, start: float = 0.05, end: float = 0.95) -> xr.DataArray:
+    """Part of a record between two fractions of its cumulative energy (Husid plot).
+
+    Parameters
+    ----------
+    record : xarray.DataArray
+        Ground acceleration [m/s^2] with the dimension ``time``, as `read_record` gives it.
+    start, end : float
+        Fractions of the Arias intensity (pi / 2 g times the integral of the squared acceleration)
+        at which the part starts and ends, 0 <= start < end <= 1.
+
+    Returns
+    -------
+    xarray.DataArray
+        The part, on its own piece of ``time``; ``energy_part`` among its attributes.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If the record is not such an array, or the fractions are out of range.
+
+    References
+    ----------
+    Trifunac, M. D. and Brady, A. G. (1975), Bull. Seismol. Soc. Am. 65.
+
+    Examples
+    --------
+    >>> import numpy as np, xarray as xr
+    >>> import stochlin as sl
+    >>> time = 0.1 * np.arange(100)
+    >>> record = xr.DataArray(np.where(time < 5, 0.0, 1.0), dims="time", coords={"time": time})
+    >>> part = sl.strong_part(record, 0.1, 0.5)
+    >>> round(float(part.time[0]), 3), round(float(part.time[-1]), 3)
+    (5.4, 7.4)
+    """
+    values, _ = checked_record(record)
+    if not 0 <= start < end <= 1:
+        raise ValueError(
+            f"start = {start!r}, end = {end!r} are out of range; allowed: 0 <= start < end <= 1"
+        )
+    energy = np.cumsum(values**2)
+    first, last = np.searchsorted(energy, np.array([start, end]) * energy[-1])
+    part = record.isel(time=slice(int(first), int(last) + 1))
+    part.attrs = dict(record.attrs) | {"energy_part": f"{100 * start:g}-{100 * end:g} %"}
+    return part
+
+
+def checked_record(record: xr.DataArray) -> tuple[npt.NDArray[np.float64], float]:
+    """Values [m/s^2] and time step [s] of a record, once it is one.
+
+    Parameters
+    ----------
+    record : xarray.DataArray
+        Ground acceleration [m/s^2] with the dimension ``time`` [s].
+
+    Returns
+    -------
+    tuple of numpy.ndarray and float
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is not a DataArray over an even ``time``, has other units, values that are not
+        finite, fewer than 16 samples, or only zeros.
+    """
+    if not isinstance(record, xr.DataArray):
+        raise TypeError(
+            f"record is a {type(record).__name__}; allowed: an xarray.DataArray, see read_record"
+        )
+    if record.dims != ("time",) or "time" not in record.coords:
+        raise ValueError(
+            f"record has the dimensions {record.dims}; allowed: time alone, with its coordinate [s]"
+        )
+    units = record.attrs.get("units", "m/s^2")
+    if spelled(units) != "m/s^2":
+        raise ValueError(f"record has units {units!r}; allowed: m/s^2, so convert it first")
+    kinds = {record.dtype.kind, record["time"].dtype.kind}
+    if not kinds <= set("iuf"):
+        raise TypeError(
+            f"record and its time are {record.dtype} and {record['time'].dtype}; allowed: numbers"
+        )
+    values, time = record.to_numpy().astype(float), record["time"].to_numpy().astype(float)
+    if values.size < MINIMUM_SAMPLES:
+        raise ValueError(f"record has {values.size} samples; allowed: at least {MINIMUM_SAMPLES}")
+    bad = np.flatnonzero(~np.isfinite(values))
+    if bad.size:
+        i = bad[0]
+        raise ValueError(
+            f"record is {values[i]} at {time[i]:g} s; allowed: finite values, so mend or cut it"
+        )
+    if not values.any():
+        raise ValueError("record holds only zeros; allowed: some motion, so check which column it is")
+    return values, _time_step(time)
+
+
+def _labelled(series: Series, name: str, dt: float | None, units: str | None) -> xr.DataArray:
+    if units and series.units and units != series.units:
+        raise ValueError(f"units = {units!r} contradicts {name}, which states {series.units!r}; {_CURE}")
+    stated = units or series.units
+    if stated is None:
+        raise ValueError(f"units is missing and {name} does not state it; allowed: {allowed_units()}")
+    if dt and series.dt and not np.isclose(dt, series.dt, rtol=_STEP_TOLERANCE, atol=0):
+        raise ValueError(f"dt = {dt:g} contradicts {name}, which states {series.dt:g}; {_CURE}")
+    step, start = dt or series.dt, 0.0
+    if series.time is not None:
+        step, start = _time_step(series.time, dt), float(series.time[0])
+    if step is None:
+        raise ValueError(
+            f"dt is missing and {name} does not state it; give dt= in seconds, or time_column="
+        )
+    time = start + step * np.arange(series.values.size)
+    record = xr.DataArray(
+        series.values * METRES[stated],
+        dims="time",
+        coords={"time": ("time", time, {"units": "s", "long_name": "time"})},
+        name="acceleration",
+        attrs={"units": "m/s^2", "long_name": "ground acceleration", "source": name, "dt": step},
+    )
+    checked_record(record)
+    return record
+
+
+def _time_step(time: npt.NDArray[np.float64], dt: float | None = None) -> float:
+    """Step of an even time, `dt` where that is given and agrees."""
+    steps = np.diff(time)
+    if not steps.size or not np.isfinite(time).all():
+        raise ValueError("time is not a series of finite numbers; allowed: increasing, in seconds")
+    if steps.min() <= 0:
+        i = int(np.argmax(steps <= 0))
+        raise ValueError(
+            f"time does not increase: {time[i]:.9g} s is followed by {time[i + 1]:.9g} s; "
+            "mend it, or leave the time out and give dt="
+        )
+    usual = float(np.median(steps))
+    uneven = np.abs(steps - usual) > _GAP * usual
+    if uneven.any():
+        i = int(np.argmax(uneven))
+        raise ValueError(
+            f"time has a gap at {time[i]:.9g} s: the next is {time[i + 1]:.9g} s, but the step is "
+            f"{usual:.6g} s; fill it, or cut the record there"
+        )
+    # Twelve digits: the mean step of printed times is .02, not .019999999999999997.
+    step = float(f"{(time[-1] - time[0]) / steps.size:.12g}")
+    if dt is not None and not np.isclose(dt, step, rtol=_STEP_TOLERANCE, atol=0):
+        raise ValueError(f"dt = {dt:g} contradicts the time, whose step is {step:.6g} s; {_CURE}")
+    astray = np.abs(time - time[0] - step * np.arange(time.size)) > _TIME_TOLERANCE * step
+    if astray.any():
+        i = int(np.argmax(astray))
+        raise ValueError(
+            f"time is uneven: its step changes before {time[i]:.9g} s; resample the record evenly"
+        )
+    return dt or step

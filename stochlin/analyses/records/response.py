@@ -1,0 +1,240 @@
+"""Response of structures to recorded motions: spectra, the pseudo energy radius, histories."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.records.cells import (
+    Records,
+    cells_of,
+    check_structure,
+    checked_motions,
+    elastic_or_bilinear,
+    only_scalars,
+    table_over,
+    template,
+    with_status,
+)
+from stochlin.analyses.tables import labels
+from stochlin.kernels.records import oscillator as recorded
+from stochlin.kernels.records.runs import history, peaks_on_records
+from stochlin.models.parameters import Parameter
+from stochlin.models.structures import Bilinear
+
+REFERENCES = (
+    f"{labels.PAPER} Nigam, N. C. and Jennings, P. C. (1969). Calculation of response spectra from "
+    "strong-motion earthquake records. Bull. Seismol. Soc. Am. 59."
+)
+
+
+def pseudo_energy_radius(
+    record: Records,
+    period: Parameter,
+    damping: Parameter,
+    *,
+    hardening: Parameter | None = None,
+    yield_displacement: Parameter | None = None,
+) -> xr.Dataset:
+    """Pseudo energy radius of structures on records, eqs. (1) and (2).
+
+    ``r_PER = max sqrt(u^2 + (u'/w)^2)``, with ``w = 2 pi/T`` of the elastic structure; it is at least
+    ``max |u|``, and equal to it only if the largest energy finds the structure at rest.
+
+    Parameters
+    ----------
+    record, period, damping, hardening, yield_displacement
+        As in `response_spectrum`, which gives more of the same run.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``pseudo_energy_radius`` [m] and ``displacement_max`` [m], ``max |u|``, over the dimensions of
+        the parameters; ``status``, ``elastic_limit`` where yield was not reached.
+
+    Raises
+    ------
+    ValueError, TypeError
+        As in `response_spectrum`.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eqs. (1) and (2), Fig. 1.
+
+    Examples
+    --------
+    >>> import numpy as np, xarray as xr, stochlin as sl
+    >>> time = 0.02 * np.arange(1000)
+    >>> record = xr.DataArray(np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    >>> table = sl.pseudo_energy_radius(record, period=[0.2, 1.0], damping=0.05)
+    >>> bool((table.pseudo_energy_radius >= table.displacement_max).all())
+    True
+    """
+    structure = elastic_or_bilinear(period, damping, hardening, yield_displacement)
+    table = _spectrum(record, structure)[["pseudo_energy_radius", "displacement_max", "status"]]
+    return _with_information(table, "Pseudo energy radius", "pseudo_energy_radius()", structure)
+
+
+def response_spectrum(
+    record: Records,
+    period: Parameter,
+    damping: Parameter,
+    *,
+    hardening: Parameter | None = None,
+    yield_displacement: Parameter | None = None,
+) -> xr.Dataset:
+    """Response spectra of records: the peaks of elastic or bilinear structures.
+
+    Parameters
+    ----------
+    record : xarray.DataArray, or list or mapping of them
+        Ground acceleration [m/s^2] over ``time``, as `read_record` gives it. Several records make
+        a dimension ``record``.
+    period, damping : float or array
+        ``T`` [s], at least a tenth of the record's step, and the damping ratio [-], in (0, 1).
+    hardening : float or array, optional
+        Post-yield over elastic stiffness [-], in (0, 1]; needed with a strength.
+    yield_displacement : float or array, optional
+        ``uy`` [m], positive; infinite, or left out, is elastic.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over the dimensions of the parameters: ``displacement_max`` [m] and ``velocity_max`` [m/s],
+        relative to the ground; ``acceleration_max`` [m/s^2], absolute; ``pseudo_velocity`` [m/s],
+        ``w max |u|``, and ``pseudo_acceleration`` [m/s^2], ``w^2 max |u|``, with the elastic ``w``;
+        ``pseudo_energy_radius`` [m]; and ``status``, ``elastic_limit`` where yield was not reached.
+        With a strength, ``permanent_set`` [m]: the position in which the structure comes to rest if
+        it does not yield after the record's end.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a record is not one, a scalar is out of range, or dimensions do not fit together. In an
+        array the cells out of range are NaN with status ``invalid_input``.
+
+    Notes
+    -----
+    The ground is linear between samples, and for such a ground the response is exact: each linear
+    branch by its own solution, yields and reversals located inside the step. Peaks between steps
+    are those of cubics, right to a few 1e-4. Peaks after the end of the record are not
+    seen: append zeros to a record that ends while structures still move.
+
+    References
+    ----------
+    Nigam and Jennings (1969), Bull. Seismol. Soc. Am. 59, for the exact transition.
+
+    Examples
+    --------
+    >>> import numpy as np, xarray as xr, stochlin as sl
+    >>> time = 0.02 * np.arange(1000)
+    >>> record = xr.DataArray(np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    >>> table = sl.response_spectrum(record, period=[0.2, 1.0, 5.0], damping=0.05)
+    >>> int(table.displacement_max.argmax("case"))
+    1
+    >>> yields = sl.response_spectrum(record, 1.0, 0.05, hardening=0.05, yield_displacement=0.02)
+    >>> float(yields.acceleration_max) < float(table.acceleration_max[1])
+    True
+    """
+    structure = elastic_or_bilinear(period, damping, hardening, yield_displacement)
+    table = _spectrum(record, structure)
+    return _with_information(table, "Response spectrum", "response_spectrum()", structure)
+
+
+def respond(structure: Bilinear, record: xr.DataArray, *, refine: int = 1) -> xr.Dataset:
+    """History of the response of one structure to a record, from rest.
+
+    Parameters
+    ----------
+    structure : Bilinear
+        Scalar parameters; elastic, or with ``yield_displacement``.
+    record : xarray.DataArray
+        Ground acceleration [m/s^2] over ``time``, as `read_record` gives it; linear between samples.
+    refine : int
+        Points of time to an interval of the record. The response at the record's own times does
+        not depend on it.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``time`` [s]: ``displacement`` [m] and ``velocity`` [m/s], relative to the ground;
+        ``radius`` [m], ``sqrt(u^2 + (u'/w)^2)`` of eq. (1); with a strength ``z`` [-], the hysteretic
+        displacement over ``uy``, in [-1, 1].
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the structure is not a `Bilinear`, has arrays or a reduction factor, the record is not
+        one, or ``refine`` is not a whole number from 1.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eqs. (1) and (5) to (7).
+
+    Examples
+    --------
+    >>> import numpy as np, xarray as xr, stochlin as sl
+    >>> time = 0.02 * np.arange(500)
+    >>> record = xr.DataArray(np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    >>> building = sl.Bilinear(period=1.0, damping=0.05, hardening=0.05, yield_displacement=0.02)
+    >>> motion = sl.respond(building, record, refine=4)
+    >>> motion.sizes["time"], float(abs(motion.z).max())
+    (1997, 1.0)
+    """
+    check_structure(structure, "structure")
+    only_scalars(structure, "structure")
+    if isinstance(refine, bool) or not isinstance(refine, (int, np.integer)) or refine < 1:
+        raise ValueError(f"refine = {refine!r}; allowed: a whole number from 1")
+    if not isinstance(record, xr.DataArray):
+        raise TypeError(f"record is a {type(record).__name__}; allowed: one xarray.DataArray")
+    motions = checked_motions(record)
+    [ground] = motions.grounds
+    parameters = cells_of(structure, template(structure), motions).parameters[0]
+    displacement, velocity, strain = history(ground, parameters, int(refine))
+    start = float(record["time"][0])
+    time = start + ground.dt / refine * np.arange(displacement.size)
+    time[::refine] = record["time"]
+    table = xr.Dataset(
+        {
+            "displacement": ("time", displacement),
+            "velocity": ("time", velocity),
+            "radius": ("time", np.hypot(displacement, velocity / parameters[0])),
+        },
+        coords={"time": ("time", time, {"units": "s", "long_name": "time"})},
+    )
+    if structure.yields:
+        table["z"] = ("time", strain / parameters[3])
+    title = "Response to a record"
+    table = table.assign_attrs(records=motions.describe())
+    return _with_information(table, title, f"respond(refine={refine})", structure)
+
+
+def _spectrum(record: Records, structure: Bilinear) -> xr.Dataset:
+    """Every variable of the spectra, without labels."""
+    motions = checked_motions(record)
+    like = template(structure)
+    cells = cells_of(structure, like, motions)
+    parameters = cells.parameters[cells.valid]
+    peaks = peaks_on_records(motions.grounds, parameters)
+    w, _, hardening, uy = parameters.T
+    displacement = np.maximum(peaks[..., recorded.HIGHEST], peaks[..., recorded.LOWEST])
+    columns = {
+        "displacement_max": displacement,
+        "velocity_max": peaks[..., recorded.VELOCITY],
+        "acceleration_max": peaks[..., recorded.ACCELERATION],
+        "pseudo_velocity": w * displacement,
+        "pseudo_acceleration": w**2 * displacement,
+        "pseudo_energy_radius": peaks[..., recorded.RADIUS],
+    }
+    if structure.yields:
+        # At rest alpha u + (1 - alpha) y = 0, while u - y stays as it is.
+        slip = peaks[..., recorded.LAST] - peaks[..., recorded.LAST_Y]
+        columns["permanent_set"] = (1 - hardening) * slip
+    stayed = table_over({"stayed": displacement <= uy}, like, motions, cells.valid).stayed == 1
+    table = with_status(table_over(columns, like, motions, cells.valid), stayed)
+    return table.assign_attrs(records=motions.describe())
+
+
+def _with_information(table: xr.Dataset, title: str, call: str, structure: Bilinear) -> xr.Dataset:
+    models = {"structure": structure}
+    return labels.with_run_information(labels.label(table), title, call, models, REFERENCES)

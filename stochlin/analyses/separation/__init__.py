@@ -1,0 +1,1 @@
+"""How far apart: eq. (3), codes, every rule, what an existing gap allows."""

@@ -1,0 +1,110 @@
+"""Separations that building codes ask for, side by side."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.tables import labels
+from stochlin.models.parameters import Parameter
+from stochlin.models.rules.codes import code_rule, code_rule_names
+from stochlin.models.rules.separations import CodeRule, PeakPair, check_zone
+
+
+def code_gaps(
+    peak_1: Parameter,
+    peak_2: Parameter,
+    *,
+    height_1: Parameter | None = None,
+    height_2: Parameter | None = None,
+    floors_align: bool = False,
+    zone: str | None = None,
+) -> xr.Dataset:
+    """Separation of two buildings by every known rule of a building code.
+
+    Parameters
+    ----------
+    peak_1, peak_2 : float or array
+        Peak displacements [m], not negative, at the level where the buildings could meet. Every code
+        means another displacement by this: see ``assumptions``.
+    height_1, height_2 : float or array, optional
+        Heights of the buildings [m].
+    floors_align : bool
+        Whether the floors are at the same levels; some rules then ask for less.
+    zone : str, optional
+        Zone of Mexico City: ``"I"``, ``"II"`` or ``"III"``.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``rule`` and the dimensions of the arguments: ``gap`` [m], NaN for rules that need what
+        is not given, and ``status``; along ``rule`` the coordinates ``reference``, ``mark`` (S: seen in
+        a copy of the source; P: printed in the paper; M: from memory, unverified), ``assumptions``
+        and ``missing``: what was needed and not given.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the zone is unknown, a scalar is out of range, a value is not a number, or dimensions do
+        not fit.
+
+    Notes
+    -----
+    A summary of one clause each, for comparison: no substitute for the code.
+
+    References
+    ----------
+    The coordinate ``reference``.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> table = sl.code_gaps(0.03, 0.04, floors_align=True)
+    >>> round(float(table.gap.sel(rule="eurocode_8")), 6)
+    0.035
+    >>> table.missing.sel(rule="peru_e030").item()
+    'height_1, height_2'
+    """
+    check_zone(zone)
+    if not isinstance(floors_align, (bool, np.bool_)):
+        raise TypeError(f"floors_align = {floors_align!r}; allowed: True or False")
+    pair = PeakPair(peak_1, peak_2, height_1, height_2)
+    valid = pair.valid()
+    values = {name: array.where(valid) for name, array in pair.arrays().items()}
+    given = {*values, *(() if zone is None else ("zone",))}
+    rules = [code_rule(name) for name in code_rule_names()]
+    missing = [", ".join(n for n in rule.needs if n not in given) for rule in rules]
+    nothing = xr.full_like(valid, np.nan, float)
+    gaps = [
+        nothing if lacks else rule.gap(**values, floors_align=bool(floors_align), zone=zone)
+        for rule, lacks in zip(rules, missing, strict=True)
+    ]
+    dimension = xr.DataArray([rule.name for rule in rules], dims="rule", name="rule")
+    dimension.attrs["long_name"] = "rule"
+    gap = xr.concat(
+        [xr.broadcast(g, valid)[0] for g in gaps], dim=dimension, coords="minimal", compat="override"
+    )
+    usable = valid & xr.DataArray([not lacks for lacks in missing], dims="rule")
+    status = xr.full_like(usable, labels.CONVERGED, np.int8).where(usable, labels.INVALID_INPUT)
+    table = xr.Dataset({"gap": gap, "status": status.transpose(*gap.dims).astype(np.int8)})
+    table = labels.label(table.assign_coords(_described(rules, missing)))
+    table.attrs["comment"] = "Rules whose mark has an M are from memory, not compared with the source."
+    return labels.with_run_information(
+        table,
+        "Separation by the rules of building codes",
+        f"code_gaps(floors_align={bool(floors_align)}, zone={zone!r})",
+        {"pair": pair},
+        "; ".join(dict.fromkeys(rule.reference for rule in rules)),
+    )
+
+
+def _described(
+    rules: list[CodeRule], missing: list[str]
+) -> dict[str, tuple[str, list[str], dict[str, str]]]:
+    columns = {
+        "reference": ([rule.reference for rule in rules], "source of the rule"),
+        "mark": ([rule.mark for rule in rules], "how the rule was checked"),
+        "assumptions": ([rule.assumptions for rule in rules], "what the peaks must be"),
+        "missing": (missing, "what the rule needs and was not given"),
+    }
+    return {name: ("rule", values, {"long_name": text}) for name, (values, text) in columns.items()}

@@ -1,0 +1,89 @@
+"""Critical gap of two buildings from their peaks and their correlation: eq. (3)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.tables import labels
+from stochlin.kernels.basics.arrays import Array
+from stochlin.models.parameters import Model, Parameter, Range, parameter
+from stochlin.models.rules.separations import NOT_NEGATIVE
+
+
+@dataclass(frozen=True)
+class CorrelatedPeaks(Model):
+    """Two peak displacements and the correlation of the displacements."""
+
+    peak_1: Parameter = parameter("m", "peak displacement, structure 1", NOT_NEGATIVE)
+    peak_2: Parameter = parameter("m", "peak displacement, structure 2", NOT_NEGATIVE)
+    rho: Parameter = parameter("1", "correlation coefficient", Range(-1.0, 1.0, True, True))
+
+
+def critical_gap(peak_1: Parameter, peak_2: Parameter, rho: Parameter) -> xr.Dataset:
+    """Critical gap by the double difference combination, ``sqrt(p1^2 + p2^2 - 2 rho p1 p2)``, eq. (3).
+
+    Parameters
+    ----------
+    peak_1, peak_2 : float or array
+        Peak displacements [m], not negative, with one peak factor for both; they broadcast by
+        dimension name.
+    rho : float or array
+        Correlation coefficient of the displacements [-], from -1 to 1.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over the dimensions of the parameters: ``gap`` [m] and ``status``. ``rho = 1`` gives the
+        difference of the peaks, 0 the square root of the sum of squares, -1 the sum.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a scalar is out of range, a value is not a number, or dimensions do not fit.
+
+    Notes
+    -----
+    Negative correlation, where the ground period lies between those of the structures, asks for
+    more than the square root of the sum of squares. With linearized ``rho`` and peaks the gap is
+    too small for yielding structures, by 21 to 54 %.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eq. (3); Jeng, Kasai and Maison (1992), Earthquake Spectra 8.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> [round(float(sl.critical_gap(0.4, 0.3, rho).gap), 6) for rho in (1, 0, -1)]
+    [0.1, 0.5, 0.7]
+    """
+    pair = CorrelatedPeaks(peak_1, peak_2, rho)
+    valid = pair.valid()
+    values = [array.where(valid) for array in pair.arrays().values()]
+    gap = xr.apply_ufunc(double_difference, *values, join="exact")
+    status = xr.full_like(valid, labels.CONVERGED, np.int8).where(valid, labels.INVALID_INPUT)
+    return labels.with_run_information(
+        labels.label(xr.Dataset({"gap": gap, "status": status.astype(np.int8)})),
+        "Critical gap by the double difference combination, eq. (3)",
+        "critical_gap()",
+        {"pair": pair},
+    )
+
+
+def double_difference(peak_1: Array, peak_2: Array, rho: Array) -> Array:
+    """Eq. (3) as distance from the nearest of its exact cases, so that no digits cancel."""
+    product = 2 * np.sqrt(peak_1) * np.sqrt(peak_2)  # its square is 4 p1 p2
+    near_one = np.hypot(peak_1 - peak_2, product * np.sqrt((1 - rho) / 2))
+    total = peak_1 + peak_2
+    inside = np.hypot(peak_1, peak_2)
+
+    def less(whole: Array, share: Array) -> Array:
+        """``sqrt(whole^2 - 2 share p1 p2)``."""
+        ratio = product / np.where(whole > 0, whole, 1)
+        return whole * np.sqrt(1 - 0.5 * share * ratio**2)
+
+    gap = np.where(rho < -0.5, less(total, np.minimum(1 + rho, 0.5)), less(inside, np.minimum(rho, 0.5)))
+    return np.where(rho > 0.5, near_one, gap)

@@ -1,0 +1,219 @@
+"""The separation of two buildings: simulated, and by every rule beside it, each with its error."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.records.gaps import recorded_gap
+from stochlin.analyses.separation.rules import PairInMotion, Rule, all_rules, by_yield_displacement
+from stochlin.analyses.simulation.finite_motions import keeping_apart, pair_separation
+from stochlin.analyses.simulation.simulation import simulate
+from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.cells import over_cells
+from stochlin.models.envelopes import Envelope
+from stochlin.models.grounds import Ground
+from stochlin.models.parameters import expect
+from stochlin.models.rules.separations import PeakPair, check_zone
+from stochlin.models.structures import Bilinear, Structure
+
+VERDICTS = ("answer", "safe", "unsafe", "within_error", "not_available")
+ANSWER, SAFE, UNSAFE, WITHIN_ERROR, NOT_AVAILABLE = range(len(VERDICTS))
+VERDICT_ATTRS: Mapping[str, Any] = {
+    "long_name": "whether the gap keeps the confidence",
+    "flag_values": np.arange(len(VERDICTS), dtype=np.int8),
+    "flag_meanings": " ".join(VERDICTS),
+}
+MOTION = ("paths", "seed", "step_s", "duration_s", "envelope")
+TEXTS: Mapping[str, str] = {
+    "kind": "simulation, eq. (3) with a correlation, linearization, or building code",
+    "reference": "source of the rule",
+    "mark": "how the rule was checked: S seen in a copy of its source, C derived and checked, "
+    "P printed in the paper, M from memory",
+    "assumptions": "what the rule takes as given",
+    "missing": "why a rule has no answer",
+}
+
+
+def separation(
+    first: Structure,
+    second: Structure,
+    ground: Ground,
+    duration: float,
+    *,
+    envelope: Envelope | None = None,
+    confidence: float = 0.9,
+    paths: int = 2048,
+    seed: int = 0,
+    height_1: float | None = None,
+    height_2: float | None = None,
+    floors_align: bool = False,
+    zone: str | None = None,
+    unverified: bool = False,
+    records: Any = None,
+    progress: Callable[[float], None] | None = None,
+) -> xr.Dataset:
+    """How far two buildings must be apart: the answer by simulation, and every rule beside it.
+
+    The answer is the gap that ``max(u_1 - u_2)`` does not exceed, with the probability ``confidence``,
+    in motions of this duration from rest; ``first`` stands on the left. The rules are fed with the
+    same buildings' simulated peaks of the same probability, so that each is judged for what it
+    makes of them, and for how many of the motions its gap would have survived.
+
+    Parameters
+    ----------
+    first, second : Bilinear, BoucWen or Hysteretic
+        Strength by ``reduction_factor`` refers to the stationary ground.
+    ground : WhiteNoise, KanaiTajimi or CloughPenzien
+        All parameters broadcast by dimension name; each cell is a simulation of its own.
+    duration : float
+        Of each motion [s], positive.
+    envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
+        Of the motions; without it they are stationary from their start.
+    confidence : float
+        Probability of no pounding that is asked for, between 0 and 1.
+    paths, seed : int
+        As in `simulate`.
+    height_1, height_2 : float, optional
+        Heights of the buildings [m], for building codes that ask for them.
+    floors_align : bool
+        Whether floors are at the same levels; some codes then ask for less.
+    zone : str, optional
+        ``"I"``, ``"II"`` or ``"III"``, of Mexico City.
+    unverified : bool
+        Whether to include rules whose formulas could not be verified.
+    records : DataArray, or list or mapping of them, optional
+        Recorded motions, as `read_record` returns them; bilinear structures only.
+    progress : callable, optional
+        Called with the share of a simulation that is done.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``rule``: ``gap`` [m]; ``error`` [-], the gap over the answer's less 1;
+        ``no_pounding_probability`` [-] in the simulated motions with its 95 % interval, ``_lower`` and
+        ``_upper``; ``rho`` [-] where the rule has one; ``verdict`` and ``status`` (flags); along it the
+        coordinates ``kind``, ``reference``, ``mark``, ``assumptions``, ``missing``. ``gap_lower`` and
+        ``gap_upper`` [m]: the 95 % interval of the answer. Of the simulation: ``peak_1`` and ``_2`` [m],
+        the quantiles that rules are fed with, ``peak_mean_1`` and ``_2``, ``separation_mean`` [m] with
+        standard errors, ``separation_samples`` [m] over ``path``, ``ductility_1`` and ``_2`` [-] (mean
+        peak), ``yield_displacement_1`` and ``_2`` [m], ``reduction_factor_1`` and ``_2`` [-]. With
+        records, over ``record``: what `recorded_gap` gives, with the prefix ``record_``.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a number is out of range, or the run would not fit into memory: before any work is done.
+
+    Notes
+    -----
+    A rule is called safe or unsafe if the 95 % interval of its probability lies on that side of the
+    confidence. The codes' own load factors, minimum distances and definitions of displacement are
+    not judged by this: see ``assumptions``.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eqs. (3) and (4); the coordinate ``reference``.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> one, two = (sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.6, 1.0))
+    >>> table = sl.separation(one, two, sl.named_ground("firm", intensity=0.01), 20.0, paths=256)
+    >>> bool(table.gap.sel(rule="share_of_sum") > table.gap.sel(rule="simulation"))
+    True
+    """
+    check_confidence(confidence)
+    check_zone(zone)
+    PeakPair(0.0, 0.0, height_1, height_2)
+    for role, structure in (("first", first), ("second", second)):
+        expect(structure, Structure, role)
+        if records is not None and not isinstance(structure, Bilinear):
+            raise TypeError(
+                f"{role} = {type(structure).__name__} cannot ride on records; allowed: Bilinear"
+            )
+    expect(ground, Ground, "ground")
+
+    def of_cell(first: Structure, second: Structure, ground: Ground) -> xr.Dataset:
+        motions = simulate(
+            [first, second],
+            ground,
+            paths=paths,
+            seed=seed,
+            duration=duration,
+            envelope=envelope,
+            quantiles=[confidence],
+            progress=progress,
+        )
+        pair = PairInMotion.of(
+            first, second, ground, motions, confidence, duration, envelope, (height_1, height_2)
+        )
+        rules = all_rules(pair, floors_align, zone, unverified)
+        table = _judged(rules, motions, confidence).assign(pair.quantities())
+        table.attrs = {name: motions.attrs[name] for name in MOTION}
+        if records is None:
+            return table
+        one, other = (by_yield_displacement(structure, ground) for structure in (first, second))
+        recorded = recorded_gap(one, other, records)
+        return table.assign({f"record_{name}": recorded[name] for name in recorded.data_vars})
+
+    models = {"first": first, "second": second, "ground": ground}
+    table = over_cells(of_cell, models)
+    table = labels.label(table)
+    table.verdict.attrs = VERDICT_ATTRS
+    for name, text in TEXTS.items():
+        table[name].attrs["long_name"] = text
+    return labels.with_run_information(
+        table.assign_attrs(confidence=confidence),
+        f"Separation of two buildings by rule, {ground.name} ground",
+        f"separation(duration={duration:g}, confidence={confidence:g}, paths={paths}, seed={seed})",
+        models,
+    )
+
+
+def check_confidence(confidence: float) -> None:
+    """Raise a ValueError unless it is a probability between 0 and 1."""
+    if not isinstance(confidence, (int, float)) or not 0 < confidence < 1:
+        raise ValueError(f"confidence = {confidence!r}; allowed: a probability between 0 and 1")
+
+
+def verdict_of(apart: Mapping[Any, xr.DataArray], confidence: float) -> xr.DataArray:
+    """Safe or unsafe where the 95 % interval of the probability of no pounding tells."""
+    lower, upper = (apart[f"no_pounding_probability_{end}"] for end in ("lower", "upper"))
+    undecided = xr.where(upper < confidence, UNSAFE, WITHIN_ERROR)  # type: ignore[no-untyped-call]
+    verdict: xr.DataArray = xr.where(lower >= confidence, SAFE, undecided)  # type: ignore[no-untyped-call]
+    return verdict
+
+
+def _judged(rules: list[Rule], motions: xr.Dataset, confidence: float) -> xr.Dataset:
+    """Gaps of the rules beside the simulated answer, and what the motions say of each."""
+    samples = pair_separation(motions)
+    quantile = [float(motions[f"separation_quantile{end}"][0, 0, 1]) for end in ("", "_lower", "_upper")]
+    answer = Rule("simulation", "simulation", quantile[0], assumptions="exact laws, no model error")
+    rules = [answer, *rules]
+    gap = xr.DataArray([rule.gap for rule in rules], dims="rule")
+    apart = keeping_apart(samples, gap)
+    known = gap.notnull()
+    verdict = verdict_of(apart, confidence).where(known, NOT_AVAILABLE)
+    verdict[0] = ANSWER
+    only_answer = xr.DataArray(np.arange(len(rules)) == 0, dims="rule")
+    columns = {name: ("rule", [getattr(rule, name) for rule in rules]) for name in TEXTS}
+    return xr.Dataset(
+        {
+            "gap": gap,
+            "gap_lower": xr.where(only_answer, quantile[1], np.nan),  # type: ignore[no-untyped-call]
+            "gap_upper": xr.where(only_answer, quantile[2], np.nan),  # type: ignore[no-untyped-call]
+            "error": gap / gap[0].where(gap[0] > 0) - 1,
+            **{name: share.where(known) for name, share in apart.items()},
+            "rho": ("rule", [rule.rho for rule in rules]),
+            "verdict": verdict.astype(np.int8),
+            "status": xr.full_like(verdict, labels.CONVERGED, np.int8).where(
+                known, labels.INVALID_INPUT
+            ),
+            "separation_samples": samples,
+        },
+        coords={"rule": ("rule", [rule.name for rule in rules]), **columns},
+    )

@@ -1,0 +1,1 @@
+"""Structures on simulated motions, exact laws: stationary and finite."""

@@ -1,0 +1,239 @@
+"""From models to an ensemble: cells, steps and burn-in of a simulation."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+import scipy.linalg
+import xarray as xr
+
+from stochlin.analyses.linearization.equivalent_systems import solve_elastic, solve_structure
+from stochlin.analyses.linearization.state_space import ground_matrices
+from stochlin.analyses.linearization.tolerance import Tolerance
+from stochlin.analyses.tables import labels
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.simulation.ensemble import Crowd, Plan
+from stochlin.kernels.simulation.linked_stepping import linked_block
+from stochlin.kernels.simulation.stepping import LANES, FilterSteps, filter_steps
+from stochlin.models.grounds import Ground
+from stochlin.models.structures import Structure
+
+LAW_PARAMETERS = 3  # at most, as the Bouc-Wen law has
+SAMPLES_PER_PERIOD = 2  # of the shortest period; more would say little new of its variance
+MEMORY = 4e9  # bytes that a run may ask for
+
+
+class Cells(NamedTuple):
+    """Every cell of some structures, one after the other; NaN where invalid."""
+
+    period: Array
+    damping: Array
+    hardening: Array
+    yield_displacement: Array  # infinite where elastic
+    law: Array  # (n, k): parameters beyond those of every structure; NaN where there are fewer
+    block: npt.NDArray[np.object_]  # time steps of its law
+    damping_time: Array  # [s], 1/(xi w)
+    drift_time: Array  # [s], relaxation of the plastic displacement, as linearization has it
+    valid: Array
+
+
+class Run(NamedTuple):
+    """An ensemble ready to start."""
+
+    crowd: Crowd
+    order: Array  # position in the crowd of each valid cell
+    scale: Array  # metres of each valid cell's unit of displacement
+    ground: FilterSteps
+    root: Array
+    plan: Plan
+    memory: float  # [s], of the slowest vibration or, where that is longer, of the plastic drift
+
+
+class LinkedPair(NamedTuple):
+    """What links the two structures of a run: constants of the link over both masses."""
+
+    stiffness: tuple[float, float]  # [1/s^2]
+    damping: tuple[float, float]  # [1/s]
+
+    def crowd(self, apart: Crowd) -> Crowd:
+        """The two bilinear structures of a crowd, linked."""
+        ((_, own),) = apart.parts
+        unit = 1 / own[:, 3]
+        links = np.stack([self.stiffness, self.damping, unit[::-1] / unit], axis=1)
+        return Crowd(((linked_block, np.concatenate([own, links], axis=1)),))
+
+    def times(self, crowd: Crowd) -> tuple[float, float]:
+        """Shortest period and longest relaxation [s] of the linked pair while it is elastic."""
+        ((_, parameters),) = crowd.parts
+        matrix = np.zeros((4, 4))
+        for n, (d, k, h, _, link_k, link_c, ratio) in enumerate(parameters):
+            matrix[2 * n, 2 * n + 1] = 1
+            matrix[2 * n + 1, 2 * n : 2 * n + 2] = -(k + h + link_k), -(d + link_c)
+            other = 2 * (1 - n)
+            matrix[2 * n + 1, other : other + 2] = ratio * link_k, ratio * link_c
+        values = np.linalg.eigvals(matrix)
+        return 2 * np.pi / float(np.abs(values.imag).max() or np.inf), 1 / float(-values.real.max())
+
+
+def cells_of(
+    structure: Structure, ground: Ground, stationary: bool = True
+) -> tuple[Cells, xr.DataArray]:
+    """The cells of a structure, and their positions as an array over its dimensions.
+
+    How slowly a structure drifts, by linearization, a run has to know that is to be stationary.
+    """
+    elastic = solve_elastic(structure, ground)
+    values = structure.arrays()
+    like = elastic.yield_displacement
+    k_eq = xr.zeros_like(like)
+    if stationary:
+        k_eq = solve_structure(structure, ground, "gaussian", Tolerance(1e-6, 1e-9, 200)).k_eq
+    law = structure.law_parameters()
+    law += [xr.DataArray(np.nan)] * (LAW_PARAMETERS - len(law))
+    columns = [
+        values["period"],
+        values["damping"],
+        values.get("hardening", xr.DataArray(1.0)),
+        like,
+        k_eq,
+        *law,
+    ]
+    arrays = [array.broadcast_like(like).transpose(*like.dims).values.ravel() for array in columns]
+    period, damping, hardening, uy, pace, *rest = (np.asarray(a, float) for a in arrays)
+    w = 2 * np.pi / period
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slow = np.where(pace > 0, 1 / (hardening * pace), 0)
+    status = elastic.status.values.ravel()
+    cells = Cells(
+        period,
+        damping,
+        hardening,
+        uy,
+        np.stack(rest, axis=1),
+        np.full(period.size, structure.block()),
+        1 / (damping * w),
+        np.nan_to_num(slow),
+        status < labels.NOT_CONVERGED,
+    )
+    return cells, xr.full_like(like, 0, dtype=int).copy(data=np.arange(period.size).reshape(like.shape))
+
+
+def cells_of_all(structures: Sequence[Structure], ground: Ground, stationary: bool = True) -> Cells:
+    """The cells of structures with scalar parameters, in their order; those alike are solved as one."""
+    alike: dict[tuple[object, ...], list[int]] = {}
+    for number, structure in enumerate(structures):
+        alike.setdefault((structure.block(), *structure.arrays()), []).append(number)
+    parts = []
+    for numbers in alike.values():
+        first = structures[numbers[0]]
+        columns: dict[str, Any] = {
+            n: [float(structures[i].arrays()[n]) for i in numbers] for n in first.arrays() if n != "mass"
+        }
+        parts.append(cells_of(replace(first, **columns), ground, stationary)[0])
+    order = np.argsort([number for numbers in alike.values() for number in numbers])
+    return Cells(*(column[order] for column in joined(parts)))
+
+
+def joined(parts: Sequence[Cells]) -> Cells:
+    """Cells of several structures in one row."""
+    return Cells(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
+def prepare(
+    cells: Cells,
+    ground: Ground,
+    *,
+    paths: int,
+    seed: int,
+    steps_per_period: int,
+    link: LinkedPair | None = None,
+) -> Run:
+    """Choose the step from cells and ground and lay out the ensemble; it has no length yet."""
+    valid = cells.valid
+    if not valid.any():
+        raise ValueError("no structure has valid parameters; correct those that are out of range")
+    check_memory(int(valid.sum()), paths)
+    parameters = [value.item() for value in ground.kernel_parameters()]
+    names, matrix, noise, output = ground_matrices(parameters)
+    intensity = 2 * np.pi * parameters[0]
+    rates = -np.linalg.eigvals(matrix).real if names else np.array([np.inf])
+    filters = 2 * np.pi / np.asarray(parameters[1::2])
+    periods = [float(cells.period[valid].min()), *filters]
+    memory = max(float(cells.damping_time[valid].max()), float((1 / rates).max()))
+    crowd, order, scale = _crowd(cells, valid)
+    if link is not None:
+        crowd = link.crowd(crowd)
+        shortest, longest = link.times(crowd)
+        periods, memory = [*periods, shortest], max(memory, longest)
+    dt = min(periods) / steps_per_period
+    every = max(1, steps_per_period // SAMPLES_PER_PERIOD)
+    plan = Plan(dt, every, burn_in=0, recorded=0, groups=int(np.ceil(paths / LANES)), seed=seed)
+    return Run(
+        crowd,
+        order,
+        scale,
+        filter_steps(matrix, noise, output, intensity, dt),
+        _root(matrix, noise, intensity),
+        plan,
+        memory,
+    )
+
+
+def check_settings(paths: int, seed: int, steps_per_period: int, relaxation_times: float) -> None:
+    """Raise a ValueError for settings out of range; to be called before any work."""
+    for name, value, lowest in (
+        ("paths", paths, 2),
+        ("seed", seed, 0),
+        ("steps_per_period", steps_per_period, 8),
+    ):
+        if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < lowest:
+            raise ValueError(f"{name} = {value!r}; allowed: a whole number from {lowest}")
+    number = isinstance(relaxation_times, (int, float, np.number)) and relaxation_times is not True
+    if not number or not 1 <= relaxation_times < np.inf:
+        raise ValueError(f"relaxation_times = {relaxation_times!r}; allowed: at least 1, finite")
+
+
+def check_memory(structures: int, paths: int) -> None:
+    """Raise a ValueError if so many structures on one ground would not fit into memory."""
+    at_once = min(os.cpu_count() or 1, -(-paths // LANES))
+    needed = 8.0 * structures**2 * (4 * LANES * at_once + 12)
+    if needed > MEMORY:
+        raise ValueError(
+            f"{structures} structures on one ground need {needed / 1e9:.1f} GB; allowed: "
+            f"{MEMORY / 1e9:.0f} GB; simulate fewer structures at a time"
+        )
+
+
+def _crowd(cells: Cells, valid: Array) -> tuple[Crowd, Array, Array]:
+    """Structures by law, each in units of its yield displacement, elastic ones in metres."""
+    w = 2 * np.pi / cells.period[valid]
+    yields = np.isfinite(cells.yield_displacement[valid])
+    alpha = np.where(yields, cells.hardening[valid], 1.0)
+    scale = np.where(yields, cells.yield_displacement[valid], 1.0)
+    common = np.stack(
+        [2 * cells.damping[valid] * w, alpha * w**2, (1 - alpha) * w**2, 1 / scale], axis=1
+    )
+    law, blocks = cells.law[valid], cells.block[valid]
+    order, parts, placed = np.empty(w.size, int), [], 0
+    for block in dict.fromkeys(blocks):
+        mine = np.flatnonzero(blocks == block)
+        extra = law[mine][:, np.isfinite(law[mine]).all(axis=0)]
+        parts.append((block, np.concatenate([common[mine], extra], axis=1)))
+        order[mine] = placed + np.arange(mine.size)
+        placed += mine.size
+    return Crowd(tuple(parts)), order, scale
+
+
+def _root(matrix: Array, noise: Array, intensity: float) -> Array:
+    """Square root of the stationary covariance of the filter: paths start stationary."""
+    if not len(noise):
+        return np.zeros((0, 0))
+    covariance = scipy.linalg.solve_continuous_lyapunov(matrix, -intensity * np.outer(noise, noise))
+    values, vectors = np.linalg.eigh(0.5 * (covariance + covariance.T))
+    root: Array = vectors * np.sqrt(np.maximum(values, 0))
+    return root

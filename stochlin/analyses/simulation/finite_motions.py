@@ -1,0 +1,170 @@
+"""Peaks of structures and of their relative displacement in motions of finite length."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import scipy.stats
+import xarray as xr
+
+from stochlin.analyses.simulation.ensembles import Run
+from stochlin.analyses.tables import labels
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.simulation.ensemble import Progress, finite_extremes
+from stochlin.kernels.simulation.stepping import LANES
+from stochlin.models.envelopes import Envelope
+from stochlin.models.parameters import expect
+
+CONFIDENCE = 0.95
+BLOCK = 256  # steps
+MOST_STEPS = 1e12  # of all pairs on all paths: minutes on two cores
+
+
+def check_motion(duration: float | None, envelope: Envelope | None, quantiles: Sequence[float]) -> None:
+    """Raise for what is no finite motion; to be called before any work."""
+    if duration is None:
+        if envelope is not None:
+            raise ValueError("envelope is given without a duration; allowed: both, or neither")
+        return
+    if not isinstance(duration, (int, float)) or not 0 < duration < np.inf:
+        raise ValueError(f"duration = {duration!r}; allowed: a positive number of seconds")
+    levels = np.asarray(quantiles, float)
+    if levels.ndim != 1 or not levels.size or not ((levels > 0) & (levels < 1)).all():
+        raise ValueError(f"quantiles = {quantiles!r}; allowed: numbers between 0 and 1")
+    if envelope is not None:
+        expect(envelope, Envelope, "envelope")
+
+
+def simulate_finite(
+    run: Run,
+    duration: float,
+    envelope: Envelope | None,
+    quantiles: Sequence[float],
+    progress: Progress | None,
+) -> xr.Dataset:
+    """What `simulate` returns for a duration, over numbered structures."""
+    levels = np.asarray(quantiles, float)
+    plan = run.plan._replace(every=1, samples=BLOCK)
+    steps = duration / plan.dt * plan.groups * LANES * run.crowd.size**2
+    if steps > MOST_STEPS:
+        raise ValueError(
+            f"duration = {duration:g} would take {steps:.1e} steps of all pairs on all paths, allowed: "
+            f"{MOST_STEPS:.0e}; shorten it, or lower paths"
+        )
+    middle = plan.dt * (np.arange(int(np.ceil(duration / plan.dt))) + 0.5)
+    shape = np.ones_like(middle) if envelope is None else envelope.at(middle)
+    scale = np.empty(run.crowd.size)
+    scale[run.order] = run.scale
+    extremes = finite_extremes(run.crowd, scale, run.ground, run.root, plan, shape, progress)
+    highest, lowest = extremes.highest[:, run.order], extremes.lowest[:, run.order]
+    apart = extremes.difference[:, run.order][:, :, run.order]
+    table = xr.Dataset(
+        {
+            "peak_positive": (("path", "structure"), highest),
+            "peak_negative": (("path", "structure"), -lowest),
+            "peak": (("path", "structure"), np.maximum(highest, -lowest)),
+            "separation": (("path", "structure", "structure_2"), apart),
+        }
+    )
+    for name in ("peak", "peak_positive", "separation"):
+        samples = table[name].values
+        over = table[name].dims[1:]
+        table[f"{name}_mean"] = (over, samples.mean(axis=0))
+        error = samples.std(axis=0, ddof=1) / np.sqrt(len(samples))
+        table[f"{name}_mean_standard_error"] = (over, error)
+    estimate, lower, upper = _quantiles(apart, levels)
+    over = ("quantile", "structure", "structure_2")
+    table = table.assign_coords(quantile=("quantile", levels, {"units": "1", "long_name": "quantile"}))
+    table["separation_quantile"] = (over, estimate)
+    table["separation_quantile_lower"] = (over, lower)
+    table["separation_quantile_upper"] = (over, upper)
+    return table.assign_attrs(
+        paths=len(apart),
+        seed=plan.seed,
+        step_s=plan.dt,
+        duration_s=float(duration),
+        envelope="none" if envelope is None else envelope.describe(),
+    )
+
+
+def exceedance(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Dataset:
+    """Probability that a peak or separation exceeds a gap, from its samples.
+
+    Parameters
+    ----------
+    samples : xarray.DataArray
+        Over ``path``, as ``separation`` of `simulate` with a duration [m].
+    gap : float or xarray.DataArray
+        Gap [m], of any other dimensions.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over the dimensions of the samples but ``path``, and those of the gap: ``probability`` [-]
+        with its 95 % interval ``probability_lower`` and ``probability_upper`` (Clopper and Pearson,
+        which errs to the wide side).
+
+    Raises
+    ------
+    ValueError
+        If the samples have no dimension ``path``.
+
+    References
+    ----------
+    Clopper, C. J. and Pearson, E. S. (1934), Biometrika 26.
+
+    Examples
+    --------
+    >>> import stochlin as sl, xarray as xr
+    >>> table = sl.exceedance(xr.DataArray([0.1, 0.2, 0.3, 0.4], dims="path"), gap=0.25)
+    >>> float(table.probability)
+    0.5
+    """
+    if "path" not in samples.dims:
+        raise ValueError(f"samples has the dimensions {samples.dims}; allowed: one of them is 'path'")
+    paths = samples.sizes["path"]
+    count = (samples > gap).sum("path")
+    tail = (1 - CONFIDENCE) / 2
+    lower = scipy.stats.beta.ppf(tail, count, paths - count + 1)
+    upper = scipy.stats.beta.ppf(1 - tail, count + 1, paths - count)
+    table = xr.Dataset(
+        {
+            "probability": count / paths,
+            "probability_lower": count.copy(data=np.nan_to_num(lower, nan=0.0)),
+            "probability_upper": count.copy(data=np.nan_to_num(upper, nan=1.0)),
+        }
+    )
+    return labels.label(table)
+
+
+def pair_separation(motions: xr.Dataset) -> xr.DataArray:
+    """The largest ``u_1 - u_2`` [m] in each motion, of what `simulate` returns for two structures."""
+    return motions.separation[:, 0, 1].drop_vars(["structure", "structure_2"])
+
+
+def keeping_apart(separation: xr.DataArray, gap: float | xr.DataArray) -> dict[str, xr.DataArray]:
+    """Probability that a gap [m] keeps two structures apart, and its 95 % interval; see `exceedance`."""
+    pounding = exceedance(separation, gap)
+    return {
+        "no_pounding_probability": 1 - pounding.probability,
+        "no_pounding_probability_lower": 1 - pounding.probability_upper,
+        "no_pounding_probability_upper": 1 - pounding.probability_lower,
+    }
+
+
+def _quantiles(samples: Array, levels: Array) -> tuple[Array, Array, Array]:
+    """Quantiles along the first axis and their distribution-free 95 % intervals (order statistics)."""
+    ordered = np.sort(samples, axis=0)
+    n = len(ordered)
+    tail = (1 - CONFIDENCE) / 2
+    low = scipy.stats.binom.ppf(tail, n, levels).astype(int) - 1
+    high = scipy.stats.binom.ppf(1 - tail, n, levels).astype(int)
+    estimate: Array = np.quantile(samples, levels, axis=0)
+    lower = np.where(_open(low >= 0, samples), ordered[np.maximum(low, 0)], 0.0)
+    upper = np.where(_open(high < n, samples), ordered[np.minimum(high, n - 1)], np.inf)
+    return estimate, lower, upper
+
+
+def _open(inside: Array, samples: Array) -> Array:
+    return inside.reshape((-1,) + (1,) * (samples.ndim - 1))

@@ -1,0 +1,101 @@
+"""How long a stationary simulation must be: burn-in and length from what its structures remember.
+
+A yielding structure drifts: its plastic displacement ``u - z`` moves in kicks and is drawn back by the
+hardening alone. Its autocorrelation falls as one exponential. Linearization gives ``1/(alpha k_eq)`` for
+its time constant, too long by a factor of 1.2 to 10; a short run measures it.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from stochlin.analyses.simulation.ensembles import Cells, Run
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.simulation.ensemble import plastic_displacements
+from stochlin.kernels.simulation.stepping import LANES
+
+BURN_IN = 5.0  # times the memory
+MOST_STEPS = 2e12  # of all structures on all paths: about half an hour on two cores
+GROUPS = 4  # of motions, in the measuring run
+SETTLING, LENGTH = 1.0, 2.0  # of the measuring run, in linearized relaxation times
+INSTANTS = 256  # at which it looks at the plastic displacements
+FALLEN = 0.6  # the time constant is taken where the autocorrelation first falls below
+ERRORS = 2.0  # standard errors on the safe side
+
+
+class _Drift(NamedTuple):
+    """The slowest drift of a run, as far as it is known."""
+
+    time: float  # [s]
+    period: float  # [s], of the structure
+
+
+def with_length(run: Run, cells: Cells, relaxation_times: float) -> Run:
+    """The run with burn-in and length, in multiples of its memory, measured where drift decides.
+
+    Raises a ValueError before any work if by linearization it would take too long.
+    """
+    expected = cells.drift_time[cells.valid]
+    slowest = _slowest(expected, cells)
+    longest = max(run.memory, slowest.time)
+    _check_steps(run, (BURN_IN + relaxation_times) * longest, slowest)
+    if slowest.time > run.memory:
+        measured = _measure(run, slowest.time)[run.order]
+        slowest = _slowest(np.minimum(measured, expected), cells)
+    memory = max(run.memory, slowest.time)
+    plan = run.plan._replace(
+        burn_in=int(np.ceil(BURN_IN * memory / run.plan.block)),
+        recorded=max(2, int(np.ceil(relaxation_times * memory / run.plan.block))),
+    )
+    return run._replace(plan=plan, memory=memory)
+
+
+def _slowest(times: Array, cells: Cells) -> _Drift:
+    worst = int(np.argmax(times))
+    return _Drift(float(times[worst]), float(cells.period[cells.valid][worst]))
+
+
+def _check_steps(run: Run, seconds: float, slowest: _Drift) -> None:
+    steps = float(run.crowd.size * run.plan.groups * LANES) * seconds / run.plan.dt
+    if steps > MOST_STEPS:
+        raise ValueError(
+            f"the run would take {steps:.1e} structure-steps, allowed: {MOST_STEPS:.0e}; the structure "
+            f"of period {slowest.period:.3g} s yields so rarely that its drift relaxes in "
+            f"{slowest.time:.3g} s: leave it out, or lower paths or relaxation_times"
+        )
+
+
+def _measure(run: Run, expected: float) -> Array:
+    """Time constant [s] of each plastic displacement, two standard errors above; in the crowd's order.
+
+    Infinite where a structure does not yield, or does not forget, within the measuring run. Its
+    motions are those that follow the plan's.
+    """
+    block = run.plan.block
+    stride = max(1, int(LENGTH * expected / block / INSTANTS))
+    pilot = run.plan._replace(
+        burn_in=int(np.ceil(SETTLING * expected / block)),
+        recorded=stride * max(2, int(np.ceil(LENGTH * expected / block / stride))),
+        first_group=run.plan.groups,
+        groups=GROUPS,
+    )
+    plastic = plastic_displacements(run.crowd, run.ground, run.root, pilot, stride)
+    steps = [_time_constant(plastic[:, n]) for n in range(run.crowd.size)]
+    return stride * block * np.array(steps)
+
+
+def _time_constant(history: Array) -> float:
+    """Of histories (instants, motions), in steps from one instant to the next."""
+    count, motions = history.shape
+    variance = np.mean(history**2)
+    if not variance > 0:
+        return np.inf
+    for lag in range(1, count):
+        kept = max(float(np.mean(history[lag:] * history[:-lag]) / variance), 0.0)
+        independent = motions * max(1.0, count / (2 * lag))
+        kept += ERRORS * np.sqrt((1 - min(kept, 1.0) ** 2) / independent)
+        if kept < FALLEN:
+            return float(-lag / np.log(kept))
+    return np.inf

@@ -1,0 +1,1 @@
+"""What every labelled table needs: names and units, broadcasting, checks, files."""

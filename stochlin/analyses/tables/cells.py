@@ -1,0 +1,68 @@
+"""Tables of what is computed one cell at a time: loops over the cells of models with arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from stochlin.analyses.tables import labels
+from stochlin.models.parameters import Model
+
+
+def over_cells(function: Callable[..., xr.Dataset], models: Mapping[str, Model]) -> xr.Dataset:
+    """``function`` of scalar models, for every cell of models whose arrays broadcast by name.
+
+    A cell whose parameters are out of range is NaN, with the status of invalid input.
+    """
+    arrays = [array for model in models.values() for array in model.arrays().values()]
+    if not any(array.ndim for array in arrays):
+        return function(**models)
+    shape = xr.broadcast(*arrays)[0]
+    places = list(np.ndindex(shape.shape))
+    done: list[xr.Dataset | None] = []
+    for place in places:
+        where = dict(zip(shape.dims, place, strict=True))
+        valid = all(bool(model.valid().isel(where, missing_dims="ignore")) for model in models.values())
+        cell = {role: _scalar(model, where) for role, model in models.items()} if valid else {}
+        done.append(function(**cell) if valid else None)
+    known = next((table for table in done if table is not None), None)
+    if known is None:
+        raise ValueError("no cell has valid parameters; correct those that are out of range")
+    tables = [_blank(known) if table is None else table for table in done]
+    index = pd.MultiIndex.from_product([range(n) for n in shape.shape], names=list(map(str, shape.dims)))
+    stacked = xr.concat(
+        tables,
+        "cell",
+        data_vars="all",
+        coords="minimal",
+        compat="override",
+        combine_attrs="override",
+        join="outer",
+    )
+    coordinates = xr.Coordinates.from_pandas_multiindex(index, "cell")
+    table = stacked.assign_coords(coordinates).unstack("cell").drop_vars(list(map(str, shape.dims)))
+    table = table.assign_coords({name: shape.coords[name] for name in shape.coords})
+    return table.assign_attrs({role: model.describe() for role, model in models.items()})
+
+
+def _scalar(model: Model, where: Mapping[Any, int]) -> Model:
+    values: dict[str, Any] = {
+        name: float(array.isel(where, missing_dims="ignore")) for name, array in model.arrays().items()
+    }
+    return replace(model, **values)
+
+
+def _blank(table: xr.Dataset) -> xr.Dataset:
+    """The same without answers."""
+    blank = table.copy()
+    for name, array in table.data_vars.items():
+        if array.dtype.kind == "f":
+            blank[name] = xr.full_like(array, np.nan)
+    if "status" in table:
+        blank["status"] = xr.full_like(table.status, labels.INVALID_INPUT)
+    return blank

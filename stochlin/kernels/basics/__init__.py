@@ -1,0 +1,1 @@
+"""Arrays, small linear algebra, interpolation, threads, compile tools: what several kernels share."""

@@ -1,0 +1,42 @@
+"""Work through a table in pieces that stay in the cache."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from stochlin.kernels.basics.arrays import Array
+
+CHUNK = 8192  # cells at a time
+
+
+def in_slabs(function: Callable[..., Array], *inputs: Array) -> Array:
+    """``function`` of arrays that broadcast, without temporaries of the table's size."""
+    shape = np.broadcast_shapes(*(array.shape for array in inputs))
+    result = np.empty(shape)
+    padded = [array.reshape((1,) * (len(shape) - array.ndim) + array.shape) for array in inputs]
+    for slab in _slabs(shape):
+        result[slab] = function(*(array[_clip(slab, array.shape)] for array in padded))
+    return result
+
+
+def _slabs(shape: tuple[int, ...]) -> Iterator[tuple[slice, ...]]:
+    """Contiguous pieces of an array of this shape, of about CHUNK cells."""
+    inner, axis = 1, len(shape)
+    while axis > 0 and inner * shape[axis - 1] <= CHUNK:
+        axis -= 1
+        inner *= shape[axis]
+    whole = (slice(None),) * (len(shape) - axis)
+    if axis == 0:
+        yield whole
+        return
+    step = max(1, CHUNK // inner)
+    for lead in np.ndindex(*shape[: axis - 1]):
+        for begin in range(0, shape[axis - 1], step):
+            yield (*(slice(i, i + 1) for i in lead), slice(begin, begin + step), *whole)
+
+
+def _clip(slab: tuple[slice, ...], shape: tuple[int, ...]) -> tuple[slice, ...]:
+    """The slab of an input that broadcasts: all of a dimension of length 1."""
+    return tuple(slice(None) if n == 1 else s for s, n in zip(slab, shape, strict=True))

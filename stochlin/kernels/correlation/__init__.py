@@ -1,0 +1,1 @@
+"""Two oscillators: eq. (4), the compiled table of pairs, signatures."""

@@ -1,0 +1,148 @@
+"""Tables of pairs: correlation, status, bias and caution of all cells, on all cores."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numba as nb
+import numpy as np
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.source_versions import version_of
+from stochlin.kernels.correlation import tiles as pair_steps
+from stochlin.kernels.correlation.tiles import (
+    LANES,
+    PARAMETERS,
+    bias_of_tile,
+    cells_of_tile,
+    new_memory,
+    rho_of_tile,
+)
+from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
+from stochlin.kernels.simulation.ensemble import in_order
+
+VERSION = version_of(pair_steps)
+
+PART = 1 << 18  # cells of a task
+ROUNDING = 1e-9  # by which |rho| may exceed 1 before the cell is called wrong
+OFF = 0.1  # bias beyond which a cell is cautioned
+NOWHERE = (np.full((6, 2), np.inf), np.full(6, 2), np.zeros(64))  # a map that knows no pair
+
+
+class Side(NamedTuple):
+    """One structure of each pair: its cells, and where they stand in the table."""
+
+    parameters: Array  # (PARAMETERS, n), of `pair_parameters`
+    gaussian: Array  # the same under the Gaussian closure, by which bias is known
+    place: Array  # (n, SHARED + 2): logarithms of the map's shared axes, period, ground period
+    flags: Array  # (n, 3) int8: status, caution, elastic
+    strides: Array  # (d,): steps from cell to cell along the dimensions of the table
+
+
+class RhoBiasMap(NamedTuple):
+    """Bias of ``rho`` over SHARED axes, the longer period over the ground's, and shorter over longer."""
+
+    axes: Array  # (SHARED + 2, longest), logarithms, padded with infinity
+    sizes: Array
+    values: Array  # flat
+
+
+class Codes(NamedTuple):
+    """Values of ``status``."""
+
+    not_converged: int  # from here on a cell is blank
+    not_physical: int
+
+
+class PairTable(NamedTuple):
+    """Results, flat."""
+
+    rho: Array
+    status: Array
+    bias: Array
+    caution: Array
+
+
+def pair_parameters(system: EquivalentSystem, forcing: Forcing, displacement_std: Array) -> Array:
+    """What a table needs of each structure, (PARAMETERS, n): see `pair_steps`."""
+    w, d, h, p, k = system
+    square = (  # lower rows of A^2
+        d * w + h * k,
+        d * d + h * p - w,
+        -h * (d + k),
+        -(p * w + k * k),
+        k - p * (d + k),
+        p * h + k * k,
+    )
+    kick = h * (forcing.slip - p * forcing.mu)
+    columns = (*system, *forcing, *system.characteristic, *square, kick, displacement_std)
+    return np.stack([column.ravel() for column in np.broadcast_arrays(*columns)])
+
+
+def pair_table(
+    first: Side,
+    second: Side,
+    shape: tuple[int, ...],
+    grid: RhoBiasMap | None,
+    codes: Codes,
+    *,
+    threads: bool,
+) -> PairTable:
+    """All cells of a table; on all cores if ``threads``. No cell depends on another."""
+    count = math.prod(shape)
+    kinds = (float, np.int8, float, np.int8)
+    result = PairTable(*(np.empty(count, kind) for kind in kinds))
+    other_closure = first.gaussian is not first.parameters or second.gaussian is not second.parameters
+    fixed: tuple[Any, ...] = (
+        np.array(shape, int),
+        *(grid or NOWHERE),
+        other_closure,
+        *codes,
+    )
+
+    def part(number: int) -> None:
+        begin = number * PART
+        _fill(*first, *second, *fixed, begin, min(begin + PART, count), *result, VERSION)  # type: ignore[call-arg]
+
+    parts = -(-count // PART)
+    if threads and parts > 1:
+        list(in_order(part, parts))
+    else:
+        for number in range(parts):
+            part(number)
+    return result
+
+
+@nb.njit(nogil=True, cache=True, error_model="numpy")
+def _fill(  # type: ignore[no-untyped-def]
+    one, gaussian_1, place_1, flags_1, strides_1, two, gaussian_2, place_2, flags_2, strides_2,
+    shape, axes, sizes, values, other_closure, not_converged, not_physical,
+    begin, end, rho, status, bias, caution, version,
+):  # fmt: skip
+    """Cells ``begin`` to ``end``, tile by tile."""
+    cells_1, cells_2 = np.empty(LANES, np.int64), np.empty(LANES, np.int64)
+    a, b = np.empty(PARAMETERS * LANES), np.empty(PARAMETERS * LANES)
+    c, d = np.empty(PARAMETERS * LANES), np.empty(PARAMETERS * LANES)
+    loaded, loaded_too = np.full((2, LANES), -1), np.full((2, LANES), -1)
+    raw, base, known = np.empty(LANES), np.empty(LANES), np.empty(LANES)
+    memory = new_memory(sizes)
+    for start in range(begin, end, LANES):
+        count = min(LANES, end - start)
+        cells_of_tile(start, count, shape, strides_1, cells_1)
+        cells_of_tile(start, count, shape, strides_2, cells_2)
+        rho_of_tile(one, two, cells_1, cells_2, a, b, loaded, raw)
+        if other_closure:
+            rho_of_tile(gaussian_1, gaussian_2, cells_1, cells_2, c, d, loaded_too, base)
+        bias_of_tile(place_1, cells_1, place_2, cells_2, count, axes, sizes, values, memory, known)
+        for lane in range(count):
+            i, j, n, value = cells_1[lane], cells_2[lane], start + lane, raw[lane]
+            worse = max(flags_1[i, 0], flags_2[j, 0])
+            if worse < not_converged and not abs(value) <= 1.0 + ROUNDING:
+                worse = not_physical
+            off = 0.0 if flags_1[i, 2] and flags_2[j, 2] else known[lane]  # elastic: exact
+            off += value - (base[lane] if other_closure else value)  # NaN where rho is
+            large = 2 if np.isnan(off) else int(abs(off) > OFF)
+            rho[n] = min(max(value, -1.0), 1.0) if worse < not_converged else np.nan
+            status[n], bias[n] = worse, off
+            caution[n] = max(large, flags_1[i, 1], flags_2[j, 1])

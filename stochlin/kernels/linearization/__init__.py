@@ -1,0 +1,1 @@
+"""One oscillator: covariances, filters, closures, fixed point, moments over time, drift."""

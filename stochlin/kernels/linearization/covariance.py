@@ -1,0 +1,156 @@
+"""Stationary covariances of linear(ized) oscillators, block by block and in closed form.
+
+Every function broadcasts. The state of one structure is ``(mu, mu', y)``, with the
+slip ``y = mu - z`` in place of the hysteretic displacement ``z``: as yielding dies out
+``y`` and its whole row of equations vanish together, so that nothing is divided by
+a small number that was found by subtraction. In these variables ``z' = -c_e mu' - k_e z`` reads
+
+    mu'' = -stiffness mu - damping mu' + coupling y + f
+    y'   = relaxation mu + slip mu' - relaxation y,
+
+with ``stiffness = w^2``, ``damping = 2 xi w``, ``coupling = (1 - alpha) w^2``,
+``slip = 1 + c_e`` and ``relaxation = k_e``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.small_systems import solve_3x3
+
+
+class EquivalentSystem(NamedTuple):
+    """Coefficients of one linearized oscillator (module docstring); units s^-2, s^-1, s^-2, 1, s^-1."""
+
+    stiffness: Array
+    damping: Array
+    coupling: Array
+    slip: Array
+    relaxation: Array
+
+    @property
+    def characteristic(self) -> tuple[Array, Array, Array]:
+        """Coefficients ``(a2, a1, a0)`` of ``det(sI - A) = s^3 + a2 s^2 + a1 s + a0``."""
+        w2, d, h, p, k = self
+        return d + k, w2 + d * k - h * p, (w2 - h) * k
+
+    def transfer_squared(self, frequency: Array) -> Array:
+        """``|mu/f|^2 = (w^2 + k^2)/|det(i w I - A)|^2`` at circular frequencies [rad/s], in s^4."""
+        a2, a1, a0 = self.characteristic
+        square = frequency**2
+        real, imaginary = a0 - a2 * square, frequency * (a1 - square)
+        squared: Array = (square + self.relaxation**2) / (real**2 + imaginary**2)
+        return squared
+
+
+class Forcing(NamedTuple):
+    """Stationary correlations of the forcing ``f`` with ``mu``, ``mu'`` and ``y``.
+
+    They are all that a structure needs to know of the ground. White noise fits in as
+    half its intensity on ``mu'``.
+    """
+
+    mu: Array
+    velocity: Array
+    slip: Array
+
+
+class OwnCovariance(NamedTuple):
+    """Stationary second moments of one structure; ``E[mu mu'] = 0``."""
+
+    mu_mu: Array
+    v_v: Array
+    z_z: Array
+    v_z: Array
+    mu_z: Array
+
+
+def linear_system(frequency: Array, damping_ratio: Array) -> EquivalentSystem:
+    """Oscillator without hysteresis, its third state uncoupled and stable."""
+    zero = np.zeros_like(frequency * damping_ratio)
+    return EquivalentSystem(
+        frequency**2 + zero, 2 * damping_ratio * frequency, zero, zero, frequency + zero
+    )
+
+
+def own_covariance(system: EquivalentSystem, forcing: Forcing) -> OwnCovariance:
+    """Second moments of one structure, from ``A X + X A' + B C' + C B' = 0`` by elimination.
+
+    Exact through the elastic limit ``slip = relaxation = 0``, where the Lyapunov equation
+    itself is singular. Without hardening (``coupling = stiffness``) the displacement has no
+    stationary variance, and the division says so.
+    """
+    w2, d, h, p, k = system
+    c = 1 - p
+    f_z = forcing.mu - forcing.slip
+    mu_z = (c * forcing.velocity + d * f_z) / (d * (w2 + d * k + k * k - h * p) + c * h * k)
+    v_v = (forcing.velocity - h * k * mu_z) / d
+    mu_mu = (v_v - h * mu_z + forcing.mu) / (w2 - h)
+    return OwnCovariance(mu_mu, v_v, c * mu_z, k * mu_z, mu_z)
+
+
+def pair_covariance(
+    first: EquivalentSystem,
+    forcing_1: Forcing,
+    second: EquivalentSystem,
+    forcing_2: Forcing,
+) -> Array:
+    """``E[mu_1 mu_2]`` of two structures on one ground, by elimination.
+
+    The stiffer one goes first, cell by cell. Over periods that differ by up to a factor of 900
+    and hardening down to .001, rho then errs by 2e-13 at most; the other way round by 5e-9.
+    """
+    stiffer = np.asarray(first.stiffness >= second.stiffness)
+    if stiffer.all():
+        return pair_row(first, forcing_1, second, forcing_2)[0]
+    if not stiffer.any():
+        return pair_row(second, forcing_2, first, forcing_1)[0]
+    systems, forcings = zip(first, second, strict=True), zip(forcing_1, forcing_2, strict=True)
+    (stiff, soft), (force_stiff, force_soft) = (
+        zip(*((np.where(stiffer, a, b), np.where(stiffer, b, a)) for a, b in pairs), strict=True)
+        for pairs in (systems, forcings)
+    )
+    return pair_row(
+        EquivalentSystem(*stiff), Forcing(*force_stiff), EquivalentSystem(*soft), Forcing(*force_soft)
+    )[0]
+
+
+def pair_row(
+    first: EquivalentSystem, forcing_1: Forcing, second: EquivalentSystem, forcing_2: Forcing
+) -> tuple[Array, ...]:
+    """First row of the pair's covariance: ``E[mu_1 mu_2]``, ``E[mu_1 mu_2']``, ``E[mu_1 y_2]``.
+
+    The first row ``x`` of ``A1 X + X A2' + b1 C2' + C1 b2' = 0`` satisfies
+    ``D1(-A2) x = r``, where ``D1`` is the characteristic polynomial of ``A1``: a 3 x 3
+    system solved by Cramer's rule. No eigenvalue is computed, so nothing can be defective.
+    """
+    w2, d, h, p, k = second
+    p1, k1, h1, d1 = first.slip, first.relaxation, first.coupling, first.damping
+    a2, a1, a0 = first.characteristic
+    one = np.ones_like(w2)
+    rows = ((0 * one, one, 0 * one), (-w2, -d, h), (k, p, -k))
+
+    def times(column: Sequence[Array]) -> tuple[Array, ...]:
+        return tuple(row[0] * column[0] + row[1] * column[1] + row[2] * column[2] for row in rows)
+
+    columns = tuple(zip(*rows, strict=True))
+    squares = [times(column) for column in columns]
+    cubes = [times(column) for column in squares]
+    matrix = [
+        [a2 * squares[j][i] - cubes[j][i] - a1 * rows[i][j] + (a0 if i == j else 0) for j in range(3)]
+        for i in range(3)
+    ]
+
+    # r = (k1 - A2) [C2 f + e_v E(f v1) - (A2 - d1) e_v E(f mu1)] + h1 (E(f y1) - p1 E(f mu1)) e_v
+    inner = (
+        forcing_2.mu - forcing_1.mu,
+        forcing_2.velocity + forcing_1.velocity + (d + d1) * forcing_1.mu,
+        forcing_2.slip - p * forcing_1.mu,
+    )
+    right = [k1 * u - v for u, v in zip(inner, times(inner), strict=True)]
+    right[1] = right[1] + h1 * (forcing_1.slip - p1 * forcing_1.mu)
+    return solve_3x3(matrix, right)

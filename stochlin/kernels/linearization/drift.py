@@ -1,0 +1,218 @@
+"""The plastic drift that linearization loses: a displacement that moves in kicks and slowly relaxes.
+
+``mu = z + y``: the plastic displacement ``y`` moves by one kick in every half-cycle whose amplitude
+exceeds the yield displacement. Linearization keeps the mean of the kicks, which alternates in sign and
+cancels; what is left of their scatter makes ``y`` a random walk that only the hardening draws
+back. ``docs/drift.md`` derives every line of this module; (1) to (8) are its equations.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial.laguerre import laggauss, lagvander
+from scipy.special import erf
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.small_systems import solve_3x3
+from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, own_covariance
+from stochlin.kernels.linearization.gaussian import SlipQuadrant, slip_quadrant
+
+ORDERS = 12  # of the Laguerre series; what is beyond counts as one more order
+NODES = 40  # of the quadrature over amplitudes
+HALF_CYCLES = 40  # that are remembered; even, so that Bartlett's window removes what just alternates
+TERMS = 8  # of the series of a matrix exponential,
+SMALL = 0.125  # over a time so short against that of the fastest rate
+MOTION = 1e6  # elastic periods: a drift that takes longer has no motion to grow in
+CELLS = 4096  # at a time
+
+_EXCESS, _WEIGHT = laggauss(NODES)
+
+
+class Drift(NamedTuple):
+    """Slow part of the plastic displacement, in units of the yield displacement."""
+
+    variance: Array  # (n,) of its contribution (1 - alpha) y to the displacement
+    rate: Array  # (n,) at which it relaxes [1/s]
+    shares: Array  # (ORDERS + 1, n) of the orders in it; they add up to 1, or to 0 without yielding
+
+
+class HalfCycles(NamedTuple):
+    """The rhythm of the linear response."""
+
+    time: Array  # (n,) [s] that a half-cycle takes
+    memory: Array  # (HALF_CYCLES, n) autocorrelation of z after 1, 2, 3... of them
+
+
+def drift_of(system: EquivalentSystem, latent: Array, cycles: HalfCycles) -> Drift:
+    """Drift of a structure solved with the clipped closure, eqs. (1) to (5).
+
+    Parameters
+    ----------
+    system
+        Equivalent system.
+    latent : (3, n)
+        Standard deviations and correlation of the Gaussian ``(v, z~)`` behind the closure, in units
+        of the yield displacement.
+    cycles
+        Of the linear response.
+    """
+    sv, sz, r = latent
+    slip = slip_quadrant(sz, r)
+    kick = 2 * sv * slip.first * cycles.time  # mean size, half-cycles without yielding among them
+    with np.errstate(all="ignore"):
+        orders = kick**2 * _orders(sz)
+        orders[:-1] *= _sums_of_powers(cycles.memory)
+        intensity = orders.sum(axis=0) / cycles.time
+        rate = _relaxation(system, latent, slip)
+        grown = -np.expm1(-2 * rate * MOTION * 2 * np.pi / np.sqrt(system.stiffness))
+        variance = grown * (system.coupling / system.stiffness) ** 2 * intensity / (2 * rate)
+        still = variance == 0
+        shares = np.where(still, 0.0, orders / orders.sum(axis=0))
+    return Drift(variance, np.where(still, 1.0, rate), shares)
+
+
+def _relaxation(system: EquivalentSystem, latent: Array, slip: SlipQuadrant) -> Array:
+    """Rate at which a displaced drift returns, eq. (4), from the Gaussian gradients of the slip rate."""
+    sv, _, r = latent
+    h, q = slip.h, slip.q
+    by_velocity = 2 * slip.probability
+    by_z = 2 * sv * h * (r * h * slip.edge + q * slip.corner) / erf(h / np.sqrt(2))
+    w2, d, coupling = system.stiffness, system.damping, system.coupling
+    rate: Array = (w2 - coupling) * by_z / (w2 - coupling * by_velocity + d * by_z)
+    return rate
+
+
+def _orders(sz: Array) -> Array:
+    """Variance of the kick sizes by Laguerre order, over the square of their mean: eq. (2).
+
+    The amplitude is Rayleigh distributed, ``a^2/2 sz^2`` exponentially; beyond the yield
+    displacement it is the threshold plus another exponential variable.
+    """
+    threshold = 0.5 / sz**2
+    energy = threshold + _EXCESS[:, None]
+    # sqrt(2 E) sz - 1 without subtraction
+    size = 2 * sz**2 * _EXCESS[:, None] / (sz * np.sqrt(2 * energy) + 1)
+    weighted = _WEIGHT[:, None] * size / (_WEIGHT @ size)
+    total = (weighted * size).sum(axis=0) / (_WEIGHT @ size) * np.exp(threshold) - 1
+    orders = (weighted[..., None] * lagvander(energy, ORDERS)[..., 1:]).sum(axis=0).T ** 2
+    return np.concatenate([orders, np.maximum(total - orders.sum(axis=0), 0)[None]])
+
+
+def _sums_of_powers(memory: Array) -> Array:
+    """``sum over n of R_n^(2 j + 1)``, both ways in time, by order ``j``: eq. (3).
+
+    Powers of a correlation function are correlation functions: with Bartlett's window no sum is
+    negative.
+    """
+    window = 1 - np.arange(1, HALF_CYCLES + 1)[:, None] / HALF_CYCLES
+    power, square = window * memory, memory**2
+    sums = np.empty((ORDERS, memory.shape[1]))
+    for j in range(ORDERS):
+        power = power * square
+        sums[j] = 1 + 2 * power.sum(axis=0)
+    return np.maximum(sums, 0)
+
+
+def half_cycles(system: EquivalentSystem, forcing: Forcing, soil: tuple[Array, ...]) -> HalfCycles:
+    """Mean time between zero crossings of ``z`` (Rice 1944), and what ``z`` remembers after each.
+
+    ``soil`` holds its frequency and damping ratio; it is empty on white noise.
+    """
+    n = system.stiffness.size
+    time, memory = np.empty(n), np.empty((HALF_CYCLES, n))
+    for begin in range(0, n, CELLS):
+        cells = slice(begin, begin + CELLS)
+        time[cells], memory[:, cells] = _half_cycles(
+            EquivalentSystem(*(row[cells] for row in system)),
+            Forcing(*(row[cells] for row in forcing)),
+            tuple(row[cells] for row in soil),
+        )
+    return HalfCycles(time, memory)
+
+
+def _half_cycles(
+    system: EquivalentSystem, forcing: Forcing, soil: tuple[Array, ...]
+) -> tuple[Array, Array]:
+    w2, d, h, p, k = system
+    own = own_covariance(system, forcing)
+    size = 5 if soil else 3
+    a = np.zeros((size, size, w2.size))
+    a[0, 1], a[1, :3], a[2, :3] = 1, (-w2, -d, h), (k, p, -k)
+    with_z = [own.mu_z, own.v_z, own.mu_z - own.z_z]
+    if soil:
+        wg, xig = soil
+        a[1, 3], a[3, 4], a[4, 3], a[4, 4] = 1, 1, -(wg**2), -2 * xig * wg
+        # After t the soil moves freely; by stationarity d/dtau E[f x] = -E[f x'] at tau = 0.
+        f_mu, f_v, f_y = forcing
+        with_z += [f_mu - f_y, k * f_mu + p * f_v - k * f_y - f_v]
+    # z' = (1 - p) v - k z, of which E[z z'] = 0.
+    time = np.pi * np.sqrt(own.z_z / ((1 - p) ** 2 * own.v_v - k**2 * own.z_z))
+    fastest = np.sqrt(w2) + d + k + (soil[0] * (1 + 2 * soil[1]) if soil else 0)
+    displacement, _, slip = _follow(a, time, fastest, with_z)[:3]
+    return time, np.clip((displacement - slip)[1:] / own.z_z, -1, 1)
+
+
+def _follow(a: Array, dt: Array, fastest: Array, start: list[Array]) -> Array:
+    """``exp(a dt)^i start`` for ``i`` from 0 to `HALF_CYCLES`: (size, HALF_CYCLES + 1, n)."""
+    turns = fastest * dt
+    step = _exponential(a * dt, np.max(turns[np.isfinite(turns)], initial=SMALL))
+    states = [np.stack(start)]
+    for _ in range(HALF_CYCLES):
+        states.append((step * states[-1]).sum(axis=1))
+    return np.stack(states, axis=1)
+
+
+def _exponential(matrix: Array, largest: float) -> Array:
+    """By series over a part of the time, then doubling; ``largest`` bounds the eigenvalues."""
+    doublings = int(np.ceil(np.log2(largest / SMALL)))
+    part = matrix / 2.0**doublings
+    identity = np.eye(len(matrix))[:, :, None]
+    total = identity + part / TERMS
+    for order in range(TERMS - 1, 0, -1):
+        total = identity + _product(part, total) / order
+    for _ in range(doublings):
+        total = _product(total, total)
+    return total
+
+
+def _product(left: Array, right: Array) -> Array:
+    return np.einsum("ijn,jkn->ikn", left, right)
+
+
+def innovation_coherence(first: EquivalentSystem, second: EquivalentSystem) -> Array:
+    """Correlation of the two velocities under white noise, eq. (7): what is new in them, not the line.
+
+    On white noise it is the correlation of the velocities themselves.
+    """
+    w, d, h, p, k = first
+    own, other = first.characteristic, second.characteristic
+    # As `covariance.pair_row`, of a unit of noise on both; A^3 by the theorem of Cayley and Hamilton.
+    e, f, g = own[0] + other[0], own[1] - other[1], own[2] + other[2]
+    matrix = (
+        (g - e * w, f - e * d, e * h),
+        (e * (d * w + h * k) - f * w, e * (d * d + h * p - w) - f * d + g, f * h - e * (h * (d + k))),
+        (f * k - e * (p * w + k * k), f * p + e * (k - p * (d + k)), e * (p * h + k * k) - f * k + g),
+    )
+    both, velocity, slip = solve_3x3(matrix, (-np.ones_like(w), second.relaxation + d, -p))
+    joint = 2 * (w * both + d * velocity - h * slip)
+    noise = Forcing(np.zeros(()), np.ones(()), np.zeros(()))
+    unit = own_covariance(first, noise).v_v * own_covariance(second, noise).v_v
+    return np.clip(joint / np.sqrt(unit), -1, 1)
+
+
+def drift_correlation(
+    coherence: Array, shares_1: Array, shares_2: Array, rate_1: Array, rate_2: Array
+) -> Array:
+    """Correlation of two drifts, eqs. (6) and (8): at most 1, and 1 for equal structures.
+
+    Kicks of order ``j`` are correlated as ``coherence |coherence|^(2 j - 2)``; drifts that relax at
+    different rates share ``2 sqrt(l1 l2)/(l1 + l2)`` of it.
+    """
+    square, root_1, root_2 = coherence**2, np.sqrt(shares_1), np.sqrt(shares_2)
+    total = root_1[-1] * root_2[-1]
+    for j in range(ORDERS - 1, -1, -1):
+        total = total * square + root_1[j] * root_2[j]
+    result: Array = coherence * total * 2 * np.sqrt(rate_1 * rate_2) / (rate_1 + rate_2)
+    return result

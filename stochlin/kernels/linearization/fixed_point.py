@@ -1,0 +1,267 @@
+"""The fixed point of statistical linearization, over all cells at once.
+
+The unknowns are the moments ``(sigma_v, sigma_z, corr(v, z))`` of the Gaussian density
+that a closure assumes, as ``(log, log, atanh)``: every iterate is then a valid density,
+whatever the hysteresis law. The mismatch ``F`` is what the linear system implied by the
+closure really does, less what the closure assumes. ``y' = F(y)`` relaxes to the fixed point;
+it is followed by pseudo-transient continuation (Kelley & Keyes 1998, SIAM J. Numer. Anal. 35),
+``(1/delta - dF/dy) step = F``, which ends as Newton's method.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.small_systems import solve_3x3
+from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, own_covariance
+
+CHUNK = 2048  # cells: temporaries of one Newton step then stay in the cache
+COMPLEX_STEP = 1e-30
+LARGEST_STEP = 1.0  # in log(sigma) and atanh(corr)
+LEAST_DELTA = 0.05
+LARGEST_MISMATCH = 1e-6  # of a converged cell, whatever its last step
+SHORTER, LONGER, LONGEST = 0.25, 3.0, 100.0  # factors from one step to the next
+
+
+class Pace(NamedTuple):
+    """How boldly the relaxation is followed: the pseudo-time step ``delta`` and how it changes."""
+
+    first: float
+    restart: float  # where to begin again after a rise of the mismatch
+    shorter: float  # factors from one step to the next: after a rise,
+    longer: float  # after a fall, times the ratio of the mismatches,
+    longest: float  # and at most
+
+
+BOLD = Pace(first=30.0, restart=1.0, shorter=0.25, longer=3.0, longest=100.0)  # nearly Newton
+CAREFUL = Pace(first=0.5, restart=0.5, shorter=0.5, longer=1.1, longest=1.5)
+BOLD_SHARE = 0.15  # of max_iterations: 13 do for the bilinear law, a cell that needs 30 is lost
+
+
+class ClosureValue(NamedTuple):
+    """A closure at latent moments ``(sv, sz, r)``, and its derivatives by them.
+
+    ``coefficients`` are ``(1 + c_e, k_e)``, ``covariance`` is ``(Var v, Var z, Cov(v, z))``
+    under the density assumed. Shapes (2, n), (2, 3, n), (3, n), (3, 3, n).
+    """
+
+    coefficients: Array
+    coefficients_jacobian: Array
+    covariance: Array
+    covariance_jacobian: Array
+
+
+class FixedPoint(NamedTuple):
+    """Where Newton's method stopped, per cell."""
+
+    coefficients: Array  # (2, n): 1 + c_e, k_e
+    latent: Array  # (3, n): sv, sz, r
+    iterations: Array
+    residual: Array  # mismatch of (log sigma_v, log sigma_z, atanh corr(v, z)), Euclidean norm
+    converged: Array
+
+
+Closure = Callable[[Array, Array], ClosureValue]  # latent moments, law parameters
+ForcingOf = Callable[[EquivalentSystem, Array], Forcing]  # system, ground parameters
+
+
+def gaussian_covariance(latent: Array) -> tuple[Array, Array]:
+    """Covariance and its Jacobian of the Gaussian density with moments ``(sv, sz, r)``."""
+    sv, sz, r = latent
+    zero = np.zeros_like(sv)
+    covariance = np.stack([sv * sv, sz * sz, r * sv * sz])
+    jacobian = np.stack(
+        [
+            np.stack([2 * sv, zero, zero]),
+            np.stack([zero, 2 * sz, zero]),
+            np.stack([r * sz, r * sv, sv * sz]),
+        ]
+    )
+    return covariance, jacobian
+
+
+def solve_fixed_point(
+    structure: Array,
+    law: Array,
+    ground: Array,
+    start: Array,
+    closure: Closure,
+    forcing_of: ForcingOf,
+    rtol: float,
+    atol: float,
+    max_iterations: int,
+) -> FixedPoint:
+    """Solve every cell, in chunks.
+
+    Parameters
+    ----------
+    structure : (3, n)
+        Stiffness, damping and coupling of the equivalent system.
+    law, ground : (m, n)
+        Parameters handed through to ``closure`` and ``forcing_of``.
+    start : (3, n)
+        First guess of the latent moments.
+    rtol, atol
+        A cell is done when ``|dy| <= atol + rtol |y|`` for each latent moment ``y``; ``atol``
+        counts for the correlation only, since the other two are positive scales.
+    """
+    parts = []
+    for begin in range(0, start.shape[1], CHUNK):
+        cells = slice(begin, begin + CHUNK)
+        problem = _Problem(structure[:, cells], law[:, cells], ground[:, cells], closure, forcing_of)
+        parts.append(_solve(problem, start[:, cells], rtol, atol, max_iterations))
+    if not parts:
+        none = np.empty(0)
+        return FixedPoint(start[:2], start, none.astype(np.int32), none, none == 0)
+    return FixedPoint(*(np.concatenate(field, axis=-1) for field in zip(*parts, strict=True)))
+
+
+class _Problem(NamedTuple):
+    structure: Array
+    law: Array
+    ground: Array
+    closure: Closure
+    forcing_of: ForcingOf
+
+    def of(self, cells: Array) -> _Problem:
+        return self._replace(
+            structure=self.structure[:, cells], law=self.law[:, cells], ground=self.ground[:, cells]
+        )
+
+
+class _State(NamedTuple):
+    """Last valid iterate of each cell, its mismatch, the step from there and the pseudo-time step."""
+
+    base: Array
+    norm: Array
+    step: Array
+    delta: Array
+
+
+def _solve(problem: _Problem, start: Array, rtol: float, atol: float, max_iterations: int) -> FixedPoint:
+    """Boldly first; a cell that ran away begins again with care."""
+    bold = max(1, int(BOLD_SHARE * max_iterations))
+    solution = _evolve(problem, start, rtol, atol, bold, BOLD)
+    lost = np.flatnonzero(~solution.converged)
+    if lost.size and max_iterations > bold:
+        again = _evolve(problem.of(lost), start[:, lost], rtol, atol, max_iterations - bold, CAREFUL)
+        again.iterations[:] += bold
+        for field, better in zip(solution, again, strict=True):
+            field[..., lost] = better
+    return solution
+
+
+def _evolve(
+    problem: _Problem, start: Array, rtol: float, atol: float, max_iterations: int, pace: Pace
+) -> FixedPoint:
+    n = start.shape[1]
+    y = np.stack([np.log(start[0]), np.log(start[1]), np.arctanh(start[2])])
+    state = _State(y, np.full(n, np.inf), np.zeros_like(y), np.full(n, pace.first))
+    iterations, converged = np.zeros(n, np.int32), np.zeros(n, bool)
+    for _ in range(max_iterations):
+        active = np.flatnonzero(~converged)
+        if not active.size:
+            break
+        converged[active] = _advance(problem.of(active), state, active, rtol, atol, pace)
+        iterations[active] += 1
+    y = state.base + state.step
+    latent = np.stack([np.exp(y[0]), np.exp(y[1]), np.tanh(y[2])])
+    with np.errstate(all="ignore"):  # where a cell ran away
+        coefficients = problem.closure(latent, problem.law).coefficients
+    return FixedPoint(coefficients, latent, iterations, state.norm, converged)
+
+
+def _advance(
+    problem: _Problem, state: _State, cells: Array, rtol: float, atol: float, pace: Pace
+) -> Array:
+    """One evaluation of the cells, and what is made of it: a new step, or a part of the old one."""
+    y = state.base[:, cells] + state.step[:, cells]
+    mismatch, jacobian = _mismatch(problem, y)
+    norm = np.sqrt((mismatch**2).sum(axis=0))
+    valid = np.isfinite(norm) & np.isfinite(jacobian).all(axis=(0, 1))
+    delta = _next_delta(state.delta[cells], state.norm[cells], np.where(valid, norm, np.inf), pace)
+    step = _newton_step(jacobian, mismatch, delta)
+    # Not stationary: take back most of the step, or if there was none yet, start nearer to elastic.
+    untried = np.isinf(state.norm[cells])
+    towards_elastic = state.step[:, cells] - np.stack([0 * y[0], np.ones_like(y[1]), 0.5 * y[2]])
+    retreat = np.where(untried, towards_elastic, 0.25 * state.step[:, cells])
+    state.base[:, cells] = np.where(valid, y, state.base[:, cells])
+    state.norm[cells] = np.where(valid, norm, state.norm[cells])
+    state.step[:, cells] = np.where(valid, step, retreat)
+    state.delta[cells] = delta
+    # Judged by the undamped step: a damped one is also small where delta is.
+    change = np.abs(_newton_step(jacobian, mismatch, np.inf))
+    r = np.tanh(y[2])
+    change[2] *= (1 - r * r) * rtol / (atol + rtol * np.abs(r))
+    return valid & (norm <= LARGEST_MISMATCH) & (change.max(axis=0) <= rtol)
+
+
+def _next_delta(delta: Array, before: Array, now: Array, pace: Pace) -> Array:
+    """Switched evolution relaxation: longer as the mismatch falls, short again when it rises."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        ratio = np.where(np.isinf(before), 1, before / now)
+    shorter = np.maximum(pace.shorter * np.minimum(delta, pace.restart), LEAST_DELTA)
+    return np.where(ratio < 1, shorter, delta * np.minimum(pace.longer * ratio, pace.longest))
+
+
+def _newton_step(jacobian: Array, mismatch: Array, delta: Array | float) -> Array:
+    """``(1/delta - J)^-1 F``, limited in length: a relaxation for small delta, Newton for large."""
+    matrix = -jacobian
+    matrix[np.arange(3), np.arange(3)] += 1 / delta
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        step = np.stack(solve_3x3(list(matrix), list(mismatch)))
+        return step / np.maximum(1, np.abs(step).max(axis=0) / LARGEST_STEP)
+
+
+def _mismatch(problem: _Problem, y: Array) -> tuple[Array, Array]:
+    """What the implied linear system does less what the closure assumes, and the Jacobian."""
+    sv, sz, r = np.exp(y[0]), np.exp(y[1]), np.tanh(y[2])
+    # An iterate may be no density or imply no stationary system: its NaN is the answer.
+    with np.errstate(all="ignore"):
+        value = problem.closure(np.stack([sv, sz, r]), problem.law)
+        response, by_coefficients = _response(problem, value.coefficients)
+        reached, d_reached = _to_unknowns(response)
+        assumed, d_assumed = _to_unknowns(value.covariance)
+        scale = np.stack([sv, sz, 1 - r * r])
+        jacobian = np.einsum("ijn,jkn,kln->iln", d_reached, by_coefficients, value.coefficients_jacobian)
+        jacobian -= np.einsum("ijn,jkn->ikn", d_assumed, value.covariance_jacobian)
+    return reached - assumed, jacobian * scale
+
+
+def _response(problem: _Problem, coefficients: Array) -> tuple[Array, Array]:
+    """``(Var v, Var z, Cov(v, z))`` of the linear system, and its derivatives by (slip, relaxation).
+
+    NaN where the moments are no covariance, for then the system is unstable.
+    """
+    derivatives = []
+    for which in range(2):
+        shifted = coefficients.astype(complex)
+        shifted[which] += COMPLEX_STEP * 1j
+        system = EquivalentSystem(*problem.structure, *shifted)
+        own = own_covariance(system, problem.forcing_of(system, problem.ground))
+        response = np.stack([own.v_v, own.z_z, own.v_z])
+        derivatives.append(response.imag / COMPLEX_STEP)
+    stable = (own.mu_mu.real > 0) & (own.mu_mu.real * own.z_z.real > (1 - 1e-9) * own.mu_z.real**2)
+    return np.where(stable, response.real, np.nan), np.stack(derivatives, axis=1)
+
+
+def _to_unknowns(covariance: Array) -> tuple[Array, Array]:
+    """``(log sv, log sz, atanh r)`` of a covariance and the Jacobian; NaN where it is none."""
+    vv, zz, vz = covariance
+    sv, sz = np.sqrt(vv), np.sqrt(zz)
+    r = vz / (sv * sz)
+    zero = np.zeros_like(r)
+    spread = 1 / (1 - r * r)
+    unknowns = np.stack([np.log(sv), np.log(sz), np.arctanh(r)])
+    jacobian = np.stack(
+        [
+            np.stack([0.5 / vv, zero, zero]),
+            np.stack([zero, 0.5 / zz, zero]),
+            np.stack([-0.5 * r * spread / vv, -0.5 * r * spread / zz, spread / (sv * sz)]),
+        ]
+    )
+    return unknowns, jacobian

@@ -1,0 +1,72 @@
+"""Expectations over a Gaussian pair ``(v, z)`` on the quadrant where a bilinear law slips."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import ndtr, owens_t
+
+from stochlin.kernels.basics.arrays import Array
+
+SQRT_2PI = np.sqrt(2 * np.pi)
+
+
+class SlipQuadrant(NamedTuple):
+    """Partial moments over ``{v > 0, z > 1}`` of ``x = v / sv``, and what their derivatives need.
+
+    With ``h = 1 / sz``, ``q = sqrt(1 - r^2)``, ``a = r / q``:
+    ``edge = phi(h) Phi(a h)`` and ``corner = exp(-h^2 / (2 q^2)) / (2 pi)``.
+    """
+
+    probability: Array  # P(v > 0, z > 1) = Q(h)/2 + T(h, a)
+    first: Array  # E[x; v > 0, z > 1]
+    second: Array  # E[x^2; v > 0, z > 1]
+    h: Array
+    q: Array
+    edge: Array
+    corner: Array
+
+
+def slip_quadrant(sz: Array, r: Array) -> SlipQuadrant:
+    """Rosenbaum's truncated moments (1961, J. R. Stat. Soc. B 23), with Owen's T.
+
+    The tail is summed from positive terms for ``r >= 0``: its relative accuracy survives
+    where slip becomes rare.
+    """
+    h = 1 / sz
+    q = np.sqrt((1 - r) * (1 + r))
+    a = r / q
+    with np.errstate(under="ignore"):
+        edge = np.exp(-0.5 * h * h) / SQRT_2PI * ndtr(a * h)
+        corner = np.exp(-0.5 * (h / q) ** 2) / (2 * np.pi)
+        probability = 0.5 * ndtr(-h) + owens_t(h, a)
+        first = ndtr(-h / q) / SQRT_2PI + r * edge
+    second = probability + r * (r * h * edge + q * corner)
+    return SlipQuadrant(probability, first, second, h, q, edge, corner)
+
+
+def regress_slip(
+    slip: Array, slip_jacobian: Array, covariance: Array, covariance_jacobian: Array
+) -> tuple[Array, Array]:
+    """Least-squares ``(1 + c_e, k_e)`` of the slip rate ``v - G(v, z)`` on ``(v, z)``, with Jacobian.
+
+    Parameters
+    ----------
+    slip : (2, n)
+        ``E[(v - G) v]`` and ``E[(v - G) z]``.
+    covariance : (3, n)
+        ``Var v``, ``Var z``, ``Cov(v, z)``.
+    slip_jacobian, covariance_jacobian : (2, 3, n), (3, 3, n)
+        Derivatives by the latent moments.
+    """
+
+    def solve(by_v: Array, by_z: Array) -> Array:
+        return np.stack([by_v * zz - by_z * vz, by_z * vv - by_v * vz]) / (vv * zz - vz * vz)
+
+    vv, zz, vz = covariance
+    coefficients = solve(*slip)
+    p, k = coefficients
+    d_vv, d_zz, d_vz = covariance_jacobian
+    jacobian = solve(slip_jacobian[0] - p * d_vv - k * d_vz, slip_jacobian[1] - p * d_vz - k * d_zz)
+    return coefficients, jacobian

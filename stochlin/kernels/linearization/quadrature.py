@@ -1,0 +1,133 @@
+"""Gaussian expectations of any odd slip rate, by quadrature batched over cells.
+
+Oddness halves the plane: ``E[w v] = 2 E[w v; v > 0]``. The outer integral over ``t = z/sz`` is
+Gauss-Legendre on panels between the kinks of the law. The inner one over ``x = v/sv > 0``
+given ``t`` is closed for a rate-independent law, ``w(v, z) = v w(1, z)``, and Gauss-Legendre
+otherwise. Derivatives by the moments come from the same integrals, through the score of
+the density, so that kinks in the law do no harm.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import ndtr
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.linearization.gaussian import SQRT_2PI
+
+REACH = 12.0  # standard deviations; the density beyond is below 1e-31
+CELLS = 64  # per block: nodes times cells stay in the cache
+
+
+class SlipRate(NamedTuple):
+    """Slip rate ``w(v, z) = v - G(v, z)``, its kinks in ``z``, and whether it is linear in ``v > 0``."""
+
+    function: Callable[[Array, Array], Array]
+    kinks: tuple[float, ...]
+    rate_independent: bool
+
+
+def slip_expectations(law: SlipRate, latent: Array, order: int) -> tuple[Array, Array]:
+    """``(E[w v], E[w z])`` and the Jacobian by ``(sv, sz, r)``.
+
+    Parameters
+    ----------
+    law : SlipRate
+    latent : (3, n)
+        ``sv``, ``sz``, ``r``.
+    order : int
+        Gauss-Legendre nodes of each panel.
+
+    Returns
+    -------
+    (2, n) and (2, 3, n)
+    """
+    values = np.empty((2, latent.shape[1]))
+    jacobian = np.empty((2, 3, latent.shape[1]))
+    block = CELLS if law.rate_independent else 1 + CELLS // order
+    for begin in range(0, latent.shape[1], block):
+        cells = slice(begin, begin + block)
+        moments = _moments(law, latent[:, cells], order)
+        values[:, cells], jacobian[:, :, cells] = _assemble(moments, latent[:, cells])
+    return values, jacobian
+
+
+def _moments(law: SlipRate, latent: Array, order: int) -> Array:
+    """``M[a, b] = 2 E[w x^a t^b; x > 0]``, shape (4, 4, n)."""
+    sv, sz, r = (row[:, None] for row in latent)
+    q = np.sqrt((1 - r) * (1 + r))
+    t, weight = _panels(law.kinks, sz, r, q, order)
+    weight = 2 * weight * np.exp(-0.5 * t * t) / SQRT_2PI
+    inner = _inner_closed if law.rate_independent else _inner_quadrature
+    powers = np.stack([weight, weight * t, weight * t**2, weight * t**3])
+    result: Array = np.einsum("anj,bnj->abn", inner(law, sv, sz * t, r * t, q, order), powers)
+    return result
+
+
+def _panels(kinks: tuple[float, ...], sz: Array, r: Array, q: Array, order: int) -> tuple[Array, Array]:
+    """Nodes and weights in ``t``: panels between kinks and around the turn of ``E[v | z]`` at 0."""
+    turn = np.minimum(6 * q / np.maximum(np.abs(r), 1e-3), REACH)
+    edges = [np.full_like(sz, -REACH), -turn, 0 * sz, turn, np.full_like(sz, REACH)]
+    edges += [np.clip(kink / sz, -REACH, REACH) for kink in kinks]
+    border = np.sort(np.concatenate(edges, axis=1), axis=1)
+    nodes, weights = np.polynomial.legendre.leggauss(order)
+    half = 0.5 * np.diff(border, axis=1)[:, :, None]
+    middle = 0.5 * (border[:, 1:] + border[:, :-1])[:, :, None]
+    shape = (sz.shape[0], -1)
+    return (middle + half * nodes).reshape(shape), (half * weights).reshape(shape)
+
+
+def _inner_closed(law: SlipRate, sv: Array, z: Array, mean: Array, q: Array, order: int) -> Array:
+    """``E[w x^a; x > 0 | t]`` for ``w = sv x w(1, z)``: truncated Gaussian moments by recursion."""
+    density = np.exp(-0.5 * (mean / q) ** 2) / SQRT_2PI
+    below = [ndtr(mean / q)]
+    below.append(mean * below[0] + q * density)
+    for power in range(2, 5):
+        below.append(mean * below[-1] + (power - 1) * q * q * below[-2])
+    return sv * law.function(np.ones_like(z), z) * np.stack(below[1:])
+
+
+def _inner_quadrature(law: SlipRate, sv: Array, z: Array, mean: Array, q: Array, order: int) -> Array:
+    """``E[w x^a; x > 0 | t]`` by Gauss-Legendre over the part of ``x > 0`` that carries weight.
+
+    The panels are graded towards ``v = 0``, where rate-dependent laws turn, however slow that is
+    beside ``sv``.
+    """
+    nodes, weights = _graded(order // 2)
+    low, high = np.maximum(mean - REACH * q, 0), np.maximum(mean, 0) + REACH * q
+    width = (high - low)[..., None]
+    x = low[..., None] + width * nodes
+    weight = width * weights * np.exp(-0.5 * ((x - mean[..., None]) / q[..., None]) ** 2)
+    weight *= law.function(sv[..., None] * x, np.broadcast_to(z[..., None], x.shape))
+    weight /= SQRT_2PI * q[..., None]
+    return np.stack([(weight * x**power).sum(axis=-1) for power in range(4)])
+
+
+def _graded(order: int) -> tuple[Array, Array]:
+    """Nodes and weights on [0, 1], in panels that grow by a factor of four."""
+    nodes, weights = np.polynomial.legendre.leggauss(order)
+    edges = np.concatenate([[0.0], 4.0 ** np.arange(-6, 1)])
+    half = 0.5 * np.diff(edges)[:, None]
+    return (edges[:-1, None] + half * (1 + nodes)).ravel(), (half * weights).ravel()
+
+
+def _assemble(m: Array, latent: Array) -> tuple[Array, Array]:
+    sv, sz, r = latent
+    q2 = (1 - r) * (1 + r)
+
+    def score(a: int, b: int) -> Array:
+        """``2 E[w x^a t^b s; x > 0]`` for the scores ``s`` by sv, sz and r."""
+        xx, xt, tt = m[a + 2, b], m[a + 1, b + 1], m[a, b + 2]
+        return np.stack(
+            [
+                ((xx - r * xt) / q2 - m[a, b]) / sv,
+                ((tt - r * xt) / q2 - m[a, b]) / sz,
+                (r * m[a, b] + ((1 + r * r) * xt - r * (xx + tt)) / q2) / q2,
+            ]
+        )
+
+    values = np.stack([sv * m[1, 0], sz * m[0, 1]])
+    return values, np.stack([sv * score(1, 0), sz * score(0, 1)])

@@ -1,0 +1,1 @@
+"""A row of buildings through a recorded motion, event by event; force of a contact."""

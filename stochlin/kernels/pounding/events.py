@@ -1,0 +1,272 @@
+"""Ends of branches within a step of buildings in a row: which comes first, and what follows; compiled.
+
+A storey yields and unloads, a contact begins, turns and ends where a linear function of the state leaves
+an interval; two floors that move together part where the force between them vanishes.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stochlin.kernels.basics.linear_branch import evaluate, first_exit
+from stochlin.kernels.pounding.contact import IMPACT_KELVIN, JANKOWSKI, NO_TENSION
+from stochlin.kernels.pounding.impacts import END, LARGEST, begin_entry, end_entry, settle
+from stochlin.kernels.pounding.rates import (
+    CLOSING_RATE,
+    MARGIN,
+    PENETRATION,
+    STRAIN,
+    STRAIN_RATE,
+    measure,
+)
+from stochlin.kernels.pounding.rows import (
+    BILINEAR,
+    BOUC_WEN,
+    CLOSED,
+    ELASTIC,
+    OPEN,
+    OPENING,
+    PARTED,
+    STEREOMECHANICAL,
+    TOGETHER,
+    lean,
+    once,
+    sizes,
+)
+from stochlin.kernels.pounding.steps import (
+    NODES,
+    STAGES,
+    component_polynomial,
+    find_node_forces,
+    force_polynomial,
+    interpolate,
+    polynomial,
+)
+
+NOTHING = -1
+INFINITE = np.inf
+THIRDS = 16  # the square of what is left, (2/3)^32, is the error of a peak
+GRAIN = 1e-11  # of the largest displacement: the noise of the polynomials
+
+
+@lean
+def watches(row):  # type: ignore[no-untyped-def]
+    """Number of the ends of branches that `watched` knows: two of each storey and of each contact."""
+    n, _, c, _ = sizes(row)
+    return 2 * (n + c)
+
+
+@lean
+def watched(row, branch, number):  # type: ignore[no-untyped-def]
+    """What ends a branch: a `measure`, of which storey or contact, its shift, and its interval.
+
+    What floors that move together watch, their force, is not among it.
+    """
+    n, _, c, _ = sizes(row)
+    if number < 2 * n:
+        return _watched_storey(row, branch, number % n, number < n)
+    j = (number - 2 * n) % c
+    return _watched_contact(row, branch, j, number < 2 * n + c)
+
+
+@lean
+def _watched_storey(row, branch, i, first):  # type: ignore[no-untyped-def]
+    law, sign, limit = row.law[i], branch.storey[i], row.strength[i]
+    watch = NOTHING, i, 0.0, 0.0, 0.0
+    if first and law == BILINEAR and sign == 0:
+        watch = STRAIN, i, 0.0, -limit, limit
+    elif first and law != ELASTIC:
+        watch = _keeps_sign(STRAIN_RATE, i, 0.0, sign)
+    elif law == BOUC_WEN:
+        watch = _keeps_sign(STRAIN, i, 0.0, branch.side[i])
+    return watch
+
+
+@lean
+def _watched_contact(row, branch, j, first):  # type: ignore[no-untyped-def]
+    kept, gap = branch.contact[j], row.gap[j]
+    watch = NOTHING, j, 0.0, 0.0, 0.0
+    if first and kept == OPEN:
+        watch = _keeps_sign(PENETRATION, j, gap, -1)
+    elif first and kept != TOGETHER:
+        watch = _keeps_sign(MARGIN if kept == CLOSED else PENETRATION, j, gap, 1)
+    elif kept == PARTED:
+        watch = _keeps_sign(MARGIN, j, gap, -1)
+    elif kept == OPENING:
+        watch = _keeps_sign(CLOSING_RATE, j, 0.0, -1)
+    elif kept == CLOSED and row.kind in (IMPACT_KELVIN, JANKOWSKI):
+        watch = _keeps_sign(CLOSING_RATE, j, 0.0, 1)
+    return watch
+
+
+@lean
+def _keeps_sign(what, i, shift, sign):  # type: ignore[no-untyped-def]
+    return what, i, shift, 0.0 if sign > 0 else -INFINITE, INFINITE if sign > 0 else 0.0
+
+
+@once
+def _in_contact(branch):  # type: ignore[no-untyped-def]
+    for kept in branch.contact:  # noqa: SIM110  a generator would be an allocation
+        if kept != OPEN:
+            return True
+    return False
+
+
+@once
+def _storeys_stay(row, branch, h, x, space):  # type: ignore[no-untyped-def]
+    """Whether no storey can end its branch within the step: the test of `first_event`, at one go."""
+    n, new, begin, end = row.mass.size, space.new, space.stages[0], space.stages[STAGES]
+    for i in range(n):
+        law, below = row.law[i], row.below[i]
+        if law == ELASTIC:
+            continue
+        if law == BOUC_WEN:
+            return False
+        if branch.storey[i] == 0:
+            y, y1, r, r1 = x[i] - x[2 * n + i], new[i] - new[2 * n + i], x[n + i], new[n + i]
+            if below >= 0:
+                y, y1, r, r1 = y - x[below], y1 - new[below], r - x[n + below], r1 - new[n + below]
+            margin = row.strength[i] - max(abs(y), abs(y1))
+        else:
+            y, y1, r, r1 = x[n + i], new[n + i], begin[n + i], end[n + i]
+            if below >= 0:
+                y, y1 = y - x[n + below], y1 - new[n + below]
+                r, r1 = r - begin[n + below], r1 - end[n + below]
+            margin = min(branch.storey[i] * y, branch.storey[i] * y1)
+        if h * max(abs(r), abs(r1)) > margin:
+            return False
+    return True
+
+
+@once
+def first_event(row, branch, ground, slope, h, x, space):  # type: ignore[no-untyped-def]
+    """First end of a branch within a step that was taken.
+
+    Returns its time over the step, its number, the side by which the interval is left, and whether the
+    polynomials of the step were found. In contact they always are, with the forces at the nodes.
+    """
+    total = watches(row)
+    best, event, way, known = 1.0, NOTHING, 0, False
+    if _in_contact(branch):
+        interpolate(row, branch, ground, slope, h, x, space)
+        find_node_forces(row, branch, ground, slope, h, x, space)
+        known = True
+    for number in range(2 * row.mass.size if _storeys_stay(row, branch, h, x, space) else 0, total):
+        what, i, shift, lower, upper = watched(row, branch, number)
+        if what == NOTHING:
+            continue
+        begin, end = measure(row, what, i, x) - shift, measure(row, what, i, space.new) - shift
+        grain = GRAIN * space.reach[0].max()
+        if what == PENETRATION and upper == 0.0 and begin > -grain:  # floors that touch may yet part
+            upper = max(begin, 0.0) + grain
+        rate = measure(row, what, i, space.stages[0])
+        last_rate = measure(row, what, i, space.stages[STAGES])
+        # A step is too short for a function to stray farther than its steeper end would take it.
+        stray = h * max(abs(rate), abs(last_rate))
+        if max(begin, end) + stray <= upper and min(begin, end) - stray >= lower:
+            continue
+        if not known:
+            interpolate(row, branch, ground, slope, h, x, space)
+            known = True
+        polynomial(row, what, i, shift, x, space)
+        t, side = first_exit(space.line, lower, upper, best, space.lines, space.marks)
+        if side != 0 and (t < best or event == NOTHING):
+            best, event, way = t, number, side
+    for j in range(row.gap.size):
+        if branch.contact[j] == TOGETHER:
+            force_polynomial(j, space)
+            t, side = first_exit(space.line, 0.0, INFINITE, best, space.lines, space.marks)
+            if side != 0 and (t < best or event == NOTHING):
+                best, event, way = t, total + j, side
+    return best, event, way, known
+
+
+@once
+def pass_event(row, branch, event, way, ground, time, x, space, table, used):  # type: ignore[no-untyped-def]
+    """Go from branch to branch at an event; returns how many lines of the table are used.
+
+    There has to be room for MOST_BLOWS and two for each contact.
+    """
+    n, _, c, _ = sizes(row)
+    if event < 2 * n:
+        if event >= n:
+            branch.side[event - n] = -branch.side[event - n]
+        elif row.law[event] == BOUC_WEN:
+            branch.storey[event] = -branch.storey[event]
+        else:
+            branch.storey[event] = way if branch.storey[event] == 0 else 0
+        return used
+    j = (event - 2 * n) % c
+    if row.kind == STEREOMECHANICAL:
+        return settle(row, branch, j, ground, time, x, space, table, used)
+    if branch.contact[j] == OPEN:
+        v = measure(row, CLOSING_RATE, j, x)
+        branch.contact[j] = CLOSED
+        branch.approach[j] = v if v > row.slow else 0.0
+        return begin_entry(row, branch, j, v, time, x, table, used)
+    if event < 2 * n + c:
+        _end_contact(row, branch, j, time, x, table)
+    else:
+        branch.contact[j] = OPENING if branch.contact[j] == CLOSED else CLOSED
+    return used
+
+
+@lean
+def _end_contact(row, branch, j, time, x, table):  # type: ignore[no-untyped-def]
+    """A contact opens; or its force ends, while the element is still compressed and may push again."""
+    parted = branch.contact[j] == PARTED
+    end_entry(row, branch, j, table[branch.entry[j], END] if parted else time, x, table)
+    if row.kind == NO_TENSION and not parted and measure(row, PENETRATION, j, x) > row.gap[j]:
+        branch.contact[j] = PARTED
+    else:
+        branch.contact[j] = OPEN
+        branch.entry[j] = -1
+
+
+@once
+def watch_forces(branch, end, space, table):  # type: ignore[no-untyped-def]
+    """Take the largest forces up to the share ``end`` of a step into the table."""
+    for j in range(branch.contact.size):
+        line = branch.entry[j]
+        if line < 0 or branch.contact[j] in (OPEN, PARTED):
+            continue
+        here, last = 0, int(end * (NODES - 1))
+        for q in range(1, last + 1):
+            if space.nodes[q, j] > space.nodes[here, j]:
+                here = q
+        largest = max(table[line, LARGEST], space.nodes[here, j])
+        force_polynomial(j, space)
+        low, high = max(here - 1, 0) / (NODES - 1), min((here + 1) / (NODES - 1), end)
+        for _ in range(THIRDS):  # the interval in which the polynomial has its peak, by thirds
+            third = (high - low) / 3.0
+            one, two = evaluate(space.line, low + third)[0], evaluate(space.line, high - third)[0]
+            if one < two:
+                low += third
+            else:
+                high -= third
+            largest = max(largest, one, two)
+        table[line, LARGEST] = largest
+
+
+@lean
+def watch_peaks(row, end, h, x, after, space, peaks, look):  # type: ignore[no-untyped-def]
+    """Take the share ``end`` of a step, up to ``after``, into ``peaks`` (2, n): highest, lowest.
+
+    Without the polynomials of the step, tells whether they are needed for that; with them, ``look``,
+    uses them.
+    """
+    n, needed = row.mass.size, False
+    for i in range(n):
+        for side in range(2):
+            sign = 1.0 - 2.0 * side
+            u, v, u1, v1 = sign * x[i], sign * x[n + i], sign * after[i], sign * after[n + i]
+            best = max(sign * peaks[side, i], u1)
+            if v > 0.0 > v1 and max(u, u1) + 0.5 * h * max(v, -v1) > best:
+                needed = True
+                if look:
+                    component_polynomial(n + i, sign, x, space)
+                    t, _ = first_exit(space.line, 0.0, INFINITE, end, space.lines, space.marks)
+                    component_polynomial(i, sign, x, space)
+                    best = max(best, evaluate(space.line, t)[0])
+            peaks[side, i] = sign * best
+    return needed

@@ -1,0 +1,172 @@
+"""Stereomechanical impacts of buildings in a row, and the table of all impacts; compiled.
+
+An impact is a line of the table: when it began, which contact, its approach velocity, its largest force,
+when it ended, and what the contact had dissipated before and after it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stochlin.kernels.pounding.contact import reduced_mass, velocities_after_impact
+from stochlin.kernels.pounding.rates import CLOSING_RATE, PENETRATION, linked, measure, rates
+from stochlin.kernels.pounding.rows import OPEN, TOGETHER, lean, once, sizes
+
+BEGIN, CONTACT, APPROACH, LARGEST, END, BEFORE, AFTER = range(7)
+COLUMNS = 7
+FIRST_LINES = 256
+TOUCH = 1e-12  # of the largest displacement: floors this close touch
+CALM = 1e-9  # of the largest velocity: floors that close no faster than this do not strike
+HOP = 1e-10  # of the largest displacement: floors that would rebound no farther move together
+MOST_BLOWS = 50  # at one time; then all floors that touch go on with one velocity
+
+
+@lean
+def begin_entry(row, branch, j, velocity, time, x, table, used):  # type: ignore[no-untyped-def]
+    """A new line of the table; returns how many are used."""
+    lost = x[_account(row, j)]
+    line = table[used]
+    line[BEGIN], line[CONTACT], line[APPROACH], line[LARGEST] = time, j, velocity, -np.inf
+    line[END], line[BEFORE], line[AFTER] = time, lost, lost
+    branch.entry[j] = used
+    return used + 1
+
+
+@lean
+def end_entry(row, branch, j, time, x, table):  # type: ignore[no-untyped-def]
+    """Bring the line of a contact up to date."""
+    table[branch.entry[j], END] = time
+    table[branch.entry[j], AFTER] = x[_account(row, j)]
+
+
+@lean
+def _account(row, j):  # type: ignore[no-untyped-def]
+    """Where the state has what a contact has dissipated."""
+    n, s, _, _ = sizes(row)
+    return 3 * n + 3 * s + j
+
+
+@once
+def settle(row, branch, struck, ground, time, x, space, table, used):  # type: ignore[no-untyped-def]
+    """What follows when the floors of a contact strike each other, or move together no longer.
+
+    Blows at all floors that touch, the fastest first, until none approaches; a light floor that is
+    caught between heavy ones would take very many. Floors then stay together which are pressed so hard
+    that they would hardly rebound: this is how chattering ends.
+    """
+    touch, calm = TOUCH * space.reach[0].max(), CALM * space.reach[1].max()
+    if branch.contact[struck] == TOGETHER:
+        _let_go(row, branch, struck, time, x, table)
+        return used
+    used, exhausted = _blows(row, branch, struck, touch, calm, time, x, table, used)
+    for j in range(row.gap.size):
+        if exhausted and branch.contact[j] == OPEN and _touches(row, branch, j, touch, x):
+            if branch.entry[j] < 0:
+                used = begin_entry(row, branch, j, 0.0, time, x, table, used)
+            branch.contact[j] = TOGETHER
+            _join(row, branch, j, x)
+        if branch.contact[j] == TOGETHER:
+            if measure(row, CLOSING_RATE, j, x) < -calm:
+                _let_go(row, branch, j, time, x, table)
+            else:
+                _join(row, branch, j, x)
+    for _ in range(row.gap.size):  # one that is held can press the next
+        held = False
+        for j in range(row.gap.size):
+            if branch.contact[j] == OPEN and (j == struck or _touches(row, branch, j, touch, x)):
+                used = _press(row, branch, j, ground, time, calm, x, space, table, used)
+                held = held or branch.contact[j] == TOGETHER
+        if not held:
+            break
+    return used
+
+
+@lean
+def _blows(row, branch, struck, touch, calm, time, x, table, used):  # type: ignore[no-untyped-def]
+    """Blows until no floors approach that touch, or too many; returns also which of both."""
+    for _ in range(MOST_BLOWS):
+        which, fastest = np.int64(-1), calm  # no literal: it would be a type of its own
+        for j in range(row.gap.size):
+            v = measure(row, CLOSING_RATE, j, x)
+            if v > fastest and (j == struck or _touches(row, branch, j, touch, x)):
+                which, fastest = np.int64(j), v
+        if which < 0:
+            return used, False
+        if branch.contact[which] == TOGETHER:
+            _let_go(row, branch, which, time, x, table)
+        used = begin_entry(row, branch, which, fastest, time, x, table, used)
+        if row.restitution == 0.0:
+            branch.contact[which] = TOGETHER
+            _join(row, branch, which, x)
+        else:
+            _strike(row, which, row.restitution, x)
+        end_entry(row, branch, which, time, x, table)
+    return used, True
+
+
+@lean
+def _press(row, branch, j, ground, time, calm, x, space, table, used):  # type: ignore[no-untyped-def]
+    """Hold two floors together that are pressed so hard that they would hardly rebound."""
+    n = row.mass.size
+    rates(row, branch, ground, x, space.rate, space.force)
+    pressed = space.rate[n + row.left[j]] - space.rate[n + row.right[j]]
+    v = measure(row, CLOSING_RATE, j, x)
+    if pressed > 0.0 and v * v <= 2.0 * pressed * HOP * space.reach[0].max():
+        if branch.entry[j] < 0:
+            used = begin_entry(row, branch, j, max(v, 0.0), time, x, table, used)
+        branch.contact[j] = TOGETHER
+        _join(row, branch, j, x)
+    else:
+        branch.entry[j] = -1
+        if abs(v) <= calm:  # side by side: rounding is not to make them strike again
+            _join(row, branch, j, x)
+    return used
+
+
+@lean
+def _touches(row, branch, j, touch, x):  # type: ignore[no-untyped-def]
+    distance = measure(row, PENETRATION, j, x) - row.gap[j]
+    return branch.contact[j] == TOGETHER or distance >= -touch
+
+
+@lean
+def _let_go(row, branch, j, time, x, table):  # type: ignore[no-untyped-def]
+    end_entry(row, branch, j, time, x, table)
+    branch.contact[j] = OPEN
+    branch.entry[j] = -1
+
+
+@lean
+def _strike(row, j, e, x):  # type: ignore[no-untyped-def]
+    """One impact, eq. (13)."""
+    n, one, two = row.mass.size, row.left[j], row.right[j]
+    v = x[n + one] - x[n + two]
+    x[n + one], x[n + two] = velocities_after_impact(
+        x[n + one], x[n + two], row.mass[one], row.mass[two], e
+    )
+    mass = reduced_mass(row.mass[one], row.mass[two])
+    x[_account(row, j)] += 0.5 * (1.0 - e) * (1.0 + e) * mass * v * v
+
+
+@lean
+def _join(row, branch, j, x):  # type: ignore[no-untyped-def]
+    """One velocity for all floors that move together with those of a contact; momentum is kept."""
+    n, c = row.mass.size, row.gap.size
+    start, stop = j, j + 1
+    while linked(row, branch, start):
+        start -= 1
+    while stop < c and linked(row, branch, stop) and branch.contact[stop] == TOGETHER:
+        stop += 1
+    mass = row.mass[row.left[start]]
+    momentum = mass * x[n + row.left[start]]
+    energy = momentum * x[n + row.left[start]]
+    for i in range(start, stop):
+        other = row.right[i]
+        mass += row.mass[other]
+        momentum += row.mass[other] * x[n + other]
+        energy += row.mass[other] * x[n + other] ** 2
+    common = momentum / mass
+    x[_account(row, j)] += max(0.5 * (energy - momentum * common), 0.0)
+    x[n + row.left[start]] = common
+    for i in range(start, stop):
+        x[n + row.right[i]] = common

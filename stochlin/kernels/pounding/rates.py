@@ -1,0 +1,235 @@
+"""Equations of motion of buildings in a row, on the branches that they are on; compiled.
+
+A building is a stack of floors on springs with dashpots, or one mass; the force of a storey is ``alpha k
+drift + (1 - alpha) k y``, where ``y = drift - slip`` [m] and the slip moves only with yielding.
+Neighbours meet at contacts, each between a floor of the left one and a floor of the right one, with the
+penetration ``d = u_left - u_right - gap``. Which branch a storey or a contact is on is told, so that
+the rates are smooth functions: they go on smoothly a little beyond the end of the branch too.
+
+Links are springs with dashpots between two floors that always act. The state holds displacements,
+velocities and slips of all floors, the work that the ground, the dashpots and the yielding have done in
+each building, and what each contact and each link has dissipated.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stochlin.kernels.basics.linear_branch import jit
+from stochlin.kernels.pounding.contact import (
+    HERTZ_DAMP,
+    IMPACT_KELVIN,
+    JANKOWSKI,
+    KELVIN,
+    NO_TENSION,
+    separation_margin,
+)
+from stochlin.kernels.pounding.rows import (
+    BILINEAR,
+    BOUC_WEN,
+    CLOSED,
+    OPEN,
+    PARTED,
+    STEREOMECHANICAL,
+    TOGETHER,
+    Branches,
+    lean,
+    sizes,
+    tight,
+)
+
+STRAIN, STRAIN_RATE, PENETRATION, CLOSING_RATE, MARGIN = range(5)  # see `measure`
+
+
+@lean
+def _bouc_wen_rate(storey, side, shape, strength, y, rate):  # type: ignore[no-untyped-def]
+    """Rate of the slip: ``v |z|^n (beta sign(v z) + gamma)``."""
+    beta, gamma, exponent = shape
+    z = side * y / strength
+    if exponent != 1.0:
+        z = max(z, 0.0) ** exponent
+    return rate * z * (beta * storey * side + gamma)
+
+
+@lean
+def branch_force(kind, branch, element, d, v, v0):  # type: ignore[no-untyped-def]
+    """Force of a contact element and its elastic part [N]; see `contact.force`."""
+    k, n, c = element
+    if branch == OPEN:
+        return 0.0, 0.0
+    elastic = k * d if n == 1.0 else k * max(d, 0.0) ** n
+    if branch == PARTED:
+        return 0.0, elastic
+    if kind == HERTZ_DAMP:
+        return (elastic * (1.0 + c * v / v0) if v0 > 0.0 else elastic), elastic
+    if kind in (KELVIN, NO_TENSION) or (kind == IMPACT_KELVIN and branch == CLOSED):
+        return elastic + c * v, elastic
+    if kind == JANKOWSKI and branch == CLOSED:
+        return elastic + c * max(d, 0.0) ** (0.5 * (n - 1.0)) * v, elastic
+    return elastic, elastic
+
+
+@tight
+def _drags(damping, lo, v, drag):  # type: ignore[no-untyped-def]
+    """Forces of the dashpots of one building, four floors at a time: sums that do not wait."""
+    m, i = v.size, 0
+    while i + 4 <= m:
+        a, b, c, d = 0.0, 0.0, 0.0, 0.0
+        for j in range(m):
+            w = v[j]
+            a += damping[lo + i, lo + j] * w
+            b += damping[lo + i + 1, lo + j] * w
+            c += damping[lo + i + 2, lo + j] * w
+            d += damping[lo + i + 3, lo + j] * w
+        drag[i], drag[i + 1], drag[i + 2], drag[i + 3] = a, b, c, d
+        i += 4
+    for k in range(i, m):
+        a = 0.0
+        for j in range(m):
+            a += damping[lo + k, lo + j] * v[j]
+        drag[k] = a
+
+
+@tight
+def _building(row, branch, b, ground, x, dx):  # type: ignore[no-untyped-def]
+    """Rates of one building standing alone."""
+    n, s = row.mass.size, row.first.size - 1
+    lo, hi = row.first[b], row.first[b + 1]
+    u, v, slips = x[lo:hi], x[n + lo : n + hi], x[2 * n + lo : 2 * n + hi]
+    shear, drag, slip = dx[lo:hi], dx[n + lo : n + hi], dx[2 * n + lo : 2 * n + hi]
+    _drags(row.damping, lo, v, drag)
+    entering, viscous, hysteretic, below, base = 0.0, 0.0, 0.0, 0.0, 0.0
+    for i in range(u.size):
+        at = lo + i
+        drift, rate, law, storey = u[i] - below, v[i] - base, row.law[at], branch.storey[at]
+        y = drift - slips[i]
+        slipping = rate if law == BILINEAR and storey != 0 else 0.0
+        if law == BOUC_WEN:
+            shape, strength, side = row.shape[at], row.strength[at], branch.side[at]
+            slipping = _bouc_wen_rate(storey, side, shape, strength, y, rate)
+        held = row.couple[at] * y
+        shear[i], slip[i] = row.post[at] * drift + held, slipping
+        entering -= row.mass[at] * v[i]
+        viscous += drag[i] * v[i]
+        hysteretic += held * slipping
+        below, base = u[i], v[i]
+    above = 0.0
+    for i in range(u.size - 1, -1, -1):
+        drag[i] = (above - shear[i] - drag[i]) * row.per_mass[lo + i] - ground
+        above = shear[i]
+        shear[i] = v[i]
+    dx[3 * n + b], dx[3 * n + s + b], dx[3 * n + 2 * s + b] = entering * ground, viscous, hysteretic
+
+
+@tight
+def rates(row, branch, ground, x, dx, force):  # type: ignore[no-untyped-def]
+    """Rates ``dx`` of the state ``x`` and forces (c,) of the contacts, for a ground acceleration."""
+    n, s, c, _ = sizes(row)
+    for b in range(s):
+        _building(row, branch, b, ground, x, dx)
+    for j in range(len(row.tied)):
+        one, two = row.tied[j]
+        v, drag = x[n + one] - x[n + two], row.tie[j, 1] * (x[n + one] - x[n + two])
+        pull = row.tie[j, 0] * (x[one] - x[two]) + drag
+        dx[n + one] -= pull * row.per_mass[one]
+        dx[n + two] += pull * row.per_mass[two]
+        dx[3 * n + 3 * s + c + j] = drag * v
+    for j in range(c):
+        f, lost, kept = 0.0, 0.0, branch.contact[j]
+        if kept not in (OPEN, TOGETHER):
+            one, two = row.left[j], row.right[j]
+            d, v = x[one] - x[two] - row.gap[j], x[n + one] - x[n + two]
+            f, elastic = branch_force(row.kind, kept, row.element[j], d, v, branch.approach[j])
+            lost = (f - elastic) * v
+            dx[n + one] -= f * row.per_mass[one]
+            dx[n + two] += f * row.per_mass[two]
+        force[j], dx[3 * n + 3 * s + j] = f, lost
+    if row.kind == STEREOMECHANICAL:
+        _hold_together(row, branch, dx, force)
+
+
+@lean
+def _hold_together(row, branch, dx, force):  # type: ignore[no-untyped-def]
+    """Forces with which floors that move together have one acceleration; tridiagonal along a level."""
+    n, c = row.mass.size, row.gap.size
+    for j in range(c):  # elimination: the rest of each pivot's line is parked in ``force``
+        if branch.contact[j] == TOGETHER:
+            one = row.left[j]
+            free = dx[n + one] - dx[n + row.right[j]]
+            if linked(row, branch, j):
+                free += force[j - 1] / row.mass[one]
+            force[j] = free / _pivot(row, branch, j)
+    for j in range(c - 1, -1, -1):
+        if branch.contact[j] == TOGETHER and j + 1 < c and linked(row, branch, j + 1):
+            force[j] += force[j + 1] / (row.mass[row.right[j]] * _pivot(row, branch, j))
+    for j in range(c):
+        if branch.contact[j] == TOGETHER:
+            dx[n + row.left[j]] -= force[j] / row.mass[row.left[j]]
+            dx[n + row.right[j]] += force[j] / row.mass[row.right[j]]
+    for j in range(c):  # equal to the last bit, so that rounding cannot part them
+        if branch.contact[j] == TOGETHER:
+            dx[n + row.right[j]] = dx[n + row.left[j]]
+
+
+@lean
+def linked(row, branch, j):  # type: ignore[no-untyped-def]
+    """Whether the floor on the left of contact ``j`` also moves together with its own left."""
+    return j > 0 and row.right[j - 1] == row.left[j] and branch.contact[j - 1] == TOGETHER
+
+
+@lean
+def _pivot(row, branch, j):  # type: ignore[no-untyped-def]
+    """Pivot of contact ``j`` in the elimination, from the beginning of its chain."""
+    start = j
+    while linked(row, branch, start):
+        start -= 1
+    pivot = 0.0
+    for i in range(start, j + 1):
+        one, two = row.mass[row.left[i]], row.mass[row.right[i]]
+        coupling = 1.0 / (one * one * pivot) if i > start else 0.0
+        pivot = 1.0 / one + 1.0 / two - coupling
+    return pivot
+
+
+@lean
+def measure(row, what, i, x):  # type: ignore[no-untyped-def]
+    """Linear function of a state, or of its rates: of a storey or a contact with the number ``i``.
+
+    STRAIN is ``y``; PENETRATION leaves out the gap; MARGIN is what ends a contact.
+    """
+    n = row.mass.size
+    if what == STRAIN:
+        below = x[row.below[i]] if row.below[i] >= 0 else 0.0
+        return x[i] - below - x[2 * n + i]
+    if what == STRAIN_RATE:
+        below = x[n + row.below[i]] if row.below[i] >= 0 else 0.0
+        return x[n + i] - below
+    one, two = row.left[i], row.right[i]
+    if what == CLOSING_RATE:
+        return x[n + one] - x[n + two]
+    apart = x[one] - x[two]
+    if what == PENETRATION:
+        return apart
+    k, exponent, c = row.element[i]
+    return separation_margin(row.kind, (k, exponent, c), apart, x[n + one] - x[n + two])
+
+
+@jit
+def starting_branches(row, x):  # type: ignore[no-untyped-def]
+    """Branches at a state from which the motion begins: elastic; at rest at a gap of 0, together."""
+    n, _, c, _ = sizes(row)
+    branch = Branches(
+        np.zeros(n, np.int64),
+        np.ones(n, np.int64),
+        np.zeros(c, np.int64),
+        np.zeros(c),
+        np.full(c, -1),
+    )
+    for i in range(n):
+        if row.law[i] == BOUC_WEN:
+            branch.storey[i] = 1
+    for j in range(c):
+        d = measure(row, PENETRATION, j, x) - row.gap[j]
+        if row.kind == STEREOMECHANICAL and d >= 0 and measure(row, CLOSING_RATE, j, x) == 0:
+            branch.contact[j] = TOGETHER
+    return branch

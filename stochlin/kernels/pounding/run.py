@@ -1,0 +1,243 @@
+"""Buildings in a row through a motion, from event to event; compiled.
+
+The ground is linear between its samples, and steps end at each of them. Where a branch ends within a
+step, the polynomials of the step tell when; the step is cut there, and the next one begins on the next
+branch. Nothing depends on the times at which states are asked for.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numba as nb
+import numpy as np
+
+from stochlin.kernels.basics import linear_branch
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.source_versions import version_of
+from stochlin.kernels.pounding import borrowing, contact, events, impacts, outputs, rows, steps
+from stochlin.kernels.pounding import rates as rates_source
+from stochlin.kernels.pounding.contact import reduced_mass
+from stochlin.kernels.pounding.events import (
+    NOTHING,
+    first_event,
+    pass_event,
+)
+from stochlin.kernels.pounding.impacts import (
+    COLUMNS,
+    FIRST_LINES,
+    MOST_BLOWS,
+    begin_entry,
+    end_entry,
+)
+from stochlin.kernels.pounding.outputs import Asked, borrow_asked, report, watch
+from stochlin.kernels.pounding.rates import rates, starting_branches
+from stochlin.kernels.pounding.rows import (
+    BILINEAR,
+    BOUC_WEN,
+    CLOSED,
+    ELASTIC,
+    OPEN,
+    PARTED,
+    STEREOMECHANICAL,
+    TOGETHER,
+    Row,
+    borrow_branches,
+    borrow_row,
+    lean,
+    once,
+    sizes,
+)
+from stochlin.kernels.pounding.steps import (
+    STAGES,
+    attempt,
+    borrow_space,
+    grow_reach,
+    state_within,
+    workspace,
+)
+
+VERSION = version_of(
+    linear_branch, borrowing, contact, events, impacts, outputs, rates_source, rows, steps
+)
+
+SAFETY, SHRINK, GROW, ORDER = 0.9, 0.2, 5.0, 8.0  # of the step control
+OUTSET = 1e-3  # of what the motion can do in one interval: nothing smaller is resolved
+FIRST = 0.1  # first step, of an interval of the record
+LEAST = 1e-12  # advance past an event, of an interval of the record
+STUCK = 1e-14  # steps below this share of an interval lead nowhere
+MOST_STEPS = 500_000  # of one interval of the record
+ON_CONTACT = 0.3  # first step in contact, of the contact's own time
+ON_HERTZ = 1e-4  # where the force begins with a fractional power
+
+
+class Motion(NamedTuple):
+    """A ground motion, and when the state is asked for."""
+
+    acceleration: Array  # (samples,) [m/s^2]
+    dt: float
+    interval: Array  # (times,): number of the interval of the record, increasing
+    since: Array  # (times,) [s]: time since its beginning, from 0 to dt
+
+
+class Run(NamedTuple):
+    """What became of a row of buildings."""
+
+    states: Array  # (times, k)
+    forces: Array  # (times, c) [N]
+    peaks: Array  # (2, n) [m]: highest and lowest displacement
+    impacts: Array  # (impacts, COLUMNS)
+    steps: int
+    completed: bool
+    time: float  # where it stopped [s]
+    last: Array  # (k,): and in what state
+
+
+@once
+def _advance(row, branch, ground, slope, h, x, space):  # type: ignore[no-untyped-def]
+    """Take a step, shorter and shorter until its error is allowed; its length, the next, the trials."""
+    for trial in range(1, 60):
+        error = attempt(row, branch, ground, slope, h, x, space)
+        if error <= 1.0:
+            growth = GROW if error == 0.0 else min(GROW, SAFETY * error ** (-1.0 / ORDER))
+            now = ground + slope * h
+            rates(row, branch, now, space.new, space.stages[STAGES], space.force)
+            return h, h * growth, trial
+        # A trial that overflowed has no error to learn from.
+        h *= max(SHRINK, SAFETY * error ** (-1.0 / ORDER)) if error < np.inf else SHRINK
+    return 0.0, h, trial
+
+
+@lean
+def _first_in_contact(row, branch, j):  # type: ignore[no-untyped-def]
+    """First step in a contact, a share of its time between two free masses [s]."""
+    k, n, c = row.element[j]
+    mass = reduced_mass(row.mass[row.left[j]], row.mass[row.right[j]])
+    pace = (mass * branch.approach[j] ** (1.0 - n) / k) ** (1.0 / (n + 1.0))
+    if n != 1.0:
+        return ON_HERTZ * pace
+    return ON_CONTACT * (min(pace, mass / c) if c > 0.0 else pace)
+
+
+@once
+def _pass(row, branch, event, way, ground, time, planned, x, space, table, used):  # type: ignore[no-untyped-def]
+    """Go on to the next branch; returns the table, its length, and the step to plan with."""
+    before = branch.contact.copy()
+    if used + MOST_BLOWS + 2 * before.size > len(table):
+        longer = np.empty((2 * len(table), COLUMNS))
+        longer[:used] = table[:used]
+        table = longer
+    used = pass_event(row, branch, event, way, ground, time, x, space, table, used)
+    for j in range(before.size):
+        if before[j] == OPEN and branch.contact[j] == CLOSED:
+            planned = min(planned, _first_in_contact(row, branch, j))
+    rates(row, branch, ground, x, space.stages[0], space.force)
+    return table, used, planned
+
+
+@once
+def _interval(row, branch, begin, slope, dt, at, planned, x, after, space, asked, done, table, used):  # type: ignore[no-untyped-def]
+    """All steps of interval ``at`` of the record, over which the ground goes from ``begin``."""
+    tau, count = 0.0, 0
+    while tau < dt:
+        ground, left = begin + slope * tau, dt - tau
+        h = left if planned >= left else min(planned, 0.5 * left)
+        taken, following, trials = _advance(row, branch, ground, slope, h, x, space)
+        count += trials
+        if count > MOST_STEPS or taken < min(STUCK * dt, left):
+            break
+        planned = max(following, planned) if taken == h else following
+        end, event, way, known = first_event(row, branch, ground, slope, taken, x, space)
+        if event != NOTHING:
+            end = min(1.0, max(end, LEAST * dt / taken))
+        if end < 1.0:
+            state_within(x, end, space, after)
+        else:
+            after[:] = space.new
+        last = dt if taken == left and end == 1.0 else tau + end * taken
+        known = watch(row, branch, ground, slope, taken, end, x, after, known, space, asked, table)
+        done = report(
+            row, branch, ground, slope, taken, tau, last, x, after, known, space, asked, at, done
+        )
+        x[:] = after
+        tau = last
+        grow_reach(row, x, space.reach)
+        if event == NOTHING:
+            space.stages[0] = space.stages[STAGES]
+        else:
+            now, time = begin + slope * tau, at * dt + tau
+            table, used, planned = _pass(
+                row, branch, event, way, now, time, planned, x, space, table, used
+            )
+    return tau, count, planned, done, table, used
+
+
+@nb.njit(nogil=True, cache=True, error_model="numpy")
+def _run(owned, acceleration, dt, wanted, x, version):  # type: ignore[no-untyped-def]
+    """The whole motion: the table of impacts, the steps, whether and how far it came; and the owners."""
+    own_space, own_branch, after = workspace(owned), starting_branches(owned, x), x.copy()
+    row, asked = borrow_row(owned), borrow_asked(wanted)
+    space, branch = borrow_space(own_space), borrow_branches(own_branch)
+    table = np.empty((FIRST_LINES + 4 * row.gap.size, COLUMNS))
+    used = steps = done = np.int64(0)  # a literal would be a type of its own, to be compiled for too
+    asked.peaks[:] = x[: row.mass.size]
+    speed = OUTSET * dt * np.abs(acceleration).max()
+    space.reach[0], space.reach[1] = speed * dt, speed
+    grow_reach(row, x, space.reach)
+    rates(row, branch, acceleration[0], x, space.stages[0], space.force)
+    for j in range(row.gap.size):
+        if branch.contact[j] == TOGETHER:
+            used = begin_entry(row, branch, j, 0.0, 0.0, x, table, used)
+    while done < asked.since.size and asked.interval[done] == 0 and asked.since[done] <= 0.0:
+        asked.states[done], asked.forces[done] = x, space.force
+        done += 1
+    planned, time, completed = FIRST * dt, 0.0, True
+    for at in range(acceleration.size - 1):
+        begin, slope = acceleration[at], (acceleration[at + 1] - acceleration[at]) / dt
+        tau, count, planned, done, table, used = _interval(
+            row, branch, begin, slope, dt, at, planned, x, after, space, asked, done, table, used
+        )
+        steps, time, completed = steps + count, at * dt + tau, tau >= dt
+        if not completed:
+            break
+    for j in range(row.gap.size):
+        if completed and branch.contact[j] not in (OPEN, PARTED):
+            end_entry(row, branch, j, time, x, table)
+    # What was borrowed has to live until here.
+    return table[:used], steps, completed, time, (own_space, own_branch, after)
+
+
+def run(row: Row, motion: Motion, start: Array | None = None) -> Run:
+    """A row of buildings through a motion, from rest or from the state ``start`` (k,).
+
+    A step that cannot be completed ends it: then ``completed`` is false, and ``time`` and ``last`` say
+    where.
+    """
+    n, _, c, k = sizes(row)
+    state = np.zeros(k) if start is None else np.array(start, float)
+    times = motion.since.size
+    asked = Asked(
+        motion.interval, motion.since, np.zeros((times, k)), np.zeros((times, c)), np.zeros((2, n))
+    )
+    table, steps, completed, time, _ = _run(row, motion.acceleration, motion.dt, asked, state, VERSION)
+    return Run(asked.states, asked.forces, asked.peaks, table, steps, completed, time, state)
+
+
+def standing_alone(row: Row) -> Row:
+    """The same buildings, each standing alone: without contacts, without links."""
+    none, nothing = np.zeros(0, np.int64), np.zeros(0)
+    alone = row._replace(left=none, right=none, gap=nothing, element=np.zeros((0, 3)), kind=0)
+    return alone._replace(tied=np.zeros((0, 2), np.int64), tie=np.zeros((0, 2)))
+
+
+__all__ = [
+    "BILINEAR",
+    "BOUC_WEN",
+    "ELASTIC",
+    "STEREOMECHANICAL",
+    "Motion",
+    "Row",
+    "Run",
+    "run",
+    "standing_alone",
+]

@@ -1,0 +1,252 @@
+"""Runge-Kutta steps of the 8th order by Dormand and Prince, polynomials within them; compiled.
+
+Hairer, E., Norsett, S. P. and Wanner, G. (1993), Solving Ordinary Differential Equations I, section
+II.10: 12 stages, an error from rules of order 5 and 3, and with three more stages a polynomial of degree
+7 over the step.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.integrate import DOP853
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.linear_branch import MARKS, TERMS, jit
+from stochlin.kernels.pounding.borrowing import borrow
+from stochlin.kernels.pounding.rates import measure, rates
+from stochlin.kernels.pounding.rows import OPEN, lean, once, sizes, tight
+
+# Contiguous, for numba's cache does not take constants that are not.
+A, B, C = (np.ascontiguousarray(table) for table in (DOP853.A, DOP853.B, DOP853.C))
+ERROR_5, ERROR_3 = (np.ascontiguousarray(table) for table in (DOP853.E5, DOP853.E3))
+A_MORE, C_MORE, DENSE = (
+    np.ascontiguousarray(table) for table in (DOP853.A_EXTRA, DOP853.C_EXTRA, DOP853.D)
+)
+STAGES, ALL = 12, 16
+SHAPES = 7  # 1 t, 2 t (1-t), 3 t^2 (1-t), 4 t^2 (1-t)^2, ... 7 t^4 (1-t)^3
+POWERS = np.zeros((SHAPES, SHAPES + 1))  # of t in these shapes
+POWERS[0, 1] = 1.0
+for _m in range(1, SHAPES):
+    _times_t = np.roll(POWERS[_m - 1], 1)
+    POWERS[_m] = _times_t if _m % 2 == 0 else POWERS[_m - 1] - _times_t
+NODES = 8  # evenly over a step, where the forces of the contacts are looked at
+FROM_NODES = np.ascontiguousarray(np.linalg.inv(np.vander(np.linspace(0, 1, NODES), increasing=True)))
+
+TOLERANCE = 1e-10  # of a step, over the largest displacement, velocity and energy so far
+ROUGH = (
+    1e-2  # of that in a contact whose force ends with a fractional power, which no polynomial follows
+)
+TINY = 1e-200
+REACH = 3
+
+
+class Space(NamedTuple):
+    """Arrays that a run writes into; k the length of the state, c contacts."""
+
+    stages: Array  # (ALL, k): the first is the rates at the beginning, number STAGES those at the end
+    new: Array  # (k,): the state at the end
+    shapes: Array  # (SHAPES, k): the polynomials
+    state: Array  # (k,)
+    rate: Array  # (k,)
+    force: Array  # (c,)
+    nodes: Array  # (NODES, c): forces
+    reach: Array  # (2 REACH, s): largest displacement and velocity of each building, energy; and again
+    line: Array  # (TERMS,)
+    lines: Array  # (4, TERMS)
+    marks: Array  # (2, MARKS)
+
+
+@jit
+def workspace(row):  # type: ignore[no-untyped-def]
+    """New arrays for a run."""
+    _, s, c, k = sizes(row)
+    return Space(
+        np.zeros((ALL, k)),
+        np.zeros(k),
+        np.zeros((SHAPES, k)),
+        np.zeros(k),
+        np.zeros(k),
+        np.zeros(c),
+        np.zeros((NODES, c)),
+        np.zeros((2 * REACH, s)),
+        np.zeros(TERMS),
+        np.zeros((4, TERMS)),
+        np.zeros((2, MARKS)),
+    )
+
+
+@lean
+def borrow_space(space):  # type: ignore[no-untyped-def]
+    """The workspace, its arrays borrowed."""
+    return Space(
+        borrow(space.stages),
+        borrow(space.new),
+        borrow(space.shapes),
+        borrow(space.state),
+        borrow(space.rate),
+        borrow(space.force),
+        borrow(space.nodes),
+        borrow(space.reach),
+        borrow(space.line),
+        borrow(space.lines),
+        borrow(space.marks),
+    )
+
+
+@lean
+def copy(source, target):  # type: ignore[no-untyped-def]
+    """Copy entries of a state."""
+    for i in range(source.size):
+        target[i] = source[i]
+
+
+@lean
+def _combine(weights, count, stages, h, x, out):  # type: ignore[no-untyped-def]
+    copy(x, out)
+    for j in range(count):
+        w = h * weights[j]
+        if w != 0.0:
+            for i in range(x.size):
+                out[i] += w * stages[j, i]
+
+
+@once
+def attempt(row, branch, ground, slope, h, x, space):  # type: ignore[no-untyped-def]
+    """Take a step of ``h`` seconds from ``x``; returns its error over the tolerance.
+
+    The ground acceleration is ``ground`` at the beginning and has the slope ``slope``; the rates at the
+    beginning are there.
+    """
+    for m in range(1, STAGES):
+        _combine(A[m], m, space.stages, h, x, space.state)
+        now = ground + slope * (C[m] * h)
+        rates(row, branch, now, space.state, space.stages[m], space.force)
+    _combine(B, STAGES, space.stages, h, x, space.new)
+    error = _error(row, h, space)
+    for j in range(row.gap.size):
+        if branch.contact[j] != OPEN and row.element[j, 1] != 1.0:
+            return error / ROUGH
+    return error
+
+
+@tight
+def grow_reach(row, x, reach):  # type: ignore[no-untyped-def]
+    """Take a state into the largest displacement, velocity and energy."""
+    n, s, _, k = sizes(row)
+    kinetic = 0.0
+    for b in range(s):
+        for i in range(row.first[b], row.first[b + 1]):
+            reach[0, b] = max(reach[0, b], abs(x[i]))
+            reach[1, b] = max(reach[1, b], abs(x[n + i]))
+            kinetic += 0.5 * row.mass[i] * x[n + i] ** 2
+    reach[2, 0] = max(reach[2, 0], kinetic)
+    for i in range(3 * n, k):
+        reach[2, 0] = max(reach[2, 0], abs(x[i]))
+
+
+@once
+def _error(row, h, space):  # type: ignore[no-untyped-def]
+    """Error of the step over the tolerance: the root of the sum over the state, not of its mean."""
+    n, _, _, k = sizes(row)
+    reach = space.reach[REACH:]  # that of this step, which may yet be refused
+    for i in range(REACH):
+        copy(space.reach[i], reach[i])
+    grow_reach(row, space.new, reach)
+    fives, threes = space.state, space.rate
+    for i in range(k):
+        fives[i] = threes[i] = 0.0
+    for m in range(STAGES):
+        five, three = ERROR_5[m], ERROR_3[m]
+        for i in range(fives.size):
+            fives[i] += five * space.stages[m, i]
+            threes[i] += three * space.stages[m, i]
+    fifth, third = 0.0, 0.0
+    for i in range(3 * n, k):
+        fifth, third = fifth + fives[i] ** 2, third + threes[i] ** 2
+    weight = 1.0 / (TOLERANCE * reach[2, 0] + TINY)
+    fifth, third = fifth * weight**2, third * weight**2
+    for b in range(row.first.size - 1):
+        for part in range(3):
+            size = reach[1 if part == 1 else 0, b]
+            weight = 1.0 / (TOLERANCE * size + TINY)
+            for i in range(part * n + row.first[b], part * n + row.first[b + 1]):
+                fifth += (fives[i] * weight) ** 2
+                third += (threes[i] * weight) ** 2
+    if fifth == 0.0 and third == 0.0:
+        return 0.0
+    return h * fifth / np.sqrt(fifth + 0.01 * third)
+
+
+@lean
+def interpolate(row, branch, ground, slope, h, x, space):  # type: ignore[no-untyped-def]
+    """Find the polynomials of the step that was taken; the rates at its end are there."""
+    stages, shapes = space.stages, space.shapes
+    for m in range(3):
+        _combine(A_MORE[m], STAGES + 1 + m, stages, h, x, space.state)
+        now = ground + slope * (C_MORE[m] * h)
+        rates(row, branch, now, space.state, stages[STAGES + 1 + m], space.force)
+    for i in range(x.size):
+        rise = space.new[i] - x[i]
+        shapes[0, i] = rise
+        shapes[1, i] = h * stages[0, i] - rise
+        shapes[2, i] = 2.0 * rise - h * (stages[0, i] + stages[STAGES, i])
+    for m in range(4):
+        shapes[3 + m] = 0.0
+        for j in range(ALL):
+            w = h * DENSE[m, j]
+            if w != 0.0:
+                for i in range(x.size):
+                    shapes[3 + m, i] += w * stages[j, i]
+
+
+@lean
+def state_within(x, t, space, out):  # type: ignore[no-untyped-def]
+    """State at the share ``t`` of the step."""
+    for i in range(x.size):
+        value = 0.0
+        for m in range(SHAPES - 1, -1, -1):
+            value = (value + space.shapes[m, i]) * (t if m % 2 == 0 else 1.0 - t)
+        out[i] = x[i] + value
+
+
+@lean
+def polynomial(row, what, number, shift, x, space):  # type: ignore[no-untyped-def]
+    """Coefficients of a `measure` less ``shift`` over the step, in ``space.line``."""
+    line = space.line
+    line[:] = 0.0
+    line[0] = measure(row, what, number, x) - shift
+    for m in range(SHAPES):
+        factor = measure(row, what, number, space.shapes[m])
+        for p in range(1, SHAPES + 1):
+            line[p] += factor * POWERS[m, p]
+
+
+@lean
+def component_polynomial(i, sign, x, space):  # type: ignore[no-untyped-def]
+    """Coefficients of one entry of the state over the step, times ``sign``, in ``space.line``."""
+    line = space.line
+    line[:] = 0.0
+    line[0] = sign * x[i]
+    for m in range(SHAPES):
+        for p in range(1, SHAPES + 1):
+            line[p] += sign * space.shapes[m, i] * POWERS[m, p]
+
+
+@lean
+def find_node_forces(row, branch, ground, slope, h, x, space):  # type: ignore[no-untyped-def]
+    """Forces of the contacts at even distances over the step."""
+    for q in range(NODES):
+        t = q / (NODES - 1)
+        state_within(x, t, space, space.state)
+        rates(row, branch, ground + slope * (t * h), space.state, space.rate, space.nodes[q])
+
+
+@lean
+def force_polynomial(contact, space):  # type: ignore[no-untyped-def]
+    """Coefficients of the force of a contact over the step, in ``space.line``."""
+    space.line[:] = 0.0
+    for p in range(NODES):
+        for q in range(NODES):
+            space.line[p] += FROM_NODES[p, q] * space.nodes[q, contact]

@@ -1,0 +1,1 @@
+"""Level crossings, random phases, growth of the drift."""

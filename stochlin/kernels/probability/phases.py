@@ -1,0 +1,99 @@
+"""Two oscillations of known radii and random phase: how often their difference exceeds a gap.
+
+``u_i = r_i cos a_i``, ``a_1`` uniform and ``a_2 = a_1 + D`` with ``D`` independent of it and symmetric
+about 0. Then ``corr(u_1, u_2) = E cos D``: the correlation fixes one mean, and of all densities with
+this mean the one that assumes least (of largest entropy) is von Mises', ``e^(k cos D)/(2 pi I0(k))``
+with ``I1(k)/I0(k) = rho``. It is uniform at ``rho = 0``; at 1 or -1 ``D`` is 0 or ``pi`` for certain.
+Given ``D`` the difference is one oscillation of radius ``A = sqrt(r_1^2 + r_2^2 - 2 r_1 r_2 cos D)``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.optimize
+from scipy.special import i0e, i1e
+
+from stochlin.kernels.basics.arrays import Array
+
+CERTAIN = 1e-9  # 1 - |rho| below which the phase is certain
+PANELS, ORDER = 18, 10
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(ORDER)
+_GRADED = np.concatenate([[0.0], 0.3 ** np.arange(PANELS)[::-1]]) / 2  # towards 0, up to 1/2
+_EDGES = np.concatenate([_GRADED, 1 - _GRADED[-2::-1]])
+_HALF = 0.5 * np.diff(_EDGES)[:, None]
+UNIT_NODES = (_EDGES[:-1, None] + _HALF * (1 + _NODES)).ravel()  # dense at both ends of (0, 1)
+UNIT_WEIGHTS = (_HALF * _WEIGHTS).ravel()
+CELLS = 2048  # at a time
+
+
+def concentration(rho: float) -> float:
+    """``k`` of the von Mises density with ``E cos D = rho``; infinite where the phase is certain."""
+    if 1 - abs(rho) < CERTAIN:
+        return float(np.copysign(np.inf, rho))
+    if rho == 0:
+        return 0.0
+    size = abs(rho)
+    largest = 2 / (1 - size)  # I1/I0 is about 1 - 1/(2 k)
+    k = scipy.optimize.brentq(lambda k: i1e(k) / i0e(k) - size, 0, largest, xtol=1e-14, rtol=1e-13)
+    return float(np.copysign(k, rho))
+
+
+def least_phase(radius_1: Array, radius_2: Array, gap: Array) -> Array:
+    """Phase difference in [0, pi] beyond which ``A > g``; infinite where no phase is enough."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        cosine = (radius_1**2 + radius_2**2 - gap**2) / (2 * radius_1 * radius_2)
+    phase = np.arccos(np.clip(np.nan_to_num(cosine, nan=-2.0), -1, 1))
+    return np.where(
+        radius_1 + radius_2 <= gap, np.inf, np.where(np.abs(radius_1 - radius_2) > gap, 0.0, phase)
+    )
+
+
+def beyond_phase(phase: Array, k: float) -> Array:
+    """``P(|D| > phase)``."""
+    if np.isinf(k):
+        return ((phase < np.pi) if k < 0 else (phase <= 0)).astype(float) * np.isfinite(phase)
+    start = np.minimum(phase, np.pi).ravel()
+    probability = np.empty_like(start)
+    for begin in range(0, start.size, CELLS):
+        cells = slice(begin, begin + CELLS)
+        _, weight = _nodes(start[cells], k)
+        probability[cells] = weight.sum(axis=1)
+    return np.clip(np.where(start <= 0, 1.0, probability), 0, 1).reshape(phase.shape)
+
+
+def exceeding(radius_1: Array, radius_2: Array, gap: Array, k: float) -> Array:
+    """``P(r_1 cos a_1 - r_2 cos a_2 > g)`` for a gap ``g > 0``; arrays of one shape.
+
+    ``(1/pi) arccos(g/A)`` over the phases that are large enough.
+    """
+    if np.isinf(k):
+        span = np.abs(radius_1 - radius_2) if k > 0 else radius_1 + radius_2
+        return _share_above(gap, span)
+    flat = [array.ravel() for array in np.broadcast_arrays(radius_1, radius_2, gap)]
+    probability = np.zeros(flat[0].size)
+    some = np.flatnonzero(flat[0] + flat[1] > flat[2])
+    for begin in range(0, some.size, CELLS):
+        cells = some[begin : begin + CELLS]
+        one, two, g = (array[cells, None] for array in flat)
+        d, weight = _nodes(least_phase(one, two, g)[:, 0], k)
+        span = np.sqrt((one - two) ** 2 + 4 * one * two * np.sin(d / 2) ** 2)
+        probability[cells] = (weight * _share_above(g, span)).sum(axis=1)
+    return probability.reshape(np.broadcast_shapes(radius_1.shape, radius_2.shape, gap.shape))
+
+
+def _share_above(gap: Array, span: Array) -> Array:
+    """Share of time that an oscillation of radius ``span`` is above the gap."""
+    with np.errstate(divide="ignore"):
+        share: Array = np.arccos(np.minimum(gap / span, 1.0)) / np.pi
+    return share
+
+
+def _nodes(start: Array, k: float) -> tuple[Array, Array]:
+    """Phases from ``start`` to pi and their weights under the density of ``|D|``."""
+    length = (np.pi - start)[:, None]
+    d = start[:, None] + length * UNIT_NODES
+    # e^(k (cos D - 1)) or e^(k (cos D + 1)), by the half angle: nothing overflows
+    exponent = -2 * k * np.sin(d / 2) ** 2 if k >= 0 else 2 * k * np.cos(d / 2) ** 2
+    with np.errstate(under="ignore"):
+        density = np.exp(exponent) / (np.pi * i0e(abs(k)))
+    return d, length * UNIT_WEIGHTS * density

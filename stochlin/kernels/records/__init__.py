@@ -1,0 +1,1 @@
+"""One oscillator through a recorded motion, exact."""

@@ -1,0 +1,113 @@
+"""Structures on records: peaks, gaps between two of them, histories; compiled, on all cores."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numba as nb
+import numpy as np
+
+from stochlin.kernels.basics import linear_branch
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.source_versions import version_of
+from stochlin.kernels.records import oscillator as recorded
+from stochlin.kernels.records.oscillator import PEAKS, run, substeps, top, workspace
+from stochlin.kernels.simulation.ensemble import in_order
+
+entry = nb.njit(nogil=True, cache=True, error_model="numpy")
+
+VERSION = version_of(linear_branch, recorded)
+
+PARTS = 16  # into which the structures of a record are dealt out to the cores
+PAIR = 2.0  # sub-steps of a pair per those that its stiffer structure alone would need
+
+
+class Ground(NamedTuple):
+    """A record."""
+
+    acceleration: Array  # [m/s^2], finite
+    dt: float  # [s]
+
+
+@entry
+def _all_peaks(ground, dt, parameters, out, version):  # type: ignore[no-untyped-def]
+    space, nothing = workspace(), np.empty((3, 0))
+    for i in range(parameters.shape[0]):
+        cuts = substeps(parameters[i, 0], dt, 1.0)
+        run(parameters[i], ground, dt, cuts, out[i], 0, nothing, space)
+
+
+@entry
+def _all_gaps(ground, dt, first, second, out, version):  # type: ignore[no-untyped-def]
+    space = workspace()
+    for i in range(first.shape[0]):
+        cuts = substeps(max(first[i, 0], second[i, 0]), dt, PAIR)
+        size = cuts * (ground.size - 1) + 1
+        one, two = np.empty((3, size)), np.empty((3, size))
+        run(first[i], ground, dt, cuts, out[i, :PEAKS], 1, one, space)
+        run(second[i], ground, dt, cuts, out[i, PEAKS : 2 * PEAKS], 1, two, space)
+        apart, sum_11, sum_22, sum_12 = 0.0, 0.0, 0.0, 0.0
+        for s in range(size - 1):
+            d, d1 = one[0, s] - two[0, s], one[0, s + 1] - two[0, s + 1]
+            rate, rate1 = one[1, s] - two[1, s], one[1, s + 1] - two[1, s + 1]
+            apart = max(apart, top(dt / cuts, d, rate, d1, rate1))
+            weight = 1.0 if s + 1 < size - 1 else 0.5  # trapezoidal rule; it begins at rest
+            sum_11 += weight * one[0, s + 1] ** 2
+            sum_22 += weight * two[0, s + 1] ** 2
+            sum_12 += weight * one[0, s + 1] * two[0, s + 1]
+        out[i, 2 * PEAKS] = apart
+        out[i, 2 * PEAKS + 1] = sum_12 / np.sqrt(sum_11 * sum_22)
+
+
+@entry
+def _history(ground, dt, parameters, refine, out, version):  # type: ignore[no-untyped-def]
+    each = substeps(parameters[0], dt / refine, 1.0)
+    run(parameters, ground, dt, each * refine, np.empty(PEAKS), each, out, workspace())
+
+
+def peaks_on_records(grounds: Sequence[Ground], parameters: Array) -> Array:
+    """Peaks (records, n, PEAKS) of structures ``parameters`` (n, 4) on each ground."""
+
+    def one(ground: Ground, part: Array) -> Array:
+        out = np.empty((len(part), PEAKS))
+        _all_peaks(*ground, part, out, VERSION)
+        return out
+
+    return _spread(one, grounds, parameters)
+
+
+def gaps_on_records(grounds: Sequence[Ground], first: Array, second: Array) -> Array:
+    """Pairs on each ground, (records, n, 2 PEAKS + 2): peaks of both, largest ``u1 - u2``, correlation.
+
+    Both structures of a pair take the same sub-steps.
+    """
+
+    def one(ground: Ground, part: Array) -> Array:
+        out = np.empty((len(part), 2 * PEAKS + 2))
+        first, second = (np.ascontiguousarray(half) for half in np.split(part, 2, axis=1))
+        _all_gaps(*ground, first, second, out, VERSION)
+        return out
+
+    return _spread(one, grounds, np.concatenate([first, second], axis=1))
+
+
+def history(ground: Ground, parameters: Array, refine: int) -> Array:
+    """``u``, ``u'`` and ``y = uy z`` (3, samples) of one structure, ``refine`` to an interval."""
+    out = np.empty((3, refine * (len(ground.acceleration) - 1) + 1))
+    _history(*ground, parameters, refine, out, VERSION)
+    return out
+
+
+def _spread(one: Callable[[Ground, Array], Array], grounds: Sequence[Ground], rows: Array) -> Array:
+    """``one`` of each ground and all rows, on all cores; each part has short and long periods."""
+    parts = max(1, min(len(rows), PARTS))
+
+    def task(number: int) -> Array:
+        return one(grounds[number // parts], np.ascontiguousarray(rows[number % parts :: parts]))
+
+    done = list(in_order(task, parts * len(grounds)))
+    result = np.empty((len(grounds), len(rows), done[0].shape[1]))
+    for number, values in enumerate(done):
+        result[number // parts, number % parts :: parts] = values
+    return result

@@ -1,0 +1,1 @@
+"""Random motions: normal numbers, time steps of every law, ensembles."""

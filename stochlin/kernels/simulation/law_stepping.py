@@ -1,0 +1,61 @@
+"""Time steps of structures whose hysteresis law is given as a function; compiled for each law."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numba as nb
+
+from stochlin.kernels.simulation.stepping import LANES
+
+SECANT_STEPS = 12
+CLOSE = 1e-12
+
+
+def law_block(law: Callable[[float, float], float]) -> Callable[..., None]:
+    """The block of time steps, as `bilinear_block`, for ``z' = law(v, z)``.
+
+    Implicit midpoint rule for ``z`` by the secant method, which asks for no derivative; explicit
+    midpoint rule where a jump of the law leaves it without solution. Second order, first where the
+    law jumps.
+    """
+    compiled: Any = nb.njit(nogil=True, error_model="numpy")(law)
+
+    @nb.njit(nogil=True, error_model="numpy")
+    def mid_point(hyst, start, slope, half):  # type: ignore[no-untyped-def]
+        """Solve ``z = hyst + half law(start - slope z, z)``."""
+        before, after = hyst, hyst + half * compiled(start - slope * hyst, hyst)
+        explicit = after
+        off_before = before - after
+        for _ in range(SECANT_STEPS):
+            off = after - hyst - half * compiled(start - slope * after, after)
+            if abs(off) <= CLOSE * (1.0 + abs(after)):
+                return after
+            if off == off_before:
+                break
+            before, after, off_before = after, after - off * (after - before) / (off - off_before), off
+        return explicit
+
+    @nb.njit(nogil=True, error_model="numpy")
+    def block(f, dt, parameters, u, v, z, every, out):  # type: ignore[no-untyped-def]
+        half = 0.5 * dt
+        for n in range(u.shape[0]):
+            d, k, h, scale = parameters[n]
+            keep, pull, push = 1.0 - half * d - half * half * k, dt * k, dt * scale
+            implicit = 1.0 / (1.0 + half * d + half * half * k)
+            slope = half * h * implicit
+            for s in range(f.shape[0]):
+                for lane in range(LANES):
+                    vel, hyst = v[n, lane], z[n, lane]
+                    base = vel * keep + push * f[s, lane] - pull * u[n, lane]
+                    start = 0.5 * (vel + base * implicit)
+                    z_mid = mid_point(hyst, start, slope, half)
+                    v_mid = start - slope * z_mid
+                    z[n, lane] = hyst + dt * compiled(v_mid, z_mid)
+                    u[n, lane] += dt * v_mid
+                    v[n, lane] = 2.0 * v_mid - vel
+                    if (s + 1) % every == 0:
+                        out[lane, n, (s + 1) // every - 1] = u[n, lane]
+
+    return block

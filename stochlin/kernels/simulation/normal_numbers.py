@@ -1,0 +1,53 @@
+"""Normal random numbers for LANES motions at once: each lane has a generator of its own; compiled.
+
+xoshiro256+ (Blackman and Vigna 2021) gives 64 bits a lane and step; the four 16-bit fields are added
+up and an odd polynomial of the sum has the moments of the normal distribution up to the ninth, those
+of odd order by symmetry. No logarithm, no rejection: the loop over lanes runs in vector registers.
+Steps of white noise need no more: a weak scheme of second order asks for five moments, and what
+a structure answers to is a sum over many steps. The largest number is 5.04; the distribution
+function is nowhere off by more than 9e-4.
+"""
+
+from __future__ import annotations
+
+import numba as nb
+import numpy as np
+import numpy.typing as npt
+
+from stochlin.kernels.basics.arrays import Array
+
+State = npt.NDArray[np.uint64]
+
+# x P(x^2), x the sum in its own standard deviations: E of the powers 2, 4, 6, 8 is 1, 3, 15, 105.
+POLYNOMIAL = (0.9554664534582995, 0.021272612064048006, -0.0034087076598092536, 0.00042516035818070537)
+_C0, _C1, _C2, _C3 = POLYNOMIAL
+_MIDDLE = 2.0 * 65535.0
+_SCALE = 1.0 / np.sqrt((2.0**32 - 1) / 3.0)
+_FIELD = np.uint64(0xFFFF)
+_S16, _S17, _S19, _S32, _S45, _S48 = (np.uint64(n) for n in (16, 17, 19, 32, 45, 48))
+
+
+def generator_state(seed: int, stream: int, lanes: int) -> State:
+    """State (4, lanes) of the generators of one stream; streams of a seed are independent."""
+    sequence = np.random.SeedSequence(seed, spawn_key=(stream,))
+    return sequence.generate_state(4 * lanes, np.uint64).astype(np.uint64).reshape(4, lanes)
+
+
+@nb.njit(nogil=True, cache=True, error_model="numpy")
+def fill_normal(state: State, out: Array) -> None:
+    """Fill ``out`` (steps, lanes) with independent numbers of mean 0 and variance 1."""
+    s0, s1, s2, s3 = state[0], state[1], state[2], state[3]
+    for step in range(out.shape[0]):
+        for lane in range(out.shape[1]):
+            a, b, c, d = s0[lane], s1[lane], s2[lane], s3[lane]
+            bits = a + d
+            shifted = b << _S17
+            c ^= a
+            d ^= b
+            s0[lane], s1[lane] = a ^ d, b ^ c
+            s2[lane], s3[lane] = c ^ shifted, (d << _S45) | (d >> _S19)
+            fields = (bits & _FIELD) + ((bits >> _S16) & _FIELD)
+            fields += ((bits >> _S32) & _FIELD) + (bits >> _S48)
+            x = (np.float64(np.int64(fields)) - _MIDDLE) * _SCALE
+            q = x * x
+            out[step, lane] = x * (_C0 + q * (_C1 + q * (_C2 + q * _C3)))

@@ -1,0 +1,1 @@
+"""Published formulas found by name: code rules, effective properties, peak factors."""

@@ -1,0 +1,1 @@
+"""Stochlin atlas, lookup."""

@@ -1,0 +1,91 @@
+"""Commands that write an atlas and look cases up in one."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import click
+
+from stochlin.views.shared.options import numbers_option, parameter_of, shared_option
+from stochlin.views.shared.screen import bad_input, on_screen
+
+STEPS = 1000  # of the bar
+
+
+@click.command()
+@click.argument("spec", type=click.Path(dir_okay=False, path_type=Path))
+@click.option("--out", type=click.Path(path_type=Path), required=True, help="The Zarr store, a folder.")
+@click.option(
+    "--scheduler",
+    help="Address of a dask scheduler, tcp://host:8786; its workers must see the same files. "
+    "Without it: the cores of this machine.",
+)
+def atlas(spec: Path, out: Path, scheduler: str | None) -> None:
+    """Write a design atlas, a table of any size, from the specification SPEC (TOML).
+
+    Stopped at any moment, the same command carries on where it was.
+
+    \b
+    A specification:
+      ground = "kanai_tajimi"
+      [parameters]       # periods over the ground's; numbers are held, lists and sweeps are axes
+      period_1 = { start = 0.1, stop = 10, count = 400, spacing = "log" }
+      period_2 = { start = 0.1, stop = 10, count = 400, spacing = "log" }
+      ground_damping = [0.05, 0.2, 0.6]
+      damping = 0.05
+      hardening = [0.02, 0.1]
+      reduction_factor = [1, 2, 4, 6]
+
+    \b
+    Examples:
+      stochlin atlas spec.toml --out atlas.zarr
+      stochlin atlas spec.toml --out /shared/atlas.zarr --scheduler tcp://10.0.0.1:8786
+    """
+    from stochlin.analyses.atlases.atlas import write_atlas
+
+    with bad_input(), click.progressbar(length=STEPS, label="atlas", file=sys.stderr) as bar:
+        table = write_atlas(spec, out, scheduler=scheduler, progress=_onto(bar))
+    click.echo(f"{table.rho.size} cells in {out}")
+
+
+@click.command()
+@click.argument("atlas", type=click.Path(path_type=Path))
+@numbers_option("--period-1", "Of structure 1: [s] with --ground-period, else over the ground's.")
+@numbers_option("--period-2", "Of structure 2.")
+@numbers_option("--ground-period", "2 pi/wg [s].")
+@numbers_option("--ground-damping", "xig.")
+@numbers_option("--high-pass-period", "2 pi/wf [s].")
+@numbers_option("--high-pass-damping", "xif.")
+@shared_option("damping", "Damping ratio.")
+@shared_option("hardening", "Hardening ratio.")
+@shared_option("reduction-factor", "R = 3 sigma_el/uy.")
+def lookup(atlas: Path, **options: Any) -> None:
+    """Interpolate cases in ATLAS; a number may be a list or a sweep, as for 'stochlin rho'.
+
+    \b
+    Examples:
+      stochlin lookup atlas.zarr --period-1 1.4 --period-2 2 --ground-period 2 --ground-damping .1 \\
+          --hardening .05 --reduction-factor 4
+    """
+    from stochlin.analyses.atlases.atlas import open_atlas
+    from stochlin.analyses.atlases.lookup import lookup as look
+
+    with bad_input():
+        given = {name: parameter_of(name, value) for name, value in options.items() if value is not None}
+        found = look(open_atlas(atlas), **given)
+    click.echo(f"# {found.attrs['title']}")
+    if "comment" in found.attrs:
+        click.echo(f"# {found.attrs['comment']}")
+    click.echo(on_screen(found))
+
+
+def _onto(bar: Any) -> Callable[[float], None]:
+    """A share of the whole as steps of a bar."""
+
+    def show(share: float) -> None:
+        bar.update(round(STEPS * share) - bar.pos)
+
+    return show

@@ -1,0 +1,1 @@
+"""Pictures of chart datasets: stochlin charts, verify."""

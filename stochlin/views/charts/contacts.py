@@ -1,0 +1,147 @@
+"""Pictures of contact elements: Figs. 6, 7 and 8."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.views.shared.style import CURVES
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+LINEAR = ("LinearSpring", "Kelvin", "NoTensionKelvin", "ImpactKelvin")
+HERTZIAN = ("Hertz", "HertzDamp", "Jankowski")
+# One look for each element in all three figures.
+LOOKS = {
+    "Kelvin": CURVES[0],
+    "ImpactKelvin": CURVES[1],
+    "NoTensionKelvin": CURVES[2],
+    "LinearSpring": CURVES[5],
+    "Hertz": CURVES[5],
+    "HertzDamp": CURVES[3],
+    "Jankowski": CURVES[4],
+}
+LABELS = {
+    "LinearSpring": "linear spring",
+    "NoTensionKelvin": "Kelvin, no tension",
+    "ImpactKelvin": "Impact Kelvin",
+    "HertzDamp": "Hertz-damp",
+}
+DEFORMATION = r"deformation $d/(v_0\tau)$"
+FORCE = r"force $f/[k(v_0\tau)^n]$"
+SKETCHES = (
+    ("(a) Kelvin element", r"$f = k\,d + c\,v$", ""),
+    ("(b) Impact Kelvin element", r"$f = k\,d + c\,\max(v, 0)$", "in approach only"),
+)
+SYMBOLS = r"while $d > 0$, with $d = u_1 - u_2 - g$ and $v$ its rate"
+INK: Any = {"color": "0.1", "lw": 1.1, "solid_capstyle": "butt", "clip_on": False}
+
+
+def draw_loops(figure: Figure, dataset: xr.Dataset) -> None:
+    """Fig. 6: what the elements are made of, and their force over the deformation."""
+    figure.set_size_inches(7.2, 6.4)
+    for n, (title, law, note) in enumerate(SKETCHES):
+        _sketch(figure.add_axes((0.1 + 0.45 * n, 0.665, 0.4, 0.205)), title, law, note)
+    figure.text(0.1, 0.637, SYMBOLS, size=8.5)
+    left = figure.add_axes((0.1, 0.22, 0.4, 0.33))
+    right = figure.add_axes((0.55, 0.22, 0.4, 0.33), sharey=left)
+    for axes, names in ((left, LINEAR), (right, HERTZIAN)):
+        _curves(axes, dataset, names, "scaled_deformation", "scaled_force")
+        axes.axhline(0, color="0.4", lw=0.6)
+        axes.set_xlim(left=0)
+        axes.set_xlabel(DEFORMATION)
+        axes.legend(loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=2, fontsize=8, columnspacing=1)
+    left.set_ylabel(FORCE)
+    right.tick_params(labelleft=False)
+
+
+def draw_histories(figure: Figure, dataset: xr.Dataset) -> None:
+    """Fig. 7: deformation and force over time, from the first touch to the end of each contact."""
+    upper = figure.add_axes((0.1, 0.595, 0.64, 0.315))
+    lower = figure.add_axes((0.1, 0.255, 0.64, 0.315), sharex=upper)
+    names = [name for name in LOOKS if name in dataset.element.values]
+    for axes, variable, word in (
+        (upper, "scaled_deformation", DEFORMATION),
+        (lower, "scaled_force", FORCE),
+    ):
+        _curves(axes, dataset, names, "scaled_time", variable)
+        for name in names:
+            end = dataset.sel(element=name).isel(point=-1)
+            axes.plot(end.scaled_time, end[variable], color=LOOKS[name][0], marker="o", ms=3.5, ls="")
+        axes.axhline(0, color="0.4", lw=0.6)
+        axes.set_ylabel(word)
+    lower.plot([], [], color="0.3", marker="o", ms=3.5, ls="", label="end of the contact")
+    upper.tick_params(labelbottom=False)
+    upper.set_xlim(0, 1.02 * float(dataset.scaled_time.max()))
+    lower.set_xlabel(r"time $t/\tau$")
+    handles, labels = lower.get_legend_handles_labels()
+    upper.legend(handles, labels, loc="upper left", bbox_to_anchor=(1.02, 1), borderaxespad=0)
+
+
+def draw_restitution(figure: Figure, dataset: xr.Dataset) -> None:
+    """Fig. 8: coefficient of restitution over the damping ratio; over its own factor for Hertz-damp."""
+    axes = figure.add_axes((0.1, 0.25, 0.64, 0.54))
+    above = axes.twiny()
+    for name in (name for name in LOOKS if name in dataset.element.values):
+        color, dash = LOOKS[name]
+        row = dataset.restitution.sel(element=name)
+        axes.plot(dataset.damping_ratio, row, color=color, linestyle=dash, label=LABELS.get(name, name))
+    color, dash = LOOKS["HertzDamp"]
+    factor = dataset.damping_factor.values
+    above.plot(factor, dataset.restitution_hertz_damp, color=color, linestyle=dash)
+    axes.plot([], [], color=color, linestyle=dash, label="Hertz-damp,\nupper axis")
+    above.grid(visible=False)
+    above.set_xlim(factor[0], factor[-1])
+    above.set_xlabel("damping factor $a$ of Hertz-damp")
+    axes.set_xlim(float(dataset.damping_ratio[0]), float(dataset.damping_ratio[-1]))
+    axes.set_ylim(0, 1)
+    axes.set_xlabel(r"damping ratio $\xi$")
+    axes.set_ylabel("coefficient of restitution $e$")
+    axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1), borderaxespad=0)
+
+
+def _curves(axes: Axes, dataset: xr.Dataset, names: Sequence[str], x: str, y: str) -> None:
+    for name in names:
+        one = dataset.sel(element=name)
+        color, dash = LOOKS[name]
+        axes.plot(one[x], one[y], color=color, linestyle=dash, label=LABELS.get(name, name))
+
+
+def _sketch(axes: Axes, title: str, law: str, note: str) -> None:
+    """Two masses and what is between them: a gap, and a spring beside a dashpot."""
+    from matplotlib.patches import Rectangle
+
+    axes.set_axis_off()
+    axes.set(xlim=(-0.03, 4.63), ylim=(-0.55, 1.2))
+    for x, name in ((0.0, "$m_1$"), (3.75, "$m_2$")):
+        axes.add_patch(Rectangle((x, 0), 0.85, 1.1, facecolor="0.88", edgecolor="0.1", lw=1.1))
+        axes.text(x + 0.425, 0.55, name, ha="center", va="center")
+    axes.plot([1.5, 1.5], [0.1, 1.0], **INK)  # the plate that mass 1 meets
+    axes.annotate("", (0.85, 0.55), (1.5, 0.55), arrowprops={"arrowstyle": "<->", "lw": 0.8})
+    axes.text(1.175, 0.62, "$g$", ha="center")
+    _spring(axes, 1.5, 3.75, 0.82)
+    _dashpot(axes, 1.5, 3.75, 0.28)
+    axes.text(2.62, 1.02, "$k$", ha="center")
+    axes.text(2.62, -0.16, f"$c$ {note}".strip(), ha="center", size=8)
+    axes.set_title(title, loc="left", size=9)
+    axes.text(0, -0.5, law, size=8.5)
+
+
+def _spring(axes: Axes, left: float, right: float, y: float) -> None:
+    turns = np.linspace(left + 0.55, right - 0.55, 12)
+    heights = y + 0.11 * np.array([0, *[1, -1] * 5, 0])
+    axes.plot([left, *turns, right], [y, *heights, y], **INK)
+
+
+def _dashpot(axes: Axes, left: float, right: float, y: float) -> None:
+    middle = 0.5 * (left + right)
+    axes.plot([left, middle], [y, y], **INK)
+    axes.plot([middle, middle], [y - 0.1, y + 0.1], **INK)
+    cup = np.array([-0.3, 0.3, 0.3, -0.3])
+    axes.plot(middle + cup, y + 0.15 * np.array([1, 1, -1, -1]), **INK)
+    axes.plot([middle + 0.3, right], [y, y], **INK)

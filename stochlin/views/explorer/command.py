@@ -1,0 +1,61 @@
+"""The command ``stochlin explore``: a page in the browser, with sliders and live charts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from stochlin.views.shared.screen import bad_input
+
+if TYPE_CHECKING:
+    from stochlin.analyses.explorer.scene import Scene
+
+FILE = click.Path(dir_okay=False, path_type=Path)
+PORT = 8640
+
+
+@click.command()
+@click.option("--case", type=FILE, help="Start from a case file, as 'stochlin gap --example' prints.")
+@click.option(
+    "--port", type=click.IntRange(1, 65535), default=PORT, show_default=True, help="Port to listen on."
+)
+@click.option(
+    "--host",
+    default="127.0.0.1",
+    show_default=True,
+    help="Address to listen on; with another than this machine's own, others can open the page too.",
+)
+@click.option("--open/--no-open", "show", default=True, show_default=True, help="Open it in a browser.")
+def explore(case: Path | None, port: int, host: str, show: bool) -> None:
+    """Explore a pair of buildings on a page in the browser: sliders, and charts that follow them.
+
+    The page comes from this machine and needs no network. It saves case files for 'stochlin gap' and
+    what it shows as a dataset.
+
+    \b
+    Examples:
+      stochlin explore
+      stochlin explore --case case.toml --port 9000 --no-open
+    """
+    with bad_input():
+        try:
+            from stochlin.views.explorer.server import check_address, serve
+        except ImportError as error:
+            raise ImportError(
+                f"the explorer needs NiceGUI: pip install 'stochlin[app]' ({error})"
+            ) from error
+        check_address(host, port)
+        serve(*_start(case), host=host, port=port, show=show)
+
+
+def _start(path: Path | None) -> tuple[Scene, list[str]]:
+    """The scene that the page begins with, and what of the case file it cannot hold."""
+    from stochlin.analyses.explorer.scene import Scene, scene_of
+
+    if path is None:
+        return Scene(), []
+    from stochlin.analyses.cases.case import read_case
+
+    return scene_of(read_case(path))

@@ -1,0 +1,151 @@
+"""The explorer's controls: what each is called, its slider, and what may be entered."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+from stochlin.analyses.cases.site import ENVELOPES, GROUNDS
+from stochlin.analyses.explorer.scene import ALLOWED, OF_GROUND, SHAPES, SITES, Scene, check_count
+
+SCALES = {"cm": 100.0}  # of a unit that is shown, for one in SI
+
+
+class Control(NamedTuple):
+    """A number: its name in the scene, its label, and where its slider goes; entries may go beyond."""
+
+    name: str
+    label: str
+    low: float
+    high: float
+    step: float
+    unit: str = ""
+
+    @property
+    def shown(self) -> str:
+        """Label with the unit."""
+        return f"{self.label} [{self.unit}]" if self.unit else self.label
+
+    def text(self, scene: Scene) -> str:
+        """The scene's number as an entry shows it."""
+        return f"{getattr(scene, self.name) * SCALES.get(self.unit, 1.0):.8g}"
+
+    def read(self, text: str | None) -> float:
+        """The number of an entry, in SI; raises a ValueError that names what is allowed."""
+        shown = (text or "").strip()
+        try:
+            value = float(shown) / SCALES.get(self.unit, 1.0)
+        except ValueError as error:
+            raise ValueError(f"= {shown!r} is no number; allowed: {self.range}") from error
+        if self.name == "paths":
+            return check_count("", int(value) if value.is_integer() else value)
+        if not ALLOWED[self.name].metadata["allowed"].contains(value):
+            raise ValueError(f"= {shown} is out of range; allowed: {self.range}")
+        return value
+
+    @property
+    def range(self) -> str:
+        """What may be entered, in words."""
+        if self.name == "paths":
+            return "a whole number"
+        allowed = ALLOWED[self.name].metadata["allowed"]
+        scale = SCALES.get(self.unit, 1.0)
+        return str(
+            dataclasses.replace(allowed, lower=allowed.lower * scale, upper=allowed.upper * scale)
+        )
+
+
+class Choice(NamedTuple):
+    """A text of a list."""
+
+    name: str
+    label: str
+    options: Sequence[str]
+
+
+class Switch(NamedTuple):
+    """Yes or no."""
+
+    name: str
+    label: str
+
+
+class Group(NamedTuple):
+    """Controls that belong together."""
+
+    title: str
+    controls: Sequence[Control | Choice | Switch]
+
+
+def _building(number: int, side: str) -> Group:
+    return Group(
+        f"Building {number}, {side}",
+        (
+            Control(f"period_{number}", "Period", 0.1, 4.0, 0.01, "s"),
+            Control(f"damping_{number}", "Damping ratio", 0.005, 0.3, 0.005),
+            Switch(f"yields_{number}", "Yields (off: elastic)"),
+            Control(f"reduction_factor_{number}", "Reduction factor R", 0.5, 10.0, 0.1),
+            Control(f"hardening_{number}", "Hardening ratio", 0.01, 1.0, 0.01),
+        ),
+    )
+
+
+GROUPS = (
+    Group(
+        "Ground",
+        (
+            Choice("site", "Kind of ground", SITES),
+            Control("intensity", "Intensity S0", 0.0005, 0.05, 0.0005, "m²/s³"),
+            Control("ground_period", "Ground period", 0.1, 4.0, 0.01, "s"),
+            Control("ground_damping", "Ground damping ratio", 0.02, 1.0, 0.01),
+            Control("high_pass_period", "High-pass period", 1.0, 20.0, 0.1, "s"),
+            Control("high_pass_damping", "High-pass damping ratio", 0.05, 1.5, 0.05),
+        ),
+    ),
+    _building(1, "left"),
+    _building(2, "right"),
+    Group(
+        "Gap",
+        (
+            Control("gap", "Existing gap", 0.5, 60.0, 0.5, "cm"),
+            Control("confidence", "Confidence of no pounding", 0.5, 0.99, 0.01),
+        ),
+    ),
+    Group(
+        "Motion",
+        (
+            Control("duration", "Duration", 5.0, 120.0, 1.0, "s"),
+            Choice("envelope", "Envelope", SHAPES),
+            Control("rise_end", "End of the rise", 0.5, 30.0, 0.5, "s"),
+            Control("strong_end", "End of strong shaking", 1.0, 90.0, 0.5, "s"),
+            Control("power", "Power of the rise", 0.5, 8.0, 0.1),
+            Control("slow", "Slow rate", 0.01, 1.0, 0.01, "1/s"),
+            Control("fast", "Fast rate", 0.1, 5.0, 0.05, "1/s"),
+            Control("decay", "Rate of decay", 0.05, 2.0, 0.05, "1/s"),
+            Control("paths", "Simulated motions", 256, 8192, 256),
+        ),
+    ),
+)
+NUMBERS: Mapping[str, Control] = {
+    control.name: control
+    for group in GROUPS
+    for control in group.controls
+    if isinstance(control, Control)
+}
+
+
+def counts(name: str, values: Mapping[str, Any]) -> bool:
+    """Whether a control has a say with these values: the others are hidden."""
+    if name in OF_GROUND.values() or name.startswith("high_pass"):
+        kind = GROUNDS.get(values["site"])
+        used = kind.parameter_names() if kind else ()
+        return name in {OF_GROUND.get(one, one) for one in used}
+    every = {one for kind in ENVELOPES.values() for one in kind.parameter_names()}
+    if name in every:
+        chosen = ENVELOPES.get(values["envelope"])
+        return chosen is not None and name in chosen.parameter_names()
+    stem, _, number = name.rpartition("_")
+    if stem in ("hardening", "reduction_factor"):
+        return bool(values[f"yields_{number}"])
+    return True

@@ -1,0 +1,279 @@
+"""The explorer's page: controls beside charts, each chart answered as fast as it can be."""
+
+from __future__ import annotations
+
+import asyncio
+import dataclasses
+import logging
+from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING, Any
+
+from nicegui import background_tasks, ui
+
+from stochlin.analyses.explorer import formulas as exploration
+from stochlin.analyses.explorer.case_text import case_text
+from stochlin.analyses.explorer.simulations import together
+from stochlin.analyses.tables.storage import as_netcdf
+from stochlin.views.explorer import pictures as charts
+from stochlin.views.explorer import words
+from stochlin.views.explorer.controls import GROUPS, Choice, Control, counts
+from stochlin.views.explorer.entries import NumberEntry, choice_entry, switch_entry
+from stochlin.views.explorer.panels import Panel
+from stochlin.views.explorer.workers import PROBABILITY, SIMULATIONS, Stopped
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    import xarray as xr
+
+    from stochlin.analyses.explorer.scene import Scene
+    from stochlin.views.explorer.workers import Job, Worker
+
+REFUSED = (ValueError, ArithmeticError, MemoryError, OSError)
+PANELS = {
+    "spectra": ("Spectra", "Power spectral densities of ground and displacements over period"),
+    "correlation": ("Correlation", "Correlation coefficient over the ratio of the periods"),
+    "gaps": ("Required gap by rule", "Required gap by rule, beside the existing gap"),
+    "probability": ("No pounding so far", "Probability of no pounding over time"),
+}
+FOLD = "if (innerWidth < 720) document.querySelectorAll('details').forEach(d => d.open = false)"
+KEPT = "The charts keep the last values."
+LOG = logging.getLogger("stochlin")
+FORMULAS: dict[str, Callable[[Scene], xr.Dataset]] = {
+    "correlation": exploration.correlation,
+    "spectra": exploration.spectra,
+    "gaps": exploration.gap_rules,
+}
+LOOK = 0.2  # s between two looks at how far a simulation is
+# One thread for all pages: numpy's work between Python's steps gains nothing from more.
+_FAST = ThreadPoolExecutor(1, thread_name_prefix="explorer")
+
+
+class Page:
+    """One browser's view of a scene."""
+
+    def __init__(self, scene: Scene, notes: list[str], patient: Worker, simulator: Worker) -> None:
+        self._scene, self._patient, self._simulator = scene, patient, simulator
+        self._values: dict[str, Any] = dataclasses.asdict(scene)
+        self._wrong: dict[str, str] = {}  # messages of entries that cannot be read
+        self._rows: dict[str, Any] = {}
+        self._fast, self._slow = False, False  # whether a round is under way
+        self._job: Job | None = None
+        self._simulated: Mapping[str, xr.Dataset] = {}
+        self._closed = False
+        self._build(notes)
+        ui.context.client.on_delete(self._leave)
+        ui.timer(0, self._begin, once=True)
+
+    async def _begin(self) -> None:
+        await ui.context.client.connected()
+        ui.run_javascript(FOLD)
+        await self._refresh()
+
+    def _build(self, notes: list[str]) -> None:
+        ui.colors(primary="#2166ac")
+        ui.link("To the charts", "#charts").classes("skip")
+        with ui.element("header").classes("head"):
+            with ui.element("h1"):
+                ui.label(self._scene.title)
+            ui.label("How far must two buildings stand apart? Left and right, on one ground.")
+        with ui.element("main").classes("sheet"):
+            with ui.element("form").classes("controls").props('onsubmit="return false"'):
+                for group in GROUPS:
+                    self._group(group.title, group.controls)
+            with ui.element("div").props("id=charts tabindex=-1"):
+                self._words(notes)
+                with ui.element("div").classes("charts"):
+                    self._panels = {key: Panel(*texts, key) for key, texts in PANELS.items()}
+        self._hide()
+
+    def _group(self, title: str, controls: Any) -> None:
+        with ui.element("details").props("open"):
+            with ui.element("summary"):
+                ui.label(title).style("display: inline")
+            for control in controls:
+                if isinstance(control, Control):
+                    row = NumberEntry(control, title, self._scene, self._change).row
+                elif isinstance(control, Choice):
+                    row = choice_entry(control, title, self._scene, self._change)
+                else:
+                    row = switch_entry(control, title, self._scene, self._change)
+                self._rows[control.name] = row
+
+    def _words(self, notes: list[str]) -> None:
+        with ui.element("div").classes("words"):
+            for note in notes:
+                ui.label(note)
+            self._alert = ui.label().classes("wrong").props("role=alert data-alert")
+            self._caution = ui.label().classes("caution").props("role=status data-caution")
+            self._why = ui.label().classes("why")
+            with ui.element("div").classes("buttons"):
+                self._start = ui.button("Simulate", on_click=self._simulate).props(
+                    "no-caps data-simulate"
+                )
+                self._stop = ui.button("Stop", on_click=self._interrupt).props(
+                    "outline no-caps data-stop"
+                )
+                self._bar = ui.element("progress").props('max=1 value=0 aria-label="Simulation"')
+                ui.button("Save case file", on_click=self._save_case).props(
+                    "outline no-caps data-save-case"
+                )
+                ui.button("Save dataset", on_click=self._save_data).props(
+                    "outline no-caps data-save-data"
+                )
+            self._told = ui.label(words.START).props("role=status data-told")
+        self._running(False)
+
+    def _change(self, name: str, value: Any, wrong: str) -> None:
+        """Take another value of a control; where there is one, the charts keep the last ones."""
+        self._wrong.pop(name, None)
+        if wrong:
+            self._wrong[name] = wrong
+        else:
+            self._values[name] = value
+            self._hide()
+        messages = list(self._wrong.values())
+        if not messages:
+            try:
+                scene = dataclasses.replace(self._scene, **self._own_values())
+            except (ValueError, TypeError) as error:
+                messages = [f"These values do not fit: {error}."]
+        self._alert.text = " ".join([*messages, KEPT] if messages else [])
+        if messages:
+            return
+        if scene != self._scene:
+            self._scene = scene
+            self._forget_simulation()
+            background_tasks.create(self._refresh())
+
+    def _own_values(self) -> dict[str, Any]:
+        return {name: self._values[name] for name in self._rows}
+
+    def _hide(self) -> None:
+        for name, row in self._rows.items():
+            row.set_visibility(counts(name, self._values))
+
+    async def _refresh(self) -> None:
+        """Start the rounds that are not under way: those that are go on to the latest values."""
+        self._panels["probability"].wait()
+        await self._fast_round()  # first, for both want the processor
+        await self._slow_round()
+
+    async def _fast_round(self) -> None:
+        if self._fast:
+            return
+        self._fast, done = True, None
+        loop = asyncio.get_running_loop()
+        while done is not self._scene and not self._closed:
+            done = scene = self._scene
+            for key, function in FORMULAS.items():
+                await self._answer(key, scene, loop.run_in_executor(_FAST, function, scene))
+        self._fast = False
+
+    async def _slow_round(self) -> None:
+        if self._slow or self._fast:
+            return
+        self._slow, done = True, None
+        while done is not self._scene and not self._closed:
+            done = scene = self._scene
+            job = self._patient.ask(PROBABILITY, scene)
+            await self._answer("probability", scene, asyncio.wrap_future(job.answer))
+        self._slow = False
+
+    async def _answer(self, key: str, scene: Scene, answer: asyncio.Future[xr.Dataset]) -> None:
+        """Draw an answer, or say why there is none; nothing that goes wrong ends a round."""
+        try:
+            table = await answer
+            if not self._closed:
+                self._draw(key, table, scene)
+                if scene is not self._scene:
+                    self._panels[key].wait()
+        except REFUSED as error:
+            self._panels[key].fail(str(error))
+        except Exception as error:  # a fault of ours, or a process that died
+            LOG.exception("%s of %s", key, scene)
+            self._panels[key].fail(f"{type(error).__name__}: {error}")
+
+    def _draw(self, key: str, table: xr.Dataset, scene: Scene) -> None:
+        """Draw a formula's table, with what was simulated of the present values."""
+        simulated = self._simulated.get(key) if scene is self._scene else None
+        panel = self._panels[key]
+        if key == "spectra":
+            panel.show(table, charts.spectra_figure(table, (scene.period_1, scene.period_2)), "")
+        elif key == "correlation":
+            self._caution.text, self._why.text = words.caution(table)
+            panel.show(table, charts.correlation_figure(table, simulated), words.CORRELATION)
+        elif key == "gaps":
+            shown = table if simulated is None else simulated
+            panel.show(shown, charts.gaps_figure(shown), words.gaps(shown))
+        else:
+            shown = table if simulated is None else simulated
+            panel.show(shown, charts.probability_figure(shown), words.probability(shown))
+
+    async def _simulate(self) -> None:
+        scene = self._scene
+        self._job = job = self._simulator.ask(SIMULATIONS, scene)
+        self._running(True)
+        self._told.text = "Simulating."
+        look = ui.timer(LOOK, lambda: self._bar.props(f"value={job.share:.3f}"))
+        try:
+            tables = await asyncio.wrap_future(job.answer)
+        except (Stopped, asyncio.CancelledError):
+            self._told.text = "Stopped."
+        except REFUSED as error:
+            self._told.text = f"Not simulated: {error}"
+        except Exception as error:  # as above
+            LOG.exception("simulations of %s", scene)
+            self._told.text = f"Not simulated: {type(error).__name__}: {error}"
+        else:
+            self._keep(scene, tables)
+        finally:
+            look.cancel()
+            if self._job is job:
+                self._job = None
+                self._running(False)
+
+    def _keep(self, scene: Scene, tables: Mapping[str, xr.Dataset]) -> None:
+        if scene is not self._scene:
+            return
+        self._simulated = tables
+        self._told.text = f"Simulated: {scene.paths} motions, seed {scene.seed}."
+        for key in tables:
+            table = self._panels[key].table
+            if table is not None:
+                self._draw(key, table, scene)
+
+    def _forget_simulation(self) -> None:
+        self._interrupt()
+        self._simulated = {}
+        self._told.text = words.START
+
+    def _interrupt(self) -> None:
+        if self._job is not None:
+            self._job.stop()
+
+    def _running(self, running: bool) -> None:
+        self._start.set_enabled(not running)
+        for element in (self._stop, self._bar):
+            element.set_visibility(running)
+
+    def _save_case(self) -> None:
+        if self._alert.text:
+            self._told.text = words.SAVED_LAST
+        ui.download.content(case_text(self._scene), "case.toml", "application/toml")
+
+    def _save_data(self) -> None:
+        tables = {key: p.table for key, p in self._panels.items() if p.table is not None}
+        if "correlation" in self._simulated:
+            tables["simulation"] = self._simulated["correlation"]
+        if self._alert.text:
+            self._told.text = words.SAVED_LAST
+        missing = [PANELS[key][0] for key in self._panels if key not in tables]
+        if missing:
+            self._told.text = f"Saved without what is not computed yet: {', '.join(missing)}."
+        data = as_netcdf(together(self._scene, tables))
+        ui.download.content(data, "explored.nc", "application/x-netcdf")
+
+    def _leave(self) -> None:
+        self._closed = True
+        self._interrupt()

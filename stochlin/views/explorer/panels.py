@@ -1,0 +1,51 @@
+"""A chart of the explorer with its words: what it shows, while it waits, and where it cannot."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from nicegui import ui
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from stochlin.views.explorer.pictures import Figure
+
+COMPUTING = "Being computed ..."
+
+
+class Panel:
+    """A chart with its words; it keeps what it last showed while it waits."""
+
+    def __init__(self, title: str, what: str, key: str) -> None:
+        self.table: xr.Dataset | None = None  # None while it shows nothing of the present values
+        with ui.element("section").classes("panel").props(f"data-panel={key}"):
+            with ui.element("h2"):
+                ui.label(title)
+            self._state = ui.label(COMPUTING).classes("state").props("role=status")
+            self._chart = ui.plotly({"data": [], "layout": {"autosize": True}, "config": {}})
+            self._chart.classes("chart").props(f'role=img aria-label="{what}"')
+            self._words = ui.label().classes("about")
+
+    def wait(self) -> None:
+        """Say that the chart is behind the controls."""
+        self.table = None
+        self._state.text = COMPUTING
+        self._chart.classes("stale")
+
+    def fail(self, why: str) -> None:
+        """Say why these values have no chart; the last one stays, pale."""
+        self.table = None
+        self._state.text = f"These values have no chart: {why}"
+        self._chart.classes("stale")
+
+    def show(self, table: xr.Dataset, figure: Figure, text: str) -> None:
+        """Show what was computed."""
+        self.table = table
+        self._state.text = ""
+        height = figure["layout"].get("height")
+        if height:
+            self._chart.style(f"height: {height}px")
+        self._chart.classes(remove="stale")
+        self._chart.update_figure(figure)
+        self._words.text = text

@@ -1,0 +1,223 @@
+"""The explorer's charts, from datasets to figures of plotly.js, readable in grey."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.views.probability.pictures import ESTIMATES
+from stochlin.views.separation.words import label
+from stochlin.views.shared.style import CURVES
+
+Figure = dict[str, Any]
+DASHES = ("solid", "dash", "dashdot", "dot", "longdash", "longdashdot")  # as in CURVES
+GREY, FAINT = "#555", "#ddd"
+NORMAL = 1.96  # standard errors to either side of a 95 % interval
+KINDS = {  # of rules: marker and name
+    "simulation": ("star", "simulation, 95 %"),
+    "equation_3": ("circle", "eq. (3)"),
+    "linearization": ("diamond", "linearization"),
+    "code": ("square", "building codes"),
+}
+RATIO_TICKS = (0.25, 0.5, 1, 2, 4)
+RHO = (
+    ("rho_drift", 0, "linearization, drift closure"),
+    ("rho_linearized", 1, "linearization, Gaussian closure"),
+    ("rho_white_noise", 3, "eq. (4), white noise"),
+)
+
+
+def spectra_figure(table: xr.Dataset, periods: tuple[float, float]) -> Figure:
+    """PSD of the ground above, of the displacements below, over period; both periods marked."""
+    period = table.period.values
+    curves = [_curve(period, table.psd_ground.values, 0, "ground")]
+    for number in (1, 2):
+        values = 1e4 * table[f"displacement_psd_{number}"].values
+        name = f"displacement, building {number}"
+        curves.append(_curve(period, values, number, name) | {"yaxis": "y2"})
+    layout = _layout("period [s]", "ground [m²/s³]")
+    layout["xaxis"] |= {"type": "log", "range": _log_range(period), "anchor": "y2", "dtick": "D2"}
+    layout["yaxis"] |= {"domain": [0.56, 1], "rangemode": "tozero"}
+    layout["yaxis2"] = layout["yaxis"] | {
+        "domain": [0, 0.46],
+        "title": {"text": "displ. [cm² s]", "standoff": 6},
+    }
+    layout["shapes"] = [_vertical(period, DASHES[n]) for n, period in enumerate(periods, start=1)]
+    first_right = periods[0] > periods[1]  # the words go to the outer sides of the lines
+    layout["annotations"] = [
+        _note(float(np.log10(period)), f"T{n}")
+        | {"xanchor": "left" if (n == 1) == first_right else "right"}
+        for n, period in enumerate(periods, start=1)
+    ]
+    return _figure(curves, layout)
+
+
+def correlation_figure(table: xr.Dataset, simulated: xr.Dataset | None = None) -> Figure:
+    """Rho over the ratio of periods; simulation, if there is one, as points with 95 % intervals."""
+    ratio = table.period_ratio.values
+    curves = [_curve(ratio, table[name].values, style, text) for name, style, text in RHO]
+    if simulated is not None:
+        error = NORMAL * simulated.rho_standard_error.values
+        curves.append(
+            {
+                "x": _plain(simulated.period_ratio.values),
+                "y": _plain(simulated.rho.values),
+                "error_y": {"type": "data", "array": _plain(error), "thickness": 1.2, "width": 3},
+                "mode": "markers",
+                "marker": {"color": "#000", "size": 7, "symbol": "circle-open", "line": {"width": 1.6}},
+                "name": "simulation, 95 %",
+            }
+        )
+    values = [table[name].values for name, _, _ in RHO]
+    if simulated is not None:
+        values.append(simulated.rho.values)
+    low = min(float(np.nanmin(v)) for v in values)
+    layout = _layout("ratio of periods T2/T1", "correlation coefficient ρ")
+    layout["xaxis"] |= {"type": "log", "range": _log_range(ratio), "tickvals": list(RATIO_TICKS)}
+    layout["yaxis"] |= {"range": [min(-0.05, np.floor(low * 10) / 10), 1.03]}
+    own = float(table.attrs["period_ratio"])
+    layout["shapes"] = [_vertical(own, "solid")]
+    layout["annotations"] = [_note(float(np.log10(own)), f"T2/T1 = {own:.3g}")]
+    return _figure(curves, layout)
+
+
+def gaps_figure(table: xr.Dataset) -> Figure:
+    """The gap by every rule that has one, and the gap there is; errors where simulation tells them."""
+    known = table.isel(rule=np.flatnonzero(table.gap.notnull().values)[::-1])
+    names = [label(str(rule)) for rule in known.rule.values]
+    gaps = 100 * known.gap.values
+    curves = []
+    for kind, (symbol, text) in KINDS.items():
+        rows = np.flatnonzero(known.kind.values == kind)
+        if rows.size:
+            curves.append(_points(known, gaps, names, rows, symbol) | {"name": text})
+    layout = _layout("gap [cm]", "")
+    highest = float(np.nanmax([*gaps, 100 * table.attrs["gap_m"]]))
+    layout["xaxis"] |= {"range": [0, 1.22 * highest]}
+    layout["yaxis"] |= {"type": "category", "categoryarray": names}
+    layout["yaxis"] |= {"range": [-0.6, len(names) - 0.1], "tickfont": {"size": 11}}
+    layout["height"] = 130 + 21 * len(names)
+    layout["shapes"] = [_vertical(100 * table.attrs["gap_m"], "dash")]
+    layout["annotations"] = [_note(100 * table.attrs["gap_m"], "existing gap")]
+    return _figure(curves, layout)
+
+
+def probability_figure(table: xr.Dataset) -> Figure:
+    """Probability of no pounding so far, over time; simulation as a band."""
+    stem, time = "confidence_of_no_pounding", table.time.values
+    curves = []
+    if f"{stem}_simulated" in table:
+        low, high = (table[f"{stem}_simulated_{end}"].values for end in ("lower", "upper"))
+        edge: Figure = {"mode": "lines", "line": {"width": 0}, "hoverinfo": "skip"}
+        curves.append(edge | {"x": _plain(time), "y": _plain(low), "showlegend": False})
+        band: Figure = {"fill": "tonexty", "fillcolor": "#cfcfcf", "name": "simulation, 95 %"}
+        curves.append(edge | band | {"x": _plain(time), "y": _plain(high)})
+    for number, (ending, text) in enumerate(ESTIMATES):
+        values = table.get(stem + ending)
+        if values is not None and bool(values.notnull().any()):
+            curves.append(_curve(time, values.values, (0, 3, 1, 2)[number], text))
+    layout = _layout("time [s]", "probability of no pounding")
+    layout["xaxis"] |= {"range": [0, float(time[-1])]}
+    layout["yaxis"] |= {"range": [-0.02, 1.03]}
+    wanted = float(table.attrs["confidence"])
+    line = {"color": GREY, "width": 1, "dash": "dash"}
+    layout["shapes"] = [
+        {"type": "line", "xref": "paper", "x0": 0, "x1": 1, "y0": wanted, "y1": wanted, "line": line}
+    ]
+    layout["annotations"] = [
+        _note(1, "wanted") | {"xref": "paper", "y": wanted, "yref": "y", "xanchor": "right"}
+    ]
+    return _figure(curves, layout)
+
+
+def _points(table: xr.Dataset, gaps: Any, names: list[str], rows: Any, symbol: str) -> Figure:
+    """Rules of one kind; open markers are unsafe, a number beside them is the error."""
+    errors = table.error.values[rows] if "error" in table else np.full(rows.size, np.nan)
+    texts = ["" if not np.isfinite(e) or e == 0 else f"{100 * e:+.0f} %" for e in errors]
+    unsafe = table.verdict.values[rows] == 2 if "verdict" in table else np.zeros(rows.size, bool)
+    points: Figure = {
+        "x": _plain(gaps[rows]),
+        "y": [names[row] for row in rows],
+        "mode": "markers+text",
+        "text": texts,
+        "textposition": "middle right",
+        "cliponaxis": False,
+        "marker": {
+            "symbol": [f"{symbol}-open" if one else symbol for one in unsafe],
+            "size": 10,
+            "color": CURVES[0][0],
+            "line": {"width": 1.6},
+        },
+        "hovertemplate": "%{y}: %{x:.1f} cm<extra></extra>",
+    }
+    if "gap_lower" in table and symbol == KINDS["simulation"][0]:
+        ends = [100 * table[f"gap_{end}"].values[rows] for end in ("lower", "upper")]
+        points["error_x"] = {
+            "type": "data",
+            "symmetric": False,
+            "array": _plain(ends[1] - gaps[rows]),
+            "arrayminus": _plain(gaps[rows] - ends[0]),
+            "thickness": 1.5,
+        }
+    return points
+
+
+def _curve(x: Any, y: Any, style: int, name: str) -> Figure:
+    line = {"color": CURVES[style][0], "dash": DASHES[style], "width": 2}
+    return {"x": _plain(x), "y": _plain(y), "mode": "lines", "line": line, "name": name}
+
+
+def _plain(values: Any) -> list[Any]:
+    """Numbers for JSON, which knows no NaN."""
+    return [float(value) if np.isfinite(value) else None for value in np.asarray(values)]
+
+
+def _log_range(values: Any) -> list[float]:
+    low, high = np.log10([np.min(values), np.max(values)])
+    return [float(low - 0.01), float(high + 0.01)]
+
+
+def _vertical(x: float, dash: str) -> Figure:
+    line = {"color": GREY, "width": 1.2, "dash": dash}
+    return {"type": "line", "yref": "paper", "x0": x, "x1": x, "y0": 0, "y1": 1, "line": line}
+
+
+def _note(x: float, text: str) -> Figure:
+    """Words above the plot, at a place of the axis (its logarithm on a logarithmic one)."""
+    return {
+        "x": x,
+        "y": 1,
+        "yref": "paper",
+        "yanchor": "bottom",
+        "text": text,
+        "showarrow": False,
+        "font": {"size": 11, "color": "#222"},
+    }
+
+
+def _layout(x: str, y: str) -> Figure:
+    axis = {
+        "fixedrange": True,
+        "gridcolor": FAINT,
+        "linecolor": GREY,
+        "ticks": "outside",
+        "zeroline": False,
+    }
+    return {
+        "font": {"family": "system-ui, sans-serif", "size": 12, "color": "#222"},
+        "margin": {"l": 62, "r": 16, "t": 26, "b": 46},
+        "paper_bgcolor": "#fff",
+        "plot_bgcolor": "#fff",
+        "hovermode": "closest",
+        "legend": {"orientation": "h", "x": 0, "y": -0.2, "yanchor": "top"},
+        "xaxis": axis | {"title": {"text": x, "standoff": 8}},
+        "yaxis": axis | {"title": {"text": y, "standoff": 6}, "automargin": True},
+        "autosize": True,
+    }
+
+
+def _figure(curves: list[Figure], layout: Figure) -> Figure:
+    drawn = [{"type": "scatter"} | curve for curve in curves]
+    return {"data": drawn, "layout": layout, "config": {"displayModeBar": False, "responsive": True}}

@@ -1,0 +1,134 @@
+"""The explorer's server: one page, for this machine alone unless told otherwise."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import sys
+from contextlib import suppress
+from importlib.resources import files
+from ipaddress import ip_address
+from typing import TYPE_CHECKING, Any
+from urllib.parse import urlsplit
+
+import click
+from nicegui import app, ui
+
+from stochlin.views.explorer.page import Page
+from stochlin.views.explorer.workers import PROBABILITY, Worker
+
+if TYPE_CHECKING:
+    from stochlin.analyses.explorer.scene import Scene
+
+LOCAL = "localhost"
+FORBIDDEN = 403
+PATIENCE = 30.0  # s that a page may take to connect, on a machine that is busy
+
+
+class OwnOrigin:
+    """Refuses requests for another host, and from pages of another one.
+
+    Without it a page elsewhere could reach this one through the user's browser.
+    """
+
+    def __init__(self, inner: Any, names: frozenset[str] | None) -> None:
+        self._inner, self._names = inner, names  # None: any, where all addresses are listened on
+
+    async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
+        """Answer one request, or refuse it."""
+        if scope["type"] in ("http", "websocket") and not self.allows(dict(scope["headers"])):
+            if scope["type"] == "websocket":
+                await send({"type": "websocket.close", "code": 1008})
+                return
+            await send({"type": "http.response.start", "status": FORBIDDEN, "headers": []})
+            await send({"type": "http.response.body", "body": b"This host is not served here.\n"})
+            return
+        await self._inner(scope, receive, send)
+
+    def allows(self, headers: dict[bytes, bytes]) -> bool:
+        """Whether ``Host`` is one of ours, and ``Origin``, if there is one, the same."""
+        host = headers.get(b"host", b"").decode("latin-1")
+        origin = headers.get(b"origin", b"").decode("latin-1")
+        try:
+            named = urlsplit(f"//{host}").hostname
+        except ValueError:
+            return False
+        if self._names is not None and named not in self._names:
+            return False
+        return not origin or urlsplit(origin).netloc == host
+
+
+def names_of(host: str) -> frozenset[str] | None:
+    """Names under which a browser may ask for what listens at ``host``; None for any."""
+    try:
+        address = ip_address(host)
+    except ValueError:
+        return frozenset({host, "127.0.0.1", "::1"} if host == LOCAL else {host})
+    if address.is_unspecified:
+        return None
+    return frozenset({host, LOCAL} if address.is_loopback else {host})
+
+
+def check_address(host: str, port: int) -> None:
+    """Raise an OSError that says what to do if the address cannot be listened on."""
+    try:
+        family, kind, protocol, _, address = socket.getaddrinfo(
+            host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+        )[0]
+        with socket.socket(family, kind, protocol) as probe:
+            if os.name == "posix":  # elsewhere it would take a port from its owner
+                probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            probe.bind(address)
+    except OSError as error:
+        raise OSError(
+            f"--host {host} --port {port} cannot be listened on ({error.strerror or error}); another "
+            "program may use the port: give another --port, or end that program"
+        ) from error
+
+
+def serve(scene: Scene, notes: list[str], host: str, port: int, show: bool) -> None:
+    """Serve the page until it is interrupted; the address is one that `check_address` has passed."""
+    patient, simulator = Worker(), Worker()
+    style = files("stochlin.views.explorer").joinpath("page.css").read_text(encoding="utf-8")
+
+    def page() -> None:
+        ui.add_css(style)
+        Page(scene, notes, patient, simulator)
+
+    def ready() -> None:
+        for worker in (patient, simulator):
+            worker.ask(PROBABILITY, scene)  # so that its libraries are there when they are needed
+        shown = f"[{host}]" if ":" in host else host
+        click.echo(f"The explorer is at http://{shown}:{port} (Ctrl+C ends it)")
+        if names_of(host) is None or not _is_local(host):
+            click.echo("Whoever reaches this machine over the network can open it.")
+
+    def end() -> None:
+        for worker in (patient, simulator):
+            worker.close()
+
+    app.on_startup(ready)
+    app.on_shutdown(end)
+    app.add_middleware(OwnOrigin, names=names_of(host))
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit())  # so that the processes beside it end well
+    with suppress(KeyboardInterrupt):
+        ui.run(
+            page,
+            host=host,
+            port=port,
+            title="stochlin explore",
+            show=show,
+            reload=False,
+            tailwind=False,
+            show_welcome_message=False,
+            reconnect_timeout=PATIENCE,
+            favicon="\N{BAR CHART}",
+        )
+
+
+def _is_local(host: str) -> bool:
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:
+        return host == LOCAL

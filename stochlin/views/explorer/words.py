@@ -1,0 +1,83 @@
+"""What the explorer says beside its charts."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from stochlin.views.separation.words import centimetres, label, length, per_cent
+
+UNKNOWN = 2  # of the flag ``caution``: outside of the map
+CORRELATION = (
+    "Building 1 stays; the period of building 2 changes. The line marks the ratio of the controls. The "
+    "drift closure is an estimate too, where buildings yield."
+)
+SAVED_LAST = "Saved with the last values that could be read."
+START = "No simulation of these values yet: the button asks the exact laws."
+
+
+def caution(table: xr.Dataset) -> tuple[str, str]:
+    """Whether linearization can be trusted at the scene's own ratio, in words; and why."""
+    if "comment" not in table.attrs:
+        return "Both buildings stay elastic: linearization is exact here.", ""
+    own = table.sel(period_ratio=table.attrs["period_ratio"], method="nearest")
+    biases = {n: float(own[f"bias_{n}"]) for n in (1, 2)}
+    known = [
+        f"{per_cent(abs(bias))} too {'small' if bias < 0 else 'large'} for building {n}"
+        for n, bias in biases.items()
+        if np.isfinite(bias) and bias
+    ]
+    rho = float(own.bias)
+    words = "Caution: linearization alone is unsafe for buildings that yield."
+    if known:
+        words += f" Here its displacements are {' and '.join(known)}"
+        words += (
+            f", its ρ off by {rho:+.2f}." if np.isfinite(rho) else ", its ρ off by an unknown amount."
+        )
+    elif int(own.caution) == UNKNOWN:
+        words += " How far it is off here is unknown: the map of its bias does not reach this ground."
+    return words, table.attrs["comment"].replace("Caution: a", "A")
+
+
+def gaps(table: xr.Dataset) -> str:
+    """The answer, if it was simulated, or what the rules are fed with; and what rules lack."""
+    there = length(table.attrs["gap_m"])
+    confidence = per_cent(table.attrs["confidence"])
+    if table.attrs["peaks"] == "simulated":
+        answer = table.sel(rule="simulation")
+        low, high = (float(answer[f"gap_{end}"]) for end in ("lower", "upper"))
+        words = (
+            f"Simulated: {length(float(answer.gap))} ({centimetres(low)} to {length(high)}) for "
+            f"{confidence}; there are {there}. The rules are fed with simulated peaks. Open: unsafe. "
+            "The number beside a rule is its error."
+        )
+    else:
+        drift = float(table.gap.sel(rule="eq_3_drift"))
+        words = (
+            f"Eq. (3) with the drift closure: {length(drift)} for {confidence}; there are {there}. "
+            "Nothing is simulated: peaks are those of the drift closure, but for eq. (3) linearized and "
+            "for linearization, which are linearized alone."
+        )
+    lacking = table.where(table.missing != "", drop=True)
+    missing = [
+        f"{label(str(r))} {m.replace('height_1, height_2', 'heights')}"
+        for r, m in zip(lacking.rule.values, lacking.missing.values, strict=True)
+    ]
+    return words + (f" Not shown: {'; '.join(missing)} (a case file may say)." if missing else "")
+
+
+def probability(table: xr.Dataset) -> str:
+    """The probability at the end of the motion, by every way to it."""
+    last, stem = table.isel(time=-1), "confidence_of_no_pounding"
+    parts = [f"{per_cent(float(last[stem]))} by formula"]
+    corrected = float(last[f"{stem}_corrected"])
+    known = np.isfinite(corrected)
+    parts.append(f"{per_cent(corrected)} corrected for its bias" if known else "correction unknown here")
+    if f"{stem}_simulated" in table:
+        low, high = (float(last[f"{stem}_simulated_{end}"]) for end in ("lower", "upper"))
+        share = per_cent(float(last[f"{stem}_simulated"]))
+        parts.append(f"{share} simulated ({per_cent(low)} to {per_cent(high)})")
+    words = f"No pounding to the end of the motion: {', '.join(parts)}."
+    if "comment" in table.attrs:
+        words += " The formula is linearized: too sure where buildings yield."
+    return words

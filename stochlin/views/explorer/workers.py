@@ -1,0 +1,99 @@
+"""Processes beside the page for what takes longer than a slider may wait."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from multiprocessing.connection import wait
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+if TYPE_CHECKING:
+    from stochlin.analyses.explorer.scene import Scene
+
+RUNNING, SHARE, STOPPED = range(3)  # on the board: a job, how far it is, the job to be stopped
+PROBABILITY, SIMULATIONS = "probability", "simulations"
+EVERY_JOB = -1.0
+_board: Any = None  # of this process, if it is a worker
+
+
+class Stopped(Exception):  # noqa: N818 (no error: it was asked for)
+    """A simulation that was told to stop."""
+
+
+class Job(NamedTuple):
+    """A question that a worker has been asked."""
+
+    number: int
+    answer: Future[Any]
+    board: Any
+
+    @property
+    def share(self) -> float:
+        """The share that is done; 0 while it waits for its turn."""
+        return float(self.board[SHARE]) if self.board[RUNNING] == self.number else 0.0
+
+    def stop(self) -> None:
+        """Drop the question, or stop its simulation when it next tells how far it is."""
+        if not self.answer.cancel():
+            self.board[STOPPED] = self.number
+
+
+class Worker:
+    """One process, which answers one question after the other."""
+
+    def __init__(self) -> None:
+        self._context = multiprocessing.get_context("spawn")  # numba's threads do not survive a fork
+        self._board = self._context.Array("d", 3)
+        self._count = 0
+        self._pool = self._start()
+
+    def ask(self, question: str, scene: Scene) -> Job:
+        """Put a question, one of the two."""
+        self._count += 1
+        try:
+            answer = self._pool.submit(_answer, self._count, question, scene)
+        except BrokenProcessPool:  # the process was killed, for want of memory perhaps
+            self._pool = self._start()
+            answer = self._pool.submit(_answer, self._count, question, scene)
+        return Job(self._count, answer, self._board)
+
+    def close(self) -> None:
+        """Stop what is running."""
+        self._board[STOPPED] = EVERY_JOB
+        self._pool.shutdown(wait=False, cancel_futures=True)
+
+    def _start(self) -> ProcessPoolExecutor:
+        return ProcessPoolExecutor(1, self._context, _begin, (self._board,))
+
+
+def _begin(board: Any) -> None:
+    """In the worker: share the board; leave Ctrl+C to the page, and end with it."""
+    global _board  # noqa: PLW0603 (a process is given it once, at its start)
+    _board = board
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_the_page, daemon=True).start()
+
+
+def _end_with_the_page() -> None:
+    page = multiprocessing.parent_process()
+    if page is not None:
+        wait([page.sentinel])
+        os._exit(0)
+
+
+def _answer(number: int, question: str, scene: Scene) -> Any:
+    from stochlin.analyses.explorer.formulas import probability
+    from stochlin.analyses.explorer.simulations import simulations
+
+    _board[RUNNING], _board[SHARE] = number, 0.0
+
+    def progress(share: float) -> None:
+        if _board[STOPPED] in (number, EVERY_JOB):
+            raise Stopped
+        _board[SHARE] = share
+
+    return simulations(scene, progress) if question == SIMULATIONS else probability(scene)

@@ -1,0 +1,50 @@
+"""The command ``stochlin mitigate``: a case file in, measures against pounding compared and drawn."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import click
+
+from stochlin.views.shared.screen import FILE, PICTURES, bad_input, check_target, show
+
+
+@click.command()
+@click.argument("case", type=FILE)
+@click.option("--out", type=FILE, help="Save the table, .nc or .csv.")
+@click.option("--picture", type=FILE, help="Draw it, .png, .svg or .pdf; the data is saved beside it.")
+def mitigate(case: Path, out: Path | None, picture: Path | None) -> None:
+    """What links, bumpers and added damping do against pounding, and the least that would do.
+
+    CASE is a file as 'stochlin gap --example' prints one, of two buildings, with the gap there is and
+    the measures to compare. With records, a contact and masses, pounding in the records is shown too.
+
+    \b
+    Examples:
+      stochlin mitigate case.toml
+      stochlin mitigate case.toml --picture measures.png
+    """
+    with bad_input():
+        from stochlin.analyses.cases.case import read_case
+        from stochlin.analyses.cases.mitigation import mitigate_case
+        from stochlin.analyses.tables.storage import FORMATS, save_table
+
+        check_target("--out", out, FORMATS)
+        check_target("--picture", picture, PICTURES)
+        described = read_case(case)
+        with click.progressbar(length=1000, label="measures", file=sys.stderr) as bar:
+            table = mitigate_case(described, lambda share: bar.update(int(1000 * share) - bar.pos))
+        from stochlin.views.mitigation.words import answer_lines
+
+        show(answer_lines(table, described.title))
+        data = out if out or not picture else picture.with_suffix(".nc")
+        if data is not None:
+            save_table(table, data)
+            click.echo(f"saved {data}")
+        if picture is not None:
+            from stochlin.views.charts.charts import save
+            from stochlin.views.mitigation.pictures import draw_measures
+
+            save(draw_measures(table), picture)
+            click.echo(f"saved {picture}")

@@ -1,0 +1,134 @@
+"""A picture of measures against pounding: the gap each needs, and what it does on records."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray as xr
+
+from stochlin.views.shared.style import CURVES, STYLE
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+WIDTH, ROW, HEAD, FOOT, LINE = 7.2, 0.26, 0.85, 0.55, 0.14  # inches
+NAMES, MIDDLE, LAST, ALONE = 0.34, 0.64, 0.97, 0.8  # of the width: where panels begin and end
+NAME, CAPTION = 34, 105  # characters
+MARKERS = ("o", "s", "^", "D", "v", "P")
+
+
+def draw_measures(dataset: xr.Dataset) -> Figure:
+    """Draw the table of `stochlin.mitigate`.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        As `stochlin.mitigate` returns it, from memory or from file.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        A line a measure: the gap that keeps the confidence with its interval, against the gap there is;
+        where there are records, beside it the amplification of both buildings.
+
+    Raises
+    ------
+    ValueError
+        If the dataset is another one.
+    """
+    if "required_gap" not in dataset or "measure" not in dataset.dims:
+        raise ValueError(
+            f"dataset has the dimensions {tuple(dataset.dims)}; allowed: what mitigate returns"
+        )
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    recorded = "record" in dataset.dims
+    caption = _caption(dataset)
+    foot = FOOT + LINE * (caption.count("\n") + 1)
+    count = dataset.sizes["measure"]
+    height = HEAD + ROW * (count + 0.6) + foot
+    with mpl.rc_context(STYLE | {"text.parse_math": False}):  # names are the user's
+        figure = Figure(figsize=(WIDTH, height))
+        end = MIDDLE if recorded else ALONE
+        box = (foot / height, ROW * (count + 0.6) / height)
+        gaps = figure.add_axes((NAMES, box[0], end - NAMES, box[1]))
+        _gaps(gaps, dataset)
+        panels = [gaps]
+        if recorded:
+            panels.append(figure.add_axes((MIDDLE + 0.03, box[0], LAST - MIDDLE - 0.03, box[1])))
+            _amplifications(panels[1], dataset)
+        for axes in panels:
+            axes.set_ylim(count - 0.4, -0.6)
+            axes.set_yticks(range(count))
+            axes.tick_params(labelleft=axes is gaps, length=0)
+            if axes.get_legend_handles_labels()[1]:
+                axes.legend(loc="lower left", bbox_to_anchor=(0, 1.0), borderaxespad=0.2, fontsize=7)
+        gaps.set_yticklabels([textwrap.shorten(str(n), NAME) for n in dataset.measure.values], size=7.5)
+        figure.text(0.02, 1 - 0.2 / height, dataset.attrs["title"], size=10)
+        figure.text(0.02, (foot - FOOT) / height, caption, va="top", size=7.5)
+    return figure
+
+
+def _gaps(axes: Axes, dataset: xr.Dataset) -> None:
+    place = np.arange(dataset.sizes["measure"])
+    needed = 100 * dataset.required_gap.values
+    low, high = (100 * dataset[f"required_gap_{end}"].values for end in ("lower", "upper"))
+    high = np.where(np.isfinite(high), high, needed)
+    least = dataset.kind.values == "least"
+    for group, face, label in ((~least, CURVES[0][0], "as built, given"), (least, "white", "least")):
+        shown = group & np.isfinite(needed)
+        if shown.any():
+            axes.errorbar(
+                needed[shown],
+                place[shown],
+                xerr=[(needed - low)[shown], (high - needed)[shown]],
+                fmt="o",
+                color=CURVES[0][0],
+                markerfacecolor=face,
+                ms=5,
+                lw=1,
+                capsize=2,
+                label=label,
+            )
+    for row in place[~np.isfinite(needed)]:
+        axes.text(0.02, row, "none found", transform=axes.get_yaxis_transform(), size=7, va="center")
+    gap = 100 * float(dataset.attrs["gap_m"])
+    axes.axvline(gap, color=CURVES[2][0], linestyle=CURVES[2][1], label="the gap there is")
+    axes.set_xlim(left=0)
+    axes.set_xlabel(f"needed gap [cm], {100 * float(dataset.attrs['confidence']):.4g} %")
+
+
+def _amplifications(axes: Axes, dataset: xr.Dataset) -> None:
+    place = np.arange(dataset.sizes["measure"])
+    for number, record in enumerate(dataset.record.values):
+        one = dataset.sel(record=record)
+        marker = MARKERS[number % len(MARKERS)]
+        for n, face in ((1, CURVES[1][0]), (2, "white")):
+            axes.plot(
+                one[f"amplification_{n}"],
+                place + 0.12 * (2 * n - 3),
+                linestyle="none",
+                marker=marker,
+                ms=5,
+                color=CURVES[1][0],
+                markerfacecolor=face,
+                label=f"{textwrap.shorten(str(record), 20)}, building {n}",
+            )
+    axes.axvline(1, color="0.5", lw=0.8)
+    axes.set_xlabel("peak / as built, alone")
+
+
+def _caption(dataset: xr.Dataset) -> str:
+    attrs = dataset.attrs
+    roles = ("first", "second", "ground", "contact")
+    lines = [f"{role}: {attrs[role]}" for role in roles if role in attrs]
+    motions = f"{attrs['paths']} motions of {attrs['duration_s']:g} s, seed {attrs['seed']}"
+    lines.append(f"{motions}; bars: 95 % interval")
+    for one in (dataset.isel(measure=n) for n in range(dataset.sizes["measure"])):
+        if one.kind.item() == "given":
+            lines.append(f"{one.measure.item()}: {one.description.item()}")
+    return "\n".join(textwrap.fill(line, CAPTION, subsequent_indent="    ") for line in lines)

@@ -1,0 +1,107 @@
+"""Measures against pounding in plain words and short numbers."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stochlin.analyses.separation.separation import NOT_AVAILABLE, SAFE, UNSAFE
+from stochlin.views.pounding.words import short
+from stochlin.views.separation.words import MISSING, SPACE, centimetres, length, per_cent
+from stochlin.views.shared.screen import columns, cut, paragraph
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+WIDE = 34  # characters of a name
+NOTES = (
+    "Added damping: in per cent of critical, to building 1 and 2; then stiffness and damping constant "
+    "of the link. Needed: the gap that keeps the confidence, and its 95 % interval. Apart: share of the "
+    "simulated motions in which the gap there is keeps them apart. Linearized: standard deviation of "
+    "the relative displacement by linearization, which is too small where buildings yield. All measures "
+    "ride on the same motions."
+)
+TIMES = (
+    "Times: largest displacement over that as built and standing alone, of building 1 and 2. What "
+    "bumpers do shows here alone."
+)
+
+
+def answer_lines(table: xr.Dataset, title: str) -> list[str]:
+    """All that the screen shows."""
+    lines = [title, "", *paragraph(headline(table)), "", *columns(*_motions(table)), ""]
+    for record in table.record.values if "record" in table.dims else ():
+        lines += [f"In {record}:", *columns(*_recorded(table.sel(record=record))), ""]
+    for one in _rows(table):
+        if one.missing.item():
+            lines += paragraph(f"{one.measure.item()}: {one.missing.item()}.", "  ")
+    return [*lines, *paragraph(NOTES), *paragraph(TIMES if "record" in table.dims else "")]
+
+
+def headline(table: xr.Dataset) -> str:
+    """What the gap does as built, and which measures make it enough."""
+    built = table.isel(measure=0)
+    kept, wanted = float(built.no_pounding_probability), float(table.attrs["confidence"])
+    gap = length(float(table.attrs["gap_m"]))
+    told = (
+        f"As built, the {gap} there are keep the buildings apart in {per_cent(kept, 1)} of the motions; "
+        f"wanted are {100 * wanted:.4g}{SPACE}%."
+    )
+    if not (table.kind == "least").any():
+        told += " That is enough: nothing more is looked for."
+    given = table.where(table.kind == "given", drop=True)
+    words = {SAFE: "enough", UNSAFE: "not enough"}
+    parts = []
+    for one in _rows(given):
+        verdict = words.get(int(one.verdict), "too close to tell")
+        parts.append(f"{one.measure.item()} {verdict}")
+    return f"{told} {'; '.join(parts)}." if parts else told
+
+
+def _rows(table: xr.Dataset) -> list[xr.Dataset]:
+    return [table.isel(measure=n) for n in range(table.sizes["measure"])]
+
+
+def _motions(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
+    heads = ["measure", "damping [%]", "[MN/m]", "[MN s/m]", "needed [cm]", "interval", "apart"]
+    heads += ["verdict", "linearized [cm]"]
+    meanings = dict(enumerate(table.verdict.attrs["flag_meanings"].split()))
+    meanings[NOT_AVAILABLE] = "none found"
+    rows = []
+    for one in _rows(table):
+        low, high = (centimetres(float(one[f"required_gap_{end}"])) for end in ("lower", "upper"))
+        rows.append(
+            [
+                cut(one.measure.item(), WIDE),
+                _pair(one, "added_damping", "{:.1f}", 100),
+                short(float(one.link_stiffness) / 1e6),
+                short(float(one.link_damping_constant) / 1e6),
+                centimetres(float(one.required_gap)),
+                f"{low} to {high}" if np.isfinite(float(one.required_gap)) else MISSING,
+                per_cent(float(one.no_pounding_probability), 1),
+                meanings[int(one.verdict)].replace("_", " "),
+                centimetres(float(one.relative_displacement_std)),
+            ]
+        )
+    return heads, rows
+
+
+def _recorded(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
+    heads = ["measure", "times", "impacts", "force [MN]"]
+    rows = [
+        [
+            cut(one.measure.item(), WIDE),
+            _pair(one, "amplification", "{:.2f}"),
+            short(float(one.impacts)),
+            short(float(one.largest_force) / 1e6),
+        ]
+        for one in _rows(table)
+        if np.isfinite(float(one.amplification_1))
+    ]
+    return heads, rows
+
+
+def _pair(one: xr.Dataset, name: str, form: str, scale: float = 1.0) -> str:
+    values = [scale * float(one[f"{name}_{n}"]) for n in (1, 2)]
+    return " | ".join(form.format(value) for value in values) if np.isfinite(values).all() else MISSING

@@ -1,0 +1,95 @@
+"""The command ``stochlin pound``: a case file with records in; what pounding does, printed and drawn."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from stochlin.views.shared.screen import FILE, PICTURES, bad_input, check_target, show
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from stochlin.analyses.cases.case import Case
+
+TABLES = (".nc",)
+
+
+@click.command()
+@click.argument("case", type=FILE)
+@click.option(
+    "--out", type=FILE, help="Save histories and impacts, .nc; of several records one file each."
+)
+@click.option("--picture", type=FILE, help="Draw them, .png, .svg or .pdf; the data is saved beside it.")
+def pound(case: Path, out: Path | None, picture: Path | None) -> None:
+    """What happens when buildings that stand too near meet in a recorded motion.
+
+    CASE is a file as 'stochlin gap --example' prints one, with one record or more, the mass of every
+    building, the gaps there are, and what they meet at. Rows of more than two buildings, and buildings
+    described storey by storey, are allowed.
+
+    \b
+    Examples:
+      stochlin pound case.toml
+      stochlin pound case.toml --picture pound.png
+      stochlin pound case.toml --out pound.nc
+    """
+    with bad_input():
+        check_target("--out", out, TABLES)
+        check_target("--picture", picture, PICTURES)
+        from stochlin.analyses.cases.case import read_case
+        from stochlin.views.pounding.words import answer_lines
+
+        described = read_case(case)
+        records = tuple(described.records)
+        data = out if out or not picture else picture.with_suffix(TABLES[0])
+        saved, drawn = _by_record(data, records), _by_record(picture, records)
+        tables = _pounded(described)
+        show(answer_lines(described, tables))
+        _write(tables, saved, drawn)
+
+
+def _by_record(path: Path | None, records: tuple[str, ...]) -> dict[str, Path]:
+    """The file of each record: the one that is asked for, or, of several, one with its name in it."""
+    if path is None:
+        return {}
+    if len(records) < 2:
+        return dict.fromkeys(records, path)
+    named = {}
+    for record in records:
+        word = re.sub(r"[^\w.]+", "_", record)
+        named[record] = path.with_name(f"{path.stem}-{word}{path.suffix}")
+    if len(set(named.values())) < len(named):
+        raise ValueError(
+            f"{path} for each record: the names {', '.join(map(repr, records))} are too much alike for "
+            "files; allowed: names that differ in letters or digits"
+        )
+    return named
+
+
+def _pounded(case: Case) -> dict[str, xr.Dataset]:
+    from stochlin.analyses.cases.pounding import pound_case
+
+    with click.progressbar(length=1000, label="pounding", file=sys.stderr) as bar:
+        return pound_case(case, lambda share: bar.update(int(1000 * share) - bar.pos))
+
+
+def _write(
+    tables: Mapping[str, xr.Dataset], saved: Mapping[str, Path], drawn: Mapping[str, Path]
+) -> None:
+    from stochlin.analyses.tables.storage import save_table
+    from stochlin.views.charts.charts import save
+    from stochlin.views.pounding.pictures import draw_pound
+
+    for record, table in tables.items():
+        if record in saved:
+            save_table(table, saved[record])
+            click.echo(f"saved {saved[record]}")
+        if record in drawn:
+            save(draw_pound(table), drawn[record])
+            click.echo(f"saved {drawn[record]}")

@@ -1,0 +1,199 @@
+"""Pictures of pounding: both sides of every gap, what the contacts bear, and where the energy goes."""
+
+from __future__ import annotations
+
+import textwrap
+from itertools import cycle
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.views.shared.style import CURVES, STYLE
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+WIDTH = 7.2  # inches
+GAP, FORCE, ENERGY, CLOSE_UP = 1.6, 1.2, 1.6, 1.6  # inches: heights of the panels
+HEAD, BETWEEN, AXIS, LINE = 0.35, 0.15, 0.52, 0.135  # inches: above, between, below a time axis, of text
+LEFT, RIGHT = 0.11, 0.72  # of the width
+CAPTION = 108  # characters
+NAME = 22  # characters of a line in a legend
+AROUND = 1.5  # s: of the close-up, to both sides of the hardest impact
+CENTIMETRES, MEGA, KILO = 100.0, 1e-6, 1e-3
+MANY = 1e7  # J: from there on in MJ
+ENERGIES = (
+    (("input_energy",), "from the ground"),
+    (("viscous_energy",), "damping"),
+    (("hysteretic_energy",), "yielding"),
+    (("contact_lost_energy",), "contacts"),
+    (("kinetic_energy", "elastic_energy", "contact_stored_energy"), "motion, springs"),
+)
+
+
+def draw_pound(dataset: xr.Dataset) -> Figure:
+    """Draw one dataset of ``stochlin pound``.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        As `stochlin.analyses.cases.pounding.pound_case` makes them, from memory or from file.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Over time: for each gap the displacements of both sides, of buildings with storeys at the contact
+        that is hit hardest; forces of these contacts; energies. Impacts are marked.
+
+    Raises
+    ------
+    ValueError
+        If the dataset is another one.
+    """
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    if "impact_time" not in dataset or "least_clearance" not in dataset:
+        raise ValueError(
+            f"dataset has dimensions {tuple(dataset.dims)}; allowed: one that 'stochlin pound' saves"
+        )
+    shown = _hardest(dataset)
+    hits = bool(dataset.sizes["impact"])
+    heights = [*[GAP] * len(shown), FORCE, ENERGY, *[CLOSE_UP] * hits]
+    caption = _caption(dataset)
+    foot = AXIS + LINE * (caption.count("\n") + 1) + 0.1
+    height = HEAD + sum(heights) + BETWEEN * (len(heights) - 1) + AXIS * hits + foot
+    with mpl.rc_context(STYLE | {"text.parse_math": False}):  # names are the user's
+        figure = Figure(figsize=(WIDTH, height))
+        panels, top = [], height - HEAD
+        for number, one in enumerate(heights):
+            top -= one + (AXIS * hits if number == len(shown) + 2 else 0)
+            box = (LEFT, top / height, RIGHT - LEFT, one / height)
+            panels.append(figure.add_axes(box))
+            top -= BETWEEN
+        for axes, number in zip(panels, shown, strict=False):
+            _sides(axes, dataset, number)
+        _forces(panels[len(shown)], dataset, shown)
+        _energies(panels[len(shown) + 1], dataset)
+        for axes in panels[: len(shown) + 2]:
+            axes.set_xlim(float(dataset.time[0]), float(dataset.time[-1]))
+            axes.tick_params(labelbottom=axes is panels[len(shown) + 1])
+        if hits:
+            _close_up(panels[-1], dataset)
+        for axes in (one for one in panels if one.get_legend_handles_labels()[1]):
+            axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1.03), borderaxespad=0, fontsize=8)
+        for axes in {panels[len(shown) + 1], panels[-1]}:
+            axes.set_xlabel("time [s]")
+        figure.text(LEFT, 1 - 0.2 / height, dataset.attrs["title"], size=10)
+        figure.text(LEFT, (foot - AXIS) / height, caption, va="top", size=7.5)
+    return figure
+
+
+def _hardest(dataset: xr.Dataset) -> list[int]:
+    """Of each gap the contact that is hit fastest, or that comes nearest."""
+    chosen = []
+    for left in np.unique(dataset.left.values):
+        there = np.flatnonzero(dataset.left.values == left)
+        speed = dataset.fastest_approach.values[there]
+        clearance = dataset.least_clearance.values[there]
+        best = np.nanargmax(speed) if np.isfinite(speed).any() else np.argmin(clearance)
+        chosen.append(int(there[best]))
+    return chosen
+
+
+def _hardness(dataset: xr.Dataset) -> str:
+    """What impacts are compared by: their force, or, where velocities jump, their approach."""
+    return "largest_force" if bool(dataset.largest_force.notnull().all()) else "approach_velocity"
+
+
+def _sides(axes: Axes, dataset: xr.Dataset, number: int) -> None:
+    """Both sides of a gap in one frame: what is between the curves is open."""
+    one = dataset.isel(contact=number)
+    gap = float(one.gap)
+    left, right = (_displacement(dataset, one, side) for side in ("left", "right"))
+    left, right = CENTIMETRES * left, CENTIMETRES * (right + gap)
+    time = dataset.time.values
+    axes.fill_between(time, left, np.maximum(left, right), color="0.9", lw=0, label="open")
+    for values, name, (color, dash) in zip((left, right), _names(dataset, one), CURVES, strict=False):
+        axes.plot(time, values, color=color, linestyle=dash, lw=0.9, label=name)
+    hits = dataset.impact_time.values[dataset.impact_contact.values == number + 1]
+    hits = hits[(hits >= time[0]) & (hits <= time[-1])]
+    if hits.size:
+        style: Any = {"marker": "v", "color": "#2166ac", "ls": "", "ms": 4, "clip_on": False}
+        transform = axes.get_xaxis_transform()
+        axes.plot(hits, np.full(hits.size, 1.0), transform=transform, label="impact", **style)
+    if "level" in dataset.coords:
+        axes.plot([], [], ls="", label=f"{float(one.level):.4g} m up")
+    axes.set_ylabel("place [cm]")
+
+
+def _close_up(axes: Axes, dataset: xr.Dataset) -> None:
+    """Both sides of the gap around the impact that is hardest, or fastest where there are no forces."""
+    hardest = dataset.isel(impact=int(dataset[_hardness(dataset)].argmax("impact")))
+    at = float(hardest.impact_time)
+    window = dataset.isel(time=np.abs(dataset.time.values - at) <= AROUND)
+    _sides(axes, window, int(hardest.impact_contact) - 1)
+    axes.set_xlim(float(window.time[0]), float(window.time[-1]))
+    axes.set_title("around the hardest impact", loc="left", size=9, pad=7)
+
+
+def _names(dataset: xr.Dataset, one: xr.Dataset) -> list[str]:
+    """Names of the buildings on both sides of a contact, as a legend can hold them."""
+    names = dataset.building.values[[int(one[side]) - 1 for side in ("left", "right")]]
+    return [textwrap.fill(str(name), NAME) for name in names]
+
+
+def _displacement(dataset: xr.Dataset, one: xr.Dataset, side: str) -> np.ndarray:
+    history = dataset.displacement.sel(structure=int(one[side]))
+    if "floor" in history.dims:
+        history = history.sel(floor=int(one[f"floor_{side}"]))
+    return history.values
+
+
+def _forces(axes: Axes, dataset: xr.Dataset, shown: list[int]) -> None:
+    """The largest force of every impact; of impacts without a force the velocity of approach."""
+    if not dataset.sizes["impact"]:
+        axes.text(0.5, 0.5, "no impact", transform=axes.transAxes, ha="center", va="center")
+        axes.set(yticks=[], ylabel="force")
+        return
+    name = _hardness(dataset)
+    forces = name == "largest_force"
+    scale = MEGA if forces else 1.0
+    for number, (color, _), marker in zip(shown, cycle(CURVES), cycle("osD^v"), strict=False):
+        mine = dataset.impact_contact.values == number + 1
+        time, values = dataset.impact_time.values[mine], scale * dataset[name].values[mine]
+        axes.vlines(time, 0, values, color=color, lw=0.8)
+        label = " |\n".join(_names(dataset, dataset.isel(contact=number)))
+        axes.plot(time, values, color=color, marker=marker, ls="", ms=3, label=label)
+    axes.set_ylim(bottom=0)
+    axes.set_ylabel("force [MN]" if forces else "approach [m/s]")
+
+
+def _energies(axes: Axes, dataset: xr.Dataset) -> None:
+    histories = [
+        sum((_of_all(dataset[name]) for name in names), np.zeros(dataset.sizes["time"]))
+        for names, _ in ENERGIES
+    ]
+    many = histories[0].max() >= MANY
+    for values, (_, label), (color, dash) in zip(histories, ENERGIES, CURVES, strict=False):
+        scaled = (MEGA if many else KILO) * values
+        axes.plot(dataset.time, scaled, color=color, linestyle=dash, lw=1.2, label=label)
+    axes.set_ylim(bottom=0)
+    axes.set_ylabel("energy [MJ]" if many else "energy [kJ]")
+
+
+def _of_all(energy: xr.DataArray) -> np.ndarray:
+    """Energy of all buildings together."""
+    return (energy.sum("structure") if "structure" in energy.dims else energy).values
+
+
+def _caption(dataset: xr.Dataset) -> str:
+    told = [
+        f"{name}: {dataset.attrs[f'structure_{number}']}"
+        for number, name in enumerate(dataset.building.values, start=1)
+    ]
+    gaps = ", ".join(f"{CENTIMETRES * float(gap):.3g}" for gap in np.atleast_1d(dataset.attrs["gaps"]))
+    told.append(f"contact: {dataset.attrs['contact']}; gap {gaps} cm")
+    return "\n".join(textwrap.fill(line, CAPTION, subsequent_indent="    ") for line in told)

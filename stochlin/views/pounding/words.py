@@ -1,0 +1,133 @@
+"""What pounding does, in plain words and short numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stochlin.views.separation.words import MISSING, centimetres, length, per_cent
+from stochlin.views.shared.screen import columns, cut, paragraph
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from stochlin.analyses.cases.case import Case
+
+LONGEST_NAME = 26
+SINKS = {"viscous": "damping took", "hysteretic": "yielding", "contacts": "the contacts"}
+TIMES = "Times: largest displacement with pounding over that without."
+ESTIMATE = (
+    "Estimate: what one hit at full energy could at most make of the energy radius (PER), times that "
+    "before; it leaves yielding out."
+)
+DUCTILITY = "Ductility: largest displacement over that at yield."
+ROOF = (
+    "Peaks are those of the roof. Worst: the floor that pounding moves most beyond what it does alone."
+)
+CLOSEST = "Closest: least distance in the motion; minus where the contact is pressed in."
+STRENGTH = (
+    "Strengths given by reduction factor or ductility refer to the ground of the file, {}, not to the "
+    "records."
+)
+
+
+def answer_lines(case: Case, tables: Mapping[str, xr.Dataset]) -> list[str]:
+    """All that the screen shows, record by record."""
+    lines = [case.title]
+    for record, table in tables.items():
+        lines += ["", *paragraph(f"{record}: {headline(table)}"), ""]
+        lines += [*columns(*_buildings(table)), "", *columns(*_contacts(table)), ""]
+        lines += paragraph(energies(table))
+    return [*lines, "", *paragraph(_notes(case, next(iter(tables.values()))))]
+
+
+def headline(table: xr.Dataset) -> str:
+    """What one record does, in a sentence."""
+    count = int(table.impacts.sum())
+    if not count:
+        nearest = int(table.least_clearance.argmin("contact"))
+        left, gap = (float(table[name][nearest]) for name in ("least_clearance", "gap"))
+        return f"they do not meet. Of {length(gap)} at least {length(left)} are left."
+    begin = float(table.impact_time.min())
+    told = f"{count} impact{'s' * (count > 1)}, the first at {begin:.2f} s."
+    force, speed = float(table.largest_force.max(skipna=False)), float(table.fastest_approach.max())
+    if np.isfinite(force):
+        return f"{told} Largest force {short(force / 1e6)} MN, fastest approach {short(speed)} m/s."
+    return f"{told} Fastest approach {short(speed)} m/s; this contact says nothing of forces."
+
+
+def energies(table: xr.Dataset) -> str:
+    """Where the energy has gone, and how well it is accounted for."""
+    given = short(float(table.input_energy.isel(time=-1).sum()) / 1e3)
+    share = {str(name): float(table.energy_share.sel(sink=name)) for name in table.sink.values}
+    parts = [f"{word} {per_cent(share[name], 1)}" for name, word in SINKS.items()]
+    return (
+        f"Of the {given} kJ from the ground {', '.join(parts)}; {per_cent(share['remaining'], 1)} are "
+        f"left at the end. The balance is off by {float(table.energy_balance_error.max()):.0e} at most."
+    )
+
+
+def short(value: float) -> str:
+    """Three digits, without an exponent."""
+    if not np.isfinite(value):
+        return MISSING
+    return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"
+
+
+def _buildings(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
+    """Heads and rows: what pounding does to each building."""
+    names = [
+        f"{n}  {cut(str(name), LONGEST_NAME)}" for n, name in enumerate(table.building.values, start=1)
+    ]
+    if "floor" in table.dims:
+        return ["building", "peak [cm]", "alone [cm]", "times", "worst"], [
+            [name, *_roof(table.isel(structure=number))] for number, name in enumerate(names)
+        ]
+    heads = ["building", "peak [cm]", "alone [cm]", "times", "estimate", "ductility"]
+    columns = [
+        names,
+        [centimetres(value) for value in table.peak.values],
+        [centimetres(value) for value in table.peak_alone.values],
+        *(
+            [f"{value:.2f}" if np.isfinite(value) else MISSING for value in table[name].values]
+            for name in ("amplification", "largest_radius_amplification", "peak_ductility")
+        ),
+    ]
+    return heads, [list(row) for row in zip(*columns, strict=True)]
+
+
+def _roof(one: xr.Dataset) -> list[str]:
+    top, worst = one.sel(floor=int(one.storeys)), one.isel(floor=int(one.amplification.argmax("floor")))
+    return [
+        centimetres(float(top.peak)),
+        centimetres(float(top.peak_alone)),
+        f"{float(top.amplification):.2f}",
+        f"{float(worst.amplification):.2f}, floor {int(worst.floor)}",
+    ]
+
+
+def _contacts(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
+    """Heads and rows: what happens at each contact."""
+    heads = ["contact", "gap [cm]", "closest [cm]", "impacts", "force [MN]", "approach [m/s]"]
+    heads += ["longest [ms]", "lost [kJ]"]
+    rows = []
+    for number in range(table.sizes["contact"]):
+        one = table.isel(contact=number)
+        closest = f"{round(100 * float(one.least_clearance), 2) + 0:.2f}"  # zero without a sign
+        scales = {"hardest_force": 1e-6, "fastest_approach": 1, "longest_impact": 1e3}
+        scales |= {"contact_energy": 1e-3}
+        numbers = [short(scale * float(one[name])) for name, scale in scales.items()]
+        named = f"{int(one.left)} | {int(one.right)}"
+        if "level" in table.coords:
+            named += f", {float(one.level):.4g} m up"
+        rows.append([named, centimetres(float(one.gap)), closest, str(int(one.impacts)), *numbers])
+    return heads, rows
+
+
+def _notes(case: Case, table: xr.Dataset) -> str:
+    notes = [TIMES, ROOF if "floor" in table.dims else f"{ESTIMATE} {DUCTILITY}", CLOSEST]
+    if any(building.strength in ("reduction_factor", "ductility") for building in case.buildings):
+        notes.append(STRENGTH.format(case.site))
+    return " ".join(notes)

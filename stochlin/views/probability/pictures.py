@@ -1,0 +1,212 @@
+"""Pictures of the probability of pounding: over time, over intensity and gap; of the ground."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Callable
+from functools import wraps
+from itertools import cycle
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.views.shared.style import CURVES, STYLE
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+SIZE = (7.2, 5.4)  # inches
+NOTHING = xr.DataArray(np.nan)
+WIDTH = 105  # characters of the caption
+CURVES_AT_MOST = 6
+ESTIMATES = (
+    ("", "crossings in clumps"),
+    ("_poisson", "Poisson crossings"),
+    ("_corrected", "bias corrected"),
+    ("_fresh_phase", "new phase every cycle"),
+)
+SIZES = (
+    ("difference_std", r"std of $u_1 - u_2$"),
+    ("radius_1", "radius, structure 1"),
+    ("difference_std_corrected", "bias corrected"),
+    ("radius_2", "radius, structure 2"),
+    ("difference_std_simulated", "simulated"),
+)
+
+
+def _styled(draw: Callable[[Any], Figure]) -> Callable[[Any], Figure]:
+    """The function, drawing in the package's style."""
+
+    @wraps(draw)
+    def styled(data: Any) -> Figure:
+        import matplotlib as mpl
+
+        with mpl.rc_context(STYLE):
+            return draw(data)
+
+    return styled
+
+
+@_styled
+def draw_pounding(dataset: xr.Dataset) -> Figure:
+    """Draw what `pounding_probability` returns for one pair and one gap, over time.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Over ``time`` alone.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Confidence of no pounding above, standard deviations or radii below.
+
+    Raises
+    ------
+    ValueError
+        If there are other dimensions.
+    """
+    stem = "confidence_of_no_pounding"
+    if stem not in dataset or dataset[stem].dims != ("time",):
+        raise ValueError(
+            f"dataset has the dimensions {tuple(dataset.dims)}; allowed: a probability of pounding over "
+            "time alone, so select one pair and one gap"
+        )
+    figure = _figure()
+    upper, lower = figure.add_axes((0.1, 0.55, 0.6, 0.38)), figure.add_axes((0.1, 0.25, 0.6, 0.26))
+    time = dataset.time.values
+    _estimates(upper, dataset, stem, time)
+    upper.set_ylim(-0.02, 1.02)
+    upper.set_ylabel("confidence of no pounding")
+    upper.tick_params(labelbottom=False)
+    for (color, dash), (name, label) in zip(CURVES, SIZES, strict=False):
+        if name in dataset and bool(dataset[name].notnull().any()):
+            lower.plot(time, dataset[name], color=color, linestyle=dash, label=label)
+    lower.set_ylabel("[m]")
+    lower.set_xlabel("time [s]")
+    if "permanent_set" in dataset and bool(dataset.permanent_set.any()):
+        for axes in (upper, lower):
+            axes.axvline(dataset.attrs["strong_shaking_end_s"], color="0.5", lw=0.8)
+    for axes in (upper, lower):
+        axes.set_xlim(time[0], time[-1])
+        axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1), borderaxespad=0)
+    return _with_words(figure, dataset)
+
+
+@_styled
+def draw_fragility(dataset: xr.Dataset) -> Figure:
+    """Draw what `pounding_fragility` returns: probability over intensity, a curve for each of some gaps.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Over ``intensity`` and ``gap``.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    ValueError
+        If the dimensions are others.
+    """
+    name = "pounding_probability"
+    if name not in dataset or set(dataset[name].dims) != {"intensity", "gap"}:
+        raise ValueError(
+            f"dataset has the dimensions {tuple(dataset.dims)}; allowed: a fragility, over intensity "
+            "and gap"
+        )
+    figure = _figure()
+    axes = figure.add_axes((0.1, 0.25, 0.6, 0.66))
+    gaps = dataset.sizes["gap"]
+    chosen = np.unique(np.linspace(0, gaps - 1, min(gaps, CURVES_AT_MOST)).astype(int))
+    simulated, corrected = f"{name}_simulated", f"{name}_corrected"
+    for (color, dash), index in zip(cycle(CURVES), chosen, strict=False):
+        one = dataset.isel(gap=int(index))
+        label = f"gap {float(one.gap):.3g} m"
+        axes.plot(one.intensity, one[name], color=color, linestyle=dash, label=label)
+        if bool(one.get(corrected, NOTHING).notnull().any()):
+            axes.plot(one.intensity, one[corrected], color=color, linestyle=dash, lw=0.6)
+        if simulated in one:
+            axes.plot(one.intensity, one[simulated], color=color, linestyle="none", marker="o", ms=3)
+    if bool(dataset.get(corrected, NOTHING).notnull().any()):
+        axes.plot([], [], color="0.3", lw=0.6, label="thin: bias corrected")
+    if simulated in dataset:
+        axes.plot([], [], color="0.3", linestyle="none", marker="o", ms=3, label="simulated")
+    axes.set_xscale("log")
+    axes.set_ylim(-0.02, 1.02)
+    axes.set_xlabel(r"intensity $S_0$ [m$^2$/s$^3$]")
+    axes.set_ylabel("probability of pounding")
+    axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1), borderaxespad=0)
+    return _with_words(figure, dataset)
+
+
+@_styled
+def draw_evolutionary_psd(density: xr.DataArray) -> Figure:
+    """Draw what `evolutionary_psd` returns over ``time`` and ``frequency``.
+
+    Parameters
+    ----------
+    density : xarray.DataArray
+        Over ``time`` and ``frequency`` alone.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    ValueError
+        If the dimensions are others.
+    """
+    if set(density.dims) != {"time", "frequency"}:
+        raise ValueError(f"density has the dimensions {density.dims}; allowed: time and frequency")
+    from matplotlib import colormaps
+
+    figure = _figure()
+    axes = figure.add_axes((0.1, 0.25, 0.62, 0.66))
+    values = density.transpose("frequency", "time")
+    filled = axes.contourf(density.time, density.frequency, values, levels=12, cmap=colormaps["Greys"])
+    axes.set_xlabel("time [s]")
+    axes.set_ylabel("circular frequency [rad/s]")
+    bar = figure.colorbar(filled, cax=figure.add_axes((0.75, 0.25, 0.025, 0.66)))
+    bar.set_label(r"two-sided PSD [m$^2$/s$^3$]")
+    shown = xr.Dataset(
+        attrs={
+            "title": "Evolutionary power spectral density",
+            **{role: density.attrs[role] for role in ("ground", "envelope") if role in density.attrs},
+        }
+    )
+    return _with_words(figure, shown)
+
+
+def _figure() -> Figure:
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=SIZE)
+
+
+def _estimates(axes: Axes, dataset: xr.Dataset, stem: str, x: np.ndarray) -> None:
+    present = [
+        (ending, label)
+        for ending, label in ESTIMATES
+        if bool(dataset.get(stem + ending, NOTHING).notnull().any())
+    ]
+    for (color, dash), (ending, label) in zip(CURVES, present, strict=False):
+        axes.plot(x, dataset[stem + ending], color=color, linestyle=dash, label=label)
+    simulated = f"{stem}_simulated"
+    if simulated in dataset:
+        band = dataset[f"{simulated}_lower"], dataset[f"{simulated}_upper"]
+        axes.fill_between(x, *band, color="0.8", label="simulated, 95 %")
+
+
+def _with_words(figure: Figure, dataset: xr.Dataset) -> Figure:
+    figure.text(0.1, 0.95, dataset.attrs["title"], size=10)
+    roles = ("first", "second", "ground", "envelope", "envelope_model", "distance", "record")
+    lines = [f"{role}: {dataset.attrs[role]}" for role in roles if role in dataset.attrs]
+    caption = "\n".join(textwrap.fill(line, WIDTH) for line in lines)
+    figure.text(0.1, 0.165, caption, va="top", size=7.5)
+    return figure

@@ -1,0 +1,114 @@
+"""The case as it was read, and what its answer does not know: the small print of the page."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stochlin.views.separation.words import ductilities, length, per_cent, rows
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from stochlin.analyses.cases.buildings import Building
+    from stochlin.analyses.cases.separation import CaseAnswer
+
+GRAVITY = 9.80665
+
+
+def uncertainties(answer: CaseAnswer) -> list[str]:
+    """What the answer does not know, for the page."""
+    case, table = answer.case, answer.separation
+    sentences = [
+        f"Chance: the interval covers the sampling of {case.paths} motions only. Four times as many "
+        "would halve it.",
+        "The ground: a stationary random motion with an envelope, its spectrum and intensity taken as "
+        "given. How strong the next earthquake will be is the largest unknown, and not in the interval.",
+        "The buildings: each is one bilinear oscillator, at the level where they could meet. Higher "
+        "modes, torsion, soil under the foundations, and loss of strength are left out, and so is the "
+        "error of the periods and dampings that you gave.",
+        "The rules: all are fed with the simulated peaks of these buildings, so that the table judges "
+        "how they combine peaks, not how an engineer would get those peaks. Building codes have "
+        "displacements, load factors and least distances of their own in mind.",
+    ]
+    if any(building.strength == "ductility" for building in case.pair):
+        sentences.append(
+            "Strength from ductility: found by linearization, which underestimates ductility; the "
+            f"simulated mean peaks are {ductilities(table)}."
+        )
+    if case.fitted:
+        sentences.append(f"The fit: one record, one estimator. {case.ground.source}.")
+    doubtful = [row.label for row in rows(answer) if "M" in row.mark]
+    if doubtful:
+        sentences.append(f"From memory, not compared with their sources: {', '.join(doubtful)}.")
+    heights = [b.height / b.storeys for b in case.pair if b.height and b.storeys]
+    if case.floors_align and len(heights) == 2 and abs(heights[0] - heights[1]) > 0.01 * heights[0]:
+        sentences.append(
+            f"Floors: said to align, but storeys are {heights[0]:.2f} m and {heights[1]:.2f} m high. "
+            "Where they do not, floors hit columns."
+        )
+    return sentences
+
+
+def facts(answer: CaseAnswer) -> list[tuple[str, str, str]]:
+    """The case as it was read: group, name, value with units."""
+    case = answer.case
+    acceleration = answer.rms_acceleration / GRAVITY
+    rms = f"{acceleration:.2g} g" if np.isfinite(acceleration) else "unbounded (white noise)"
+    ground = [("Site", "ground", f"{case.site}, {case.ground.name}")]
+    ground += [("Site", *fact) for fact in _parameters(case.ground)]
+    ground.append(("Site", "rms acceleration in the strong part", rms))
+    if case.ground.source:
+        ground.append(("Site", "source", case.ground.source))
+    motion = [("Motion", "duration", f"{case.duration:g} s")]
+    motion.append(("Motion", "envelope", type(case.envelope).__name__ if case.envelope else "none"))
+    motion += [("Motion", *fact) for fact in (_parameters(case.envelope) if case.envelope else [])]
+    wanted = [
+        ("confidence", per_cent(case.confidence, 1)),
+        ("existing gap", "none" if case.gap is None else length(case.gap)),
+        ("floors align", "yes" if case.floors_align else "no"),
+        ("zone of Mexico City", case.zone or "not given"),
+        ("simulated motions", f"{case.paths}, seed {case.seed}"),
+    ]
+    both = [
+        (f"Building {n}", *fact)
+        for n, building in enumerate(case.pair, start=1)
+        for fact in _building(building, answer.separation, n)
+    ]
+    return [*ground, *motion, *both, *(("Separation", *fact) for fact in wanted)]
+
+
+def _building(building: Building, table: xr.Dataset, number: int) -> list[tuple[str, str]]:
+    structure = building.structure
+    found = _parameters(structure)
+    if structure.yields:
+        shown = {"reduction factor": f"{float(table[f'reduction_factor_{number}']):.3g}"}
+        shown["yield displacement"] = length(float(table[f"yield_displacement_{number}"]))
+        found = [fact for fact in found if fact[0] not in shown] + list(shown.items())
+    else:
+        found = [fact for fact in found if fact[0] != "peak factor"]
+    height = "not given" if building.height is None else f"{building.height:g} m"
+    given = building.strength.replace("_", " ")
+    return [
+        ("name", building.name),
+        *found,
+        ("strength given by", given),
+        ("mean peak displacement", length(float(table[f"peak_mean_{number}"]))),
+        ("height", height),
+        ("storeys", "not given" if building.storeys is None else str(building.storeys)),
+    ]
+
+
+def _parameters(model: object) -> list[tuple[str, str]]:
+    """Parameters of a model by their declared names and units."""
+    facts = []
+    for field in dataclasses.fields(model):  # type: ignore[arg-type]
+        value = getattr(model, field.name)
+        if "units" in field.metadata and value is not None:
+            units = field.metadata["units"].replace("^2", "²").replace("^3", "³")
+            facts.append(
+                (field.metadata["long_name"], f"{value:.4g} {units if units != '1' else ''}".strip())
+            )
+    return facts

@@ -1,0 +1,185 @@
+"""Pictures of an answer about a gap: for a page of one column, and for print in grey."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stochlin.views.separation.words import Row, rows
+from stochlin.views.shared.style import CURVES, STYLE
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from stochlin.analyses.cases.separation import CaseAnswer
+
+WIDTH = 4.6  # inches: a phone shows it at three quarters of its size
+PAGE_STYLE = STYLE | {"font.size": 10, "hatch.linewidth": 0.7, "svg.fonttype": "path"}
+# Face, hatch: told apart in grey and in print.
+VERDICTS = {
+    "answer": ("#1b1b1b", ""),
+    "safe": ("#c6d9ea", ""),
+    "unsafe": ("#e0906a", "////"),
+    "within error": ("#f2f2f2", "xx"),
+}
+EDGE = "#1b1b1b"
+NEAR, CHARACTER = 0.015, 0.017  # of the axis: gaps as near as this share a label; width of a digit
+TOP, LEVELS = 1.4, 5  # of the distribution: upper end of its axis, heights of labels
+
+
+def rules_figure(answer: CaseAnswer) -> Figure:
+    """Gaps by rule, against the answer and its interval."""
+    shown = [row for row in rows(answer) if row.verdict in VERDICTS]
+    gaps = [100 * float(answer.separation.gap[row.number - 1]) for row in shown]
+    figure, axes = _blank(0.235 * len(shown) + 1.35)
+    place = np.arange(len(shown))
+    for at, row, gap in zip(place, shown, gaps, strict=True):
+        face, hatch = VERDICTS[row.verdict]
+        axes.barh(at, gap, 0.68, color=face, hatch=hatch, edgecolor=EDGE, lw=0.6, zorder=2)
+    _answer_line(axes, answer)
+    axes.set_yticks(place, [f"{row.number}  {row.label}" for row in shown])
+    axes.tick_params(axis="y", length=0)
+    axes.grid(visible=False, axis="y")
+    axes.invert_yaxis()
+    axes.set_ylim(len(shown) - 0.4, -0.6)
+    axes.set_xlim(0, 1.04 * max(gaps) or 1)
+    axes.set_xlabel("gap [cm]")
+    _verdict_legend(axes, {row.verdict for row in shown})
+    return figure
+
+
+def distribution_figure(answer: CaseAnswer) -> Figure:
+    """Probability of no pounding over the gap, with the gaps of the rules on it."""
+    table = answer.separation
+    samples = 100 * np.sort(table.separation_samples.values)
+    share = np.linspace(0, 1, 401)
+    figure, axes = _blank(3.9)
+    axes.plot(np.quantile(samples, share), share, color="0.1", zorder=3)
+    shown = [row for row in rows(answer) if row.verdict in VERDICTS]
+    gaps = {row.number: 100 * float(table.gap[row.number - 1]) for row in shown}
+    right = 1.06 * max(*gaps.values(), samples[-1]) or 1
+    now = 100 * answer.existing.attrs["gap_m"] if answer.existing is not None else np.inf
+    if now < 1.6 * right:  # farther off it would squeeze the rest
+        right = max(right, 1.3 * now)
+        axes.axvline(now, ymax=1 / TOP, color="#2166ac", lw=1.2, ls=(0, (6, 1.5, 1, 1.5)))
+        axes.text(now + 0.01 * right, 0.02, "existing gap", size=9, color="#1d4f86")
+    axes.set_xlim(0, right)
+    axes.set_ylim(0, TOP)
+    for row in shown:
+        face, hatch = VERDICTS[row.verdict]
+        chance = float(table.no_pounding_probability[row.number - 1])
+        style: Any = {"color": face, "mec": EDGE, "mew": 0.8, "ls": "", "zorder": 4}
+        axes.plot(gaps[row.number], chance, marker="s" if hatch else "o", ms=5.5, **style)
+    _rule_numbers(axes, shown, gaps, right)
+    confidence = answer.case.confidence
+    axes.axhline(confidence, color="0.3", lw=0.9, ls=(0, (4, 2)))
+    axes.text(0.01 * right, confidence + 0.015, f"{100 * confidence:g} %", size=9, color="0.2")
+    axes.set_yticks(np.arange(0, 1.01, 0.2), [f"{p:.0f} %" for p in np.arange(0, 101, 20)])
+    axes.set_xlabel("gap [cm]")
+    axes.set_ylabel("motions without pounding")
+    return figure
+
+
+def spectrum_figure(answer: CaseAnswer) -> Figure:
+    """Spectrum of the ground over period, with the periods of both buildings."""
+    from matplotlib.ticker import NullFormatter, StrMethodFormatter
+
+    spectrum = answer.spectrum
+    figure, axes = _blank(3.3)
+    period = spectrum.period.values
+    if "psd_smoothed" in spectrum:
+        axes.plot(period, spectrum.psd_smoothed, color="0.55", lw=1, label="record, smoothed")
+    axes.plot(period, spectrum.psd_ground, color=CURVES[1][0], label="ground")
+    for n, building in enumerate(answer.case.pair, start=1):
+        color, dash = CURVES[0] if n == 1 else CURVES[2]
+        at = float(building.structure.arrays()["period"])
+        axes.axvline(at, color=color, linestyle=(0, (1, 1)) if n == 1 else dash, label=f"building {n}")
+    axes.set_xscale("log")
+    axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.set_xlim(period.min(), period.max())
+    axes.set_ylim(bottom=0)
+    axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axes.set_xlabel("period [s]")
+    axes.set_ylabel("two-sided PSD [m$^2$/s$^3$]")
+    _legend_above(axes)
+    return figure
+
+
+def records_figure(answer: CaseAnswer) -> Figure:
+    """Gaps that the recorded motions would have taken, against the answer; numbered as in the text."""
+    gaps = 100 * answer.separation.record_separation.values
+    figure, axes = _blank(0.3 * len(gaps) + 1.35)
+    place = np.arange(len(gaps))
+    axes.barh(place, gaps, 0.6, color="#d9d3c7", edgecolor=EDGE, lw=0.6, zorder=2)
+    _answer_line(axes, answer)
+    axes.set_yticks(place, [f"record {n}" for n in place + 1])
+    axes.grid(visible=False, axis="y")
+    axes.set_ylim(len(gaps) - 0.4, -0.6)
+    axes.set_xlim(0, 1.04 * max(*gaps, 100 * float(answer.separation.gap[0])) or 1)
+    axes.set_xlabel("gap [cm]")
+    _legend_above(axes)
+    return figure
+
+
+def _blank(height: float) -> tuple[Figure, Axes]:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(WIDTH, height), layout="constrained")
+    axes = figure.add_subplot()
+    axes.set_axisbelow(True)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+    return figure, axes
+
+
+def _answer_line(axes: Axes, answer: CaseAnswer) -> None:
+    table = answer.separation
+    low, high = (100 * float(table[f"gap_{end}"][0]) for end in ("lower", "upper"))
+    if np.isfinite(high):
+        axes.axvspan(low, high, color="0.6", alpha=0.55, lw=0, zorder=1.5)
+    line: Any = {"color": "#1b1b1b", "lw": 1.2, "ls": (0, (4, 2)), "zorder": 3}
+    axes.axvline(100 * float(table.gap[0]), label="the answer, with its 95 % interval", **line)
+
+
+def _verdict_legend(axes: Axes, verdicts: set[str]) -> None:
+    from matplotlib.patches import Patch
+
+    patches = [
+        Patch(facecolor=face, hatch=hatch, edgecolor=EDGE, lw=0.6, label=word)
+        for word, (face, hatch) in VERDICTS.items()
+        if word in verdicts
+    ]
+    axes.legend(
+        handles=patches, ncols=4, loc="lower center", bbox_to_anchor=(0.3, 1.0), fontsize=9,
+        columnspacing=1.0, handlelength=1.4, handletextpad=0.5,
+    )  # fmt: skip
+
+
+def _legend_above(axes: Axes) -> None:
+    axes.legend(
+        loc="lower left", bbox_to_anchor=(0, 1.0), ncols=3, borderaxespad=0.2, fontsize=9,
+        columnspacing=1.0,
+    )  # fmt: skip
+
+
+def _rule_numbers(axes: Axes, shown: list[Row], gaps: dict[int, float], right: float) -> None:
+    """Numbers of the rules above the curve, those at one gap together, neighbours on other heights."""
+    groups: list[list[int]] = []
+    for row in sorted(shown, key=lambda row: gaps[row.number]):
+        if groups and gaps[row.number] - gaps[groups[-1][0]] < NEAR * right:
+            groups[-1].append(row.number)
+        else:
+            groups.append([row.number])
+    ends = [0.0] * LEVELS  # where the last label of each height ends
+    for group in groups:
+        at = float(np.mean([gaps[number] for number in group]))
+        text = ",".join(map(str, sorted(group)))
+        half = 0.5 * (len(text) + 1) * CHARACTER * right
+        level = next((n for n, end in enumerate(ends) if at - half > end), LEVELS - 1)
+        ends[level] = at + half
+        height = 1.05 + (TOP - 1.05) / LEVELS * level
+        axes.plot([at, at], [1.0, height], color="0.6", lw=0.6, zorder=1)
+        axes.text(at, height, text, size=8, ha="center", va="bottom")

@@ -1,0 +1,144 @@
+"""The page of ``stochlin gap --report``: one HTML file that needs nothing else."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Callable, Iterable
+from itertools import groupby
+from typing import TYPE_CHECKING, NamedTuple
+
+from stochlin.views.separation import facts as small_print
+from stochlin.views.separation import pictures, words
+
+if TYPE_CHECKING:
+    from markupsafe import Markup
+    from matplotlib.figure import Figure
+
+    from stochlin.analyses.cases.separation import CaseAnswer
+
+TEMPLATE = "report.html"
+KINDS = {
+    "simulation": "simulation",
+    "equation_3": "eq. (3) with a correlation coefficient",
+    "linearization": "linearization",
+    "code": "building codes and their families of rules",
+}
+
+
+class Picture(NamedTuple):
+    """A picture with what it says in words."""
+
+    title: str
+    svg: Markup
+    caption: str
+
+
+def report_page(answer: CaseAnswer) -> str:
+    """The page of an answer.
+
+    Parameters
+    ----------
+    answer : CaseAnswer
+        As `stochlin.analyses.cases.separation.answer_case` gives it.
+
+    Returns
+    -------
+    str
+        HTML with its pictures and its style within; all text of the case file is escaped.
+    """
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("stochlin.views.separation", "."),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    table = answer.separation
+    shown = words.rows(answer)
+    return environment.get_template(TEMPLATE).render(
+        case=answer.case,
+        headline=words.headline(answer),
+        summary=words.summary(answer),
+        allowances=words.allowances(answer),
+        rows=shown,
+        kinds=[(KINDS[kind], list(group)) for kind, group in groupby(shown, lambda row: row.kind)],
+        columns=words.COLUMNS,
+        marks=words.MARKS,
+        pictures=_pictures(answer),
+        facts=_grouped(small_print.facts(answer)),
+        records=_records(answer),
+        uncertainties=small_print.uncertainties(answer),
+        references=table.attrs["references"],
+        history=table.attrs["history"],
+    )
+
+
+def _pictures(answer: CaseAnswer) -> list[Picture]:
+    gap = words.centimetres(float(answer.separation.gap[0]))
+    drawn = [
+        (
+            "Gaps by rule",
+            pictures.rules_figure,
+            f"Each rule's gap against the answer, {gap} cm (dashed, its 95 % interval grey). Numbers as "
+            "in the table.",
+        ),
+        (
+            "How often a gap is enough",
+            pictures.distribution_figure,
+            "Share of the simulated motions in which a gap would have kept the buildings apart. The "
+            "rules stand on the curve, squares where they are unsafe or within error; their numbers are "
+            "those of the table.",
+        ),
+        (
+            "The ground and the buildings",
+            pictures.spectrum_figure,
+            "Power spectral density of the ground acceleration over period, and the elastic periods of "
+            "the buildings. Yielding lengthens them.",
+        ),
+    ]
+    if answer.case.records:
+        drawn.append(
+            (
+                "Recorded motions",
+                pictures.records_figure,
+                "Gap that would just have been enough in each record, against the answer.",
+            )
+        )
+    return [
+        Picture(title, _svg(draw, answer, f"p{n}", f"{title}. {text}"), text)
+        for n, (title, draw, text) in enumerate(drawn, start=1)
+    ]
+
+
+def _svg(draw: Callable[[CaseAnswer], Figure], answer: CaseAnswer, prefix: str, text: str) -> Markup:
+    """A picture to stand within HTML: no prolog, ids of its own, and its text for who cannot see it."""
+    import matplotlib as mpl
+    from markupsafe import Markup, escape
+
+    with mpl.rc_context(pictures.PAGE_STYLE), io.StringIO() as stream:
+        draw(answer).savefig(stream, format="svg", metadata={"Date": None})
+        svg = stream.getvalue()
+    svg = re.sub(r"<metadata>.*?</metadata>", "", svg[svg.index("<svg") :], flags=re.DOTALL)
+    svg = re.sub(r"<!--.*?-->\n?", "", svg, flags=re.DOTALL)
+    svg = re.sub(r'(\bid="|url\(#|href="#)', rf"\g<1>{prefix}-", svg)
+    return Markup(svg.replace("<svg", f'<svg role="img" aria-label="{escape(text)}"', 1))
+
+
+def _grouped(facts: Iterable[tuple[str, str, str]]) -> list[tuple[str, list[tuple[str, str]]]]:
+    return [
+        (group, [(name, value) for _, name, value in members])
+        for group, members in groupby(facts, lambda fact: fact[0])
+    ]
+
+
+def _records(answer: CaseAnswer) -> list[tuple[str, list[str]]]:
+    """Name of each record, and its gap and both peaks in cm."""
+    table = answer.separation
+    names = ("record_separation", "record_peak_1", "record_peak_2")
+    return [
+        (record, [words.centimetres(float(table[name][n])) for name in names])
+        for n, record in enumerate(answer.case.records)
+    ]

@@ -1,0 +1,223 @@
+"""An answer about a gap in plain words and short numbers: what the screen and the page share."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from stochlin.analyses.separation.separation import UNSAFE
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from stochlin.analyses.cases.case import Case
+    from stochlin.analyses.cases.separation import CaseAnswer
+
+MISSING, MINUS, SPACE = "\N{EN DASH}", "\N{MINUS SIGN}", "\N{NO-BREAK SPACE}"
+CAPITALS = {"asce": "ASCE", "is": "IS", "ubc": "UBC", "e030": "E.030", "fema": "FEMA", "srss": "SRSS"}
+COMMON = {
+    *("simulation", "simulated", "linearization", "linearized", "elastic", "secant"),
+    *("share", "of", "sum", "unverified", "drift", "white", "noise"),
+}
+COLUMNS = (
+    "Error: the rule's gap against the answer; minus is unsafe. Apart: share of the simulated motions "
+    "in which the rule's gap keeps the buildings apart. Within error: the simulation cannot tell."
+)
+MARKS = (
+    "Marks: S, formula seen in a copy of its source; C, derived and checked; P, printed in the paper; "
+    "M, from memory, not compared with its source."
+)
+EXTREMES = ("any of those searched", "none of those searched")
+ALIKE, MUCH = 0.05, 10.0  # gap over peak of buildings that move alike; ductility that is doubtful
+
+
+class Row(NamedTuple):
+    """One rule as it is shown."""
+
+    number: int
+    rule: str  # as in the dataset
+    label: str  # as in a text
+    kind: str
+    gap: str
+    error: str
+    probability: str
+    verdict: str
+    mark: str
+    reference: str
+    assumptions: str
+    missing: str
+
+
+def centimetres(metres: float) -> str:
+    """A length in cm: tenths, or two digits below one."""
+    value = 100 * metres
+    if not np.isfinite(value):
+        return MISSING
+    return f"{value:.1f}" if value >= 0.95 else f"{value:.2g}"
+
+
+def length(metres: float) -> str:
+    """A length in cm, with its unit."""
+    return f"{centimetres(metres)}{SPACE}cm"
+
+
+def per_cent(share: float, digits: int = 0, sign: str = "") -> str:
+    """A share in per cent."""
+    if not np.isfinite(share):
+        return MISSING
+    return f"{100 * share:{sign}.{digits}f}{SPACE}%".replace("-", MINUS)
+
+
+def label(rule: str) -> str:
+    """Name of a rule for a reader, ``eq. (3), Iwan 1980``."""
+    stem = rule.removeprefix("eq_3_")
+    words = [w if w in COMMON else CAPITALS.get(w, w.title()) for w in stem.split("_")]
+    return ("" if stem == rule else "eq. (3), ") + " ".join(words)
+
+
+def ductilities(table: xr.Dataset) -> str:
+    """Mean peak ductilities of both buildings."""
+    values = [float(table[f"ductility_{n}"]) for n in (1, 2)]
+    texts = [f"{value:.1f}" if np.isfinite(value) else "none (elastic)" for value in values]
+    return " and ".join(texts)
+
+
+def rows(answer: CaseAnswer) -> list[Row]:
+    """The table of rules, the answer first."""
+    table = answer.separation
+    meanings = table.verdict.attrs["flag_meanings"].split()
+    return [
+        Row(
+            number=n,
+            rule=str(one.rule.item()),
+            label=label(str(one.rule.item())),
+            kind=str(one.kind.item()),
+            gap=centimetres(float(one.gap)),
+            error=per_cent(float(one.error), sign="+") if n > 1 else "",
+            probability=per_cent(float(one.no_pounding_probability), 1),
+            verdict=meanings[int(one.verdict)].replace("_", " "),
+            **{name: str(one[name].item()) for name in ("mark", "reference", "assumptions", "missing")},
+        )
+        for n, one in enumerate((table.isel(rule=i) for i in range(table.sizes["rule"])), start=1)
+    ]
+
+
+def headline(answer: CaseAnswer) -> str:
+    """The answer in one sentence."""
+    gap = length(float(answer.separation.gap[0]))
+    return f"{answer.case.first.name} and {answer.case.second.name} should stand {gap} apart."
+
+
+def summary(answer: CaseAnswer) -> list[str]:
+    """What the answer means, how sure it is, and what the rules make of the case."""
+    case, table = answer.case, answer.separation
+    low, high = (float(table[f"gap_{end}"][0]) for end in ("lower", "upper"))
+    interval = f"{length(low)} or more, from too few motions to say how much"
+    if np.isfinite(high):
+        interval = f"{centimetres(low)} to {length(high)}"
+    confidence = f"{100 * case.confidence:.4g}{SPACE}%"
+    sentences = [
+        f"With that gap they do not touch in {confidence} of motions like the one "
+        f"described. This comes from simulating {case.paths} such motions; the 95{SPACE}% interval of "
+        f"the gap is {interval}.",
+        _alike(table),
+        _yielding(table),
+        _verdicts(answer),
+    ]
+    if answer.existing is not None and case.gap is not None:
+        sentences.append(_existing(answer.existing, case))
+    if case.records:
+        gaps = ", ".join(
+            f"{name} {length(float(gap))}"
+            for name, gap in zip(case.records, table.record_separation.values, strict=True)
+        )
+        sentences.append(f"In the recorded motions they would have needed: {gaps}.")
+    return [sentence for sentence in sentences if sentence]
+
+
+def allowances(answer: CaseAnswer) -> list[str]:
+    """What would make the existing gap enough, or how far it is: a heading, changes, the range."""
+    if answer.existing is None:
+        return []
+    found, case = answer.existing, answer.case
+    enough = float(found.required_gap) <= float(found.attrs["gap_m"])
+    now = float(case.ground.arrays()["intensity"])
+    intensity, damping = float(found.largest_intensity), float(found.least_added_damping)
+    more = f"at least {per_cent(damping, 1)} more in both" if damping else "no more is needed"
+    return [
+        "How far each may go, alone, with the gap still enough:"
+        if enough
+        else "What would make the gap enough, one change alone:",
+        *_strength(found, answer.separation),
+        "Shaking: " + _limit(intensity, f"S0 up to {intensity:.3g} m²/s³ (now {now:.3g})", *EXTREMES),
+        "Damping: " + _limit(damping, more, *EXTREMES),
+        f"Searched: {found.attrs['searched']}.",
+    ]
+
+
+def _alike(table: xr.Dataset) -> str:
+    if float(table.gap[0]) > ALIKE * max(float(table.peak_1), float(table.peak_2)):
+        return ""
+    return (
+        "They move alike in this model, as no two real buildings do: a small difference in period takes "
+        "a gap, so try one."
+    )
+
+
+def _yielding(table: xr.Dataset) -> str:
+    values = [float(table[f"ductility_{n}"]) for n in (1, 2)]
+    if not np.isfinite(values).any():
+        return "Both buildings stay elastic."
+    sentence = f"Their mean peak ductilities are {ductilities(table)}"
+    if np.nanmax(values) < 1:
+        return f"{sentence}: they hardly yield."
+    if np.nanmax(values) > MUCH:
+        return f"{sentence}: more than most buildings bear. Loss of strength is not in the model."
+    return f"{sentence}."
+
+
+def _verdicts(answer: CaseAnswer) -> str:
+    shown = rows(answer)[1:]
+    count = {word: sum(row.verdict == word for row in shown) for word in {r.verdict for r in shown}}
+    words = {"safe": "safe here", "unsafe": "unsafe", "within error": "too close to tell"}
+    parts = [f"{count[word]} {text}" for word, text in words.items() if count.get(word)]
+    sentence = f"Rules for the gap, {sum(count.get(w, 0) for w in words)} of them: {', '.join(parts)}."
+    if not count.get("unsafe"):
+        return sentence
+    worst = int(answer.separation.gap.where(answer.separation.verdict == UNSAFE).argmin("rule"))
+    lacking = per_cent(-float(answer.separation.error[worst]))
+    row = shown[worst - 1]
+    return f"{sentence} The worst, {row.label}, gives {row.gap}{SPACE}cm, {lacking} less than needed."
+
+
+def _existing(found: xr.Dataset, case: Case) -> str:
+    name = "no_pounding_probability"
+    share, low, high = (float(found[f"{name}{end}"]) for end in ("", "_lower", "_upper"))
+    word = "too close to tell whether that is enough"
+    if low >= case.confidence:
+        word = "enough"
+    elif high < case.confidence:
+        word = "not enough"
+    return (
+        f"The {length(float(found.attrs['gap_m']))} that there are keep them apart in "
+        f"{per_cent(share, 1)} of the motions ({per_cent(low, 1)} to {per_cent(high, 1)}): {word}."
+    )
+
+
+def _strength(found: xr.Dataset, table: xr.Dataset) -> list[str]:
+    pairs = [
+        (float(found[f"largest_reduction_factor_{n}"]), float(table[f"reduction_factor_{n}"]))
+        for n in (1, 2)
+    ]
+    yielding = [(largest, now) for largest, now in pairs if np.isfinite(now)]
+    if not yielding:
+        return []
+    largest = " and ".join(f"{value:.3g}" for value, _ in yielding)
+    now = " and ".join(f"{value:.3g}" for _, value in yielding)
+    return ["Strength: " + _limit(yielding[0][0], f"R up to {largest} (now {now})", *EXTREMES)]
+
+
+def _limit(value: float, text: str, always: str, never: str) -> str:
+    """The text of a limit, or what an infinite one and one that is not there mean."""
+    return never if np.isnan(value) else always if np.isinf(value) else text

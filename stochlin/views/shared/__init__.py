@@ -1,0 +1,1 @@
+"""What all commands and pictures share: options, screen, words, style."""
