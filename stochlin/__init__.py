@@ -9,6 +9,8 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING
 
+from stochlin._version import __version__ as __version__
+
 if TYPE_CHECKING:
     from stochlin.analyses.atlases.atlas import open_atlas, write_atlas
     from stochlin.analyses.atlases.lookup import lookup
@@ -61,7 +63,6 @@ if TYPE_CHECKING:
     from stochlin.models.rules.peak_factors import peak_factor_model, peak_factor_names
     from stochlin.models.structures import Bilinear, BoucWen, Hysteretic
 
-__version__ = "0.1.0"
 
 # Imported when first used: a start of the command line then costs no more than it needs.
 _HOME = {

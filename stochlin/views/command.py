@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stochlin import __version__
+from stochlin._version import __version__
 from stochlin.views.atlases.command import atlas, lookup
 from stochlin.views.explorer.command import explore
 from stochlin.views.mitigation.command import mitigate
@@ -184,7 +184,8 @@ def rho(record: Path | None, out: Path | None, **options: Any) -> None:
 def _write_chart(dataset: xr.Dataset, stem: Path, picture_format: str) -> None:
     """The dataset, and the picture drawn from it beside it."""
     from stochlin.analyses.tables.storage import save_table
-    from stochlin.views.charts.charts import draw, save
+    from stochlin.views.charts.charts import draw
+    from stochlin.views.shared.style import save
 
     save_table(dataset, stem.with_name(f"{stem.name}.nc"))
     save(draw(dataset), stem.with_name(f"{stem.name}.{picture_format}"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 import os
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError, ThreadPoolExecutor, as_completed
 from pathlib import Path
 from typing import Any
@@ -14,8 +14,8 @@ import xarray as xr
 
 from stochlin.analyses.atlases import store as atlas_store
 from stochlin.analyses.atlases.specification import AtlasSpecification, read_specification, specification
+from stochlin.kernels.basics.parallel import Progress
 
-Progress = Callable[[float], None]
 Number = tuple[int, ...]
 
 PATIENCE = 20.0  # seconds without any worker

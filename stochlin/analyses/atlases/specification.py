@@ -30,6 +30,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.tables.checks import check_whole, is_number, is_whole
 from stochlin.models.grounds import CloughPenzien, Ground, KanaiTajimi, WhiteNoise
 from stochlin.models.parameters import Model
 from stochlin.models.structures import Bilinear
@@ -131,8 +132,7 @@ def specification(data: Mapping[str, Any]) -> AtlasSpecification:
     if not isinstance(title, str):
         raise ValueError(f"title = {title!r}; allowed: text in quotes")
     block = data.get("block_cells", BLOCK_CELLS)
-    if not isinstance(block, int) or isinstance(block, bool) or block < 1:
-        raise ValueError(f"block_cells = {block!r}; allowed: a whole number from 1")
+    check_whole("block_cells", block, 1)
     given = data.get("parameters")
     if not isinstance(given, Mapping):
         raise ValueError("[parameters] is missing; it needs period_1, period_2 and damping at least")
@@ -205,7 +205,7 @@ def _sweep(name: str, value: Mapping[str, Any]) -> list[float]:
     if missing:
         raise ValueError(f"{name}: {', '.join(missing)} missing; a sweep has {', '.join(SWEEP)}")
     count, spacing = value["count"], value.get("spacing", "linear")
-    if not isinstance(count, int) or isinstance(count, bool) or not 1 <= count <= LONGEST_AXIS:
+    if not is_whole(count) or not 1 <= count <= LONGEST_AXIS:
         empty = " is an empty axis" if count == 0 else ""
         raise ValueError(f"{name}: count = {count!r}{empty}; allowed: 1 to {LONGEST_AXIS}")
     _one_of(spacing, ("linear", "log"), f"{name}: spacing")
@@ -217,7 +217,7 @@ def _sweep(name: str, value: Mapping[str, Any]) -> list[float]:
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+    return is_number(value) and math.isfinite(value)
 
 
 def _check_ranges(role: str, model: Model) -> None:

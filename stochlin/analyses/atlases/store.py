@@ -15,13 +15,14 @@ import shutil
 import tempfile
 from collections.abc import Mapping
 from functools import cache
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-import stochlin
+from stochlin._version import __version__
 from stochlin.analyses.atlases.specification import AtlasSpecification
 from stochlin.analyses.correlation.correlation import correlate
 
@@ -51,12 +52,12 @@ def zarr_module() -> Any:
 @cache
 def code_version() -> str:
     """Version and digest of the code and data that make the numbers."""
-    root = Path(stochlin.__file__).parent
+    root = Path(str(files("stochlin")))
     digest = hashlib.sha256()
     for floor in ("kernels", "models", "analyses"):
         for path in sorted([*(root / floor).rglob("*.py"), *(root / floor).rglob("*.nc")]):
             digest.update(path.read_bytes())
-    return f"{stochlin.__version__}+{digest.hexdigest()[:12]}"
+    return f"{__version__}+{digest.hexdigest()[:12]}"
 
 
 def block_shape(specification: AtlasSpecification) -> dict[str, int]:

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import xarray as xr
 
 from stochlin.analyses.cases.case import Case
 from stochlin.analyses.mitigation.mitigation import mitigate
+from stochlin.kernels.basics.parallel import Progress
 
 
-def mitigate_case(case: Case, progress: Callable[[float], None] | None = None) -> xr.Dataset:
+def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
     """The measures of a case compared, and the least that would do.
 
     Parameters

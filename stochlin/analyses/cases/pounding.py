@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import xarray as xr
 
 from stochlin.analyses.cases.buildings import StoreyBuilding
 from stochlin.analyses.cases.case import Case
+from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.pounding.pounding import pound
 from stochlin.analyses.pounding.rows import Building as Structure
-from stochlin.analyses.separation.rules import by_yield_displacement
 from stochlin.analyses.tables import labels
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.contacts import Contact
 from stochlin.models.structures import Bilinear
 
 ENERGIES = ("viscous", "hysteretic", "contacts", "remaining")
 
 
-def pound_case(case: Case, progress: Callable[[float], None] | None = None) -> dict[str, xr.Dataset]:
+def pound_case(case: Case, progress: Progress | None = None) -> dict[str, xr.Dataset]:
     """The buildings of a case through each of its records, with all their impacts.
 
     Parameters
@@ -95,7 +94,7 @@ def _structure(case: Case, number: int) -> Structure:
     building = case.buildings[number]
     if isinstance(building, StoreyBuilding):
         return building.structure
-    structure: Bilinear = by_yield_displacement(building.structure, case.ground)
+    structure: Bilinear = strength_in_metres(building.structure, case.ground)
     return structure
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +11,7 @@ from stochlin.analyses.cases.case import Case
 from stochlin.analyses.records.spectra import fit_spectra
 from stochlin.analyses.separation.existing_gap import existing_gap
 from stochlin.analyses.separation.separation import separation
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.grounds import Ground, WhiteNoise
 from stochlin.models.parameters import expect
 
@@ -40,7 +40,7 @@ class CaseAnswer:
         return table if samples else table.drop_dims(["path", "record"], errors="ignore")
 
 
-def answer_case(case: Case, progress: Callable[[float], None] | None = None) -> CaseAnswer:
+def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
     """Separation of the two buildings of a case, and what the existing gap allows.
 
     Parameters

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from stochlin.analyses.tables.checks import is_number, is_whole
 from stochlin.models.parameters import Model, Range
 
 Place = tuple[str | int, ...]
@@ -165,7 +166,7 @@ class Section:
     def whole(self, key: str, lowest: int) -> int:
         """A whole number, not below the lowest."""
         value = self.need(key, str(lowest))
-        if isinstance(value, bool) or not isinstance(value, int) or value < lowest:
+        if not is_whole(value) or value < lowest:
             raise self.error(key, f"is no whole number from {lowest} on; allowed: {lowest} or more")
         return value
 
@@ -195,7 +196,7 @@ class Section:
 
 def _split(given: Any, quantity: Quantity) -> tuple[float, str]:
     """The number and its unit, as they are written."""
-    plain = isinstance(given, (int, float)) and not isinstance(given, bool)
+    plain = is_number(given)
     found = _NUMBER.fullmatch(given) if isinstance(given, str) else None
     ratio = quantity.units == "1"
     if plain and ratio:

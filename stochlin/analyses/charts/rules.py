@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-import stochlin
+from stochlin._version import __version__
 from stochlin.analyses.correlation.effective import rho_effective
 from stochlin.analyses.tables import labels
 from stochlin.models.rules.effective_properties import effective_rule, effective_rule_names
@@ -54,5 +54,5 @@ def effective_rules_chart(
         comment="Estimates: the ground is not in them. Against simulation they err by tens of per cent "
         "of the separation, both ways.",
         references="; ".join([labels.PAPER, *(rule.reference for rule in rules)]),
-        history=f"stochlin {stochlin.__version__}: rho_effective()",
+        history=f"stochlin {__version__}: rho_effective()",
     )

@@ -20,6 +20,7 @@ from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import cellwise_pair
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.correlation.tables import ROUNDING
 from stochlin.kernels.correlation.white_noise import white_noise_correlation
 from stochlin.models.grounds import Ground
@@ -45,7 +46,7 @@ def correlate(
     seed: int = 0,
     steps_per_period: int = 32,
     relaxation_times: float = 20.0,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> xr.Dataset:
     """Correlation coefficient of the displacements of two structures.
 

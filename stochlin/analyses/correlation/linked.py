@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -12,26 +11,15 @@ import xarray as xr
 from stochlin.analyses.linearization.equivalent_systems import check_closure, solve_structure
 from stochlin.analyses.linearization.state_space import statespace, stationary_covariance
 from stochlin.analyses.linearization.tolerance import USUAL
-from stochlin.analyses.simulation.ensembles import LinkedPair
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import over_cells
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link, check_linked
 from stochlin.models.parameters import expect
-from stochlin.models.structures import Bilinear, Structure
+from stochlin.models.structures import Bilinear
 
 MISMATCH = 1e-8  # of logarithms of standard deviations and of the correlation
-
-
-def linked_pair(structures: Sequence[Structure], link: Link) -> LinkedPair:
-    """Constants of the link over the masses; an error says what is missing."""
-    expect(link, Link, "link")
-    if len(structures) != 2:
-        raise ValueError(f"link is given with {len(structures)} structures; allowed: two")
-    masses = check_linked(*structures)
-    k, c = (float(link.arrays()[name]) for name in ("stiffness", "damping_constant"))
-    return LinkedPair((k / masses[0], k / masses[1]), (c / masses[0], c / masses[1]))
 
 
 def correlate_linked(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +12,7 @@ from stochlin.analyses.simulation.run_lengths import with_length
 from stochlin.analyses.simulation.simulation import run_attributes, simulate_moments
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Structure
 
@@ -25,7 +25,7 @@ class SimulationSettings:
     seed: int
     steps_per_period: int
     relaxation_times: float
-    progress: Callable[[float], None] | None
+    progress: Progress | None
 
     def __post_init__(self) -> None:
         check_settings(self.paths, self.seed, self.steps_per_period, self.relaxation_times)

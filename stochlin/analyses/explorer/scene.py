@@ -11,7 +11,7 @@ from stochlin.analyses.cases.case import FEWEST_PATHS, Case
 from stochlin.analyses.cases.site import ENVELOPES, FITS, FITTED, GROUNDS, NONE
 from stochlin.analyses.linearization.strength import reduction_factor
 from stochlin.analyses.linearization.transient_systems import check_course
-from stochlin.analyses.separation.separation import check_confidence
+from stochlin.analyses.tables.checks import check_confidence, check_whole
 from stochlin.models.envelopes import AminAng, Envelope, GammaEnvelope, ShinozukaSato
 from stochlin.models.grounds import Ground, KanaiTajimi
 from stochlin.models.named_grounds import ground_names, named_ground
@@ -144,11 +144,7 @@ class Scene(Model):
 
 def check_count(name: str, value: object) -> int:
     """A number of simulated motions; raises a ValueError for another value."""
-    whole = isinstance(value, int) and not isinstance(value, bool)
-    if not whole or not FEWEST_PATHS <= value <= MOST_PATHS:  # type: ignore[operator]
-        raise ValueError(
-            f"{name} = {value!r}; allowed: a whole number from {FEWEST_PATHS} to {MOST_PATHS}"
-        )
+    check_whole(name, value, FEWEST_PATHS, MOST_PATHS)
     return value  # type: ignore[return-value]
 
 

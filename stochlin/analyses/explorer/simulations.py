@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -14,12 +14,13 @@ from stochlin.analyses.explorer.scene import Scene
 from stochlin.analyses.probability.probability import pounding_probability
 from stochlin.analyses.separation.separation import separation
 from stochlin.analyses.tables import labels
+from stochlin.kernels.basics.parallel import Progress
 
 SIMULATED_RATIOS = np.geomspace(0.25, 4.0, 13)
 RATIO_PATHS = 256  # correlations need fewer motions than quantiles
 
 
-def simulations(scene: Scene, progress: Callable[[float], None] | None = None) -> dict[str, xr.Dataset]:
+def simulations(scene: Scene, progress: Progress | None = None) -> dict[str, xr.Dataset]:
     """The same questions to the exact laws, by simulation.
 
     Parameters
@@ -40,7 +41,7 @@ def simulations(scene: Scene, progress: Callable[[float], None] | None = None) -
         If the run would not fit into memory, or take hours.
     """
 
-    def part(number: int) -> Callable[[float], None]:
+    def part(number: int) -> Progress:
         return lambda share: progress((number + share) / 3) if progress else None
 
     first, second = scene.structures()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -236,3 +236,15 @@ def _search(structure: Structure, ground: Ground, target: DuctilityTarget, closu
         root = elementwise.find_root(excess, around.bracket, args=(index,), maxiter=60)
         result[valid] = np.where(root.success, np.exp(root.x), np.nan)
     return xr.DataArray(result, dims=arrays[0].dims, coords=arrays[0].coords)
+
+
+def strength_in_metres(structure: Structure, ground: Ground) -> Any:
+    """The structure with its strength as a yield displacement, whatever defined it on this ground."""
+    if structure.reduction_factor is None:
+        return structure
+    uy = solve_elastic(structure, ground).yield_displacement
+    strength: dict[str, Any] = {
+        "reduction_factor": None,
+        "yield_displacement": uy if uy.ndim else float(uy),
+    }
+    return replace(structure, **strength)

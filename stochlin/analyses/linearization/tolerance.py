@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import numbers
 from dataclasses import dataclass
 
 import numpy as np
+
+from stochlin.analyses.tables.checks import check_whole, is_number
 
 
 @dataclass(frozen=True)
@@ -19,12 +20,11 @@ class Tolerance:
     def __post_init__(self) -> None:
         for name, lowest in (("rtol", np.finfo(float).eps), ("atol", 0.0)):
             value = getattr(self, name)
-            if not isinstance(value, (int, float, np.number)) or not lowest <= float(value) < np.inf:
+            if not is_number(value) or not lowest <= value < np.inf:
                 raise ValueError(
                     f"{name} = {value!r}; allowed: a number of at least {lowest:.2g}, finite"
                 )
-        if not isinstance(self.max_iterations, numbers.Integral) or self.max_iterations < 1:
-            raise ValueError(f"max_iterations = {self.max_iterations!r}; allowed: a whole number from 1")
+        check_whole("max_iterations", self.max_iterations, 1)
 
 
 USUAL = Tolerance(1e-10, 1e-12, 200)  # the defaults of `linearize`

@@ -8,15 +8,15 @@ import xarray as xr
 from stochlin.analyses.linearization.transient_systems import (
     POINTS,
     check_course,
-    check_points,
     course_of,
     flags,
     side_of,
     solve_course,
+    spread_over,
     time_axis,
 )
-from stochlin.analyses.probability.cells import spread_over
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.checks import check_whole
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
@@ -84,7 +84,7 @@ def transient_response(
     """
     expect(structure, Structure, "structure")
     expect(ground, Ground, "ground")
-    check_points(points)
+    check_whole("points", points, 2)
     check_course(duration, envelope)
     side = side_of(structure, ground, float(duration), "structure", 0)
     labels.raise_if_lone_failure(xr.Dataset({"status": side.status}), "transient_response")

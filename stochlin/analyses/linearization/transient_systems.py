@@ -13,6 +13,7 @@ import xarray as xr
 from stochlin.analyses.linearization.equivalent_systems import solve_elastic
 from stochlin.analyses.linearization.state_space import ground_matrices
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.checks import check_duration
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.transient import (
     Coefficients,
@@ -69,15 +70,11 @@ class Moments(NamedTuple):
 
 def check_course(duration: float | None, envelope: Envelope | None) -> None:
     """Raise for what is no finite motion; to be called before any work."""
-    if duration is None:
-        raise ValueError("duration is missing; give the length of the motion in seconds")
-    number = isinstance(duration, (int, float, np.number)) and not isinstance(duration, bool)
-    if not number or not 0 < duration < np.inf:
-        raise ValueError(f"duration = {duration!r}; allowed: a positive number of seconds")
+    seconds = check_duration(duration)
     if envelope is None:
         return
     expect(envelope, Envelope, "envelope")
-    values = np.asarray(envelope.at(np.linspace(0, duration, SCANNED)), float)
+    values = np.asarray(envelope.at(np.linspace(0, seconds, SCANNED)), float)
     if not np.isfinite(values).all() or values.min() < 0:
         raise ValueError(
             f"envelope = {envelope.describe()} is {values[~(values >= 0)][0]:g} within the duration; "
@@ -85,15 +82,9 @@ def check_course(duration: float | None, envelope: Envelope | None) -> None:
         )
     if not values.max() > 0:
         raise ValueError(
-            f"envelope = {envelope.describe()} is 0 all through duration = {duration:g}; allowed: some "
+            f"envelope = {envelope.describe()} is 0 all through duration = {seconds:g}; allowed: some "
             "motion within the duration"
         )
-
-
-def check_points(points: int) -> None:
-    """Raise a ValueError unless it is a number of instants."""
-    if isinstance(points, bool) or not isinstance(points, (int, np.integer)) or points < 2:
-        raise ValueError(f"points = {points!r}; allowed: a whole number from 2")
 
 
 def side_of(structure: Structure, ground: Ground, duration: float, role: str, first: int) -> Side:
@@ -224,4 +215,15 @@ def _filters(parameters: Array) -> Filters:
     stacked = [np.stack(parts)[which] for parts in (matrices, outputs, covariances)]
     return Filters(
         stacked[0], stacked[1] * np.sqrt(intensity)[:, None], stacked[2], np.zeros_like(intensity)
+    )
+
+
+def spread_over(values: Array, at: xr.DataArray) -> xr.DataArray:
+    """Values (..., numbers) laid out where ``at`` has their numbers, after ``time`` if that is there."""
+    place = at.to_numpy().ravel()
+    filled = np.full((*values.shape[:-1], place.size), np.nan)
+    filled[..., place >= 0] = values[..., place[place >= 0]]
+    lead = ("time",) if values.ndim == 2 else ()
+    return xr.DataArray(
+        filled.reshape((*values.shape[:-1], *at.shape)), dims=(*lead, *at.dims), coords=at.coords
     )

@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.mitigation.mitigated_pair import RECORDED, MitigatedPair
 from stochlin.analyses.mitigation.searches import Row, Search, searches
 from stochlin.analyses.records.records import checked_record
-from stochlin.analyses.separation.existing_gap import check_gap
-from stochlin.analyses.separation.rules import by_yield_displacement
-from stochlin.analyses.separation.separation import (
-    NOT_AVAILABLE,
-    VERDICT_ATTRS,
-    check_confidence,
-    verdict_of,
-)
+from stochlin.analyses.separation.separation import NOT_AVAILABLE, VERDICT_ATTRS, verdict_of
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.checks import check_confidence, check_gap
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.contacts import Contact
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
@@ -53,7 +49,7 @@ def mitigate(
     contact: Contact | None = None,
     records: Mapping[str, xr.DataArray] | None = None,
     amplification_limit: float | None = None,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> xr.Dataset:
     """Compare measures against pounding, all on the same motions, and find the least that would do.
 
@@ -196,7 +192,7 @@ def _checked(
         raise ValueError(
             f"amplification_limit = {limit!r}; allowed: a positive number, with contact and records"
         )
-    return [by_yield_displacement(structure, ground) for structure in (first, second)]
+    return [strength_in_metres(structure, ground) for structure in (first, second)]
 
 
 def _column(site: MitigatedPair, row: Row) -> dict[str, Any]:

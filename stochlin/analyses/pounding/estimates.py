@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.checks import check_whole
 from stochlin.kernels.pounding.contact import reduced_mass, velocities_after_impact
 from stochlin.models.contacts import Contact
 from stochlin.models.contacts.base import checked
@@ -83,8 +84,7 @@ def pounding_estimate(
     1.922
     """
     expect(contact, Contact, "contact")
-    if isinstance(points, bool) or not isinstance(points, (int, np.integer)) or points < 2:
-        raise ValueError(f"points = {points!r}; allowed: a whole number from 2")
+    check_whole("points", points, 2)
     w, mass, valid = [], [], contact.valid()
     for role, structure in (("first", first), ("second", second)):
         expect(structure, Structure, role)

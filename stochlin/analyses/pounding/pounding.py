@@ -20,9 +20,10 @@ from stochlin.analyses.pounding.rows import (
 from stochlin.analyses.records.records import checked_record
 from stochlin.analyses.records.response import pseudo_energy_radius
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.checks import is_number
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import in_order
 from stochlin.kernels.pounding import run as kernel
-from stochlin.kernels.simulation.ensemble import in_order
 from stochlin.models.contacts import Contact
 from stochlin.models.links import Link
 from stochlin.models.parameters import Model
@@ -162,7 +163,7 @@ def pound(
 def _output_times(output_step: float | None, intervals: int, dt: float) -> Array:
     if output_step is None:
         return dt * np.arange(intervals + 1)
-    if isinstance(output_step, bool) or not isinstance(output_step, (int, float)):
+    if not is_number(output_step):
         raise TypeError(f"output_step = {output_step!r} is not a number; allowed: seconds, positive")
     if not 0 < output_step < np.inf:
         raise ValueError(f"output_step = {output_step!r} is out of range; allowed: 0 < value, finite")

@@ -17,14 +17,15 @@ from stochlin.analyses.linearization.transient_systems import (
     course_of,
     side_of,
     solve_course,
+    spread_over,
 )
 from stochlin.analyses.probability.crossings import bandwidths, chances, gap_for
 from stochlin.analyses.probability.simulated import simulate_course
 from stochlin.analyses.simulation.finite_motions import CONFIDENCE
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.probability.drift_growth import drift_variances
-from stochlin.kernels.simulation.ensemble import Progress
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Gap, Structure
@@ -94,17 +95,6 @@ class Pair(NamedTuple):
     def course(self) -> Course:
         """The instants."""
         return self.moments.course
-
-
-def spread_over(values: Array, at: xr.DataArray) -> xr.DataArray:
-    """Values (..., numbers) laid out where ``at`` has their numbers, after ``time`` if that is there."""
-    place = at.to_numpy().ravel()
-    filled = np.full((*values.shape[:-1], place.size), np.nan)
-    filled[..., place >= 0] = values[..., place[place >= 0]]
-    lead = ("time",) if values.ndim == 2 else ()
-    return xr.DataArray(
-        filled.reshape((*values.shape[:-1], *at.shape)), dims=(*lead, *at.dims), coords=at.coords
-    )
 
 
 def _numbered(where: xr.DataArray) -> xr.DataArray:

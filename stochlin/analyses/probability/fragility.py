@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import xarray as xr
 
-from stochlin.analyses.linearization.equivalent_systems import solve_elastic
+from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.probability.probability import REFERENCES, pounding_probability
 from stochlin.analyses.tables import labels
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground, WhiteNoise
 from stochlin.models.parameters import Parameter, expect
@@ -34,7 +34,7 @@ def pounding_fragility(
     confidence: float = 0.9,
     paths: int = 1024,
     seed: int = 0,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> xr.Dataset:
     """Probability of pounding over intensity and gap, of two given buildings.
 
@@ -88,8 +88,8 @@ def pounding_fragility(
     named_intensity = _named(WhiteNoise(intensity).intensity, "intensity", "m^2/s^3", "intensity S0")
     changed: dict[str, Any] = {"intensity": named_intensity}
     found = pounding_probability(
-        _of_strength(first, ground),
-        _of_strength(second, ground),
+        strength_in_metres(first, ground),
+        strength_in_metres(second, ground),
         replace(ground, **changed),
         named_gap,
         envelope=envelope,
@@ -129,15 +129,3 @@ def _named(value: Any, name: str, units: str, long_name: str) -> Any:
     attrs = {"units": units, "long_name": long_name}
     values = value.to_numpy()
     return xr.DataArray(values, dims=name, coords={name: (name, values, attrs)}, attrs=attrs)
-
-
-def _of_strength(structure: Structure, ground: Ground) -> Structure:
-    """The structure with its strength in metres."""
-    if structure.reduction_factor is None:
-        return structure
-    uy = solve_elastic(structure, ground).yield_displacement
-    kept: dict[str, Any] = {
-        "reduction_factor": None,
-        "yield_displacement": uy if uy.ndim else float(uy),
-    }
-    return replace(structure, **kept)

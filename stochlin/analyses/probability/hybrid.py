@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import dataclasses
-from typing import Any
-
 import numpy as np
 import xarray as xr
 
 from stochlin.analyses.correlation.correlation import correlate
-from stochlin.analyses.linearization.equivalent_systems import solve_elastic
+from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.records.cells import check_structure, only_scalars
 from stochlin.analyses.records.gaps import recorded_gap
 from stochlin.analyses.records.ground_fit import fit_ground
@@ -95,10 +92,7 @@ def hybrid_pounding(
 
 def _rideable(structure: Structure, ground: Ground, role: str) -> Bilinear:
     """The structure with its strength in metres, which a record can be put under."""
-    if structure.reduction_factor is not None:
-        uy = float(solve_elastic(structure, ground).yield_displacement)
-        changed: dict[str, Any] = {"reduction_factor": None, "yield_displacement": uy}
-        structure = dataclasses.replace(structure, **changed)
+    structure = strength_in_metres(structure, ground)
     check_structure(structure, role)
     assert isinstance(structure, Bilinear)
     return structure

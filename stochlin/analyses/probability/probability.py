@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import xarray as xr
 
 from stochlin.analyses.linearization.transient_systems import (
     POINTS,
     check_course,
-    check_points,
     flags,
     time_axis,
 )
 from stochlin.analyses.probability.cells import Pair, by_formula, by_simulation
 from stochlin.analyses.probability.hybrid import hybrid_pounding
-from stochlin.analyses.separation.separation import check_confidence
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.checks import check_confidence, check_whole
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Parameter, expect
@@ -44,7 +42,7 @@ def pounding_probability(
     points: int = POINTS,
     paths: int = 2048,
     seed: int = 0,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> xr.Dataset:
     """Probability that two structures pound in a motion of finite length, over time.
 
@@ -142,7 +140,7 @@ def pounding_probability(
         raise ValueError("record goes with method='hybrid'; allowed here: envelope and duration")
     expect(ground, Ground, "ground")
     assert ground is not None
-    check_points(points)
+    check_whole("points", points, 2)
     _check_counts(paths, seed)
     check_course(duration, envelope)
     assert duration is not None
@@ -177,7 +175,6 @@ def pounding_probability(
 
 def _check_counts(paths: int, seed: int) -> None:
     for name, value, lowest in (("seed", seed, 0), ("paths", paths, 0)):
-        if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < lowest:
-            raise ValueError(f"{name} = {value!r}; allowed: a whole number from {lowest}")
+        check_whole(name, value, lowest)
     if paths == 1:
         raise ValueError("paths = 1; allowed: 0 for no simulation, or a whole number from 2")

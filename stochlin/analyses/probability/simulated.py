@@ -10,7 +10,7 @@ from stochlin.analyses.linearization.state_space import ground_matrices
 from stochlin.analyses.linearization.transient_systems import Course, Side
 from stochlin.analyses.simulation.ensembles import LAW_PARAMETERS, Cells, prepare
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.simulation.ensemble import Progress
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.separation_histories import Histories, Watched, separation_histories
 from stochlin.kernels.simulation.stepping import LANES, filter_steps
 from stochlin.models.grounds import Ground

@@ -17,6 +17,7 @@ from stochlin.analyses.records.cells import (
     with_status,
 )
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.checks import check_whole
 from stochlin.kernels.records import oscillator as recorded
 from stochlin.kernels.records.runs import history, peaks_on_records
 from stochlin.models.parameters import Parameter
@@ -183,8 +184,7 @@ def respond(structure: Bilinear, record: xr.DataArray, *, refine: int = 1) -> xr
     """
     check_structure(structure, "structure")
     only_scalars(structure, "structure")
-    if isinstance(refine, bool) or not isinstance(refine, (int, np.integer)) or refine < 1:
-        raise ValueError(f"refine = {refine!r}; allowed: a whole number from 1")
+    check_whole("refine", refine, 1)
     if not isinstance(record, xr.DataArray):
         raise TypeError(f"record is a {type(record).__name__}; allowed: one xarray.DataArray")
     motions = checked_motions(record)

@@ -11,12 +11,12 @@ import scipy.optimize
 import xarray as xr
 
 from stochlin.analyses.linearization.equivalent_systems import STRENGTH_RATIO, solve_structure
+from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.linearization.tolerance import USUAL
-from stochlin.analyses.separation.rules import by_yield_displacement
-from stochlin.analyses.separation.separation import check_confidence
 from stochlin.analyses.simulation.finite_motions import keeping_apart, pair_separation
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.checks import check_confidence, check_gap
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
@@ -121,12 +121,6 @@ def existing_gap(
     )
 
 
-def check_gap(gap: float) -> None:
-    """Raise a ValueError unless the existing gap is open."""
-    if not isinstance(gap, (int, float)) or not 0 < gap < np.inf:
-        raise ValueError(f"gap = {gap!r}; allowed: a positive number of metres")
-
-
 class _Case(NamedTuple):
     """The pair by its yield displacements, and how to change it."""
 
@@ -139,7 +133,7 @@ class _Case(NamedTuple):
         pair, factors = [], []
         for structure in structures:
             solved = solve_structure(structure, ground, "gaussian", USUAL)
-            pair.append(by_yield_displacement(structure, ground))
+            pair.append(strength_in_metres(structure, ground))
             factor = float(structure.arrays()["peak_factor"] * solved[STRENGTH_RATIO])
             factors.append(factor if structure.yields else np.nan)
         return cls((pair[0], pair[1]), ground, (factors[0], factors[1]))

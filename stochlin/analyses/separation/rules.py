@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
@@ -106,14 +105,6 @@ def strong_seconds(duration: float, envelope: Envelope | None) -> float:
         return duration
     middle = (np.arange(STEPS) + 0.5) * duration / STEPS
     return duration * float(np.mean(envelope.at(middle) ** 2))
-
-
-def by_yield_displacement(structure: Structure, ground: Ground) -> Any:
-    """A structure by its yield displacement, whatever defined its strength."""
-    if not structure.yields:
-        return structure
-    uy = float(solve_structure(structure, ground, "gaussian", USUAL).yield_displacement)
-    return replace(structure, reduction_factor=None, yield_displacement=uy)
 
 
 def all_rules(pair: PairInMotion, floors_align: bool, zone: str | None, unverified: bool) -> list[Rule]:

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.records.gaps import recorded_gap
-from stochlin.analyses.separation.rules import PairInMotion, Rule, all_rules, by_yield_displacement
+from stochlin.analyses.separation.rules import PairInMotion, Rule, all_rules
 from stochlin.analyses.simulation.finite_motions import keeping_apart, pair_separation
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import over_cells
+from stochlin.analyses.tables.checks import check_confidence
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
@@ -54,7 +57,7 @@ def separation(
     zone: str | None = None,
     unverified: bool = False,
     records: Any = None,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> xr.Dataset:
     """How far two buildings must be apart: the answer by simulation, and every rule beside it.
 
@@ -156,7 +159,7 @@ def separation(
         table.attrs = {name: motions.attrs[name] for name in MOTION}
         if records is None:
             return table
-        one, other = (by_yield_displacement(structure, ground) for structure in (first, second))
+        one, other = (strength_in_metres(structure, ground) for structure in (first, second))
         recorded = recorded_gap(one, other, records)
         return table.assign({f"record_{name}": recorded[name] for name in recorded.data_vars})
 
@@ -172,12 +175,6 @@ def separation(
         f"separation(duration={duration:g}, confidence={confidence:g}, paths={paths}, seed={seed})",
         models,
     )
-
-
-def check_confidence(confidence: float) -> None:
-    """Raise a ValueError unless it is a probability between 0 and 1."""
-    if not isinstance(confidence, (int, float)) or not 0 < confidence < 1:
-        raise ValueError(f"confidence = {confidence!r}; allowed: a probability between 0 and 1")
 
 
 def verdict_of(apart: Mapping[Any, xr.DataArray], confidence: float) -> xr.DataArray:

@@ -16,11 +16,14 @@ from stochlin.analyses.linearization.equivalent_systems import solve_elastic, so
 from stochlin.analyses.linearization.state_space import ground_matrices
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.checks import check_whole, is_number
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.ensemble import Crowd, Plan
 from stochlin.kernels.simulation.linked_stepping import linked_block
 from stochlin.kernels.simulation.stepping import LANES, FilterSteps, filter_steps
 from stochlin.models.grounds import Ground
+from stochlin.models.links import Link, check_linked
+from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
 
 LAW_PARAMETERS = 3  # at most, as the Bouc-Wen law has
@@ -191,10 +194,8 @@ def check_settings(paths: int, seed: int, steps_per_period: int, relaxation_time
         ("seed", seed, 0),
         ("steps_per_period", steps_per_period, 8),
     ):
-        if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < lowest:
-            raise ValueError(f"{name} = {value!r}; allowed: a whole number from {lowest}")
-    number = isinstance(relaxation_times, (int, float, np.number)) and relaxation_times is not True
-    if not number or not 1 <= relaxation_times < np.inf:
+        check_whole(name, value, lowest)
+    if not is_number(relaxation_times) or not 1 <= relaxation_times < np.inf:
         raise ValueError(f"relaxation_times = {relaxation_times!r}; allowed: at least 1, finite")
 
 
@@ -237,3 +238,13 @@ def _root(matrix: Array, noise: Array, intensity: float) -> Array:
     values, vectors = np.linalg.eigh(0.5 * (covariance + covariance.T))
     root: Array = vectors * np.sqrt(np.maximum(values, 0))
     return root
+
+
+def linked_pair(structures: Sequence[Structure], link: Link) -> LinkedPair:
+    """Constants of the link over the masses; an error says what is missing."""
+    expect(link, Link, "link")
+    if len(structures) != 2:
+        raise ValueError(f"link is given with {len(structures)} structures; allowed: two")
+    masses = check_linked(*structures)
+    k, c = (float(link.arrays()[name]) for name in ("stiffness", "damping_constant"))
+    return LinkedPair((k / masses[0], k / masses[1]), (c / masses[0], c / masses[1]))

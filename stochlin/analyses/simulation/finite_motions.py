@@ -10,8 +10,10 @@ import xarray as xr
 
 from stochlin.analyses.simulation.ensembles import Run
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.checks import check_duration
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.simulation.ensemble import Progress, finite_extremes
+from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.simulation.ensemble import finite_extremes
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.envelopes import Envelope
 from stochlin.models.parameters import expect
@@ -27,8 +29,7 @@ def check_motion(duration: float | None, envelope: Envelope | None, quantiles: S
         if envelope is not None:
             raise ValueError("envelope is given without a duration; allowed: both, or neither")
         return
-    if not isinstance(duration, (int, float)) or not 0 < duration < np.inf:
-        raise ValueError(f"duration = {duration!r}; allowed: a positive number of seconds")
+    check_duration(duration)
     levels = np.asarray(quantiles, float)
     if levels.ndim != 1 or not levels.size or not ((levels > 0) & (levels < 1)).all():
         raise ValueError(f"quantiles = {quantiles!r}; allowed: numbers between 0 and 1")

@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.correlation.linked import linked_pair
 from stochlin.analyses.simulation.ensembles import (
     Cells,
     Run,
     cells_of_all,
     check_memory,
     check_settings,
+    linked_pair,
     prepare,
 )
 from stochlin.analyses.simulation.finite_motions import check_motion, simulate_finite
 from stochlin.analyses.simulation.run_lengths import with_length
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.ensemble import Sums, stationary_sums
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.envelopes import Envelope
@@ -55,7 +56,7 @@ def simulate(
     envelope: Envelope | None = None,
     quantiles: Sequence[float] = (0.5, 0.84, 0.95),
     link: Link | None = None,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> xr.Dataset:
     """Response of structures on one ground, by simulation of the exact laws.
 
@@ -195,7 +196,7 @@ def _refuse_arrays(model: Model, role: str) -> None:
         )
 
 
-def simulate_moments(cells: Cells, run: Run, progress: Callable[[float], None] | None) -> Moments:
+def simulate_moments(cells: Cells, run: Run, progress: Progress | None) -> Moments:
     """Second moments of all cells and their errors; NaN for invalid cells."""
     sums = stationary_sums(run.crowd, run.ground, run.root, run.plan, progress)
     variance, variance_error, rho, rho_error, drift = _estimates(sums, run.plan.groups * LANES)

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
-import stochlin
+from stochlin._version import __version__
 from stochlin.models.parameters import Model
 
 PAPER = (
@@ -232,13 +232,12 @@ def with_run_information(
 
     The clock stays out of it: the same inputs give the same file.
     """
-    version = stochlin.__version__
     dataset.attrs = {
         **dataset.attrs,
         "title": title,
         "references": references,
-        "stochlin_version": version,
-        "history": f"stochlin {version}: {call}",
+        "stochlin_version": __version__,
+        "history": f"stochlin {__version__}: {call}",
         **{role: model.describe() for role, model in models.items()},
     }
     return dataset

@@ -9,6 +9,7 @@ import numba as nb
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import in_order
 from stochlin.kernels.basics.source_versions import version_of
 from stochlin.kernels.correlation import tiles as pair_steps
 from stochlin.kernels.correlation.tiles import (
@@ -20,7 +21,6 @@ from stochlin.kernels.correlation.tiles import (
     rho_of_tile,
 )
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
-from stochlin.kernels.simulation.ensemble import in_order
 
 VERSION = version_of(pair_steps)
 

@@ -10,10 +10,10 @@ import numpy as np
 
 from stochlin.kernels.basics import linear_branch
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import in_order
 from stochlin.kernels.basics.source_versions import version_of
 from stochlin.kernels.records import oscillator as recorded
 from stochlin.kernels.records.oscillator import PEAKS, run, substeps, top, workspace
-from stochlin.kernels.simulation.ensemble import in_order
 
 entry = nb.njit(nogil=True, cache=True, error_model="numpy")
 

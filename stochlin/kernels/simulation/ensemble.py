@@ -7,14 +7,13 @@ whatever the number of threads.
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
-from typing import NamedTuple, TypeVar
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import Progress, in_order
 from stochlin.kernels.simulation.normal_numbers import fill_normal, generator_state
 from stochlin.kernels.simulation.stepping import (
     LANES,
@@ -25,9 +24,6 @@ from stochlin.kernels.simulation.stepping import (
 )
 
 SAMPLES = 32  # of each block, unless a plan says otherwise: it then fits the second-level cache
-
-Result = TypeVar("Result")
-Progress = Callable[[float], None]
 
 
 Block = Callable[..., None]
@@ -202,9 +198,3 @@ def _gram(motion: Motion, blocks: int) -> Array:
     for _ in range(blocks):
         add_products(motion.block(), total)
     return total + np.tril(total, -1).transpose(0, 2, 1)
-
-
-def in_order(task: Callable[[int], Result], count: int) -> Iterator[Result]:
-    """Results of ``task(0), task(1), ...`` in this order, from all cores."""
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        yield from pool.map(task, range(count))

@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.simulation.ensemble import Crowd, Motion, Plan, Progress, in_order
+from stochlin.kernels.basics.parallel import Progress, in_order
+from stochlin.kernels.simulation.ensemble import Crowd, Motion, Plan
 from stochlin.kernels.simulation.stepping import LANES, FilterSteps
 
 

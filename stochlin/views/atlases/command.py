@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import click
 
 from stochlin.views.shared.options import numbers_option, parameter_of, shared_option
-from stochlin.views.shared.screen import bad_input, on_screen
-
-STEPS = 1000  # of the bar
+from stochlin.views.shared.screen import bad_input, on_screen, progress_bar
 
 
 @click.command()
@@ -46,8 +42,8 @@ def atlas(spec: Path, out: Path, scheduler: str | None) -> None:
     """
     from stochlin.analyses.atlases.atlas import write_atlas
 
-    with bad_input(), click.progressbar(length=STEPS, label="atlas", file=sys.stderr) as bar:
-        table = write_atlas(spec, out, scheduler=scheduler, progress=_onto(bar))
+    with bad_input(), progress_bar("atlas") as progress:
+        table = write_atlas(spec, out, scheduler=scheduler, progress=progress)
     click.echo(f"{table.rho.size} cells in {out}")
 
 
@@ -80,12 +76,3 @@ def lookup(atlas: Path, **options: Any) -> None:
     if "comment" in found.attrs:
         click.echo(f"# {found.attrs['comment']}")
     click.echo(on_screen(found))
-
-
-def _onto(bar: Any) -> Callable[[float], None]:
-    """A share of the whole as steps of a bar."""
-
-    def show(share: float) -> None:
-        bar.update(round(STEPS * share) - bar.pos)
-
-    return show

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import textwrap
 from itertools import cycle
 from typing import TYPE_CHECKING
@@ -10,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.tables.storage import whole_file
 from stochlin.views.charts.comparisons import draw_comparison
 from stochlin.views.charts.contacts import draw_histories, draw_loops, draw_restitution
 from stochlin.views.charts.records import draw_critical_gap, draw_per_spectrum, draw_portrait
@@ -20,7 +18,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-FORMATS = ("png", "svg", "pdf")
 SIZE = (7.2, 4.6)  # inches: the width of a printed page
 COMPARISONS = (("rho_elastic", "0.35", "x", "elastic"), ("rho_white_noise", "0.6", "o", "eq. (4)"))
 CAPTION_WIDTH, COMMENT_WIDTH = 110, 125  # characters
@@ -87,18 +84,6 @@ def draw(dataset: xr.Dataset) -> Figure:
         comment = textwrap.fill(dataset.attrs.get("comment", ""), COMMENT_WIDTH)
         figure.text(0.1, 0.05, comment, va="top", size=7, style="italic")
     return figure
-
-
-def save(figure: Figure, path: str | os.PathLike[str]) -> None:
-    """Write a picture whole or not at all; ``.png``, ``.svg`` or ``.pdf``."""
-    import matplotlib as mpl
-
-    suffix = os.path.splitext(path)[1][1:].lower()
-    if suffix not in FORMATS:
-        raise ValueError(f"path = {os.fspath(path)!r} ends in {suffix!r}; allowed: {', '.join(FORMATS)}")
-    undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix)
-    with mpl.rc_context(STYLE), whole_file(path) as temporary:
-        figure.savefig(temporary, dpi=200, metadata=undated)
 
 
 def _curves(axes: Axes, dataset: xr.Dataset) -> None:

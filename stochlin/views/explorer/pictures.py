@@ -8,8 +8,8 @@ import numpy as np
 import xarray as xr
 
 from stochlin.views.probability.pictures import ESTIMATES
-from stochlin.views.separation.words import label
 from stochlin.views.shared.style import CURVES
+from stochlin.views.shared.words import label
 
 Figure = dict[str, Any]
 DASHES = ("solid", "dash", "dashdot", "dot", "longdash", "longdashdot")  # as in CURVES

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from stochlin.views.separation.words import centimetres, label, length, per_cent
+from stochlin.views.shared.words import centimetres, label, length, per_cent
 
 UNKNOWN = 2  # of the flag ``caution``: outside of the map
 CORRELATION = (

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import click
 
-from stochlin.views.shared.screen import FILE, PICTURES, bad_input, check_target, show
+from stochlin.views.shared.screen import FILE, PICTURES, bad_input, check_target, progress_bar, show
 
 
 @click.command()
@@ -33,8 +32,8 @@ def mitigate(case: Path, out: Path | None, picture: Path | None) -> None:
         check_target("--out", out, FORMATS)
         check_target("--picture", picture, PICTURES)
         described = read_case(case)
-        with click.progressbar(length=1000, label="measures", file=sys.stderr) as bar:
-            table = mitigate_case(described, lambda share: bar.update(int(1000 * share) - bar.pos))
+        with progress_bar("measures") as progress:
+            table = mitigate_case(described, progress)
         from stochlin.views.mitigation.words import answer_lines
 
         show(answer_lines(table, described.title))
@@ -43,8 +42,8 @@ def mitigate(case: Path, out: Path | None, picture: Path | None) -> None:
             save_table(table, data)
             click.echo(f"saved {data}")
         if picture is not None:
-            from stochlin.views.charts.charts import save
             from stochlin.views.mitigation.pictures import draw_measures
+            from stochlin.views.shared.style import save
 
             save(draw_measures(table), picture)
             click.echo(f"saved {picture}")

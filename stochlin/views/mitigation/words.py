@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stochlin.analyses.separation.separation import NOT_AVAILABLE, SAFE, UNSAFE
-from stochlin.views.pounding.words import short
-from stochlin.views.separation.words import MISSING, SPACE, centimetres, length, per_cent
 from stochlin.views.shared.screen import columns, cut, paragraph
+from stochlin.views.shared.words import MISSING, SPACE, centimetres, length, per_cent, short
 
 if TYPE_CHECKING:
     import xarray as xr

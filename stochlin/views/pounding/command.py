@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import re
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from stochlin.views.shared.screen import FILE, PICTURES, bad_input, check_target, show
+from stochlin.views.shared.screen import FILE, PICTURES, bad_input, check_target, progress_bar, show
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -75,16 +74,16 @@ def _by_record(path: Path | None, records: tuple[str, ...]) -> dict[str, Path]:
 def _pounded(case: Case) -> dict[str, xr.Dataset]:
     from stochlin.analyses.cases.pounding import pound_case
 
-    with click.progressbar(length=1000, label="pounding", file=sys.stderr) as bar:
-        return pound_case(case, lambda share: bar.update(int(1000 * share) - bar.pos))
+    with progress_bar("pounding") as progress:
+        return pound_case(case, progress)
 
 
 def _write(
     tables: Mapping[str, xr.Dataset], saved: Mapping[str, Path], drawn: Mapping[str, Path]
 ) -> None:
     from stochlin.analyses.tables.storage import save_table
-    from stochlin.views.charts.charts import save
     from stochlin.views.pounding.pictures import draw_pound
+    from stochlin.views.shared.style import save
 
     for record, table in tables.items():
         if record in saved:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stochlin.views.separation.words import MISSING, centimetres, length, per_cent
 from stochlin.views.shared.screen import columns, cut, paragraph
+from stochlin.views.shared.words import MISSING, centimetres, length, per_cent, short
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -67,13 +67,6 @@ def energies(table: xr.Dataset) -> str:
         f"Of the {given} kJ from the ground {', '.join(parts)}; {per_cent(share['remaining'], 1)} are "
         f"left at the end. The balance is off by {float(table.energy_balance_error.max()):.0e} at most."
     )
-
-
-def short(value: float) -> str:
-    """Three digits, without an exponent."""
-    if not np.isfinite(value):
-        return MISSING
-    return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"
 
 
 def _buildings(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:

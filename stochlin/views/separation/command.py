@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from stochlin.views.shared.screen import FILE, bad_input, check_target, paragraph, show
+from stochlin.views.shared.screen import FILE, bad_input, check_target, paragraph, progress_bar, show
 
 if TYPE_CHECKING:
     from stochlin.analyses.cases.separation import CaseAnswer
@@ -67,8 +66,8 @@ def _answer(path: Path) -> CaseAnswer:
     from stochlin.analyses.cases.separation import answer_case
 
     case = read_case(path)
-    with click.progressbar(length=1000, label="simulating", file=sys.stderr) as bar:
-        return answer_case(case, lambda share: bar.update(int(1000 * share) - bar.pos))
+    with progress_bar("simulating") as progress:
+        return answer_case(case, progress)
 
 
 def _page(answer: CaseAnswer) -> str:

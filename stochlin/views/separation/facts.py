@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stochlin.views.separation.words import ductilities, length, per_cent, rows
+from stochlin.views.separation.words import ductilities, rows
+from stochlin.views.shared.words import length, per_cent
 
 if TYPE_CHECKING:
     import xarray as xr

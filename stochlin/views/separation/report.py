@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from stochlin.views.separation import facts as small_print
 from stochlin.views.separation import pictures, words
+from stochlin.views.shared.words import centimetres
 
 if TYPE_CHECKING:
     from markupsafe import Markup
@@ -77,7 +78,7 @@ def report_page(answer: CaseAnswer) -> str:
 
 
 def _pictures(answer: CaseAnswer) -> list[Picture]:
-    gap = words.centimetres(float(answer.separation.gap[0]))
+    gap = centimetres(float(answer.separation.gap[0]))
     drawn = [
         (
             "Gaps by rule",
@@ -139,6 +140,6 @@ def _records(answer: CaseAnswer) -> list[tuple[str, list[str]]]:
     table = answer.separation
     names = ("record_separation", "record_peak_1", "record_peak_2")
     return [
-        (record, [words.centimetres(float(table[name][n])) for name in names])
+        (record, [centimetres(float(table[name][n])) for name in names])
         for n, record in enumerate(answer.case.records)
     ]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 import textwrap
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 SCREEN_ROWS, WIDTH = 40, 100
+STEPS = 1000  # of a bar
 PICTURES = (".png", ".svg", ".pdf")
 FILE = click.Path(dir_okay=False, path_type=Path)
 # Consoles that know few signs are still about.
@@ -32,6 +34,13 @@ def bad_input() -> Iterator[None]:
         raise click.UsageError(str(error)) from error
     except (ArithmeticError, RuntimeError, ImportError) as error:
         raise click.ClickException(str(error)) from error
+
+
+@contextmanager
+def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
+    """A bar on the error stream; to be called with the share of the work that is done."""
+    with click.progressbar(length=STEPS, label=label, file=sys.stderr) as bar:
+        yield lambda share: bar.update(int(STEPS * share) - bar.pos)
 
 
 def check_target(option: str, path: Path | None, allowed: Sequence[str]) -> None:

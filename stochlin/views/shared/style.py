@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.tables.storage import whole_file
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
     from matplotlib.contour import QuadContourSet
+    from matplotlib.figure import Figure
 
 STYLE: Any = {
     "font.size": 9,
@@ -77,3 +81,18 @@ def tenths(*tables: xr.DataArray, at_most: float = 0.0) -> np.ndarray:
     low = min(at_most, *(np.floor(float(table.min()) * 10) / 10 for table in tables))
     high = max(np.ceil(float(table.max()) * 10) / 10 for table in tables)
     return np.round(np.arange(low, high + 0.05, 0.1), 10)
+
+
+FORMATS = ("png", "svg", "pdf")
+
+
+def save(figure: Figure, path: str | os.PathLike[str]) -> None:
+    """Write a picture whole or not at all; ``.png``, ``.svg`` or ``.pdf``."""
+    import matplotlib as mpl
+
+    suffix = os.path.splitext(path)[1][1:].lower()
+    if suffix not in FORMATS:
+        raise ValueError(f"path = {os.fspath(path)!r} ends in {suffix!r}; allowed: {', '.join(FORMATS)}")
+    undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix)
+    with mpl.rc_context(STYLE), whole_file(path) as temporary:
+        figure.savefig(temporary, dpi=200, metadata=undated)

@@ -1,0 +1,54 @@
+"""Probability of pounding of the two buildings of a case file, simulated and in its records."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import xarray as xr
+
+from stochlin.analyses.cases.case import Case
+from stochlin.analyses.probability.probability import pounding_probability
+from stochlin.kernels.basics.parallel import Progress
+
+
+class ProbabilityAnswer(NamedTuple):
+    """What `stochlin.pounding_probability` says of the case, for one gap [m]."""
+
+    case: Case
+    gap: float
+    table: xr.Dataset
+    records: dict[str, xr.Dataset]  # by the hybrid method
+
+
+def judge_gap(case: Case, gap: float, progress: Progress | None = None) -> ProbabilityAnswer:
+    """How likely the buildings of a case are to pound across this gap [m].
+
+    Parameters
+    ----------
+    case : Case
+        As `stochlin.read_case` gives it.
+    gap : float
+        [m], positive.
+    progress : callable, optional
+        Called with the share of the simulation that is done.
+
+    Raises
+    ------
+    ValueError, TypeError
+        As in `stochlin.pounding_probability`.
+    """
+    asked = case.first.structure, case.second.structure, case.ground, gap
+    table = pounding_probability(
+        *asked,
+        envelope=case.envelope,
+        duration=case.duration,
+        confidence=case.confidence,
+        paths=case.paths,
+        seed=case.seed,
+        progress=progress,
+    )
+    records = {
+        name: pounding_probability(*asked, method="hybrid", record=record, confidence=case.confidence)
+        for name, record in case.records.items()
+    }
+    return ProbabilityAnswer(case, gap, table, records)

@@ -1,0 +1,18 @@
+"""Tasks on all cores, their results in order."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from typing import TypeVar
+
+Result = TypeVar("Result")
+Progress = Callable[[float], None]
+"""Called with the share of the work that is done."""
+
+
+def in_order(task: Callable[[int], Result], count: int) -> Iterator[Result]:
+    """Results of ``task(0), task(1), ...`` in this order, from all cores."""
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        yield from pool.map(task, range(count))

@@ -1,0 +1,73 @@
+"""The probability of pounding in plain words and short numbers."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from stochlin.analyses.cases.probability import ProbabilityAnswer
+
+ROWS = 11  # instants that are printed
+COLUMNS = (
+    ("formula", ""),
+    ("Poisson", "_poisson"),
+    ("corrected", "_corrected"),
+    ("simulated", "_simulated"),
+)
+STEM = "confidence_of_no_pounding"
+
+
+def answer_lines(answer: ProbabilityAnswer) -> list[str]:
+    """All that the screen shows."""
+    case, gap, table, records = answer
+    lines = [
+        case.title,
+        f"{case.first.name} (left) and {case.second.name}, gap {gap:.4g} m, {case.duration:.4g} s",
+        "",
+        "Confidence of no pounding so far",
+        f"{'time [s]':>9}" + "".join(f"{name:>11}" for name, _ in COLUMNS) + f"{'95 % interval':>20}",
+    ]
+    step = max(1, (table.sizes["time"] - 1) // (ROWS - 1))
+    lines += [_instant(table.isel(time=index)) for index in range(0, table.sizes["time"], step)]
+    lines += [
+        "",
+        f"Gap for a confidence of {case.confidence:g}: {float(table.required_gap):.4f} m by formula, "
+        f"{_corrected(table)}, "
+        f"{float(table.required_gap_simulated):.4f} m simulated "
+        f"({float(table.required_gap_simulated_lower):.4f} - "
+        f"{float(table.required_gap_simulated_upper):.4f})",
+    ]
+    if bool(table.permanent_set.any()) and (case.first.structure.yields or case.second.structure.yields):
+        end = table.attrs["strong_shaking_end_s"]
+        lines.append(f"After {end:.3g} s the formula has lost the permanent set of yielding buildings.")
+    lines += [_in_record(name, found) for name, found in records.items()]
+    if "comment" in table.attrs:
+        lines.append(table.attrs["comment"].replace("α", "hardening").replace("≤", "<="))
+    return lines
+
+
+def _instant(row: xr.Dataset) -> str:
+    values = "".join(_number(row[STEM + ending], 11) for _, ending in COLUMNS)
+    low, high = (float(row[f"{STEM}_simulated_{end}"]) for end in ("lower", "upper"))
+    return f"{float(row.time):9.2f}{values}{low:12.4f} -{high:6.4f}"
+
+
+def _corrected(table: xr.Dataset) -> str:
+    known = bool(table.required_gap_corrected.notnull())
+    return f"{float(table.required_gap_corrected):.4f} m corrected" if known else "correction unknown"
+
+
+def _number(value: xr.DataArray, width: int) -> str:
+    """Four decimals; where the map of the bias does not reach, a word."""
+    return f"{'unknown':>{width}}" if bool(value.isnull()) else f"{float(value):{width}.4f}"
+
+
+def _in_record(name: str, found: xr.Dataset) -> str:
+    last = found.isel(time=-1)
+    return (
+        f"Record {name}: confidence {float(last[STEM]):.4f} with one phase, "
+        f"{float(last[f'{STEM}_fresh_phase']):.4f} with a new one every cycle "
+        f"(rho {float(found.rho):.3f}); the record itself takes {float(found.separation):.4f} m"
+    )

@@ -1,0 +1,417 @@
+"""Case files for pounding: contacts, measures, rows of buildings, storeys; what is wrong."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from cases import recorded_example
+from hypothesis import given
+from hypothesis import strategies as st
+
+import stochlin as sl
+from stochlin.analyses.cases.buildings import StoreyBuilding
+from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.contacts import CONTACTS, read_contact
+from stochlin.analyses.cases.pounding import pound_case
+from stochlin.analyses.cases.values import Section
+
+pytestmark = pytest.mark.invariant
+
+EXAMPLE = sl.example_case()
+CONTACT = EXAMPLE[EXAMPLE.index("[contact]") : EXAMPLE.index("# Measures")]
+MEASURES = EXAMPLE[EXAMPLE.index("# Measures") :]
+OPTIONAL = CONTACT + MEASURES
+GAP = 'existing = "5 cm" '
+THIRD = """[building_3]
+name = "Garage"
+period = "0.35 s"
+damping = 0.05
+elastic = true
+mass = "600 t"
+
+"""
+STOREYS = """[building_{}]
+masses = ["300 t", "250 t"]
+stiffnesses = ["500 MN/m", "4e5 kN/m"]
+heights = ["4 m", "300 cm"]
+damping = "5 %"
+{}
+
+"""
+
+
+def read(folder: Path, text: str) -> Case:
+    path = folder / "case.toml"
+    path.write_text(text, encoding="utf-8")
+    return sl.read_case(path)
+
+
+def with_buildings(*buildings: str, gaps: str = '"5 cm"') -> str:
+    start, end = EXAMPLE.index("[building_1]"), EXAMPLE.index("[separation]")
+    text = EXAMPLE[:start] + "\n".join(buildings) + EXAMPLE[end:]
+    return text.replace(GAP, f"existing = {gaps} ")
+
+
+def row(gaps: str) -> str:
+    return EXAMPLE.replace("[separation]", f"{THIRD}[separation]").replace(GAP, f"existing = {gaps} ")
+
+
+def contact(**values: object) -> Section:
+    return Section("case.toml", ("contact",), values, {})
+
+
+# --- Contacts -------------------------------------------------------------------------------------
+
+STIFF = {"stiffness": "2e6 kN/m"}
+CASES = [
+    ("linear_spring", STIFF, sl.LinearSpring(2e9)),
+    ("kelvin", STIFF | {"restitution": 0.65}, sl.Kelvin(2e9, restitution=0.65)),
+    ("kelvin", STIFF | {"damping_ratio": "15 %"}, sl.Kelvin(2e9, damping_ratio=0.15)),
+    ("no_tension_kelvin", STIFF | {"restitution": 0.5}, sl.NoTensionKelvin(2e9, restitution=0.5)),
+    ("impact_kelvin", STIFF | {"damping_ratio": 0.3}, sl.ImpactKelvin(2e9, damping_ratio=0.3)),
+    ("hertz", {"stiffness": "3 MN/m^1.5"}, sl.Hertz(3e6)),
+    ("hertz", {"stiffness": "3 kN/m²", "exponent": 2}, sl.Hertz(3e3, 2.0)),
+    (
+        "hertz_damp",
+        {"stiffness": "3 N/m^1.5", "restitution": 0.5},
+        sl.HertzDamp(3.0, restitution=0.5),
+    ),
+    (
+        "hertz_damp",
+        {"stiffness": "3 N/m^1.2", "damping_factor": 0.8, "exponent": 1.2},
+        sl.HertzDamp(3.0, damping_factor=0.8, exponent=1.2),
+    ),
+    (
+        "jankowski",
+        {"stiffness": "3 MN/m^1.5", "restitution": 0.65},
+        sl.Jankowski(3e6, restitution=0.65),
+    ),
+    ("stereomechanical", {"restitution": 0}, sl.Stereomechanical(0.0)),
+]
+
+
+@pytest.mark.parametrize(("model", "values", "expected"), CASES)
+def test_a_contact_is_the_one_that_python_makes(model, values, expected) -> None:
+    assert read_contact(contact(model=model, **values)) == expected
+
+
+def test_every_contact_is_tried() -> None:
+    assert {model for model, _, _ in CASES} == set(CONTACTS)
+
+
+@given(st.floats(1e3, 1e12), st.floats(1e-3, 1.0))
+def test_numbers_of_a_contact_come_back(stiffness: float, restitution: float) -> None:
+    values = {"stiffness": f"{stiffness!r} N/m", "restitution": restitution}
+    found = read_contact(contact(model="impact_kelvin", **values))
+    assert found == sl.ImpactKelvin(stiffness, restitution=restitution)
+
+
+@pytest.mark.parametrize(
+    ("values", "says"),
+    [
+        ({}, ["contact.model is missing", "linear_spring"]),
+        ({"model": "kelvim"}, ["contact.model", "did you mean 'kelvin'?", "stereomechanical"]),
+        ({"model": "kelvin"}, ["contact.stiffness is missing", "N/m"]),
+        ({"model": "kelvin", **STIFF}, ["damping_ratio and restitution neither is given"]),
+        (
+            {"model": "kelvin", **STIFF, "restitution": 0.5, "damping_ratio": 0.1},
+            ["damping_ratio and restitution both are given"],
+        ),
+        ({"model": "kelvin", **STIFF, "restitution": 0}, ["contact.restitution = 0", "0 < value <= 1"]),
+        (
+            {"model": "kelvin", **STIFF, "restitution": 1.1},
+            ["contact.restitution = 1.1", "out of range"],
+        ),
+        (
+            {"model": "kelvin", **STIFF, "damping_ratio": -1},
+            ["contact.damping_ratio = -1", "0 <= value"],
+        ),
+        ({"model": "kelvin", "stiffness": 1e9, "restitution": 0.5}, ["has no unit", "MN/m"]),
+        ({"model": "kelvin", "stiffness": "1 kg", "restitution": 0.5}, ["unknown unit 'kg'", "kN/m"]),
+        ({"model": "kelvin", "stiffness": "-1 N/m", "restitution": 0.5}, ["0 < value", "in N/m"]),
+        ({"model": "hertz", "stiffness": "1 N/m"}, ["unknown unit 'N/m'", "allowed: N/m^1.5"]),
+        (
+            {"model": "hertz", "stiffness": "1 N/m^1.5", "exponent": 1.2},
+            ["unknown unit 'N/m^1.5'", "allowed: N/m^1.2"],
+        ),
+        (
+            {"model": "hertz", "stiffness": "1 N/m^1.5", "exponent": 0.5},
+            ["contact.exponent", "1 <= value"],
+        ),
+        (
+            {"model": "hertz", **STIFF, "restitution": 0.5},
+            ["contact.restitution", "model, stiffness, ex"],
+        ),
+        ({"model": "stereomechanical"}, ["contact.restitution is missing"]),
+        ({"model": "stereomechanical", **STIFF}, ["contact.stiffness", "allowed: model, restitution"]),
+        ({"model": "hertz_damp", "damping_ratio": 1}, ["did you mean damping_factor?"]),
+    ],
+)
+def test_what_is_wrong_with_a_contact(values: dict[str, object], says: list[str]) -> None:
+    with pytest.raises(ValueError, match=r"^case\.toml: contact") as caught:
+        read_contact(contact(**values))
+    for part in says:
+        assert part in str(caught.value)
+
+
+# --- Measures -------------------------------------------------------------------------------------
+
+
+def test_measures_of_the_example(tmp_path: Path) -> None:
+    case = read(tmp_path, EXAMPLE)
+    assert case.measures == {
+        "Dampers in the annex": sl.Measure(added_damping_2=0.15),
+        "Dampers between both": sl.Measure(link=sl.Link(damping_constant=5e6)),
+        "Rubber bumpers": sl.Measure(contact=sl.Kelvin(1e8, restitution=0.4)),
+    }
+    assert next(iter(case.measures)) == "Dampers in the annex"
+    assert case.amplification_limit == 1.2
+    assert case.contact == sl.Kelvin(2e9, restitution=0.65)
+
+
+def test_a_measure_may_do_all_at_once(tmp_path: Path) -> None:
+    lines = """[measures.All]
+added_damping_1 = 0.1
+added_damping_2 = "5 %"
+link_stiffness = "3 MN/m"
+link_damping_constant = "2 kN·s/m"
+[measures.All.contact]
+model = "stereomechanical"
+restitution = 0.4
+"""
+    case = read(tmp_path, EXAMPLE.replace(MEASURES, lines))
+    link = sl.Link(stiffness=3e6, damping_constant=2e3)
+    assert case.measures == {"All": sl.Measure(0.1, 0.05, link, sl.Stereomechanical(0.4))}
+    assert case.amplification_limit is None
+
+
+def test_contact_and_measures_may_be_left_out(tmp_path: Path) -> None:
+    case = read(tmp_path, EXAMPLE.replace(OPTIONAL, ""))
+    assert (case.contact, case.measures, case.amplification_limit) == (None, {}, None)
+
+
+# --- Buildings ------------------------------------------------------------------------------------
+
+
+def test_masses_in_tonnes_and_kilograms(tmp_path: Path) -> None:
+    case = read(tmp_path, EXAMPLE.replace('"3200 t"', '"3.2e6 kg"'))
+    assert [building.structure.mass for building in case.pair] == [3.2e6, 1.5e6]
+    unknown = read(tmp_path, EXAMPLE.replace('mass = "1500 t"\n', ""))
+    assert unknown.second.structure.mass is None
+
+
+def test_a_row_of_three(tmp_path: Path) -> None:
+    case = read(tmp_path, row('["5 cm", "30 mm"]').replace('title = "Office block and annex"', ""))
+    assert case.gaps == (0.05, 0.03)
+    assert [building.name for building in case.buildings] == ["Office block", "Annex", "Garage"]
+    assert case.title == "Office block, Annex and Garage"
+    assert case.buildings[2].structure == sl.Bilinear(0.35, 0.05, mass=6e5)
+    for name in ("pair", "first", "second", "gap"):
+        with pytest.raises(ValueError, match="describes 3 buildings; this takes two"):
+            getattr(case, name)
+
+
+def test_buildings_by_storeys(tmp_path: Path) -> None:
+    both = [
+        STOREYS.format(1, 'hardening = 0.1\nyield_drifts = ["1 cm", "8 mm"]'),
+        STOREYS.format(2, 'name = "Old"\nelastic = true'),
+    ]
+    case = read(tmp_path, with_buildings(*both))
+    shape = {"masses": [3e5, 2.5e5], "stiffnesses": [5e8, 4e8], "heights": [4.0, 3.0]}
+    yielding, elastic = (building.structure for building in case.buildings)
+    assert (
+        yielding.describe()
+        == sl.ShearBuilding(**shape, damping=0.05, hardening=0.1, yield_drifts=[0.01, 0.008]).describe()
+    )
+    for name, values in shape.items():
+        np.testing.assert_allclose(elastic.arrays()[name], values, rtol=1e-15)
+    assert elastic.yield_drifts is None
+    assert [b.name for b in case.buildings] == ["Building 1", "Old"]
+    assert all(isinstance(b, StoreyBuilding) and b.height == 7.0 for b in case.buildings)
+    with pytest.raises(ValueError, match="describes the storeys of its buildings; this takes two osc"):
+        _ = case.gap
+
+
+def test_one_drift_is_that_of_every_storey(tmp_path: Path) -> None:
+    lines = 'hardening = 0.1\nyield_drifts = "1 cm"'
+    case = read(tmp_path, with_buildings(*(STOREYS.format(n, lines) for n in (1, 2))))
+    assert case.buildings[0].structure.yield_drifts == 0.01
+    assert case.buildings[0].strength == "yield_drifts"
+
+
+@pytest.mark.parametrize("gap", ['"0 cm"', '["0 m"]'])
+def test_buildings_may_touch(gap: str, tmp_path: Path) -> None:
+    assert read(tmp_path, EXAMPLE.replace(GAP, f"existing = {gap} ")).gap == 0
+
+
+ELASTIC = STOREYS.format(1, "elastic = true"), STOREYS.format(2, "elastic = true")
+# The file, what its line starts with, and what the message says.
+WRONG = {
+    "one gap for three": (row('"5 cm"'), "existing", ["1 gap for 3 buildings", "2 in all"]),
+    "two gaps for two": (
+        EXAMPLE.replace(GAP, 'existing = ["5 cm", "3 cm"] '),
+        "existing",
+        ["2 gaps for 2 buildings", "1 in all"],
+    ),
+    "negative gap": (
+        row('["5 cm", "-3 cm"]'),
+        "existing",
+        ["has a number 2 that is out of range", "0 <= value"],
+    ),
+    "gap without unit": (row('["5 cm", 3]'), "existing", ["has a number 2 that has no unit", '"3 cm"']),
+    "no gaps in the list": (row("[]"), "existing", ["is no list of numbers"]),
+    "a building left out": (
+        EXAMPLE.replace("[separation]", THIRD.replace("3", "4", 1) + "[separation]"),
+        "[building_4]",
+        ["building_4 is there, building_3 is not", "did you mean building_3?"],
+    ),
+    "mass in pounds": (EXAMPLE.replace('"1500 t"', '"9 lb"'), 'mass = "9', ["'lb'", "allowed: kg, t"]),
+    "no mass at all": (EXAMPLE.replace('"1500 t"', '"0 t"'), 'mass = "0', ["0 < value", "in kg"]),
+    "one with storeys beside one without": (
+        EXAMPLE.replace("[separation]", STOREYS.format(3, "elastic = true") + "[separation]"),
+        "[building_1]",
+        ["building_1 has no storeys, but building_3 has", "masses, stiffnesses, heights"],
+    ),
+    "floors without storeys": (
+        with_buildings(ELASTIC[0].replace('"300 t", ', ""), ELASTIC[1]),
+        "[building_1]",
+        ["masses has 1, stiffnesses has 2"],
+    ),
+    "a storey out of range": (
+        with_buildings(ELASTIC[0].replace('"250 t"', '"-1 t"'), ELASTIC[1]),
+        "masses",
+        ["building_1.masses", "has a number 2 that is out of range", "0 < value"],
+    ),
+    "stiffnesses left out": (
+        with_buildings(ELASTIC[0].replace("stiffnesses", "# "), ELASTIC[1]),
+        "[building_1]",
+        ["building_1.stiffnesses is missing", '["1 N/m", "1 N/m"]'],
+    ),
+    "one stiffness for all": (
+        with_buildings(ELASTIC[0].replace('["500 MN/m", "4e5 kN/m"]', '"5 MN/m"'), ELASTIC[1]),
+        "stiffnesses",
+        ["is no list of numbers"],
+    ),
+    "storeys without a strength": (
+        with_buildings(STOREYS.format(1, ""), ELASTIC[1]),
+        "[building_1]",
+        ["has no strength", "yield_drifts"],
+    ),
+    "storeys with a period": (
+        with_buildings(ELASTIC[0] + 'period = "1 s"\n', ELASTIC[1]),
+        "period",
+        ["building_1.period", "is not a key that is known here", "yield_drifts"],
+    ),
+    "drifts without hardening": (
+        with_buildings(STOREYS.format(1, 'yield_drifts = "1 cm"'), ELASTIC[1]),
+        "[building_1]",
+        ["building_1.hardening is missing"],
+    ),
+    "a measure that does nothing": (
+        EXAMPLE.replace('added_damping_2 = "15 %"', "#"),
+        '[measures."Dampers in the annex"]',
+        ["measures.Dampers in the annex does nothing", "link_stiffness"],
+    ),
+    "a measure with a slip": (
+        EXAMPLE.replace("added_damping_2 =", "aded_damping_2 ="),
+        "aded_damping_2",
+        ["did you mean added_damping_2?"],
+    ),
+    "damping taken away": (
+        EXAMPLE.replace('"15 %"', '"-15 %"'),
+        "added_damping_2",
+        ["measures.Dampers in the annex.added_damping_2", "0 <= value"],
+    ),
+    "unit of a dashpot": (
+        EXAMPLE.replace('"5 MN s/m"', '"5 MN/m"'),
+        "link_damping_constant",
+        ["unknown unit 'MN/m'", "N s/m"],
+    ),
+    "contact of a measure": (
+        EXAMPLE.replace('contact = { model = "kelvin"', 'contact = { model = "rubber"'),
+        "contact = ",
+        ["measures.Rubber bumpers.contact.model = 'rubber'", "allowed: linear_spring"],
+    ),
+    "limit": (
+        EXAMPLE.replace("amplification_limit = 1.2", "amplification_limit = 0"),
+        "amplification_limit",
+        ["mitigation.amplification_limit", "0 < value"],
+    ),
+    "measures that are no table": (
+        "measures = 3\n" + EXAMPLE.replace(MEASURES, ""),
+        "measures",
+        ["is no table"],
+    ),
+}
+
+
+@pytest.mark.parametrize("what", WRONG)
+def test_what_is_wrong_is_said_with_file_line_and_key(what: str, tmp_path: Path) -> None:
+    text, at, says = WRONG[what]
+    assert text != EXAMPLE
+    with pytest.raises(ValueError, match=r"case\.toml") as caught:
+        read(tmp_path, text)
+    lines = [n for n, line in enumerate(text.splitlines(), 1) if line.startswith(at)]
+    message = str(caught.value)
+    assert message.partition(": ")[0] in {f"case.toml, line {n}" for n in lines}, message
+    for part in says:
+        assert part in message
+
+
+# --- What pounding asks of a case -----------------------------------------------------------------
+
+
+def wave(folder: Path) -> None:
+    time = 0.01 * np.arange(400)
+    np.savetxt(folder / "taft.txt", 0.3 * np.sin(8 * time) * np.sin(0.8 * time))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        (recorded_example(), EXAMPLE, "needs a recorded motion.*site.records"),
+        (GAP, "# ", 'needs the gap there is; write existing = "5 cm" in .separation'),
+        (
+            'mass = "1500 t"',
+            "",
+            r'needs the mass of every building; write mass = "1500 t" in \[building_2',
+        ),
+        (CONTACT, "", r"needs what the buildings meet at; write \[contact\]"),
+    ],
+)
+def test_what_a_case_lacks_for_pounding(old: str, new: str, says: str, tmp_path: Path) -> None:
+    wave(tmp_path)
+    text = recorded_example()
+    assert old in text
+    case = read(tmp_path, text.replace(old, new))
+    with pytest.raises(ValueError, match=rf"^case\.toml: pounding {says}"):
+        pound_case(case)
+
+
+def test_storeys_that_do_not_meet(tmp_path: Path) -> None:
+    wave(tmp_path)
+    start, end = EXAMPLE.index("[building_1]"), EXAMPLE.index("[separation]")
+    low = ELASTIC[1].replace('["4 m", "300 cm"]', '["3 m", "3 m"]')
+    text = recorded_example().replace(EXAMPLE[start:end], ELASTIC[0] + low)
+    with pytest.raises(
+        ValueError, match=r"^case\.toml, record Taft 1952: .*storeys do not meet: floor 1"
+    ):
+        pound_case(read(tmp_path, text))
+
+
+def test_strengths_by_the_ground_become_yield_displacements(tmp_path: Path) -> None:
+    wave(tmp_path)
+    text = recorded_example().replace("\nreduction_factor = 4\nheight", "\nductility = 3\nheight")
+    case = read(tmp_path, text)
+    (table,) = pound_case(case).values()
+    expected = [float(sl.linearize(b.structure, case.ground).yield_displacement) for b in case.pair]
+    np.testing.assert_allclose(table.yield_displacement, expected, rtol=1e-9)
+    np.testing.assert_allclose(table.peak_ductility, table.peak / expected, rtol=1e-12)
+    pair = [
+        sl.Bilinear(b.structure.period, 0.05, 0.05, yield_displacement=uy, mass=b.structure.mass)
+        for b, uy in zip(case.pair, expected, strict=True)
+    ]
+    alone = sl.pound(pair, 0.05, sl.Kelvin(2e9, restitution=0.65), case.records["Taft 1952"])
+    np.testing.assert_allclose(table.displacement, alone.displacement, rtol=1e-6, atol=1e-9)

@@ -1,0 +1,337 @@
+"""Case files: what is read is what is written, in any unit, and what is wrong is said with its line."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from cases import recorded_example
+from hypothesis import given
+from hypothesis import strategies as st
+
+import stochlin as sl
+from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.separation import answer_case, rms_acceleration
+from stochlin.analyses.cases.values import UNITS, Quantity, Section, key_lines
+from stochlin.models.parameters import Range
+
+pytestmark = pytest.mark.invariant
+
+EXAMPLE = sl.example_case()
+
+
+def read(folder: Path, text: str) -> Case:
+    path = folder / "case.toml"
+    path.write_text(text, encoding="utf-8")
+    return sl.read_case(path)
+
+
+def changed(old: str, new: str, count: int = 1) -> str:
+    assert old in EXAMPLE, old
+    return EXAMPLE.replace(old, new, count)
+
+
+def line_of(text: str, part: str) -> int:
+    return next(n for n, line in enumerate(text.splitlines(), 1) if line.startswith(part))
+
+
+def wave(folder: Path, name: str = "wave.txt", seed: int = 1) -> Path:
+    time = 0.02 * np.arange(2000)
+    noise = np.random.default_rng(seed).normal(size=time.size)
+    motion = np.convolve(noise, np.exp(-4 * time) * np.sin(12 * time), "full")[: time.size]
+    np.savetxt(folder / name, 0.01 * motion)
+    return folder / name
+
+
+RECORD = '[[site.records]]\npath = "wave.txt"\nunits = "g"\ndt = "20 ms"\n'
+FITTED = f'ground = "fitted"\n{RECORD}'
+GROUND = 'ground = "firm"'
+
+
+def with_site(lines: str) -> str:
+    start, end = EXAMPLE.index("[site]"), EXAMPLE.index("[motion]")
+    return f"{EXAMPLE[:start]}[site]\n{lines}\n{EXAMPLE[end:]}"
+
+
+def test_example_is_what_its_comments_say(tmp_path: Path) -> None:
+    case = read(tmp_path, EXAMPLE)
+    firm = sl.named_ground("firm", intensity=0.01)
+    assert case.ground == firm
+    assert case.envelope == sl.AminAng(4.0, 15.0, 0.35)
+    assert case.first.structure == sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=4, mass=3.2e6)
+    assert (case.duration, case.gap, case.confidence) == (20.0, 0.05, 0.9)
+    # The comment on the intensity: an rms acceleration of .1 g.
+    assert rms_acceleration(case.ground) == pytest.approx(0.1 * 9.80665, rel=0.02)
+
+
+def test_every_commented_choice_of_the_example_can_be_taken(tmp_path: Path) -> None:
+    wave(tmp_path, "taft.txt")
+    filtered = 'ground = "kanai_tajimi"\nperiod = "2 s"\ndamping = 0.05\nintensity = "0.001 m^2/s^3"\n'
+    text = recorded_example()
+    start, end = text.index("[[site"), text.index("#   column")
+    case = read(tmp_path, with_site(filtered + text[start:end]))
+    assert case.ground == sl.KanaiTajimi(2.0, 0.05, 0.001)
+    assert list(case.records) == ["Taft 1952"]
+    assert list(read(tmp_path, text).records) == ["Taft 1952"]
+    for strength in ('yield_displacement = "3 cm"', "ductility = 4", "elastic = true"):
+        one = read(tmp_path, changed("\nreduction_factor = 4\nheight", f"\n{strength}\nheight"))
+        assert one.first.strength == strength.split(" ")[0]
+    assert read(tmp_path, changed("# zone", "zone")).zone == "II"
+    assert read(tmp_path, changed("# unverified", "unverified")).unverified
+    start, end = EXAMPLE.index("#   masses"), EXAMPLE.index("# More buildings")
+    storeys = EXAMPLE[start:end].replace("#   ", "")
+    start, end = EXAMPLE.index("[building_1]"), EXAMPLE.index("[separation]")
+    both = "".join(f'[building_{n}]\ndamping = "5 %"\nhardening = "5 %"\n{storeys}' for n in (1, 2))
+    case = read(tmp_path, EXAMPLE[:start] + both + EXAMPLE[end:])
+    assert [building.storeys for building in case.buildings] == [3, 3]
+    assert [building.height for building in case.buildings] == [10.0, 10.0]
+
+
+@given(
+    st.sampled_from([units for units in UNITS if units != "1"]).flatmap(
+        lambda units: st.tuples(st.just(units), st.sampled_from(sorted(UNITS[units])))
+    ),
+    st.floats(1e-6, 1e6),
+    st.sampled_from(["", " ", "  "]),
+)
+def test_a_value_is_its_number_times_its_unit(pair: tuple[str, str], value: float, space: str) -> None:
+    units, unit = pair
+    section = Section("case.toml", (), {"key": f"{value!r}{space}{unit}"}, {})
+    if unit == "1/s" and not space:  # "21/s" might be 2 or 21
+        with pytest.raises(ValueError, match="unknown unit"):
+            section.number("key", Quantity(units, Range()))
+        return
+    found = section.number("key", Quantity(units, Range()))
+    assert found == pytest.approx(value * UNITS[units][unit], rel=1e-14)
+
+
+@given(st.text(max_size=20))
+def test_any_text_is_a_quantity_or_an_error_that_names_the_key(text: str) -> None:
+    section = Section("case.toml", ("building_1",), {"period": text}, {("building_1", "period"): 7})
+    try:
+        said = ""
+        assert 0 < section.number("period", Quantity("s", Range())) < math.inf
+    except ValueError as error:
+        said = str(error)
+    if said:
+        assert said.startswith("case.toml, line 7: building_1.period = ")
+        assert "allowed" in said
+
+
+def test_units_change_nothing(tmp_path: Path) -> None:
+    text = EXAMPLE
+    for old, new in (
+        ('"0.6 s"', '"600 ms"'),
+        ('"1.0 s"', '"1000ms"'),
+        ('"24 m"', '"2400 cm"'),
+        ('"5 cm"', '"0.05 m"'),
+        ('"0.01 m^2/s^3"', '"100 cm²/s³"'),
+        ('"90 %"', "0.9"),
+        ('"5 %"', "0.05"),
+    ):
+        assert old in text
+        text = text.replace(old, new)
+    one, other = read(tmp_path, EXAMPLE), read(tmp_path, text)
+    assert one.ground == other.ground
+    assert one.buildings == other.buildings
+    assert (one.gap, one.confidence) == (other.gap, other.confidence)
+
+
+def test_ductility_gives_the_strength_that_has_it(tmp_path: Path) -> None:
+    case = read(tmp_path, changed("\nreduction_factor = 4\nheight", "\nductility = 3\nheight"))
+    structure = case.first.structure
+    found = sl.linearize(structure, case.ground)
+    assert 3 * float(found.ductility_std) == pytest.approx(3.0, rel=1e-6)
+
+
+def test_records_are_read_beside_the_file_and_the_first_is_fitted(tmp_path: Path) -> None:
+    path = wave(tmp_path)
+    wave(tmp_path, "other.txt", seed=2)
+    other = RECORD.replace("wave.txt", "other.txt")
+    case = read(tmp_path, with_site(f'{FITTED}name = "Here"\n{other}'))
+    assert list(case.records) == ["Here", "other.txt"]
+    assert case.ground == sl.fit_ground(sl.read_record(path, dt=0.02, units="g"))
+    assert case.fitted
+
+
+# What to change, and what the message says of it: the line that starts with the third, and words.
+WRONG = {
+    "unknown key": (
+        "storeys = 8",
+        "storys = 8",
+        "storys",
+        ["building_1.storys", "did you mean storeys?"],
+    ),
+    "unknown table": ("[simulation]", "[simulations]", "[simulations]", ["did you mean simulation?"]),
+    "missing key": ('duration = "20 s"', "", "[motion]", ["motion.duration", "is missing"]),
+    "missing unit": ('"0.6 s"', "0.6", "period = 0.6", ["building_2.period", '"0.6 s"']),
+    "missing unit in a text": ('"0.6 s"', '"0.6"', 'period = "0.6"', ["has no unit", '"0.6 s"']),
+    "unknown unit": ('"5 cm"', '"5 km"', "existing", ["'km'", "allowed: cm, m, mm, in, ft"]),
+    "unit of a ratio": ('damping = "5 %"', 'damping = "5 s"', "damping", ["'s'", "allowed: %"]),
+    "text for a number": ('"0.6 s"', '"short"', 'period = "short"', ["is no number", '"1 s"']),
+    "truth for a number": ('damping = "5 %"', "damping = true", "damping", ["is no number", "0.05"]),
+    "number in marks": ("= 4\nheight", '= "4"\nheight', 'reduction_factor = "4"', ["marks, 4"]),
+    "period out of range": ('"0.6 s"', '"-0.6 s"', 'period = "-0.6 s"', ["0 < value, finite, in s"]),
+    "no number at all": ('damping = "5 %"', "damping = nan", "damping", ["out of range"]),
+    "damping out of range": ('damping = "5 %"', "damping = 5", "damping = 5", ["a ratio, .05 for 5 %"]),
+    "two strengths": (
+        "\nreduction_factor = 4\nheight",
+        "\nreduction_factor = 4\nductility = 4\nheight",
+        "ductility = 4",
+        ["2 times, by reduction_factor and ductility", "allowed: one of"],
+    ),
+    "strength of an elastic one": (
+        "\nreduction_factor = 4\nheight",
+        "\nelastic = true\nreduction_factor = 4\nheight",
+        "elastic = true",
+        ["by reduction_factor and elastic"],
+    ),
+    "no strength": (
+        "\nreduction_factor = 4\nheight",
+        "\nheight",
+        "[building_1]",
+        ["building_1 has no strength", "elastic = true"],
+    ),
+    "hardening missing": (
+        'hardening = "5 %"               # st',
+        "# st",
+        "[building_1]",
+        ["building_1.hardening", "missing"],
+    ),
+    "unknown ground": ('"firm"', '"firmm"', "ground =", ["did you mean 'firm'?", "kanai_tajimi"]),
+    "unknown envelope": ('"amin_ang"', '"amin"', "envelope", ["'amin_ang'", "shinozuka_sato", "none"]),
+    "parameter of another envelope": ('"amin_ang"', '"gamma"', "rise_end", ["power, decay"]),
+    "envelope that falls before it rises": ('"15 s"', '"1 s"', "[motion]", ["strong_end >= rise_end"]),
+    "parameter of another ground": (
+        GROUND,
+        f'{GROUND}\nperiod = "2 s"',
+        'period = "2 s"',
+        ["intensity"],
+    ),
+    "confidence": ('"90 %"', '"190 %"', "confidence", ["a probability"]),
+    "neither true nor false": ("align = true", 'align = "yes"', "floors_align", ["true, false"]),
+    "zone": ('# zone = "II"', 'zone = "IV"', "zone", ["I, II, III"]),
+    "few paths": ("paths = 2048", "paths = 10", "paths", ["100 or more"]),
+    "half a path": ("paths = 2048", "paths = 2048.5", "paths", ["whole number"]),
+    "half a storey": ("storeys = 8", "storeys = 8.5", "storeys", ["whole number"]),
+    "no words": ('name = "Annex"', 'name = " "', 'name = " "', ["some words"]),
+    "control sign": ('name = "Annex"', r'name = "A\u001b[2J"', 'name = "A', ["some words"]),
+    "unquoted unit": ('"0.6 s"', "0.6 s", "period = 0.6 s", ["no TOML", 'period = "0.6 s"']),
+    "nothing to fit to": (GROUND, 'ground = "fitted"', "intensity", ["site.intensity", "estimator"]),
+}
+
+
+@pytest.mark.parametrize("what", WRONG)
+def test_what_is_wrong_is_said_with_file_line_and_key(what: str, tmp_path: Path) -> None:
+    old, new, at, says = WRONG[what]
+    text = changed(old, new)
+    building_2 = "building_2" in says[0]
+    start = text.index("[building_2]") if building_2 else 0
+    skipped = text[:start].count("\n")
+    with pytest.raises(ValueError, match=r"case\.toml") as caught:
+        read(tmp_path, text)
+    message = str(caught.value)
+    assert message.startswith(f"case.toml, line {skipped + line_of(text[start:], at)}: "), message
+    for part in says:
+        assert part in message
+
+
+@pytest.mark.parametrize(
+    ("lines", "says"),
+    [
+        ('ground = "fitted"', ["site.ground", "needs a record"]),
+        (FITTED.replace("wave", "nowhere"), ["site.records.path", "cannot be read", "nowhere.txt"]),
+        (FITTED.replace('dt = "20 ms"\n', ""), ["cannot be read", "dt is missing"]),
+        (FITTED.replace('"g"', '"furlong"'), ["cannot be read", "furlong"]),
+        (FITTED + RECORD, ["is there twice"]),
+        (FITTED + "column = 1.5\n", ["site.records.column", "whole number"]),
+        (FITTED + "columns = 1\n", ["did you mean column?"]),
+        (f'model = "white"\n{FITTED}', ["kanai_tajimi, clough_penzien"]),
+        (
+            'ground = "kanai_tajimi"\nperiod = "2 s"\nintensity = "1 m^2/s^3"',
+            ["site.damping is missing"],
+        ),
+        ('ground = "white_noise"', ["site.intensity is missing"]),
+        ('ground = "firm"', ["site.intensity is missing"]),
+        ('ground = "firm"\nrecords = 3', ["[[site.records]]"]),
+        ('ground = "firm"\nrecords = [3]', ["is no table"]),
+    ],
+)
+def test_what_is_wrong_with_a_site(lines: str, says: list[str], tmp_path: Path) -> None:
+    wave(tmp_path)
+    with pytest.raises(ValueError, match=r"case\.toml, line \d+: ") as caught:
+        read(tmp_path, with_site(lines))
+    for part in says:
+        assert part in str(caught.value)
+
+
+def test_what_is_no_case_file(tmp_path: Path) -> None:
+    path = tmp_path / "case.toml"
+    with pytest.raises(FileNotFoundError, match=r"case\.toml"):
+        sl.read_case(path)
+    for content, says in (
+        (b"\xff\xfe\x00", "UTF-8"),
+        (b"", "site is missing"),
+        (b"a = " + b"[" * 100_000, "nested too deeply"),
+        (b"site = 5\n", "is no table"),
+        (b"[site\n", "is no TOML"),
+    ):
+        path.write_bytes(content)
+        with pytest.raises(ValueError, match=says):
+            sl.read_case(path)
+
+
+def test_lines_of_keys_in_every_way_of_writing_them() -> None:
+    text = '''title = "a"
+text = """
+[site]
+period = 1
+"""
+[ "site" ]  # note
+a.b = 1
+[[site.records]]
+path = "x"
+[[site.records]]
+"path" = "y"
+'''
+    lines = key_lines(text)
+    assert lines["site",] == 6
+    assert lines["site", "a", "b"] == 7
+    assert lines["site", "records", 0, "path"] == 9
+    assert lines["site", "records", 1, "path"] == 11
+    assert ("period",) not in lines
+
+
+@given(st.floats(0.2, 3.0), st.floats(0.02, 0.9), st.floats(1e-4, 1.0))
+def test_rms_acceleration_of_kanai_tajimi_ground(
+    period: float, damping: float, intensity: float
+) -> None:
+    w = 2 * math.pi / period
+    exact = math.sqrt(math.pi * intensity * w * (1 + 4 * damping**2) / (2 * damping))
+    found = rms_acceleration(sl.KanaiTajimi(period, damping, intensity))
+    assert found == pytest.approx(exact, rel=1e-3)  # the tail beyond 1e4 Hz
+    assert rms_acceleration(sl.WhiteNoise(intensity)) == math.inf
+
+
+def test_answer_is_that_of_the_library(tmp_path: Path) -> None:
+    wave(tmp_path)
+    site = f'{GROUND}\nintensity = "0.01 m^2/s^3"\n{RECORD}'
+    text = with_site(site).replace("paths = 2048", "paths = 128")
+    case = read(tmp_path, text)
+    answer = answer_case(case)
+    pair = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (1.0, 0.6)]
+    motion = {"envelope": sl.AminAng(4.0, 15.0, 0.35), "paths": 128}
+    ground = sl.named_ground("firm", intensity=0.01)
+    record = sl.read_record(tmp_path / "wave.txt", dt=0.02, units="g")
+    heights = {"height_1": 24.0, "height_2": 15.0, "floors_align": True}
+    expected = sl.separation(*pair, ground, 20.0, **motion, **heights, records={"wave.txt": record})
+    assert answer.separation.equals(expected)
+    assert answer.existing is not None
+    assert answer.existing.equals(sl.existing_gap(*pair, ground, 20.0, 0.05, **motion))
+    np.testing.assert_allclose(
+        answer.spectrum.psd_ground, ground.psd(answer.spectrum.frequency.values), rtol=1e-12
+    )
+    assert "path" not in answer.table(samples=False).dims
+    assert "existing_least_added_damping" in answer.table()

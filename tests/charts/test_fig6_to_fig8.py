@@ -1,0 +1,119 @@
+"""Figs. 6 to 8 as they are drawn, and the files of them that come with the project."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib.image
+import numpy as np
+import pytest
+import xarray as xr
+
+import stochlin as sl
+from stochlin.analyses.charts.design import ChartSettings, chart_functions
+from stochlin.views.charts.charts import draw
+from stochlin.views.shared.style import CURVES
+
+pytestmark = pytest.mark.paper
+
+FOLDER = Path(__file__).parents[2] / "figures"
+NAMES = ("fig6", "fig7", "fig8")
+CHARTS = chart_functions(ChartSettings())
+XI = np.linspace(0, 1, 321)
+
+
+def saved(name):
+    with xr.open_dataset(FOLDER / f"{name}.nc") as chart:
+        return chart.load()
+
+
+def curve(axes, label):
+    (line,) = (line for line in axes.get_lines() if line.get_label() == label)
+    return np.asarray(line.get_xdata(), float), np.asarray(line.get_ydata(), float)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_files_are_what_the_program_makes(name):
+    chart, file = CHARTS[name](), saved(name)
+    assert set(chart.variables) == set(file.variables)
+    for variable in chart.data_vars:
+        np.testing.assert_allclose(file[variable], chart[variable], rtol=1e-9, atol=1e-12)
+    for key in ("title", "caption", "comment", "references"):
+        assert file.attrs[key] == chart.attrs[key]
+    picture = matplotlib.image.imread(FOLDER / f"{name}.png")
+    assert picture.shape[1] == 1440  # 7.2 inches at 200 dots
+    assert picture.std() > 0.05
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_element_has_its_curve_with_a_name_and_a_look_of_its_own(name):
+    chart = saved(name)
+    figure = draw(chart)
+    elements = chart.sizes["element"] + (name == "fig8")
+    legends = [axes.get_legend() for axes in figure.axes if axes.get_legend() is not None]
+    entries = [
+        (text.get_text(), handle)
+        for leg in legends
+        for text, handle in zip(leg.get_texts(), leg.legend_handles, strict=True)
+        if handle.get_linestyle() != "None"
+    ]
+    assert len({text for text, _ in entries}) == len(entries) == elements
+    for axes in figure.axes:
+        shown = [line.get_color() for line in axes.get_lines() if len(line.get_xdata()) > 100]
+        assert len(set(shown)) == len(shown)
+        assert set(shown) <= {color for color, _ in CURVES}  # each has a dash of its own
+    words = " ".join(text.get_text() for text in figure.texts)
+    assert chart.attrs["title"] in words
+    assert "paper" in words
+
+
+def test_fig6_draws_both_elements_of_the_paper_and_their_laws():
+    figure = draw(saved("fig6"))
+    kelvin, impact, linear, hertzian = figure.axes
+    assert (kelvin.get_title("left"), impact.get_title("left")) == (
+        "(a) Kelvin element",
+        "(b) Impact Kelvin element",
+    )
+    assert any("max(v, 0)" in text.get_text().replace("\\", "") for text in impact.texts)
+    assert not any("max" in text.get_text() for text in kelvin.texts)
+    # With e = .65 the dashpot of the Kelvin element pulls at the end, that of the other has let go.
+    d, force = curve(linear, "Kelvin")
+    xi = sl.Kelvin.damping_ratio(0.65)
+    assert force[0] == pytest.approx(2 * xi)
+    assert force[-1] == pytest.approx(-2 * xi * 0.65)
+    assert d[-1] == pytest.approx(0, abs=1e-12)
+    assert curve(linear, "Impact Kelvin")[1][-1] == pytest.approx(0, abs=1e-12)
+    # Back from its deepest point the force is that of the bare spring.
+    d, force = curve(hertzian, "Jankowski")
+    back = slice(int(d.argmax()) + 1, None)
+    np.testing.assert_allclose(force[back], np.maximum(d[back], 0) ** 1.5, atol=1e-12)
+
+
+def test_fig7_shows_that_kelvin_opposes_the_parting_and_takes_longer():
+    upper, lower = draw(saved("fig7")).axes
+    root = np.sqrt(0.75)
+    time, d = curve(upper, "Kelvin")
+    np.testing.assert_allclose(d, np.exp(-0.5 * time) * np.sin(root * time) / root, atol=1e-12)
+    assert time[-1] == pytest.approx(np.pi / root)
+    assert curve(lower, "Kelvin")[1].min() < -0.1
+    time, force = curve(lower, "Impact Kelvin")
+    assert time[-1] == pytest.approx(np.arccos(0.5) / root + np.pi / 2)
+    assert force.min() > -1e-12
+
+
+def test_fig8_has_the_closed_forms_and_their_values():
+    axes, above = draw(saved("fig8")).axes
+    drawn = {name: curve(axes, name) for name in ("Kelvin", "Impact Kelvin", "Kelvin, no tension")}
+    for xi, e in drawn.values():
+        np.testing.assert_allclose(xi, XI, atol=1e-12)
+        assert e[0] == 1.0
+    inside = XI[1:-1]
+    turn = np.arccos(inside) / np.sqrt(1 - inside**2)
+    kelvin = np.exp(-np.pi * inside / np.sqrt(1 - inside**2))
+    np.testing.assert_allclose(drawn["Kelvin"][1][1:-1], kelvin, rtol=1e-12)
+    np.testing.assert_allclose(drawn["Impact Kelvin"][1][1:-1], np.exp(-inside * turn), rtol=1e-12)
+    no_tension = np.exp(-2 * inside * turn)
+    np.testing.assert_allclose(drawn["Kelvin, no tension"][1][1:-1], no_tension, rtol=1e-12)
+    (line,) = above.get_lines()
+    a, e = (np.asarray(values, float) for values in line.get_data())
+    np.testing.assert_allclose(a[1:] * (1 + e[1:]), np.log((1 + a[1:]) / (1 - a[1:] * e[1:])), rtol=1e-9)

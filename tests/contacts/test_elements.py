@@ -1,0 +1,484 @@
+"""Contacts against an integration of two free masses, against mpmath, and on the way there and back."""
+
+from __future__ import annotations
+
+import hypothesis.strategies as st
+import mpmath
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given
+from scipy.integrate import solve_ivp
+
+import stochlin as sl
+from stochlin.kernels.pounding import contact as kernel
+
+pytestmark = pytest.mark.oracle
+
+KELVINS = [sl.Kelvin, sl.NoTensionKelvin, sl.ImpactKelvin]
+RATIOS = [0.001, 0.01, 0.1, 0.3, 0.5, 0.7, 0.9]
+BEYOND = [0.99, 0.999999, 1.0, 1.000001, 1.01, 1.5, 2.0, 3.0]
+LINEAR_CASES = [(kind, xi) for kind in KELVINS for xi in RATIOS]
+LINEAR_CASES += [(kind, xi) for kind in KELVINS[1:] for xi in BEYOND]  # Kelvin's never ends there
+RESTITUTIONS = [0.05, 0.3, 0.5, 0.65, 0.9, 0.99]
+
+
+def collide(law, leaves, masses, velocities, scale):
+    """Contact time and restitution of two free masses under ``law(d, v)``, until ``leaves(d, v)`` is 0.
+
+    Two stages, since a dashpot may stop where the approach does; ``scale`` is about the contact time.
+    """
+    m1, m2 = masses
+    approach = velocities[0] - velocities[1]
+
+    def rates(_, state):
+        u1, u2, v1, v2 = state
+        force = law(max(u1 - u2, 0.0), v1 - v2)
+        return v1, v2, -force / m1, force / m2
+
+    def turned(_, state):
+        return state[2] - state[3]
+
+    def left(_, state):
+        return leaves(state[0] - state[1], state[2] - state[3])
+
+    length = approach * scale
+    settings = {
+        "method": "DOP853",
+        "rtol": 1e-12,
+        "atol": 1e-15 * np.array([length, length, approach, approach]),
+        "max_step": 0.02 * scale,
+    }
+    state, time = np.array([0.0, 0.0, *velocities]), 0.0
+    for event in (turned, left):
+        event.terminal, event.direction = True, -1
+        run = solve_ivp(rates, (time, time + 1000 * scale), state, events=event, **settings)
+        state, time = run.y_events[0][0], run.t_events[0][0]
+    return time, (state[3] - state[2]) / approach, state
+
+
+def linear_law(kind, k, c):
+    laws = {
+        sl.Kelvin: lambda d, v: k * d + c * v,
+        sl.NoTensionKelvin: lambda d, v: k * d + c * v,
+        sl.ImpactKelvin: lambda d, v: k * d + (c * v if v > 0 else 0.0),
+    }
+    ends = {sl.NoTensionKelvin: lambda d, v: d + c / k * v}
+    return laws[kind], ends.get(kind, lambda d, v: d)
+
+
+@pytest.mark.parametrize(("kind", "xi"), LINEAR_CASES)
+def test_linear_elements_against_two_free_masses(kind, xi):
+    law, leaves = linear_law(kind, 1.0, 2 * xi)
+    time, e, _ = collide(law, leaves, (2.0, 2.0), (0.3, -0.7), 1.0)  # reduced mass 1
+    assert kind.restitution(xi) == pytest.approx(e, abs=1e-8, rel=0)
+    assert kind.contact_time(xi) == pytest.approx(time, abs=1e-8, rel=0)
+
+
+@pytest.mark.parametrize("kind", KELVINS)
+@pytest.mark.parametrize(("m1", "m2"), [(1e3, 1e3), (5e2, 1e9), (3e6, 2e4)])
+def test_neither_mass_ratio_nor_stiffness_nor_velocity_matters(kind, m1, m2):
+    stiffness, velocities = 4.2e7, (0.05, -0.9)
+    contact = kind(stiffness=stiffness, restitution=0.4)
+    mass = kernel.reduced_mass(m1, m2)
+    k, _, c = contact.kernel_parameters(mass)
+    scale = contact.time_scale(mass, 0.95)
+    assert scale == pytest.approx(np.sqrt(mass / stiffness), rel=1e-14)
+    time, e, state = collide(*linear_law(kind, k, c), (m1, m2), velocities, scale)
+    assert e == pytest.approx(0.4, abs=1e-8)
+    assert time / scale == pytest.approx(kind.contact_time(contact.damping), abs=1e-8)
+    after = sl.Stereomechanical(0.4).velocities_after(*velocities, m1, m2)
+    np.testing.assert_allclose(state[2:], [float(v) for v in after], rtol=0, atol=1e-8)
+
+
+def test_kelvin_of_critical_damping_never_lets_go():
+    for xi in (1.0, 1.5):
+        run = solve_ivp(
+            lambda _, y, c=2 * xi: (y[1], -y[0] - c * y[1]), (0, 30), (0.0, 1.0), rtol=1e-10, atol=1e-16
+        )
+        assert (run.y[0, 1:] > 0).all()
+        assert sl.Kelvin.restitution(xi) == 0
+        assert sl.Kelvin.contact_time(xi) == np.inf
+
+
+# --- Hertz ----------------------------------------------------------------------------------------
+
+
+def hertzian(contact, mass, v0):
+    """Law of the three Hertz contacts, written out."""
+    k, n = contact.stiffness, 1.5 if isinstance(contact, sl.Jankowski) else contact.exponent
+    if isinstance(contact, sl.HertzDamp):
+        return lambda d, v: k * d**n * (1 + contact.damping * v / v0)
+    if isinstance(contact, sl.Jankowski):
+        twice = 2 * contact.damping
+        return lambda d, v: k * d**1.5 + (twice * np.sqrt(k * np.sqrt(d) * mass) * v if v > 0 else 0.0)
+    return lambda d, v: k * d**n
+
+
+def delivered(contact, m1, m2, v0):
+    mass = kernel.reduced_mass(m1, m2)
+    scale = contact.time_scale(mass, v0)
+    velocities = (0.25 * v0, -0.75 * v0)
+    return collide(hertzian(contact, mass, v0), lambda d, v: d, (m1, m2), velocities, scale)[:2]
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.5, 2.2])
+@pytest.mark.parametrize("e", RESTITUTIONS)
+def test_hertz_damp_delivers_what_is_asked(exponent, e):
+    contact = sl.HertzDamp(stiffness=2.0, restitution=e, exponent=exponent)
+    assert delivered(contact, 2.0, 2.0, 1.0)[1] == pytest.approx(e, abs=1e-8)
+    assert contact.e == pytest.approx(e, abs=1e-14)
+
+
+@pytest.mark.parametrize("e", RESTITUTIONS)
+def test_jankowski_delivers_what_is_asked(e):
+    contact = sl.Jankowski(stiffness=2.0, restitution=e)
+    assert delivered(contact, 2.0, 2.0, 1.0)[1] == pytest.approx(e, abs=1e-8)
+
+
+@pytest.mark.parametrize("kind", [sl.HertzDamp, sl.Jankowski])
+@pytest.mark.parametrize(("k", "m1", "m2", "v0"), [(2e9, 1e5, 3e6, 0.4), (7e4, 2.0, 2.0, 9.0)])
+def test_hertz_restitution_has_no_scale(kind, k, m1, m2, v0):
+    assert delivered(kind(stiffness=k, restitution=0.5), m1, m2, v0)[1] == pytest.approx(0.5, abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("kind", "formula"),
+    [
+        (sl.HertzDamp, "lankarani_nikravesh_1990"),
+        (sl.HertzDamp, "ye_2009"),
+        (sl.Jankowski, "jankowski_2005"),
+    ],
+)
+@pytest.mark.parametrize("asked", [0.2, 0.5, 0.8])
+def test_what_formulas_deliver_is_what_the_masses_do(kind, formula, asked):
+    ask = kind.damping_factor if kind is sl.HertzDamp else kind.damping_ratio
+    given_as = "damping_factor" if kind is sl.HertzDamp else "damping_ratio"
+    contact = kind(stiffness=1.0, **{given_as: ask(asked, formula)})
+    e = delivered(contact, 1.0, 5.0, 1.0)[1]
+    assert kind.delivered_restitution(asked, formula) == pytest.approx(e, abs=1e-8)
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.5, 3.0])
+def test_hertz_contact_time(exponent):
+    contact = sl.Hertz(stiffness=3e6, exponent=exponent)
+    time, e = delivered(contact, 4e3, 9e3, 0.6)
+    assert e == pytest.approx(1, abs=1e-9)
+    scale = contact.time_scale(kernel.reduced_mass(4e3, 9e3), 0.6)
+    assert contact.contact_time(exponent) == pytest.approx(time / scale, abs=1e-8)
+
+
+def test_hertz_of_exponent_one_is_the_spring():
+    assert sl.Hertz.contact_time(1.0) == pytest.approx(np.pi, rel=1e-15)
+    assert sl.LinearSpring.contact_time() == np.pi
+    assert sl.LinearSpring(1e8).e == sl.Hertz(1e8).e == sl.LinearSpring.restitution() == 1
+
+
+# --- The compiled force ---------------------------------------------------------------------------
+
+CONTACTS = [
+    sl.LinearSpring(3e6),
+    sl.Kelvin(3e6, damping_ratio=0.4),
+    sl.NoTensionKelvin(3e6, damping_ratio=0.4),
+    sl.ImpactKelvin(3e6, damping_ratio=0.4),
+    sl.Hertz(3e6, exponent=1.7),
+    sl.HertzDamp(3e6, damping_factor=0.4, exponent=1.7),
+    sl.Jankowski(3e6, damping_ratio=0.4),
+]
+
+
+@pytest.mark.parametrize("contact", CONTACTS, ids=lambda c: type(c).__name__)
+def test_compiled_force_is_the_law(contact):
+    mass, v0 = 2e4, 0.7
+    if hasattr(contact, "exponent") or isinstance(contact, sl.Jankowski):
+        law, leaves = hertzian(contact, mass, v0), lambda d, v: d
+    elif isinstance(contact, sl.LinearSpring):
+        law, leaves = (lambda d, v: 3e6 * d), lambda d, v: d
+    else:
+        law, leaves = linear_law(type(contact), 3e6, 0.8 * np.sqrt(3e6 * mass))
+    parameters = tuple(float(value) for value in contact.kernel_parameters(mass))
+    for d in (1e-6, 0.003, 0.2):
+        for v in (-0.9, -0.01, 0.0, 0.3):
+            expected = law(d, v)
+            if isinstance(contact, sl.NoTensionKelvin):
+                expected = max(expected, 0.0)
+            found = kernel.force(contact.kind, parameters, d, v, v0)
+            assert found == pytest.approx(expected, rel=1e-13)
+            assert float(contact.force(d, v, v0, mass)) == found
+            margin = kernel.separation_margin(contact.kind, parameters, d, v)
+            assert margin == pytest.approx(leaves(d, v), rel=1e-13)
+        assert kernel.force(contact.kind, parameters, -d, 0.3, v0) == 0
+
+
+def test_hertz_damp_without_an_approach_is_elastic():
+    assert kernel.force(kernel.HERTZ_DAMP, (2.0, 1.0, 0.8), 3.0, 0.5, 0.0) == 6.0
+
+
+def test_a_rigid_wall_is_an_infinite_mass():
+    assert kernel.reduced_mass(3.0, np.inf) == 3
+    assert kernel.velocities_after_impact(2.0, 0.0, 3.0, np.inf, 0.5) == (-1.0, 0.0)
+
+
+def test_force_broadcasts_by_name():
+    contact = sl.Kelvin(xr.DataArray([1e6, 2e6], dims="k"), damping_ratio=[0.1, 0.2, -1.0])
+    force = contact.force(xr.DataArray([0.0, 0.1], dims="time"), 0.3, 0.5, 1e4)
+    assert force.sizes == {"k": 2, "case": 3, "time": 2}
+    assert force.attrs["units"] == "N"
+    expected = 2e6 * 0.1 + 2 * 0.2 * np.sqrt(2e6 * 1e4) * 0.3
+    assert float(force.isel(k=1, case=1, time=1)) == pytest.approx(expected, rel=1e-14)
+    assert np.isnan(force.isel(case=2)).all()
+    assert (force.isel(case=slice(2), time=0) == 0).all()
+    part = contact.isel({"case": slice(1, 2), "other": slice(1)})
+    np.testing.assert_array_equal(part.damping, [0.2])
+    assert part.stiffness.sizes == {"k": 2}
+
+
+# --- Closed forms against more digits -------------------------------------------------------------
+
+NEAR_ONE = [1 + sign * 10.0**-p for p in range(1, 17) for sign in (-1, 1)]
+WIDE = [*np.geomspace(1e-15, 1e15, 61), *NEAR_ONE, 1.0]
+
+
+def angle_ratio(xi):
+    x = mpmath.mpf(xi)
+    if x == 1:
+        return mpmath.mpf(1)
+    return mpmath.re(mpmath.acos(x) / mpmath.sqrt(1 - x * x))
+
+
+@pytest.mark.parametrize("factor", [1, 2])
+def test_restitution_and_time_to_the_last_digits(factor):
+    kind = {1: sl.ImpactKelvin, 2: sl.NoTensionKelvin}[factor]
+    with mpmath.workdps(60):
+        for xi in WIDE:
+            ratio = angle_ratio(xi)
+            e = float(mpmath.exp(-factor * mpmath.mpf(xi) * ratio))
+            time = float(2 * ratio if factor == 2 else ratio + mpmath.pi / 2)
+            # exp(-y) of a rounded y; y is below 80 here
+            assert kind.restitution(xi) == pytest.approx(e, rel=5e-14)
+            assert kind.contact_time(xi) == pytest.approx(time, rel=1e-15)
+
+
+ACROSS = [1 - 10.0**-p for p in range(1, 16)] + [0.1, 0.3, 0.5, 0.53, 0.56, 0.6, 0.77]
+
+
+def test_hertz_damp_to_the_last_digits():
+    # Lambert's W solves the energy balance for e, in another way. The error of a, relative, shows in e
+    # as a part of 1 - e, since a is about 1.5 (1 - e) near 1.
+    with mpmath.workdps(80):
+        for e in ACROSS:
+            a = mpmath.mpf(sl.HertzDamp.damping_factor(e))
+            exact = (1 + mpmath.re(mpmath.lambertw(-(1 + a) * mpmath.exp(-(1 + a))))) / a
+            balance = a * (1 + exact) - mpmath.log((1 + a) / (1 - a * exact))
+            assert abs(balance) < mpmath.mpf(10) ** -60
+            assert abs(exact - mpmath.mpf(e)) < 5e-16 * (1 - e)
+            assert sl.HertzDamp.restitution(float(a)) == pytest.approx(float(exact), rel=4e-16)
+
+
+@pytest.mark.parametrize("e", [1e-2, 1e-4, 1e-8, 1e-100])
+def test_hertz_damp_parts_at_the_approach_velocity_over_its_factor(e):
+    # ln(1 - a e) = ln(1 + a) - a (1 + e), which is below rounding here
+    assert sl.HertzDamp.damping_factor(e) == pytest.approx(1 / e, rel=4e-16)
+    assert sl.HertzDamp.restitution(1 / e) == pytest.approx(e, rel=4e-16)
+
+
+# --- There and back -------------------------------------------------------------------------------
+
+E = st.floats(1e-12, 1) | st.floats(0.999, 1)
+XI = st.floats(0, 0.9) | st.floats(0, 50) | st.floats(0.999, 1.001)
+DAMPED = [*KELVINS, sl.Jankowski]
+
+
+@pytest.mark.parametrize("kind", DAMPED)
+@given(E)
+def test_restitution_of_its_damping_ratio(kind, e):
+    ratio = kind.damping_ratio(e)
+    assert ratio >= 0
+    assert kind.restitution(ratio) == pytest.approx(e, abs=1e-12, rel=0)
+    assert kind(1e8, restitution=e).damping == ratio
+    assert kind(1e8, restitution=e).e == pytest.approx(e, abs=1e-12, rel=0)
+
+
+@pytest.mark.parametrize("kind", DAMPED)
+@given(XI)
+def test_damping_ratio_of_its_restitution(kind, xi):
+    e = kind.restitution(xi)
+    if e > 0:  # Kelvin's inverse stays below 1
+        rounding = 1e-12 * max(1.0, xi)
+        assert kind.damping_ratio(e) == pytest.approx(xi, abs=rounding, rel=0)
+    else:
+        assert kind is sl.Kelvin
+        assert xi > 0.99999
+
+
+@given(E)
+def test_restitution_of_its_damping_factor(e):
+    factor = sl.HertzDamp.damping_factor(e)
+    assert factor >= 0
+    assert sl.HertzDamp.restitution(factor) == pytest.approx(e, abs=1e-14)
+
+
+@given(st.floats(0, 1e6))
+def test_damping_factor_of_its_restitution(a):
+    e = sl.HertzDamp.restitution(a)
+    assert a * e <= 1
+    assert sl.HertzDamp.damping_factor(e) == pytest.approx(a, rel=1e-13, abs=1e-15)
+
+
+@pytest.mark.parametrize("kind", [*DAMPED, sl.HertzDamp])
+def test_restitution_falls_with_damping(kind):
+    values = kind.restitution(np.concatenate([np.linspace(0, 3, 3001), np.geomspace(3.1, 1e6, 100)]))
+    assert values[0] == 1
+    steps = np.diff(values)
+    falling = steps < 0 if kind is not sl.Kelvin else (steps < 0) | (values[1:] == 0)
+    assert falling.all()
+
+
+# --- Limits ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("kind", "slope"),
+    [
+        (sl.Kelvin, np.pi),
+        (sl.NoTensionKelvin, np.pi),
+        (sl.ImpactKelvin, np.pi / 2),
+        (sl.Jankowski, np.pi / np.sqrt(5)),
+        (sl.HertzDamp, 2 / 3),
+    ],
+)
+def test_little_damping(kind, slope):
+    xi = 1e-5
+    assert 1 - kind.restitution(xi) == pytest.approx(slope * xi, rel=1e-4)  # next order: xi^2
+    inverse = kind.damping_factor if kind is sl.HertzDamp else kind.damping_ratio
+    assert inverse(1 - 1e-5) == pytest.approx(1e-5 / slope, rel=1e-4)
+    assert inverse(1.0) == 0
+    assert kind.restitution(0.0) == 1
+
+
+def test_much_damping():
+    # L = xi A -> log(2 xi); the Hertz-damp contact parts at v0/a
+    assert sl.ImpactKelvin.restitution(1e7) == pytest.approx(0.5e-7, rel=1e-12)
+    assert sl.NoTensionKelvin.restitution(1e7) == pytest.approx(0.25e-14, rel=1e-12)
+    assert sl.ImpactKelvin.damping_ratio(1e-9) == pytest.approx(0.5e9, rel=1e-12)
+    assert sl.NoTensionKelvin.damping_ratio(1e-14) == pytest.approx(0.5e7, rel=1e-12)
+    assert sl.HertzDamp.restitution(1e6) == pytest.approx(1e-6, rel=1e-14)
+    assert sl.Kelvin.damping_ratio(1e-300) == pytest.approx(1, abs=2e-5)
+    for kind in DAMPED:
+        assert np.isfinite(kind.damping_ratio(5e-324))
+    assert np.isfinite(sl.HertzDamp.damping_factor(5e-324))
+
+
+@pytest.mark.parametrize("kind", KELVINS[1:])
+def test_critical_damping_is_nothing_special(kind):
+    # A = 1 - h/3 + 2 h^2/15 ... with h = xi - 1
+    power = {sl.ImpactKelvin: 1, sl.NoTensionKelvin: 2}[kind]
+    assert kind.restitution(1.0) == np.exp(-power)
+    for h in (-1e-5, -1e-9, 1e-9, 1e-5):
+        expected = np.exp(-power * (1 + h * 2 / 3 - h**2 / 5))
+        assert kind.restitution(1 + h) == pytest.approx(expected, rel=1e-14)
+        assert kind.damping_ratio(expected) == pytest.approx(1 + h, rel=1e-14)
+    closest = np.exp(-power) * (1 + np.finfo(float).eps * np.arange(-2000, 2001))
+    np.testing.assert_allclose(kind.damping_ratio(closest), 1, rtol=1e-12)
+
+
+def test_jankowski_is_the_impact_kelvin_element_in_another_measure():
+    xi = np.linspace(0, 4, 41)
+    expected = sl.ImpactKelvin.restitution(2 * xi / np.sqrt(5))
+    np.testing.assert_allclose(sl.Jankowski.restitution(xi), expected, rtol=1e-14)
+
+
+# --- How they are asked ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", [*DAMPED, sl.HertzDamp])
+def test_answers_have_the_shape_of_the_question(kind):
+    assert isinstance(kind.restitution(0.3), float)
+    assert isinstance(kind.restitution(np.float32(0.5)), float)
+    table = kind.restitution([[0.1, 0.2], [np.nan, -1.0]])
+    assert table.shape == (2, 2)
+    np.testing.assert_array_equal(np.isnan(table), [[False, False], [True, True]])
+    given_values = xr.DataArray([0, 1], dims="x", coords={"x": [3, 4]}, name="xi", attrs={"units": "%"})
+    found = kind.restitution(given_values)
+    assert found.dims == ("x",)
+    assert found.attrs == {"units": "1"}
+    np.testing.assert_array_equal(found.x, [3, 4])
+
+
+@pytest.mark.parametrize("kind", DAMPED)
+@pytest.mark.parametrize(
+    ("arguments", "error", "message"),
+    [
+        ({}, ValueError, "neither is given; allowed: exactly one"),
+        ({"damping_ratio": 0.1, "restitution": 0.5}, ValueError, "both are given"),
+        (
+            {"damping_ratio": -0.1},
+            ValueError,
+            "damping_ratio = -0.1 is out of range; allowed: 0 <= value",
+        ),
+        ({"restitution": 0}, ValueError, "restitution = 0 is out of range; allowed: 0 < value <= 1"),
+        ({"restitution": 1.01}, ValueError, "restitution = 1.01 is out of range"),
+        ({"restitution": np.nan}, ValueError, "restitution = nan is out of range"),
+        ({"restitution": "high"}, TypeError, "restitution = 'high' is not a real number"),
+        ({"restitution": 0.5, "stiffness": -1}, ValueError, "stiffness = -1 is out of range"),
+    ],
+)
+def test_refusals(kind, arguments, error, message):
+    with pytest.raises(error, match=f"^{kind.__name__}: .*{message}"):
+        kind(**({"stiffness": 1e8} | arguments))
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "message"),
+    [
+        (lambda: sl.Kelvin.restitution(-1), ValueError, "Kelvin: damping_ratio = -1 is out of range"),
+        (lambda: sl.Kelvin.restitution("x"), TypeError, "Kelvin: damping_ratio = 'x' is not a real"),
+        (lambda: sl.Kelvin.contact_time(np.inf), ValueError, "damping_ratio = inf is out of range"),
+        (lambda: sl.Kelvin.damping_ratio(1.5), ValueError, "Kelvin: restitution = 1.5 is out of range"),
+        (
+            lambda: sl.Kelvin.damping_ratio(0.5, "ye_2009"),
+            ValueError,
+            "'ye_2009' is not known; .*exact$",
+        ),
+        (lambda: sl.HertzDamp.damping_factor(0.5, "x"), ValueError, "lankarani_nikravesh_1990, ye_2009"),
+        (lambda: sl.HertzDamp(1.0), ValueError, "HertzDamp: of damping_factor and restitution neither"),
+        (lambda: sl.HertzDamp(1.0, restitution=0.5, exponent=0.9), ValueError, "exponent = 0.9 is out"),
+        (lambda: sl.Hertz(0.0), ValueError, "Hertz: stiffness = 0 is out of range"),
+        (lambda: sl.Hertz.contact_time(0.5), ValueError, "Hertz: exponent = 0.5 is out of range"),
+        (lambda: sl.Stereomechanical(-0.1), ValueError, "restitution = -0.1 is out of range"),
+        (
+            lambda: sl.Stereomechanical(0.5).velocities_after(0, 1, 1, 1),
+            ValueError,
+            "is below velocity_2",
+        ),
+        (lambda: sl.Stereomechanical(0.5).energy_loss(1, 0, 0, 1), ValueError, "mass_1 = 0 is out of"),
+        (lambda: sl.LinearSpring(1.0).force(0, 0, 1, 0), ValueError, "reduced_mass = 0 is out of range"),
+        (lambda: sl.LinearSpring(1.0).force(0, 0, -1, 1), ValueError, "approach_velocity = -1 is out"),
+    ],
+)
+def test_more_refusals(call, error, message):
+    with pytest.raises(error, match=message):
+        call()
+
+
+def test_cells_out_of_range_do_not_spoil_their_neighbours():
+    contact = sl.ImpactKelvin(1e8, restitution=[0.5, 2.0, 0.65])
+    np.testing.assert_array_equal(contact.valid(), [True, False, True])
+    np.testing.assert_allclose(contact.e, [0.5, np.nan, 0.65], rtol=1e-14)
+    assert np.isfinite(contact.kernel_parameters(1e4)[2]).values.tolist() == [True, False, True]
+    for kind in (sl.Kelvin, sl.HertzDamp, sl.Jankowski):
+        contact = kind([1e8, -1.0], restitution=0.5)
+        for result in (contact.force(0.01, 0.1, 1.0, 1e4), contact.time_scale(1e4, 1.0)):
+            np.testing.assert_array_equal(np.isfinite(result), [True, False])
+    masses = sl.LinearSpring(1e8).force(0.01, 0.1, 1.0, [1e4, -1e4])
+    np.testing.assert_array_equal(masses, [1e6, np.nan])
+    after, _ = sl.Stereomechanical([0.5, 1.5]).velocities_after(1.0, [0.0, 0.0], 1.0, 1.0)
+    np.testing.assert_allclose(after, [0.25, np.nan])
+    apart, _ = sl.Stereomechanical(0.5).velocities_after([1.0, -1.0], 0.0, 1.0, 1.0)
+    np.testing.assert_allclose(apart, [0.25, np.nan])
+
+
+def test_descriptions():
+    assert sl.Jankowski(2e9, damping_ratio=0.3).describe() == "Jankowski(stiffness=2e+09, damping=0.3)"
+    assert sl.Stereomechanical(0.5).describe() == "Stereomechanical(restitution=0.5)"
+    assert sl.Stereomechanical(0.5).e == 0.5

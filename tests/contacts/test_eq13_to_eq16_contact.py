@@ -1,0 +1,251 @@
+"""Eqs. (13) to (16) and Figs. 6 to 8: impact, contact elements, and what they leave of a velocity."""
+
+from __future__ import annotations
+
+import hypothesis.strategies as st
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given
+
+import stochlin as sl
+from stochlin.analyses.charts.contacts import (
+    contact_history_chart,
+    contact_loop_chart,
+    restitution_chart,
+)
+
+pytestmark = pytest.mark.paper
+
+KELVINS = [sl.Kelvin, sl.NoTensionKelvin, sl.ImpactKelvin]
+SPEED, MASS, SHARE = st.floats(-10, 10), st.floats(1e-3, 1e9), st.floats(0, 1)
+
+# --- Eq. (13) -------------------------------------------------------------------------------------
+
+
+@given(SPEED, SPEED, MASS, MASS, SHARE)
+def test_impact_keeps_momentum_and_turns_the_relative_velocity(v1, v2, m1, m2, e):
+    v1, v2 = max(v1, v2), min(v1, v2)
+    after = sl.Stereomechanical(e).velocities_after(v1, v2, m1, m2)
+    first, second = (float(v) for v in after)
+    rounding = 8 * np.finfo(float).eps * (abs(v1) + abs(v2))
+    assert first - second == pytest.approx(-e * (v1 - v2), abs=rounding)
+    assert m1 * (first - v1) == pytest.approx(-m2 * (second - v2), abs=(m1 + m2) * rounding)
+
+
+@given(SPEED, SPEED, MASS, MASS, SHARE)
+def test_energy_loss_is_the_fall_of_the_kinetic_energy(v1, v2, m1, m2, e):
+    v1, v2 = max(v1, v2), min(v1, v2)
+    impact = sl.Stereomechanical(e)
+    first, second = (float(v) for v in impact.velocities_after(v1, v2, m1, m2))
+    before = 0.5 * (m1 * v1**2 + m2 * v2**2)
+    fall = before - 0.5 * (m1 * first**2 + m2 * second**2)
+    scale = 0.5 * (m1 + m2) * (abs(v1) + abs(v2)) ** 2
+    assert float(impact.energy_loss(v1, v2, m1, m2)) == pytest.approx(fall, abs=1e-14 * scale)
+
+
+def test_equal_masses_exchange_velocities_or_go_on_together():
+    assert [float(v) for v in sl.Stereomechanical(1.0).velocities_after(3.0, -1.0, 7.0, 7.0)] == [-1, 3]
+    assert [float(v) for v in sl.Stereomechanical(0.0).velocities_after(3.0, -1.0, 7.0, 7.0)] == [1, 1]
+
+
+# --- Eqs. (14) to (16) ----------------------------------------------------------------------------
+
+STIFFNESS, REDUCED, RATIO = 3e7, 4e4, 0.2
+DASHPOT = 2 * RATIO * np.sqrt(STIFFNESS * REDUCED)  # eq. (15) with the stiffness that print lost
+D, V = 0.004, np.array([-0.9, -0.1, 0.0, 0.1, 0.9])
+
+
+def force(kind, d, v):
+    contact = kind(stiffness=STIFFNESS, damping_ratio=RATIO)
+    return contact.force(d, v, 1.0, REDUCED).values
+
+
+@pytest.mark.parametrize(
+    ("kind", "expected"),
+    [
+        (sl.Kelvin, STIFFNESS * D + DASHPOT * V),
+        (sl.NoTensionKelvin, np.maximum(STIFFNESS * D + DASHPOT * V, 0)),
+        (sl.ImpactKelvin, STIFFNESS * D + DASHPOT * np.maximum(V, 0)),
+    ],
+)
+def test_force(kind, expected):
+    np.testing.assert_allclose(force(kind, D, V), expected, rtol=1e-14)
+    np.testing.assert_array_equal(force(kind, -D, V), 0)
+    np.testing.assert_array_equal(force(kind, 0.0, V), 0)
+
+
+def test_dashpot_opposes_the_approach():
+    for kind in KELVINS:
+        assert force(kind, D, 0.5) > STIFFNESS * D
+    assert force(sl.Kelvin, D, -0.9) < 0  # it pulls
+    assert force(sl.NoTensionKelvin, D, -0.9) == 0
+    assert force(sl.ImpactKelvin, D, -0.9) == STIFFNESS * D
+
+
+@given(st.floats(1e-12, 1))
+def test_eq15_is_the_kelvin_element_s(e):
+    printed = -np.log(e) / np.sqrt(np.pi**2 + np.log(e) ** 2)
+    assert sl.Kelvin.damping_ratio(e) == pytest.approx(printed, rel=1e-14)
+
+
+def test_eq15_is_no_other_element_s():
+    # Used elsewhere, the damping ratio for .65 leaves more than .65.
+    ratio = sl.Kelvin.damping_ratio(0.65)
+    assert sl.NoTensionKelvin.restitution(ratio) == pytest.approx(0.6748, abs=5.1e-5)
+    assert sl.ImpactKelvin.restitution(ratio) == pytest.approx(0.8214, abs=5.1e-5)
+
+
+# --- Fig. 8 and the values beside it --------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("kind", "values"),
+    [
+        (sl.Kelvin, [0.7292, 0.3723, 0.1630, 0.0015]),
+        (sl.NoTensionKelvin, [0.7441, 0.4510, 0.2984, 0.1553]),
+        (sl.ImpactKelvin, [0.8626, 0.6715, 0.5463, 0.3941]),
+    ],
+)
+def test_fig8_values(kind, values):
+    np.testing.assert_allclose(kind.restitution([0.1, 0.3, 0.5, 0.9]), values, rtol=0, atol=5.1e-5)
+
+
+@pytest.mark.parametrize(
+    ("kind", "ratio"), [(sl.Kelvin, 0.1359), (sl.NoTensionKelvin, 0.1499), (sl.ImpactKelvin, 0.3293)]
+)
+def test_damping_for_the_usual_restitution(kind, ratio):
+    assert kind.damping_ratio(0.65) == pytest.approx(ratio, abs=5.1e-5)
+
+
+def test_hertz_damp_values():
+    np.testing.assert_allclose(sl.HertzDamp.damping_factor([0.5, 0.65]), [1.4328, 0.7931], atol=5.1e-5)
+
+
+@pytest.mark.parametrize(
+    ("kind", "formula", "delivered", "digit"),
+    [
+        (sl.HertzDamp, "lankarani_nikravesh_1990", 0.725, 1e-3),
+        (sl.HertzDamp, "ye_2009", 0.470, 1e-3),
+        (sl.Jankowski, "jankowski_2005", 0.4946, 1e-4),
+        (sl.ImpactKelvin, "mahmoud_jankowski_2011", 0.5061, 1e-4),
+    ],
+)
+def test_what_published_formulas_deliver_for_one_half(kind, formula, delivered, digit):
+    assert kind.delivered_restitution(0.5, formula) == pytest.approx(delivered, abs=0.51 * digit)
+
+
+def test_fig8_chart():
+    chart = restitution_chart(largest=1.5, points=31)
+    assert list(chart.element.values) == ["Kelvin", "NoTensionKelvin", "ImpactKelvin", "Jankowski"]
+    for kind in (*KELVINS, sl.Jankowski):
+        expected = kind.restitution(chart.damping_ratio.values)
+        np.testing.assert_array_equal(chart.restitution.sel(element=kind.__name__), expected)
+    # The paper's reading of the figure: at any damping the Impact Kelvin element leaves more.
+    inside = chart.restitution.isel(damping_ratio=slice(1, None))
+    assert (inside.sel(element="ImpactKelvin") > inside.sel(element="NoTensionKelvin")).all()
+    assert (inside.sel(element="NoTensionKelvin") > inside.sel(element="Kelvin")).all()
+    assert (chart.restitution.sel(element="Kelvin", damping_ratio=slice(1, None)) == 0).all()
+    assert (chart.restitution.diff("damping_ratio") <= 0).all()
+    factors = chart.damping_factor.values
+    np.testing.assert_array_equal(chart.restitution_hertz_damp, sl.HertzDamp.restitution(factors))
+
+
+# --- Figs. 6 and 7 --------------------------------------------------------------------------------
+
+
+def quadrature_error(chart):
+    """A few h^2, since forces have kinks where a dashpot stops; Jankowski's also begins as t^(1/4)."""
+    step = chart.scaled_time.isel(point=1)
+    return xr.where(chart.element == "Jankowski", step**1.25, 4 * step**2)
+
+
+def loop_area(chart):
+    """Work of the force on the deformation, by Simpson's rule in time."""
+    power = chart.scaled_force * chart.scaled_velocity
+    step = chart.scaled_time.isel(point=1)
+    weights = xr.DataArray(np.where(np.arange(chart.sizes["point"]) % 2, 4.0, 2.0), dims="point")
+    weights[[0, -1]] = 1.0
+    return step / 3 * (power * weights).sum("point")
+
+
+@pytest.fixture(name="chart", scope="module", params=[contact_loop_chart, contact_history_chart])
+def a_chart(request):
+    return request.param(points=4001)
+
+
+def test_loops_begin_and_end_as_contacts_do(chart):
+    first, last = chart.isel(point=0), chart.isel(point=-1)
+    assert (first.scaled_deformation == 0).all()
+    assert (first.scaled_velocity == 1).all()
+    np.testing.assert_allclose(last.scaled_velocity, -chart.restitution, rtol=1e-9)
+    np.testing.assert_allclose(last.scaled_time, chart.scaled_contact_time)
+    kelvin = last.sel(element="Kelvin")
+    pull = 2 * kelvin.contact_damping * kelvin.scaled_velocity
+    assert float(kelvin.scaled_force) == pytest.approx(float(pull), rel=1e-12)
+    part = last.sel(element="NoTensionKelvin")
+    assert abs(float(part.scaled_force)) < 1e-14
+    assert float(part.scaled_deformation) > 0.1
+    others = last.drop_sel(element="NoTensionKelvin")
+    np.testing.assert_allclose(others.scaled_deformation, 0, atol=1e-11)
+
+
+def test_loop_area_is_the_energy_lost(chart):
+    lost = (1 - chart.restitution**2) / 2
+    assert (np.abs(loop_area(chart) - lost) < quadrature_error(chart)).all()
+
+
+def test_momentum_of_the_force(chart):
+    weights = xr.DataArray(np.ones(chart.sizes["point"]), dims="point")
+    weights[[0, -1]] = 0.5
+    impulse = chart.scaled_time.isel(point=1) * (chart.scaled_force * weights).sum("point")
+    assert (np.abs(impulse - 1 - chart.restitution) < quadrature_error(chart)).all()
+
+
+def test_velocity_is_the_slope_of_the_deformation(chart):
+    d, step = chart.scaled_deformation.values, chart.scaled_time.values[:, 1:2]
+    slope = (d[:, 2:] - d[:, :-2]) / (2 * step)
+    error = np.abs(slope - chart.scaled_velocity.values[:, 1:-1]).max(axis=1)
+    assert (error < quadrature_error(chart).values).all()
+
+
+def test_fig7_shows_what_the_paper_says():
+    chart = contact_history_chart(damping_ratio=0.5)
+    force = chart.scaled_force
+    assert float(force.sel(element="Kelvin").min()) < 0  # it opposes the separation
+    assert (force.drop_sel(element="Kelvin") >= 0).all()
+    ratios = np.linspace(0, 0.95, 20)
+    assert (np.diff(sl.Kelvin.contact_time(ratios)) > 0).all()
+    assert (np.diff(sl.ImpactKelvin.contact_time(ratios)) < 0).all()
+
+
+def test_charts_say_what_they_are():
+    charts = [contact_loop_chart(), contact_history_chart(), restitution_chart()]
+    for chart in charts:
+        for name, variable in chart.data_vars.items():
+            assert variable.attrs["units"] == "1", name
+            assert variable.attrs["long_name"], name
+        assert {"title", "references", "history", "stochlin_version"} <= set(chart.attrs)
+        assert chart.element.attrs["long_name"]
+    assert charts[1].attrs["Kelvin"] == "Kelvin(stiffness=1, damping=0.5)"
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: contact_history_chart(1.0), "damping_ratio = 1 is out of range"),
+        (lambda: contact_history_chart(-0.1), "damping_ratio = -0.1 is out of range"),
+        (lambda: contact_loop_chart(0.0), "restitution = 0 is out of range"),
+        (lambda: contact_loop_chart(points=1), "points = 1"),
+        (lambda: restitution_chart(points=0), "points = 0"),
+        (lambda: restitution_chart(largest=0), "largest = 0 is out of range"),
+    ],
+)
+def test_charts_refuse(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+def test_charts_are_of_one_number():
+    with pytest.raises(TypeError, match="damping_ratio is an array"):
+        contact_history_chart([0.1, 0.2])

@@ -1,0 +1,50 @@
+"""Fig. 3b: eq. (4) with effective properties, as far as the paper's claim goes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import stochlin as sl
+from stochlin.analyses.charts.rules import effective_rules_chart
+
+pytestmark = pytest.mark.paper
+
+CHART = effective_rules_chart(0.05, 0.05, 4.0, points=81)
+
+
+def test_elastic_curve_is_that_of_fig_3a() -> None:
+    exact = sl.rho_white_noise(CHART.period_ratio.values, 1.0, 0.05, 0.05).rho.values
+    np.testing.assert_allclose(CHART.rho.sel(rule="elastic"), exact, rtol=1e-13)
+
+
+def test_every_rule_is_one_of_the_verified_with_its_source() -> None:
+    assert tuple(CHART.rule.values) == sl.effective_rule_names()
+    for name in sl.effective_rule_names():
+        assert CHART.reference.sel(rule=name).item() == sl.effective_rule(name).reference
+        assert CHART.mark.sel(rule=name).item() == sl.effective_rule(name).mark
+        assert sl.effective_rule(name).reference in CHART.attrs["references"]
+
+
+def test_curves_are_symmetric_in_the_logarithm_of_the_ratio_and_one_at_equal_periods() -> None:
+    np.testing.assert_allclose(CHART.rho, CHART.rho[:, ::-1], rtol=1e-12)
+    np.testing.assert_allclose(CHART.rho[:, 40], 1.0, rtol=1e-12)
+
+
+def test_yielding_widens_the_peak_as_the_paper_shows() -> None:
+    away = np.abs(np.log(CHART.period_ratio)) > 0.1
+    yielding = CHART.rho.sel(rule=[name for name in CHART.rule.values if name != "elastic"])
+    assert bool((yielding > CHART.rho.sel(rule="elastic")).where(away, True).all())
+
+
+@pytest.mark.parametrize("rule", sl.effective_rule_names())
+def test_elastic_structures_need_no_rule(rule: str) -> None:
+    chart = effective_rules_chart(0.03, 0.1, 1.0, points=21)
+    np.testing.assert_allclose(chart.rho.sel(rule=rule), chart.rho.sel(rule="elastic"), rtol=1e-12)
+
+
+def test_the_chart_states_its_parameters() -> None:
+    chart = effective_rules_chart(0.02, 0.1, 6.0, points=3)
+    for part in ("ξ = 0.02", "α = 0.1", "ductility 6"):
+        assert part in chart.attrs["caption"]
+    assert chart.rho.attrs["units"] == "1"

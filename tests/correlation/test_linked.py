@@ -1,0 +1,173 @@
+"""Linked structures: exact limits, the unlinked pair, an ODE solver, and simulation with its error."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.integrate
+import xarray as xr
+
+import stochlin as sl
+from stochlin.kernels.simulation.linked_stepping import linked_block
+from stochlin.kernels.simulation.stepping import LANES
+
+pytestmark = pytest.mark.oracle
+
+GROUND = sl.KanaiTajimi(0.5, 0.4)
+NOTHING = sl.Link()
+
+
+def elastic(period, mass):
+    return sl.Bilinear(period, 0.05, mass=mass)
+
+
+def yielding(period, mass, factor=4.0):
+    return sl.Bilinear(period, 0.05, 0.1, reduction_factor=factor, mass=mass)
+
+
+@pytest.mark.parametrize("make", [elastic, yielding])
+def test_link_without_constants_is_no_link(make):
+    pair = make(0.6, 1e6), make(1.0, 3e6)
+    linked, apart = sl.correlate_linked(*pair, GROUND, NOTHING), sl.correlate(*pair, GROUND)
+    for name in ("rho", "displacement_std_1", "displacement_std_2", "ductility_std_2"):
+        assert float(linked[name]) == pytest.approx(float(apart[name]), rel=1e-7)
+    tables = [
+        sl.simulate(pair, GROUND, paths=32, relaxation_times=5, link=link) for link in (None, NOTHING)
+    ]
+    np.testing.assert_allclose(tables[0].rho, tables[1].rho, rtol=0, atol=1e-9)
+
+
+def test_rigid_link_makes_one_structure_of_two():
+    w, masses = 2 * np.pi / np.array([0.6, 1.0]), np.array([1e6, 3e6])
+    tied = sl.correlate_linked(elastic(0.6, 1e6), elastic(1.0, 3e6), GROUND, sl.Link(stiffness=1e13))
+    stiffness = (masses * w**2).sum() / masses.sum()
+    damping = (masses * 2 * 0.05 * w).sum() / masses.sum()
+    one = sl.Bilinear(2 * np.pi / np.sqrt(stiffness), damping / (2 * np.sqrt(stiffness)))
+    expected = float(sl.linearize(one, GROUND).displacement_std)
+    for name in ("displacement_std_1", "displacement_std_2"):
+        assert float(tied[name]) == pytest.approx(expected, rel=1e-4)
+    assert float(tied.rho) == pytest.approx(1, abs=1e-6)
+    # The spring carries what keeps the two from moving apart: its force does not fade.
+    assert float(tied.link_force_std) > 0
+
+
+LINKS = [sl.Link(2e7, 0.0), sl.Link(0.0, 2e6), sl.Link(5e7, 1e6), sl.Link(3e8, 4e7)]
+
+
+@pytest.mark.parametrize("link", LINKS, ids=[link.describe() for link in LINKS])
+def test_linear_pair_has_the_moments_of_its_simulation(link):
+    pair = elastic(0.6, 1e6), elastic(1.0, 3e6)
+    exact = sl.correlate_linked(*pair, GROUND, link)
+    table = sl.simulate(pair, GROUND, link=link, paths=512, seed=4)
+    for n in (0, 1):
+        off = float(table.displacement_std[n] - exact[f"displacement_std_{n + 1}"])
+        assert abs(off) < 4 * float(table.displacement_std_standard_error[n])
+    assert abs(float(table.rho[0, 1] - exact.rho)) < 4 * float(table.rho_standard_error[0, 1])
+
+
+@pytest.mark.parametrize("hardening", [1.0, 0.2])
+def test_motion_of_the_pair_is_that_of_an_ode_solver(hardening):
+    """One lane under a smooth force; elastic, and bilinear with its events left to a small step."""
+    d, k, h = (
+        np.array([0.6, 0.3]),
+        hardening * np.array([100.0, 40.0]),
+        (1 - hardening) * np.array([100.0, 40.0]),
+    )
+    scale, link_k, link_c = np.array([1.0, 1.5]), np.array([20.0, 10.0]), np.array([1.0, 0.5])
+    ratio = np.array([scale[0] / scale[1], scale[1] / scale[0]])
+    rows = np.column_stack([d, k, h, scale, link_k, link_c, ratio])
+
+    def force(t):
+        return 60 * np.sin(4 * t) * np.exp(-0.3 * t)
+
+    def rate(t, x):
+        u, v, z = x.reshape(3, 2)
+        other = slice(None, None, -1)
+        pull = link_k * (u - ratio * u[other]) + link_c * (v - ratio * v[other])
+        a = scale * force(t) - d * v - k * u - h * z - pull
+        sliding = (np.abs(z) >= 1) & (v * z > 0)
+        return np.concatenate([v, a, np.where(sliding, 0, v)])
+
+    seconds = 4.0
+    solved = scipy.integrate.solve_ivp(
+        rate, (0, seconds), np.zeros(6), rtol=1e-9, atol=1e-10, max_step=2e-3
+    )
+    errors = []
+    for steps in (1000, 2000):
+        dt = seconds / steps
+        middle = dt * (np.arange(steps) + 0.5)
+        f = np.repeat(force(middle)[:, None], LANES, axis=1)
+        u, v, z = np.zeros((3, 2, LANES))
+        linked_block(f, dt, rows, u, v, z, steps, np.empty((LANES, 2, 1)))
+        errors.append(np.abs(u[:, 0] - solved.y[:2, -1]).max() / np.abs(solved.y[:2]).max())
+    assert errors[1] < 2e-4
+    assert errors[1] < 0.4 * errors[0] or errors[0] < 1e-5
+    if hardening < 1:
+        assert np.abs(solved.y[:2] - solved.y[4:]).max() > 0.5  # it did yield
+
+
+def test_equal_structures_do_not_feel_their_link():
+    one = yielding(0.8, 1e6)
+    tables = [
+        sl.simulate([one, one], GROUND, paths=32, relaxation_times=5, link=k)
+        for k in (NOTHING, sl.Link(0.0, 2e6))  # a spring would shorten the step
+    ]
+    np.testing.assert_allclose(tables[0].displacement_std, tables[1].displacement_std, rtol=1e-9)
+
+
+def test_link_brings_yielding_buildings_together():
+    pair = yielding(0.6, 1e6), yielding(1.0, 3e6)
+    before, after = (
+        sl.simulate(pair, GROUND, paths=256, duration=20.0, link=link).separation_mean[0, 1]
+        for link in (NOTHING, sl.Link(5e7, 2e6))
+    )
+    assert float(after) < 0.7 * float(before)
+    linear = sl.correlate_linked(*pair, GROUND, sl.Link(5e7, 2e6))
+    apart = sl.correlate_linked(*pair, GROUND, NOTHING)
+    assert float(linear.relative_displacement_std) < 0.7 * float(apart.relative_displacement_std)
+
+
+def test_links_over_a_table():
+    stiffness = xr.DataArray([0.0, 1e7, 1e8], dims="k")
+    pair = yielding(0.6, 1e6), yielding(1.0, 3e6)
+    table = sl.correlate_linked(*pair, GROUND, sl.Link(stiffness))
+    assert table.rho.dims == ("k",)
+    alone = sl.correlate_linked(*pair, GROUND, sl.Link(1e7))
+    assert float(table.rho[1]) == pytest.approx(float(alone.rho), rel=1e-12)
+    assert (np.diff(table.relative_displacement_std) < 0).all()
+
+
+def test_mass_changes_nothing_elsewhere():
+    heavy, plain = yielding(0.6, 1e6), replace(yielding(0.6, 1e6), mass=None)
+    np.testing.assert_array_equal(
+        sl.linearize(heavy, GROUND).displacement_std, sl.linearize(plain, GROUND).displacement_std
+    )
+    options = {"paths": 32, "relaxation_times": 2}
+    one, other = (sl.simulate([s], GROUND, **options).displacement_std for s in (heavy, plain))
+    np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.parametrize(
+    ("pair", "error", "message"),
+    [
+        ((yielding(0.6, 1e6), sl.Bilinear(1.0, 0.05)), ValueError, "second: mass is not given"),
+        (
+            (sl.BoucWen(0.6, 0.05, 0.1, reduction_factor=2, mass=1e6), yielding(1.0, 1e6)),
+            TypeError,
+            "first",
+        ),
+    ],
+)
+def test_what_cannot_be_linked_is_refused(pair, error, message):
+    with pytest.raises(error, match=message):
+        sl.correlate_linked(*pair, GROUND, LINKS[0])
+    with pytest.raises(error, match=message):
+        sl.simulate(pair, GROUND, link=LINKS[0])
+
+
+def test_a_link_joins_two():
+    three = [elastic(period, 1e6) for period in (0.5, 0.7, 1.0)]
+    with pytest.raises(ValueError, match="link is given with 3 structures; allowed: two"):
+        sl.simulate(three, GROUND, link=LINKS[0])
+    with pytest.raises(ValueError, match="stiffness = -1 is out of range"):
+        sl.Link(stiffness=-1.0)

@@ -1,0 +1,212 @@
+"""What simulated references tell of two drifting structures: algebra, limits, simulations."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import stochlin as sl
+from stochlin.analyses.linearization.bias_map import bias_map
+from stochlin.analyses.linearization.drift_map import drift_map
+from stochlin.kernels.correlation.signatures import (
+    LEFT,
+    OWN,
+    Insight,
+    informed_correlation,
+    insight,
+    signature,
+)
+
+pytestmark = pytest.mark.oracle
+
+ROOT = Path(__file__).parents[2]
+LAKEBED = sl.KanaiTajimi(period=1.0, damping=0.05)
+
+
+def building(period=1.0, reduction_factor=4.0, hardening=0.05, damping=0.05):
+    return sl.Bilinear(period, damping, hardening, reduction_factor=reduction_factor)
+
+
+def load(name):
+    spec = importlib.util.spec_from_file_location(name, ROOT / "benchmarks" / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def correlations(rng, size, rank):
+    """A random correlation matrix."""
+    factor = rng.standard_normal((size, rank))
+    factor /= np.linalg.norm(factor, axis=1, keepdims=True)
+    return factor @ factor.T
+
+
+# --- algebra ----------------------------------------------------------------------------------------
+
+
+@settings(deadline=None, max_examples=100)
+@given(st.integers(0, 2**32 - 1), st.integers(1, 8), st.integers(1, 12))
+def test_correlation_is_a_projection_and_what_is_left_of_it(seed, references, rank):
+    rng = np.random.default_rng(seed)
+    derived, simulated = (correlations(rng, references + 2, rank) for _ in range(2))
+
+    def seen(matrix):
+        return [signature(matrix[n, 2:], matrix[2:, 2:])[:, None] for n in (0, 1)]
+
+    own, known = seen(derived), seen(simulated)
+    insights = [insight(d, k - d) for d, k in zip(own, known, strict=True)]
+    rho = informed_correlation(derived[:1, 1], *insights)[0]
+    # The same by partial correlations with the references, which have a share of their own.
+    blurred = [(1 - OWN) * matrix[2:, 2:] + OWN * np.eye(references) for matrix in (derived, simulated)]
+
+    def explained(matrix, gram, i, j):
+        return (1 - OWN) * matrix[i, 2:] @ np.linalg.solve(gram, matrix[j, 2:])
+
+    left_derived, left = (
+        [1 + LEFT - explained(matrix, gram, n, n) for n in (0, 1)]
+        for matrix, gram in zip((derived, simulated), blurred, strict=True)
+    )
+    partial = derived[0, 1] + LEFT - explained(derived, blurred[0], 0, 1)
+    partial /= np.sqrt(left_derived[0] * left_derived[1])
+    assert abs(partial) <= 1 + 1e-9
+    expected = explained(simulated, blurred[1], 0, 1) + partial * np.sqrt(left[0] * left[1]) - LEFT
+    assert rho == pytest.approx(expected, abs=1e-9)
+    assert -1 - 2 * LEFT - 1e-9 <= expected <= 1 + 1e-9
+
+
+def test_no_correction_leaves_the_derived_correlation():
+    rng = np.random.default_rng(1)
+    derived = correlations(rng, 9, 5)
+    own = [signature(derived[n, 2:], derived[2:, 2:])[:, None] for n in (0, 1)]
+    rho = informed_correlation(derived[:1, 1], *(insight(d, 0 * d) for d in own))
+    assert rho[0] == pytest.approx(derived[0, 1], abs=1e-12)
+
+
+def test_equal_structures_move_as_one_however_they_are_corrected():
+    rng = np.random.default_rng(2)
+    own, correction = rng.standard_normal((2, 6, 50)) * 0.5
+    own /= np.maximum(np.linalg.norm(own, axis=0), 1)
+    told = insight(own, correction)
+    assert (np.linalg.norm(own + correction, axis=0) > 1).any()  # some are cut to unit length
+    np.testing.assert_allclose(informed_correlation(np.ones(50), told, told), 1, atol=1e-12)
+
+
+def test_unknown_signatures_leave_the_derived_correlation():
+    nothing = np.full((3, 1), np.nan)
+    unknown = Insight(nothing, nothing, nothing[0])
+    assert informed_correlation(np.array([0.3]), unknown, unknown)[0] == 0.3
+
+
+# --- the map that ships -----------------------------------------------------------------------------
+
+
+def test_map_says_what_it_is():
+    table = drift_map()
+    assert table.nbytes < 4e6
+    for name in (*table.data_vars, *table.dims):
+        if name != "drift_reference":
+            assert table[name].attrs["units"] == "1"
+            assert table[name].attrs["long_name"]
+            assert np.isfinite(table[name]).all()
+
+
+def test_shipped_signatures_are_those_simulated_anew():
+    """One part of the map, with other motions: within its standard errors."""
+    module = load("drift_map")
+    point = {"elastic_ductility_std": 2.0, "hardening": 0.2, "ground_damping": 0.17}
+    result = module.part(*point.values(), seed=2)
+    shipped = drift_map().signature_correction.sel(point)
+    periods, dampings = shipped.signature_period.values[::7], [0.02, 0.1]
+    structure, ground = module.grid(periods, dampings)
+    ground = sl.KanaiTajimi(1.0, point["ground_damping"])
+    derived = module.derived(structure, ground).sel(elastic_ductility_std=2.0, hardening=0.2)
+    simulated = signature(result["joint"], result["gram"])[[1, 3]][:, ::7]
+    found = simulated - derived.transpose("damping", "period", ...).values
+    kept = shipped.sel(damping=dampings).values[:, ::7]
+    # Standard errors of a coordinate are some .01: see below for the mean.
+    assert np.abs(found - kept).max() < 0.08
+    assert np.abs(found - kept).mean() < 0.012
+    assert np.abs(kept).mean() > 0.03
+
+
+def test_shipped_displacements_are_those_of_the_map_of_the_bias():
+    module, table = load("drift_map"), drift_map()
+    some = {"hardening": [0.05, 0.2], "elastic_ductility_std": slice(1.0, 2.1)}
+    bias = (
+        bias_map().displacement_std_bias.sel(some).isel(ground_damping=[0, 3], period=slice(0, None, 9))
+    )
+    ground = sl.KanaiTajimi(1.0, bias.ground_damping)
+    found = module.exact_over_derived(bias, ground, [0.05, 0.2])
+    shipped = table.displacement_correction.sel(some).sel(damping=bias.damping.values)
+    shipped = shipped.isel(ground_damping=[0, 3], period=slice(0, None, 9)).transpose(*found.dims)
+    np.testing.assert_allclose(shipped, found, atol=2e-6)
+
+
+# --- pairs ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("R", [0.1, 0.4])
+def test_elastic_limit_is_exact_on_narrow_band_ground(R):
+    """The references yield; what they tell must be nothing."""
+    weak = [building(0.3, R, 0.05), building(0.42, R, 0.2, 0.02)]
+    table = sl.correlate(*weak, LAKEBED, closure="drift")
+    elastic = sl.correlate(sl.Bilinear(0.3, 0.05), sl.Bilinear(0.42, 0.02), LAKEBED)
+    assert float(table.rho) == pytest.approx(float(elastic.rho), abs=1e-9 if R < 0.2 else 2e-3)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "damping"),
+    [
+        (building(0.35, 2.3, 0.05, 0.02), building(0.34, 8.6, 0.03, 0.09), 0.05),
+        (building(0.29, 2.0, 0.09, 0.02), building(0.38, 1.2, 0.37, 0.02), 0.05),
+        (building(0.49, 2.4, 0.2, 0.015), building(0.6, 8.5, 0.12, 0.03), 0.04),
+    ],
+)
+def test_stiff_unequal_pairs_on_narrow_band_ground(first, second, damping):
+    """Where the derivation alone is off by .3 to .5."""
+    ground = sl.KanaiTajimi(1.0, damping)
+    table = sl.correlate(first, second, ground, closure="drift")
+    exact = sl.simulate([first, second], ground, paths=128, seed=11, steps_per_period=16)
+    error = exact.rho_standard_error[0, 1]
+    assert abs(table.rho - exact.rho[0, 1]) < 0.1 + 4 * error  # the 95th percentile of 500 pairs
+    assert abs(table.rho - exact.rho[0, 1]) < 4 * table.rho_error + 4 * error
+
+
+def test_cautions_are_those_of_each_cell():
+    period = xr.DataArray([0.1, 0.3, 1.0, 4.0, 6.0], dims="T")
+    table = sl.correlate(building(period), building(1.5, 5.0, 0.1), LAKEBED, closure="drift")
+    assert table.caution.values.tolist() == [2, 2, 0, 0, 2]  # ratio of periods, or beyond T/Tg
+    assert np.isnan(table.rho_error.values[[0, 1, 4]]).all()
+    assert (table.rho_error.values[[2, 3]] > 0).all()
+    assert np.isfinite(table.rho).all()
+    for change in ({"damping": 0.005}, {"hardening": 0.01}, {"reduction_factor": 13.0}):
+        outside = sl.correlate(building(**change), building(1.5), LAKEBED, closure="drift")
+        assert int(outside.caution) == 2
+        assert np.isnan(outside.rho_error)
+    narrow = sl.KanaiTajimi(1.0, 0.02)
+    assert int(sl.correlate(building(), building(1.5), narrow, closure="drift").caution) == 2
+    penzien = sl.CloughPenzien(1.0, 0.3, high_pass_period=10.0, high_pass_damping=0.6)
+    assert int(sl.correlate(building(), building(1.5), penzien, closure="drift").caution) == 2
+    elastic = sl.correlate(sl.Bilinear(1.0, 0.05), sl.Bilinear(9.0, 0.05), LAKEBED, closure="drift")
+    assert float(elastic.rho_error) == 0
+
+
+def test_grounds_may_be_arrays_and_cells_do_not_depend_on_each_other():
+    xig = xr.DataArray([0.05, 0.3], dims="xig")
+    tg = xr.DataArray([1.0, 1.7, 3.0], dims="Tg")
+    first = building(xr.DataArray([0.4, 0.9], dims="T"))
+    table = sl.correlate(first, building(0.6, 3.0, 0.1), sl.KanaiTajimi(tg, xig), closure="drift")
+    for n in range(2):
+        one = sl.correlate(
+            building([0.4, 0.9][n]),
+            building(0.6, 3.0, 0.1),
+            sl.KanaiTajimi(1.7, 0.3),
+            closure="drift",
+        )
+        assert float(table.rho.isel(T=n, Tg=1, xig=1)) == pytest.approx(float(one.rho), abs=1e-9)

@@ -1,0 +1,116 @@
+"""Tables by simulation: the same labels as by linearization, the same numbers as `simulate`."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+
+import stochlin as sl
+from stochlin.views.command import main
+
+pytestmark = pytest.mark.invariant
+
+FEW = {"paths": 64, "relaxation_times": 3.0}
+LAKEBED = sl.KanaiTajimi(period=2.0, damping=0.05)
+
+
+def axis(name, values):
+    return xr.DataArray(values, dims=name, coords={name: values})
+
+
+def building(period, **changes):
+    return sl.Bilinear(period, **{"damping": 0.05, "hardening": 0.1, "reduction_factor": 4} | changes)
+
+
+def test_table_has_the_numbers_of_simulate():
+    """The same structures in the same order on the same seed are the same ensemble."""
+    first, second = [0.8, 1.5], [1.0, 2.0]
+    table = sl.correlate(
+        building(axis("period_1", first)),
+        building(axis("period_2", second)),
+        LAKEBED,
+        "simulation",
+        **FEW,
+    )
+    row = sl.simulate([building(period) for period in first + second], LAKEBED, **FEW)
+    np.testing.assert_array_equal(table.rho, row.rho[:2, 2:])
+    np.testing.assert_array_equal(table.rho_standard_error, row.rho_standard_error[:2, 2:])
+    np.testing.assert_array_equal(table.displacement_std_2, row.displacement_std[2:])
+
+
+def test_table_has_the_labels_of_linearization():
+    first, second = building(axis("period_1", [0.8, 1.5])), building(1.0)
+    simulated = sl.correlate(first, second, LAKEBED, "simulation", **FEW)
+    linearized = sl.correlate(first, second, LAKEBED)
+    assert set(linearized.data_vars) - {"bias", "bias_1", "bias_2", "caution"} <= set(
+        simulated.data_vars
+    )
+    for name, variable in simulated.data_vars.items():
+        assert name == "status" or variable.attrs["units"], name
+        assert variable.attrs["long_name"], name
+    assert simulated.attrs["paths"] == FEW["paths"]
+
+
+def test_dimensions_of_the_ground_and_shared_ones():
+    factor = axis("factor", [2.0, 4.0])
+    ground = sl.KanaiTajimi(period=2.0, damping=axis("bandwidth", [0.05, 0.6]))
+    pair = [building(period, reduction_factor=factor) for period in (1.0, 1.4)]
+    table = sl.correlate(*pair, ground, "simulation", **FEW)
+    assert dict(table.sizes) == {"bandwidth": 2, "factor": 2}
+    alone = [building(period, reduction_factor=4.0) for period in (1.0, 1.4)]
+    expected = sl.correlate(*alone, sl.KanaiTajimi(2.0, 0.6), "simulation", **FEW)
+    one = table.sel(factor=4.0, bandwidth=0.6)
+    # other companions on the same motions: the step and the length differ, not the truth
+    error = np.hypot(one.rho_standard_error, expected.rho_standard_error)
+    assert abs(one.rho - expected.rho) < 4 * error
+
+
+def test_one_bad_cell_fails_alone():
+    table = sl.correlate(
+        building(axis("period_1", [1.0, -1.0])), building(1.4), LAKEBED, "simulation", **FEW
+    )
+    assert table.status.values.tolist() == [0, 3]
+    assert np.isfinite(table.rho[0])
+    assert np.isnan(table.rho[1])
+
+
+def test_amplification_by_simulation_is_one_for_elastic_structures():
+    table = sl.amplification(sl.Bilinear(1.0, 0.05), LAKEBED, method="simulation", paths=64)
+    assert abs(float(table.amplification) - 1) < 4 * float(table.amplification_standard_error)
+
+
+def test_stiff_structure_on_a_lake_bed_is_far_beyond_its_linearization():
+    """Quasi-static excursions along the post-yield branch: the case to warn of."""
+    stiff = building(0.4, hardening=0.05)
+    truth = sl.amplification(stiff, LAKEBED, method="simulation", paths=64)
+    assert float(truth.amplification) > 5 * float(sl.amplification(stiff, LAKEBED).amplification)
+
+
+def test_rare_yielding_is_refused_before_it_takes_hours():
+    with pytest.raises(ValueError, match=r"structure-steps, allowed: .* period 4 s .*relaxation_times"):
+        sl.correlate(
+            building(0.05), building(4.0, reduction_factor=0.8, hardening=0.001), LAKEBED, "simulation"
+        )
+
+
+def test_progress_runs_to_one():
+    shares = []
+    sl.simulate([building(1.0)], LAKEBED, paths=96, relaxation_times=1.0, progress=shares.append)
+    assert shares == pytest.approx([1 / 3, 2 / 3, 1.0])
+
+
+def test_command_draws_both_and_the_difference(tmp_path):
+    small = ["--points", "3", "--paths", "32", "--reduction-factors", "4", "--out", str(tmp_path)]
+    for name in ("fig5a", "fig4b", "fig5b"):
+        result = CliRunner().invoke(main, ["verify", name, *small])
+        assert result.exit_code == 0, result.output
+        assert "standard error" in result.output
+        assert (tmp_path / f"{name}_verified.png").exists()
+    with xr.open_dataset(tmp_path / "fig5a_verified.nc") as chart:
+        difference = chart.rho - chart.rho_simulated
+        np.testing.assert_allclose(chart.rho_difference, difference, atol=1e-12)
+    refused = CliRunner().invoke(main, ["verify", "fig3a", *small])
+    assert refused.exit_code == 2
+    assert "fig4a" in refused.output

@@ -1,0 +1,392 @@
+"""``stochlin explore`` as its user meets it: the command, who may ask, and the page in a browser."""
+
+from __future__ import annotations
+
+import http.client
+import json
+import os
+import re
+import shutil
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+
+import stochlin as sl
+from stochlin.views.command import main
+from stochlin.views.explorer.server import OwnOrigin, names_of
+
+pytestmark = pytest.mark.cli
+
+PROGRAM = "from stochlin.views.command import main; main()"
+PATIENCE = 60.0  # s, on a machine that is busy
+FLAGS = (
+    *("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
+    *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
+    "--disable-dev-shm-usage",
+)
+IDLE = (
+    "const s = [...document.querySelectorAll('.state')];"
+    "return s.length == 4 && s.every(e => !e.textContent) && "
+    "[...document.querySelectorAll('.chart')].every(e => e.querySelector('.main-svg'))"
+)
+
+
+def run(*arguments: object) -> Any:
+    return CliRunner().invoke(main, ["explore", "--no-open", *map(str, arguments)])
+
+
+def test_a_port_in_use_is_told():
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        done = run("--port", port)
+    assert done.exit_code == 2
+    assert f"--host 127.0.0.1 --port {port} cannot be listened on" in done.output
+    assert "give another --port" in done.output
+
+
+def test_an_unknown_host_is_told():
+    done = run("--host", "192.0.2.1")  # of no machine, RFC 5737
+    assert done.exit_code == 2
+    assert "--host 192.0.2.1" in done.output
+
+
+def test_a_missing_extra_is_told_with_its_cure(monkeypatch):
+    monkeypatch.delitem(sys.modules, "stochlin.views.explorer.server", raising=False)
+    monkeypatch.setitem(sys.modules, "nicegui", None)
+    done = run()
+    assert done.exit_code == 1
+    assert "pip install 'stochlin[app]'" in done.output
+
+
+def test_a_bad_case_file_is_told(tmp_path):
+    path = tmp_path / "case.toml"
+    path.write_text(sl.example_case().replace('period = "1.0 s"', 'period = "40 s"'), encoding="utf-8")
+    done = run("--case", path)
+    assert done.exit_code == 2
+    assert "period_1 = 40 is out of range; allowed: 0.02 <= value <= 20" in done.output
+    assert "No such file" in run("--case", tmp_path / "none.toml").output
+
+
+@pytest.mark.parametrize(
+    ("listens", "host", "origin", "allowed"),
+    [
+        ("127.0.0.1", "127.0.0.1:8640", "", True),
+        ("127.0.0.1", "localhost:8640", "http://localhost:8640", True),
+        ("127.0.0.1", "127.0.0.1:8640", "http://127.0.0.1:9999", False),
+        ("127.0.0.1", "127.0.0.1:8640", "http://evil.example", False),
+        ("127.0.0.1", "evil.example:8640", "http://evil.example:8640", False),
+        ("127.0.0.1", "127.0.0.1:8640", "null", False),
+        ("127.0.0.1", "", "", False),
+        ("127.0.0.1", "[", "", False),
+        ("::1", "[::1]:8640", "http://[::1]:8640", True),
+        ("localhost", "127.0.0.1:8640", "", True),
+        ("192.168.1.5", "192.168.1.5:8640", "http://192.168.1.5:8640", True),
+        ("192.168.1.5", "localhost:8640", "", False),
+        ("0.0.0.0", "any.name:8640", "http://any.name:8640", True),
+        ("0.0.0.0", "any.name:8640", "http://evil.example", False),
+    ],
+)
+def test_only_its_own_pages_may_ask(listens, host, origin, allowed):
+    headers = {b"host": host.encode()} | ({b"origin": origin.encode()} if origin else {})
+    assert OwnOrigin(None, names_of(listens)).allows(headers) is allowed
+
+
+@pytest.fixture(scope="module")
+def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """The page served by a process of its own, from the example case."""
+    folder = tmp_path_factory.mktemp("explorer")
+    (folder / "case.toml").write_text(sl.example_case(), encoding="utf-8")
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    # NiceGUI looks for this variable and would wait for a test runner of its own.
+    environment = {name: text for name, text in os.environ.items() if name != "PYTEST_CURRENT_TEST"}
+    command = [sys.executable, "-c", PROGRAM, "explore", "--no-open", "--port", str(port)]
+    log = folder / "log.txt"
+    with log.open("w") as stream:
+        server = subprocess.Popen(
+            [*command, "--case", "case.toml"],
+            cwd=folder,
+            env=environment,
+            stdout=stream,
+            stderr=subprocess.STDOUT,
+        )
+    try:
+        wait(lambda: "Ctrl+C" in log.read_text() or server.poll() is not None)
+        assert server.poll() is None, log.read_text()
+        yield f"127.0.0.1:{port}"
+    finally:
+        server.terminate()
+        server.wait(PATIENCE)
+    said = log.read_text().splitlines()
+    assert said == [f"The explorer is at http://127.0.0.1:{port} (Ctrl+C ends it)"]
+
+
+def wait(done: Any, seconds: float = PATIENCE) -> None:
+    end = time.monotonic() + seconds
+    while not done():
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.05)
+
+
+def status(address: str, path: str, **headers: str) -> int:
+    connection = http.client.HTTPConnection(address, timeout=PATIENCE)
+    try:
+        connection.request("GET", path, headers=headers)
+        return connection.getresponse().status
+    finally:
+        connection.close()
+
+
+def test_requests_of_other_hosts_and_pages_are_refused(address):
+    assert status(address, "/") == 200
+    assert status(address, "/", Host="evil.example") == 403
+    upgrade = {
+        "Connection": "Upgrade",
+        "Upgrade": "websocket",
+        "Sec-WebSocket-Version": "13",
+        "Sec-WebSocket-Key": "AAAAAAAAAAAAAAAAAAAAAA==",
+    }
+    channel = "/_nicegui_ws/socket.io/?EIO=4&transport=websocket"
+    assert status(address, channel, **upgrade, Origin=f"http://{address}") == 101
+    assert status(address, channel, **upgrade, Origin="http://evil.example") == 403
+
+
+class Browser:
+    """Chromium on the page, by keyboard and script."""
+
+    def __init__(self, driver: Any, downloads: Path) -> None:
+        self.driver, self.downloads = driver, downloads
+
+    def script(self, text: str, *arguments: Any) -> Any:
+        return self.driver.execute_script(text, *arguments)
+
+    def open(self, address: str, width: int = 1200, height: int = 900) -> None:
+        size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500}
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+        self.driver.get(f"http://{address}/")
+        self.idle()
+
+    def idle(self) -> None:
+        wait(lambda: self.script(IDLE))
+
+    def press(self, *keys: str) -> None:
+        from selenium.webdriver import ActionChains
+
+        ActionChains(self.driver).send_keys(*keys).perform()
+
+    def enter(self, name: str, text: str) -> None:
+        from selenium.webdriver.common.keys import Keys
+
+        self.script("document.querySelector(arguments[0]).select()", f"[data-control={name}]")
+        self.press(text or Keys.DELETE)
+        time.sleep(0.5)  # longer than an entry waits for another key
+
+    def click(self, mark: str) -> None:
+        self.driver.find_element("css selector", f"[data-{mark}]").click()
+
+    def text(self, mark: str) -> str:
+        return str(
+            self.script("return document.querySelector(arguments[0]).textContent", f"[data-{mark}]")
+        )
+
+    def value(self, name: str) -> str:
+        return str(
+            self.script("return document.querySelector(arguments[0]).value", f"[data-control={name}]")
+        )
+
+    def curve(self, panel: str, number: int) -> list[float]:
+        find = f"[data-panel={panel}] .chart"
+        data = "const d = document.querySelector(arguments[0]).data[arguments[1]]; return [...d.y]"
+        return list(self.script(data, find, number))
+
+    def downloaded(self, name: str) -> Path:
+        path = self.downloads / name
+        wait(path.exists)
+        return path
+
+
+@pytest.fixture(scope="module")
+def chromium(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    program, driver = shutil.which("chromium"), shutil.which("chromedriver")
+    if not (program and driver):
+        pytest.skip("Chromium and chromedriver are not installed")
+    webdriver = pytest.importorskip("selenium.webdriver", reason="selenium is not installed")
+    downloads = tmp_path_factory.mktemp("downloads")
+    options = webdriver.ChromeOptions()
+    options.binary_location = program
+    for flag in (*FLAGS, f"--user-data-dir={tmp_path_factory.mktemp('profile')}"):
+        options.add_argument(flag)
+    options.add_experimental_option("prefs", {"download.default_directory": str(downloads)})
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    browser = webdriver.Chrome(options=options, service=webdriver.ChromeService(driver))
+    try:
+        yield Browser(browser, downloads)
+    finally:
+        browser.quit()
+
+
+@pytest.fixture
+def page(chromium: Browser, address: str) -> Iterator[Browser]:
+    """The page as it begins; it must not have complained when the test ends."""
+    chromium.open(address)
+    yield chromium
+    complaints = [entry for entry in chromium.driver.get_log("browser") if entry["level"] != "INFO"]
+    assert complaints == []
+
+
+def test_the_page_comes_from_this_machine_alone(page, address):
+    assert page.text("told").startswith("No simulation")
+    assert "linearization alone is unsafe" in page.text("caution")
+    messages = [json.loads(e["message"])["message"] for e in page.driver.get_log("performance")]
+    asked = [
+        m["params"]["request"]["url"] for m in messages if m["method"] == "Network.requestWillBeSent"
+    ]
+    own = [url for url in asked if url.startswith(f"http://{address}/")]
+    others = [
+        url for url in asked if not url.startswith((f"http://{address}/", "data:", "chrome", "blob:"))
+    ]
+    assert own
+    assert others == []
+
+
+def test_a_slider_moved_by_keyboard_moves_the_curves(page, capsys):
+    from selenium.webdriver.common.keys import Keys
+
+    before = {panel: page.curve(panel, 0) for panel in ("correlation", "gaps", "probability")}
+    page.script(
+        """window.drawn = {};
+        for (const p of ['spectra', 'correlation', 'gaps']) document
+          .querySelector(`[data-panel=${p}] .chart`)
+          .on('plotly_afterplot', () => window.drawn[p] ??= performance.now() - window.pressed);
+        document.addEventListener('keydown', () => window.pressed ??= performance.now(), true);
+        document.querySelector('[data-slider=reduction_factor_1]').focus()"""
+    )
+    page.press(Keys.ARROW_RIGHT)
+    wait(lambda: len(page.script("return Object.keys(window.drawn)")) == 3)
+    drawn = page.script("return window.drawn")
+    times = [f"{name} {ms:.0f} ms" for name, ms in drawn.items()]
+    with capsys.disabled():
+        sys.stdout.write(f"\nDrawn after a key on a slider: {', '.join(times)}\n")
+    assert max(drawn.values()) < 5000
+    assert page.value("reduction_factor_1") == "4.1"
+    page.idle()
+    for panel in ("correlation", "probability"):
+        assert page.curve(panel, 0) != before[panel], panel
+    page.enter("reduction_factor_1", "4")
+    wait(lambda: page.curve("correlation", 0) == before["correlation"])
+    assert page.script("return document.querySelector('[data-slider=reduction_factor_1]').value") == "4"
+
+
+def test_bad_entries_are_told_and_charts_keep_the_last_values(page):
+    before = page.curve("correlation", 0)
+    for text in ("-1", "abc", "1e999", "__import__('os').system('true')"):
+        page.enter("period_1", text)
+        wait(lambda text=text: text.lstrip("_") in page.text("alert"))
+        assert "Building 1, left: Period [s]" in page.text("alert")
+        assert "allowed: 0.02 <= value <= 20" in page.text("alert")
+        assert page.curve("correlation", 0) == before
+    page.enter("period_1", "1.25")
+    wait(lambda: page.text("alert") == "")
+    wait(lambda: page.curve("correlation", 0) != before)
+    page.enter("rise_end", "18")  # by itself it would do
+    wait(lambda: "strong_end >= rise_end" in page.text("alert"))
+    page.enter("rise_end", "4")
+    wait(lambda: page.text("alert") == "")
+
+
+def test_simulation_is_drawn_when_it_is_asked_for_and_forgotten_when_it_is_old(page):
+    curves = "return document.querySelector('[data-panel=correlation] .chart').data.length"
+    page.enter("paths", "128")
+    wait(lambda: page.script("return !document.querySelector('[data-simulate]').disabled"))
+    page.idle()
+    assert page.script(curves) == 3
+    page.click("simulate")
+    wait(lambda: page.text("told").startswith("Simulated: 128 motions"))
+    page.idle()
+    assert page.script(curves) == 4
+    assert "Simulated:" in page.script("return document.querySelector('[data-panel=gaps]').textContent")
+    page.enter("gap", "9")
+    wait(lambda: page.script(curves) == 3)
+    page.idle()
+    assert page.text("told").startswith("No simulation")
+
+
+def test_a_simulation_can_be_stopped(page):
+    page.enter("paths", "20000")
+    page.idle()
+    page.click("simulate")
+    wait(lambda: float(page.script("return document.querySelector('progress').value")) > 0)
+    page.enter("period_2", "0.7")  # the page answers meanwhile
+    wait(lambda: page.text("told").startswith(("Stopped", "No simulation")))
+    wait(lambda: page.script("return !document.querySelector('[data-simulate]').disabled"))
+    page.idle()
+
+
+def test_what_is_saved_can_be_read(page):
+    page.enter("period_2", "0.77")
+    page.enter("gap", "7.5")
+    wait(lambda: page.text("alert") == "")
+    page.idle()
+    page.click("save-case")
+    case = sl.read_case(page.downloaded("case.toml"))
+    assert (case.second.structure.period, case.gap) == (0.77, 0.075)
+    assert (case.title, case.first.height) == ("Office block and annex", 24)
+    page.click("save-data")
+    with xr.open_dataset(page.downloaded("explored.nc"), engine="scipy") as table:
+        assert table.attrs["gap_m"] == 0.075
+        rho = table.correlation_rho_drift.values.tolist()
+        assert "probability_confidence_of_no_pounding" in table
+    assert page.curve("correlation", 0) == rho
+
+
+def test_every_control_is_reached_by_tab_and_has_a_name(page):
+    from selenium.webdriver.common.keys import Keys
+
+    shown = """return [...document.querySelectorAll('input, button, summary, [role=switch]')]
+        .filter(e => e.offsetParent && !e.closest('[aria-hidden=true]')).length"""
+    page.script("document.querySelector('.skip').focus()")
+    names: list[str] = []
+    described = """const e = document.activeElement, l = e.labels && e.labels[0];
+        return e === document.body ? null
+          : e.getAttribute('aria-label') || (l ? l.innerText : '') || e.innerText || '?' + e.outerHTML"""
+    while (name := page.script(described)) is not None and len(names) < 200:
+        names.append(name)
+        page.press(Keys.TAB)
+    assert not [name for name in names if name.startswith("?")]
+    assert len(names) == page.script(shown) + 1  # the link to the charts, too
+    assert len(set(names)) == len(names)
+    assert "Building 2, right: Period [s], slider" in names
+    assert "Simulate" in names
+
+
+@pytest.mark.parametrize("width", [390, 768, 1200])
+def test_nothing_is_wider_than_the_screen(page, address, width):
+    page.open(address, width, 844)
+    page.script("document.querySelectorAll('details').forEach(d => d.open = true)")
+    assert page.script("return document.documentElement.scrollWidth") <= width
+    wide = """return [...document.querySelectorAll('.chart, .entry, .words, .panel')]
+        .filter(e => e.getBoundingClientRect().right > arguments[0]).length"""
+    assert page.script(wide, width) == 0
+
+
+def test_another_ground_has_other_controls(page):
+    from selenium.webdriver.common.keys import Keys
+
+    shown = "return document.querySelector('[data-slider=ground_period]').offsetParent !== null"
+    assert page.script(shown) is False
+    page.script("document.querySelector('[role=combobox]').focus()")
+    page.press(Keys.SPACE)
+    choose = """const found = [...document.querySelectorAll('.q-menu [role=option]')]
+        .find(e => e.innerText == 'kanai_tajimi'); if (found) found.click(); return !!found"""
+    wait(lambda: page.script(choose))
+    wait(lambda: page.script(shown))
+    page.idle()
+    assert re.search("too small for building 1", page.text("caution"))

@@ -1,0 +1,230 @@
+"""The command line as its user meets it: output, files, errors and exit statuses."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner, Result
+
+import stochlin as sl
+from stochlin.analyses.tables import storage
+from stochlin.views.command import main
+from stochlin.views.shared.options import CLOSURES
+
+pytestmark = pytest.mark.cli
+
+FORMULAS = ("fig3a", "fig3b", "fig6", "fig7", "fig8")  # of no ground
+FIGURES = (*FORMULAS, "fig4a", "fig4b", "fig4c", "fig5a", "fig5b")
+RECORDED = ("site_spectrum", "fig1", "per_spectrum", "fig2")
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+def test_rho_of_a_pair_is_the_librarys() -> None:
+    result = run("rho", "--period-1", 0.7, "--period-2", 1, "--hardening", 0.05, "--reduction-factor", 4)
+    assert result.exit_code == 0, result.output
+    first, second = (sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.7, 1.0))
+    rho = float(sl.correlate(first, second, sl.WhiteNoise()).rho)
+    assert f"{rho:.6g}" in result.output
+    assert "Caution" in result.output
+    assert "reduction_factor=4" in result.output
+
+
+def test_rho_of_elastic_structures_needs_no_caution() -> None:
+    result = run("rho", "--period-1", 0.7, "--period-2", 1)
+    assert result.exit_code == 0
+    assert "Caution" not in result.output
+
+
+def test_sweeps_become_dimensions_of_the_saved_table(tmp_path: Path) -> None:
+    out = tmp_path / "table.nc"
+    result = run(
+        *("rho", "--period-1", "0.2:2:4", "--period-2", "0.5:2:3:log", "--hardening", "0.02,0.1"),
+        *("--reduction-factor", 4, "--ground", "kanai-tajimi", "--ground-period", 2),
+        *("--ground-damping", "0.05,0.3", "--out", out),
+    )
+    assert result.exit_code == 0, result.output
+    with xr.open_dataset(out) as table:
+        assert dict(table.sizes) == {"period_1": 4, "hardening": 2, "ground_damping": 2, "period_2": 3}
+        np.testing.assert_allclose(table.period_2, [0.5, 1, 2])
+        chosen = table.sel(hardening=0.1, ground_damping=0.3).isel(period_1=1, period_2=2)
+        pair = [sl.Bilinear(T, 0.05, 0.1, reduction_factor=4) for T in (0.8, 2.0)]
+        expected = sl.correlate(*pair, sl.KanaiTajimi(2.0, 0.3)).rho
+        np.testing.assert_allclose(chosen.rho, expected, rtol=1e-9)
+        assert table.rho.attrs["units"] == "1"
+    assert "more rows" in result.output
+
+
+def test_csv_has_a_row_a_cell(tmp_path: Path) -> None:
+    out = tmp_path / "table.csv"
+    assert run("rho", "--period-1", "0.5,1,2", "--period-2", 1, "--out", out).exit_code == 0
+    lines = out.read_text().splitlines()
+    assert lines[0].startswith("period_1,rho,")
+    assert len(lines) == 4
+
+
+@pytest.mark.parametrize("closure", CLOSURES)
+def test_every_closure_is_an_option_of_rho(closure: str, tmp_path: Path) -> None:
+    options = ("--hardening", 0.05, "--reduction-factor", 4, "--closure", closure)
+    periods = ("--period-1", "0.5,0.9", "--period-2", 0.7)
+    out = tmp_path / "table.nc"
+    result = run("rho", *periods, *options, "--out", out)
+    assert result.exit_code == 0, result.output
+    first, second = (
+        sl.Bilinear(period, 0.05, 0.05, reduction_factor=4) for period in (np.array([0.5, 0.9]), 0.7)
+    )
+    with xr.open_dataset(out) as table:
+        expected = sl.correlate(first, second, sl.WhiteNoise(), closure=closure)
+        np.testing.assert_array_equal(table.rho, expected.rho)
+
+
+def test_effective_properties_by_a_rule_of_ones_own_choice() -> None:
+    given = ("rho", "--period-1", 0.7, "--period-2", 1, "--hardening", 0.05, "--reduction-factor", 4)
+    given += ("--method", "effective", "--rule", "secant")
+    result = run(*given)
+    assert result.exit_code == 0, result.output
+    first, second = (sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.7, 1.0))
+    table = sl.correlate(first, second, sl.WhiteNoise(), "effective", rule="secant")
+    assert f"{float(table.rho):.6g}" in result.output
+    unknown = run(*given[:-1], "mine")
+    assert unknown.exit_code == 2
+    assert "iwan_1980" in unknown.output
+
+
+def test_a_reader_that_has_seen_enough_is_no_error() -> None:
+    code = "import sys; from stochlin.views.command import main; main(sys.argv[1:])"
+    command = [sys.executable, "-c", code, "rho", "--period-1", ".2:2:30", "--period-2", "1"]
+    reader, writer = os.pipe()
+    os.close(reader)
+    done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, text=True, check=False)
+    os.close(writer)
+    assert "Usage" not in done.stderr
+    assert "Error" not in done.stderr
+
+
+def test_named_ground_and_white_noise_method() -> None:
+    result = run(
+        "rho", "--period-1", 1, "--period-2", 1.5, "--ground", "firm", "--method", "white_noise"
+    )
+    assert result.exit_code == 0
+    assert "CloughPenzien" in result.output
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("--period-2", "1"), "--period-1"),
+        (("--period", "-1"), "period = -1"),
+        (("--period", "nan"), "period = nan"),
+        (("--period", "one"), "'one' is not a number"),
+        (("--period", "1:2"), "start:stop:count"),
+        (("--period", "1:2:1"), "count >= 2"),
+        (("--period", "1", "--damping", "5"), "damping = 5"),
+        (("--period", "1", "--hardening", "0", "--reduction-factor", "4"), "stationary displacement"),
+        (("--period", "1", "--reduction-factor", "4"), "hardening is not given"),
+        (("--period", "1", "--ground", "moon"), "firm"),
+        (("--period", "1", "--ground", "kanai-tajimi"), "--ground-period, --ground-damping"),
+        (("--period", "1", "--ground-period", "2"), "does not apply"),
+        (("--period", "1", "--out", "table.xlsx"), "allowed: .nc or .csv"),
+        (("--period", "1", "--out", "no/such/folder/t.nc"), "no/such/folder"),
+        (("--period", "1", "--closure", "drifting"), "drifting"),
+        (("--period", "1", "--record", "nowhere.txt"), "nowhere.txt"),
+    ],
+)
+def test_bad_input_exits_with_2_and_says_what(arguments: tuple[str, ...], says: str) -> None:
+    result = run("rho", *arguments)
+    assert result.exit_code == 2
+    assert says in result.output
+    assert "Traceback" not in result.output
+
+
+def test_every_chart_is_drawn_beside_its_dataset(tmp_path: Path) -> None:
+    result = run("charts", "--out", tmp_path, "--points", 9)
+    assert result.exit_code == 0, result.output
+    narrow = set(FIGURES)
+    broad = {f"{name}_broad_band" for name in FIGURES if name not in FORMULAS}
+    assert {path.stem for path in tmp_path.glob("*.nc")} == narrow | broad
+    assert {path.stem for path in tmp_path.glob("*.png")} == narrow | broad
+    assert not list(tmp_path.glob(".*"))
+
+
+def test_one_chart_with_its_own_parameters(tmp_path: Path) -> None:
+    options = ("--damping", 0.02, "--reduction-factors", "1,3", "--points", 9, "--format", "svg")
+    assert run("charts", "fig4b", *options, "--out", tmp_path).exit_code == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"fig4b.nc", "fig4b.svg"}
+    with xr.open_dataset(tmp_path / "fig4b.nc") as chart:
+        assert chart.reduction_factor.values.tolist() == [1, 3]
+        assert "ξ = 0.02" in chart.attrs["caption"]
+
+
+def test_the_same_command_makes_the_same_files(tmp_path: Path) -> None:
+    for name in ("a", "b"):
+        for file_format in ("svg", "pdf", "png"):
+            done = run(
+                "charts", "fig5b", "--points", 9, "--format", file_format, "--out", tmp_path / name
+            )
+            assert done.exit_code == 0
+    for path in (tmp_path / "a").iterdir():
+        assert path.read_bytes() == (tmp_path / "b" / path.name).read_bytes(), path.name
+
+
+def test_charts_of_a_site(tmp_path: Path) -> None:
+    record = tmp_path / "motion.txt"
+    rng = np.random.default_rng(4)
+    time = np.arange(4000) * 0.01
+    motion = np.convolve(rng.normal(size=time.size), np.exp(-time * 2) * np.sin(6 * time), "full")
+    np.savetxt(record, motion[: time.size])
+    out = tmp_path / "out"
+    options = ("--record", record, "--dt", 0.01, "--units", "cm/s^2", "--points", 9)
+    result = run("charts", *options, "--out", out)
+    assert result.exit_code == 0, result.output
+    names = {f"{name}_site" for name in FIGURES if name not in FORMULAS} | set(RECORDED)
+    assert {path.stem for path in out.glob("*.png")} == names
+    without_step = run("charts", "--record", record, "--units", "g", "--out", out)
+    assert without_step.exit_code == 2
+    assert "dt" in without_step.output
+
+
+def test_unknown_chart_names_the_known_ones(tmp_path: Path) -> None:
+    result = run("charts", "fig9", "--out", tmp_path)
+    assert result.exit_code == 2
+    assert all(name in result.output for name in FIGURES)
+
+
+@pytest.mark.parametrize("command", ["charts", "rho"])
+def test_help_has_examples(command: str) -> None:
+    result = run(command, "--help")
+    assert result.exit_code == 0
+    assert f"stochlin {command}" in result.output
+
+
+def test_a_failed_write_leaves_nothing(tmp_path: Path) -> None:
+    target = tmp_path / "table.nc"
+    target.write_text("before")
+
+    def interrupted() -> None:
+        with storage.whole_file(target) as temporary:
+            temporary.write_text("half")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert target.read_text() == "before"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+@pytest.mark.parametrize("name", sorted(main.commands))
+def test_help_keeps_its_lines(name):
+    """The mark of paragraphs not to be filled is not shown, and examples stand on their own lines."""
+    text = CliRunner().invoke(main, [name, "--help"]).output
+    assert "\\b" not in text
+    examples = [line for line in text.splitlines() if line.startswith("    stochlin ")]
+    assert examples

@@ -1,0 +1,163 @@
+"""The documentation: its code runs as printed, its reference is complete, and the site builds."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+import runpy
+import shlex
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+import numpy as np
+import pytest
+from cases import recorded_example
+from click.testing import CliRunner
+
+import stochlin as sl
+from stochlin.views.command import main
+
+pytestmark = pytest.mark.cli
+
+DOCS = Path(__file__).parents[2] / "docs"
+PAGES = {path.stem: path.read_text(encoding="utf-8") for path in sorted(DOCS.glob("*.md"))}
+SCRIPTS = sorted((DOCS / "gallery").glob("plot_*.py"))
+THEORY, START = PAGES["theory"], PAGES["start"]
+REFERENCE = (DOCS / "reference" / "index.md").read_text(encoding="utf-8")
+
+
+def blocks(text: str, language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
+
+
+def command_lines() -> list[str]:
+    printed = "".join("".join(blocks(text, "console")) for text in PAGES.values())
+    return [line for line in printed.splitlines() if line]
+
+
+@pytest.fixture(autouse=True)
+def scratch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """A folder of its own, and pictures that go with the test."""
+    import matplotlib as mpl
+    import matplotlib.pyplot as plt
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    with mpl.rc_context():
+        yield
+        plt.close("all")
+
+
+@pytest.mark.parametrize("page", [name for name, text in PAGES.items() if blocks(text, "python")])
+def test_code_of_a_page_runs_from_top_to_bottom(page: str) -> None:
+    namespace: dict[str, object] = {}
+    for number, block in enumerate(blocks(PAGES[page], "python")):
+        exec(compile(block, f"{page}.md, block {number}", "exec"), namespace)
+
+
+def test_first_chart_is_the_one_of_the_page() -> None:
+    """Its numbers are those of the gallery, whose picture stands below it."""
+    chart, gallery = {}, {}
+    exec(compile(blocks(START, "python")[0], "start.md", "exec"), chart)
+    exec(compile(SCRIPTS[0].read_text(encoding="utf-8"), SCRIPTS[0].name, "exec"), gallery)
+    np.testing.assert_array_equal(chart["table"].rho, gallery["yielding"].rho)
+    assert Path("chart.png").exists()
+    assert Path("chart.nc").exists()
+
+
+@pytest.mark.parametrize("line", command_lines())
+def test_command_lines_run(line: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("stochlin.views.explorer.server.serve", lambda *scene, **options: None)
+    time = 0.01 * np.arange(4000)
+    noise = np.random.default_rng(7).normal(size=time.size)
+    motion = np.convolve(noise, np.exp(-5 * time) * np.sin(15 * time), "full")[: time.size]
+    np.savetxt("taft.txt", 0.01 * motion)
+    Path("case.toml").write_text(recorded_example(), encoding="utf-8")
+    program, *arguments = shlex.split(line.partition(" > ")[0])
+    assert program == "stochlin"
+    result = CliRunner().invoke(main, arguments)
+    assert result.exit_code == 0, result.output
+
+
+@pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
+def test_script_of_the_gallery_draws_one_picture(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import matplotlib.pyplot as plt
+
+    monkeypatch.chdir(path.parent)  # as the site builds it
+    runpy.run_path(str(path))
+    (number,) = plt.get_fignums()
+    figure = plt.figure(number)
+    figure.canvas.draw()
+    assert max(figure.get_size_inches()) <= 7.2  # the width of a printed page
+
+
+def test_every_public_name_is_in_the_reference() -> None:
+    listed = re.findall(r"^   (\w+)$", REFERENCE, re.MULTILINE)
+    assert sorted(listed) == sorted(sl.__all__)
+
+
+def test_theory_has_every_equation_of_the_paper_and_its_code() -> None:
+    tags = re.findall(r"\\tag\{([\d, ]+)\}", THEORY)
+    assert sorted(int(number) for tag in tags for number in tag.split(",")) == list(range(1, 17))
+    sections = re.split(r"^## ", THEORY, flags=re.MULTILINE)
+    assert not [text.splitlines()[0] for text in sections if "\\tag" in text and "py:obj" not in text]
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_files_that_a_page_links_to_exist(page: str) -> None:
+    for target in re.findall(r"\]\(([^)#]+\.(?:md|ipynb))", PAGES[page]):
+        assert (DOCS / target).exists(), target
+    for target in re.findall(r"<(\.\./[^>]+)>", PAGES[page]):
+        assert (DOCS / target).exists(), target
+
+
+def test_pages_show_pictures_of_the_gallery() -> None:
+    stems = {path.stem for path in SCRIPTS}
+    shown = re.findall(r"sphx_glr_(plot_\w+)_001\.png", "".join(PAGES.values()))
+    assert shown
+    assert set(shown) <= stems
+
+
+class Links(HTMLParser):
+    """Anchors and local targets of one page."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.anchors: set[str] = set()
+        self.targets: list[tuple[str, str]] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        values = dict(attrs)
+        self.anchors.add(str(values.get("id")))
+        target = urlsplit(values.get("href") or values.get("src") or "")
+        if not target.scheme and not target.netloc:
+            self.targets.append((unquote(target.path), unquote(target.fragment)))
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(
+    importlib.util.find_spec("sphinx_gallery") is None, reason="the extra 'docs' is not installed"
+)
+def test_site_builds_without_warnings_and_its_links_lead_somewhere(tmp_path: Path) -> None:
+    made = shutil.ignore_patterns("auto_gallery", "generated")
+    shutil.copytree(DOCS, "docs", ignore=made)
+    shutil.copytree(DOCS.parent / "notebooks", "notebooks")
+    shutil.copy(DOCS.parent / "CHANGELOG.md", ".")
+    site = tmp_path / "site"
+    command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "docs", str(site)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    pages = {path: Links(path.read_text(encoding="utf-8")) for path in site.rglob("*.html")}
+    assert len(pages) > len(sl.__all__)
+    for path, links in pages.items():
+        for target, anchor in links.targets:
+            file = (path.parent / target).resolve() if target else path
+            assert file.exists(), f"{path.name}: {target}"
+            if anchor and file in pages:
+                assert anchor in pages[file].anchors, f"{path.name}: {target}#{anchor}"

@@ -1,0 +1,59 @@
+"""What the README shows works as printed."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+
+import numpy as np
+import pytest
+from cases import recorded_example
+from click.testing import CliRunner
+
+import stochlin as sl
+from stochlin.views.command import main
+
+pytestmark = pytest.mark.cli
+
+README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```", README, re.DOTALL | re.MULTILINE)
+
+
+def command_lines() -> list[str]:
+    text = "".join(blocks("")).replace("\\\n", " ")
+    return [line.split("  #")[0].strip() for line in text.splitlines() if line.startswith("stochlin ")]
+
+
+@pytest.mark.parametrize("line", command_lines())
+def test_command_lines_run(line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    rng = np.random.default_rng(7)
+    t = np.arange(4000) * 0.01
+    motion = np.convolve(rng.normal(size=t.size), np.exp(-5 * t) * np.sin(15 * t), "full")[: t.size]
+    np.savetxt("taft.txt", 0.01 * motion)
+    case = recorded_example() if line.startswith("stochlin pound") else sl.example_case()
+    Path("case.toml").write_text(case, encoding="utf-8")
+    # It would serve until it is interrupted; tests/explorer/test_page.py lets it.
+    monkeypatch.setattr("stochlin.views.explorer.server.serve", lambda *scene, **options: None)
+    command, _, target = line.partition(" > ")
+    result = CliRunner().invoke(main, shlex.split(command)[1:])
+    assert result.exit_code == 0, result.output
+    if target:
+        assert result.output == Path(target).read_text(encoding="utf-8")
+
+
+def test_python_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    (example,) = blocks("python")
+    exec(compile(example, "README.md", "exec"), {})
+    assert (tmp_path / "chart.nc").exists()
+
+
+def test_pictures_and_links_exist() -> None:
+    for target in re.findall(r"\]\(([^)#]+)\)", README):
+        assert (Path(__file__).parents[2] / target).exists(), target

@@ -1,0 +1,231 @@
+"""Eqs. (7), (9), (10): the bilinear law and its Gaussian coefficients; the Bouc-Wen law beside it."""
+
+from __future__ import annotations
+
+import cases
+import mpmath
+import numpy as np
+import pytest
+import sympy
+
+from stochlin.models.laws import bilinear, bouc_wen
+
+pytestmark = pytest.mark.paper
+
+MOMENTS = sympy.symbols(
+    "sv sz r", positive=True
+)  # (sigma_v, sigma_z, correlation); r < 0 by substitution
+KNOWN = [
+    ((1, 0.5, 0.3), -0.9649205716, 0.1627194350),
+    ((2, 1, 0), -0.8413447461, 0.3861294105),
+    ((1.5, 2, -0.4), -0.8061917271, 0.1448614462),
+    ((1, 1.2, 0.6), -0.6608020945, 0.2957894622),
+    ((3, 0.7, 0.8), -0.8485191123, 1.4167065906),
+]
+
+
+def coefficients(law, latent, *parameters):
+    """``(c_e, k_e)`` of one cell, and the Jacobian of ``(1 + c_e, k_e)``."""
+    column = np.array(latent, dtype=float)[:, None]
+    value = law(column, np.array(parameters, dtype=float).reshape(-1, 1))
+    slip, k_e = value.coefficients[:, 0]
+    return slip - 1, k_e, value.coefficients_jacobian[:, :, 0]
+
+
+def random_latent(count, seed):
+    """Moments with z from far below yield to far beyond, and correlations up to .99."""
+    rng = np.random.default_rng(seed)
+    return np.stack(
+        [
+            cases.log_uniform(rng, (0.05, 20.0), count),
+            cases.log_uniform(rng, (0.2, 5.0), count),
+            np.tanh(rng.uniform(-2.6, 2.6, count)),
+        ],
+        axis=1,
+    )
+
+
+def gauss(borders):
+    """Gauss-Legendre nodes and weights on every piece between the borders: exact for a Gaussian bell."""
+    x, w = np.polynomial.legendre.leggauss(120)
+    half, middle = np.diff(borders)[:, None] / 2, (np.array(borders)[1:] + borders[:-1])[:, None] / 2
+    return (middle + half * x).ravel(), (half * w).ravel()
+
+
+@pytest.mark.parametrize(("latent", "c_e", "k_e"), KNOWN)
+def test_coefficient_table(latent, c_e, k_e):
+    found = coefficients(bilinear.gaussian, latent)[:2]
+    np.testing.assert_allclose(found, [c_e, k_e], rtol=0, atol=5.1e-11)  # ten digits are known
+
+
+@pytest.mark.parametrize(
+    ("exponent", "c_e", "k_e"),
+    [(1, -0.7406875177, 0.5186249645), (2, -0.8279797081, 0.4827442838)],
+)
+def test_bouc_wen_values(exponent, c_e, k_e):
+    found = coefficients(bouc_wen.gaussian, (1, 0.5, 0.3), 0.5, 0.5, exponent)[:2]
+    np.testing.assert_allclose(found, [c_e, k_e], rtol=0, atol=5.1e-11)
+
+
+def test_bouc_wen_at_exponent_one_is_wens_formula():
+    sv, sz, r, beta, gamma = 1.3, 0.8, -0.45, 0.6, -0.2
+    found = coefficients(bouc_wen.gaussian, (sv, sz, r), beta, gamma, 1)[:2]
+    root = np.sqrt(2 / np.pi)
+    expected = [root * sz * (beta * r + gamma) - 1, root * sv * (beta + gamma * r)]
+    np.testing.assert_allclose(found, expected, rtol=1e-14)
+
+
+@pytest.mark.parametrize(("latent", "c_e", "k_e"), KNOWN)
+def test_coefficients_are_the_expected_derivatives_of_the_symbolic_law(latent, c_e, k_e):
+    """For Gaussian ``(v, z)``: ``c_e = -E[dG/dv]``, ``k_e = -E[dG/dz]``; sympy differentiates G."""
+    v, z = sympy.symbols("v z", real=True)
+    sv, sz, r = (sympy.Rational(str(x)) for x in latent)
+    q2 = 1 - r * r
+    density = sympy.exp(-((v / sv) ** 2 - 2 * r * v * z / (sv * sz) + (z / sz) ** 2) / (2 * q2))
+    density /= 2 * sympy.pi * sv * sz * sympy.sqrt(q2)
+    by_v, by_z = (sympy.expand(bilinear.symbolic().diff(x)) for x in (v, z))
+    at_yield = sympy.integrate(sympy.expand(by_z * density), (z, -sympy.oo, sympy.oo))
+    # In dG/dv the impulses stand as v DiracDelta(v), which is nothing.
+    smooth = sympy.expand(by_v.replace(sympy.DiracDelta, lambda *_: sympy.Integer(0)))
+    sliding = sympy.lambdify((v, z), smooth * density, ["scipy", "numpy"])
+    kick = sympy.lambdify(v, at_yield, ["scipy", "numpy"])
+    far_v, far_z = cases.REACH * latent[0], cases.REACH * latent[1]
+    rate, rate_weight = gauss([-far_v, 0, far_v])
+    level, level_weight = gauss(np.unique([-far_z, -1, 0, 1, far_z]))
+    slip = rate_weight @ sliding(rate[:, None], level) @ level_weight
+    relaxation = -rate_weight @ kick(rate)
+    assert float(-slip) == pytest.approx(c_e, abs=1e-10)
+    assert float(relaxation) == pytest.approx(k_e, abs=1e-10)
+
+
+def test_bilinear_coefficients_agree_with_quadrature():
+    for latent in random_latent(150, seed=7):
+        sv, sz, r = latent
+        slip = cases.slip_moments(cases.beyond_yield, latent, edges=(1,))
+        expected = cases.regressed(slip, sv * sv, sz * sz, r * sv * sz)
+        c_e, k_e, _ = coefficients(bilinear.gaussian, latent)
+        # The regression divides by 1 - r^2: that much of the quadrature's accuracy is lost.
+        tolerance = 1e-11 / (1 - r * r)
+        np.testing.assert_allclose([1 + c_e, k_e], expected, rtol=1e-10, atol=tolerance)
+
+
+@pytest.mark.parametrize("exponent", [1, 1.5, 2, 3, 5])
+def test_bouc_wen_coefficients_agree_with_quadrature(exponent):
+    rng = np.random.default_rng(int(10 * exponent))
+    for latent in random_latent(40, seed=8):
+        beta = rng.uniform(0.1, 1)
+        gamma = rng.uniform(-beta, beta)
+        sv, sz, r = latent
+
+        def share(z, beta=beta, gamma=gamma):
+            return beta * np.abs(z) ** (exponent - 1) * z + gamma * np.abs(z) ** exponent
+
+        slip = cases.slip_moments(share, latent)
+        expected = cases.regressed(slip, sv * sv, sz * sz, r * sv * sz)
+        c_e, k_e, _ = coefficients(bouc_wen.gaussian, latent, beta, gamma, exponent)
+        scale = np.array([1, sv / sz]) * sz**exponent / (1 - r * r)
+        np.testing.assert_array_less(np.abs([1 + c_e, k_e] - expected), 1e-10 * scale)
+
+
+class OwensT(sympy.Function):
+    """Owen's T, which sympy lacks, by its derivatives: enough to differentiate the coefficients."""
+
+    nargs = 2
+
+    def fdiff(self, argindex=1):
+        h, a = self.args
+        if argindex == 1:
+            return (
+                -sympy.exp(-h * h / 2)
+                * sympy.erf(a * h / sympy.sqrt(2))
+                / (2 * sympy.sqrt(2 * sympy.pi))
+            )
+        return sympy.exp(-h * h * (1 + a * a) / 2) / (2 * sympy.pi * (1 + a * a))
+
+
+def normal_density(x):
+    return sympy.exp(-x * x / 2) / sympy.sqrt(2 * sympy.pi)
+
+
+def normal_distribution(x):
+    return sympy.erfc(-x / sympy.sqrt(2)) / 2
+
+
+def symbolic_coefficients():
+    sv, sz, r = MOMENTS
+    q = sympy.sqrt(1 - r * r)
+    mean, spread = r * sv / sz, sv * q  # of v where z = 1
+    slip = normal_distribution(-1 / sz) + 2 * OwensT(1 / sz, r / q)
+    kick = mean * normal_distribution(mean / spread) + spread * normal_density(mean / spread)
+    return slip, 2 / sz * normal_density(1 / sz) * kick
+
+
+@pytest.mark.parametrize("point", [(0.7, 0.4), (1.5, -2.0)])
+def test_derivative_rule_is_that_of_owens_integral(point):
+    h, a = sympy.symbols("h a")
+
+    def integral(h, a):
+        square = h * h / 2
+        return mpmath.quad(lambda x: mpmath.exp(-square * (1 + x * x)) / (1 + x * x), [0, a]) / (
+            2 * mpmath.pi
+        )
+
+    for symbol, order in ((h, (1, 0)), (a, (0, 1))):
+        rule = OwensT(h, a).diff(symbol).subs({h: point[0], a: point[1]})
+        assert float(rule) == pytest.approx(float(mpmath.diff(integral, point, order)), rel=1e-8)
+
+
+def test_bilinear_jacobian_is_the_symbolic_derivative():
+    derivatives = [
+        [sympy.lambdify(MOMENTS, value.diff(moment), "mpmath") for moment in MOMENTS]
+        for value in symbolic_coefficients()
+    ]
+    with mpmath.workdps(40):
+        for latent in random_latent(100, seed=9):
+            found = coefficients(bilinear.gaussian, latent)[2]
+            point = [mpmath.mpf(x) for x in latent]
+            exact = np.array([[float(d(*point)) for d in row] for row in derivatives])
+            # 1 - r^2 and exp(-h^2/2) amplify the rounding of the moments by up to some hundred.
+            np.testing.assert_allclose(found, exact, rtol=1e-12, atol=1e-14 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("exponent", [1, 1.5, 2, 3, 5])
+def test_bouc_wen_jacobian_is_the_derivative_of_the_published_formula(exponent):
+    """Wen's general coefficients at 30 digits, differentiated numerically."""
+    n, beta, gamma = mpmath.mpf(exponent), mpmath.mpf("0.6"), mpmath.mpf("-0.35")
+
+    def published(which, sv, sz, r):
+        q = mpmath.sqrt(1 - r * r)
+        start = mpmath.atan2(q, r)
+        integral = 2 * mpmath.quad(lambda t: mpmath.sin(t) ** n, [start, mpmath.pi / 2])
+        even = mpmath.gamma((n + 2) / 2) * 2 ** (n / 2) / mpmath.pi
+        odd = mpmath.gamma((n + 1) / 2) * 2 ** (n / 2) / mpmath.sqrt(mpmath.pi)
+        if which == 0:
+            return sz**n * (beta * even * integral + gamma * odd)
+        reach = n * sv * sz ** (n - 1)
+        return reach * (beta * even * (2 / n * q ** (n + 1) + r * integral) + gamma * odd * r)
+
+    with mpmath.workdps(30):
+        for latent in random_latent(12, seed=10):
+            c_e, k_e, found = coefficients(bouc_wen.gaussian, latent, beta, gamma, exponent)
+            point = tuple(mpmath.mpf(x) for x in latent)
+            order = [tuple(int(i == j) for i in range(3)) for j in range(3)]
+            values = [float(published(which, *point)) for which in range(2)]
+            exact = np.array(
+                [
+                    [float(mpmath.diff(lambda *x, w=which: published(w, *x), point, by)) for by in order]
+                    for which in range(2)
+                ]
+            )
+            np.testing.assert_allclose([1 + c_e, k_e], values, rtol=1e-12)
+            np.testing.assert_allclose(found, exact, rtol=1e-11, atol=1e-12 * np.abs(exact).max())
+
+
+def test_far_below_yield_the_tail_keeps_its_relative_accuracy():
+    """Slip of 1e-30 is still right to a dozen digits, where ``1 + c_e`` by subtraction would be zero."""
+    for sz, r in ((0.15, 0.2), (0.1, 0.6), (0.09, 0.05)):
+        value = bilinear.gaussian(np.array([[1.0], [sz], [r]]), np.empty((0, 1)))
+        with mpmath.workdps(40):
+            h, a = 1 / mpmath.mpf(sz), mpmath.mpf(r) / mpmath.sqrt(1 - mpmath.mpf(r) ** 2)
+            tail = mpmath.quad(lambda t, a=a: mpmath.npdf(t) * mpmath.ncdf(a * t), [h, h + 1, h + 10])
+        assert value.coefficients[0, 0] == pytest.approx(float(2 * tail), rel=1e-12)

@@ -1,0 +1,164 @@
+"""Laws written in sympy: the same answers as the closed forms, and as two-dimensional quadrature."""
+
+from __future__ import annotations
+
+import cases
+import numpy as np
+import pytest
+import sympy
+from scipy.integrate import dblquad
+
+import stochlin as sl
+from stochlin.models.laws import bilinear, bouc_wen
+from stochlin.models.laws.symbolic import SymbolicLaw
+
+pytestmark = pytest.mark.oracle
+
+V, Z = sympy.symbols("v z")
+COMPARED = ["displacement_std", "velocity_std", "z_std", "velocity_z_corr", "c_eq", "k_eq"]
+GROUND = sl.KanaiTajimi(period=0.8, damping=0.3)
+
+
+def structure(kind, rng, **law):
+    return kind(**cases.draw_structure(rng, cases.PRACTICE, 12), **law)
+
+
+def assert_same_response(one, other, tolerance=1e-9):
+    first, second = sl.linearize(one, GROUND), sl.linearize(other, GROUND)
+    assert not first.status.any()
+    for name in COMPARED:
+        np.testing.assert_allclose(first[name], second[name], rtol=tolerance, atol=0, err_msg=name)
+
+
+def bouc_wen_expression(beta, gamma, exponent):
+    names = {"beta": beta, "gamma": gamma, "n": exponent}
+    expression = bouc_wen.symbolic()
+    return expression.subs({s: names[s.name] for s in expression.free_symbols if s.name in names})
+
+
+def test_bilinear_law_as_an_expression():
+    symbolic = structure(sl.Hysteretic, np.random.default_rng(40), law=bilinear.symbolic())
+    closed = structure(sl.Bilinear, np.random.default_rng(40))
+    assert_same_response(symbolic, closed)
+
+
+@pytest.mark.parametrize(
+    ("beta", "gamma", "exponent"), [(0.5, 0.5, 1), (0.7, -0.4, 1), (0.5, 0.5, 2), (0.9, 0.1, 3)]
+)
+def test_bouc_wen_law_as_an_expression(beta, gamma, exponent):
+    law = bouc_wen_expression(beta, gamma, exponent)
+    symbolic = structure(sl.Hysteretic, np.random.default_rng(41), law=law)
+    closed = structure(
+        sl.BoucWen, np.random.default_rng(41), beta=beta, gamma=gamma, exponent=float(exponent)
+    )
+    assert_same_response(symbolic, closed)
+
+
+def test_maxwell_element_is_linear_already():
+    """``z' = v - .3 z`` is its own linearization, at any level of motion."""
+    law = V - sympy.Rational(3, 10) * Z
+    table = sl.linearize(structure(sl.Hysteretic, np.random.default_rng(42), law=law), GROUND)
+    np.testing.assert_allclose(table.c_eq, -1, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(table.k_eq, 0.3, rtol=1e-11)
+
+
+def gaussian_average(function, sv, sz, r):
+    """``E[function(v, z)]`` by nested QUADPACK, over the half plane ``v > 0`` twice."""
+
+    def integrand(v, z):
+        square = (v / sv) ** 2 - 2 * r * v * z / (sv * sz) + (z / sz) ** 2
+        return function(v, z) * np.exp(-square / (2 * (1 - r * r)))
+
+    norm = 2 * np.pi * sv * sz * np.sqrt(1 - r * r)
+    accuracy = {"epsabs": 1e-12, "epsrel": 1e-11}
+    parts = [
+        dblquad(integrand, low * sz, high * sz, 0, 9 * sv, **accuracy)[0]
+        for low, high in ((-9, 0), (0, 9))
+    ]
+    return 2 * sum(parts) / norm
+
+
+def creep(v, z):
+    return v - 0.2 * z**3
+
+
+def saturating(v, z):
+    return np.tanh(v) * (1 - np.abs(z)) - 0.1 * z
+
+
+def viscous_friction(v, z):
+    return v - 0.4 * np.abs(v) * z - 0.3 * np.tanh(2 * v) * z * z
+
+
+@pytest.mark.parametrize(
+    ("law", "function"),
+    [
+        (V - sympy.Rational(1, 5) * Z**3, creep),
+        (sympy.tanh(V) * (1 - sympy.Abs(Z)) - Z / 10, saturating),
+        (V - 0.4 * sympy.Abs(V) * Z - 0.3 * sympy.tanh(2 * V) * Z**2, viscous_friction),
+    ],
+    ids=["creep", "saturating", "viscous friction"],
+)
+@pytest.mark.parametrize("latent", [(1.0, 0.5, 0.3), (2.0, 1.2, -0.4), (0.6, 0.9, 0.7)])
+def test_rate_dependent_law_is_regressed_under_the_gaussian_density(law, function, latent):
+    sv, sz, r = latent
+    by_v = gaussian_average(lambda v, z: (v - function(v, z)) * v, *latent)
+    by_z = gaussian_average(lambda v, z: (v - function(v, z)) * z, *latent)
+    expected = cases.regressed((by_v, by_z), sv * sv, sz * sz, r * sv * sz)
+    found = SymbolicLaw(law).gaussian(np.array(latent)[:, None], np.empty((0, 1))).coefficients[:, 0]
+    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-10)  # ACCURACY of the law's own check
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        bilinear.symbolic(),
+        bouc_wen_expression(0.7, -0.4, 2),
+        V - sympy.Rational(1, 5) * Z**3,
+        sympy.tanh(V) * (1 - sympy.Abs(Z)) - Z / 10,
+    ],
+    ids=["bilinear", "Bouc-Wen", "creep", "saturating"],
+)
+def test_jacobian_is_the_derivative_of_the_coefficients(law):
+    """Central differences: their error is some step^2 + 1e-16/step of the value."""
+    gaussian, step = SymbolicLaw(law).gaussian, 1e-5
+    latent = np.array([[0.8, 1.5], [0.6, 1.1], [0.25, -0.5]])
+    none = np.empty((0, 2))
+    exact = gaussian(latent, none).coefficients_jacobian
+    for moment in range(3):
+        shift = np.zeros((3, 1))
+        shift[moment] = step
+        up, down = (gaussian(latent + s, none).coefficients for s in (shift, -shift))
+        np.testing.assert_allclose(exact[:, moment], (up - down) / (2 * step), rtol=1e-7, atol=1e-8)
+
+
+def test_symbols_are_known_by_name_whatever_their_assumptions():
+    v, z = sympy.Symbol("v", positive=True), sympy.Symbol("z", real=True)
+    plain, assumed = V - sympy.Abs(V) * Z, v - sympy.Abs(V) * z
+    one, other = (
+        structure(sl.Hysteretic, np.random.default_rng(43), law=law) for law in (plain, assumed)
+    )
+    assert_same_response(one, other, 1e-14)
+
+
+@pytest.mark.parametrize(
+    ("law", "error", "message"),
+    [
+        (V - Z**2, ValueError, "not odd"),
+        (V * (1 - Z), ValueError, "not odd"),
+        (V - sympy.Symbol("beta") * Z, ValueError, "beta"),
+        (sympy.sin(Z), ValueError, "allowed: 'v' and 'z' only"),
+        (sympy.Integer(0), ValueError, "allowed: 'v' and 'z' only"),
+        (V / Z, ValueError, "not odd"),
+        (V - sympy.sqrt(Z), ValueError, "not real"),
+        (V - sympy.Heaviside(V + Z - 1) + sympy.Heaviside(-V - Z - 1), ValueError, "kinks"),
+        ("v - z", TypeError, "sympy expression"),
+        (None, TypeError, "sympy expression"),
+        (1.0, TypeError, "sympy expression"),
+        (lambda v, z: v - z, TypeError, "sympy expression"),
+    ],
+    ids=str,
+)
+def test_unusable_law_is_refused_with_a_reason(law, error, message):
+    with pytest.raises(error, match=message):
+        sl.Hysteretic(period=1.0, damping=0.05, hardening=0.1, reduction_factor=2, law=law)

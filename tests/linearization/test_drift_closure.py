@@ -1,0 +1,392 @@
+"""The closure that keeps the plastic drift: its parts by other ways, its limits, and simulations."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import dblquad, quad
+from scipy.linalg import expm, solve_continuous_lyapunov
+from scipy.special import erf
+
+import stochlin as sl
+from stochlin.analyses.linearization.bias_map import bias_map
+from stochlin.analyses.linearization.equivalent_systems import solve_derived
+from stochlin.analyses.linearization.tolerance import Tolerance
+from stochlin.kernels.linearization import drift
+from stochlin.kernels.linearization.covariance import EquivalentSystem
+from stochlin.kernels.linearization.gaussian import slip_quadrant
+from stochlin.models.laws import bilinear
+
+pytestmark = pytest.mark.oracle
+
+TAU = 2 * np.pi
+TOLERANCE = Tolerance(1e-10, 1e-12, 200)
+LAKEBED = sl.KanaiTajimi(period=1.0, damping=0.05)
+NONE = np.empty((0, 1))
+
+
+def building(period=1.0, reduction_factor=4.0, hardening=0.05, damping=0.05):
+    return sl.Bilinear(period, damping, hardening, reduction_factor=reduction_factor)
+
+
+def log_uniform(low, high):
+    return st.floats(np.log(low), np.log(high)).map(lambda x: float(np.exp(x)))
+
+
+buildings = st.builds(
+    sl.Bilinear,
+    period=log_uniform(0.02, 50),
+    damping=log_uniform(0.002, 0.5),
+    hardening=log_uniform(0.002, 1),
+    reduction_factor=log_uniform(1e-3, 50),
+)
+grounds = st.one_of(
+    st.just(sl.WhiteNoise()),
+    st.builds(sl.KanaiTajimi, period=st.just(1.0), damping=log_uniform(0.02, 2)),
+    st.builds(
+        sl.CloughPenzien,
+        period=st.just(1.0),
+        damping=log_uniform(0.02, 2),
+        high_pass_period=log_uniform(2, 50),
+        high_pass_damping=log_uniform(0.2, 1),
+    ),
+)
+
+
+def random_systems(rng, count):
+    """Equivalent systems with k_e of the order of w, and the soils under them."""
+    w, xi = rng.uniform(1, 10, count), rng.uniform(0.01, 0.3, count)
+    system = EquivalentSystem(
+        w**2,
+        2 * xi * w,
+        (1 - rng.uniform(0.02, 0.9, count)) * w**2,
+        rng.random(count),
+        w * rng.random(count),
+    )
+    wg, xig = rng.uniform(1, 10, count), rng.uniform(0.03, 1, count)
+    return system, np.stack([np.ones(count), wg, xig])
+
+
+# --- its parts, by other ways -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("sz", [0.25, 0.5, 1.0, 4.0])
+def test_orders_add_up_to_the_variance_of_the_kick_sizes(sz):
+    def moment(power):
+        density = lambda a: a / sz**2 * np.exp(-0.5 * (a / sz) ** 2)  # noqa: E731
+        return quad(lambda a: (a - 1) ** power * density(a), 1, 1 + 12 * sz, epsabs=0, epsrel=1e-11)[0]
+
+    orders = drift._orders(np.array([sz]))[:, 0]
+    assert (orders >= 0).all()
+    assert orders.sum() == pytest.approx(moment(2) / moment(1) ** 2 - 1, rel=1e-3)
+
+
+def test_orders_are_those_of_the_joint_density_of_two_amplitudes():
+    """Sizes in two half-cycles: their covariance by the orders, and by sampling Gaussian envelopes."""
+    rng, size, sz, memory = np.random.default_rng(1), 400_000, 0.9, 0.7
+    one, fresh = rng.standard_normal((2, 2, size)) * sz
+    other = memory * one + np.sqrt(1 - memory**2) * fresh
+    kicks = [np.maximum(np.hypot(*envelope) - 1, 0) for envelope in (one, other)]
+    mean = np.mean(kicks)
+    products = (kicks[0] - mean) * (kicks[1] - mean) / mean**2
+    orders = drift._orders(np.array([sz]))[:-1, 0]
+    expected = (orders * memory ** (2 * np.arange(1, orders.size + 1))).sum()
+    error = products.std() / np.sqrt(size)
+    # The mean of the sizes is sampled too; orders beyond the last hold less than .7^26 of the sum.
+    assert abs(products.mean() - expected) < 4 * error + 1e-4 * orders.sum()
+
+
+@pytest.mark.parametrize("latent", [(1.0, 0.4, 0.1), (2.0, 1.0, 0.3), (0.7, 3.0, -0.2)])
+def test_relaxation_is_the_flow_when_the_mean_of_z_is_shifted(latent):
+    sv, sz, r = latent
+    shift = 1e-4
+
+    def density(v, z):
+        q = (v / sv) ** 2 - 2 * r * v * z / (sv * sz) + (z / sz) ** 2
+        return np.exp(-0.5 * q / (1 - r * r)) / (TAU * sv * sz * np.sqrt(1 - r * r))
+
+    def flow(by):  # E[y'] with z~ shifted: slip upwards beyond 1, downwards below -1
+        up = dblquad(lambda v, z: v * density(v, z - by), 1, 12 * sz, 0, 9 * sv, epsabs=1e-12)[0]
+        return up - dblquad(lambda v, z: v * density(v, z + by), 1, 12 * sz, 0, 9 * sv, epsabs=1e-12)[0]
+
+    gradient = (flow(shift) - flow(-shift)) / (2 * shift)
+    column = np.array(latent)[:, None]
+    probability, by_z = bilinear.gaussian(column, NONE).coefficients[:, 0]
+    assert gradient == pytest.approx(by_z, rel=1e-4)
+    w, d, alpha = 3.0, 0.3, 0.1
+    system = EquivalentSystem(*(np.array([x]) for x in (w * w, d, (1 - alpha) * w * w, 0.1, 1.0)))
+    # Slowly: z = -alpha y - d y'/w^2, v = (1 - alpha) y', and y' = P v + (gradient / P(|z~| < 1)) z.
+    per_z = gradient / erf(1 / sz / np.sqrt(2))
+    expected = alpha * per_z / (1 - (1 - alpha) * probability + d * per_z / w**2)
+    rate = drift._relaxation(system, column, slip_quadrant(column[1], column[2]))
+    assert rate[0] == pytest.approx(expected, rel=1e-4)
+
+
+@pytest.mark.parametrize("soil", [True, False])
+def test_half_cycles_are_those_of_the_matrix_exponential(soil):
+    rng = np.random.default_rng(5)
+    system, ground = random_systems(rng, 40)
+    model, parameters = (sl.KanaiTajimi, ground) if soil else (sl.WhiteNoise, ground[:1])
+    cycles = drift.half_cycles(system, *model.memory(system, parameters))
+    for n in range(40):
+        w2, d, h, p, k = (row[n] for row in system)
+        wg, xig = ground[1:, n]
+        size = 5 if soil else 3
+        a, noise = np.zeros((size, size)), np.zeros((size, size))
+        a[0, 1], a[1, :3], a[2, :3] = 1, (-w2, -d, h), (k, p, -k)
+        if soil:
+            a[1, 3:], a[3, 4], a[4, 3:] = (wg**2, 2 * xig * wg), 1, (-(wg**2), -2 * xig * wg)
+        noise[-1 if soil else 1, -1 if soil else 1] = 1
+        covariance = solve_continuous_lyapunov(a, -noise)
+        half = expm(a * cycles.time[n])
+        z = np.array([1.0, 0, -1] + [0, 0] * soil)
+        remembered, state = [], covariance @ z
+        for _ in range(drift.HALF_CYCLES):
+            state = half @ state
+            remembered.append(z @ state / (z @ covariance @ z))
+        np.testing.assert_allclose(cycles.memory[:, n], remembered, rtol=0, atol=1e-8)
+        rate = a[0, :] - a[2, :]  # of z
+        expected = np.pi * np.sqrt((z @ covariance @ z) / (rate @ covariance @ rate))
+        assert cycles.time[n] == pytest.approx(expected, rel=1e-9)
+
+
+def test_what_merely_alternates_leaves_nothing():
+    alternating = (-1.0) ** np.arange(1, drift.HALF_CYCLES + 1)[:, None]
+    np.testing.assert_allclose(drift._sums_of_powers(alternating), 0, atol=1e-12)
+    np.testing.assert_allclose(drift._sums_of_powers(0 * alternating), 1)
+    decay = 0.5
+    geometric = drift._sums_of_powers(alternating * decay ** np.arange(1, 41)[:, None])[:, 0]
+    power = decay ** (2 * np.arange(1, drift.ORDERS + 1) + 1)
+    # Bartlett's window takes off 1/40 of the first term at most.
+    np.testing.assert_allclose(geometric, (1 - power) / (1 + power), atol=0.05 * decay**3)
+
+
+@settings(deadline=None, max_examples=200)
+@given(
+    st.floats(-1, 1),
+    st.lists(st.floats(0, 1), min_size=drift.ORDERS + 1, max_size=drift.ORDERS + 1),
+    st.lists(st.floats(0, 1), min_size=drift.ORDERS + 1, max_size=drift.ORDERS + 1),
+    log_uniform(1e-6, 1e6),
+)
+def test_correlation_of_drifts_is_one(coherence, shares_1, shares_2, ratio):
+    both = [np.array(s)[:, None] / max(sum(s), 1e-300) for s in (shares_1, shares_2)]
+    one, rate = np.ones(1), np.array([ratio])
+    found = drift.drift_correlation(np.array([coherence]), *both, one, rate)
+    assert abs(found[0]) <= 1 + 1e-12
+    back = drift.drift_correlation(np.array([coherence]), both[1], both[0], rate, one)
+    assert found[0] == pytest.approx(back[0], rel=1e-12, abs=1e-300)
+    if sum(shares_1) > 0:
+        same = drift.drift_correlation(one, both[0], both[0], rate, rate)
+        assert same[0] == pytest.approx(1, rel=1e-12)
+
+
+# --- limits and symmetries --------------------------------------------------------------------------
+
+
+@settings(deadline=None, max_examples=25)
+@given(buildings, buildings, grounds)
+def test_rho_and_sigma_are_possible_over_the_whole_domain(first, second, ground):
+    def cells(structure):
+        return replace(structure, period=np.array([structure.period]))
+
+    table = sl.correlate(cells(first), cells(second), ground, closure="drift")
+    clipped = solve_derived(first, ground, "clipped", TOLERANCE)
+    derived = solve_derived(first, ground, "drift", TOLERANCE)
+    if int(table.status[0]) >= 2:
+        assert np.isnan(table.rho[0])
+        return
+    assert abs(table.rho[0]) <= 1
+    assert table.displacement_std_1[0] > 0
+    assert derived.displacement_std >= clipped.displacement_std
+    assert sum(float(derived[f"drift_share_{j}"]) for j in range(1, drift.ORDERS + 2)) == pytest.approx(
+        1 if derived.drift_std > 0 else 0, abs=1e-12
+    )
+
+
+@pytest.mark.parametrize("ground", [sl.WhiteNoise(), LAKEBED], ids=["white noise", "lake bed"])
+def test_elastic_limit_is_exact(ground):
+    elastic = sl.correlate(sl.Bilinear(0.8, 0.05), sl.Bilinear(1.1, 0.05), ground)
+    strong = [building(period, reduction_factor=0.1) for period in (0.8, 1.1)]
+    linear = [building(period, hardening=1.0) for period in (0.8, 1.1)]
+    for pair in (strong, linear, [sl.Bilinear(0.8, 0.05), sl.Bilinear(1.1, 0.05)]):
+        table = sl.correlate(*pair, ground, closure="drift")
+        assert float(table.rho) == pytest.approx(float(elastic.rho), abs=1e-9)
+        for name in ("displacement_std_1", "displacement_std_2"):
+            assert float(table[name]) == pytest.approx(float(elastic[name]), rel=1e-9)
+
+
+def test_drift_fades_with_hardening_and_strength():
+    hardening = xr.DataArray([0.02, 0.1, 0.3, 0.7, 0.95, 1.0], dims="hardening")
+    solved = solve_derived(building(hardening=hardening), LAKEBED, "drift", TOLERANCE)
+    share = (solved.drift_std / solved.displacement_std).values
+    assert (np.diff(share) < 0).all()
+    assert share[-1] == 0
+    factor = xr.DataArray(np.linspace(0.2, 0.6, 81), dims="R")
+    table = sl.linearize(building(reduction_factor=factor, hardening=0.02), LAKEBED, "drift")
+    excess = table.ductility_std / (factor / 3) - 1
+    assert (np.abs(excess[factor < 0.45]) < 1e-4).all()
+    assert float(np.abs(excess.diff("R")).max()) < 0.03  # no step where yielding ends
+
+
+def test_no_steps_where_the_response_has_two_peaks():
+    period = np.geomspace(0.2, 5, 1501)
+    for ground_damping, factor in ((0.03, 1.5), (0.1, 4.0), (0.1, 9.0)):
+        structure = building(period, factor, damping=0.03)
+        table = sl.linearize(structure, sl.KanaiTajimi(1.0, ground_damping), "drift")
+        assert np.abs(np.diff(np.log(table.ductility_std))).max() < 0.02
+
+
+def test_equal_structures_move_as_one():
+    for ground in (sl.WhiteNoise(), LAKEBED, sl.KanaiTajimi(0.2, 0.9)):
+        table = sl.correlate(building(), building(), ground, closure="drift")
+        assert float(table.rho) == pytest.approx(1, abs=1e-12)
+
+
+def test_order_of_the_structures_does_not_matter():
+    first, second = building(0.4, 6.0, 0.02), building(1.3, 2.0, 0.3)
+    there, back = (
+        float(sl.correlate(*pair, LAKEBED, closure="drift").rho)
+        for pair in ((first, second), (second, first))
+    )
+    assert there == pytest.approx(back, abs=1e-12)
+
+
+@pytest.mark.parametrize("factor", [1e-3, 7.0])
+def test_time_intensity_and_strength_are_only_scales(factor):
+    table = sl.correlate(building(0.7), building(1.2), LAKEBED, closure="drift")
+    slow = sl.correlate(
+        building(0.7 * factor), building(1.2 * factor), sl.KanaiTajimi(factor, 0.05), closure="drift"
+    )
+    assert float(slow.rho) == pytest.approx(float(table.rho), abs=1e-9)
+    assert float(slow.ductility_std_1) == pytest.approx(float(table.ductility_std_1), rel=1e-8)
+    strong = sl.correlate(
+        building(0.7), building(1.2), sl.KanaiTajimi(1.0, 0.05, intensity=factor), closure="drift"
+    )
+    assert float(strong.rho) == pytest.approx(float(table.rho), abs=1e-9)
+    assert float(strong.displacement_std_1) == pytest.approx(
+        float(table.displacement_std_1) * np.sqrt(factor), rel=1e-8
+    )
+
+
+def test_batch_is_its_cells():
+    rng = np.random.default_rng(2)
+    count = 60
+    period, hardening = np.exp(rng.uniform(-3, 3, count)), np.exp(rng.uniform(-4, 0, count))
+    factor, damping = np.exp(rng.uniform(-2, 3, count)), np.exp(rng.uniform(-5, -1, count))
+    many = sl.linearize(
+        sl.Bilinear(period, damping, hardening, reduction_factor=factor), LAKEBED, "drift"
+    )
+    for n in range(0, count, 6):
+        one = sl.Bilinear(period[n], damping[n], hardening[n], reduction_factor=factor[n])
+        alone = sl.linearize(one, LAKEBED, "drift")
+        assert float(alone.displacement_std) == pytest.approx(float(many.displacement_std[n]), rel=1e-8)
+
+
+def test_fast_response_is_that_of_the_clipped_closure():
+    kept, lost = (sl.linearize(building(), LAKEBED, closure) for closure in ("drift", "clipped"))
+    for name in ("velocity_std", "z_std", "velocity_z_corr", "c_eq", "k_eq", "yield_displacement"):
+        assert float(kept[name]) == float(lost[name])
+
+
+# --- against simulation -----------------------------------------------------------------------------
+
+
+def grid(name, **where):
+    """Structures on the nodes of the map of the bias, their simulated ductilities, and the map."""
+    bias = bias_map()[name].sel(**where)
+    ground = sl.WhiteNoise()
+    if "ground_damping" in bias.dims:
+        ground = sl.KanaiTajimi(1.0, bias.ground_damping)
+    period = bias.period if "period" in bias.dims else 1.0
+    structure = sl.Bilinear(
+        period, bias.damping, bias.hardening, reduction_factor=3 * bias.elastic_ductility_std
+    )
+    gaussian = solve_derived(structure, ground, "gaussian", TOLERANCE)
+    return structure, ground, gaussian.ductility_std / (1 + bias), bias
+
+
+@pytest.mark.parametrize(
+    ("name", "where", "mean", "quantile"),
+    [
+        ("displacement_std_bias_white_noise", {}, 0.02, 0.05),
+        ("displacement_std_bias", {"period": slice(0.88, 5.1)}, 0.035, 0.11),
+        ("displacement_std_bias", {"period": slice(0.5, 0.88)}, 0.06, 0.18),
+        ("displacement_std_bias", {"period": slice(0.19, 0.5)}, 0.18, 0.60),
+    ],
+)
+def test_derivation_meets_the_simulations_of_the_map(name, where, mean, quantile):
+    """Tolerances: what was measured, rounded up; the map's own standard error is below .01."""
+    structure, ground, exact, bias = grid(name, **where)
+    derived = solve_derived(structure, ground, "drift", TOLERANCE)
+    off = np.abs(derived.ductility_std / exact - 1).sel(hardening=slice(0.02, 0.5))
+    assert float(off.mean()) < mean
+    assert float(off.quantile(0.95)) < quantile
+    assert float(off.mean()) < 0.6 * float(np.abs(bias).sel(hardening=slice(0.02, 0.5)).mean())
+
+
+def test_nodes_of_the_map_are_given_back():
+    structure, ground, exact, _ = grid("displacement_std_bias", damping=[0.05], ground_damping=[0.07])
+    table = sl.linearize(structure, ground, "drift")
+    xr.testing.assert_allclose(
+        table.ductility_std.drop_attrs(), exact.transpose(*table.ductility_std.dims), rtol=1e-6
+    )
+    assert float(np.abs(table.bias).max()) < 1e-6
+    assert (table.caution == 0).all()
+
+
+@pytest.mark.parametrize(
+    ("ground", "pair", "tolerance"),
+    [
+        (sl.WhiteNoise(), (building(0.5, 4.0, 0.04), building(0.9, 7.0, 0.15, 0.03)), (0.03, 0.06)),
+        (sl.KanaiTajimi(1.0, 0.5), (building(1.6, 5.0, 0.07), building(2.3, 3.0, 0.03)), (0.04, 0.06)),
+        (sl.KanaiTajimi(1.0, 0.06), (building(1.1, 6.0, 0.12), building(1.5, 4.0, 0.3)), (0.04, 0.08)),
+    ],
+    ids=["white noise", "firm", "lake bed"],
+)
+def test_unequal_pairs_meet_fresh_simulations(ground, pair, tolerance):
+    """Off the map's nodes; tolerances: about three times the mean error of 500 such pairs."""
+    table = sl.correlate(*pair, ground, closure="drift")
+    exact = sl.simulate(list(pair), ground, paths=128, seed=11, steps_per_period=16)
+    for n in (0, 1):
+        sigma, error = exact.displacement_std[n], exact.displacement_std_standard_error[n]
+        assert abs(table[f"displacement_std_{n + 1}"] - sigma) < tolerance[0] * sigma + 4 * error
+    assert abs(table.rho - exact.rho[0, 1]) < tolerance[1] + 4 * exact.rho_standard_error[0, 1]
+
+
+def test_caution_outside_of_what_was_simulated():
+    inside = sl.linearize(building(), LAKEBED, "drift")
+    assert int(inside.caution) == 0
+    outside = [building(damping=0.005), building(reduction_factor=15), building(period=20.0)]
+    for structure in outside:
+        table = sl.linearize(structure, LAKEBED, "drift")
+        assert np.isnan(table.bias)
+        assert int(table.caution) == 2
+    ground = sl.CloughPenzien(1.0, 0.3, high_pass_period=10.0, high_pass_damping=0.6)
+    assert int(sl.linearize(building(), ground, "drift").caution) == 2
+
+
+def test_correction_has_no_steps_at_the_ends_of_the_map():
+    for name, edge in (
+        ("damping", 0.1),
+        ("reduction_factor", 3.2 * 3),
+        ("period", 10.0),
+        ("hardening", 0.02),
+    ):
+        sides = [replace(building(), **{name: edge * f}) for f in (1 - 1e-7, 1 + 1e-7)]
+        low, high = (float(sl.linearize(side, LAKEBED, "drift").ductility_std) for side in sides)
+        assert low == pytest.approx(high, rel=1e-5)
+
+
+def test_what_the_closure_cannot_do_is_said():
+    with pytest.raises(ValueError, match=r"closure = 'drift' is not available for BoucWen"):
+        sl.linearize(sl.BoucWen(1.0, 0.05, 0.1, reduction_factor=2), LAKEBED, "drift")
+    with pytest.raises(ValueError, match=r"closure = 'drift'.*no spectral moments"):
+        sl.peak_response(building(), LAKEBED, 30.0, closure="drift")
+    bad = sl.linearize(building(period=np.array([1.0, -1.0])), LAKEBED, "drift")
+    assert np.isfinite(bad.ductility_std[0])
+    assert np.isnan(bad.ductility_std[1])

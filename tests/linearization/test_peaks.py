@@ -1,0 +1,303 @@
+"""Peak factors: their formulas by another road, exact limits, and simulation."""
+
+from __future__ import annotations
+
+import mpmath
+import numpy as np
+import pytest
+import scipy.linalg
+import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
+
+import stochlin as sl
+
+pytestmark = pytest.mark.oracle
+
+DAVENPORT, DER_KIUREGHIAN, VANMARCKE = (sl.peak_factor_model(n) for n in sl.peak_factor_names())
+CLUMPING = {2: mpmath.sqrt(mpmath.pi / 2), 1: mpmath.sqrt(2 * mpmath.pi)}
+
+many = st.floats(2, 1e6)
+bands = st.floats(0, 1)
+
+
+def oscillator_bandwidth(damping):
+    """Of an elastic oscillator under white noise."""
+    ratio = (2 / np.pi) * np.arccos(damping) / np.sqrt(1 - damping**2)
+    return np.sqrt(1 - ratio**2)
+
+
+def exact_vanmarcke(crossings, bandwidth, sides):
+    """Mean and standard deviation by mpmath from the distribution, one-sided written out."""
+    n, delta = mpmath.mpf(crossings) * sides / 2, mpmath.mpf(bandwidth)
+
+    def exceeding(x):
+        rate = 1 - mpmath.exp(-CLUMPING[sides] * delta ** mpmath.mpf("1.2") * x)
+        start = 1 - mpmath.exp(-x * x / 2)
+        return 1 - start * mpmath.exp(-n * rate / mpmath.expm1(x * x / 2)) if x else mpmath.mpf(1)
+
+    points = [0, 1e-4, 1e-3, 0.01, 0.05, 0.1, *(mpmath.mpf(i) / 2 for i in range(1, 28))]
+    with mpmath.workdps(25):
+        mean = mpmath.quad(exceeding, points)
+        square = mpmath.quad(lambda x: 2 * x * exceeding(x), points)
+        return float(mean), float(mpmath.sqrt(square - mean**2))
+
+
+@pytest.mark.parametrize("sides", [1, 2])
+@pytest.mark.parametrize(
+    ("crossings", "bandwidth"),
+    [
+        (2, 0),
+        (2, 0.001),
+        (3, 0.3),
+        (2, 1),
+        (5, 0.05),
+        (40, 0.2463),
+        (1e3, 0.001),
+        (1e6, 0.01),
+        (1e8, 0.5),
+    ],
+)
+def test_vanmarcke_by_another_quadrature(crossings, bandwidth, sides):
+    mean, std = exact_vanmarcke(crossings, bandwidth, sides)
+    assert float(VANMARCKE.mean(crossings, bandwidth, sides)) == pytest.approx(mean, rel=1e-11)
+    assert float(VANMARCKE.std(crossings, bandwidth, sides)) == pytest.approx(std, rel=1e-10)
+
+
+def stationary_peaks(damping, cycles, paths=8192, steps=48):
+    """Peaks of an oscillator of unit variance under white noise that begins stationary: exact steps."""
+    rng = np.random.default_rng([8, cycles])
+    w = 2 * np.pi
+    step = scipy.linalg.expm(np.array([[0, 1], [-w * w, -2 * damping * w]]) / steps)
+    covariance = np.diag([1, w * w])
+    root = np.linalg.cholesky(covariance - step @ covariance @ step.T)
+    state = np.sqrt(covariance) @ rng.standard_normal((2, paths))
+    high, low = state[0].copy(), state[0].copy()
+    for _ in range(cycles * steps):
+        state = step @ state + root @ rng.standard_normal((2, paths))
+        np.maximum(high, state[0], out=high)
+        np.minimum(low, state[0], out=low)
+    return np.maximum(high, -low), high
+
+
+# Errors of the models for two-sided and one-sided peaks, as measured with 20000 paths (standard
+# error .14 %), widened to the next per cent: what each deserves, not what it is asked for.
+ERRORS = {
+    DAVENPORT: ((0.04, 0.21), (0.03, 0.16)),
+    DER_KIUREGHIAN: ((-0.02, 0.06), (0.01, 0.08)),
+    VANMARCKE: ((-0.02, 0.05), (-0.01, 0.06)),
+}
+
+
+@pytest.mark.parametrize(
+    ("damping", "cycles", "mean", "std"),
+    [
+        (0.05, 20, 2.617, 0.506),
+        (0.05, 100, 3.223, 0.415),
+        (0.02, 40, 2.643, 0.517),
+        (0.1, 40, 3.021, 0.432),
+    ],
+)
+def test_models_against_simulated_peaks(damping, cycles, mean, std):
+    two_sided, one_sided = stationary_peaks(damping, cycles)
+    error = two_sided.std() / np.sqrt(two_sided.size)
+    assert abs(two_sided.mean() - mean) < 4 * error + 0.01  # known values to a per cent of q
+    bandwidth = oscillator_bandwidth(damping)
+    for model, limits in ERRORS.items():
+        for sides, sample, (low, high) in zip((2, 1), (two_sided, one_sided), limits, strict=True):
+            ratio = float(model.mean(2 * cycles, bandwidth, sides)) / sample.mean()
+            spare = 4 * error / sample.mean()
+            assert low - spare < ratio - 1 < high + spare, (type(model).__name__, sides)
+    # std: 1/sqrt(2 n) of sampling, and 4 to 8 % that the envelope models are too narrow
+    assert float(VANMARCKE.std(2 * cycles, bandwidth)) == pytest.approx(std, rel=0.09)
+    assert float(DER_KIUREGHIAN.std(2 * cycles, bandwidth)) == pytest.approx(std, rel=0.13)
+
+
+def test_one_sided_peak_is_about_five_per_cent_lower():
+    """2.486 against 2.617 at 5 % damping and 20 cycles, simulated."""
+    bandwidth = oscillator_bandwidth(0.05)
+    one, two = (float(VANMARCKE.mean(40, bandwidth, sides)) for sides in (1, 2))
+    assert one == pytest.approx(2.486, rel=0.025)
+    assert one / two == pytest.approx(2.486 / 2.617, abs=0.02)
+
+
+@given(st.floats(4, 1e5))
+def test_narrow_band_has_one_envelope_for_both_sides(crossings):
+    """Up and down, a slowly varying envelope has the same peak."""
+    for model in (VANMARCKE, DER_KIUREGHIAN):
+        one, two = (model.mean(crossings, 1e-9, sides) for sides in (1, 2))
+        np.testing.assert_allclose(one, two, rtol=1e-4)
+
+
+@given(st.floats(4, 1e5))
+def test_broad_band_counts_half_the_crossings(crossings):
+    for model in (DAVENPORT, DER_KIUREGHIAN):
+        np.testing.assert_array_equal(model.mean(crossings, 0.9, 1), model.mean(crossings / 2, 0.9, 2))
+
+
+@given(many, bands)
+def test_sides_and_order_of_the_models(crossings, bandwidth):
+    davenport, fitted, passage = (
+        float(m.mean(crossings, bandwidth)) for m in (DAVENPORT, DER_KIUREGHIAN, VANMARCKE)
+    )
+    # from Rayleigh's peak to that of independent crossings, which is known to 1/L^2
+    assert 1.2533 < passage < davenport * (1 + 1 / (2 * np.log(crossings)))
+    if not np.isnan(fitted) and 2 * bandwidth * crossings > 2.1:
+        assert fitted <= davenport
+    for model in (DAVENPORT, DER_KIUREGHIAN, VANMARCKE):
+        one, two = (float(model.mean(crossings, bandwidth, sides)) for sides in (1, 2))
+        if not np.isnan([one, two]).any():
+            # .8 %: the step between two pieces of Der Kiureghian's fit
+            assert 0 < one <= two * 1.008
+        std = float(model.std(crossings, bandwidth))
+        assert np.isnan(std) or 0 < std < 2
+
+
+@given(many, st.floats(1.001, 10), bands)
+def test_longer_motion_has_a_higher_peak(crossings, factor, bandwidth):
+    for model in (DAVENPORT, DER_KIUREGHIAN, VANMARCKE):
+        for sides in (1, 2):
+            short, long = (model.mean(n, bandwidth, sides) for n in (crossings, factor * crossings))
+            assert np.isnan(short) or long >= short * (1 - 1e-14)
+
+
+@given(st.floats(2, 1e6), st.floats(0, 0.9), st.floats(0.001, 0.1))
+def test_broader_band_has_a_higher_peak(crossings, bandwidth, more):
+    low, high = (float(VANMARCKE.mean(crossings, b)) for b in (bandwidth, bandwidth + more))
+    assert high >= low
+
+
+def test_sine_with_a_random_envelope_has_the_peak_of_rayleigh():
+    """No bandwidth: whatever the duration, the envelope never changes."""
+    crossings = np.array([1.0, 10, 1e4])
+    np.testing.assert_allclose(VANMARCKE.mean(crossings, 0.0), np.sqrt(np.pi / 2), rtol=1e-12)
+    np.testing.assert_allclose(VANMARCKE.std(crossings, 0.0), np.sqrt(2 - np.pi / 2), rtol=1e-11)
+
+
+def test_vanmarcke_tends_to_independent_crossings():
+    """Broad band, high level: Gumbel's law, whose next term is of order ``1/L^2``."""
+    for crossings in (1e4, 1e8):
+        level = 2 * np.log(crossings)
+        ratio = VANMARCKE.mean(crossings, 1.0) / DAVENPORT.mean(crossings, 1.0)
+        assert abs(float(ratio) - 1) < 1 / level
+
+
+@pytest.mark.parametrize("sides", [1, 2])
+def test_outside_its_domain_a_model_says_nothing(sides):
+    enough = 2 / sides
+    for model in (DAVENPORT, DER_KIUREGHIAN, VANMARCKE):
+        for crossings, bandwidth in ((0.99 * enough, 0.3), (-1, 0.3), (np.nan, 0.3), (np.inf, 0.3)):
+            assert np.isnan(model.mean(crossings, bandwidth, sides))
+            assert np.isnan(model.std(crossings, bandwidth, sides))
+        for bandwidth in (-0.1, 1.01, np.nan):
+            assert np.isnan(model.mean(50.0, bandwidth, sides))
+        assert "crossings" in model.domain(sides)
+    assert np.isnan(DAVENPORT.mean(1.33 * enough, 0.3, sides))
+    assert float(DAVENPORT.mean(1.34 * enough, 0.3, sides)) > 1.5
+    assert np.isnan(DER_KIUREGHIAN.mean(1.5 * enough, 0.15 * sides / 2, sides))
+    assert float(VANMARCKE.mean(enough, 0.3, sides)) > 1.25
+
+
+def test_values_keep_the_shape_of_their_arguments():
+    crossings, bandwidth = np.array([10.0, 0.5, 1e3])[:, None], np.array([0.1, 0.5])
+    table = VANMARCKE.mean(crossings, bandwidth)
+    assert table.shape == (3, 2)
+    assert np.isnan(table[1]).all()
+    assert table[2, 1] == VANMARCKE.mean(1e3, 0.5)
+    many_cells = VANMARCKE.mean(np.geomspace(1, 1e4, 700), 0.3)  # more than one block
+    assert many_cells[699] == VANMARCKE.mean(1e4, 0.3)
+
+
+@pytest.mark.parametrize("name", ["Vanmarcke1975", "vanmarcke", "v75", " VANMARCKE "])
+def test_models_are_found_by_name(name):
+    assert sl.peak_factor_model(name) is VANMARCKE
+
+
+def test_unknown_models_and_sides_are_refused():
+    assert sl.peak_factor_model("der_kiureghian") is DER_KIUREGHIAN
+    with pytest.raises(ValueError, match=r"model = 'gumbel' .*Davenport1964 \(D64\), .*Vanmarcke1975"):
+        sl.peak_factor_model("gumbel")
+    with pytest.raises(ValueError, match="sides = 3; allowed: 2"):
+        VANMARCKE.mean(10, 0.1, 3)
+
+
+LONG = sl.KanaiTajimi(period=0.8, damping=0.4)
+
+
+def test_peaks_of_simulated_motions():
+    """Elastic oscillators on Kanai-Tajimi ground, from rest, over 40 periods of the slower one."""
+    periods, damping, duration = (0.6, 1.0), 0.1, 40.0
+    pair = [sl.Bilinear(T, damping) for T in periods]
+    run = sl.simulate(pair, LONG, paths=2048, duration=duration, seed=5)
+    for sides, name in ((2, "peak_mean"), (1, "peak_positive_mean")):
+        table = sl.peak_response(sl.Bilinear(list(periods), damping), LONG, duration, sides=sides)
+        error = run[f"{name}_standard_error"].values
+        # The start from rest takes about 1 %, the step 1/32 of a period at most .5 % of every peak;
+        # Vanmarcke errs by 2 % at this damping.
+        ratio = table.peak_mean.values / run[name].values
+        assert (np.abs(ratio - 1) < 0.035 + 4 * error / run[name].values).all()
+    table = sl.peak_response(sl.Bilinear(list(periods), damping), LONG, duration)
+    spread = run.peak.std("path").values
+    np.testing.assert_allclose(table.peak_std, spread, rtol=0.06 + 4 / np.sqrt(2 * 2048))
+
+
+def test_response_scales_with_the_motion():
+    building = sl.Bilinear(1.0, 0.05)
+    one, four = (sl.peak_response(building, sl.WhiteNoise(s), 20.0) for s in (0.01, 0.04))
+    assert float(four.peak_mean) == pytest.approx(2 * float(one.peak_mean), rel=1e-12)
+    assert float(four.peak_factor) == pytest.approx(float(one.peak_factor), rel=1e-12)
+    assert float(one.bandwidth) == pytest.approx(oscillator_bandwidth(0.05), rel=1e-10)
+    assert float(one.peak_mean) == pytest.approx(
+        float(one.peak_factor) * float(one.displacement_std), rel=1e-14
+    )
+
+
+@pytest.mark.parametrize("closure", ["gaussian", "clipped", "narrow_band"])
+@pytest.mark.parametrize("model", sl.peak_factor_names())
+def test_yielding_structures_have_peaks_by_every_model_and_closure(model, closure):
+    building = sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=4)
+    table = sl.peak_response(building, LONG, 30.0, model=model, closure=closure)
+    sigma = float(sl.linearize(building, LONG, closure).displacement_std)
+    assert 2 * sigma < float(table.peak_mean) < 5 * sigma
+    assert float(table.displacement_std) == sigma
+    assert "too small" in table.attrs["comment"]
+    assert table.attrs["peak_factor_model"] == model
+
+
+def test_table_over_durations_with_cells_that_fail_alone():
+    duration = xr.DataArray([0.2, 20.0, -1.0], dims="duration")
+    building = sl.Bilinear(xr.DataArray([1.0, -1.0], dims="building"), 0.05)
+    table = sl.peak_response(building, LONG, duration, sides=1)
+    assert table.peak_mean.notnull().transpose("building", "duration").values.tolist() == [
+        [False, True, False],
+        [False, False, False],
+    ]
+    assert ((table.status == 3) == table.peak_mean.isnull()).all()  # invalid_input
+    alone = sl.peak_response(sl.Bilinear(1.0, 0.05), LONG, 20.0, sides=1)
+    assert float(table.peak_mean.isel(building=0, duration=1)) == pytest.approx(
+        float(alone.peak_mean), rel=1e-13
+    )
+    assert table.peak_mean.attrs == {
+        "units": "m",
+        "long_name": "mean of the largest displacement in one direction",
+    }
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            {"duration": 0.1},
+            r"duration = 0.1 holds .* zero crossings; allowed for Vanmarcke1975.*longer",
+        ),
+        ({"duration": -1.0}, r"duration = -1 .*allowed: 0 < value"),
+        ({"model": "rice"}, "model = 'rice'"),
+        ({"sides": 0}, "sides = 0"),
+        ({"closure": "linear"}, "closure = 'linear'"),
+    ],
+    ids=str,
+)
+def test_bad_arguments_are_refused(change, message):
+    arguments = {"structure": sl.Bilinear(1.0, 0.05), "ground": LONG, "duration": 20.0} | change
+    with pytest.raises(ValueError, match=message):
+        sl.peak_response(**arguments)

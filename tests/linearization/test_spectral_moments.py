@@ -1,0 +1,215 @@
+"""First spectral moments against mpmath's integral over the real frequency axis, and exact limits."""
+
+from __future__ import annotations
+
+import cases
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import stochlin as sl
+from stochlin.analyses.linearization.equivalent_systems import solve_structure
+from stochlin.analyses.linearization.peaks import relative_moments, response_moments
+from stochlin.analyses.linearization.tolerance import Tolerance
+from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, linear_system
+from stochlin.kernels.linearization.filters import (
+    clough_penzien_forcing,
+    kanai_tajimi_forcing,
+    white_noise_forcing,
+)
+from stochlin.kernels.linearization.spectral_moments import difference_moments, displacement_moments
+
+pytestmark = pytest.mark.oracle
+
+FORCING = {1: white_noise_forcing, 3: kanai_tajimi_forcing, 5: clough_penzien_forcing}
+ACCURACY = 5e-12  # reached: 1.4e-12; the rule is built for 5e-13
+
+
+def density(w, parameters):
+    intensity, *filters = (mpmath.mpf(float(p)) for p in parameters)
+    result = intensity
+    if filters:
+        ratio, spread = (w / filters[0]) ** 2, 4 * filters[1] ** 2
+        result *= (1 + spread * ratio) / ((1 - ratio) ** 2 + spread * ratio)
+    if filters[2:]:
+        ratio, spread = (w / filters[2]) ** 2, 4 * filters[3] ** 2
+        result *= ratio**2 / ((1 - ratio) ** 2 + spread * ratio)
+    return result
+
+
+def transfer(w, system):
+    w2, d, h, p, k = (mpmath.mpf(float(x)) for x in system)
+    s = 1j * w
+    return (s + k) / ((s + k) * (s * s + d * s + w2) - h * (k + p * s))
+
+
+def exact_moment(order, systems, parameters, resonances):
+    """``2 Int_0^inf w^order S |H|^2 dw``, split finely around every resonance."""
+    points = {mpmath.mpf(0)}
+    for w, xi in resonances:
+        around = [w * (1 + sign * f * 0.7 * xi) for f in (0, 1, 3, 10, 30, 100, 300) for sign in (-1, 1)]
+        points |= {mpmath.mpf(x) for x in around if x > 0}
+    low, high = min(points - {0}), max(points)
+    points |= {low / 10**n for n in range(1, 6)} | {high * 10**n for n in range(1, 5)}
+
+    def integrand(w):
+        first, *others = (transfer(w, system) for system in systems)
+        return w**order * density(w, parameters) * abs(first - sum(others)) ** 2
+
+    with mpmath.workdps(20):
+        return float(2 * mpmath.quad(integrand, [*sorted(points), mpmath.inf]))
+
+
+def in_a_row(system):
+    return EquivalentSystem(*(np.array([float(x)]) for x in system))
+
+
+def forcing(system, parameters):
+    entries = FORCING[len(parameters)](system, *parameters)
+    return Forcing(*(np.broadcast_to(x, system.stiffness.shape) for x in entries))
+
+
+def draw(seed, kind):
+    """A structure, elastic for even seeds, its ground, and their resonances."""
+    rng = np.random.default_rng([7, seed, kind])
+    xi, wg, xig = (cases.log_uniform(rng, r) for r in ((0.005, 0.2), (0.01, 100), (0.03, 0.9)))
+    wf = wg * cases.log_uniform(rng, (0.05, 0.3))
+    filters = [1.0, wg, xig, wf, 0.6][:kind]
+    resonances = [(1.0, xi), (wg, xig), (wf, 0.6)][: (kind + 1) // 2]
+    system = linear_system(np.float64(1.0), np.float64(xi))
+    if seed % 2:
+        alpha, slip, relaxation = (cases.log_uniform(rng, r) for r in ((0.02, 0.5), *[(1e-4, 0.5)] * 2))
+        system = EquivalentSystem(1.0, 2 * xi, 1 - alpha, slip, relaxation)
+        resonances += [(np.sqrt(alpha), xi), (relaxation * alpha, 0.5)]
+    other = linear_system(np.float64(cases.log_uniform(rng, (0.3, 3))), np.float64(0.04))
+    return in_a_row(system), in_a_row(other), [np.array([p]) for p in filters], resonances
+
+
+@pytest.mark.parametrize("kind", [1, 3, 5], ids=["white", "kanai-tajimi", "clough-penzien"])
+@pytest.mark.parametrize("seed", range(4))
+def test_first_moment_over_period_ratios_of_ten_thousand(kind, seed):
+    system, _, parameters, resonances = draw(seed, kind)
+    got = displacement_moments(system, forcing(system, parameters), parameters)
+    expected = exact_moment(1, [[x[0] for x in system]], [p[0] for p in parameters], resonances)
+    assert float(got.l1[0]) == pytest.approx(expected, rel=ACCURACY)
+
+
+@pytest.mark.parametrize("damping", [0.005, 0.05])
+@pytest.mark.parametrize("detuning", [0.0, 1e-9, 1e-5])
+@pytest.mark.parametrize("kind", [3, 5])
+def test_first_moment_where_the_state_matrix_is_defective(damping, detuning, kind):
+    """Structure, soil and high-pass oscillator alike: poles of multiplicity two and three."""
+    system = in_a_row(linear_system(np.float64(1.0), np.float64(damping)))
+    parameters = [np.array([x]) for x in (1.0, 1 + detuning, damping, 1 - detuning, damping)[:kind]]
+    got = displacement_moments(system, forcing(system, parameters), parameters)
+    resonances = [(1.0, damping)]
+    expected = exact_moment(1, [[x[0] for x in system]], [p[0] for p in parameters], resonances)
+    assert float(got.l1[0]) == pytest.approx(expected, rel=ACCURACY)
+
+
+@pytest.mark.parametrize(("seed", "kind"), [(0, 1), (1, 1), (2, 3), (3, 3), (4, 5), (5, 5)])
+def test_all_moments_of_a_difference(seed, kind):
+    first, second, parameters, resonances = draw(seed, kind)
+    pair = [(one, forcing(one, parameters)) for one in (first, second)]
+    got = difference_moments(*pair[0], *pair[1], parameters)
+    systems = [[x[0] for x in one] for one in (first, second)]
+    resonances = [*resonances, (float(np.sqrt(second.stiffness[0])), 0.04)]
+    for order, moment in enumerate(got):
+        expected = exact_moment(order, systems, [p[0] for p in parameters], resonances)
+        # Clough-Penzien far from the structures leaves the l0 of both 1e-12
+        assert float(moment[0]) == pytest.approx(expected, rel=2 * ACCURACY)
+
+
+@given(st.floats(1e-3, 0.999))
+def test_white_noise_has_a_closed_form(damping):
+    """``l1 = l0 w (1 - (2/pi) asin xi)/sqrt(1 - xi^2)``: Vanmarcke (1972)."""
+    system = in_a_row(linear_system(np.float64(2.0), np.float64(damping)))
+    parameters = [np.array([0.3])]
+    l0, l1, _ = displacement_moments(system, forcing(system, parameters), parameters)
+    ratio = (2 / np.pi) * np.arccos(damping) / np.sqrt(1 - damping**2)
+    np.testing.assert_allclose(l1, 2.0 * l0 * ratio, rtol=2e-12)
+
+
+structures = st.fixed_dictionaries(
+    {
+        "period": st.floats(0.1, 5),
+        "damping": st.floats(0.005, 0.2),
+        "hardening": st.floats(0.02, 0.8),
+        "reduction_factor": st.floats(0.5, 8),
+    }
+)
+grounds = st.builds(sl.KanaiTajimi, st.floats(0.2, 4), st.floats(0.03, 0.9))
+
+
+def solve(structure, ground):
+    return solve_structure(structure, ground, "gaussian", Tolerance(1e-10, 1e-12, 200))
+
+
+@given(structures, structures, grounds)
+def test_moments_are_those_of_a_spectrum(first, second, ground):
+    """Positive, ``l1^2 <= l0 l2``, and the variances that the covariances give."""
+    solved = [solve(sl.Bilinear(**one), ground) for one in (first, second)]
+    for one in solved:
+        l0, l1, l2 = (float(x) for x in response_moments(one, ground))
+        assert 0 < l1 <= np.sqrt(l0 * l2)
+        assert np.sqrt(l0) == pytest.approx(float(one.displacement_std), rel=1e-12)
+        assert np.sqrt(l2) == pytest.approx(float(one.velocity_std), rel=1e-12)
+    rho = float(sl.correlate(sl.Bilinear(**first), sl.Bilinear(**second), ground).rho)
+    gap = float(sl.critical_gap(*(one.displacement_std for one in solved), rho).gap)
+    l0, l1, l2 = (float(x) for x in relative_moments(*solved, ground))
+    if 1 - rho > 1e-6:  # the difference keeps 1 - rho of the digits
+        assert np.sqrt(l0) == pytest.approx(gap, rel=1e-8)
+        assert 0 < l1 <= np.sqrt(l0 * l2) * (1 + 1e-8)
+
+
+@given(structures, st.floats(0.1, 10))
+def test_slower_time_scales_the_moments(structure, scale):
+    """Times longer by a factor, the motion in metres as it was."""
+    ground = {"period": 1.0, "damping": 0.3}
+    slow = structure | {"period": structure["period"] * scale}
+    one = sl.KanaiTajimi(**ground)
+    other = sl.KanaiTajimi(scale, 0.3, intensity=scale**-3.0)
+    before = response_moments(solve(sl.Bilinear(**structure), one), one)
+    after = response_moments(solve(sl.Bilinear(**slow), other), other)
+    for order, (a, b) in enumerate(zip(before, after, strict=True)):
+        np.testing.assert_allclose(b * scale**order, a, rtol=1e-9)
+
+
+def test_difference_from_a_very_stiff_structure_is_the_other_one():
+    ground = sl.KanaiTajimi(1.0, 0.3)
+    soft, stiff = (solve(sl.Bilinear(T, 0.05), ground) for T in (1.0, 1e-4))
+    for a, b in zip(relative_moments(soft, stiff, ground), response_moments(soft, ground), strict=True):
+        np.testing.assert_allclose(a, b, rtol=1e-6)  # (1e-4)^2 times what the stiff one moves
+
+
+def test_difference_changes_no_moment_when_the_structures_change_places():
+    ground = sl.CloughPenzien(1.0, 0.3, high_pass_period=5.0, high_pass_damping=0.6)
+    pair = [
+        solve(sl.Bilinear([0.5, 1.4], 0.05, 0.05, reduction_factor=4), ground),
+        solve(sl.BoucWen(1.0, 0.05, 0.1, reduction_factor=2), ground),
+    ]
+    for a, b in zip(relative_moments(*pair, ground), relative_moments(*pair[::-1], ground), strict=True):
+        np.testing.assert_allclose(a, b, rtol=1e-10)
+
+
+def test_table_of_many_cells_is_the_cells_one_by_one():
+    """More cells than one block of the kernel, an invalid one among them."""
+    periods = np.geomspace(0.1, 5, 300)
+    periods[7] = -1
+    ground = sl.KanaiTajimi(1.0, 0.2)
+    table = response_moments(solve(sl.Bilinear(periods, 0.05), ground), ground)
+    for cell in (0, 127, 128, 299):
+        alone = response_moments(solve(sl.Bilinear(periods[cell], 0.05), ground), ground)
+        for a, b in zip(table, alone, strict=True):
+            np.testing.assert_allclose(a[cell], b, rtol=1e-14)
+    assert np.flatnonzero(np.isnan(table[1])).tolist() == [7]
+
+
+def test_structures_that_move_as_one_have_no_difference():
+    ground = sl.KanaiTajimi(1.0, 0.2)
+    one = solve(sl.Bilinear(0.7, 0.05), ground)
+    l0, _, l2 = relative_moments(one, one, ground)
+    assert abs(float(l0)) < 1e-13 * float(one.displacement_std) ** 2
+    assert abs(float(l2)) < 1e-12 * float(one.velocity_std) ** 2

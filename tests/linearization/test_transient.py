@@ -1,0 +1,173 @@
+"""Transient linearization: against the Lyapunov differential equation, simulation and its own limits."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.integrate
+import scipy.linalg
+import xarray as xr
+from cases import augmented_system
+
+import stochlin as sl
+from stochlin.analyses.probability.cells import Pair
+from stochlin.models.structures import Gap
+
+pytestmark = pytest.mark.oracle
+
+QUAKE = sl.AminAng(4.0, 12.0, 0.35)
+DURATION = 18.0
+FIRM = sl.KanaiTajimi(2 * np.pi / 15, 0.6, intensity=0.01)
+GROUNDS = {
+    "white": sl.WhiteNoise(0.01),
+    "firm": FIRM,
+    "resonant": sl.KanaiTajimi(1.0, 0.05, intensity=1e-3),
+    "high_pass": sl.CloughPenzien(0.42, 0.6, 4.2, 0.6, intensity=0.01),
+}
+
+
+def direct(pair, ground, times):
+    """Moments of u1, v1, u2, v2 over time, from the whole system's Lyapunov equation."""
+    intensity, *filters = (float(p) for p in ground.kernel_parameters())
+    w = [2 * np.pi / s.period for s in pair]
+    matrix, noise = augmented_system(
+        [(x**2, 2 * s.damping * x) for x, s in zip(w, pair, strict=True)], filters
+    )
+    matrix, noise = np.array(matrix, float), np.array(noise, float)
+    strength = 2 * np.pi * intensity
+    start = np.zeros_like(matrix)
+    if filters:
+        soil = matrix[4:, 4:]
+        start[4:, 4:] = scipy.linalg.solve_continuous_lyapunov(
+            soil, -strength * np.outer(noise[4:], noise[4:])
+        )
+
+    def rate(time, flat):
+        p = flat.reshape(matrix.shape)
+        m = float(QUAKE.at(np.array(time)))
+        now, push = matrix.copy(), noise.copy()
+        now[:4, 4:] *= m
+        push[:4] *= m
+        return (now @ p + p @ now.T + strength * np.outer(push, push)).ravel()
+
+    scale = np.abs(start).max() if filters else 1.0
+    rows, state, begin = [], start.ravel(), 0.0
+    for end in (4.0, 12.0, DURATION):  # the envelope's kinks are ends of pieces
+        inside = times[(times >= begin) & (times < end)] if end < DURATION else times[times >= begin]
+        piece = scipy.integrate.solve_ivp(
+            rate, (begin, end), state, "DOP853", np.union1d(inside, end), rtol=1e-12, atol=1e-18 * scale
+        )
+        rows.append(piece.y[:, : inside.size])
+        state, begin = piece.y[:, -1], end
+    return np.concatenate(rows, axis=1).T.reshape(-1, *matrix.shape)[:, :4, :4]
+
+
+@pytest.mark.parametrize("ground", GROUNDS.values(), ids=list(GROUNDS))
+def test_linear_pair_follows_the_lyapunov_differential_equation(ground):
+    pair = sl.Bilinear(1.0, 0.05), sl.Bilinear(0.6, 0.02)
+    solved = Pair.of(*pair, ground, Gap(1.0), DURATION, QUAKE, 11)
+    x = direct(pair, ground, solved.course.times)
+    own, both = solved.moments.own, solved.moments.difference
+    d = np.array([1.0, 0.0, -1.0, 0.0])
+    v = np.array([0.0, 1.0, 0.0, -1.0])
+    for found, expected in (
+        (own.displacement, x[:, [0, 2], [0, 2]]),
+        (own.velocity, x[:, [1, 3], [1, 3]]),
+        (both.d_d, (d @ x @ d)[:, None]),
+        (both.d_v, (d @ x @ v)[:, None]),
+        (both.v_v, (v @ x @ v)[:, None]),
+    ):
+        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-8 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize(
+    "structure",
+    [
+        sl.Bilinear(0.8, 0.05),
+        sl.Bilinear(0.5, 0.05, 0.2, reduction_factor=4),
+        sl.BoucWen(0.5, 0.05, 0.3, reduction_factor=3),
+    ],
+    ids=["elastic", "bilinear", "Bouc-Wen"],
+)
+@pytest.mark.parametrize("ground", [GROUNDS["white"], FIRM], ids=["white", "firm"])
+def test_meets_the_stationary_solution_when_the_envelope_stays_at_one(structure, ground):
+    late = sl.transient_response(structure, ground, 60.0, points=3).isel(time=-1)
+    stationary = sl.linearize(structure, ground)
+    for name in ("displacement_std", "velocity_std", "c_eq", "k_eq"):
+        assert float(late[name]) == pytest.approx(float(stationary[name]), rel=1e-4, abs=1e-12), name
+    if structure.yields:
+        assert float(late.z_std) == pytest.approx(float(stationary.z_std), rel=1e-4)
+
+
+def test_starts_from_rest_and_scales_with_the_motion():
+    one = sl.Bilinear(0.7, 0.05, 0.05, yield_displacement=0.02)
+    two = sl.Bilinear(0.7, 0.05, 0.05, yield_displacement=0.04)
+    strong = sl.KanaiTajimi(2 * np.pi / 15, 0.6, intensity=0.04)
+    small, large = (
+        sl.transient_response(s, g, 15.0, envelope=QUAKE) for s, g in ((one, FIRM), (two, strong))
+    )
+    assert float(small.displacement_std[0]) == 0
+    assert float(small.velocity_std[0]) == 0
+    np.testing.assert_allclose(large.displacement_std, 2 * small.displacement_std, rtol=1e-5, atol=1e-9)
+    np.testing.assert_allclose(large.c_eq, small.c_eq, atol=1e-5)
+
+
+def test_almost_elastic_is_elastic():
+    weak = sl.Bilinear(0.7, 0.05, 0.05, yield_displacement=10.0)
+    found, elastic = (
+        sl.transient_response(s, FIRM, 10.0, envelope=QUAKE).displacement_std
+        for s in (weak, sl.Bilinear(0.7, 0.05))
+    )
+    np.testing.assert_allclose(found, elastic, atol=1e-7 * float(elastic.max()))
+
+
+def test_cells_of_a_table_are_what_they_are_alone():
+    periods = xr.DataArray([0.5, -1.0, 1.1], dims="period")
+    intensities = xr.DataArray([0.003, 0.03], dims="intensity")
+    options = {"damping": 0.05, "hardening": 0.1}
+    uy = 0.03
+    ground = sl.KanaiTajimi(2 * np.pi / 15, 0.6, intensity=intensities)
+    table = sl.transient_response(
+        sl.Bilinear(periods, yield_displacement=uy, **options), ground, 12.0, envelope=QUAKE, points=7
+    )
+    assert table.displacement_std.isel(period=1).isnull().all()
+    assert (table.status.isel(period=1) == 3).all()
+    for i in (0, 2):
+        for j in range(2):
+            alone = sl.transient_response(
+                sl.Bilinear(float(periods[i]), yield_displacement=uy, **options),
+                sl.KanaiTajimi(2 * np.pi / 15, 0.6, intensity=float(intensities[j])),
+                12.0,
+                envelope=QUAKE,
+                points=7,
+            )
+            cell = table.isel(period=i, intensity=j)
+            scale = float(alone.displacement_std.max())
+            np.testing.assert_allclose(cell.displacement_std, alone.displacement_std, atol=1e-5 * scale)
+
+
+def test_flag_rises_once_shaking_is_no_longer_strong():
+    table = sl.transient_response(sl.Bilinear(0.5, 0.05), FIRM, 20.0, envelope=QUAKE, points=201)
+    half = 12.0 + np.log(2) / 0.35
+    expected = table.time.values > half
+    assert (table.permanent_set.values.astype(bool) == expected).mean() > 0.99
+    assert table.attrs["strong_shaking_end_s"] == pytest.approx(half, abs=0.01)
+    steady = sl.transient_response(sl.Bilinear(0.5, 0.05), FIRM, 20.0)
+    assert not steady.permanent_set.any()
+
+
+@pytest.mark.parametrize("factor", [4, 6])
+def test_bilinear_bias_at_the_end_of_strong_shaking_is_shown_and_corrected(factor):
+    """Linearized sigma is a third too small there; the drift put back brings it within a tenth."""
+    pair = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=factor) for T in (0.7, 1.0)]
+    table = sl.pounding_probability(
+        *pair, FIRM, 0.2, envelope=sl.AminAng(4.0, 15.0, 0.35), duration=30.0, paths=2048
+    ).sel(time=15.0, method="nearest")
+    for n in (1, 2):
+        simulated = float(table[f"displacement_std_simulated_{n}"])
+        # 27 to 37 % too small in earlier simulations; 2048 motions tell the deviation to 1.7 %
+        bias = float(table[f"displacement_std_{n}"]) / simulated - 1
+        assert -0.37 - 3 * 0.017 < bias < -0.27 + 3 * 0.017
+        corrected = float(table[f"displacement_std_corrected_{n}"]) / simulated - 1
+        assert abs(corrected) < 0.1
+    assert "too small" in table.attrs["comment"]

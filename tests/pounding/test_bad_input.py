@@ -1,0 +1,148 @@
+"""Bad input to pounding: refused with the parameter, its value, what is allowed, and the cure."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import stochlin as sl
+
+pytestmark = pytest.mark.invariant
+
+CONTACT = sl.Kelvin(1e8, restitution=0.65)
+ONE = sl.Bilinear(1.0, 0.05, mass=2e5)
+TWO = sl.Bilinear(0.5, 0.05, mass=3e5)
+TIME = 0.02 * np.arange(100)
+MOTION = xr.DataArray(np.sin(6 * TIME), dims="time", coords={"time": TIME})
+
+
+def tower(heights, **other):
+    return sl.ShearBuilding([2e5] * len(heights), [4e8] * len(heights), heights, 0.05, **other)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "message"),
+    [
+        ({"structures": [ONE]}, ValueError, "at least two"),
+        ({"structures": ONE}, ValueError, "at least two"),
+        ({"structures": [ONE, 3]}, TypeError, "number 2 = 3.*allowed: Bilinear"),
+        ({"structures": [ONE, sl.Bilinear(1.0, 0.05)]}, ValueError, "number 2: mass is not given"),
+        (
+            {"structures": [ONE, sl.Bilinear([1.0, 2.0], 0.05, mass=1e5)]},
+            ValueError,
+            "period is an array",
+        ),
+        (
+            {"structures": [ONE, sl.Bilinear(1.0, 0.05, 0.1, reduction_factor=2, mass=1e5)]},
+            ValueError,
+            "reduction_factor.*yield_displacement",
+        ),
+        ({"structures": [ONE, tower([3.0])]}, ValueError, "one kind in a row"),
+        (
+            {"structures": [tower([3.0, 3.0]), tower([3.0, 4.0])]},
+            ValueError,
+            "storeys do not meet: floor 2 of structure 1 is at 6 m.*at 3, 7 m",
+        ),
+        (
+            {"structures": [tower([3.0] * 4), tower([6.0, 6.0])]},
+            ValueError,
+            "structures 1 and 2: storeys do not meet: floor 1 of structure 1 is at 3 m",
+        ),
+        ({"gaps": -0.01}, ValueError, r"-0.01 between structures 1 and 2.*0 <= gap"),
+        ({"gaps": np.nan}, ValueError, "nan between structures 1 and 2"),
+        ({"gaps": [0.01, 0.02]}, ValueError, "1 in all"),
+        ({"gaps": "wide"}, ValueError, "wide"),
+        ({"contact": 0.65}, TypeError, "contact = 0.65"),
+        (
+            {"contact": sl.Kelvin([1e8, 2e8], restitution=0.65)},
+            ValueError,
+            "contact: stiffness is an array",
+        ),
+        ({"motion": MOTION.where(TIME != 0.5)}, ValueError, "motion: record is nan at 0.5 s"),
+        ({"motion": 0 * MOTION}, ValueError, "motion: record holds only zeros"),
+        ({"motion": np.ones(100)}, TypeError, "motion: record is a ndarray"),
+        ({"output_step": 0.0}, ValueError, "output_step = 0.0"),
+        ({"output_step": "fine"}, TypeError, "output_step = 'fine'"),
+    ],
+)
+def test_what_cannot_pound_is_refused(arguments, error, message):
+    usual = {"structures": [ONE, TWO], "gaps": 0.01, "contact": CONTACT, "motion": MOTION}
+    with pytest.raises(error, match=message):
+        sl.pound(**(usual | arguments))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "message"),
+    [
+        ({"masses": [1e5, -1e5]}, ValueError, "masses = -100000 in storey 2"),
+        ({"stiffnesses": [0.0, 1e8]}, ValueError, "stiffnesses = 0 in storey 1"),
+        ({"heights": [3.0]}, ValueError, "masses has 2, .*heights has 1 values"),
+        ({"heights": 3.0}, ValueError, "heights = 3.0; allowed: a list"),
+        ({"masses": []}, ValueError, "masses = "),
+        ({"masses": ["a", "b"]}, TypeError, "not a real number"),
+        ({"damping": 1.5}, ValueError, "damping = 1.5"),
+        ({"damping": [0.05, 0.05]}, ValueError, "damping is an array"),
+        ({"yield_drifts": 0.01}, ValueError, "hardening is not given"),
+        (
+            {"yield_drifts": [0.01, np.nan], "hardening": 0.1},
+            ValueError,
+            "yield_drifts = nan in storey 2",
+        ),
+    ],
+)
+def test_what_is_no_shear_building_is_refused(arguments, error, message):
+    usual = {"masses": [1e5] * 2, "stiffnesses": [1e8] * 2, "heights": [3.0] * 2, "damping": 0.05}
+    with pytest.raises(error, match=message):
+        sl.ShearBuilding(**(usual | arguments))
+
+
+@pytest.mark.parametrize("mass", [0.0, -1.0, np.inf, np.nan])
+def test_masses_out_of_range_are_refused(mass):
+    with pytest.raises(ValueError, match="mass = "):
+        sl.Bilinear(1.0, 0.05, mass=mass)
+
+
+def test_a_mass_is_one_number():
+    with pytest.raises(ValueError, match="mass is an array"):
+        sl.Bilinear(1.0, 0.05, mass=[1e5, 2e5])
+
+
+def test_a_mass_changes_nothing_else():
+    given = {"hardening": 0.1, "reduction_factor": 2.0}
+    without, heavy = sl.Bilinear(1.0, 0.05, **given), sl.Bilinear(1.0, 0.05, **given, mass=7e5)
+    ground = sl.KanaiTajimi(2.0, 0.05)
+    for call in (
+        lambda s: sl.linearize(s, ground),
+        lambda s: sl.correlate(s, sl.Bilinear(0.7, 0.05), ground),
+        lambda s: sl.simulate([s, s], ground, paths=32, seed=1, duration=5.0),
+    ):
+        xr.testing.assert_equal(call(without), call(heavy))
+    record = {"hardening": 0.1, "yield_displacement": 0.02}
+    one, two = sl.Bilinear(1.0, 0.05, **record), sl.Bilinear(1.0, 0.05, **record, mass=7e5)
+    xr.testing.assert_equal(sl.respond(one, MOTION), sl.respond(two, MOTION))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "message"),
+    [
+        ({"first": sl.Bilinear(1.0, 0.05)}, ValueError, "first: mass is not given"),
+        ({"gap": -0.1}, ValueError, "gap = -0.1"),
+        ({"radius_2": 0.0}, ValueError, "radius_2 = 0"),
+        ({"contact": 0.5}, TypeError, "contact = 0.5"),
+        ({"points": 1}, ValueError, "points = 1"),
+    ],
+)
+def test_what_cannot_be_estimated_is_refused(arguments, error, message):
+    usual = {"first": ONE, "second": TWO, "gap": 0.01, "contact": CONTACT}
+    with pytest.raises(error, match=message):
+        sl.pounding_estimate(**(usual | {"radius_1": 0.1, "radius_2": 0.1} | arguments))
+
+
+def test_cells_out_of_range_are_left_out_of_an_estimate():
+    hit = sl.pounding_estimate(ONE, TWO, [0.01, -0.01, 0.02], CONTACT, 0.1, 0.1)
+    assert hit.status.values.tolist() == [0, 3, 0]
+    assert np.isnan(hit.largest_radius_amplification_1.values).tolist() == [False, True, False]
+    alone = sl.pounding_estimate(ONE, TWO, 0.02, CONTACT, 0.1, 0.1)
+    found = float(hit.largest_radius_amplification_2[2])
+    assert found == float(alone.largest_radius_amplification_2)

@@ -1,0 +1,336 @@
+"""``stochlin pound``: what it says, saves and draws, and the energy balance of any valid case."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from cases import recorded_example
+from click.testing import CliRunner, Result
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import stochlin as sl
+from stochlin.analyses.cases.contacts import CONTACTS
+from stochlin.views.command import main
+from stochlin.views.pounding.pictures import draw_pound
+
+pytestmark = pytest.mark.cli
+
+STEP = 0.02
+RECORD = '[[site.records]]\npath = "{}.txt"\nname = "{}"\nunits = "g"\ndt = "0.02 s"\n'
+
+
+def wave(folder: Path, name: str, seed: int, peak: float, seconds: float = 8.0) -> None:
+    """A band of noise that rises and falls, in g."""
+    time = STEP * np.arange(int(seconds / STEP))
+    noise = np.random.default_rng(seed).normal(size=time.size)
+    motion = np.convolve(noise, np.exp(-3 * time) * np.sin(9 * time), "full")[: time.size]
+    motion *= np.sin(np.pi * time / time[-1])
+    np.savetxt(folder / f"{name}.txt", peak * motion / np.abs(motion).max())
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(main, ["pound", *map(str, arguments)])
+
+
+def case_file(folder: Path, *records: tuple[str, float], text: str = sl.example_case()) -> Path:
+    lines = ""
+    for seed, (name, peak) in enumerate(records):
+        wave(folder, f"r{seed}", seed, peak)
+        lines += RECORD.format(f"r{seed}", name)
+    (folder / "case.toml").write_text(text.replace("[motion]", f"{lines}\n[motion]", 1))
+    return folder / "case.toml"
+
+
+@pytest.fixture(scope="module")
+def two(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Result]:
+    """A strong record and one too weak for an impact."""
+    folder = tmp_path_factory.mktemp("two")
+    path = case_file(folder, ("Strong & near", 0.5), ("weak", 0.01))
+    return folder, run(path, "--out", folder / "p.nc", "--picture", folder / "p.png")
+
+
+def test_it_says_what_the_library_says(two: tuple[Path, Result]) -> None:
+    folder, done = two
+    assert done.exit_code == 0, done.output
+    case = sl.read_case(folder / "case.toml")
+    pair = [
+        sl.Bilinear(
+            b.structure.period,
+            0.05,
+            0.05,
+            yield_displacement=float(sl.linearize(b.structure, case.ground).yield_displacement),
+            mass=b.structure.mass,
+        )
+        for b in case.pair
+    ]
+    table = sl.pound(pair, 0.05, case.contact, case.records["Strong & near"])
+    assert table.sizes["impact"] > 2
+    shown = " ".join(done.output.split())
+    assert f"Strong & near: {table.sizes['impact']} impacts" in shown
+    assert f"Largest force {float(table.largest_force.max()) / 1e6:.3g} MN" in shown
+    assert f"fastest approach {float(table.approach_velocity.max()):.3g} m/s" in shown
+    for n, building in enumerate(case.pair):
+        row = f"{n + 1} {building.name} {100 * table.peak[n]:.1f} {100 * table.peak_alone[n]:.1f} "
+        row += f"{table.amplification[n]:.2f} {table.largest_radius_amplification[n]:.2f} "
+        assert row + f"{table.peak[n] / pair[n].yield_displacement:.2f} " in shown
+    assert f"lost [kJ] 1 | 2 5.0 {100 * least_clearance(table):.2f} {table.sizes['impact']} " in shown
+    given_energy = float(table.input_energy[-1].sum())
+    for word, name in (("damping took", "viscous"), ("yielding", "hysteretic")):
+        share = float(table[f"{name}_energy"][-1].sum()) / given_energy
+        assert f"{word} {100 * share:.1f} %" in shown
+    assert f"the contacts {100 * float(table.contact_lost_energy[-1]) / given_energy:.1f} %" in shown
+    assert "weak: they do not meet. Of 5.0 cm at least " in shown
+    assert "the ground of the file, firm, not to the records" in shown
+
+
+def least_clearance(table: xr.Dataset) -> float:
+    return float((0.05 + table.displacement[:, 1] - table.displacement[:, 0]).min())
+
+
+def test_lines_fit_the_screen_and_any_console(two: tuple[Path, Result]) -> None:
+    folder, done = two
+    shown = done.output.replace(str(folder), "")
+    shown.encode("ascii")
+    assert max(map(len, shown.splitlines())) <= 100
+
+
+def test_each_record_has_its_files_and_the_picture_is_drawn_from_them(two: tuple[Path, Result]) -> None:
+    folder, _ = two
+    names = {f"p-{word}{ending}" for word in ("Strong_near", "weak") for ending in (".nc", ".png")}
+    assert {path.name for path in folder.glob("p*")} == names
+    for path in folder.glob("*.nc"):
+        with xr.open_dataset(path) as table:
+            for name, variable in table.variables.items():
+                assert "long_name" in variable.attrs, name
+            assert {"units"} <= set(table.least_clearance.attrs)
+            figure = draw_pound(table)
+            drawn = figure.axes[0].get_lines()[1].get_ydata()
+            np.testing.assert_allclose(drawn, 100 * (table.displacement[:, 1] + 0.05))
+            assert len(figure.axes) == (4 if table.sizes["impact"] else 3)
+            assert table.attrs["record"] in table.attrs["title"]
+
+
+def test_a_picture_alone_has_its_data_beside_it(tmp_path: Path) -> None:
+    path = case_file(tmp_path, ("weak", 0.01))
+    done = run(path, "--picture", tmp_path / "p.svg")
+    assert done.exit_code == 0, done.output
+    assert {p.name for p in tmp_path.glob("p.*")} == {"p.svg", "p.nc"}
+    again = tmp_path / "again"
+    again.mkdir()
+    assert run(path, "--picture", again / "p.svg").exit_code == 0
+    for name in ("p.svg", "p.nc"):
+        assert (tmp_path / name).read_bytes() == (again / name).read_bytes()
+
+
+STOREYS = """masses = {masses}
+stiffnesses = {stiffnesses}
+heights = {heights}
+damping = "5 %"
+{strength}
+"""
+THIRD = """[building_3]
+name = "Costs $ a_b $"
+period = "0.3 s"
+damping = "5 %"
+elastic = true
+mass = "600 t"
+
+"""
+
+
+def test_towers_and_rows_are_said_and_drawn(tmp_path: Path) -> None:
+    example = sl.example_case()
+    start, end = example.index("[building_1]"), example.index("[separation]")
+    tall = STOREYS.format(
+        masses=["300 t"] * 4,
+        stiffnesses=["350 MN/m"] * 4,
+        heights=["3 m"] * 4,
+        strength='hardening = 0.05\nyield_drifts = "1 cm"',
+    )
+    low = STOREYS.format(
+        masses=["300 t"] * 2,
+        stiffnesses=["900 MN/m"] * 2,
+        heights=["3 m"] * 2,
+        strength="elastic = true",
+    )
+    towers = f"[building_1]\n{tall}\n[building_2]\n{low}\n[building_3]\n{tall}\n"
+    gaps = 'existing = ["1 cm", "2 cm"] '
+    for buildings, contacts in ((towers, 4), (example[start:end] + THIRD, 2)):
+        text = (example[:start] + buildings + example[end:]).replace('existing = "5 cm" ', gaps)
+        for model in ('model = "kelvin"', 'model = "stereomechanical"'):
+            lines = text.replace('model = "kelvin"', model, 1)
+            if "stereo" in model:
+                lines = lines.replace('stiffness = "2000 MN/m"\n', "", 1)
+            done = run(case_file(tmp_path, ("r", 0.4), text=lines), "--picture", tmp_path / "p.png")
+            assert done.exit_code == 0, done.output
+            assert done.output.count(" | ") == contacts
+            with xr.open_dataset(tmp_path / "p.nc") as table:
+                assert int(table.impacts.sum()) == table.sizes["impact"] > 2
+                figure = draw_pound(table)
+                assert len(figure.axes) == 5
+                (shown,) = (line for line in done.output.splitlines() if line.startswith("r: "))
+                assert "-0.00" not in done.output
+                forces = "stereo" not in model
+                assert ("says nothing of" in shown) == (not forces)
+                assert f"{float(table.approach_velocity.max()):.3g} m/s" in shown
+                label = figure.axes[2].get_ylabel()
+                assert label == ("force [MN]" if forces else "approach [m/s]")
+                hardest = table.largest_force if forces else table.approach_velocity
+                at = float(table.impact_time[int(hardest.argmax("impact"))])
+                low, high = figure.axes[4].get_xlim()
+                assert low <= at <= high <= low + 3.1
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ('existing = "5 cm" ', "# ", "case.toml: pounding needs the gap there is"),
+        ('model = "kelvin"\nst', 'model = "rubber"\nst', "allowed: linear_spring, kelvin"),
+        ('mass = "1500 t"', "", 'write mass = "1500 t" in [building_2]'),
+        ('[[site.records]]\npath = "r', '[[site.recordings]]\npath = "r', "did you mean records?"),
+    ],
+)
+def test_bad_cases_write_nothing(old: str, new: str, says: str, tmp_path: Path) -> None:
+    path = case_file(tmp_path, ("r", 0.1))
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+    before = set(tmp_path.iterdir())
+    done = run(path, "--out", tmp_path / "p.nc")
+    assert done.exit_code == 2
+    assert says in " ".join(done.output.split())
+    assert set(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        ((), "Missing argument 'CASE'"),
+        (("nowhere.toml",), "nowhere.toml"),
+        (("case.toml", "--out", "p.csv"), "allowed: .nc"),
+        (("case.toml", "--picture", "p.nc"), "allowed: .png or .svg or .pdf"),
+        (("case.toml", "--picture", "no/p.png"), "there is no folder no"),
+        (("case.toml", "--out", "p.nc"), "too much alike"),
+    ],
+)
+def test_bad_commands(
+    arguments: tuple[str, ...], says: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    case_file(tmp_path, ("a b", 0.1), ("a-b", 0.1))
+    done = run(*arguments)
+    assert done.exit_code == 2
+    assert says in " ".join(done.output.split())
+
+
+def test_gap_says_that_it_takes_two(tmp_path: Path) -> None:
+    text = sl.example_case().replace("[separation]", f"{THIRD}[separation]")
+    text = text.replace('existing = "5 cm" ', 'existing = ["5 cm", "3 cm"] ')
+    path = case_file(tmp_path, ("r", 0.1), text=text)
+    for command in ("gap", "probability"):
+        done = CliRunner().invoke(main, [command, str(path)])
+        assert done.exit_code == 2
+        assert "case.toml: describes 3 buildings; this takes two" in " ".join(done.output.split())
+    touching = text.replace(THIRD, "").replace('["5 cm", "3 cm"]', '"0 cm"')
+    done = CliRunner().invoke(main, ["gap", str(case_file(tmp_path, text=touching))])
+    assert done.exit_code == 2
+    assert "separation.existing = 0" in done.output
+
+
+def test_a_picture_of_something_else_is_refused() -> None:
+    with pytest.raises(ValueError, match="allowed: one that 'stochlin pound' saves"):
+        draw_pound(xr.Dataset({"rho": 0.3}))
+
+
+def test_the_example_needs_only_a_record(tmp_path: Path) -> None:
+    wave(tmp_path, "taft", 5, 0.3)
+    (tmp_path / "case.toml").write_text(recorded_example().replace('"0.01 s"', '"0.02 s"'))
+    done = run(tmp_path / "case.toml")
+    assert done.exit_code == 0, done.output
+    assert "Taft 1952: " in done.output
+
+
+# --- Random cases ---------------------------------------------------------------------------------
+
+# Numbers from the practice of pounding studies; two digits, as a file has them.
+number = lambda low, high: st.floats(low, high).map(lambda x: float(f"{x:.2g}"))  # noqa: E731
+damping = number(0.01, 0.1).map(lambda xi: f"damping = {xi}\n")
+strengths = st.one_of(
+    st.just("elastic = true\n"),
+    st.tuples(number(1.0, 6.0), number(0.02, 0.5)).map(
+        "reduction_factor = {0[0]}\nhardening = {0[1]}\n".format
+    ),
+    st.tuples(number(0.5, 5.0), number(0.02, 0.5)).map(
+        'yield_displacement = "{0[0]} cm"\nhardening = {0[1]}\n'.format
+    ),
+)
+singles = st.tuples(number(0.2, 2.0), number(100, 5000), damping, strengths).map(
+    lambda one: f'period = "{one[0]} s"\nmass = "{one[1]} t"\n{one[2]}{one[3]}'
+)
+HEIGHTS = ["4 m", "3 m", "3 m"]
+
+
+@st.composite
+def storeyed(draw: Any) -> str:
+    storeys = draw(st.integers(1, 3))
+    masses = [f"{draw(number(100, 500))} t" for _ in range(storeys)]
+    stiffnesses = [f"{draw(number(100, 900))} MN/m" for _ in range(storeys)]
+    strength = draw(st.sampled_from(["elastic = true", 'hardening = 0.1\nyield_drifts = "1 cm"']))
+    lists = {"masses": masses, "stiffnesses": stiffnesses, "heights": HEIGHTS[:storeys]}
+    return (
+        "".join(f"{key} = {value}\n" for key, value in lists.items()) + draw(damping) + strength + "\n"
+    )
+
+
+@st.composite
+def contacts(draw: Any, model: str) -> str:
+    power = 1.5 if model in ("hertz", "hertz_damp", "jankowski") else 1
+    lines = [f'model = "{model}"']
+    if model != "stereomechanical":
+        unit = "MN/m^1.5" if power == 1.5 else "MN/m"
+        lines.append(f'stiffness = "{draw(number(100, 5000)) * (10 if power == 1.5 else 1)} {unit}"')
+    if model not in ("linear_spring", "hertz"):
+        lines.append(f"restitution = {draw(number(0.3, 0.95))}")
+    return "\n".join(lines)
+
+
+@st.composite
+def random_cases(draw: Any, model: str) -> str:
+    kind = draw(st.sampled_from([singles, storeyed()]))
+    buildings = draw(st.lists(kind, min_size=2, max_size=3))
+    gaps = [f"{draw(number(0, 3))} cm" for _ in buildings[1:]]
+    example = sl.example_case()
+    head = example[: example.index("[building_1]")]
+    rows = "".join(f"[building_{n}]\n{lines}\n" for n, lines in enumerate(buildings, 1))
+    return (
+        f'{head}{rows}[separation]\nconfidence = "90 %"\nexisting = {gaps}\n[contact]\n'
+        f"{draw(contacts(model))}\n"
+    )
+
+
+@pytest.mark.parametrize("model", CONTACTS)
+@settings(max_examples=5)
+@given(st.data())
+def test_energy_of_any_case_is_balanced(model: str, data: st.DataObject) -> None:
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        path = case_file(folder, ("r", 0.5), text=data.draw(random_cases(model)))
+        done = run(path, "--out", folder / "p.nc")
+        assert done.exit_code == 0, done.output
+        with xr.open_dataset(folder / "p.nc") as table:
+            given_energy = table.input_energy.sum("structure")
+            kinds = ("kinetic", "elastic", "viscous", "hysteretic")
+            kept = sum(table[f"{kind}_energy"].sum("structure") for kind in kinds)
+            kept = kept + table.contact_stored_energy + table.contact_lost_energy
+            assert float(np.abs(given_energy - kept).max()) < 1e-6 * float(given_energy.max())
+            assert float(table.energy_share.sum()) == pytest.approx(1.0, abs=1e-6)
+            lost = table.energy_lost.sum() if table.sizes["impact"] else 0.0
+            assert float(table.contact_energy.sum()) == pytest.approx(float(lost), rel=1e-9)
+            for variable in ("viscous_energy", "contact_lost_energy"):
+                assert float(table[variable].diff("time").min()) >= -1e-9 * float(given_energy.max())

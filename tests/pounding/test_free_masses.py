@@ -1,0 +1,197 @@
+"""The integrator of pounding rows on free masses: restitution and contact time in closed form."""
+
+from __future__ import annotations
+
+import hypothesis.strategies as st
+import numpy as np
+import pytest
+from hypothesis import given
+
+import stochlin as sl
+from stochlin.kernels.pounding import contact as forces
+from stochlin.kernels.pounding import run as kernel
+from stochlin.kernels.pounding.impacts import AFTER, APPROACH, BEFORE, BEGIN, END, LARGEST
+from stochlin.kernels.pounding.rates import branch_force
+from stochlin.kernels.pounding.rows import CLOSED, OPENING
+
+pytestmark = pytest.mark.oracle
+
+EXACT = 1e-8  # what is asked for; measured: 4e-10 in restitutions, 4e-9 in times
+RATIOS = [0.001, 0.01, 0.1, 0.3, 0.5, 0.9, 0.999999, 1.0, 1.000001, 1.5, 3.0]
+KINDS = [sl.Kelvin, sl.NoTensionKelvin, sl.ImpactKelvin]
+LINEAR = [(kind, xi) for kind in KINDS for xi in RATIOS if kind is not sl.Kelvin or xi < 0.99]
+STIFFNESS = 5e7
+
+
+def free_row(masses, contact, gap=0.0):
+    """Masses without springs in a row."""
+    n = len(masses)
+    left, right = np.arange(n - 1), np.arange(1, n)
+    mass = np.array(masses, float)
+    kind, restitution, element = kernel.STEREOMECHANICAL, 1.0, np.ones((n - 1, 3))
+    if isinstance(contact, sl.Stereomechanical):
+        restitution = float(contact.restitution)
+    else:
+        kind = contact.kind
+        reduced = [forces.reduced_mass(mass[i], mass[i + 1]) for i in range(n - 1)]
+        element = np.array([contact.kernel_parameters(m) for m in reduced], float)
+    return kernel.Row(
+        first=np.arange(n + 1),
+        below=np.full(n, -1),
+        mass=mass,
+        per_mass=1 / mass,
+        post=np.zeros(n),
+        couple=np.zeros(n),
+        strength=np.full(n, np.inf),
+        law=np.zeros(n, np.int64),
+        shape=np.ones((n, 3)),
+        damping=np.zeros((n, n)),
+        left=left,
+        right=right,
+        gap=np.full(n - 1, gap),
+        kind=kind,
+        element=element,
+        restitution=restitution,
+        slow=0.0,
+        tied=np.zeros((0, 2), np.int64),
+        tie=np.zeros((0, 2)),
+    )
+
+
+def fly(masses, velocities, contact, duration, gap=0.0, samples=17, push=0.0):
+    """The run of free masses for ``duration`` under a ground acceleration ``push``."""
+    n, dt = len(masses), duration / (samples - 1)
+    row = free_row(masses, contact, gap)
+    start = np.zeros(3 * n + 3 * n + n - 1)
+    start[n : 2 * n] = velocities
+    ends = np.arange(samples - 1)
+    motion = kernel.Motion(np.full(samples, push), dt, ends, np.full(samples - 1, dt))
+    return kernel.run(row, motion, start)
+
+
+def collide(contact, masses=(2e5, 3e5), v0=0.8, gap=0.013):
+    """Restitution and contact time of one collision; and the run."""
+    mass = forces.reduced_mass(*masses)
+    scale = contact.time_scale(mass, v0)
+    velocities = (0.3 * v0, -0.7 * v0)
+    run = fly(masses, velocities, contact, gap / v0 + 40 * scale, gap)
+    assert run.completed
+    assert len(run.impacts) == 1
+    n = len(masses)
+    v = run.last[n : 2 * n]
+    [line] = run.impacts
+    assert line[BEGIN] == pytest.approx(gap / v0, rel=1e-9)
+    assert line[APPROACH] == pytest.approx(v0, rel=1e-9)
+    return (v[1] - v[0]) / v0, (line[END] - line[BEGIN]) / scale, run
+
+
+def check_conservation(run, masses, v0, e):
+    n, masses = len(masses), np.array(masses)
+    before, after = np.array([0.3 * v0, -0.7 * v0]), run.last[n : 2 * n]
+    size = masses @ np.abs(before)
+    assert masses @ after == pytest.approx(masses @ before, abs=1e-12 * size)
+    loss = 0.5 * forces.reduced_mass(*masses) * v0**2 * (1 - e**2)
+    [line] = run.impacts
+    # Energies are right to 1e-10 of all there is, a few steps long; velocities to EXACT of v0.
+    allowed = EXACT * forces.reduced_mass(*masses) * v0**2 + 1e-9 * masses @ before**2
+    assert line[AFTER] - line[BEFORE] == pytest.approx(loss, abs=allowed)
+    assert 0.5 * masses @ (before**2 - after**2) == pytest.approx(loss, abs=allowed)
+
+
+@pytest.mark.parametrize(("kind", "xi"), LINEAR)
+def test_linear_elements_deliver_their_restitution_and_contact_time(kind, xi):
+    e, time, run = collide(kind(STIFFNESS, damping_ratio=xi))
+    assert e == pytest.approx(kind.restitution(xi), abs=EXACT)
+    assert time == pytest.approx(kind.contact_time(xi), abs=EXACT * max(1, kind.contact_time(xi)))
+    check_conservation(run, (2e5, 3e5), 0.8, kind.restitution(xi))
+
+
+@pytest.mark.parametrize("xi", [1.0, 1.5, 3.0])
+def test_kelvin_of_critical_damping_holds_on(xi):
+    scale = np.sqrt(forces.reduced_mass(2e5, 3e5) / STIFFNESS)
+    run = fly((2e5, 3e5), (0.24, -0.56), sl.Kelvin(STIFFNESS, damping_ratio=xi), 10 * scale)
+    [line] = run.impacts
+    assert line[END] == run.time
+    # d'' + 2 xi d' + d = 0 from d = 0, d' = 1, in units of the contact
+    root, t = np.sqrt(complex(xi * xi - 1)), 10.0
+    wanted = t * np.exp(-t) if xi == 1 else (np.exp(-xi * t) * np.sinh(root * t) / root).real
+    assert (run.last[0] - run.last[1]) / (0.8 * scale) == pytest.approx(wanted, abs=1e-8)
+
+
+@pytest.mark.parametrize("kind", [sl.HertzDamp, sl.Jankowski])
+@pytest.mark.parametrize("e", [0.05, 0.3, 0.65, 0.95, 1.0])
+def test_damped_hertz_contacts_deliver_their_restitution(kind, e):
+    found, _, run = collide(kind(2e9, restitution=e))
+    assert found == pytest.approx(e, abs=EXACT)
+    check_conservation(run, (2e5, 3e5), 0.8, e)
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.5, 2.2])
+def test_hertz_contact_takes_its_time(exponent):
+    contact = sl.Hertz(2e9, exponent=exponent)
+    e, time, run = collide(contact)
+    assert e == pytest.approx(1, abs=EXACT)
+    assert time == pytest.approx(contact.contact_time(exponent), abs=EXACT)
+    [line] = run.impacts
+    m = forces.reduced_mass(2e5, 3e5)
+    deepest = (0.5 * (exponent + 1) * m * 0.8**2 / 2e9) ** (1 / (exponent + 1))
+    assert line[LARGEST] == pytest.approx(2e9 * deepest**exponent, rel=1e-4)
+
+
+@given(
+    masses=st.tuples(*2 * [st.floats(1e3, 1e7)]),
+    v0=st.floats(1e-3, 5.0),
+    e=st.floats(0.02, 1.0),
+    kind=st.sampled_from([*KINDS, sl.HertzDamp, sl.Jankowski]),
+)
+def test_any_masses_velocities_and_restitutions(masses, v0, e, kind):
+    contact = kind(1e8, restitution=e)
+    found, time, run = collide(contact, masses, v0, 0.01 * v0)
+    assert found == pytest.approx(e, abs=EXACT)
+    if kind in KINDS:
+        assert time == pytest.approx(contact.contact_time(contact.damping), rel=1e-7)
+    check_conservation(run, masses, v0, e)
+
+
+@given(masses=st.tuples(*2 * [st.floats(1e3, 1e7)]), v0=st.floats(1e-3, 5.0), e=st.floats(0.0, 1.0))
+def test_stereomechanical_impact_is_eq_13(masses, v0, e):
+    contact = sl.Stereomechanical(e)
+    run = fly(masses, (0.3 * v0, -0.7 * v0), contact, 1.0, 0.1 * v0)
+    wanted = contact.velocities_after(0.3 * v0, -0.7 * v0, *masses)
+    np.testing.assert_allclose(run.last[2:4], [float(v) for v in wanted], rtol=0, atol=1e-12 * v0)
+    check_conservation(run, masses, v0, e)
+
+
+def test_three_equal_masses_hand_their_velocity_on():
+    run = fly((1e5, 1e5, 1e5), (1.0, 0.0, 0.0), sl.Stereomechanical(1.0), 1.0, gap=0.1)
+    np.testing.assert_allclose(run.last[3:6], [0.0, 0.0, 1.0], atol=1e-12)
+    assert len(run.impacts) == 2
+
+
+def test_simultaneous_blows_on_both_sides_are_symmetric():
+    run = fly((1e5, 4e5, 1e5), (1.0, 0.0, -1.0), sl.Stereomechanical(0.5), 0.3, gap=0.1)
+    v = run.last[3:6]
+    assert run.completed
+    assert 1e5 * v[0] + 4e5 * v[1] + 1e5 * v[2] == pytest.approx(0, abs=1e-7)
+    assert (np.diff(v) >= -1e-12).all()  # they all part, or stay
+
+
+def test_plastic_impact_without_pressure_leaves_the_masses_side_by_side():
+    run = fly((1e5, 2e5), (1.0, 0.0), sl.Stereomechanical(0.0), 1.0, gap=0.1)
+    np.testing.assert_allclose(run.last[2:4], 1 / 3, atol=1e-12)
+    assert run.last[0] - run.last[1] == pytest.approx(0.1, abs=1e-11)
+
+
+@given(d=st.floats(1e-6, 0.1), v=st.floats(-0.5, 0.5), v0=st.floats(0.01, 1))
+def test_forces_on_branches_are_those_of_the_elements(d, v, v0):
+    mass = 1.2e5
+    for kind in (*KINDS, sl.HertzDamp, sl.Jankowski):
+        contact = kind(3e7, restitution=0.5)
+        parameters = tuple(float(p) for p in contact.kernel_parameters(mass))
+        branch = OPENING if v < 0 and kind in (sl.ImpactKelvin, sl.Jankowski) else CLOSED
+        found, elastic = branch_force(contact.kind, branch, np.array(parameters), d, v, v0)
+        assert elastic == pytest.approx(3e7 * d ** parameters[1], rel=1e-14)
+        if kind is sl.NoTensionKelvin:
+            found = max(found, 0.0)  # this branch ends where it would pull
+        wanted = forces.force(contact.kind, parameters, d, v, v0)
+        assert found == pytest.approx(wanted, rel=1e-14, abs=1e-9)

@@ -1,0 +1,512 @@
+"""Pounding histories: against adaptive integration, limits, symmetry, scaling, and their own energy."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+import hypothesis.strategies as st
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given, settings
+from scipy.integrate import solve_ivp
+
+import stochlin as sl
+from stochlin.kernels.pounding import contact as forces
+
+pytestmark = pytest.mark.oracle
+
+RECORDS = Path(__file__).parents[2].parent / "shared" / "records"
+needs_records = pytest.mark.skipif(
+    not RECORDS.is_dir(), reason="the folder of strong-motion records is absent"
+)
+READ = {
+    "SCT": ("sct190985.txt", {"units": "g", "column": 2, "time_column": 0}),
+    "Taft": ("RSN15_KERN_TAF111.txt", {"units": "g", "dt": 0.01}),
+}
+CONTACTS = {
+    "spring": sl.LinearSpring(5e7),
+    "kelvin": sl.Kelvin(5e7, restitution=0.65),
+    "no tension": sl.NoTensionKelvin(5e7, restitution=0.65),
+    "impact kelvin": sl.ImpactKelvin(5e7, restitution=0.65),
+    "hertz": sl.Hertz(1e9),
+    "hertz-damp": sl.HertzDamp(1e9, restitution=0.65),
+    "jankowski": sl.Jankowski(1e9, restitution=0.65),
+    "stereomechanical": sl.Stereomechanical(0.65),
+}
+BALANCE = 1e-6  # promised; measured: 1e-9 and better
+HISTORY = ("displacement", "velocity", "contact_force")
+
+
+def motion(values, dt=0.02, start=0.0):
+    values = np.asarray(values, float)
+    return xr.DataArray(values, dims="time", coords={"time": start + dt * np.arange(values.size)})
+
+
+def synthetic(samples=600, dt=0.02, seed=0, size=1.5):
+    noise = np.random.default_rng(seed).standard_normal(samples + 14)
+    smooth = np.convolve(noise, np.hanning(15), mode="valid")
+    return motion(size * smooth * np.sin(np.pi * np.arange(samples) / samples), dt)
+
+
+def soft(**other):
+    given = {"hardening": 0.05, "yield_displacement": 0.03, "mass": 2e5} | other
+    return sl.Bilinear(1.1, 0.05, **given)
+
+
+def stiff(**other):
+    given = {"hardening": 0.1, "yield_displacement": 0.015, "mass": 3e5} | other
+    return sl.Bilinear(0.5, 0.05, **given)
+
+
+# --- Energy -----------------------------------------------------------------------------------------
+
+
+def check_energy(table):
+    assert float(table.energy_balance_error.max()) < BALANCE
+    lost = table.contact_lost_energy
+    assert float(lost.min()) >= -1e-9 * float(abs(table.input_energy).max())
+    if table.sizes["impact"]:
+        assert float(table.energy_lost.sum()) == pytest.approx(float(lost[-1]), rel=1e-6)
+    for name in ("kinetic_energy", "elastic_energy", "hysteretic_energy"):
+        assert float(table[name].min()) >= -1e-9 * float(abs(table.input_energy).max())
+
+
+@pytest.mark.parametrize("name", CONTACTS)
+def test_energy_balances_for_every_contact(name):
+    table = sl.pound([soft(), stiff()], 0.01, CONTACTS[name], synthetic())
+    assert table.sizes["impact"] > 5
+    assert (table.approach_velocity > 0).all()
+    assert float(table.hysteretic_energy[-1].min()) > 0
+    check_energy(table)
+    if name in ("spring", "hertz"):
+        assert float(abs(table.contact_lost_energy).max()) < 1e-6 * float(table.input_energy.max())
+
+
+@needs_records
+@pytest.mark.parametrize("record", READ)
+@pytest.mark.parametrize("name", CONTACTS)
+def test_energy_balances_on_records(record, name):
+    file, options = READ[record]
+    part = sl.strong_part(sl.read_record(RECORDS / file, **options))
+    weak = soft(yield_displacement=0.01), stiff(yield_displacement=0.003)
+    table = sl.pound(weak, 0.004, CONTACTS[name], part)
+    assert table.sizes["impact"] > 5
+    check_energy(table)
+
+
+@settings(max_examples=30)
+@given(
+    periods=st.tuples(*2 * [st.floats(0.2, 3.0)]),
+    masses=st.tuples(*2 * [st.floats(1e4, 1e7)]),
+    yields=st.tuples(*2 * [st.floats(0.002, 0.1)]),
+    gap=st.floats(0.0, 0.03),
+    name=st.sampled_from(sorted(set(CONTACTS) - {"hertz-damp"})),
+    seed=st.integers(0, 10**6),
+    bouc_wen=st.booleans(),
+)
+def test_energy_balances_for_any_pair(periods, masses, yields, gap, name, seed, bouc_wen):
+    pair = [
+        (sl.BoucWen if bouc_wen else sl.Bilinear)(
+            period, 0.03, hardening=0.1, yield_displacement=uy, mass=mass
+        )
+        for period, mass, uy in zip(periods, masses, yields, strict=True)
+    ]
+    check_energy(sl.pound(pair, gap, CONTACTS[name], synthetic(200, seed=seed)))
+
+
+# --- Another integrator -----------------------------------------------------------------------------
+
+
+def by_scipy(pair, gap, contact, record):
+    """Displacements (2, samples) by DOP853, restarted at samples; laws as written, kinks and all."""
+    w = np.array([2 * np.pi / s.period for s in pair])
+    mass, alpha, uy = (
+        np.array([getattr(s, name) for s in pair])
+        for name in ("mass", "hardening", "yield_displacement")
+    )
+    xi = np.array([s.damping for s in pair])
+    parameters = tuple(float(p) for p in contact.kernel_parameters(forces.reduced_mass(*mass)))
+    bouc_wen = isinstance(pair[0], sl.BoucWen)
+
+    def rates(t, x, ground, slope):
+        u, v, z = x.reshape(3, 2)
+        if bouc_wen:
+            dz = v - 0.5 * abs(v) * z / uy - 0.5 * v * abs(z) / uy
+        else:
+            dz = np.where((abs(z) >= uy) & (z * v > 0), 0.0, v)
+        force = forces.force(contact.kind, parameters, u[0] - u[1] - gap, v[0] - v[1], 1.0)
+        push = np.array([-force, force]) / mass
+        a = -ground - slope * t - 2 * xi * w * v - w**2 * (alpha * u + (1 - alpha) * z) + push
+        return np.concatenate([v, a, dz])
+
+    dt, state, found = float(record.time[1] - record.time[0]), np.zeros(6), [np.zeros(2)]
+    for begin, end in pairwise(record.to_numpy()):
+        run = solve_ivp(
+            rates,
+            (0, dt),
+            state,
+            args=(begin, (end - begin) / dt),
+            method="DOP853",
+            rtol=1e-9,
+            atol=1e-12,
+            max_step=dt / 20,
+        )
+        state = run.y[:, -1]
+        if not bouc_wen:
+            state[4:] = np.clip(state[4:], -uy, uy)
+        found.append(state[:2].copy())
+    return np.array(found).T
+
+
+@pytest.mark.parametrize("name", ["kelvin", "impact kelvin", "no tension"])
+def test_bouc_wen_pair_moves_as_by_another_integrator(name):
+    pair = [
+        sl.BoucWen(1.1, 0.05, hardening=0.05, yield_displacement=0.03, mass=2e5),
+        sl.BoucWen(0.5, 0.05, hardening=0.1, yield_displacement=0.015, mass=3e5),
+    ]
+    record = synthetic(200, size=3.0)
+    table = sl.pound(pair, 0.002, CONTACTS[name], record)
+    assert table.sizes["impact"] >= 2
+    wanted = by_scipy(pair, 0.002, CONTACTS[name], record)
+    # scipy steps over kinks and, for Kelvin elements, over jumps of the force
+    np.testing.assert_allclose(table.displacement.T, wanted, rtol=0, atol=2e-6 * abs(wanted).max())
+
+
+def test_bilinear_pair_moves_as_by_another_integrator_with_events():
+    pair, gap, contact = [soft(), stiff()], 0.002, CONTACTS["kelvin"]
+    record = synthetic(200, size=3.0)
+    table = sl.pound(pair, gap, contact, record)
+    assert table.sizes["impact"] >= 2
+    assert float(table.hysteretic_energy[-1].min()) > 0
+    wanted = by_events(pair, gap, contact, record)
+    np.testing.assert_allclose(table.displacement.T, wanted, rtol=0, atol=1e-8 * abs(wanted).max())
+
+
+def by_events(pair, gap, contact, record):
+    """Displacements (2, samples) by DOP853 with scipy's own event location."""
+    w = np.array([2 * np.pi / s.period for s in pair])
+    mass, alpha, uy, xi = (
+        np.array([getattr(s, name) for s in pair])
+        for name in ("mass", "hardening", "yield_displacement", "damping")
+    )
+    k, _, c = contact.kernel_parameters(forces.reduced_mass(*mass))
+    sides, closed = [0, 0], False
+
+    def rates(t, x, ground, slope):
+        u, v, y = x.reshape(3, 2)
+        force = k * (u[0] - u[1] - gap) + c * (v[0] - v[1]) if closed else 0.0
+        push = np.array([-force, force]) / mass
+        a = -ground - slope * t - 2 * xi * w * v - w**2 * (alpha * u + (1 - alpha) * y) + push
+        return np.concatenate([v, a, np.where(np.array(sides) == 0, v, 0.0)])
+
+    def watches():
+        ends = [lambda t, x, *_: x[0] - x[1] - gap]
+        ends[0].direction = -1 if closed else 1
+        for i in range(2):
+            if sides[i]:
+                end = lambda t, x, *_, i=i, s=sides[i]: s * x[2 + i]  # noqa: E731
+                end.direction = -1
+                ends.append(end)
+            else:
+                for s in (-1, 1):
+                    end = lambda t, x, *_, i=i, s=s: s * x[4 + i] - uy[i]  # noqa: E731
+                    end.direction, end.meaning = 1, s
+                    ends.append(end)
+            ends[-1].storey = ends[-2 if not sides[i] else -1].storey = i
+        for end in ends:
+            end.terminal = True
+        return ends
+
+    dt, state, found = float(record.time[1] - record.time[0]), np.zeros(6), [np.zeros(2)]
+    for begin, finish in pairwise(record.to_numpy()):
+        slope, t = (finish - begin) / dt, 0.0
+        while t < dt:
+            ends = watches()
+            run = solve_ivp(
+                rates,
+                (t, dt),
+                state,
+                args=(begin, slope),
+                method="DOP853",
+                rtol=1e-11,
+                atol=1e-14,
+                events=ends,
+                max_step=dt / 4,
+            )
+            t, state = run.t[-1], run.y[:, -1]
+            if run.status == 1:
+                [hit] = [n for n, times in enumerate(run.t_events) if times.size]
+                if hit == 0:
+                    closed = not closed
+                else:
+                    i = ends[hit].storey
+                    sides[i] = 0 if sides[i] else ends[hit].meaning
+        found.append(state[:2].copy())
+    return np.array(found).T
+
+
+# --- Limits and symmetry ----------------------------------------------------------------------------
+
+
+def test_far_apart_each_moves_as_alone():
+    record = synthetic()
+    pair = [soft(), stiff()]
+    table = sl.pound(pair, 10.0, CONTACTS["kelvin"], record)
+    assert table.sizes["impact"] == 0
+    np.testing.assert_array_equal(table.amplification, 1.0)
+    for n, structure in enumerate(pair):
+        alone = sl.respond(structure, record)
+        for name in ("displacement", "velocity"):
+            size = float(abs(alone[name]).max())
+            np.testing.assert_allclose(table[name][:, n], alone[name], rtol=0, atol=1e-8 * size)
+        spectrum = sl.response_spectrum(
+            record,
+            structure.period,
+            0.05,
+            hardening=structure.hardening,
+            yield_displacement=structure.yield_displacement,
+        )
+        assert float(table.peak[n]) == pytest.approx(float(spectrum.displacement_max), rel=1e-3)
+
+
+@pytest.mark.parametrize("name", CONTACTS)
+def test_identical_buildings_never_pound(name):
+    table = sl.pound([soft(), soft()], 1e-6, CONTACTS[name], synthetic())
+    assert table.sizes["impact"] == 0
+
+
+@pytest.mark.parametrize("name", CONTACTS)
+def test_mirror_image(name):
+    record, row = synthetic(300, size=3.0), [soft(), stiff(), soft(mass=1e5)]
+    gaps = [0.01, 0.015]
+    table = sl.pound(row, gaps, CONTACTS[name], record)
+    mirror = sl.pound(row[::-1], gaps[::-1], CONTACTS[name], -record)
+    assert set(table.impact_contact.values) == {1, 2}
+    for variable, sign in (("displacement", -1), ("velocity", -1), ("contact_force", 1)):
+        dim = "contact" if variable == "contact_force" else "structure"
+        there = sign * mirror[variable].isel({dim: slice(None, None, -1)}).to_numpy()
+        size = float(abs(table[variable]).max())
+        # Rounding differs, and grows from impact to impact.
+        np.testing.assert_allclose(there, table[variable], rtol=0, atol=1e-5 * size)
+    assert mirror.sizes["impact"] == table.sizes["impact"]
+
+
+def test_scale_of_the_masses_does_not_matter():
+    record = synthetic()
+    one = sl.pound([soft(), stiff()], 0.01, sl.Kelvin(5e7, restitution=0.5), record)
+    heavy = [soft(mass=16 * 2e5), stiff(mass=16 * 3e5)]
+    two = sl.pound(heavy, 0.01, sl.Kelvin(16 * 5e7, restitution=0.5), record)
+    np.testing.assert_allclose(two.displacement, one.displacement, rtol=0, atol=1e-9)
+
+
+def test_a_heavy_neighbour_is_a_moving_wall():
+    record, wall = synthetic(300), stiff(mass=1e12)
+    table = sl.pound([soft(), wall], 0.005, sl.Stereomechanical(0.5), record)
+    assert table.sizes["impact"] >= 2
+    size = float(table.peak[1])
+    np.testing.assert_allclose(
+        table.displacement[:, 1], sl.respond(wall, record).displacement, rtol=0, atol=1e-5 * size
+    )
+
+
+def test_output_step_changes_nothing():
+    record = synthetic(300)
+    for name in ("kelvin", "stereomechanical"):
+        table = sl.pound([soft(), stiff()], 0.01, CONTACTS[name], record)
+        fine = sl.pound([soft(), stiff()], 0.01, CONTACTS[name], record, output_step=0.005)
+        odd = sl.pound([soft(), stiff()], 0.01, CONTACTS[name], record, output_step=0.0173)
+        for other in (fine, odd):
+            for variable in ("impact_time", "largest_force", "energy_lost", "peak"):
+                np.testing.assert_array_equal(other[variable], table[variable])
+        for variable in HISTORY:
+            np.testing.assert_array_equal(fine[variable][::4], table[variable])
+        assert odd.sizes["time"] == int(299 * 0.02 / 0.0173) + 1
+        assert float(odd.energy_balance_error.max()) < BALANCE
+
+
+def test_floors_that_meet_do_not_overlap_beyond_their_contact():
+    for name in ("stereomechanical", "kelvin"):
+        table = sl.pound([soft(), stiff()], 0.01, CONTACTS[name], synthetic(), output_step=0.002)
+        u = table.displacement
+        depth = float((u.sel(structure=1) - u.sel(structure=2)).max()) - 0.01
+        most = 1e-9 if name == "stereomechanical" else float(table.largest_force.max()) / 5e7 * 1.01
+        assert depth <= most
+
+
+# --- Chattering, touching, rest ---------------------------------------------------------------------
+
+
+def leaning(samples=3000):
+    """A ground acceleration that comes and stays."""
+    return motion(-np.clip(np.arange(samples) / 50, 0, 1), 0.02)
+
+
+@pytest.mark.parametrize("e", [0.0, 0.3, 0.9, 0.98])
+def test_chattering_ends_in_contact(e):
+    one = sl.Bilinear(1.5, 0.1, mass=2e5)
+    two = sl.Bilinear(0.5, 0.1, mass=3e5)
+    table = sl.pound([one, two], 0.01, sl.Stereomechanical(e), leaning())
+    k1, k2 = (s.mass * (2 * np.pi / s.period) ** 2 for s in (one, two))
+    u2 = (5e5 * 1.0 - k1 * 0.01) / (k1 + k2)  # at rest side by side
+    last = table.isel(time=-1)
+    assert float(last.displacement[1]) == pytest.approx(u2, rel=1e-6)
+    assert float(last.displacement[0] - last.displacement[1]) == pytest.approx(0.01, abs=1e-9)
+    assert float(last.contact_force[0]) == pytest.approx(2e5 * 1.0 - k1 * (u2 + 0.01), rel=1e-5)
+    assert float(table.impact_duration[-1]) > 20
+    check_energy(table)
+
+
+@pytest.mark.parametrize("name", CONTACTS)
+def test_touching_buildings_lean_on_each_other(name):
+    one = sl.Bilinear(1.5, 0.1, mass=2e5)
+    two = sl.Bilinear(0.5, 0.1, mass=3e5)
+    table = sl.pound([one, two], 0.0, CONTACTS[name], leaning(1500))
+    check_energy(table)
+    assert float(table.contact_force[-1, 0]) > 0
+    away = sl.pound([one, two], 0.0, CONTACTS[name], -leaning(600))
+    assert float(away.contact_force[-1, 0]) == 0
+
+
+def test_three_in_contact_carry_the_force_along():
+    row = [sl.Bilinear(period, 0.1, mass=2e5) for period in (2.0, 1.0, 0.4)]
+    table = sl.pound(row, [0.0, 0.0], sl.Stereomechanical(0.4), leaning(1500))
+    k = np.array([s.mass * (2 * np.pi / s.period) ** 2 for s in row])
+    u = 6e5 / k.sum()
+    last = table.isel(time=-1)
+    np.testing.assert_allclose(last.displacement, u, rtol=1e-6)
+    np.testing.assert_allclose(last.contact_force, np.cumsum(2e5 - k * u)[:2], rtol=1e-5)
+    check_energy(table)
+
+
+@given(
+    periods=st.lists(st.floats(0.15, 3.0), min_size=3, max_size=4),
+    masses=st.lists(st.floats(1e4, 1e6), min_size=4, max_size=4),
+    e=st.sampled_from([0.0, 0.001, 0.05, 0.5, 0.9]),
+    seed=st.integers(0, 10**6),
+)
+def test_rows_that_touch_do_not_chatter_without_end(periods, masses, e, seed):
+    row = [sl.Bilinear(t, 0.1, mass=m) for t, m in zip(periods, masses, strict=False)]
+    table = sl.pound(row, [0.0] * (len(row) - 1), sl.Stereomechanical(e), synthetic(150, seed=seed))
+    check_energy(table)
+    # Measured: some hundreds, at e = .9 some thousands; a cycle without end would be millions.
+    assert table.sizes["impact"] < 50_000
+    u, floors = table.displacement, len(row)
+    for left in range(1, floors):
+        overlap = (u.sel(structure=left) - u.sel(structure=left + 1)).max()
+        assert float(overlap) < 1e-8 * float(table.peak.max())
+
+
+def test_a_motion_that_overflows_is_named():
+    with pytest.raises(ArithmeticError, match=r"the step from .* could not be completed.*displacements"):
+        sl.pound([soft(), stiff()], 0.01, CONTACTS["kelvin"], synthetic(60) * 1e180)
+
+
+# --- Shear buildings --------------------------------------------------------------------------------
+
+
+def tower(storeys, stiffness=4e8, **other):
+    given = {"hardening": 0.05, "yield_drifts": 0.006} | other
+    return sl.ShearBuilding([2e5] * storeys, [stiffness] * storeys, [3.0] * storeys, 0.05, **given)
+
+
+@pytest.mark.parametrize("name", ["kelvin", "stereomechanical", "jankowski"])
+def test_one_storey_is_one_degree_of_freedom(name):
+    record = synthetic(300)
+    oscillators, buildings = [soft(), stiff()], []
+    for s in oscillators:
+        k = s.mass * (2 * np.pi / s.period) ** 2
+        drift = {"hardening": s.hardening, "yield_drifts": s.yield_displacement}
+        buildings.append(sl.ShearBuilding([s.mass], [k], [3.0], s.damping, **drift))
+    one = sl.pound(oscillators, 0.01, CONTACTS[name], record)
+    two = sl.pound(buildings, 0.01, CONTACTS[name], record)
+    assert one.sizes["impact"] == two.sizes["impact"] > 3
+    for variable in ("displacement", "velocity"):
+        size = float(abs(one[variable]).max())
+        np.testing.assert_allclose(two[variable].isel(floor=0), one[variable], rtol=0, atol=1e-7 * size)
+
+
+def test_tall_beside_low_meets_at_the_low_ones_floors():
+    table = sl.pound([tower(6), tower(3, 8e8)], 0.005, CONTACTS["impact kelvin"], synthetic(400))
+    assert table.sizes["contact"] == 3
+    assert table.level.values.tolist() == [3.0, 6.0, 9.0]
+    assert table.displacement.sel(structure=2, floor=[4, 5, 6]).isnull().all()
+    assert table.sizes["impact"] > 0
+    check_energy(table)
+
+
+@pytest.mark.parametrize("name", ["kelvin", "stereomechanical", "hertz"])
+def test_row_of_three_towers(name):
+    row = [tower(4), tower(3, 9e8), tower(5, 3e8)]
+    table = sl.pound(row, [0.004, 0.006], CONTACTS[name], synthetic(400))
+    assert table.sizes["contact"] == 6
+    assert set(zip(table.left.values.tolist(), table.floor_left.values.tolist(), strict=True)) == {
+        (left, floor) for left in (1, 2) for floor in (1, 2, 3)
+    }
+    assert table.sizes["impact"] > 5
+    check_energy(table)
+
+
+def test_elastic_tower_alone_follows_its_modes():
+    record, building = synthetic(300), tower(3, hardening=None, yield_drifts=None)
+    table = sl.pound([building, tower(2)], 5.0, CONTACTS["kelvin"], record)
+    wanted = np.zeros((record.size, 3))
+    mass, shapes = 2e5, building._modes()[1]
+    for period, shape in zip(building.periods().values, shapes.T, strict=True):
+        alone = sl.respond(sl.Bilinear(period, 0.05), record).displacement.to_numpy()
+        wanted += np.outer(alone, shape) * (shape.sum() * mass)
+    found = table.displacement.sel(structure=1)
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-8 * abs(wanted).max())
+
+
+@given(st.integers(1, 12), st.floats(1e3, 1e7), st.floats(1e6, 1e10))
+def test_periods_of_a_uniform_shear_building(storeys, mass, stiffness):
+    building = sl.ShearBuilding([mass] * storeys, [stiffness] * storeys, [3.0] * storeys, 0.05)
+    mode = np.arange(1, storeys + 1)
+    w = 2 * np.sqrt(stiffness / mass) * np.sin((2 * mode - 1) * np.pi / (4 * storeys + 2))
+    np.testing.assert_allclose(building.periods(), 2 * np.pi / w, rtol=1e-9)
+    damping, shapes = building.damping_matrix(), building._modes()[1]
+    np.testing.assert_allclose(
+        shapes.T @ damping @ shapes, np.diag(2 * 0.05 * w), rtol=0, atol=1e-10 * w[-1]
+    )
+
+
+# --- The estimate -----------------------------------------------------------------------------------
+
+
+def test_estimate_conserves_momentum_and_loses_the_energy_of_eq_13():
+    first, second = soft(), stiff()
+    hit = sl.pounding_estimate(first, second, 0.02, sl.Stereomechanical(0.4), [0.05, 0.1], 0.06)
+    before = 2e5 * hit.velocity_before_1 + 3e5 * hit.velocity_before_2
+    after = 2e5 * hit.velocity_after_1 + 3e5 * hit.velocity_after_2
+    xr.testing.assert_allclose(before, after, rtol=1e-12)
+    energy = 0.0
+    for n, (structure, r) in enumerate(
+        [(first, xr.DataArray([0.05, 0.1], dims="case")), (second, 0.06)]
+    ):
+        k = structure.mass * (2 * np.pi / structure.period) ** 2
+        growth = hit[f"radius_amplification_{n + 1}"]
+        energy = energy + 0.5 * k * (r * r) * (growth**2 - 1)
+    np.testing.assert_allclose(-energy, hit.energy_lost.transpose(*energy.dims), rtol=1e-9, atol=1e-6)
+    inside = hit.contact_displacement_1 - hit.contact_displacement_2
+    np.testing.assert_allclose(inside, 0.02, rtol=1e-9)
+
+
+def test_estimate_of_one_elastic_hit_is_what_the_history_does():
+    """Two free vibrations of given radii, one hit: the radii after it, but for damping."""
+    contact = sl.Stereomechanical(0.5)
+    first = sl.Bilinear(1.0, 1e-9, mass=2e5)
+    second = sl.Bilinear(0.6, 1e-9, mass=3e5)
+    hit = sl.pounding_estimate(first, second, 0.03, contact, 0.05, 0.04, points=7)
+    chosen = hit.isel(point=3).sel(way="towards each other")
+    u, v = float(chosen.contact_displacement_1), float(chosen.velocity_after_1)
+    radius = np.hypot(u, v / (2 * np.pi / 1.0))
+    assert float(chosen.radius_amplification_1) == pytest.approx(radius / 0.05, rel=1e-12)
+    assert np.isnan(hit.energy_lost.sel(way="both to the right")).any()
+
+
+def test_structures_that_cannot_reach_each_other_are_not_amplified():
+    hit = sl.pounding_estimate(soft(), stiff(), [0.2, 0.05], sl.Stereomechanical(0.5), 0.05, 0.05)
+    assert float(hit.largest_radius_amplification_1[0]) == 1
+    assert float(hit.largest_radius_amplification_1[1]) > 1

@@ -1,0 +1,79 @@
+"""The same pounding pair in OpenSeesPy: bilinear oscillators, an elastic gap and a Kelvin element."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import stochlin as sl
+
+pytestmark = pytest.mark.oracle
+
+PERIODS, DAMPING, HARDENING = (1.1, 0.5), 0.05, 0.05
+MASSES, YIELD = (2e5, 3e5), (0.03, 0.015)  # [kg], [m]
+GAP, STIFFNESS = 0.001, 5e7  # [m], [N/m]
+DT, STEP = 0.02, 0.0002  # of the record, of OpenSees
+PEAK_SHARE = 0.01  # of the peak: its contacts begin and end at steps
+
+
+def record(samples=800):
+    noise = np.random.default_rng(85).standard_normal(samples + 14)
+    smooth = np.convolve(noise, np.hanning(15), mode="valid")
+    values = 1.5 * smooth * np.sin(np.pi * np.arange(samples) / (samples - 1))
+    return xr.DataArray(values, dims="time", coords={"time": DT * np.arange(samples)})
+
+
+def peaks_in_opensees(ops, acceleration, damper):
+    """Largest displacements of the pair; compression, and with it the gap, is negative there."""
+    ops.wipe()
+    ops.model("basic", "-ndm", 1, "-ndf", 1)
+    for n, (period, mass, uy) in enumerate(zip(PERIODS, MASSES, YIELD, strict=True), start=1):
+        w = 2 * np.pi / period
+        base, top, spring, dashpot = 10 * n, 10 * n + 1, 2 * n, 2 * n + 1
+        ops.node(base, 0.0)
+        ops.node(top, 0.0)
+        ops.fix(base, 1)
+        ops.mass(top, mass)
+        ops.uniaxialMaterial("Steel01", spring, mass * w**2 * uy, mass * w**2, HARDENING)
+        ops.uniaxialMaterial("Viscous", dashpot, 2 * DAMPING * w * mass, 1.0)
+        ops.element("zeroLength", n, base, top, "-mat", spring, dashpot, "-dir", 1, 1)
+    if damper:
+        ops.uniaxialMaterial("ViscoelasticGap", 9, STIFFNESS, damper, -GAP)
+    else:
+        ops.uniaxialMaterial("ElasticPPGap", 9, STIFFNESS, -1e12, -GAP, 0.0)
+    ops.element("zeroLength", 9, 11, 21, "-mat", 9, "-dir", 1)
+    ops.timeSeries("Path", 1, "-dt", DT, "-values", *acceleration, 0.0)  # a sample beyond the end
+    ops.pattern("UniformExcitation", 1, 1, "-accel", 1)
+    ops.constraints("Plain")
+    ops.numberer("Plain")
+    ops.system("FullGeneral")
+    ops.test("NormDispIncr", 1e-12, 50)
+    ops.algorithm("Newton")
+    ops.integrator("Newmark", 0.5, 0.25)
+    ops.analysis("Transient")
+    most = np.zeros(2)
+    for _ in range(round((len(acceleration) - 1) * DT / STEP)):
+        assert ops.analyze(1, STEP) == 0
+        most = np.maximum(most, [abs(ops.nodeDisp(11, 1)), abs(ops.nodeDisp(21, 1))])
+    return most
+
+
+@pytest.mark.parametrize("kind", ["spring", "kelvin"])
+def test_peaks_of_a_pounding_pair_are_those_of_opensees(ops, kind):
+    contact = sl.LinearSpring(STIFFNESS)
+    if kind == "kelvin":
+        contact = sl.Kelvin(STIFFNESS, restitution=0.65)
+    pair = [
+        sl.Bilinear(period, DAMPING, hardening=HARDENING, yield_displacement=uy, mass=mass)
+        for period, mass, uy in zip(PERIODS, MASSES, YIELD, strict=True)
+    ]
+    motion = record()
+    table = sl.pound(pair, GAP, contact, motion)
+    assert table.sizes["impact"] >= 3
+    assert (table.peak > YIELD).all()
+    assert (abs(table.amplification - 1) > 2 * PEAK_SHARE).any()  # the contact is felt
+    reduced = MASSES[0] * MASSES[1] / sum(MASSES)
+    damper = float(contact.kernel_parameters(reduced)[2])
+    theirs = peaks_in_opensees(ops, motion.to_numpy(), damper)
+    np.testing.assert_allclose(table.peak, theirs, rtol=PEAK_SHARE)

@@ -1,0 +1,232 @@
+"""The hybrid method, fits of envelopes, evolutionary spectra, and their pictures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
+
+import stochlin as sl
+from stochlin.kernels.probability.phases import beyond_phase, concentration, exceeding, least_phase
+
+pytestmark = pytest.mark.oracle
+
+RECORDS = Path(__file__).parents[2].parent / "shared" / "records"
+needs_records = pytest.mark.skipif(
+    not RECORDS.is_dir(), reason="the folder of strong-motion records is absent"
+)
+REAL = {
+    "taft": ("RSN15_KERN_TAF111.txt", {"units": "g", "dt": 0.01}),
+    "el_centro": ("elc180.AT2", {}),
+    "sct": ("sct190985.txt", {"units": "g", "column": 2, "time_column": 0}),
+    "nishi_akashi": ("NIS090.AT2", {"units": "g", "dt": 0.01}),
+}
+ONE, TWO = sl.Bilinear(0.6, 0.05), sl.Bilinear(1.0, 0.05)
+
+
+def array(value):
+    return np.atleast_1d(np.asarray(value, float))
+
+
+def chance(r1, r2, gap, rho):
+    return float(exceeding(array(r1), array(r2), array(gap), concentration(rho))[0])
+
+
+@pytest.fixture(scope="module")
+def quake():
+    """A modulated noise through a soil of half a second, as a record."""
+    time = 0.02 * np.arange(1500)
+    noise = np.random.default_rng(4).normal(size=time.size)
+    soil = np.exp(-0.3 * 12 * time[:100]) * np.sin(12 * time[:100])
+    values = sl.HsuBernard(5.0).at(time) * np.convolve(noise, soil)[: time.size]
+    return xr.DataArray(values, dims="time", coords={"time": time}, attrs={"source": "made"})
+
+
+# --- Phases ---------------------------------------------------------------------------------------
+
+
+def test_equal_radii_in_step_never_pound_and_in_opposition_by_the_arc_cosine():
+    r, gap = 0.3, np.array([0.01, 0.3, 0.59, 0.61])
+    assert (exceeding(r + 0 * gap, r + 0 * gap, gap, concentration(1.0)) == 0).all()
+    expected = np.arccos(np.minimum(gap / (2 * r), 1)) / np.pi
+    np.testing.assert_allclose(
+        exceeding(r + 0 * gap, r + 0 * gap, gap, concentration(-1.0)), expected, atol=1e-15
+    )
+
+
+@pytest.mark.parametrize("rho", [0.9999, -0.9999])
+def test_correlations_near_the_ends_are_near_the_closed_forms(rho):
+    # the phase wanders by sqrt(2 (1 - |rho|)) = .014 about its place
+    assert chance(1.0, 0.4, 0.3, rho) == pytest.approx(chance(1.0, 0.4, 0.3, np.sign(rho)), abs=2e-3)
+
+
+@pytest.mark.parametrize("rho", [-0.8, -0.3, 0.0, 0.4, 0.95])
+def test_phases_have_the_correlation_and_the_chances_of_drawn_ones(rho):
+    k, rng, n = concentration(rho), np.random.default_rng(11), 400_000
+    d = rng.vonmises(0 if k >= 0 else np.pi, abs(k), n)
+    a = rng.uniform(0, 2 * np.pi, n)
+    # standard error of a correlation of n pairs is at most 1/sqrt(n)
+    assert np.corrcoef(np.cos(a), np.cos(a + d))[0, 1] == pytest.approx(rho, abs=4 / np.sqrt(n))
+    r1, r2, gap = 1.0, 0.7, 0.6
+    share = np.mean(r1 * np.cos(a) - r2 * np.cos(a + d) > gap)
+    assert chance(r1, r2, gap, rho) == pytest.approx(share, abs=2 / np.sqrt(n))
+    reached = np.mean(r1**2 + r2**2 - 2 * r1 * r2 * np.cos(d) > gap**2)
+    found = beyond_phase(least_phase(array(r1), array(r2), array(gap)), k)[0]
+    assert found == pytest.approx(reached, abs=2 / np.sqrt(n))
+
+
+@given(st.floats(0, 2), st.floats(0, 2), st.floats(0.01, 3), st.floats(-1, 1))
+def test_chances_are_symmetric_bounded_and_fall_with_the_gap(r1, r2, gap, rho):
+    p = chance(r1, r2, gap, rho)
+    assert -1e-12 <= p <= 0.5 + 1e-9
+    assert p == pytest.approx(chance(r2, r1, gap, rho), abs=1e-9)
+    assert chance(r1, r2, 1.2 * gap, rho) <= p + 1e-9
+    if gap >= r1 + r2:
+        assert p == 0
+
+
+def test_uncorrelated_phases_are_two_independent_arc_sine_laws():
+    r1, r2, gap = 1.0, 0.8, 0.5
+    x = r2 * np.cos(np.pi * (np.arange(200_000) + 0.5) / 200_000)
+    expected = np.mean(np.arccos(np.clip((gap + x) / r1, -1, 1)) / np.pi)
+    assert chance(r1, r2, gap, 0.0) == pytest.approx(expected, abs=1e-6)
+
+
+# --- Records --------------------------------------------------------------------------------------
+
+
+def check_record(record, first=ONE, second=TWO):
+    options = {"method": "hybrid", "record": record}
+    wide = float(sl.pounding_probability(first, second, None, 1.0, **options).radius_1.max())
+    gaps = xr.DataArray(wide * np.array([1e-4, 0.3, 0.8, 50.0]), dims="gap")
+    table = sl.pounding_probability(first, second, None, gaps, **options)
+    safe = table.confidence_of_no_pounding
+    assert (safe.diff("time") <= 1e-12).all()
+    assert (safe.diff("gap") >= -1e-12).all()
+    assert float(safe[-1, 0]) < 1e-3
+    assert float(safe[-1, -1]) == 1
+    assert (table.confidence_of_no_pounding_fresh_phase <= safe + 1e-9).all()
+    assert (table.instantaneous_probability.diff("gap") <= 1e-9).all()
+    # what really happened is within what the radii allow
+    assert float(table.separation) <= float((table.radius_1 + table.radius_2).max())
+    again = sl.pounding_probability(first, second, None, float(table.required_gap), **options)
+    assert float(again.confidence_of_no_pounding[-1]) == pytest.approx(0.9, abs=1e-3)
+    return table
+
+
+def test_hybrid_of_a_made_record(quake):
+    table = check_record(quake)
+    assert table.attrs["record"] == "made"
+    for name, variable in table.data_vars.items():
+        assert variable.attrs["long_name"], name
+
+
+def test_hybrid_of_yielding_structures_takes_their_strength_from_the_ground(quake):
+    pair = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=3) for T in (0.6, 1.0)]
+    check_record(quake, *pair)
+
+
+@needs_records
+@pytest.mark.parametrize(("name", "options"), REAL.values(), ids=list(REAL))
+def test_hybrid_of_real_records(name, options):
+    check_record(sl.read_record(RECORDS / name, **options))
+
+
+def test_hybrid_of_equal_structures_is_safe(quake):
+    table = sl.pounding_probability(ONE, ONE, None, 1e-6, method="hybrid", record=quake)
+    assert float(table.rho) == pytest.approx(1, abs=1e-9)
+    assert (table.confidence_of_no_pounding == 1).all()
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"record": None}, "record is missing"),
+        ({"gap": 0}, "gap = 0"),
+        ({"first": sl.Bilinear([0.5, 0.6], 0.05)}, "is an array"),
+        ({"first": sl.BoucWen(0.5, 0.05, 0.1, reduction_factor=2)}, "first"),
+        ({"record": 3}, "record"),
+    ],
+    ids=str,
+)
+def test_bad_hybrids_are_refused(quake, changes, message):
+    arguments = {"first": ONE, "second": TWO, "ground": None, "gap": 0.1, "record": quake} | changes
+    with pytest.raises((TypeError, ValueError), match=message):
+        sl.pounding_probability(**arguments, method="hybrid")
+
+
+# --- Envelopes and spectra ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("model", "envelope"),
+    [
+        ("amin_ang", sl.AminAng(4.0, 12.0, 0.3)),
+        ("shinozuka_sato", sl.ShinozukaSato(0.15, 0.6)),
+        ("gamma", sl.GammaEnvelope(2.0, 0.3)),
+        ("hsu_bernard", sl.HsuBernard(6.0)),
+    ],
+)
+def test_fit_finds_the_envelope_that_made_the_record(model, envelope):
+    time = 0.01 * np.arange(6000)
+    record = xr.DataArray(envelope.at(time) * np.sin(60 * time), dims="time", coords={"time": time})
+    fitted = sl.fit_envelope(record, model)
+    np.testing.assert_allclose(fitted.at(time), envelope.at(time), atol=0.02)
+    beside = sl.energy_build_up(record, fitted)
+    assert float(abs(beside.record_energy - beside.envelope_energy).max()) < 0.01
+
+
+@needs_records
+@pytest.mark.parametrize(("name", "options"), REAL.values(), ids=list(REAL))
+@pytest.mark.parametrize("model", ["amin_ang", "gamma"])
+def test_fit_follows_real_records(name, options, model):
+    record = sl.read_record(RECORDS / name, **options)
+    beside = sl.energy_build_up(record, sl.fit_envelope(record, model))
+    assert float(abs(beside.record_energy - beside.envelope_energy).max()) < 0.2
+
+
+def test_unknown_envelope_is_refused(quake):
+    with pytest.raises(ValueError, match="'box' is no envelope"):
+        sl.fit_envelope(quake, "box")
+
+
+def test_evolutionary_psd_is_the_product_and_holds_the_variance():
+    ground, envelope = sl.KanaiTajimi(0.42, 0.6, intensity=0.01), sl.HsuBernard(5.0)
+    time, frequency = np.linspace(0, 30, 31), np.linspace(0, 2000, 40001)
+    psd = sl.evolutionary_psd(ground, envelope, frequency, time)
+    variance = 2 * psd.integrate("frequency")
+    w, xi = 2 * np.pi / 0.42, 0.6
+    full = np.pi * 0.01 * w * (1 + 4 * xi**2) / (2 * xi)
+    np.testing.assert_allclose(variance, full * envelope.at(time) ** 2, rtol=5e-3)
+    with pytest.raises(ValueError, match="time = -1"):
+        sl.evolutionary_psd(ground, envelope, frequency, [-1.0])
+
+
+def test_pictures(quake, tmp_path):
+    from stochlin.views.probability.pictures import draw_evolutionary_psd, draw_fragility, draw_pounding
+    from stochlin.views.shared.style import save
+
+    firm = sl.named_ground("firm", 0.01)
+    motion = {"envelope": sl.HsuBernard(4.0), "duration": 12.0, "paths": 64}
+    pictures = {
+        "time": draw_pounding(sl.pounding_probability(ONE, TWO, firm, 0.1, **motion)),
+        "hybrid": draw_pounding(
+            sl.pounding_probability(ONE, TWO, firm, 0.1, method="hybrid", record=quake)
+        ),
+        "fragility": draw_fragility(
+            sl.pounding_fragility(ONE, TWO, firm, [0.1, 0.2], [0.01, 0.02], **motion)
+        ),
+        "psd": draw_evolutionary_psd(
+            sl.evolutionary_psd(firm, sl.HsuBernard(4.0), np.linspace(1, 40, 20), np.linspace(0, 12, 9))
+        ),
+    }
+    for name, figure in pictures.items():
+        save(figure, tmp_path / f"{name}.png")
+        assert (tmp_path / f"{name}.png").stat().st_size > 10_000
+    for draw in (draw_pounding, draw_fragility):
+        with pytest.raises(ValueError, match="dataset has the dimensions"):
+            draw(xr.Dataset())

@@ -1,0 +1,283 @@
+"""Probability of pounding: against simulation, its own limits, and the formulas of the crossings."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.integrate
+import scipy.stats
+import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
+
+import stochlin as sl
+from stochlin.kernels.probability.crossings import exceeding, hazards, positive_part
+
+pytestmark = pytest.mark.oracle
+
+FIRM = sl.KanaiTajimi(2 * np.pi / 15, 0.6, intensity=0.01)
+QUAKE = {"envelope": sl.AminAng(4.0, 15.0, 0.35), "duration": 25.0}
+ONE, TWO = sl.Bilinear(0.6, 0.05), sl.Bilinear(1.0, 0.05)
+
+
+def probability(*args, **changes):
+    return sl.pounding_probability(*args, **({"paths": 0} | QUAKE | changes))
+
+
+# --- Crossings ------------------------------------------------------------------------------------
+
+
+@given(st.floats(-40, 40), st.floats(1e-6, 10))
+def test_positive_part_is_the_truncated_mean(mean, deviation):
+    if abs(mean / deviation) > 30:
+        assert float(positive_part(np.array(mean), np.array(deviation))) == pytest.approx(
+            max(mean, 0), abs=1e-12
+        )
+        return
+    reach = mean + 12 * deviation
+    law = scipy.stats.norm(mean, deviation)
+    if reach <= 0:
+        return
+    exact = scipy.integrate.quad(
+        lambda x: x * law.pdf(x),
+        0,
+        max(reach, 0),
+        points=[min(max(mean, 0), reach)],
+        epsabs=0,
+        epsrel=1e-9,
+        limit=400,
+    )[0]
+    assert float(positive_part(np.array(mean), np.array(deviation))) == pytest.approx(exact, rel=1e-6)
+
+
+@given(st.floats(1e-6, 40), st.floats(-1, 1), st.floats(0, 1))
+def test_rates_are_finite_ordered_and_no_rate_where_nothing_moves(h, kappa, bandwidth):
+    poisson, first = hazards(*(np.array(x) for x in (h, 1.0, kappa, 1.0, bandwidth)))
+    assert np.isfinite(poisson)
+    assert np.isfinite(first)
+    assert poisson >= 0
+    assert first >= 0
+    # a clump holds at least one crossing, of those that start below
+    assert first <= poisson / -np.expm1(-0.5 * h * h) * (1 + 1e-12)
+    still = hazards(*(np.array(x) for x in (h, 0.0, 0.0, 1.0, bandwidth)))
+    assert still == (0, 0)
+    assert float(exceeding(np.array(h), np.array(0.0))) == 0
+
+
+def test_rates_of_a_stationary_process_are_rice_and_vanmarcke():
+    h, delta = np.linspace(0.5, 5, 10), 0.2
+    poisson, first = hazards(h, *(np.array(x) for x in (1.0, 0.0, 4.0, delta)))
+    np.testing.assert_allclose(poisson, 2 / (2 * np.pi) * np.exp(-0.5 * h * h), rtol=1e-12)
+    clumps = (1 - np.exp(-np.sqrt(2 * np.pi) * delta * h)) / (1 - np.exp(-0.5 * h * h))
+    np.testing.assert_allclose(first, poisson * clumps, rtol=1e-12)
+
+
+def test_crossing_rate_that_changes_with_time_is_that_of_the_formula_written_out():
+    kappa, h, s, sv = 0.4, 1.7, 0.3, 2.0
+    chi = kappa * h / np.sqrt(1 - kappa**2)
+    shape = np.exp(-0.5 * chi**2) + np.sqrt(2 * np.pi) * chi * scipy.stats.norm.cdf(chi)
+    expected = np.sqrt(1 - kappa**2) / (2 * np.pi) * sv / s * np.exp(-0.5 * h * h) * shape
+    poisson, _ = hazards(*(np.array(x) for x in (h * s, s * s, kappa * s * sv, sv * sv, 0.3)))
+    assert float(poisson) == pytest.approx(expected, rel=1e-12)
+
+
+# --- Against simulation ---------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_confidence_of_a_linear_pair_against_1e5_motions():
+    sigma = float(probability(ONE, TWO, FIRM, 1.0).difference_std.max())
+    gaps = xr.DataArray(sigma * np.linspace(1, 4, 13), dims="gap")
+    table = probability(ONE, TWO, FIRM, gaps, paths=100_000, points=26)
+    last = table.isel(time=-1)
+    error = last.confidence_of_no_pounding - last.confidence_of_no_pounding_simulated
+    assert float(abs(error).max()) < 0.03
+    poisson = last.confidence_of_no_pounding_poisson - last.confidence_of_no_pounding_simulated
+    assert float(poisson.min()) < -0.06  # crossings that come in clumps are counted as many
+    assert float(poisson.max()) < 0.01
+    off = table.difference_std - table.difference_std_simulated
+    allowed = 4 * table.difference_std_simulated_standard_error + 0.005 * sigma  # its steps
+    assert bool((abs(off) <= allowed).all())
+    np.testing.assert_allclose(
+        table.instantaneous_probability, table.instantaneous_probability_simulated, atol=0.01
+    )
+    assert float(last.required_gap) == pytest.approx(float(last.required_gap_simulated), rel=0.03)
+
+
+@pytest.mark.parametrize(
+    ("pair", "lowest", "highest"),
+    [((0.9, 1.0), -0.02, 0.07), ((0.5, 2.0), -0.18, 0.02)],
+    ids=["close", "far apart"],
+)
+def test_error_of_the_confidence_is_what_the_notes_say(pair, lowest, highest):
+    structures = [sl.Bilinear(T, 0.05) for T in pair]
+    sigma = float(probability(*structures, FIRM, 1.0).difference_std.max())
+    gaps = xr.DataArray(sigma * np.linspace(1, 4, 7), dims="gap")
+    last = probability(*structures, FIRM, gaps, paths=8192, points=6).isel(time=-1)
+    error = last.confidence_of_no_pounding - last.confidence_of_no_pounding_simulated
+    # four standard errors of a share of 8192 are .022 at most
+    assert float(error.max()) < highest
+    assert float(error.min()) > lowest
+    assert float(abs(error).sel(gap=6).max()) < 0.02
+
+
+# --- Limits and symmetries ------------------------------------------------------------------------
+
+
+def test_time_runs_from_certain_safety_and_gaps_are_ordered():
+    gaps = xr.DataArray([1e-3, 0.05, 0.1, 0.2, 5.0], dims="gap")
+    table = probability(ONE, TWO, FIRM, gaps)
+    safe = table.confidence_of_no_pounding
+    assert (safe.isel(time=0) == 1).all()
+    assert (safe.diff("time") <= 0).all()
+    assert (safe.diff("gap") >= 0).all()
+    assert float(safe[-1, 0]) < 1e-3
+    assert float(safe[-1, -1]) == 1
+    assert (table.instantaneous_probability.diff("gap") <= 0).all()
+    assert float(table.instantaneous_probability.max()) <= 0.5
+
+
+def test_required_gap_keeps_the_confidence():
+    for confidence in (0.5, 0.9, 0.99):
+        wanted = probability(ONE, TWO, FIRM, 0.1, confidence=confidence).required_gap
+        back = probability(ONE, TWO, FIRM, float(wanted)).confidence_of_no_pounding[-1]
+        assert float(back) == pytest.approx(confidence, abs=1e-4)
+
+
+def test_exchange_of_sides_and_scale_of_the_motion():
+    here, there = probability(ONE, TWO, FIRM, 0.12), probability(TWO, ONE, FIRM, 0.12)
+    np.testing.assert_allclose(
+        here.confidence_of_no_pounding, there.confidence_of_no_pounding, atol=1e-7
+    )
+    strong = sl.KanaiTajimi(2 * np.pi / 15, 0.6, intensity=0.04)
+    twice = probability(ONE, TWO, strong, 0.24).confidence_of_no_pounding
+    np.testing.assert_allclose(twice, here.confidence_of_no_pounding, atol=1e-7)
+
+
+def test_equal_structures_never_pound():
+    table = probability(ONE, ONE, FIRM, 1e-4, paths=64)
+    assert (table.confidence_of_no_pounding == 1).all()
+    assert (table.instantaneous_probability == 0).all()
+    assert (table.confidence_of_no_pounding_simulated == 1).all()
+    assert float(table.required_gap) == 0
+    assert (table.rho[1:] == pytest.approx(1, abs=1e-9)).all()
+
+
+def test_correction_is_nothing_for_linear_and_unknown_for_unmapped_pairs():
+    table = probability(ONE, TWO, FIRM, 0.12)
+    np.testing.assert_array_equal(
+        table.confidence_of_no_pounding, table.confidence_of_no_pounding_corrected
+    )
+    unequal = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=R) for T, R in ((0.6, 2), (1.0, 4))]
+    table = probability(*unequal, FIRM, 0.12)
+    assert table.confidence_of_no_pounding_corrected.isnull().all()
+    assert np.isnan(table.required_gap_corrected)
+    assert table.confidence_of_no_pounding.notnull().all()
+
+
+def test_correction_of_a_yielding_pair_is_nearer_to_simulation():
+    pair = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.6, 1.0)]
+    gaps = xr.DataArray([0.04, 0.06, 0.08, 0.1, 0.12], dims="gap")
+    last = probability(*pair, FIRM, gaps, paths=2048).isel(time=-1)
+    plain, corrected = (
+        abs(last[f"confidence_of_no_pounding{ending}"] - last.confidence_of_no_pounding_simulated)
+        for ending in ("", "_corrected")
+    )
+    # four standard errors of a share of 2048 are .044 at most
+    assert float(corrected.max()) < 0.1 + 0.044
+    assert float(plain.max()) > 0.2 - 0.044
+    simulated = float(last.required_gap_simulated)
+    assert abs(float(last.required_gap_corrected) / simulated - 1) < 0.1
+    assert float(last.required_gap) < 0.85 * simulated
+
+
+def test_tables_are_labelled_and_bad_cells_blank():
+    gaps = xr.DataArray([0.1, -0.1, 0.2], dims="gap")
+    periods = xr.DataArray([0.5, 30.0], dims="period_1")
+    table = probability(sl.Bilinear(periods, 0.05), TWO, FIRM, gaps, paths=64, points=5)
+    safe = table.confidence_of_no_pounding
+    assert set(safe.dims) == {"time", "period_1", "gap"}
+    blank = safe.isnull().all("time")
+    assert (blank == (table.status >= 2)).all()
+    assert int((~blank).sum()) == 2
+    for name, variable in table.data_vars.items():
+        assert variable.attrs["long_name"], name
+        assert "units" in variable.attrs or "flag_values" in variable.attrs, name
+    xr.testing.assert_identical(
+        table, probability(sl.Bilinear(periods, 0.05), TWO, FIRM, gaps, paths=64, points=5)
+    )
+
+
+def test_fragility_of_a_hundred_by_a_hundred():
+    pair = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.6, 1.0)]
+    gaps, intensities = np.linspace(0.02, 0.6, 100), np.geomspace(1e-3, 0.05, 100)
+    table = sl.pounding_fragility(*pair, FIRM, gaps, intensities, paths=0, **QUAKE)
+    chance = table.pounding_probability
+    assert chance.sizes == {"intensity": 100, "gap": 100}
+    assert (chance.diff("gap") <= 0).all()
+    assert (chance.diff("intensity") >= -1e-6).all()
+    assert float(chance[-1, 0]) > 0.99
+    assert float(chance[0, -1]) < 1e-6
+    one = probability(*pair, FIRM, float(gaps[20])).confidence_of_no_pounding[-1]
+    at = chance.interp(intensity=0.01).sel(gap=gaps[20])
+    assert float(at) == pytest.approx(1 - float(one), abs=0.01)
+
+
+def test_simulation_beside_several_intensities_is_that_of_each_alone():
+    pair = [sl.Bilinear(T, 0.05, 0.05, yield_displacement=0.02) for T in (0.6, 1.0)]
+    both = sl.pounding_fragility(*pair, FIRM, 0.1, [0.01, 0.04], paths=512, **QUAKE)
+    alone = sl.pounding_probability(
+        *pair, sl.KanaiTajimi(2 * np.pi / 15, 0.6, intensity=0.04), 0.1, paths=512, points=11, **QUAKE
+    )
+    assert float(both.required_gap_simulated[1]) == pytest.approx(
+        float(alone.required_gap_simulated), rel=1e-9
+    )
+
+
+# --- Bad input ------------------------------------------------------------------------------------
+
+
+class Negative(sl.HsuBernard):
+    def at(self, time):
+        return super().at(time) - 0.5
+
+
+class Nothing(sl.HsuBernard):
+    def at(self, time):
+        return 0 * super().at(time)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"gap": 0}, "gap = 0"),
+        ({"gap": -0.1}, "gap = -0.1"),
+        ({"duration": 0}, "duration = 0"),
+        ({"duration": 0.8}, "shorter than the period of second"),
+        ({"duration": None}, "duration is missing"),
+        ({"duration": True}, "duration = True"),
+        ({"envelope": Negative(5.0)}, "allowed: finite values from 0 on"),
+        ({"envelope": Nothing(5.0)}, "is 0 all through"),
+        ({"envelope": 3}, "envelope = 3"),
+        ({"confidence": 1.0}, "confidence = 1"),
+        ({"confidence": 0}, "confidence = 0"),
+        ({"points": 1}, "points = 1"),
+        ({"paths": 1}, "paths = 1"),
+        ({"seed": -1}, "seed = -1"),
+        ({"method": "magic"}, "method = 'magic'"),
+        ({"method": "hybrid"}, "do not go with method='hybrid'"),
+        ({"record": xr.DataArray(0.0)}, "record goes with method='hybrid'"),
+    ],
+    ids=str,
+)
+def test_bad_input_is_refused(changes, message):
+    arguments = {"gap": 0.1, "paths": 0} | QUAKE | changes
+    with pytest.raises((TypeError, ValueError), match=message):
+        sl.pounding_probability(ONE, TWO, FIRM, **arguments)
+
+
+def test_simulation_of_several_grounds_is_refused():
+    soils = sl.KanaiTajimi(xr.DataArray([0.4, 2.0], dims="soil"), 0.6, intensity=0.01)
+    with pytest.raises(ValueError, match="one ground at a time"):
+        probability(ONE, TWO, soils, 0.1, paths=64)
+    assert probability(ONE, TWO, soils, 0.1).confidence_of_no_pounding.sizes["soil"] == 2

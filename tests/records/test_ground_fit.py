@@ -1,0 +1,388 @@
+"""Fitted grounds: published fits, recovery of a known ground, scaling; and the named grounds."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.integrate import quad
+
+import stochlin as sl
+
+pytestmark = pytest.mark.oracle
+
+TAU = 2 * np.pi
+ESTIMATORS = ("psd", "log_psd", "whittle")
+RECORDS = Path(__file__).parents[2].parent / "shared" / "records"
+needs_records = pytest.mark.skipif(
+    not RECORDS.is_dir(), reason="the folder of strong-motion records is absent"
+)
+
+
+def lake_bed(column):
+    return sl.read_record(RECORDS / "sct190985.txt", units="g", column=column, time_column=0)
+
+
+def taft():
+    return sl.read_record(RECORDS / "RSN15_KERN_TAF111.txt", units="g", dt=0.01)
+
+
+def kanai_tajimi_psd(frequency, wg, xig, intensity):
+    ratio = (frequency / wg) ** 2
+    return intensity * (1 + 4 * xig**2 * ratio) / ((1 - ratio) ** 2 + 4 * xig**2 * ratio)
+
+
+def clough_penzien_psd(frequency, wg, xig, wf, xif, intensity):
+    ratio = (frequency / wf) ** 2
+    high_pass = ratio**2 / ((1 - ratio) ** 2 + 4 * xif**2 * ratio)
+    return kanai_tajimi_psd(frequency, wg, xig, intensity) * high_pass
+
+
+def simulated(psd, duration, step=0.02, seed=0):
+    """Piece of a periodic Gaussian process four times as long, which has the PSD to the letter."""
+    samples = round(duration / step)
+    frequency = TAU * np.fft.rfftfreq(4 * samples, step)
+    rng = np.random.default_rng(seed)
+    normal = rng.standard_normal((2, frequency.size))
+    amplitude = (normal[0] + 1j * normal[1]) * np.sqrt(psd(frequency) * frequency[1] / 2)
+    values = 4 * samples * np.fft.irfft(amplitude, 4 * samples)[:samples]
+    return history(values, step)
+
+
+def history(values, step=0.02):
+    values = np.asarray(values, float)
+    return xr.DataArray(values, dims="time", coords={"time": step * np.arange(values.size)})
+
+
+def standard_errors(wg, xig, duration, estimator, low, high):
+    """Relative errors of (wg, xig, S0), by integrals over frequency of the estimating equations.
+
+    With g the slopes of log S in the log parameters and T the duration:
+    cov = A^-1 B A^-1 2 pi/T, A = int w g g', B = v int w^2 g g'; w = S^2, v = 1 for least squares
+    on the PSD, w = 1 for the others, v = pi^2/6 on its logarithm.
+    """
+    w = np.linspace(low, high, 200_001)
+    ratio, spread = (w / wg) ** 2, 4 * xig**2 * (w / wg) ** 2
+    below = (1 - ratio) ** 2 + spread
+    by_damping = 2 * spread / (1 + spread) - 2 * spread / below
+    by_frequency = -2 * spread / (1 + spread) + (2 * spread - 4 * ratio * (1 - ratio)) / below
+    slopes = np.array([by_frequency, by_damping, np.ones_like(w)])
+    weight = kanai_tajimi_psd(w, wg, xig, 1.0) ** 2 if estimator == "psd" else np.ones_like(w)
+    variance = np.pi**2 / 6 if estimator == "log_psd" else 1.0
+    step = w[1] - w[0]
+    bread = np.linalg.inv((weight * slopes) @ slopes.T * step)
+    filling = variance * (weight**2 * slopes) @ slopes.T * step
+    return np.sqrt(np.diag(bread @ filling @ bread) * TAU / duration)
+
+
+# --- Published fits ---------------------------------------------------------------------------------
+
+
+@needs_records
+@pytest.mark.parametrize(
+    ("record", "wg", "xig", "tolerance"),
+    [
+        (lambda: lake_bed(1), 3.09, 0.054, 0.03),
+        # 37 s do not resolve this peak: a sinusoid of that duration would give xig = .024.
+        (lambda: lake_bed(2), 3.11, 0.033, 0.15),
+        (taft, 17.8, 0.45, 0.03),
+    ],
+    ids=["SCT NS", "SCT EW", "Taft"],
+)
+def test_published_fits(record, wg, xig, tolerance):
+    ground = sl.fit_ground(record())
+    assert TAU / ground.period == pytest.approx(wg, rel=0.005)
+    assert ground.damping == pytest.approx(xig, rel=tolerance)
+
+
+@needs_records
+def test_estimators_differ_widely_on_the_lake_bed():
+    record = lake_bed(1)
+    assert sl.fit_ground(record, estimator="log_psd").damping == pytest.approx(0.33, rel=0.15)
+    assert sl.fit_ground(record, estimator="whittle").damping > 3 * sl.fit_ground(record).damping
+
+
+@needs_records
+def test_source_says_what_was_fitted_and_how_well():
+    source = sl.fit_ground(lake_bed(2)).source
+    assert source.startswith("least squares on the linear PSD of sct190985.txt, 5-95 % part (36.88 s), ")
+    assert re.search(
+        r"standard errors: period \d\.\d %, damping 1\d\d\.\d %, intensity 1\d\d\.\d %", source
+    )
+    assert source.endswith("damping not well resolved (a sinusoid of this duration gives 0.024)")
+    assert "resolved" not in sl.fit_ground(taft()).source
+
+
+@needs_records
+@pytest.mark.parametrize("record", [lambda: lake_bed(1), taft], ids=["SCT NS", "Taft"])
+def test_default_hardly_depends_on_the_choices_around_it(record):
+    record = record()
+    reference = sl.fit_ground(record)
+    nyquist = np.pi / record.attrs["dt"]
+    wide = sl.fit_ground(record, frequency_range=(0, nyquist))
+    assert wide.period == pytest.approx(reference.period, rel=0.01)
+    assert wide.damping == pytest.approx(reference.damping, rel=0.03)
+    shifted = sl.fit_ground(record.assign_coords(time=record.time + 100) + 1e-4)
+    assert shifted.damping == pytest.approx(reference.damping, rel=0.03)
+
+
+@needs_records
+def test_clough_penzien_fit_of_a_firm_site():
+    ground = sl.fit_ground(taft(), "clough_penzien")
+    assert isinstance(ground, sl.CloughPenzien)
+    assert TAU / ground.period == pytest.approx(17.5, rel=0.02)
+    assert ground.high_pass_period > ground.period
+    spectra = sl.fit_spectra(taft(), ground)
+    kanai_tajimi = sl.fit_spectra(taft(), sl.fit_ground(taft()))
+    assert misfit(spectra) < misfit(kanai_tajimi)
+
+
+def misfit(spectra):
+    return float(((spectra.psd_record - spectra.psd_ground) ** 2).sum())
+
+
+# --- A known ground -----------------------------------------------------------------------------------
+
+GROUNDS = [(10.0, 0.3, 300.0), (17.8, 0.45, 200.0), (3.1, 0.1, 2000.0), (5.0, 0.8, 600.0)]
+
+
+@pytest.mark.parametrize("estimator", ESTIMATORS)
+@pytest.mark.parametrize(("wg", "xig", "duration"), GROUNDS)
+def test_recovers_a_known_ground(wg, xig, duration, estimator):
+    """Mean of 8 records: within 3.5 of its standard errors, and the error printed is that one."""
+    intensity, low, high = 0.02, 0.05 * wg, 5 * wg
+    expected = standard_errors(wg, xig, duration, estimator, low, high)
+    logs = []
+    for seed in range(8):
+        record = simulated(
+            lambda w: kanai_tajimi_psd(w, wg, xig, intensity), duration, step=0.3 / wg, seed=seed
+        )
+        ground = sl.fit_ground(record, estimator=estimator, part=(0, 1), frequency_range=(low, high))
+        logs.append(
+            np.log([TAU / ground.period / wg, ground.damping / xig, ground.intensity / intensity])
+        )
+    assert np.all(np.abs(np.mean(logs, axis=0)) < 3.5 * expected / np.sqrt(8))
+    # Seven degrees of freedom: the scatter over its expectation is .28 to 1.9 in all but .1 %.
+    scatter = np.std(logs, axis=0, ddof=1) / expected
+    assert np.all((scatter > 0.28) & (scatter < 1.9))
+    printed = [
+        float(value) / 100
+        for value in re.findall(r"(?:period|damping|intensity) ([\d.]+) %", ground.source)
+    ]
+    np.testing.assert_allclose(printed, expected, rtol=0.4, atol=0.001)
+
+
+def test_whittle_is_the_most_accurate_where_the_model_is_true():
+    errors = {e: standard_errors(3.1, 0.1, 100.0, e, 0.1, 20.0) for e in ESTIMATORS}
+    assert np.all(errors["whittle"] < errors["log_psd"])
+    assert np.all(errors["whittle"] < errors["psd"])
+
+
+@pytest.mark.parametrize("estimator", ESTIMATORS)
+def test_recovers_a_known_clough_penzien_ground(estimator):
+    """Four standard deviations of six such fits, which are 2 % for the soil, 9 % for the filter."""
+    truth = (12.0, 0.4, 2.0, 0.6, 0.02)
+    record = simulated(lambda w: clough_penzien_psd(w, *truth), 600.0, step=0.05, seed=4)
+    ground = sl.fit_ground(record, "clough_penzien", estimator, part=(0, 1))
+    soil = (TAU / ground.period, ground.damping, ground.intensity)
+    np.testing.assert_allclose(soil, np.take(truth, (0, 1, 4)), rtol=0.12)
+    high_pass = (TAU / ground.high_pass_period, ground.high_pass_damping)
+    np.testing.assert_allclose(high_pass, truth[2:4], rtol=0.36)
+
+
+@pytest.mark.parametrize("estimator", ESTIMATORS)
+@pytest.mark.parametrize("factor", [-1.0, 3.0, 1e-6, 1e4])
+def test_scaled_record_has_a_scaled_intensity(estimator, factor):
+    record = simulated(lambda w: kanai_tajimi_psd(w, 8.0, 0.3, 1.0), 60.0)
+    one, other = (sl.fit_ground(r, estimator=estimator) for r in (record, factor * record))
+    assert other.period == pytest.approx(one.period, rel=1e-6)
+    assert other.damping == pytest.approx(one.damping, rel=1e-6)
+    assert other.intensity == pytest.approx(factor**2 * one.intensity, rel=1e-6)
+
+
+def test_faster_clock_shortens_the_period():
+    record = simulated(lambda w: kanai_tajimi_psd(w, 8.0, 0.3, 1.0), 60.0)
+    one, other = sl.fit_ground(record), sl.fit_ground(record.assign_coords(time=record.time / 4))
+    assert other.period == pytest.approx(one.period / 4, rel=1e-6)
+    assert other.damping == pytest.approx(one.damping, rel=1e-6)
+    assert other.intensity == pytest.approx(one.intensity / 4, rel=1e-6)
+
+
+def test_silence_before_and_after_changes_nothing():
+    values = simulated(lambda w: kanai_tajimi_psd(w, 8.0, 0.3, 1.0), 60.0).to_numpy()
+    one = sl.fit_ground(history(values))
+    other = sl.fit_ground(history(np.concatenate([np.zeros(700), values, np.zeros(900)])))
+    assert other.period == pytest.approx(one.period, rel=1e-9)
+    assert other.damping == pytest.approx(one.damping, rel=1e-9)
+
+
+# --- Refusals -----------------------------------------------------------------------------------------
+
+
+def test_white_noise_has_no_ground_period():
+    noise = history(np.random.default_rng(0).standard_normal(3000))
+    with pytest.raises(ValueError, match=r"ends on a bound, .*try another estimator.*WhiteNoise"):
+        sl.fit_ground(noise, estimator="whittle")
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"model": "kanai"}, "model = 'kanai' is unknown; allowed: kanai_tajimi, clough_penzien"),
+        ({"estimator": "moments"}, "estimator = 'moments' is unknown; allowed: psd, log_psd, whittle"),
+        ({"part": (0.9, 0.1)}, "allowed: 0 <= start < end <= 1"),
+        ({"frequency_range": (5.0, 1.0)}, r"frequency_range = \(5, 1\) is out of range"),
+        ({"frequency_range": (-1.0, 20.0)}, r"allowed: 0 <= low < high <= 157\.\d+ rad/s"),
+        ({"frequency_range": (0.0, 500.0)}, "is out of range"),
+        ({"frequency_range": (1.0, 1.1)}, r"or more apart in a part of \d"),
+        ({"frequency_range": (np.nan, 20.0)}, "is out of range"),
+    ],
+)
+def test_refuses_options(options, message):
+    record = simulated(lambda w: kanai_tajimi_psd(w, 8.0, 0.3, 1.0), 40.0)
+    with pytest.raises(ValueError, match=message):
+        sl.fit_ground(record, **options)
+
+
+def test_refuses_what_is_not_a_record():
+    with pytest.raises(TypeError, match=r"allowed: an xarray\.DataArray"):
+        sl.fit_ground(np.ones(100))
+    with pytest.raises(ValueError, match="at least 16"):
+        sl.fit_ground(history([0, 0, 0, 0, 0, 1, 2, 1] + [0] * 20))
+    with pytest.raises(ValueError, match="record is 2 throughout the part used"):
+        sl.fit_ground(history([2.0] * 100))
+
+
+# --- Spectra ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("samples", [1000, 1001])
+@pytest.mark.parametrize("part", [(0, 1), (0.05, 0.95)])
+def test_parseval(samples, part):
+    record = history(np.random.default_rng(2).standard_normal(samples) + 0.5)
+    spectra = sl.fit_spectra(record, sl.WhiteNoise(), part=part)
+    strong = sl.strong_part(record, *part)
+    step = TAU / (strong.size * 0.02)
+    weights = np.full(spectra.sizes["frequency"], 2.0)
+    if strong.size % 2 == 0:
+        weights[-1] = 1.0  # Nyquist is its own mirror
+    variance = float((weights * spectra.psd_record).sum()) * step
+    assert variance == pytest.approx(float(strong.var()), rel=1e-12)
+    np.testing.assert_allclose(spectra.frequency, step * np.arange(1, strong.size // 2 + 1), rtol=1e-9)
+
+
+def test_integral_of_the_fitted_spectrum_is_the_variance():
+    record = simulated(lambda w: kanai_tajimi_psd(w, 8.0, 0.3, 1.0), 600.0)
+    ground = sl.fit_ground(record, estimator="whittle", part=(0, 1))
+    closed_form = np.pi * ground.intensity * TAU / ground.period * (1 + 4 * ground.damping**2)
+    # The record has no energy beyond Nyquist, 2 S0 (2 xig wg)^2/w there.
+    beyond = 2 * ground.intensity * (2 * ground.damping * TAU / ground.period) ** 2 / (np.pi / 0.02)
+    assert closed_form / (2 * ground.damping) - beyond == pytest.approx(float(record.var()), rel=0.1)
+
+
+def test_smoothing_keeps_what_is_smooth_and_the_energy():
+    record = simulated(np.ones_like, 400.0)
+    spectra = sl.fit_spectra(record, sl.WhiteNoise(), part=(0, 1))
+    # A sixth of an octave around 30 rad/s holds 220 ordinates, so its mean scatters by 7 %.
+    assert float(spectra.psd_smoothed.sel(frequency=30.0, method="nearest")) == pytest.approx(
+        1, abs=0.15
+    )
+    assert float(spectra.psd_smoothed.isel(frequency=0)) == float(spectra.psd_record.isel(frequency=0))
+    assert float(spectra.psd_smoothed.mean()) == pytest.approx(
+        float(spectra.psd_record.mean()), rel=0.03
+    )
+    assert float(spectra.psd_smoothed.min()) > 0
+
+
+def test_spectra_are_labelled(tmp_path):
+    record = simulated(lambda w: kanai_tajimi_psd(w, 8.0, 0.3, 1.0), 40.0).assign_attrs(
+        source="made.txt"
+    )
+    ground = sl.named_ground("soft", intensity=0.5)
+    spectra = sl.fit_spectra(record, ground)
+    assert set(spectra.data_vars) == {"psd_record", "psd_smoothed", "psd_ground"}
+    for name in spectra.data_vars:
+        assert spectra[name].attrs["units"] == "m^2/s^3"
+        assert spectra[name].attrs["long_name"].startswith("two-sided PSD of the ")
+    assert spectra.frequency.attrs == {"units": "rad/s", "long_name": "circular frequency"}
+    assert spectra.attrs["ground"] == ground.describe()
+    assert spectra.attrs["ground_source"] == ground.source
+    assert "made.txt" in spectra.attrs["title"]
+    np.testing.assert_array_equal(spectra.psd_ground, ground.psd(spectra.frequency))
+    spectra.to_netcdf(tmp_path / "spectra.nc", engine="scipy")
+    with xr.open_dataset(tmp_path / "spectra.nc", engine="scipy") as again:
+        xr.testing.assert_identical(again.load(), spectra)
+
+
+# --- Named grounds ----------------------------------------------------------------------------------
+
+
+def test_names():
+    assert sl.ground_names() == (
+        *("firm", "medium", "soft", "ec8_a", "ec8_b", "ec8_c", "ec8_d", "ec8_e"),
+        *("taft_1952_yeh_wen", "mexico_city_1985_yeh_wen", "sct_1985_ns", "sct_1985_ew", "taft_1952"),
+    )
+
+
+@pytest.mark.parametrize("name", sl.ground_names())
+def test_every_named_ground(name):
+    ground = sl.named_ground(name, intensity=0.3)
+    assert ground.intensity == 0.3
+    assert len(ground.source) > 20
+    assert sl.named_ground(f" {name.upper()} ", intensity=0.3) == ground
+    assert sl.named_ground(name).intensity == 1.0
+    fitted = name in {"sct_1985_ns", "sct_1985_ew", "taft_1952"}
+    assert isinstance(ground, sl.KanaiTajimi if fitted else sl.CloughPenzien)
+    assert float(ground.psd(0.0)) == (0.3 if fitted else 0.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "wg", "xig", "wf", "xif"),
+    [
+        ("firm", 15, 0.6, 1.5, 0.6),
+        ("soft", 5, 0.2, 0.5, 0.6),
+        ("ec8_c", 7.49, 0.84, 2.14, 1.15),
+        ("mexico_city_1985_yeh_wen", 4.2, 0.1, 0.23, 0.1),
+    ],
+)
+def test_named_spectra(name, wg, xig, wf, xif):
+    frequency = np.geomspace(0.05, 100, 50)
+    expected = clough_penzien_psd(frequency, wg, xig, wf, xif, 2.0)
+    np.testing.assert_allclose(sl.named_ground(name, 2.0).psd(frequency), expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "name", ["sct_1985_ns", "sct_1985_ew", "taft_1952", "soft", "mexico_city_1985_yeh_wen"]
+)
+def test_spectrum_peaks_just_below_the_ground_frequency(name):
+    """Peak of KT: (w/wg)^2 = [sqrt(1 + 8 xig^2) - 1]/(4 xig^2), a little below 1."""
+    ground = sl.named_ground(name)
+    wg, xig = TAU / ground.period, ground.damping
+    frequency = np.linspace(0.5 * wg, 1.2 * wg, 20_001)
+    peak = frequency[np.argmax(ground.psd(frequency).to_numpy())]
+    expected = wg * np.sqrt((np.sqrt(1 + 8 * xig**2) - 1) / (4 * xig**2))
+    # The high-pass oscillators of these sets are far below and move the peak by less than 1 %.
+    assert peak == pytest.approx(expected, rel=1e-4 if isinstance(ground, sl.KanaiTajimi) else 0.01)
+
+
+def test_variance_of_a_named_fit_in_closed_form():
+    ground = sl.named_ground("taft_1952", intensity=0.0011)
+    wg, xig = 17.8, 0.45
+    variance = 2 * quad(lambda w: kanai_tajimi_psd(w, wg, xig, 0.0011), 0, np.inf)[0]
+    assert variance == pytest.approx(np.pi * 0.0011 * wg * (1 + 4 * xig**2) / (2 * xig), rel=1e-7)
+    assert (TAU / ground.period, ground.damping) == (pytest.approx(wg), xig)
+
+
+@pytest.mark.parametrize("name", ["", "hard", "ec8", "ec8_f", None, 3])
+def test_unknown_name_lists_all(name):
+    with pytest.raises(ValueError, match=r"is not a known ground; allowed: firm, .*, taft_1952$"):
+        sl.named_ground(name)
+
+
+def test_named_intensity_is_checked():
+    with pytest.raises(ValueError, match="intensity = -1 is out of range"):
+        sl.named_ground("firm", intensity=-1)
+    assert sl.named_ground("firm", intensity=[1.0, 2.0]).intensity.sizes == {"case": 2}

@@ -1,0 +1,318 @@
+"""Effective properties and separation rules: their formulas by other roads, limits and invariance."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
+
+import stochlin as sl
+from stochlin.models.rules.effective_properties import Secant
+
+pytestmark = pytest.mark.oracle
+
+EFFECTIVE = sl.effective_rule_names(unverified=True)
+GROUND = sl.KanaiTajimi(1.0, 0.3)
+
+ductilities = st.floats(1, 30)
+hardenings = st.floats(0.001, 1)
+dampings = st.floats(0.005, 0.2)
+
+
+@pytest.mark.parametrize("name", EFFECTIVE)
+def test_elastic_structures_keep_their_period_and_damping(name):
+    rule = sl.effective_rule(name)
+    mu = np.array([1e-3, 0.5, 1.0])
+    np.testing.assert_array_equal(rule.period_ratio(mu, 0.05), 1)
+    np.testing.assert_array_equal(rule.damping(mu, 0.05, 0.02), 0.02)
+
+
+@pytest.mark.parametrize("name", EFFECTIVE)
+def test_rules_are_continuous_where_yielding_begins(name):
+    """Iwan's damping begins like the power .371 of the distance: 1e-12 of it is 3e-5 of .0587."""
+    rule = sl.effective_rule(name)
+    assert float(rule.period_ratio(1 + 1e-12, 0.05)) == pytest.approx(1, abs=1e-10)
+    assert float(rule.damping(1 + 1e-12, 0.05, 0.05)) == pytest.approx(0.05, abs=3e-6)
+
+
+def loop_area(mu, alpha, points=100_000):
+    """Area of a steady bilinear loop of amplitude mu, by the trapezoidal rule along its path."""
+    down = np.linspace(mu, -mu, points)
+    top = 1 + alpha * (mu - 1)
+    force = np.maximum(top - (mu - down), -1 + alpha * (down + 1))
+    return abs(2 * np.trapezoid(force, down))  # the way back is the same, mirrored
+
+
+@pytest.mark.parametrize("alpha", [0.0, 0.05, 0.3])
+@pytest.mark.parametrize("mu", [1.5, 4.0, 10.0])
+def test_secant_rule_is_stiffness_and_energy_of_a_loop(mu, alpha):
+    rule = sl.effective_rule("secant")
+    secant = (1 + alpha * (mu - 1)) / mu
+    assert float(rule.period_ratio(mu, alpha)) == pytest.approx(secant**-0.5, rel=1e-14)
+    energy = loop_area(mu, alpha) / (2 * np.pi * secant * mu**2)
+    # a kink between two of 1e5 points: 1e-5 of the area
+    assert float(rule.damping(mu, alpha, 0.03)) - 0.03 == pytest.approx(energy, rel=1e-4)
+
+
+@given(ductilities, hardenings, dampings)
+def test_secant_at_a_share_is_secant_at_less_ductility(mu, alpha, xi):
+    penzien, whole = sl.effective_rule("penzien_1997"), sl.effective_rule("secant")
+    assert penzien.period_ratio(mu, alpha) == whole.period_ratio(0.65 * mu, alpha)
+    assert penzien.damping(mu, alpha, xi) == whole.damping(0.65 * mu, alpha, xi)
+    assert Secant(0.65).damping(mu, alpha, xi) == penzien.damping(mu, alpha, xi)
+
+
+@pytest.mark.parametrize(
+    ("name", "mu", "period", "damping"),
+    [
+        ("iwan_1980", 2, 1.121, 0.0587),
+        ("iwan_1980", 5, 1.44475384, 0.0981753273),
+        ("fema_440", 2, 1.162, 0.038),
+        ("fema_440", 5, 1.80, 0.1528),
+        ("fema_440", 8, 2.17522489, 0.155878115),
+        ("jeng_kasai_maison_1992_unverified", 3, 1.18, 0.206832261),
+        ("kasai_jagiasi_jeng_1996_unverified", 3, 1.36, 0.298570557),
+    ],
+)
+def test_fitted_rules_by_hand(name, mu, period, damping):
+    """Worked out apart, in decimal arithmetic; nine digits."""
+    rule = sl.effective_rule(name)
+    assert float(rule.period_ratio(mu, 0.05)) == pytest.approx(period, rel=5e-9)
+    assert float(rule.damping(mu, 0.05, 0.05)) - 0.05 == pytest.approx(damping, rel=5e-9)
+
+
+@pytest.mark.parametrize(
+    ("mu", "period", "damping"), [(4, -0.104, 0.0056), (6.5, 0.00083333, -0.0036721)]
+)
+def test_published_pieces_of_fema_440_jump(mu, period, damping):
+    rule = sl.effective_rule("fema_440")
+    before, after = mu - 1e-9, mu + 1e-9
+    jump = rule.period_ratio(after, 0.05) - rule.period_ratio(before, 0.05)
+    assert float(jump) == pytest.approx(period, rel=1e-3)
+    jump = rule.damping(after, 0.05, 0.05) - rule.damping(before, 0.05, 0.05)
+    assert float(jump) == pytest.approx(damping, rel=1e-3)
+
+
+@pytest.mark.parametrize("name", EFFECTIVE)
+@given(ductilities, st.floats(1.0001, 3), hardenings, dampings)
+def test_more_ductility_is_a_longer_period(name, mu, factor, alpha, xi):
+    rule = sl.effective_rule(name)
+    low, high = (float(rule.period_ratio(m, alpha)) for m in (mu, mu * factor))
+    assert high >= low * (1 - (0.104 / 1.774 if name == "fema_440" else 1e-14))  # its jump
+    assert float(rule.damping(mu, alpha, xi)) >= xi
+
+
+def test_unverified_rules_are_listed_on_request_and_say_why():
+    listed = set(sl.effective_rule_names())
+    for name in EFFECTIVE:
+        rule = sl.effective_rule(name)
+        assert rule.verified == (name in listed)
+        assert ("unverified" in name) == (not rule.verified) == bool(rule.reason)
+        assert rule.mark in rule.describe()
+    assert len(set(EFFECTIVE) - listed) == 2
+
+
+def test_unknown_rules_are_answered_with_the_known_ones():
+    with pytest.raises(ValueError, match=r"rule = 'magic' .*elastic, secant, .*iwan_1980, fema_440"):
+        sl.effective_rule("magic")
+    with pytest.raises(ValueError, match=r"rule = 'magic' "):
+        sl.correlate(sl.Bilinear(1.0, 0.05), sl.Bilinear(1.0, 0.05), GROUND, "effective", rule="magic")
+    with pytest.raises(ValueError, match=r"share = 1.2; allowed: 0 < share <= 1"):
+        Secant(1.2)
+
+
+PAIR = {"damping_1": 0.05, "damping_2": 0.03, "hardening_1": 0.05, "hardening_2": 0.1}
+
+
+@given(st.floats(0.1, 5), st.floats(0.1, 5), st.floats(0.1, 20), st.floats(0.1, 20))
+def test_rho_effective_is_eq_4_at_its_periods_and_dampings(one, two, mu_1, mu_2):
+    for name in EFFECTIVE:
+        table = sl.rho_effective(one, two, **PAIR, ductility_1=mu_1, ductility_2=mu_2, rule=name)
+        rule = sl.effective_rule(name)
+        period = one * rule.period_ratio(mu_1, 0.05)
+        assert float(table.period_eq_1) == pytest.approx(float(period), rel=1e-15)
+        assert 0 < float(table.rho) <= 1
+        effective = [float(table[f"{x}_eq_{n}"]) for x in ("period", "damping") for n in (1, 2)]
+        if max(effective[2:]) < 1:
+            formula = float(sl.rho_white_noise(*effective).rho)
+            assert float(table.rho) == pytest.approx(formula, rel=1e-14)
+
+
+def test_rho_effective_keeps_its_bad_cells_to_itself():
+    table = sl.rho_effective([1.0, -1.0], 1.2, **PAIR, ductility_1=4.0, ductility_2=3.0)
+    alone = sl.rho_effective(1.0, 1.2, **PAIR, ductility_1=4.0, ductility_2=3.0)
+    assert float(table.rho[0]) == float(alone.rho)
+    assert np.isnan(table.rho[1])
+    assert table.status.values.tolist() == [0, 3]
+    with pytest.raises(ValueError, match="ductility_2 = 0 "):
+        sl.rho_effective(1.0, 1.2, **PAIR, ductility_1=4.0, ductility_2=0)
+
+
+@pytest.mark.parametrize("rule", EFFECTIVE)
+def test_correlate_takes_linearized_peak_ductilities(rule):
+    strength = {"damping": 0.05, "hardening": 0.05, "reduction_factor": 4.0}
+    periods = xr.DataArray([0.4, 0.7, -1.0], dims="first")
+    pair = (
+        sl.Bilinear(period=periods, peak_factor=2.5, **strength),
+        sl.BoucWen(period=1.0, **strength),
+    )
+    table = sl.correlate(*pair, GROUND, method="effective", rule=rule)
+    ductility = [
+        p * sl.linearize(s, GROUND).ductility_std for p, s in zip((2.5, 3.0), pair, strict=True)
+    ]
+    direct = sl.rho_effective(
+        periods[:2], 1.0, 0.05, 0.05, 0.05, 0.05, ductility[0][:2], ductility[1], rule
+    )
+    np.testing.assert_allclose(table.rho[:2], direct.rho, rtol=1e-14)
+    np.testing.assert_array_equal(table.ductility_peak_1, ductility[0])
+    assert np.isnan(table.rho[2])
+    assert int(table.status[2]) == 3
+    assert rule in table.attrs["rule"]
+    assert "linearized" in table.attrs["comment"]
+
+
+def test_effective_pairs_that_do_not_fit_together_are_refused():
+    pair = [sl.Bilinear([1.0, 2.0][:n] * 2, 0.05, 0.1, reduction_factor=2) for n in (1, 2)]
+    with pytest.raises(ValueError, match="first, second and ground share a dimension"):
+        sl.correlate(*pair, GROUND, method="effective")
+
+
+def test_correlate_leaves_elastic_structures_at_eq_4():
+    pair = sl.Bilinear(0.8, 0.05), sl.Bilinear(1.0, 0.03)
+    table = sl.correlate(*pair, GROUND, method="effective")
+    assert float(table.rho) == float(sl.rho_white_noise(0.8, 1.0, 0.05, 0.03).rho)
+    assert float(table.damping_eq_2) == 0.03
+
+
+# ---- Rules of codes
+
+SITE = {"height_1": 12.0, "height_2": 20.0, "zone": "II"}
+FAMILIES = [("share_of_sum", 0.6), ("share_of_height", 0.01), ("fixed_distance", 0.1)]
+lengths = st.floats(1e-3, 2)
+
+
+@pytest.mark.parametrize(
+    ("name", "apart", "aligned"),
+    [
+        ("srss", 0.05, 0.05),
+        ("share_of_sum", 0.07, 0.07),
+        ("asce_7", 0.05, 0.05),
+        ("canada", 0.05, 0.05),
+        ("eurocode_8", 0.05, 0.035),
+        ("ubc_97", 0.05, 0.05),
+        ("mexico_city", 0.03 + 0.036 + 0.04 + 0.06, 0.083),
+        ("is_1893", 0.07, 0.035),
+        ("taiwan", 0.042, 0.042),
+        ("peru_e030", 0.072, 0.072),
+    ],
+)
+def test_codes_by_hand(name, apart, aligned):
+    rule = sl.code_rule(name)
+    assert float(rule.gap(0.03, 0.04, **SITE)) == pytest.approx(apart, rel=1e-12)
+    assert float(rule.gap(0.03, 0.04, **SITE, floors_align=True)) == pytest.approx(aligned, rel=1e-12)
+
+
+def test_every_code_is_in_the_table_by_hand():
+    """So that no rule can be added without one."""
+    (mark,) = [m for m in test_codes_by_hand.pytestmark if m.name == "parametrize"]
+    assert tuple(case[0] for case in mark.args[1]) == sl.code_rule_names()
+
+
+@pytest.mark.parametrize(("zone", "each"), [("I", 0.05), ("II", 0.056), ("III", 0.092)])
+def test_mexico_city_has_a_least_distance_and_three_zones(zone, each):
+    rule = sl.code_rule("mexico_city")
+    gap = rule.gap(0.02, 0.02, 12.0, 12.0, zone=zone)
+    assert float(gap) == pytest.approx(2 * each, rel=1e-12)
+
+
+def test_peru_has_three_ways_to_be_the_largest():
+    rule = sl.code_rule("peru_e030")
+    for peaks, height, gap in ((0.001, 2.0, 0.03), (0.001, 10.0, 0.06), (0.3, 10.0, 0.4)):
+        assert float(rule.gap(peaks, peaks, height, 50.0)) == pytest.approx(gap, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "gap"), [(*FAMILIES[0], 0.042), (*FAMILIES[1], 0.12), (*FAMILIES[2], 0.1)]
+)
+def test_families_take_their_number(name, value, gap):
+    assert float(sl.code_rule(name, value).gap(0.03, 0.04, 12.0, 20.0)) == pytest.approx(gap, rel=1e-12)
+
+
+@given(lengths, lengths, st.floats(3, 100), st.floats(3, 100), st.booleans())
+def test_codes_do_not_ask_which_building_is_first(one, two, h_1, h_2, aligned):
+    for name in sl.code_rule_names():
+        rule = sl.code_rule(name)
+        here = rule.gap(one, two, h_1, h_2, aligned, "III")
+        assert here == pytest.approx(rule.gap(two, one, h_2, h_1, aligned, "III"), rel=1e-14)
+        assert rule.gap(1.5 * one, two, h_1, h_2, aligned, "III") >= here
+        assert rule.gap(one, two, h_1, h_2, False, "III") >= here
+
+
+@given(lengths, lengths)
+def test_what_is_a_combination_of_peaks_lies_between_srss_and_sum(one, two):
+    """For correlations from 0 to -1; the plain families of the paper."""
+    srss, total = (float(sl.code_rule(n).gap(one, two)) for n in ("srss", "share_of_sum"))
+    assert srss == float(sl.critical_gap(one, two, 0.0).gap)
+    assert total == float(sl.critical_gap(one, two, -1.0).gap)
+
+
+def test_missing_data_and_unknown_names_are_named():
+    with pytest.raises(ValueError, match=r"mexico_city needs height_1, height_2, zone, .*not given"):
+        sl.code_rule("mexico_city").gap(0.03, 0.04)
+    with pytest.raises(ValueError, match="peru_e030 needs height_2, "):
+        sl.code_rule("peru_e030").gap(0.03, 0.04, 12.0)
+    with pytest.raises(ValueError, match="zone = 'IV' is not known; allowed: I, II, III"):
+        sl.code_rule("mexico_city").gap(0.03, 0.04, 12.0, 12.0, zone="IV")
+    with pytest.raises(ValueError, match=r"name = 'mars' .*asce_7, .*fixed_distance"):
+        sl.code_rule("mars")
+    with pytest.raises(ValueError, match="value is not given; fixed_distance needs it"):
+        sl.code_rule("fixed_distance")
+    with pytest.raises(ValueError, match=r"value = 2\.0 is given to asce_7"):
+        sl.code_rule("asce_7", 2.0)
+    for value in (0.0, -1.0, np.nan):
+        with pytest.raises(ValueError, match=r"factor = .*positive"):
+            sl.code_rule("share_of_sum", value)
+
+
+def test_codes_side_by_side():
+    peaks = xr.DataArray([0.03, 0.2], dims="peak")
+    table = sl.code_gaps(peaks, 0.04, **SITE, floors_align=True)
+    assert table.gap.dims == ("rule", "peak")
+    assert tuple(table.rule.values) == sl.code_rule_names()
+    for name in sl.code_rule_names():
+        rule = sl.code_rule(name)
+        expected = rule.gap(peaks.values, 0.04, **SITE, floors_align=True)
+        np.testing.assert_allclose(table.gap.sel(rule=name), expected, rtol=1e-15)
+        chosen = table.sel(rule=name)
+        assert (chosen.reference, chosen.mark) == (rule.reference, rule.mark)
+        assert chosen.assumptions == rule.assumptions
+    assert (table.status == 0).all()
+    assert table.gap.attrs["units"] == "m"
+
+
+def test_rules_without_their_data_are_nan_and_say_what_is_missing():
+    table = sl.code_gaps(0.03, [0.04, -0.1], height_1=12.0)
+    lacking = {"mexico_city": "height_2, zone", "peru_e030": "height_2"}
+    for name in sl.code_rule_names():
+        chosen = table.sel(rule=name)
+        assert str(chosen.missing.item()) == lacking.get(name, "")
+        expected = [3, 3] if name in lacking else [0, 3]
+        assert chosen.status.values.tolist() == expected
+        assert np.isnan(chosen.gap).values.tolist() == [code == 3 for code in expected]
+
+
+@pytest.mark.parametrize(
+    ("change", "kind", "message"),
+    [
+        ({"zone": "4"}, ValueError, "zone = '4'"),
+        ({"height_1": 0.0}, ValueError, "height_1 = 0 "),
+        ({"peak_1": -0.1}, ValueError, "peak_1 = -0.1"),
+        ({"floors_align": "yes"}, TypeError, "floors_align = 'yes'"),
+    ],
+    ids=str,
+)
+def test_bad_sites_are_refused(change, kind, message):
+    with pytest.raises(kind, match=message):
+        sl.code_gaps(**{"peak_1": 0.03, "peak_2": 0.04} | change)

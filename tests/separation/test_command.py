@@ -1,0 +1,311 @@
+"""``stochlin gap``: the answer on the screen, in a file and on a page, and what it says of bad input."""
+
+from __future__ import annotations
+
+import html
+import itertools
+import re
+import shutil
+import subprocess
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner, Result
+
+import stochlin as sl
+from stochlin.views.command import main
+
+pytestmark = pytest.mark.cli
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+VOID = {"meta", "br", "link", "img", "hr", "input"}
+NASTY = '<script>alert("1")</script> & co'
+PHONE = 390  # px
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(main, ["gap", *map(str, arguments)])
+
+
+class Done(NamedTuple):
+    result: Result
+    folder: Path
+
+    @property
+    def page(self) -> str:
+        return (self.folder / "gap.html").read_text(encoding="utf-8")
+
+
+def done(folder: Path, text: str) -> Done:
+    (folder / "case.toml").write_text(text, encoding="utf-8")
+    out = ("--report", folder / "gap.html", "--out", folder / "gap.nc")
+    return Done(run(folder / "case.toml", *out), folder)
+
+
+@pytest.fixture(scope="module")
+def example(tmp_path_factory: pytest.TempPathFactory) -> Done:
+    return done(tmp_path_factory.mktemp("example"), run("--example").output)
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Done:
+    """Records, text that is no HTML, buildings that may do without, a gap that is enough."""
+    folder = tmp_path_factory.mktemp("site")
+    time = 0.02 * np.arange(2000)
+    noise = np.random.default_rng(3).normal(size=time.size)
+    np.savetxt(folder / "wave.txt", 0.01 * np.convolve(noise, np.exp(-4 * time), "full")[: time.size])
+    record = '[[site.records]]\npath = "wave.txt"\nunits = "g"\ndt = "0.02 s"\n'
+    text = sl.example_case().replace("[motion]", f"{record}name = '{NASTY}'\n{record}\n[motion]")
+    text = text.replace('"Annex"', f"'{NASTY}'").replace('existing = "5 cm"', 'existing = "90 cm"')
+    text = text.replace('"Office block and annex"', f"'{NASTY}'").replace("# unverified", "unverified")
+    text = text.replace('"24 m"', '"20 m"').replace("2048", "256")
+    return done(folder, text.replace("\nreduction_factor = 4\nheight", "\nductility = 3\nheight"))
+
+
+def test_the_answer_comes_first_and_is_the_librarys(example: Done) -> None:
+    output = example.result.output
+    assert example.result.exit_code == 0, output
+    with xr.open_dataset(example.folder / "gap.nc") as table:
+        gap = 100 * float(table.gap.sel(rule="simulation"))
+        probability = 100 * float(table.existing_no_pounding_probability)
+        rules = [str(name) for name in table.rule.values]
+        assert table.gap.attrs["units"] == "m"
+    assert f"Office block and Annex should stand {gap:.1f} cm apart." in output
+    assert f"keep them apart in {probability:.1f} %" in output
+    lines = output.splitlines()
+    start = next(n for n, line in enumerate(lines) if line.startswith("rule "))
+    assert [line.split()[0] for line in lines[start + 1 : start + 1 + len(rules)]] == rules
+    assert lines[start + 1].split()[-1] == "answer"
+    assert "mexico_city: needs zone" in output
+
+
+def test_the_table_fits_the_screen_and_any_console(example: Done, site: Done) -> None:
+    for one in (example, site):
+        shown = one.result.output.replace(str(one.folder), "")
+        assert max(map(len, shown.splitlines())) <= 100
+        shown.encode("ascii")
+
+
+def test_unsafe_rules_are_marked_so(example: Done) -> None:
+    with xr.open_dataset(example.folder / "gap.nc") as table:
+        meanings = table.verdict.attrs["flag_meanings"].split()
+        for name in table.rule.values:
+            word = meanings[int(table.verdict.sel(rule=name))].replace("_", " ")
+            (line,) = re.findall(rf"^{name} .*$", example.result.output, re.MULTILINE)
+            assert f" {word}" in line
+            assert ("unsafe" in line) == (word == "unsafe")
+
+
+def test_the_table_has_no_samples_in_csv(tmp_path: Path) -> None:
+    (tmp_path / "case.toml").write_text(sl.example_case().replace("2048", "128"))
+    assert run(tmp_path / "case.toml", "--out", tmp_path / "t.csv").exit_code == 0
+    lines = (tmp_path / "t.csv").read_text().splitlines()
+    assert lines[1].startswith("simulation,")
+    assert len(lines) == 21
+
+
+class Page(HTMLParser):
+    """What there is in a page; raises where tags do not close in order."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.tags: list[tuple[str, dict[str, str]]] = []
+        self.words: list[str] = []
+        self.feed(text)
+        self.close()
+        assert not self.open, self.open
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, {name: value or "" for name, value in attrs}))
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, {name: value or "" for name, value in attrs}))
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if "style" not in self.open:
+            self.words.append(data)
+
+
+@pytest.mark.parametrize("name", ["example", "site"])
+def test_the_page_needs_nothing_else(name: str, request: pytest.FixtureRequest) -> None:
+    text = request.getfixturevalue(name).page
+    page = Page(text)
+    targets = [
+        value
+        for _, attrs in page.tags
+        for key, value in attrs.items()
+        if key in ("src", "href", "xlink:href", "srcset", "action")
+    ]
+    assert targets
+    assert all(target.startswith("#") for target in targets)
+    assert not {"script", "link", "iframe", "img"} & {tag for tag, _ in page.tags}
+    assert not re.search(r"@import|url\((?!#)", text)
+    ids = [attrs["id"] for _, attrs in page.tags if "id" in attrs]
+    assert len(ids) == len(set(ids))
+    used = {t[1:] for t in targets} | set(re.findall(r"url\(#([^)]+)\)", text))
+    assert used <= set(ids)
+
+
+@pytest.mark.parametrize(("name", "pictures"), [("example", 3), ("site", 4)])
+def test_the_page_can_be_read_aloud(name: str, pictures: int, request: pytest.FixtureRequest) -> None:
+    page = Page(request.getfixturevalue(name).page)
+    assert ("html", {"lang": "en"}) in page.tags
+    drawn = [attrs for tag, attrs in page.tags if tag == "svg"]
+    assert len(drawn) == pictures
+    assert all(attrs["role"] == "img" and len(attrs["aria-label"]) > 40 for attrs in drawn)
+    levels = [int(tag[1]) for tag, _ in page.tags if re.fullmatch("h[1-6]", tag)]
+    assert levels[0] == 1
+    assert levels.count(1) == 1
+    assert all(deeper - level <= 1 for level, deeper in itertools.pairwise(levels))
+    assert all("scope" in attrs for tag, attrs in page.tags if tag == "th")
+
+
+def test_the_page_says_what_the_screen_says(example: Done) -> None:
+    words = " ".join(" ".join(Page(example.page).words).split())
+    screen = " ".join(example.result.output.split())
+    (headline,) = re.findall(r"Office block and Annex should stand [\d.]+ cm apart\.", screen)
+    assert headline in words
+    for part in ("Clough-Penzien", "0.01 m²/s³", "2048, seed 0", "needs zone", "EN 1998-1", "unsafe"):
+        assert part in words
+
+
+def test_text_of_the_user_stays_text(site: Done) -> None:
+    assert site.result.exit_code == 0, site.result.output
+    assert NASTY not in site.page
+    assert NASTY in " ".join(" ".join(Page(site.page).words).split())
+    assert "&lt;script&gt;" in site.page
+
+
+def test_the_page_warns_of_what_is_doubtful(site: Done) -> None:
+    words = " ".join(" ".join(Page(site.page).words).split())
+    assert "Strength from ductility" in words
+    assert "storeys are 2.50 m and 3.00 m high" in words
+    assert "Kasai Jagiasi Jeng 1996 unverified" in words
+    assert "In the recorded motions they would have needed" in words
+    assert "How far each may go" in words
+    assert re.search(r"keep them apart in [\d.]+.% of the motions .*: enough\.", words)
+
+
+def test_the_same_case_makes_the_same_page(tmp_path: Path) -> None:
+    text = sl.example_case().replace("2048", "128")
+    pages = []
+    for name in ("a", "b"):
+        (tmp_path / name).mkdir()
+        pages.append(done(tmp_path / name, text).page)
+    assert pages[0] == pages[1]
+
+
+def test_elastic_buildings_without_a_gap(tmp_path: Path) -> None:
+    text = sl.example_case().replace("\nreduction_factor = 4", "\nelastic = true")
+    text = text.replace('existing = "5 cm"', "").replace('ground = "firm"', 'ground = "white_noise"')
+    one = done(tmp_path, text.replace("2048", "128"))
+    assert one.result.exit_code == 0, one.result.output
+    assert "Both buildings stay elastic." in one.result.output
+    assert "unbounded (white noise)" in one.page
+    assert "existing gap</h2>" not in one.page
+
+
+def test_buildings_that_move_alike_are_not_called_safe_without_a_word(tmp_path: Path) -> None:
+    text = sl.example_case().replace('"0.6 s"', '"1.0 s"').replace("2048", "128")
+    one = done(tmp_path, text)
+    assert one.result.exit_code == 0, one.result.output
+    assert "should stand 0 cm apart" in one.result.output
+    assert "as no two real buildings do" in one.result.output
+
+
+def test_too_few_motions_for_an_interval_are_said_to_be(tmp_path: Path) -> None:
+    text = sl.example_case().replace('"90 %"', '"99.5 %"').replace("2048", "100")
+    one = done(tmp_path, text)
+    assert one.result.exit_code == 0, one.result.output
+    assert "99.5 % of motions" in one.result.output
+    assert "too few motions" in " ".join(one.result.output.split())
+
+
+# What to change into what; where the message points to, and what it says.
+WRONG = [
+    ('period = "0.6 s"', "period = 0.6", "period = 0.6", ["building_2.period = 0.6", "has no unit"]),
+    ("storeys = 8", "storys = 8", "storys", ["building_1.storys", "did you mean storeys?"]),
+    ('"0.6 s"', '"-1 s"', '"-1 s"', ["building_2.period", "allowed: 0 < value"]),
+    ('"0.6 s"', '"brief"', '"brief"', ["building_2.period", "is no number"]),
+    ("[building_2]", "[building_3]", "[building_3]", ["building_3", "did you mean building_2?"]),
+    ('"firm"\n#', '"fitted"\n#', "intensity =", ["site.intensity", "allowed: ground, records"]),
+    (
+        "[motion]",
+        '[[site.records]]\npath = "no.txt"\nunits = "g"\n[motion]',
+        'path = "no.txt"',
+        ["site.records.path = 'no.txt'", "No such file"],
+    ),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "at", "says"), WRONG)
+def test_bad_files_write_nothing(old: str, new: str, at: str, says: list[str], tmp_path: Path) -> None:
+    text = sl.example_case()
+    assert old in text
+    text = text.replace(old, new, 1)
+    one = done(tmp_path, text)
+    assert one.result.exit_code == 2
+    shown = " ".join(one.result.output.split())
+    line = text[: text.index(at)].count("\n") + 1
+    for part in (f"case.toml, line {line}: ", *says):
+        assert part in shown
+    assert "Traceback" not in shown
+    assert [path.name for path in tmp_path.iterdir()] == ["case.toml"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        ((), "stochlin gap --example > case.toml"),
+        (("nowhere.toml",), "nowhere.toml"),
+        (("case.toml", "--report", "case.toml"), "allowed: .html or .htm"),
+        (("case.toml", "--out", "t.xlsx"), "allowed: .nc or .csv"),
+        (("case.toml", "--report", "no/such/gap.html"), "there is no folder no/such"),
+    ],
+)
+def test_bad_commands(
+    arguments: tuple[str, ...], says: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "case.toml").write_text(sl.example_case())
+    result = run(*arguments)
+    assert result.exit_code == 2
+    assert says in result.output
+    assert (tmp_path / "case.toml").read_text() == sl.example_case()
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium to render the page in")
+@pytest.mark.parametrize("name", ["example", "site"])
+def test_the_page_fits_a_phone(name: str, request: pytest.FixtureRequest, tmp_path: Path) -> None:
+    page = html.escape(request.getfixturevalue(name).page)
+    frame = tmp_path / "frame.html"
+    frame.write_text(
+        f"""<!doctype html><meta charset="utf-8"><iframe srcdoc="{page}" width="{PHONE}" height="800"
+        style="border: 0" onload="
+          const inner = this.contentDocument, root = inner.documentElement;
+          const over = [...inner.querySelectorAll('.scroll')].map(e => e.scrollWidth - e.clientWidth);
+          document.title = [root.clientWidth, root.scrollWidth, Math.max(...over)].join(' ')">
+        </iframe>""",
+        encoding="utf-8",
+    )
+    command = [str(CHROMIUM), "--headless=new", "--no-sandbox", "--disable-gpu", "--dump-dom"]
+    command += [f"--user-data-dir={tmp_path / 'profile'}", "--virtual-time-budget=5000", frame.as_uri()]
+    dumped = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120).stdout
+    found = re.search(r"<title>(\d+) (\d+) (-?\d+)</title>", dumped)
+    assert found, dumped[:500]
+    width, needed, within_table = map(int, found.groups())
+    assert 0 < width <= PHONE
+    assert needed <= width
+    if name == "example":  # of names as long as they may be, a table scrolls within itself
+        assert within_table <= 0

@@ -1,0 +1,97 @@
+"""Eq. (3): the double difference combination, its three exact cases, and what it stands for."""
+
+from __future__ import annotations
+
+import mpmath
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
+
+import stochlin as sl
+
+pytestmark = pytest.mark.paper
+
+peaks = st.floats(1e-4, 10)
+correlations = st.floats(-1, 1)
+
+
+def gap(*arguments):
+    return float(sl.critical_gap(*arguments).gap)
+
+
+@given(peaks, peaks)
+def test_the_three_exact_cases(one, two):
+    """To the last bit: a difference, a hypotenuse, a sum."""
+    assert gap(one, two, 1.0) == abs(one - two)
+    assert gap(one, two, 0.0) == np.hypot(one, two)
+    assert gap(one, two, -1.0) == one + two
+
+
+@given(peaks, st.floats(1e-12, 1), st.floats(1e-15, 0.9))
+def test_no_digit_is_lost_where_structures_move_almost_as_one(one, apart, uncorrelated):
+    two, rho = one * (1 + apart), 1 - uncorrelated
+    with mpmath.workdps(40):
+        p, q, r = (mpmath.mpf(x) for x in (one, two, rho))
+        exact = float(mpmath.sqrt(p * p + q * q - 2 * r * p * q))
+    assert gap(one, two, rho) == pytest.approx(exact, rel=2e-15)
+
+
+@given(peaks, peaks, correlations)
+def test_formula_everywhere_and_in_any_order(one, two, rho):
+    with mpmath.workdps(40):
+        p, q, r = (mpmath.mpf(x) for x in (one, two, rho))
+        exact = float(mpmath.sqrt(p * p + q * q - 2 * r * p * q))
+    assert gap(one, two, rho) == pytest.approx(exact, rel=2e-15)
+    assert gap(two, one, rho) == gap(one, two, rho)
+
+
+@given(peaks, peaks, correlations, st.floats(1e-3, 1e3))
+def test_bounds_and_units(one, two, rho, scale):
+    assert abs(one - two) * (1 - 1e-15) <= gap(one, two, rho) <= (one + two) * (1 + 1e-15)
+    assert gap(scale * one, scale * two, rho) == pytest.approx(scale * gap(one, two, rho), rel=1e-9)
+
+
+def test_gap_falls_as_correlation_grows():
+    rho = xr.DataArray(np.linspace(-1, 1, 2001), dims="rho")
+    assert (np.diff(sl.critical_gap(0.3, 0.31, rho).gap) < 0).all()
+
+
+def test_one_that_stands_still_needs_the_peak_of_the_other():
+    assert gap(0.2, 0.0, 0.7) == pytest.approx(0.2, rel=1e-15)
+    assert gap(0.0, 0.0, -0.3) == 0.0
+
+
+def test_it_is_the_standard_deviation_of_the_difference():
+    """With standard deviations for peaks, the variance of u1 - u2 by the augmented Lyapunov equation."""
+    pair = [sl.Bilinear(T, 0.05) for T in (0.7, 1.0)]
+    ground = sl.KanaiTajimi(0.8, 0.2)
+    covariance = sl.stationary_covariance(sl.statespace(pair, ground, [-1, -1], [0, 0]))
+    pick = covariance.sel(state=["u_1", "u_2"], state_2=["u_1", "u_2"]).values
+    table = sl.correlate(*pair, ground)
+    combined = gap(table.displacement_std_1, table.displacement_std_2, table.rho)
+    assert combined == pytest.approx(np.sqrt([1, -1] @ pick @ [1, -1]), rel=1e-10)
+
+
+def test_table_by_dimension_name_with_a_bad_cell():
+    rho = xr.DataArray([-0.2, 0.5, 1.5], dims="pair")
+    table = sl.critical_gap(xr.DataArray([0.1, 0.2], dims="height"), 0.15, rho)
+    assert dict(table.sizes) == {"height": 2, "pair": 3}
+    assert np.isnan(table.gap).values.tolist() == [[False, False, True]] * 2
+    assert ((table.status == 3) == np.isnan(table.gap)).all()  # invalid_input
+    assert table.gap.attrs["units"] == "m"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((-0.1, 0.2, 0.5), r"peak_1 = -0.1 .*allowed: 0 <= value"),
+        ((0.1, np.inf, 0.5), "peak_2 = inf"),
+        ((0.1, 0.2, 1.01), r"rho = 1.01 .*-1 <= value <= 1"),
+    ],
+    ids=str,
+)
+def test_bad_scalars_are_refused(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        sl.critical_gap(*arguments)

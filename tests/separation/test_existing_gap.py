@@ -1,0 +1,84 @@
+"""Answers for an existing gap: put back into the separation, each gives this gap."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import stochlin as sl
+
+pytestmark = pytest.mark.oracle
+
+GROUND = sl.named_ground("firm", intensity=0.01)
+OPTIONS = {"envelope": sl.AminAng(4.0, 15.0, 0.35), "paths": 512, "confidence": 0.8}
+FIRST, SECOND = (sl.Bilinear(T, 0.05, 0.2, reduction_factor=3.0) for T in (0.4, 1.2))
+
+
+def required(first, second, ground):
+    table = sl.separation(first, second, ground, 25.0, **OPTIONS)
+    return float(table.gap.sel(rule="simulation"))
+
+
+@pytest.fixture(scope="module")
+def now():
+    return required(FIRST, SECOND, GROUND)
+
+
+def strengths(factor=1.0):
+    uy = [float(sl.linearize(s, GROUND).yield_displacement) for s in (FIRST, SECOND)]
+    return [
+        replace(s, reduction_factor=None, yield_displacement=u / factor)
+        for s, u in zip((FIRST, SECOND), uy, strict=True)
+    ]
+
+
+@pytest.mark.parametrize("share", [0.8, 1.3])
+def test_each_answer_asks_for_the_gap_that_is_there(now, share):
+    gap = share * now
+    table = sl.existing_gap(FIRST, SECOND, GROUND, 25.0, gap, **OPTIONS)
+    assert float(table.required_gap) == pytest.approx(now, rel=1e-9)
+    assert (float(table.no_pounding_probability) > 0.8) == (share > 1)
+
+    strong = sl.named_ground("firm", intensity=float(table.largest_intensity))
+    assert required(*strengths(), strong) == pytest.approx(gap, rel=3e-3)
+
+    added = float(table.least_added_damping)
+    if share > 1:
+        assert added == 0
+    else:
+        damped = [replace(s, damping=0.05 + added) for s in strengths()]
+        assert required(*damped, GROUND) == pytest.approx(gap, rel=3e-3)
+
+    factor = float(table.largest_reduction_factor_1)
+    assert float(table.largest_reduction_factor_2) == pytest.approx(factor, rel=1e-9, nan_ok=True)
+    if np.isfinite(factor):
+        assert required(*strengths(factor / 3.0), GROUND) == pytest.approx(gap, rel=3e-3)
+
+
+def test_intensity_of_linear_structures_goes_with_the_square_of_the_gap():
+    pair = sl.Bilinear(0.5, 0.05), sl.Bilinear(1.0, 0.05)
+    found = [
+        float(sl.existing_gap(*pair, GROUND, 25.0, gap, **OPTIONS).largest_intensity)
+        for gap in (0.05, 0.1)
+    ]
+    assert found[1] / found[0] == pytest.approx(4, rel=5e-3)
+
+
+def test_hopeless_and_ample_gaps():
+    pair = (
+        sl.Bilinear(0.5, 0.05, 0.1, reduction_factor=2),
+        sl.Bilinear(1.0, 0.05, 0.1, reduction_factor=2),
+    )
+    hopeless = sl.existing_gap(*pair, GROUND, 25.0, 1e-4, **OPTIONS)
+    assert np.isnan(hopeless.least_added_damping)
+    assert np.isnan(hopeless.largest_reduction_factor_1)
+    ample = sl.existing_gap(*pair, GROUND, 25.0, 10.0, **OPTIONS)
+    assert float(ample.least_added_damping) == 0
+    assert np.isposinf(ample.largest_reduction_factor_1)
+    assert float(ample.no_pounding_probability) == 1
+
+
+@pytest.mark.parametrize("gap", [0, -0.1, np.nan, np.inf, "wide"])
+def test_gap_is_a_positive_number(gap):
+    with pytest.raises(ValueError, match=r"gap = .*positive"):
+        sl.existing_gap(FIRST, SECOND, GROUND, 25.0, gap, **OPTIONS)

@@ -1,0 +1,192 @@
+"""The table of rules: what stands in it is what its parts say, and the parts agree with the samples."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import stochlin as sl
+
+pytestmark = pytest.mark.oracle
+
+FIRM = sl.named_ground("firm", intensity=0.01)
+QUAKE = sl.AminAng(4.0, 15.0, 0.35)
+SHORT = {"paths": 512, "envelope": QUAKE}
+VERDICTS = {"answer": 0, "safe": 1, "unsafe": 2, "within_error": 3, "not_available": 4}
+
+
+def building(period, **options):
+    return sl.Bilinear(period, 0.05, **({"hardening": 0.05, "reduction_factor": 4.0} | options))
+
+
+@pytest.fixture(scope="module")
+def table():
+    return sl.separation(
+        building(0.6), building(1.0), FIRM, 30.0, confidence=0.8, height_1=20.0, height_2=30.0, **SHORT
+    )
+
+
+def row(table, rule):
+    return table.sel(rule=rule)
+
+
+def test_answer_is_the_quantile_of_the_simulated_separation(table):
+    pair = [building(0.6), building(1.0)]
+    motions = sl.simulate(pair, FIRM, duration=30.0, quantiles=[0.8], **SHORT)
+    samples = motions.separation[:, 0, 1].values
+    np.testing.assert_array_equal(table.separation_samples, samples)
+    answer = row(table, "simulation")
+    assert float(answer.gap) == pytest.approx(np.quantile(samples, 0.8), rel=1e-12)
+    assert float(answer.gap_lower) < float(answer.gap) < float(answer.gap_upper)
+    assert float(answer.no_pounding_probability) == pytest.approx(0.8, abs=2 / 512)
+    assert float(answer.error) == 0
+
+
+def test_rules_are_fed_with_the_peaks_of_the_simulation(table):
+    first, second = float(table.peak_1), float(table.peak_2)
+    assert float(row(table, "srss").gap) == pytest.approx(np.hypot(first, second), rel=1e-12)
+    assert float(row(table, "share_of_sum").gap) == pytest.approx(first + second, rel=1e-12)
+    rho = row(table, "eq_3_elastic").rho
+    assert float(rho) == pytest.approx(float(sl.rho_white_noise(0.6, 1.0, 0.05, 0.05).rho), rel=1e-12)
+    for rule in table.rule.values:
+        if str(rule).startswith("eq_3"):
+            expected = sl.critical_gap(first, second, float(row(table, rule).rho)).gap
+            assert float(row(table, rule).gap) == pytest.approx(float(expected), rel=1e-12)
+
+
+def test_probability_and_error_are_those_of_the_samples(table):
+    samples = table.separation_samples.values
+    answer = float(row(table, "simulation").gap)
+    for rule in table.rule.values:
+        gap = float(row(table, rule).gap)
+        if np.isnan(gap):
+            assert row(table, rule).missing.item()
+            assert int(row(table, rule).verdict) == VERDICTS["not_available"]
+            continue
+        assert float(row(table, rule).no_pounding_probability) == np.mean(samples <= gap)
+        assert float(row(table, rule).error) == pytest.approx(gap / answer - 1, abs=1e-12)
+
+
+def test_verdict_follows_the_interval(table):
+    for rule in table.rule.values[1:]:
+        one = row(table, rule)
+        low, high = float(one.no_pounding_probability_lower), float(one.no_pounding_probability_upper)
+        if np.isfinite(low):
+            name = "safe" if low >= 0.8 else "unsafe" if high < 0.8 else "within_error"
+            assert int(one.verdict) == VERDICTS[name]
+
+
+def test_linearization_alone_is_unsafe_where_structures_yield_and_right_where_they_do_not(table):
+    assert int(row(table, "linearization").verdict) == VERDICTS["unsafe"]
+    assert float(row(table, "linearization").error) < -0.15
+    elastic = sl.separation(
+        sl.Bilinear(0.6, 0.05), sl.Bilinear(1.0, 0.05), sl.KanaiTajimi(0.4, 0.6), 60.0, paths=2048
+    )
+    one = row(elastic, "linearization")
+    answer = row(elastic, "simulation")
+    error = float(answer.gap_upper - answer.gap_lower) / 4 / float(answer.gap)
+    # Motions start from rest, and Vanmarcke's quantile is good to a few per cent.
+    assert abs(float(one.error)) < 0.06 + 4 * error
+
+
+def test_gap_scales_with_the_motion(table):
+    strong = sl.named_ground("firm", intensity=0.04)  # twice the amplitude, and R keeps the ratio
+    other = sl.separation(
+        building(0.6), building(1.0), strong, 30.0, confidence=0.8, height_1=20.0, height_2=30.0, **SHORT
+    )
+    for rule in ("simulation", "srss", "linearization", "eq_3_iwan_1980"):
+        ratio = float(row(other, rule).gap / row(table, rule).gap)
+        assert ratio == pytest.approx(2, rel=1e-9)
+
+
+def test_strength_can_be_given_by_the_yield_displacement(table):
+    pair = [
+        sl.Bilinear(T, 0.05, 0.05, yield_displacement=float(table[f"yield_displacement_{n}"]))
+        for n, T in ((1, 0.6), (2, 1.0))
+    ]
+    other = sl.separation(*pair, FIRM, 30.0, confidence=0.8, height_1=20.0, height_2=30.0, **SHORT)
+    np.testing.assert_allclose(other.gap, table.gap, rtol=1e-9)
+    assert float(other.reduction_factor_1) == pytest.approx(4, rel=1e-9)
+
+
+def test_equal_buildings_ask_for_no_gap():
+    equal = sl.separation(building(0.8), building(0.8), FIRM, 20.0, **SHORT)
+    assert float(row(equal, "simulation").gap) == 0
+    assert float(row(equal, "eq_3_linearized").gap) == pytest.approx(0, abs=1e-6)
+    assert int(row(equal, "srss").verdict) == VERDICTS["safe"]
+    assert np.isnan(row(equal, "srss").error)
+
+
+def test_elastic_building_beside_a_yielding_one():
+    mixed = sl.separation(sl.Bilinear(0.5, 0.05), building(1.2), FIRM, 20.0, **SHORT)
+    assert np.isnan(mixed.ductility_1)
+    assert float(mixed.ductility_2) > 1
+    assert np.isfinite(row(mixed, "eq_3_secant").gap)
+
+
+def test_records_stand_beside_the_rules(table):
+    time = 0.02 * np.arange(800)
+    shape = np.random.default_rng(3).standard_normal(800) * np.sin(np.pi * time / 16)
+    record = xr.DataArray(shape, dims="time", coords={"time": time}, attrs={"units": "m/s^2"})
+    pair = (building(0.6), building(1.0))
+    with_records = sl.separation(*pair, FIRM, 30.0, records={"one": record, "two": 2 * record}, **SHORT)
+    strengths = [float(table[f"yield_displacement_{n}"]) for n in (1, 2)]
+    alone = sl.recorded_gap(
+        *(
+            sl.Bilinear(T, 0.05, 0.05, yield_displacement=u)
+            for T, u in zip((0.6, 1.0), strengths, strict=True)
+        ),
+        {"one": record, "two": 2 * record},
+    )
+    np.testing.assert_allclose(with_records.record_separation, alone.separation, rtol=1e-9)
+
+
+def test_unverified_rules_come_on_request_only(table):
+    more = sl.separation(building(0.6), building(1.0), FIRM, 30.0, unverified=True, **SHORT)
+    extra = set(map(str, more.rule.values)) - set(map(str, table.rule.values))
+    assert len(extra) == 2
+    assert all("unverified" in name or "M" in str(row(more, name).mark.item()) for name in extra)
+
+
+@pytest.mark.parametrize("confidence", [0, 1, -0.1, 1.5, "high"])
+def test_confidence_is_a_probability(confidence):
+    with pytest.raises(ValueError, match=r"confidence = .*between 0 and 1"):
+        sl.separation(building(0.6), building(1.0), FIRM, 20.0, confidence=confidence)
+
+
+def test_structure_that_cannot_ride_on_records_is_refused():
+    other = sl.BoucWen(1.0, 0.05, 0.1, reduction_factor=3)
+    with pytest.raises(TypeError, match="second = BoucWen cannot ride on records"):
+        sl.separation(building(0.6), other, FIRM, 20.0, records=[])
+
+
+def test_cells_of_a_table_are_those_of_single_calls():
+    period = xr.DataArray([0.5, -1.0, 0.8], dims="T", coords={"T": [0.5, -1.0, 0.8]})
+    factor = xr.DataArray([3.0, 5.0], dims="R")
+    first = building(period, reduction_factor=factor)
+    table = sl.separation(first, building(1.0), FIRM, 10.0, paths=64)
+    assert set(table.gap.dims) == {"rule", "T", "R"}
+    alone = sl.separation(building(0.8, reduction_factor=5.0), building(1.0), FIRM, 10.0, paths=64)
+    np.testing.assert_array_equal(table.gap.isel(T=2, R=1), alone.gap)
+    np.testing.assert_array_equal(table.verdict.isel(T=2, R=1), alone.verdict)
+    assert np.isnan(table.gap.isel(T=1)).all()
+    assert "invalid_input" in table.status.attrs["flag_meanings"].split()[int(table.status[0, 1, 0])]
+    np.testing.assert_array_equal(table.T, period.T)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"zone": "IV"}, "zone = 'IV' is not known"),
+        ({"height_1": -3.0}, "height_1 = -3 is out of range"),
+        ({"duration": 1e9}, "duration = 1e.09 would take .* steps"),
+        ({"duration": -1.0}, "duration = -1.0; allowed: a positive"),
+    ],
+)
+def test_bad_input_is_refused_before_any_work(monkeypatch, options, message):
+    def never(*_):
+        raise AssertionError("work has begun")
+
+    monkeypatch.setattr("stochlin.analyses.simulation.finite_motions.finite_extremes", never)
+    given = {"duration": 10.0} | options
+    with pytest.raises(ValueError, match=message):
+        sl.separation(building(0.6), building(1.0), FIRM, **given)

@@ -1,0 +1,187 @@
+"""Peaks and separations of finite motions: exact limits, other estimates, order statistics."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.integrate
+import scipy.stats
+import xarray as xr
+
+import stochlin as sl
+from stochlin.analyses.simulation.ensembles import cells_of, joined, prepare
+from stochlin.kernels.simulation.ensemble import Motion
+
+pytestmark = pytest.mark.oracle
+
+FIRM = sl.KanaiTajimi(2 * np.pi / 15, 0.6)
+QUAKE = sl.AminAng(4.0, 15.0, 0.35)
+
+
+def elastic(period, damping=0.05):
+    return sl.Bilinear(period, damping)
+
+
+def mean(samples):
+    return samples.mean("path"), samples.std("path", ddof=1) / np.sqrt(samples.sizes["path"])
+
+
+@pytest.mark.parametrize(
+    ("damping", "cycles", "factor"),
+    [(0.05, 20, 2.617), (0.05, 100, 3.223), (0.02, 40, 2.643), (0.1, 40, 3.021)],
+)
+def test_peak_factor_of_stationary_elastic_response(damping, cycles, factor):
+    """Peak factors that another simulation gave; there the response began stationary, not at rest.
+
+    Starting from rest is undone by a lead of three relaxation times, in which peaks hardly add.
+    """
+    structure = elastic(1.0, damping)
+    lead = 3 / (damping * 2 * np.pi)
+    sigma = float(sl.linearize(structure, sl.WhiteNoise()).displacement_std)
+
+    long = sl.simulate([structure], sl.WhiteNoise(), paths=2048, duration=cycles + lead)
+    short = sl.simulate([structure], sl.WhiteNoise(), paths=2048, duration=float(cycles))
+    upper, lower = (mean(table.peak.isel(structure=0))[0] / sigma for table in (long, short))
+    # the lead can only add to the peak and a start from rest can only take away
+    assert float(lower) - 0.03 < factor < float(upper) + 0.03
+    assert float(upper) - float(lower) < 0.35
+
+
+def test_variance_under_an_envelope_follows_the_lyapunov_equation():
+    """Displacement of an elastic structure at the end of a rise, over 4096 motions."""
+    w, xi, intensity, steps, period = 2 * np.pi, 0.05, 0.01, 96, 1.0
+    run = prepare(
+        joined([cells_of(elastic(period), sl.WhiteNoise(intensity))[0]]),
+        sl.WhiteNoise(intensity),
+        paths=4096,
+        seed=3,
+        steps_per_period=32,
+    )
+    plan = run.plan._replace(every=1, samples=steps)
+    envelope = QUAKE.at(plan.dt * (np.arange(steps) + 0.5))
+    last = [
+        Motion(run.crowd, run.ground, run.root, plan, group).block(envelope)[:, 0, -1].copy()
+        for group in range(plan.groups)
+    ]
+    sampled = np.concatenate(last) ** 2
+
+    matrix = np.array([[0, 1], [-(w**2), -2 * xi * w]])
+
+    def rate(time, flat):
+        covariance = flat.reshape(2, 2)
+        drive = np.diag([0, 2 * np.pi * intensity * float(QUAKE.at(np.array(time))) ** 2])
+        return (matrix @ covariance + covariance @ matrix.T + drive).ravel()
+
+    end = scipy.integrate.solve_ivp(rate, (0, steps * plan.dt), np.zeros(4), rtol=1e-9, atol=1e-14)
+    error = sampled.std(ddof=1) / np.sqrt(sampled.size)
+    # half a per cent for the step: the rule is exact for stationary variances only
+    assert abs(sampled.mean() - end.y[0, -1]) < 4 * error + 0.005 * end.y[0, -1]
+
+
+def test_separation_of_equal_structures_is_nothing_and_of_unequal_bounded():
+    structures = [elastic(1.0), elastic(1.0), elastic(0.6)]
+    table = sl.simulate(structures, FIRM, paths=64, duration=20.0, envelope=QUAKE)
+    apart = table.separation
+    assert float(apart.sel(structure="1", structure_2="2").max()) == 0.0
+    bound = table.peak_positive.sel(structure="1") + table.peak_negative.sel(structure="3")
+    assert (apart.sel(structure="1", structure_2="3") <= bound + 1e-12).all()
+    assert (table.peak == np.maximum(table.peak_positive, table.peak_negative)).all()
+
+
+def test_linear_response_scales_with_the_motion_and_yielding_with_strength():
+    pair = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.7, 1.0)]
+    options = {"paths": 64, "duration": 20.0, "envelope": QUAKE}
+    one = sl.simulate(pair, FIRM, **options)
+    four = sl.simulate(pair, sl.KanaiTajimi(2 * np.pi / 15, 0.6, intensity=4.0), **options)
+    np.testing.assert_allclose(four.separation, 2 * one.separation, rtol=1e-9)
+
+
+def test_mirrored_structures_exchange_their_sides():
+    """By symmetry of the motion, u1 - u2 and u2 - u1 have one distribution."""
+    pair = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.7, 1.0)]
+    apart = sl.simulate(pair, FIRM, paths=2048, duration=30.0, envelope=QUAKE).separation
+    one, two = apart[:, 0, 1], apart[:, 1, 0]
+    assert scipy.stats.ks_2samp(one, two).pvalue > 1e-4
+
+
+def test_quantiles_and_their_interval_are_order_statistics():
+    pair = [elastic(0.7), elastic(1.0)]
+    table = sl.simulate(pair, FIRM, paths=512, duration=15.0, quantiles=(0.1, 0.5, 0.9))
+    samples = table.separation.sel(structure="1", structure_2="2")
+    chosen = table.sel(structure="1", structure_2="2")
+    np.testing.assert_allclose(chosen.separation_quantile, np.quantile(samples, [0.1, 0.5, 0.9]))
+    inside = scipy.stats.bootstrap(
+        (samples.values,),
+        np.median,
+        confidence_level=0.95,
+        method="percentile",
+        rng=np.random.default_rng(1),
+    ).confidence_interval
+    width = inside.high - inside.low
+    assert abs(float(chosen.separation_quantile_lower[1]) - inside.low) < 0.5 * width
+    assert abs(float(chosen.separation_quantile_upper[1]) - inside.high) < 0.5 * width
+
+
+def test_exceedance_is_monotone_and_covers():
+    rng = np.random.default_rng(5)
+    gaps = xr.DataArray(np.linspace(-1, 4, 21), dims="gap")
+    table = sl.exceedance(xr.DataArray(rng.normal(size=1000), dims="path"), gaps)
+    assert (np.diff(table.probability) <= 0).all()
+    assert (table.probability_lower <= table.probability).all()
+    assert (table.probability_upper >= table.probability).all()
+    exact = scipy.stats.norm.sf(gaps)
+    inside = (table.probability_lower <= exact) & (exact <= table.probability_upper)
+    assert int(inside.sum()) >= 17  # one sample: the 21 intervals succeed or fail together
+    assert float(sl.exceedance(xr.DataArray([1.0, 2.0], dims="path"), 5.0).probability_lower) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("envelope", "peak_at"),
+    [(QUAKE, 10.0), (sl.ShinozukaSato(0.1, 0.5), np.log(5) / 0.4), (sl.GammaEnvelope(1.5, 0.3), 5.0)],
+    ids=lambda value: type(value).__name__,
+)
+def test_envelopes_run_from_nothing_to_one_and_back(envelope, peak_at):
+    time = np.linspace(0, 100, 10001)
+    values = envelope.at(time)
+    assert values[0] == 0.0
+    assert envelope.at(np.array(peak_at)) == pytest.approx(1, abs=1e-12)
+    assert values.max() <= 1 + 1e-12
+    assert values[-1] < 1e-3
+
+
+def test_envelopes_match_their_formulas():
+    time = np.array([1.0, 4.0, 9.0, 20.0])
+    np.testing.assert_allclose(QUAKE.at(time), [1 / 16, 1, 1, np.exp(-0.35 * 5)])
+    np.testing.assert_allclose(sl.GammaEnvelope(1.0, 0.2).at(time), time / 5 * np.exp(1 - time / 5))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"duration": 0}, "duration = 0"),
+        ({"duration": -1.0}, "duration = -1"),
+        ({"duration": np.inf}, "duration = inf"),
+        ({"duration": "long"}, "duration = 'long'"),
+        ({"duration": 5.0, "quantiles": (0.5, 1.0)}, "quantiles"),
+        ({"duration": 5.0, "quantiles": ()}, "quantiles"),
+        ({"duration": 5.0, "envelope": 3}, "envelope = 3"),
+        ({"envelope": QUAKE}, "envelope is given without a duration"),
+    ],
+    ids=str,
+)
+def test_bad_motions_are_refused(change, message):
+    with pytest.raises((TypeError, ValueError), match=message):
+        sl.simulate([elastic(1.0)], FIRM, paths=32, **change)
+
+
+def test_bad_envelopes_are_refused():
+    for make, message in (
+        (lambda: sl.AminAng(5.0, 4.0, 0.3), "strong_end = 4 is before rise_end = 5"),
+        (lambda: sl.AminAng(-1.0, 4.0, 0.3), "rise_end = -1"),
+        (lambda: sl.ShinozukaSato(1.0, 0.5), "fast = 0.5 with slow = 1"),
+        (lambda: sl.GammaEnvelope([1.0, 2.0], 0.5), "power is an array"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            make()
+    with pytest.raises(ValueError, match="path"):
+        sl.exceedance(xr.DataArray([1.0], dims="x"), 0.5)

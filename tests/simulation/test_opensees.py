@@ -1,0 +1,78 @@
+"""The same pair of bilinear oscillators in OpenSeesPy: another code, another return map, equal steps."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from stochlin.kernels.simulation.stepping import LANES, bilinear_block
+
+pytestmark = pytest.mark.oracle
+
+PERIODS, DAMPING, HARDENING = (0.6, 1.0), 0.05, 0.05
+YIELD = (0.012, 0.03)  # [m]
+DT, STEPS = 0.01, 4000
+PEAK_SHARE = 1e-8  # of the peak; both codes iterate or round at 1e-12 or so, over thousands of steps
+
+
+def ground_acceleration():
+    """Filtered noise with an envelope, zero at both ends, at the nodes of the steps [m/s^2]."""
+    rng = np.random.default_rng(1985)
+    t = np.arange(STEPS + 1) * DT
+    phases = rng.uniform(0, 2 * np.pi, 40)
+    rates = rng.uniform(2.0, 25.0, 40)
+    waves = np.sin(rates * t[:, None] + phases).sum(axis=1)
+    return 0.35 * waves * np.sin(np.pi * t / t[-1])
+
+
+def displacements_in_opensees(ops, acceleration):
+    """Nodal displacements (2, STEPS): a spring of Steel01 beside a dashpot for each unit mass."""
+    ops.wipe()
+    ops.model("basic", "-ndm", 1, "-ndf", 1)
+    for n, (period, uy) in enumerate(zip(PERIODS, YIELD, strict=True), start=1):
+        w = 2 * np.pi / period
+        base, top, spring, dashpot = 10 * n, 10 * n + 1, 2 * n, 2 * n + 1
+        ops.node(base, 0.0)
+        ops.node(top, 0.0)
+        ops.fix(base, 1)
+        ops.mass(top, 1.0)
+        ops.uniaxialMaterial("Steel01", spring, w**2 * uy, w**2, HARDENING)
+        ops.uniaxialMaterial("Viscous", dashpot, 2 * DAMPING * w, 1.0)
+        ops.element("zeroLength", n, base, top, "-mat", spring, dashpot, "-dir", 1, 1)
+    ops.timeSeries("Path", 1, "-dt", DT, "-values", *acceleration, 0.0)  # a sample beyond the end
+    ops.pattern("UniformExcitation", 1, 1, "-accel", 1)
+    ops.constraints("Plain")
+    ops.numberer("Plain")
+    ops.system("FullGeneral")
+    ops.test("NormUnbalance", 1e-12, 50)
+    ops.algorithm("Newton")
+    ops.integrator("Newmark", 0.5, 0.25)  # average acceleration
+    ops.analysis("Transient")
+    found = np.empty((2, STEPS))
+    for s in range(STEPS):
+        assert ops.analyze(1, DT) == 0
+        found[:, s] = [ops.nodeDisp(10 * n + 1, 1) for n in (1, 2)]
+    return found
+
+
+def displacements_here(acceleration):
+    w, uy = 2 * np.pi / np.array(PERIODS), np.array(YIELD)
+    stiff = (HARDENING * w**2, (1 - HARDENING) * w**2)
+    laws = np.stack([2 * DAMPING * w, *stiff, 1 / uy], axis=1)
+    mean = -0.5 * (acceleration[1:] + acceleration[:-1])
+    f = np.repeat(mean[:, None], LANES, axis=1)
+    out = np.empty((LANES, 2, STEPS))
+    bilinear_block(f, DT, laws, *np.zeros((3, 2, LANES)), 1, out)
+    assert (out == out[:1]).all()  # equal motions, equal answers
+    return out[0] * uy[:, None]
+
+
+def test_pair_under_one_motion_moves_as_in_opensees(ops):
+    acceleration = ground_acceleration()
+    theirs, ours = displacements_in_opensees(ops, acceleration), displacements_here(acceleration)
+    peaks = np.abs(theirs).max(axis=1, keepdims=True)
+    assert (peaks[:, 0] / YIELD > 2).all()  # well beyond yield
+    assert (np.abs(theirs[:, -200:].mean(axis=1)) / YIELD > 0.2).any()  # and with a lasting offset
+    np.testing.assert_allclose(ours / peaks, theirs / peaks, rtol=0, atol=PEAK_SHARE)
+    apart = np.abs(theirs[0] - theirs[1]).max()
+    assert np.abs(ours[0] - ours[1]).max() == pytest.approx(apart, rel=PEAK_SHARE)

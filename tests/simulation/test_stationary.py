@@ -1,0 +1,372 @@
+"""Simulation against exact results, earlier simulations, itself at finer steps, and its own errors."""
+
+from __future__ import annotations
+
+import cases
+import numpy as np
+import pytest
+import scipy.stats
+
+import stochlin as sl
+from stochlin.analyses.linearization.state_space import ground_matrices
+from stochlin.analyses.simulation.ensembles import cells_of, joined, prepare
+from stochlin.analyses.simulation.run_lengths import with_length
+from stochlin.analyses.simulation.simulation import NOT_STATIONARY, simulate_moments
+from stochlin.kernels.simulation.stepping import LANES, bilinear_block, filter_steps, ground_block
+
+pytestmark = pytest.mark.oracle
+
+ERRORS = 4.0  # standard errors: beyond them once in 16 000 numbers
+NOISE = sl.WhiteNoise(0.01)
+VALUES = ("displacement_std", "ductility_std", "drift", "rho")
+STATISTICS = (*VALUES, "displacement_std_standard_error", "rho_standard_error")
+
+
+def yielding(period, strength_ratio, hardening=0.05, model=sl.Bilinear):
+    """``strength_ratio`` is elastic standard deviation over yield displacement."""
+    return model(period, damping=0.05, hardening=hardening, reduction_factor=3 * strength_ratio)
+
+
+def ensemble(structures, ground, **options):
+    """Cells and run of some structures, ready for `simulate_moments` with any seed."""
+    cells = joined([cells_of(structure, ground)[0] for structure in structures])
+    relaxation_times = options.pop("relaxation_times")
+    return cells, with_length(prepare(cells, ground, **options), cells, relaxation_times)
+
+
+def moments_by_seed(cells, run, seeds):
+    for seed in seeds:
+        yield simulate_moments(cells, run._replace(plan=run.plan._replace(seed=seed)), None)
+
+
+# ---- (1) Values of an earlier simulation by other code, [standard error] ----
+
+
+def test_yielding_structures_on_white_noise_have_the_ductilities_of_an_earlier_simulation():
+    expected = np.array([0.6588, 1.3464, 3.1765, 0.8682])
+    its_error = np.array([0.0041, 0.0051, 0.0081, 0.0014])
+    structures = [yielding(1.0, ratio) for ratio in (0.5, 1.0, 2.0)] + [yielding(1.0, 1.0, 0.2)]
+    table = sl.simulate(structures, NOISE, seed=11, relaxation_times=40)
+    error = table.displacement_std_standard_error / table.displacement_std * table.ductility_std
+    assert (error < its_error).all()
+    assert (np.abs(table.ductility_std - expected) < ERRORS * np.hypot(error, its_error)).all()
+
+
+HALF_A_DIGIT = 0.0005
+ITS_SCATTER = 0.005  # allowed for the earlier simulation, whose errors of rho are not known
+
+SERIES = {
+    "white noise": (NOISE, [0.3, 0.5, 0.7, 0.8, 0.9], [0.372, 0.448, 0.585, 0.722, 0.895]),
+    "narrow band": (
+        sl.KanaiTajimi(1.0, 0.05),
+        [0.5, 0.7, 0.9, 1.2, 1.5, 2.0],
+        [0.649, 0.706, 0.820, 0.483, 0.262, 0.171],
+    ),
+}
+
+
+@pytest.mark.parametrize(("ground", "ratios", "expected"), SERIES.values(), ids=SERIES.keys())
+def test_yielding_pairs_have_the_correlations_of_an_earlier_simulation(ground, ratios, expected):
+    structures = [yielding(ratio, 4 / 3) for ratio in (*ratios, 1.0)]
+    table = sl.simulate(structures, ground, paths=512, seed=12, relaxation_times=40)
+    rho, error = table.rho.values[-1, :-1], table.rho_standard_error.values[-1, :-1]
+    assert (error < ITS_SCATTER).all()
+    assert (np.abs(rho - expected) < ERRORS * error + HALF_A_DIGIT + ITS_SCATTER).all()
+
+
+# ---- (2) Elastic structures: exact for any step ----
+
+GROUNDS = {
+    "white noise": lambda rng: sl.WhiteNoise(rng.uniform(0.1, 2)),
+    "Kanai-Tajimi": lambda rng: sl.KanaiTajimi(rng.uniform(0.4, 2), rng.uniform(0.05, 0.8)),
+    "Clough-Penzien": lambda rng: sl.CloughPenzien(
+        rng.uniform(0.4, 2), rng.uniform(0.05, 0.8), rng.uniform(3, 6), rng.uniform(0.5, 1)
+    ),
+}
+CASES = [(list(GROUNDS)[n % len(GROUNDS)], 100 + n) for n in range(20)]
+
+
+@pytest.mark.parametrize(("kind", "seed"), CASES, ids=str)
+@pytest.mark.parametrize("steps", [8, 32], ids=["coarse", "fine"])
+def test_elastic_structures_have_their_exact_moments_at_any_step(kind, seed, steps):
+    rng = np.random.default_rng(seed)
+    ground = GROUNDS[kind](rng)
+    parameters = zip(cases.log_uniform(rng, (0.4, 2.0), 4), rng.uniform(0.02, 0.1, 4), strict=True)
+    structures = [sl.Bilinear(period, damping) for period, damping in parameters]
+    options = {"paths": 128, "steps_per_period": steps, "relaxation_times": 40}
+    table = sl.simulate(structures, ground, seed=seed, **options)
+    sigma = np.array([sl.linearize(structure, ground).displacement_std for structure in structures])
+    rho = np.array([[sl.correlate(a, b, ground).rho for b in structures] for a in structures])
+    error = table.displacement_std_standard_error.values
+    assert (error < 0.05 * sigma).all()
+    assert (np.abs(table.displacement_std.values - sigma) < ERRORS * error).all()
+    upper = np.triu_indices(len(structures), 1)
+    off = (table.rho.values - rho)[upper] / table.rho_standard_error.values[upper]
+    assert (np.abs(off) < ERRORS).all()
+    np.testing.assert_allclose(np.diag(table.rho), 1, rtol=1e-14)
+    np.testing.assert_array_equal(table.rho.values, table.rho.values.T)
+
+
+def test_bouc_wen_structures_without_strength_are_elastic_too():
+    pair = [sl.BoucWen(1.0, 0.05), sl.Bilinear(0.8, 0.05)]
+    table = sl.simulate(pair, NOISE, paths=128, seed=3, relaxation_times=40)
+    exact = float(sl.rho_white_noise(1.0, 0.8, 0.05, 0.05).rho)
+    assert abs(table.rho[0, 1] - exact) < ERRORS * table.rho_standard_error[0, 1]
+    assert np.isinf(sl.linearize(pair[0], NOISE).yield_displacement)
+    assert (table.ductility_std == 0).all()
+
+
+# ---- (3) The errors that a run states, and its drift ----
+
+REPEATS, PATHS = 2400, 64
+
+
+@pytest.fixture(scope="module")
+def repeated():
+    """A short run of an elastic pair, with many seeds; and the exact rho and standard deviations."""
+    pair = [sl.Bilinear(period, 0.05) for period in (0.8, 1.0)]
+    cells, run = ensemble(pair, NOISE, paths=PATHS, seed=0, steps_per_period=8, relaxation_times=40.0)
+    rho = float(sl.rho_white_noise(0.8, 1.0, 0.05, 0.05).rho)
+    sigma = np.array([sl.linearize(structure, NOISE).displacement_std for structure in pair])
+    return list(moments_by_seed(cells, run, range(REPEATS))), rho, sigma
+
+
+@pytest.mark.slow
+def test_intervals_of_95_per_cent_cover_the_exact_values_in_95_per_cent_of_the_runs(repeated):
+    moments, rho, sigma = repeated
+    reach = scipy.stats.t.ppf(0.975, PATHS - 1)
+    covered = [
+        [
+            abs(m.rho[0, 1] - rho) < reach * m.rho_error[0, 1],
+            *(np.abs(m.displacement_std - sigma) < reach * m.displacement_error),
+        ]
+        for m in moments
+    ]
+    # The limits are 4.5 standard errors of the share, sqrt(.95 * .05 / 2400) = .0044, from .95.
+    share = np.mean(covered, axis=0)
+    assert (share > 0.93).all()
+    assert (share < 0.97).all()
+
+
+@pytest.mark.slow
+def test_drift_of_a_stationary_run_is_a_standard_normal_number(repeated):
+    drift = np.array([m.drift for m in repeated[0]])
+    assert np.abs(drift.mean(axis=0)).max() < ERRORS / np.sqrt(REPEATS)
+    # Divided by an estimated error, it is Student's with 63 degrees: variance 63/61.
+    spread = drift.std(axis=0) / np.sqrt((PATHS - 1) / (PATHS - 3))
+    assert np.abs(spread - 1).max() < ERRORS / np.sqrt(2 * REPEATS)
+    assert np.abs(drift).max() < NOT_STATIONARY
+
+
+@pytest.mark.parametrize(("ratio", "hardening"), [(1.0, 0.02), (2.0, 0.05)])
+def test_drift_tells_a_run_that_starts_recording_from_rest(ratio, hardening):
+    structure = yielding(1.0, ratio, hardening)
+    options = {"paths": 2048, "seed": 4, "steps_per_period": 16, "relaxation_times": 4.0}
+    cells, run = ensemble([structure], NOISE, **options)
+    good = simulate_moments(cells, run, None)
+    assert np.abs(good.drift) < ERRORS
+    early = simulate_moments(cells, run._replace(plan=run.plan._replace(burn_in=0)), None)
+    assert early.drift > NOT_STATIONARY
+    assert early.displacement_std < good.displacement_std - ERRORS * good.displacement_error
+
+
+# ---- (4) Yielding structures at finer steps, under the same noise ----
+
+STRENGTHS = [(ratio, hardening) for hardening in (0.02, 0.05, 0.2) for ratio in (0.5, 1.0, 2.0)]
+COARSE, FINE = 32, 64  # steps a period
+BURN_IN, BLOCKS, CYCLES, GROUPS = 20, 80, 20, 40  # cycles are periods of a block
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "ground",
+    [NOISE, sl.KanaiTajimi(1.0, 0.05), sl.KanaiTajimi(1.0, 0.6)],
+    ids=["white noise", "narrow band", "broad band"],
+)
+def test_halving_the_step_changes_yielding_structures_by_less_than_half_a_per_cent(ground):
+    """Both steps get the same noise, so that the difference is that of the steps."""
+    names, matrix, noise, output = ground_matrices([p.item() for p in ground.kernel_parameters()])
+    intensity = 2 * np.pi * ground.intensity
+    w, size = 2 * np.pi, len(STRENGTHS)
+    laws = []
+    for ratio, hardening in STRENGTHS:
+        uy = float(sl.linearize(yielding(1.0, ratio, hardening), ground).yield_displacement)
+        laws.append([0.1 * w, hardening * w**2, (1 - hardening) * w**2, 1 / uy])
+    laws = np.array(laws)
+    rng = np.random.default_rng(64)
+    variances = np.zeros((2, GROUPS, LANES, size))  # mean squares of each path, coarse and fine
+    for group in range(GROUPS):
+        runs = [(np.zeros((len(names), LANES)), *np.zeros((3, size, LANES))) for _ in range(2)]
+        for block in range(BURN_IN + BLOCKS):
+            fine = rng.standard_normal((CYCLES * FINE, LANES))
+            coarse = (fine[::2] + fine[1::2]) / np.sqrt(2)
+            for n, (xi, steps, (q, u, v, z)) in enumerate(
+                zip((coarse, fine), (COARSE, FINE), runs, strict=True)
+            ):
+                f, out = np.empty_like(xi), np.empty((LANES, size, 2 * CYCLES))
+                filtered = filter_steps(matrix, noise, output, intensity, 1 / steps)
+                ground_block(xi, q, *filtered, f)
+                bilinear_block(f, 1 / steps, laws, u, v, z, steps // 2, out)
+                if block >= BURN_IN:
+                    variances[n, group] += (out**2).mean(axis=2) / BLOCKS
+    coarse, fine = variances.reshape(2, -1, size)
+    change = 0.5 * (coarse.mean(axis=0) / fine.mean(axis=0) - 1)
+    residual = (coarse - fine) / fine.mean(axis=0) - 2 * change * fine / fine.mean(axis=0)
+    error = 0.5 * residual.std(axis=0) / np.sqrt(len(residual))
+    assert error.max() < 0.0015
+    assert np.abs(change).max() < 0.005 - 2 * error.max()
+
+
+# ---- (5) Seeds and threads ----
+
+MIXED = [
+    yielding(1.0, 1.0),
+    yielding(0.7, 2.0, 0.2, sl.BoucWen),
+    sl.Bilinear(0.8, 0.05),
+    yielding(1.2, 0.5, 0.1),
+    sl.BoucWen(0.9, 0.03, 0.3, yield_displacement=0.05, beta=0.7, gamma=-0.3, exponent=2.0),
+]
+SHORT = {"paths": 96, "relaxation_times": 2.0, "steps_per_period": 12}
+
+
+@pytest.mark.parametrize("threads", [2, 5])
+def test_one_seed_gives_one_answer_whatever_the_number_of_threads(monkeypatch, threads):
+    tables = []
+    for cores in (1, threads):
+        monkeypatch.setattr("stochlin.kernels.basics.parallel.os.cpu_count", lambda cores=cores: cores)
+        tables.append(sl.simulate(MIXED, sl.KanaiTajimi(1.0, 0.2), seed=7, **SHORT))
+    for name in STATISTICS:
+        np.testing.assert_array_equal(tables[0][name], tables[1][name], err_msg=name)
+
+
+def test_another_seed_gives_another_answer():
+    one, other = (sl.simulate(MIXED, NOISE, seed=seed, **SHORT) for seed in (1, 2))
+    for name in STATISTICS:
+        differs = one[name].values != other[name].values
+        if differs.ndim == 2:
+            differs = differs[np.triu_indices(len(MIXED), 1)]
+        elastic = name == "ductility_std"
+        assert differs.sum() == differs.size - elastic, name
+
+
+def test_structures_keep_their_order_whatever_their_laws():
+    table = sl.simulate(MIXED, NOISE, seed=5, **SHORT)
+    order = [4, 2, 0, 3, 1]
+    again = sl.simulate([MIXED[n] for n in order], NOISE, seed=5, **SHORT)
+    for name in STATISTICS:
+        expected = table[name].values[np.ix_(*[order] * table[name].ndim)]
+        np.testing.assert_allclose(again[name], expected, rtol=1e-9, atol=1e-9, err_msg=name)
+
+
+def test_paths_come_in_whole_groups_and_progress_ends_at_one():
+    shares = []
+    table = sl.simulate(MIXED[:1], NOISE, **SHORT | {"paths": 65}, progress=shares.append)
+    assert table.attrs["paths"] == 96
+    np.testing.assert_allclose(shares, [1 / 3, 2 / 3, 1])
+
+
+def test_run_stops_when_progress_raises():
+    shares = []
+
+    def stop(share):
+        shares.append(share)
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        sl.simulate(MIXED, NOISE, **SHORT | {"paths": 3200}, progress=stop)
+    assert shares == [1 / 100]
+
+
+# ---- (6) Bad input ----
+
+PLAIN = yielding(1.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "allowed"),
+    [("paths", value, "a whole number from 2") for value in (0, 1, -1, 2.5, True, "64", None)]
+    + [("seed", value, "a whole number from 0") for value in (-1, 1.0, False, None)]
+    + [("steps_per_period", value, "a whole number from 8") for value in (4, 0, 8.5, True)]
+    + [("relaxation_times", value, "at least 1, finite") for value in (0, 0.5, -1, np.nan, np.inf)],
+    ids=str,
+)
+def test_setting_out_of_range_is_named_with_its_value_and_what_is_allowed(name, value, allowed):
+    with pytest.raises(ValueError, match=rf"{name} = {value!r}.*allowed: {allowed}"):
+        sl.simulate([PLAIN], NOISE, **{name: value})
+
+
+@pytest.mark.parametrize("value", ["10", None, [10.0], True, 1j], ids=str)
+def test_length_that_is_no_number_is_named_too(value):
+    with pytest.raises((ValueError, TypeError), match=r"relaxation_times = .*allowed"):
+        sl.simulate([PLAIN], NOISE, relaxation_times=value)
+
+
+@pytest.mark.parametrize("empty", [[], ()], ids=["list", "tuple"])
+def test_no_structure_is_refused(empty):
+    with pytest.raises(ValueError, match="structures is empty; allowed: at least one"):
+        sl.simulate(empty, NOISE)
+
+
+def test_arrays_are_refused_by_the_name_of_the_parameter():
+    several = sl.Bilinear([0.5, 1.0], damping=0.05)
+    with pytest.raises(ValueError, match=r"structures\[1\]: period is an array; allowed: scalars"):
+        sl.simulate([PLAIN, several], NOISE)
+
+
+@pytest.mark.parametrize(
+    "ground", [sl.WhiteNoise([0.1, 0.2]), sl.KanaiTajimi(1.0, [0.1, 0.2])], ids=["intensity", "damping"]
+)
+def test_arrays_of_grounds_are_refused_by_the_name_of_the_parameter(ground):
+    name = "intensity" if isinstance(ground, sl.WhiteNoise) else "damping"
+    with pytest.raises(ValueError, match=rf"ground.*{name} is an array; allowed: scalar"):
+        sl.simulate([PLAIN], ground)
+
+
+@pytest.mark.parametrize("wrong", [1.0, "Bilinear", None, NOISE], ids=repr)
+def test_structure_of_the_wrong_kind_is_named_by_its_place(wrong):
+    with pytest.raises(TypeError, match=r"structures\[1\] = .* wrong kind; allowed: Bilinear"):
+        sl.simulate([PLAIN, wrong], NOISE)
+
+
+@pytest.mark.parametrize("wrong", [1.0, "white noise", None, PLAIN], ids=repr)
+def test_ground_of_the_wrong_kind_is_named(wrong):
+    with pytest.raises(TypeError, match=r"ground = .* wrong kind; allowed: .*WhiteNoise"):
+        sl.simulate([PLAIN], wrong)
+
+
+def test_lone_structure_in_place_of_a_list_is_refused_in_words():
+    with pytest.raises(TypeError, match=r"structures = .*allowed"):
+        sl.simulate(PLAIN, NOISE)
+
+
+def test_run_that_does_not_fit_into_memory_is_refused_before_it_starts(monkeypatch):
+    def never(*_):
+        raise AssertionError("work has begun")
+
+    monkeypatch.setattr("stochlin.analyses.simulation.simulation.stationary_sums", never)
+    monkeypatch.setattr("stochlin.analyses.simulation.simulation.cells_of_all", never)
+    with pytest.raises(
+        ValueError, match=r"3000 structures on one ground need [\d.]+ GB; allowed: \d+ GB"
+    ):
+        sl.simulate([PLAIN] * 3000, NOISE)
+
+
+def test_structure_that_hardly_ever_yields_is_refused_by_the_time_that_its_drift_takes(monkeypatch):
+    def never(*_):
+        raise AssertionError("work has begun")
+
+    monkeypatch.setattr("stochlin.analyses.simulation.simulation.stationary_sums", never)
+    rare = yielding(0.7, 0.15, 0.01)
+    with pytest.raises(ValueError, match=r"structure-steps, allowed: .*period 0\.7 s yields so rarely"):
+        sl.simulate([PLAIN, rare], NOISE)
+
+
+def test_cells_out_of_range_spoil_only_themselves():
+    several = sl.Bilinear([1.0, -1.0, 0.7], damping=0.05)
+    cells, run = ensemble([several], NOISE, paths=64, seed=0, steps_per_period=8, relaxation_times=2.0)
+    moments = simulate_moments(cells, run, None)
+    assert list(np.isfinite(moments.displacement_std)) == [True, False, True]
+    assert list(np.isfinite(moments.rho).sum(axis=0)) == [2, 0, 2]
+    pair = [sl.Bilinear(period, 0.05) for period in (1.0, 0.7)]
+    alone = sl.simulate(pair, NOISE, paths=64, steps_per_period=8, relaxation_times=2.0)
+    np.testing.assert_array_equal(moments.rho[np.ix_([0, 2], [0, 2])], alone.rho)

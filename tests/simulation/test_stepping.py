@@ -1,0 +1,303 @@
+"""Time steps against solutions that share no formula with them: adaptive integrators and algebra."""
+
+from __future__ import annotations
+
+import cases
+import numpy as np
+import pytest
+import scipy.linalg
+from scipy.integrate import solve_ivp
+
+from stochlin.kernels.simulation.stepping import (
+    LANES,
+    bilinear_block,
+    bouc_wen_block,
+    filter_steps,
+    ground_block,
+)
+
+pytestmark = pytest.mark.oracle
+
+SECONDS = 10.0
+STEPS = 500  # of the coarsest run: 50 a period of the structure
+REFINEMENTS = 4
+SECOND_ORDER = (1.85, 2.15)  # slope of log error over log step; 1 or 3 are far outside
+TIGHT = {"method": "DOP853", "rtol": 1e-10, "atol": 1e-12}  # below the finest error by 1e4 and more
+
+W, DAMPING, ALPHA = 2 * np.pi, 0.05, 0.1
+OSCILLATOR = np.array([2 * DAMPING * W, ALPHA * W**2, (1 - ALPHA) * W**2, 1.0])
+
+# Three harmonics: about the natural frequency, below and above it; a phase and a strength each lane.
+FREQUENCIES = np.array([0.63, 0.97, 1.71]) * W
+RNG = np.random.default_rng(19)
+AMPLITUDES = RNG.uniform(10.0, 30.0, (len(FREQUENCIES), LANES))
+PHASES = RNG.uniform(0, 2 * np.pi, AMPLITUDES.shape)
+
+GROUNDS = {
+    "white noise": (),
+    "narrow band": (np.pi, 0.05),
+    "firm ground": (15.0, 0.6),
+    "high-passed": (15.0, 0.6, 1.5, 0.6),
+}
+every_ground = pytest.mark.parametrize("filters", GROUNDS.values(), ids=GROUNDS.keys())
+every_step = pytest.mark.parametrize("dt", [0.005, 0.05, 0.3])
+
+
+def forcing(t, lane):
+    return float(np.sum(AMPLITUDES[:, lane] * np.sin(FREQUENCIES * t + PHASES[:, lane])))
+
+
+def step_means(steps):
+    """Mean forcing of each step, from the integral of the harmonics."""
+    t = np.linspace(0, SECONDS, steps + 1)[:, None, None]
+    rate = FREQUENCIES[:, None]
+    integral = np.sum(-AMPLITUDES / rate * np.cos(rate * t + PHASES), axis=1)
+    return np.diff(integral, axis=0) * steps / SECONDS
+
+
+def rest(structures=1):
+    return np.zeros((3, structures, LANES))
+
+
+def histories(kernel, law, steps):
+    """Displacements (steps, LANES) of one structure from rest."""
+    out = np.empty((LANES, 1, steps))
+    kernel(step_means(steps), SECONDS / steps, np.array([law]), *rest(), 1, out)
+    return out[:, 0].T
+
+
+def observed_order(kernel, law, exact):
+    """Slope of the error over step size; the error is the root mean square over lanes and times."""
+    sizes = STEPS * 2 ** np.arange(REFINEMENTS)
+    errors = []
+    for steps in sizes:
+        u = histories(kernel, law, steps)[steps // STEPS - 1 :: steps // STEPS]
+        errors.append(np.sqrt(np.mean((u - exact) ** 2)))
+    assert errors[-1] < 1e-3 * np.sqrt(np.mean(exact**2))
+    return -np.polyfit(np.log(sizes), np.log(errors), 1)[0]
+
+
+def bilinear_by_events(lane):
+    """Displacement at the coarse steps; an event ends each elastic or plastic stretch."""
+    d, k, h, _ = OSCILLATOR
+    times = np.linspace(0, SECONDS, STEPS + 1)[1:]
+    found = np.full(STEPS, np.nan)
+    now, state, side = 0.0, np.zeros(3), 0  # side: +1 or -1 while yielding, 0 while elastic
+
+    def rates(t, y):
+        u, v, z = y
+        return [v, forcing(t, lane) - d * v - k * u - h * z, 0.0 if side else v]
+
+    def until(function, direction):
+        function.terminal, function.direction = True, direction
+        return function
+
+    yields = [until(lambda t, y: y[2] - 1, 1), until(lambda t, y: y[2] + 1, -1)]
+    turns = [until(lambda t, y: y[1], 0)]
+    while now < SECONDS:
+        ahead = times > now
+        part = solve_ivp(
+            rates, (now, SECONDS), state, t_eval=times[ahead], events=turns if side else yields, **TIGHT
+        )
+        if len(part.t):  # a short stretch may have none
+            found[np.flatnonzero(ahead)[: len(part.t)]] = part.y[0]
+        if part.status == 0:
+            break
+        which = next(n for n, hits in enumerate(part.t_events) if hits.size)
+        now, state = part.t_events[which][0], part.y_events[which][0].copy()
+        side = 0 if side else (1, -1)[which]
+        state[2] = side or np.sign(state[2])
+    return found
+
+
+@pytest.fixture(scope="module")
+def bilinear_exact():
+    exact = np.stack([bilinear_by_events(lane) for lane in range(LANES)], axis=1)
+    assert np.isfinite(exact).all()
+    return exact
+
+
+def test_bilinear_motion_converges_to_the_exact_one_with_the_square_of_the_step(bilinear_exact):
+    assert np.abs(bilinear_exact).max(axis=0).min() > 1.5  # every lane yields
+    order = observed_order(bilinear_block, OSCILLATOR, bilinear_exact)
+    assert SECOND_ORDER[0] < order < SECOND_ORDER[1]
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.5, 2.0])
+@pytest.mark.parametrize(("beta", "gamma"), [(0.5, 0.5), (0.7, -0.3)])
+def test_bouc_wen_motion_converges_to_the_exact_one_with_the_square_of_the_step(exponent, beta, gamma):
+    law = np.array([*OSCILLATOR, beta, gamma, exponent])
+    d, k, h, _ = OSCILLATOR
+
+    def rates(t, y, lane):
+        u, v, z = y
+        slip = beta * abs(v) * abs(z) ** (exponent - 1) * z + gamma * v * abs(z) ** exponent
+        return [v, forcing(t, lane) - d * v - k * u - h * z, v - slip]
+
+    chosen = list(range(0, LANES, 4))
+    times = np.linspace(0, SECONDS, STEPS + 1)[1:]
+    exact = np.full((STEPS, LANES), np.nan)
+    for lane in chosen:
+        exact[:, lane] = solve_ivp(
+            rates, (0, SECONDS), np.zeros(3), t_eval=times, args=(lane,), **TIGHT
+        ).y[0]
+    assert np.abs(exact[:, chosen]).max(axis=0).min() > 1.5
+
+    def kernel(*arguments):
+        bouc_wen_block(*arguments)
+        arguments[-1][np.setdiff1d(range(LANES), chosen)] = 0
+
+    order = observed_order(kernel, law, np.nan_to_num(exact))
+    assert SECOND_ORDER[0] < order < SECOND_ORDER[1]
+
+
+def one_by_one(law, steps):
+    """States (steps + 1, 3, LANES) and mean forcings, one call of the kernel a step."""
+    f, dt = step_means(steps), SECONDS / steps
+    u, v, z = state = rest()
+    states = [state[:, 0].copy()]
+    for s in range(steps):
+        bilinear_block(f[s : s + 1], dt, law[None], u, v, z, 2, np.empty((LANES, 1, 0)))
+        states.append(state[:, 0].copy())
+    return np.stack(states), f, dt
+
+
+def test_energy_that_enters_is_stored_damped_or_lost_in_plastic_work():
+    d, k, h, _ = OSCILLATOR
+    states, f, dt = one_by_one(OSCILLATOR, STEPS)
+    u, v, z = states.transpose(1, 0, 2)
+    v_mean, z_mean = 0.5 * (v[1:] + v[:-1]), 0.5 * (z[1:] + z[:-1])
+    entered = np.cumsum(f * v_mean * dt, axis=0)
+    damped = np.cumsum(d * v_mean**2 * dt, axis=0)
+    plastic = h * z_mean * (np.diff(u, axis=0) - np.diff(z, axis=0))
+    stored = 0.5 * (v**2 + k * u**2 + h * z**2)[1:]
+    scale = entered[-1].max()
+    lost = np.cumsum(plastic, axis=0)
+    np.testing.assert_allclose(entered, stored + damped + lost, rtol=0, atol=1e-12 * scale)
+    assert plastic.min() > -1e-13 * scale  # the law gives no energy back
+    assert (lost[-1] > 0.1 * entered[-1]).all()
+
+
+def test_hysteretic_displacement_stays_within_yield_and_reaches_it_exactly():
+    states, _, _ = one_by_one(OSCILLATOR, STEPS)
+    u, _, z = states.transpose(1, 0, 2)
+    assert np.abs(z).max() == 1.0
+    assert (np.abs(z) == 1.0).any(axis=0).all()  # every lane
+    inside = np.abs(z[1:]) < 1
+    np.testing.assert_allclose(np.diff(z, axis=0)[inside], np.diff(u, axis=0)[inside], atol=1e-13)
+
+
+def test_blocks_of_any_length_and_sampling_give_one_history():
+    laws = np.stack([OSCILLATOR, OSCILLATOR * [1, 4, 4, 1]])
+    f, dt = step_means(STEPS), SECONDS / STEPS
+    whole, thinned = np.empty((LANES, 2, STEPS)), np.empty((LANES, 2, STEPS // 5))
+    bilinear_block(f, dt, laws, *rest(2), 1, whole)
+    state = rest(2)
+    for part in range(4):
+        steps = slice(part * STEPS // 4, (part + 1) * STEPS // 4)
+        samples = slice(part * STEPS // 20, (part + 1) * STEPS // 20)
+        bilinear_block(f[steps], dt, laws, *state, 5, thinned[:, :, samples])
+    np.testing.assert_array_equal(thinned, whole[:, :, 4::5])
+
+
+def test_lanes_are_independent_and_odd_in_the_motion():
+    f, dt = step_means(STEPS), SECONDS / STEPS
+    runs = []
+    for sign, order in ((1, slice(None)), (-1, slice(None, None, -1))):
+        out = np.empty((LANES, 1, STEPS))
+        bilinear_block(np.ascontiguousarray(sign * f[:, order]), dt, OSCILLATOR[None], *rest(), 1, out)
+        runs.append(sign * out[order])
+    np.testing.assert_array_equal(*runs)
+
+
+@pytest.mark.parametrize("kernel", [bilinear_block, bouc_wen_block], ids=["bilinear", "bouc-wen"])
+def test_elastic_motion_is_newmarks_of_average_acceleration(kernel):
+    law = np.array([2 * DAMPING * W, W**2, 0.0, 1.3, 0.5, 0.5, 1.0])[
+        : 4 if kernel is bilinear_block else 7
+    ]
+    dt = SECONDS / STEPS
+    nodal = np.array([[forcing(s * dt, lane) for lane in range(LANES)] for s in range(STEPS + 1)])
+    nodal[0] = 0  # at rest with no acceleration
+    u, v, a = np.zeros((3, LANES))
+    expected = np.empty((STEPS, LANES))
+    d, k, _, scale = law[:4]
+    for s in range(STEPS):  # the textbook's predictor and corrector, beta = 1/4, gamma = 1/2
+        u_trial, v_trial = u + dt * v + dt**2 / 4 * a, v + dt / 2 * a
+        a = (scale * nodal[s + 1] - d * v_trial - k * u_trial) / (1 + d * dt / 2 + k * dt**2 / 4)
+        u, v = u_trial + dt**2 / 4 * a, v_trial + dt / 2 * a
+        expected[s] = u
+    out = np.empty((LANES, 1, STEPS))
+    kernel(0.5 * (nodal[1:] + nodal[:-1]), dt, law[None], *rest(), 1, out)
+    np.testing.assert_allclose(out[:, 0].T, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
+
+
+def ground_system(filters, structures=()):
+    """Matrix, noise vector and forcing row of the ground's states, by the shared builder."""
+    matrix, noise = (np.array(part, float) for part in cases.augmented_system(structures, filters))
+    if not filters:
+        return matrix, noise, np.zeros(0)
+    w, xi = filters[-2:]
+    row = np.array([w**2, 2 * xi * w])
+    output = row if len(filters) == 2 else matrix[-1]  # xf'' is the high-passed acceleration itself
+    return matrix, noise, output
+
+
+@every_step
+@pytest.mark.parametrize("filters", list(GROUNDS.values())[1:], ids=list(GROUNDS)[1:])
+def test_step_of_the_ground_preserves_its_stationary_covariance(filters, dt):
+    intensity = 0.7
+    matrix, noise, output = ground_system(filters)
+    steps = filter_steps(matrix, noise, output, intensity, dt)
+    exact = scipy.linalg.solve_continuous_lyapunov(matrix, -intensity * np.outer(noise, noise))
+    after = steps.transition @ exact @ steps.transition.T + np.outer(steps.gain, steps.gain)
+    np.testing.assert_allclose(after, exact, rtol=0, atol=1e-12 * np.abs(exact).max())
+    discrete = scipy.linalg.solve_discrete_lyapunov(steps.transition, np.outer(steps.gain, steps.gain))
+    np.testing.assert_allclose(discrete, exact, rtol=1e-9, atol=1e-10 * np.abs(exact).max())
+
+
+@every_ground
+@every_step
+def test_stationary_covariance_of_elastic_structures_is_exact_for_any_step(filters, dt):
+    """The compiled step, driven by unit vectors, is a matrix; its covariance is the continuous one."""
+    stiffness, damping = np.array([W**2, 0.3 * W**2]), np.array([0.1 * W, 0.04 * W])
+    size, intensity = len(filters), 0.7
+    continuous, noise, _ = ground_system(filters, list(zip(stiffness, damping, strict=True)))
+    exact = scipy.linalg.solve_continuous_lyapunov(continuous, -intensity * np.outer(noise, noise))
+    ground, driver, output = ground_system(filters) if filters else (np.zeros((0, 0)), *np.zeros((2, 0)))
+    steps = filter_steps(ground, driver, output, intensity, dt)
+    laws = np.stack([damping, stiffness, np.zeros(2), np.ones(2)], axis=1)
+
+    # Lane j starts from unit vector j; one more starts from rest and feels a unit random number.
+    total = 4 + size
+    start = np.zeros((total, LANES))
+    start[range(total), range(total)] = 1
+    xi, f = np.zeros((1, LANES)), np.empty((1, LANES))
+    xi[0, total] = 1
+    q, u, v = (np.ascontiguousarray(part) for part in (start[4:], start[0:4:2], start[1:4:2]))
+    ground_block(xi, q, *steps, f)
+    bilinear_block(f, dt, laws, u, v, np.zeros((2, LANES)), 1, np.empty((LANES, 2, 1)))
+    columns = np.concatenate([np.stack([u, v], axis=1).reshape(4, LANES), q])
+    transition, gain = columns[:, :total], columns[:, total]
+
+    units = np.sqrt(np.outer(np.diag(exact), np.diag(exact)))
+    after = transition @ exact @ transition.T + np.outer(gain, gain)
+    np.testing.assert_allclose(after / units, exact / units, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("filters", list(GROUNDS.values())[1:], ids=list(GROUNDS)[1:])
+def test_noise_free_ground_decays_as_the_continuous_filter(filters):
+    matrix, noise, output = ground_system(filters)
+    rng = np.random.default_rng(4)
+    start = rng.standard_normal((len(noise), LANES))
+    exact = scipy.linalg.expm(matrix) @ start
+    errors, off = [], []
+    for count in (400, 800):
+        steps = filter_steps(matrix, noise, output, 1.0, 1 / count)
+        q, f = start.copy(), np.empty((count, LANES))
+        ground_block(np.zeros((count, LANES)), q, *steps, f)
+        errors.append(np.abs(q - exact).max())
+        # Over the second, the forcing's mean is the output of the integral of the states.
+        integral = np.linalg.solve(matrix, exact - start)
+        off.append(np.abs(f.mean(axis=0) - output @ integral).max())
+    for coarse, fine in (errors, off):
+        assert 3.8 < coarse / fine < 4.2

@@ -1,0 +1,170 @@
+"""A table is its cells: labels, order and neighbours have no say in the numbers."""
+
+from __future__ import annotations
+
+import io
+
+import cases
+import numpy as np
+import pytest
+import xarray as xr
+
+import stochlin as sl
+
+pytestmark = pytest.mark.invariant
+
+NUMBERS = ["rho", "displacement_std_1", "displacement_std_2", "ductility_std_1", "ductility_std_2"]
+GROUND = sl.KanaiTajimi(period=1.0, damping=0.2)
+CLOSURES = ["gaussian", "clipped", "drift", "narrow_band"]
+
+
+def axis(name, values):
+    return xr.DataArray(np.array(values), dims=name, coords={name: values})
+
+
+def pair_of_axes():
+    first = sl.Bilinear(axis("period_1", [0.4, 0.9, 2.0]), 0.05, 0.05, reduction_factor=4)
+    second = sl.Bilinear(
+        1.1, 0.03, hardening=axis("hardening_2", [0.02, 0.3]), reduction_factor=axis("R", [0.1, 1.5, 5])
+    )
+    return first, second
+
+
+@pytest.mark.parametrize("closure", CLOSURES)
+def test_table_is_the_loop_over_its_cells(closure):
+    first, second = pair_of_axes()
+    ground = sl.KanaiTajimi(period=axis("ground_period", [0.5, 2.0]), damping=0.2)
+    table = sl.correlate(first, second, ground, closure=closure)
+    assert dict(table.sizes) == {"period_1": 3, "hardening_2": 2, "R": 3, "ground_period": 2}
+    for cell in table.rho.stack(cell=table.rho.dims).cell.values:
+        where = dict(zip(table.rho.dims, cell, strict=True))
+        lone = sl.correlate(
+            sl.Bilinear(where["period_1"], 0.05, 0.05, reduction_factor=4),
+            sl.Bilinear(1.1, 0.03, where["hardening_2"], reduction_factor=where["R"]),
+            sl.KanaiTajimi(where["ground_period"], 0.2),
+            closure=closure,
+        )
+        for name in [*NUMBERS, "status"]:
+            expected = table[name].sel({d: where[d] for d in table[name].dims})
+            # Vector and scalar code of the elementary functions may differ in the last digit.
+            assert float(lone[name]) == pytest.approx(float(expected), rel=1e-12, abs=1e-13), name
+
+
+def test_each_variable_has_the_dimensions_that_matter_to_it():
+    first, second = pair_of_axes()
+    table = sl.correlate(first, second, GROUND)
+    assert set(table.displacement_std_1.dims) == {"period_1"}
+    assert set(table.displacement_std_2.dims) == {"hardening_2", "R"}
+    assert set(table.rho.dims) == set(table.status.dims) == {"period_1", "hardening_2", "R"}
+    np.testing.assert_array_equal(table.period_1, [0.4, 0.9, 2.0])
+
+
+def test_order_of_dimensions_does_not_matter():
+    rng = np.random.default_rng(70)
+    values = {
+        key: xr.DataArray(value.reshape(4, 5), dims=("a", "b"))
+        for key, value in cases.draw_structure(rng, cases.PRACTICE, 20).items()
+    }
+    other = sl.Bilinear(axis("T2", [0.3, 1.0]), 0.05)
+    straight = sl.correlate(sl.Bilinear(**values), other, GROUND)
+    turned = {key: value.transpose("b", "a") for key, value in values.items()}
+    mixed = turned | {"period": values["period"]}
+    for variant in (turned, mixed):
+        table = sl.correlate(sl.Bilinear(**variant), other, GROUND)
+        xr.testing.assert_allclose(table.transpose(*straight.rho.dims), straight, rtol=1e-13)
+
+
+def test_plain_arrays_are_cases_side_by_side():
+    rng = np.random.default_rng(71)
+    first, second = (cases.draw_structure(rng, cases.PRACTICE, 7) for _ in range(2))
+    soil = cases.draw_ground(rng, cases.PRACTICE, 7)
+    table = sl.correlate(sl.Bilinear(**first), sl.Bilinear(**second), sl.KanaiTajimi(**soil))
+    assert table.rho.dims == ("case",)
+    for i in range(7):
+        one, other, ground = (
+            {key: float(value[i]) for key, value in v.items()} for v in (first, second, soil)
+        )
+        lone = sl.correlate(sl.Bilinear(**one), sl.Bilinear(**other), sl.KanaiTajimi(**ground))
+        assert float(lone.rho) == pytest.approx(float(table.rho[i]), abs=1e-12)
+
+
+def test_lists_and_integers_are_numbers_too():
+    table = sl.rho_white_noise([1, 2], 2, 0.05, 0.05)
+    np.testing.assert_array_equal(
+        table.rho, sl.rho_white_noise(np.array([1.0, 2.0]), 2.0, 0.05, 0.05).rho
+    )
+
+
+def test_inputs_are_left_as_they_were():
+    period = xr.DataArray([0.5, 1.0], dims="T", coords={"T": [0.5, 1.0]}, attrs={"note": "mine"})
+    before = period.copy(deep=True)
+    sl.correlate(sl.Bilinear(period, 0.05), sl.Bilinear(1.0, 0.05), GROUND)
+    xr.testing.assert_identical(period, before)
+
+
+def test_large_table_is_cut_into_pieces_without_a_seam():
+    """More cells than one slab holds, against the same cells in another shape."""
+    periods = np.geomspace(0.2, 4, 160)
+    first = sl.Bilinear(axis("a", periods), 0.05, 0.1, reduction_factor=3)
+    second = sl.Bilinear(axis("b", periods), 0.05, 0.1, reduction_factor=3)
+    table = sl.correlate(first, second, GROUND).rho.transpose("a", "b").values
+    np.testing.assert_allclose(table, table.T, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(np.diag(table), 1, rtol=0, atol=1e-12)
+    rows = [0, 77, 159]
+    part = sl.correlate(
+        sl.Bilinear(axis("a", periods[rows]), 0.05, 0.1, reduction_factor=3), second, GROUND
+    )
+    np.testing.assert_array_equal(part.rho.transpose("a", "b"), table[rows])
+
+
+RESULTS = {
+    "linearize": lambda first, second: sl.linearize(first, GROUND),
+    "narrow band": lambda first, second: sl.linearize(first, GROUND, "narrow_band"),
+    "correlate": lambda first, second: sl.correlate(first, second, GROUND),
+    "white noise": lambda first, second: sl.correlate(first, second, GROUND, method="white_noise"),
+    "eq. (4)": lambda first, second: sl.rho_white_noise(first.period, 1.0, 0.05, 0.05),
+    "amplification": lambda first, second: sl.amplification(first, GROUND),
+}
+every_result = pytest.mark.parametrize("result", RESULTS.values(), ids=list(RESULTS))
+
+
+@every_result
+def test_every_variable_says_what_it_is(result):
+    table = result(*pair_of_axes())
+    for name, variable in table.data_vars.items():
+        assert variable.attrs["long_name"], name
+        if "flag_meanings" in variable.attrs:
+            meanings = variable.attrs["flag_meanings"].split()
+            assert len(meanings) == len(variable.attrs["flag_values"])
+            known = {"converged", "elastic_limit", "not_converged", "invalid_input"}
+            assert known <= set(meanings) or name == "caution"
+            assert variable.dtype == variable.attrs["flag_values"].dtype == np.int8
+        else:
+            assert variable.attrs["units"], name
+    assert {"title", "references", "stochlin_version", "history"} <= set(table.attrs)
+    assert table.attrs["stochlin_version"] == sl.__version__
+    assert any(str(value).startswith(("Bilinear(", "LinearPair(")) for value in table.attrs.values())
+
+
+@every_result
+def test_file_gives_back_what_was_written(result):
+    table = result(*pair_of_axes())
+    stored = bytes(table.to_netcdf(engine="scipy"))
+    with xr.open_dataset(io.BytesIO(stored), engine="scipy") as back:
+        xr.testing.assert_equal(back.load(), table)
+        assert back.attrs == table.attrs
+        for name in table.data_vars:
+            for key, value in table[name].attrs.items():
+                np.testing.assert_array_equal(back[name].attrs[key], value)
+
+
+def test_coordinate_named_as_its_parameter_gets_the_units():
+    table = sl.linearize(sl.Bilinear(axis("period", [1.0, 2.0]), axis("damping", [0.02, 0.05])), GROUND)
+    assert table.period.attrs["units"] == "s"
+    assert table.damping.attrs["units"] == "1"
+
+
+def test_same_inputs_give_the_same_dataset():
+    first, second = pair_of_axes()
+    one, again = (sl.correlate(first, second, GROUND) for _ in range(2))
+    xr.testing.assert_identical(one, again)

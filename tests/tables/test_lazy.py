@@ -1,0 +1,87 @@
+"""Tables that dask holds: lazy, and the same to the last bit."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import stochlin as sl
+
+pytestmark = pytest.mark.invariant
+
+pytest.importorskip("dask", reason="dask is in the extra 'scale'")
+
+PERIODS = np.geomspace(0.05, 9, 53)
+OPTIONS = [
+    {},
+    {"closure": "clipped"},
+    {"closure": "narrow_band"},
+    {"method": "white_noise"},
+    {"method": "effective"},
+]
+
+
+def axis(name, values):
+    return xr.DataArray(np.array(values, float), dims=name, coords={name: np.array(values, float)})
+
+
+def models(chunk_1=None, chunk_2=None):
+    """Two structures and a ground; a shared dimension, and cells that fail."""
+    axes = {
+        "period_1": (PERIODS, chunk_1),
+        "period_2": (PERIODS[::-2], chunk_2),
+        "reduction_factor": ([0.5, 3.0, -1.0, 6.0], 3),
+        "ground_damping": ([0.05, 0.3], 1),
+    }
+    arrays = {
+        name: axis(name, values).chunk(chunk) if chunk_1 else axis(name, values)
+        for name, (values, chunk) in axes.items()
+    }
+    shared = {"damping": 0.05, "hardening": 0.05, "reduction_factor": arrays["reduction_factor"]}
+    ground = sl.KanaiTajimi(2.0, arrays["ground_damping"])
+    return *(sl.Bilinear(arrays[f"period_{n}"], **shared) for n in (1, 2)), ground
+
+
+def assert_same_bits(lazy, eager):
+    assert list(lazy.data_vars) == list(eager.data_vars)
+    computed = lazy.compute(scheduler="threads")
+    for name, variable in eager.data_vars.items():
+        assert lazy[name].chunks is not None, name
+        found = computed[name].transpose(*variable.dims)
+        assert found.dtype == variable.dtype
+        np.testing.assert_array_equal(found, variable, err_msg=str(name))
+        assert found.attrs.keys() == variable.attrs.keys()
+
+
+@pytest.mark.parametrize("chunks", [(7, 5), (100, 9)])
+@pytest.mark.parametrize("options", OPTIONS, ids=str)
+def test_lazy_tables_are_the_eager_ones(options, chunks):
+    lazy = sl.correlate(*models(*chunks), **options)
+    assert_same_bits(lazy, sl.correlate(*models(), **options))
+
+
+def test_chunks_of_a_single_cell():
+    """A structure alone takes other ways through numpy's loops than one in a row."""
+    parts = [model.isel({"period_1": slice(9, 14), "period_2": slice(3, 8)}) for model in models(1, 1)]
+    whole = [model.isel({"period_1": slice(9, 14), "period_2": slice(3, 8)}) for model in models()]
+    assert_same_bits(sl.correlate(*parts), sl.correlate(*whole))
+
+
+def test_a_structure_alone():
+    first, _, ground = models(7, 5)
+    eager, _, same = models()
+    for closure in ("gaussian", "clipped"):
+        assert_same_bits(sl.linearize(first, ground, closure), sl.linearize(eager, same, closure))
+
+
+def test_nothing_is_computed_before_it_is_asked_for():
+    import dask
+
+    def never(*_, **__):
+        raise AssertionError("computed")
+
+    with dask.config.set(scheduler=never):
+        table = sl.correlate(*models(7, 5))
+        assert "in chunks over" in table.attrs["first"]
+        assert table.rho.chunks is not None
