@@ -1,0 +1,95 @@
+"""Extensions by name: a registry for each kind, one file for each extension.
+
+The modules of the kind's own folder are imported when a name is first asked for, and so are those that
+installed packages announce as entry points of the group ``stochlin.extensions``. Each registers what it
+defines; nothing else lists the names.
+"""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache
+from importlib.metadata import entry_points
+from threading import RLock
+from typing import Generic, TypeVar
+
+Thing = TypeVar("Thing")
+Defined = TypeVar("Defined")
+GROUP = "stochlin.extensions"
+LAST = 1000
+
+
+class Registry(Mapping[str, Thing], Generic[Thing]):
+    """All extensions of one kind, by name.
+
+    Parameters
+    ----------
+    kind : str
+        What they are called in messages, ``"ground"``.
+    folder : str
+        The package whose modules define them.
+    """
+
+    def __init__(self, kind: str, folder: str) -> None:
+        self.kind, self.folder = kind, folder
+        self._things: dict[str, Thing] = {}
+        self._places: dict[str, tuple[int, str]] = {}
+        self._asked = False
+        self._lock = RLock()
+
+    def register(self, name: str, place: int = LAST) -> Callable[[Defined], Defined]:
+        """A decorator that makes what it stands on known by this name.
+
+        Lists show what has a lower ``place`` first, and all of one place by name. A name that is taken
+        raises a ValueError.
+        """
+
+        def add(thing: Defined) -> Defined:
+            if name in self._things:
+                raise ValueError(f"{self.kind} {name!r} is there already; give yours another name")
+            self._things[name] = thing  # type: ignore[assignment]
+            self._places[name] = place, name
+            return thing
+
+        return add
+
+    def named(self, name: object, parameter: str = "name") -> Thing:
+        """The extension of this name, in any case, with ``-`` or ``_``; a ValueError lists all names."""
+        key = str(name).strip().lower().replace("-", "_")
+        if key not in self:
+            allowed = ", ".join(self)
+            raise ValueError(f"{parameter} = {name!r} is not a known {self.kind}; allowed: {allowed}")
+        return self[key]
+
+    def __getitem__(self, name: str) -> Thing:
+        return self._found()[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(sorted(self._found(), key=self._places.__getitem__))
+
+    def __len__(self) -> int:
+        return len(self._found())
+
+    def _found(self) -> Mapping[str, Thing]:
+        with self._lock:
+            if not self._asked:
+                self._asked = True  # a module that asks while it is imported sees what is there so far
+                for module in pkgutil.iter_modules(importlib.import_module(self.folder).__path__):
+                    importlib.import_module(f"{self.folder}.{module.name}")
+                import_extensions()
+        return self._things
+
+
+@cache
+def import_extensions() -> None:
+    """Import the modules that installed packages announce."""
+    for entry in entry_points(group=GROUP):
+        try:
+            entry.load()
+        except Exception as error:
+            raise ImportError(
+                f"the extension {entry.name!r} ({entry.value}) cannot be imported: "
+                f"{type(error).__name__}: {error}; mend or uninstall it"
+            ) from error
