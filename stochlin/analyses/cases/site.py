@@ -14,7 +14,7 @@ from stochlin.analyses.records.records import read_record
 from stochlin.analyses.records.spectra import ESTIMATORS
 from stochlin.models.envelopes import AminAng, Envelope, GammaEnvelope, ShinozukaSato
 from stochlin.models.grounds import CloughPenzien, Ground, KanaiTajimi, WhiteNoise
-from stochlin.models.named_grounds import ground_names, named_ground
+from stochlin.models.grounds.named import ground_names, named_ground
 from stochlin.models.structures import POSITIVE
 
 FITTED, NONE = "fitted", "none"

@@ -14,7 +14,7 @@ from stochlin.analyses.linearization.transient_systems import check_course
 from stochlin.analyses.tables.checks import check_confidence, check_whole
 from stochlin.models.envelopes import AminAng, Envelope, GammaEnvelope, ShinozukaSato
 from stochlin.models.grounds import Ground, KanaiTajimi
-from stochlin.models.named_grounds import ground_names, named_ground
+from stochlin.models.grounds.named import ground_names, named_ground
 from stochlin.models.parameters import Model, Range, parameter
 from stochlin.models.structures import DAMPING, HARDENING, POSITIVE, Bilinear
 

@@ -185,7 +185,7 @@ def structures(options: dict[str, Any]) -> tuple[Bilinear, Bilinear]:
 def ground(options: dict[str, Any]) -> Ground:
     """The ground called for by name, with its parameters."""
     from stochlin.models.grounds import CloughPenzien, KanaiTajimi, WhiteNoise
-    from stochlin.models.named_grounds import named_ground
+    from stochlin.models.grounds.named import named_ground
 
     given = {
         model_name: parameter_of(option, options[option])
