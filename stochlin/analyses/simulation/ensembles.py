@@ -164,7 +164,8 @@ def prepare(
     matrix, noise, output = soil.arrays
     intensity = 2 * np.pi * soil.intensity
     rates = -np.linalg.eigvals(matrix).real if soil.states else np.array([np.inf])
-    periods = [float(cells.period[valid].min()), *([2 * np.pi / soil.fastest] if soil.states else [])]
+    periods = [float(cells.period[valid].min())]
+    periods += [2 * np.pi / np.float64(soil.fastest)] if soil.states else []
     memory = max(float(cells.damping_time[valid].max()), float((1 / rates).max()))
     crowd, order, scale = _crowd(cells, valid)
     if link is not None:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -17,6 +17,14 @@ from stochlin.registry import Registry
 GROUNDS: Registry[type[Ground]] = Registry("ground", "stochlin.models.grounds")
 POSITIVE = Range()
 POSITIVE_DAMPING = Range(reason="an undamped ground has no stationary motion")
+AS_STRUCTURES = ("period", "damping", "hardening", "mass")  # what structures have as well
+
+
+class Fit(NamedTuple):
+    """How `fit_ground` seeks what is neither period nor intensity; times are sought over the period."""
+
+    bounds: Mapping[str, tuple[float, float]]  # lower and upper, by name
+    starts: Sequence[tuple[float, ...]]  # of all of them
 
 
 @dataclass(frozen=True)
@@ -24,6 +32,7 @@ class Ground(Model):
     """Base of the grounds. ``intensity`` is the two-sided PSD ``S0`` of the white noise."""
 
     name: ClassVar[str]
+    fit: ClassVar[Fit | None] = None  # None: it is not fitted to records
     source: str = field(default="", compare=False, kw_only=True)
 
     @staticmethod
@@ -33,6 +42,11 @@ class Ground(Model):
         All else follows from it: state space, spectra, linearization, time steps.
         """
         raise NotImplementedError
+
+    @classmethod
+    def beside_structures(cls) -> dict[str, str]:
+        """Its parameters by their names where structures have some too: ``ground_period``."""
+        return {f"ground_{n}" if n in AS_STRUCTURES else n: n for n in cls.parameter_names()}
 
     def filter_of(self, rows: Iterable[Array]) -> Filter:
         """The filter of cells, with ``rows`` in the order of `arrays`."""

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.kernels.linearization.filters import CloughPenzienFilter
-from stochlin.models.grounds.base import GROUNDS, POSITIVE, POSITIVE_DAMPING, Ground
+from stochlin.models.grounds.base import GROUNDS, POSITIVE, POSITIVE_DAMPING, Fit, Ground
 from stochlin.models.grounds.kanai_tajimi import KanaiTajimi, soil_transmission
 from stochlin.models.parameters import Parameter, parameter
 
@@ -51,6 +51,14 @@ class CloughPenzien(Ground):
     """
 
     name: ClassVar[str] = "Clough-Penzien"
+    fit: ClassVar[Fit] = Fit(
+        {
+            **KanaiTajimi.fit.bounds,
+            "high_pass_period": (1.0, 100.0),
+            "high_pass_damping": (0.1, 3.0),
+        },
+        [(*soil, *layer) for soil in KanaiTajimi.fit.starts for layer in ((1.5, 0.3), (6.0, 0.6))],
+    )
     period: Parameter = parameter("s", "ground period", POSITIVE)
     damping: Parameter = parameter("1", "ground damping ratio", POSITIVE_DAMPING)
     high_pass_period: Parameter = parameter("s", "high-pass period", POSITIVE)
