@@ -55,9 +55,9 @@ if TYPE_CHECKING:
     )
     from stochlin.models.envelopes import AminAng, GammaEnvelope, HsuBernard, ShinozukaSato
     from stochlin.models.grounds import CloughPenzien, KanaiTajimi, WhiteNoise
+    from stochlin.models.grounds.named import ground_names, named_ground
     from stochlin.models.links import Link
     from stochlin.models.measures import Measure
-    from stochlin.models.named_grounds import ground_names, named_ground
     from stochlin.models.rules.codes import code_rule, code_rule_names
     from stochlin.models.rules.effective_properties import effective_rule, effective_rule_names
     from stochlin.models.rules.peak_factors import peak_factor_model, peak_factor_names
@@ -104,11 +104,11 @@ _HOME = {
     "fit_envelope": "analyses.records.envelope_fit",
     "fit_ground": "analyses.records.ground_fit",
     "fit_spectra": "analyses.records.spectra",
-    "ground_names": "models.named_grounds",
+    "ground_names": "models.grounds.named",
     "linearize": "analyses.linearization.linearization",
     "lookup": "analyses.atlases.lookup",
     "mitigate": "analyses.mitigation.mitigation",
-    "named_ground": "models.named_grounds",
+    "named_ground": "models.grounds.named",
     "open_atlas": "analyses.atlases.atlas",
     "peak_factor_model": "models.rules.peak_factors",
     "peak_factor_names": "models.rules.peak_factors",

@@ -32,6 +32,12 @@ class Range:
         high = f" {at_most} {self.upper:g}" if self.upper < np.inf else ""
         return f"{low}value{high}, finite" + (f" ({self.reason})" if self.reason else "")
 
+    @property
+    def middle(self) -> float:
+        """A value well inside: 1 where only the sign is limited."""
+        low, high = max(self.lower, -1e3), min(self.upper, 1e3)
+        return 1.0 if low < 1 < high else 0.5 * (low + high)
+
     def contains(self, value: Any) -> Any:
         """Elementwise test; NaN and infinity are outside."""
         above = value >= self.lower if self.include_lower else value > self.lower
@@ -82,6 +88,11 @@ class Model:
         """The allowed values of a parameter."""
         allowed: Range = next(f.metadata["allowed"] for f in cls._declared() if f.name == name)
         return allowed
+
+    @classmethod
+    def units(cls, name: str) -> str:
+        """The unit of a parameter."""
+        return str(cls.__dataclass_fields__[name].metadata["units"])
 
     def arrays(self) -> dict[str, xr.DataArray]:
         """The parameters that are set, as labelled arrays (0-d for scalars)."""

@@ -21,8 +21,9 @@ from stochlin.views.separation.command import gap
 from stochlin.views.shared import options as shared
 from stochlin.views.shared.options import (
     CLOSURES,
+    GroundCommand,
+    GroundOption,
     chart_options,
-    numbers_option,
     record_options,
     shared_option,
     simulation_options,
@@ -114,23 +115,13 @@ def verify(name: str, out: Path, picture_format: str, **options: Any) -> None:
     click.echo(f"{name}_verified and its dataset in {out}")
 
 
-@main.command()
+@main.command(cls=GroundCommand)
 @shared_option("period", "Period [s].")
 @shared_option("damping", "Damping ratio.", "0.05")
 @shared_option("hardening", "Hardening ratio.")
 @shared_option("reduction-factor", "R = 3 sigma_el/uy; without a strength: elastic.")
 @shared_option("yield-displacement", "uy [m], instead of R.")
-@click.option(
-    "--ground",
-    default="white-noise",
-    show_default=True,
-    help="white-noise, kanai-tajimi, clough-penzien, or a named ground such as firm or sct_1985_ns.",
-)
-@numbers_option("--ground-period", "2 pi/wg [s].")
-@numbers_option("--ground-damping", "xig.")
-@numbers_option("--high-pass-period", "2 pi/wf [s].")
-@numbers_option("--high-pass-damping", "xif.")
-@numbers_option("--intensity", "S0 [m^2/s^3], two-sided; 1 if not given.")
+@click.option("--ground", cls=GroundOption, default="white-noise", show_default=True)
 @click.option(
     "--method",
     type=click.Choice(["linearization", "white_noise", "effective", "simulation"]),

@@ -19,6 +19,7 @@ from stochlin.analyses.linearization.equivalent_systems import solve_derived
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.kernels.linearization import drift
 from stochlin.kernels.linearization.covariance import EquivalentSystem
+from stochlin.kernels.linearization.filters import Filter, KanaiTajimiFilter
 from stochlin.kernels.linearization.gaussian import slip_quadrant
 from stochlin.models.laws import bilinear
 
@@ -131,8 +132,7 @@ def test_relaxation_is_the_flow_when_the_mean_of_z_is_shifted(latent):
 def test_half_cycles_are_those_of_the_matrix_exponential(soil):
     rng = np.random.default_rng(5)
     system, ground = random_systems(rng, 40)
-    model, parameters = (sl.KanaiTajimi, ground) if soil else (sl.WhiteNoise, ground[:1])
-    cycles = drift.half_cycles(system, *model.memory(system, parameters))
+    cycles = drift.half_cycles(system, KanaiTajimiFilter.of(*ground) if soil else Filter(ground[0]))
     for n in range(40):
         w2, d, h, p, k = (row[n] for row in system)
         wg, xig = ground[1:, n]

@@ -28,7 +28,11 @@ GROUNDS = {
 
 def direct(pair, ground, times):
     """Moments of u1, v1, u2, v2 over time, from the whole system's Lyapunov equation."""
-    intensity, *filters = (float(p) for p in ground.kernel_parameters())
+    intensity, filters = ground.intensity, []
+    if not isinstance(ground, sl.WhiteNoise):
+        filters = [2 * np.pi / ground.period, ground.damping]
+    if isinstance(ground, sl.CloughPenzien):
+        filters += [2 * np.pi / ground.high_pass_period, ground.high_pass_damping]
     w = [2 * np.pi / s.period for s in pair]
     matrix, noise = augmented_system(
         [(x**2, 2 * s.damping * x) for x, s in zip(w, pair, strict=True)], filters

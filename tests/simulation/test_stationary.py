@@ -8,7 +8,6 @@ import pytest
 import scipy.stats
 
 import stochlin as sl
-from stochlin.analyses.linearization.state_space import ground_matrices
 from stochlin.analyses.simulation.ensembles import cells_of, joined, prepare
 from stochlin.analyses.simulation.run_lengths import with_length
 from stochlin.analyses.simulation.simulation import NOT_STATIONARY, simulate_moments
@@ -185,7 +184,7 @@ BURN_IN, BLOCKS, CYCLES, GROUPS = 20, 80, 20, 40  # cycles are periods of a bloc
 )
 def test_halving_the_step_changes_yielding_structures_by_less_than_half_a_per_cent(ground):
     """Both steps get the same noise, so that the difference is that of the steps."""
-    names, matrix, noise, output = ground_matrices([p.item() for p in ground.kernel_parameters()])
+    soil = ground.lone_filter()
     intensity = 2 * np.pi * ground.intensity
     w, size = 2 * np.pi, len(STRENGTHS)
     laws = []
@@ -196,7 +195,7 @@ def test_halving_the_step_changes_yielding_structures_by_less_than_half_a_per_ce
     rng = np.random.default_rng(64)
     variances = np.zeros((2, GROUPS, LANES, size))  # mean squares of each path, coarse and fine
     for group in range(GROUPS):
-        runs = [(np.zeros((len(names), LANES)), *np.zeros((3, size, LANES))) for _ in range(2)]
+        runs = [(np.zeros((len(soil.states), LANES)), *np.zeros((3, size, LANES))) for _ in range(2)]
         for block in range(BURN_IN + BLOCKS):
             fine = rng.standard_normal((CYCLES * FINE, LANES))
             coarse = (fine[::2] + fine[1::2]) / np.sqrt(2)
@@ -204,7 +203,7 @@ def test_halving_the_step_changes_yielding_structures_by_less_than_half_a_per_ce
                 zip((coarse, fine), (COARSE, FINE), runs, strict=True)
             ):
                 f, out = np.empty_like(xi), np.empty((LANES, size, 2 * CYCLES))
-                filtered = filter_steps(matrix, noise, output, intensity, 1 / steps)
+                filtered = filter_steps(*soil.arrays, intensity, 1 / steps)
                 ground_block(xi, q, *filtered, f)
                 bilinear_block(f, 1 / steps, laws, u, v, z, steps // 2, out)
                 if block >= BURN_IN:

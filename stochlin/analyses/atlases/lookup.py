@@ -12,12 +12,13 @@ import xarray as xr
 from stochlin.analyses.atlases.specification import OF_STRUCTURES
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
+from stochlin.models.grounds import GROUNDS
 from stochlin.models.parameters import CASE, Parameter
 
 ROUNDING = 1e-9  # by which a logarithm may miss the end of an axis, or a held parameter
 UNKNOWN = 2  # caution
 CORNER = "corner"
-PERIODS = ("period_1", "period_2", "high_pass_period")
+PERIODS = ("period_1", "period_2")
 
 
 def lookup(atlas: xr.Dataset, ground_period: Parameter = 1.0, **parameters: Parameter) -> xr.Dataset:
@@ -82,11 +83,10 @@ def _points(
     atlas: xr.Dataset, parameters: Mapping[str, Parameter], ground_period: Parameter
 ) -> dict[str, xr.DataArray]:
     """Logarithms of the coordinates along every axis, broadcast."""
-    held = {
-        name: value
-        for name, value in json.loads(atlas.attrs["specification"])["parameters"].items()
-        if isinstance(value, float)
-    }
+    specification = json.loads(atlas.attrs["specification"])
+    held = {name: v for name, v in specification["parameters"].items() if isinstance(v, float)}
+    soil = GROUNDS.named(specification["ground"], "ground")
+    times = {name for name, own in soil.beside_structures().items() if soil.units(own) == "s"}
     axes = [str(dim) for dim in atlas.rho.dims]
     given = {name: _array(name, value) for name, value in _numbered(parameters, {*axes, *held}).items()}
     unknown = [name for name in given if name not in (*axes, *held)]
@@ -98,7 +98,7 @@ def _points(
     logs: dict[str, xr.DataArray] = {}
     with np.errstate(invalid="ignore", divide="ignore"):  # what has no logarithm is outside
         for name, value in given.items():
-            logs[name] = np.log(value / unit if name in PERIODS else value)  # type: ignore[assignment]
+            logs[name] = np.log(value / unit if name in times.union(PERIODS) else value)  # type: ignore[assignment]
     for name, number in held.items():
         if name in logs and bool((np.abs(logs[name] - np.log(number)) > ROUNDING).any()):
             raise ValueError(f"{name} is held at {number:g} in this atlas; allowed: this value")

@@ -3,7 +3,7 @@
 ::
 
     title = "Lake beds"             # optional
-    ground = "kanai_tajimi"         # or "white_noise", "clough_penzien"
+    ground = "kanai_tajimi"         # or another kind of ground
     closure = "gaussian"            # optional
     block_cells = 1000000           # optional: cells that are computed and written at a time
 
@@ -31,24 +31,15 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.tables.checks import check_whole, is_number, is_whole
-from stochlin.models.grounds import CloughPenzien, Ground, KanaiTajimi, WhiteNoise
+from stochlin.models.grounds import GROUNDS, Ground
 from stochlin.models.parameters import Model
 from stochlin.models.structures import Bilinear
 
-GROUNDS: Mapping[str, type[Ground]] = {
-    "kanai_tajimi": KanaiTajimi,
-    "white_noise": WhiteNoise,
-    "clough_penzien": CloughPenzien,
-}
 CLOSURES = ("gaussian", "clipped", "drift", "narrow_band")
 KEYS = ("title", "ground", "closure", "block_cells", "parameters")
 SWEEP = ("start", "stop", "count", "spacing")
 OF_STRUCTURES = ("damping", "hardening", "reduction_factor")
-OF_GROUNDS = {
-    "ground_damping": "damping",
-    "high_pass_period": "high_pass_period",
-    "high_pass_damping": "high_pass_damping",
-}
+UNITS = {"ground_period": 1.0, "intensity": 1.0}  # of time [s], and of all that is proportional to it
 LONGEST_AXIS = 1_000_000
 BLOCK_CELLS = 1_000_000
 
@@ -94,10 +85,12 @@ class AtlasSpecification:
                 if own in self.parameters:
                     values[name] = self._value(own)
             pair.append(Bilinear(**values))
-        soil = {m: self._value(name) for name, m in OF_GROUNDS.items() if name in self.parameters}
-        if self.ground != "white_noise":
-            soil["period"] = 1.0
-        return pair[0], pair[1], GROUNDS[self.ground](**soil)
+        kind = GROUNDS[self.ground]
+        soil: dict[str, Any] = {
+            own: self._value(name) if name in self.parameters else UNITS[name]
+            for name, own in kind.beside_structures().items()
+        }
+        return pair[0], pair[1], kind(**soil)
 
     def _value(self, name: str) -> Any:
         value = self.parameters[name]
@@ -151,7 +144,7 @@ def specification(data: Mapping[str, Any]) -> AtlasSpecification:
 
 
 def _check_names(given: Mapping[str, Any], ground: str) -> None:
-    of_ground = {"white_noise": (), "kanai_tajimi": ("ground_damping",)}.get(ground, tuple(OF_GROUNDS))
+    of_ground = [name for name in GROUNDS[ground].beside_structures() if name not in UNITS]
     numbered = [f"{name}_{n}" for name in OF_STRUCTURES for n in (1, 2)]
     _only(given, ("period_1", "period_2", *OF_STRUCTURES, *numbered, *of_ground), "[parameters]")
     for name in OF_STRUCTURES:

@@ -25,15 +25,13 @@ import xarray as xr
 from stochlin._version import __version__
 from stochlin.analyses.atlases.specification import AtlasSpecification
 from stochlin.analyses.correlation.correlation import correlate
+from stochlin.models.grounds import GROUNDS
 
 TABLES = ("rho", "status", "bias", "caution")
 SIDES = ("ductility_std_1", "ductility_std_2", "bias_1", "bias_2")
 DONE = "block_done"
 LONG_NAMES = {
     "period": "period over that of the ground",
-    "ground_damping": "ground damping ratio",
-    "high_pass_period": "high-pass period over that of the ground",
-    "high_pass_damping": "high-pass damping ratio",
     "damping": "damping ratio",
     "hardening": "hardening ratio",
     "reduction_factor": "reduction factor",
@@ -144,7 +142,7 @@ def create(path: Path, specification: AtlasSpecification) -> None:
                 name, shape=(len(values),), dtype="f8", chunks=(len(values),), dimension_names=(name,)
             )
             array[:] = np.array(values)
-            array.attrs.update(units="1", long_name=long_name(name))
+            array.attrs.update(units="1", long_name=long_name(name, specification.ground))
         for key, variable in cell.data_vars.items():
             name = str(key)
             dims = [str(dim) for dim in variable.dims]
@@ -216,8 +214,12 @@ def undone(path: Path) -> tuple[list[tuple[int, ...]], int]:
     return [tuple(int(n) for n in number) for number in np.argwhere(flags == 0)], flags.size
 
 
-def long_name(axis: str) -> str:
-    """Of a coordinate."""
+def long_name(axis: str, ground: str) -> str:
+    """Of a coordinate, on this kind of ground."""
+    kind = GROUNDS[ground]
+    if axis in kind.beside_structures():
+        field = kind.__dataclass_fields__[kind.beside_structures()[axis]].metadata
+        return f"{field['long_name']}{' over that of the ground' if field['units'] == 's' else ''}"
     stem, _, number = axis.rpartition("_")
     return f"{LONG_NAMES[stem]}, structure {number}" if stem in LONG_NAMES else LONG_NAMES[axis]
 

@@ -9,22 +9,15 @@ from typing import Any
 import xarray as xr
 
 from stochlin.analyses.cases.values import Quantity, Section
-from stochlin.analyses.records.ground_fit import fit_ground
+from stochlin.analyses.records.ground_fit import fit_ground, fitted_grounds
 from stochlin.analyses.records.records import read_record
 from stochlin.analyses.records.spectra import ESTIMATORS
-from stochlin.models.envelopes import AminAng, Envelope, GammaEnvelope, ShinozukaSato
-from stochlin.models.grounds import CloughPenzien, Ground, KanaiTajimi, WhiteNoise
-from stochlin.models.named_grounds import ground_names, named_ground
+from stochlin.models.envelopes import ENVELOPES, Envelope
+from stochlin.models.grounds import GROUNDS, Ground, WhiteNoise
+from stochlin.models.grounds.named import ground_names, named_ground
 from stochlin.models.structures import POSITIVE
 
 FITTED, NONE = "fitted", "none"
-FITS: Mapping[str, type[Ground]] = {"kanai_tajimi": KanaiTajimi, "clough_penzien": CloughPenzien}
-GROUNDS: Mapping[str, type[Ground]] = {**FITS, "white_noise": WhiteNoise}
-ENVELOPES: Mapping[str, type[Envelope]] = {
-    "amin_ang": AminAng,
-    "shinozuka_sato": ShinozukaSato,
-    "gamma": GammaEnvelope,
-}
 TIME = Quantity("s", POSITIVE)
 
 
@@ -57,7 +50,7 @@ def read_ground(site: Section, records: Mapping[str, xr.DataArray]) -> Ground:
     name = site.text("ground", kinds)
     if name == FITTED:
         site.only("ground", "records", "model", "estimator")
-        model = site.text("model", tuple(FITS)) if "model" in site else "kanai_tajimi"
+        model = site.text("model", tuple(fitted_grounds())) if "model" in site else "kanai_tajimi"
         estimator = site.text("estimator", tuple(ESTIMATORS)) if "estimator" in site else "psd"
         if not records:
             raise site.error("ground", "needs a record to be fitted to; allowed: a [[site.records]]")

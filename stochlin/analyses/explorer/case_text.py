@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 
-from stochlin.analyses.cases.site import ENVELOPES, GROUNDS
 from stochlin.analyses.explorer.scene import Scene
+from stochlin.models.envelopes import ENVELOPES
+from stochlin.models.grounds import GROUNDS
 from stochlin.models.parameters import Model
 
 HEAD = """\
@@ -67,10 +68,8 @@ def _building(scene: Scene, number: int) -> list[str]:
 
 def _numbers(kind: type[Model], values: dict[str, float]) -> list[str]:
     """Lines of a model's parameters, with the units that it declares."""
-    fields = kind.__dataclass_fields__
-    units = {name: fields[name].metadata["units"] for name in values}
     return [
-        f"{name} = {value!r}" if units[name] == "1" else f'{name} = "{value!r} {units[name]}"'
+        f"{name} = {value!r}" if kind.units(name) == "1" else f'{name} = "{value!r} {kind.units(name)}"'
         for name, value in values.items()
     ]
 

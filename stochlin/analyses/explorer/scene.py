@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from stochlin.analyses.cases.case import FEWEST_PATHS, Case
-from stochlin.analyses.cases.site import ENVELOPES, FITS, FITTED, GROUNDS, NONE
+from stochlin.analyses.cases.site import FITTED, NONE
 from stochlin.analyses.linearization.strength import reduction_factor
 from stochlin.analyses.linearization.transient_systems import check_course
 from stochlin.analyses.tables.checks import check_confidence, check_whole
-from stochlin.models.envelopes import AminAng, Envelope, GammaEnvelope, ShinozukaSato
-from stochlin.models.grounds import Ground, KanaiTajimi
-from stochlin.models.named_grounds import ground_names, named_ground
+from stochlin.models.envelopes import ENVELOPES, AminAng, Envelope, GammaEnvelope, ShinozukaSato
+from stochlin.models.grounds import GROUNDS, Ground, KanaiTajimi
+from stochlin.models.grounds.named import ground_names, named_ground
 from stochlin.models.parameters import Model, Range, parameter
 from stochlin.models.structures import DAMPING, HARDENING, POSITIVE, Bilinear
 
@@ -26,10 +26,33 @@ PERIOD = Range(0.02, 20.0, True, True)
 FACTOR = Range(upper=100.0, include_upper=True)
 DURATION = Range(1.0, 300.0, True, True)
 SOIL = KanaiTajimi.allowed("damping")
-# A scene's word for a parameter of the ground; the others have the same one.
-OF_GROUND = {"period": "ground_period", "damping": "ground_damping"}
 
 
+def _with_all_parameters(scene: type[Scene]) -> type[Scene]:
+    """A number for every parameter of grounds and envelopes that the scene has none for."""
+    known, missing = {field.name for field in dataclasses.fields(scene)}, {}
+    for kind in (*GROUNDS.values(), *ENVELOPES.values()):
+        for name, own in names_of(kind).items():
+            field = kind.__dataclass_fields__[own]
+            if name not in known and name not in missing:
+                allowed = kind.allowed(own)
+                start = allowed.middle if field.default in (None, dataclasses.MISSING) else field.default
+                about = field.metadata["units"], field.metadata["long_name"]
+                missing[name] = (name, float, parameter(*about, allowed, start))
+    module = {"__module__": scene.__module__, "__doc__": scene.__doc__}
+    return dataclasses.make_dataclass(
+        scene.__name__, missing.values(), bases=(scene,), namespace=module, frozen=True, kw_only=True
+    )
+
+
+def names_of(kind: type[Model] | None) -> dict[str, str]:
+    """A scene's names of the parameters of a ground or envelope, and their own."""
+    if kind is not None and issubclass(kind, Ground):
+        return kind.beside_structures()
+    return {name: name for name in kind.parameter_names()} if kind else {}
+
+
+@_with_all_parameters
 @dataclass(frozen=True, kw_only=True)
 class Scene(Model):
     """Ground, two buildings, gap and motion: what the explorer's controls hold, in SI.
@@ -99,8 +122,8 @@ class Scene(Model):
 
     def site_parameters(self) -> dict[str, float]:
         """What the case file says of the ground beside its name."""
-        names = GROUNDS[self.site].parameter_names() if self.site in GROUNDS else ("intensity",)
-        return {name: getattr(self, OF_GROUND.get(name, name)) for name in names}
+        kind = GROUNDS[self.site if self.site in GROUNDS else "white_noise"]  # a name has its strength
+        return {own: getattr(self, name) for name, own in names_of(kind).items()}
 
     def structures(self) -> tuple[Bilinear, Bilinear]:
         """Both buildings, the left one first."""
@@ -120,8 +143,7 @@ class Scene(Model):
 
     def envelope_parameters(self) -> dict[str, float]:
         """What the case file says of the envelope beside its name."""
-        kind = ENVELOPES.get(self.envelope)
-        return {name: getattr(self, name) for name in kind.parameter_names()} if kind else {}
+        return {name: getattr(self, name) for name in names_of(ENVELOPES.get(self.envelope))}
 
     def motion(self) -> dict[str, Any]:
         """Duration, envelope and confidence, as the verbs take them."""
@@ -168,7 +190,7 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
     notes = []
     site, given = case.site, dict(_numbers(case.ground))
     if site == FITTED:
-        site = next(name for name, kind in FITS.items() if type(case.ground) is kind)
+        site = next(name for name, kind in GROUNDS.items() if type(case.ground) is kind)
         notes.append(f"The ground is fitted to {next(iter(case.records))}: held by its parameters here.")
     if case.records:
         notes.append("Records are left out here, and in a case file saved from here.")
@@ -178,7 +200,8 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
         )
     if site not in GROUNDS:
         given = {"intensity": given["intensity"]}
-    values: dict[str, Any] = {OF_GROUND.get(name, name): value for name, value in given.items()}
+    names = case.ground.beside_structures()
+    values: dict[str, Any] = {name: given[own] for name, own in names.items() if own in given}
     for number, building in enumerate(case.pair, start=1):
         structure = building.structure
         if building.strength in ("yield_displacement", "ductility"):

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -23,7 +23,8 @@ from stochlin.kernels.linearization.covariance import (
     own_covariance,
 )
 from stochlin.kernels.linearization.drift import ORDERS, drift_of, half_cycles
-from stochlin.kernels.linearization.fixed_point import Closure, ForcingOf, solve_fixed_point
+from stochlin.kernels.linearization.filters import Filter
+from stochlin.kernels.linearization.fixed_point import Closure, solve_fixed_point
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import DRIFT, NARROW_BAND, Structure
 
@@ -37,7 +38,7 @@ INTERNAL = (
 # Of the drift closure only: the drift as a pair needs it.
 SHARES = tuple(f"drift_share_{j}" for j in range(1, ORDERS + 2))
 OF_DRIFT = ("drift_std", "drift_rate", *SHARES)
-MemoryOf = Callable[[EquivalentSystem, Array], tuple[Forcing, tuple[Array, ...]]]
+FilterOf = Callable[[Iterable[Array]], Filter]
 STRENGTH_RATIO = "elastic_ductility_std"  # of the elastic structure's displacement to uy: R/p
 PUBLIC = (
     "displacement_std",
@@ -96,11 +97,12 @@ def _solve(
     cells = _Cells(
         len(law),
         structure.reduction_factor is not None,
-        ground.forcing,
+        ground.filter_of,
+        list(ground.arrays()).index("intensity"),
         None if elastic else closure,
         None if elastic or closure == NARROW_BAND else structure.closure(str(closure)),
         tolerance,
-        ground.memory if closure == DRIFT else None,
+        closure == DRIFT,
     )
     strength = next(
         (values[k] for k in ("yield_displacement", "reduction_factor") if k in values),
@@ -115,7 +117,7 @@ def _solve(
         strength,
         values["peak_factor"],
         *law,
-        *ground.kernel_parameters(),
+        *ground.arrays().values(),
     ]
     names = cells.names
     try:
@@ -132,15 +134,16 @@ class _Cells(NamedTuple):
 
     laws: int  # parameters of the law
     by_factor: bool  # whether strength is a reduction factor
-    forcing: ForcingOf
+    filter_of: FilterOf
+    intensity: int  # row of the ground parameters
     closure: str | None  # None: elastic
     law: Closure | None
     tolerance: Tolerance | None
-    memory: MemoryOf | None  # for the drift closure
+    drifts: bool
 
     @property
     def names(self) -> tuple[str, ...]:
-        return (*PUBLIC, *INTERNAL, STRENGTH_RATIO, *(OF_DRIFT if self.memory else ()))
+        return (*PUBLIC, *INTERNAL, STRENGTH_RATIO, *(OF_DRIFT if self.drifts else ()))
 
     @np.errstate(all="ignore")  # what comes of extreme input is judged by its status
     def solve(
@@ -158,6 +161,10 @@ class _Cells(NamedTuple):
             outputs.append(filled.reshape(shape))
         return tuple(outputs)
 
+    def forcing(self, system: EquivalentSystem, ground: Array) -> Forcing:
+        """Of the structures on the ground of these parameters."""
+        return self.filter_of(ground).forcing(system)
+
     def _solve_valid(self, columns: Array) -> dict[str, Array]:
         period, damping, hardening, strength, peak_factor = columns[:5]
         law, ground = columns[5 : 5 + self.laws], columns[5 + self.laws :]
@@ -170,7 +177,7 @@ class _Cells(NamedTuple):
         if self.closure is None or self.tolerance is None:
             return self._report(_Solution.elastic(elastic), ground, uy) | ratio
         scaled = ground.copy()
-        scaled[0] /= uy**2  # the forcing of ductility, f / uy
+        scaled[self.intensity] /= uy**2  # the forcing of ductility, f / uy
         start = np.sqrt(np.stack([own.mu_mu, own.v_v])) / uy
         solve = self._amplitude_average if self.closure == NARROW_BAND else self._fixed_point
         batch = _Batch(w, damping, hardening, law, scaled, start)
@@ -214,10 +221,9 @@ class _Cells(NamedTuple):
     def _drift(self, solution: _Solution, ground: Array, uy: Array) -> dict[str, Array]:
         """`OF_DRIFT`; nothing where the structure stays elastic."""
         nothing = dict.fromkeys(OF_DRIFT, np.zeros_like(uy)) | {"drift_rate": np.ones_like(uy)}
-        if solution.latent is None or self.memory is None:
+        if solution.latent is None:
             return nothing
-        forcing, soil = self.memory(solution.system, ground)
-        cycles = half_cycles(solution.system, forcing, soil)
+        cycles = half_cycles(solution.system, self.filter_of(ground))
         drift = drift_of(solution.system, solution.latent, cycles)
         found = uy * np.sqrt(drift.variance), drift.rate, *drift.shares
         return {
@@ -232,7 +238,7 @@ class _Cells(NamedTuple):
         displacement, velocity, z = np.sqrt(own.mu_mu), np.sqrt(own.v_v), np.sqrt(own.z_z)
         corr = own.v_z / (velocity * z)
         share = own.mu_z / (displacement * z)
-        drift = self._drift(solution, ground, uy) if self.memory else {}
+        drift = self._drift(solution, ground, uy) if self.drifts else {}
         total = np.hypot(displacement, drift.get("drift_std", 0.0))
         physical = (own.mu_mu > 0) & (own.v_v > 0) & ~np.isnan(total)
         if self.closure == NARROW_BAND and not elastic.all():

@@ -12,6 +12,7 @@ from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
+from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.spectral_moments import (
     SpectralMoments,
     difference_moments,
@@ -168,8 +169,8 @@ def peak_table(
 def response_moments(solved: xr.Dataset, ground: Ground) -> tuple[xr.DataArray, ...]:
     """Spectral moments of the displacement [m]; ``solved`` as `solve_structure` returns it."""
 
-    def moments(parts: list[Array], parameters: list[Array]) -> SpectralMoments:
-        return displacement_moments(*_system(parts), parameters)
+    def moments(parts: list[Array], below: Filter) -> SpectralMoments:
+        return displacement_moments(*_system(parts), below)
 
     return _moments(moments, [solved], ground)
 
@@ -177,15 +178,15 @@ def response_moments(solved: xr.Dataset, ground: Ground) -> tuple[xr.DataArray, 
 def relative_moments(first: xr.Dataset, second: xr.Dataset, ground: Ground) -> tuple[xr.DataArray, ...]:
     """Spectral moments of ``u_1 - u_2`` [m]; arguments as in `response_moments`."""
 
-    def moments(parts: list[Array], parameters: list[Array]) -> SpectralMoments:
+    def moments(parts: list[Array], below: Filter) -> SpectralMoments:
         half = len(parts) // 2
-        return difference_moments(*_system(parts[:half]), *_system(parts[half:]), parameters)
+        return difference_moments(*_system(parts[:half]), *_system(parts[half:]), below)
 
     return _moments(moments, [first, second], ground)
 
 
 def _moments(
-    function: Callable[[list[Array], list[Array]], SpectralMoments],
+    function: Callable[[list[Array], Filter], SpectralMoments],
     sides: list[xr.Dataset],
     ground: Ground,
 ) -> tuple[xr.DataArray, ...]:
@@ -196,11 +197,11 @@ def _moments(
     def flat(*arrays: Array) -> tuple[Array, ...]:
         shape = np.broadcast_shapes(*(np.shape(array) for array in arrays))
         rows = [np.broadcast_to(array, shape).ravel() for array in arrays]
-        moments = function(rows[: len(inputs)], rows[len(inputs) :])
+        moments = function(rows[: len(inputs)], ground.filter_of(rows[len(inputs) :]))
         return tuple(moment.reshape(shape) for moment in moments)
 
     cores: list[list[str]] = [[]] * len(SpectralMoments._fields)
-    arrays = [*inputs, *ground.kernel_parameters()]
+    arrays = [*inputs, *ground.arrays().values()]
     result: tuple[xr.DataArray, ...] = xr.apply_ufunc(
         flat, *arrays, output_core_dims=cores, join="exact"
     )

@@ -78,7 +78,10 @@ def statespace(
         )
     if not np.isfinite([*c_eq, *k_eq]).all():
         raise ValueError(f"c_eq = {list(c_eq)}, k_eq = {list(k_eq)}; allowed: finite numbers")
-    names, matrix, noise, output = ground_matrices([float(value) for value in _scalars(ground)])
+    for name in ground.arrays():
+        _scalar(ground, name)
+    soil = ground.lone_filter()
+    names, (matrix, noise, output) = list(soil.states), soil.arrays
     for number, (structure, c, k) in enumerate(zip(structures, c_eq, k_eq, strict=True), start=1):
         block, states = _structure_matrix(structure, c, k)
         names += [f"{state}_{number}" for state in states]
@@ -179,28 +182,6 @@ def stationary_covariance(space: xr.Dataset) -> xr.DataArray:
     return xr.DataArray(covariance, dims=("state", "state_2"), coords=space.coords, name="covariance")
 
 
-def ground_matrices(
-    parameters: Sequence[float],
-) -> tuple[list[str], FloatArray, FloatArray, FloatArray]:
-    """State names, matrix, noise vector and output row (``f = output . states``) of the filters.
-
-    ``parameters`` as `Ground.kernel_parameters` lists them.
-    """
-    _, *filters = parameters
-    if not filters:
-        empty = np.zeros(0)
-        return [], np.zeros((0, 0)), empty, empty
-    wg, xig = filters[:2]
-    soil = np.array([[0, 1], [-(wg**2), -2 * xig * wg]])
-    signal = np.array([wg**2, 2 * xig * wg])
-    if len(filters) == 2:
-        return ["xg", "xg_rate"], soil, np.array([0.0, 1.0]), signal
-    wf, xif = filters[2:]
-    high_pass = np.array([[0, 1], [-(wf**2), -2 * xif * wf]])
-    matrix = np.block([[soil, np.zeros((2, 2))], [np.array([[0, 0], signal]), high_pass]])
-    return ["xg", "xg_rate", "xf", "xf_rate"], matrix, np.array([0.0, 1, 0, 0]), matrix[3]
-
-
 def _structure_matrix(structure: Structure, c_eq: float, k_eq: float) -> tuple[FloatArray, list[str]]:
     w = 2 * np.pi / _scalar(structure, "period")
     damping = 2 * _scalar(structure, "damping") * w
@@ -212,12 +193,6 @@ def _structure_matrix(structure: Structure, c_eq: float, k_eq: float) -> tuple[F
         "v",
         "z",
     ]
-
-
-def _scalars(ground: Ground) -> list[xr.DataArray]:
-    for name in ground.arrays():
-        _scalar(ground, name)
-    return ground.kernel_parameters()
 
 
 def _scalar(model: Structure | Ground, name: str) -> float:

@@ -88,12 +88,12 @@ def transient_response(
     check_course(duration, envelope)
     side = side_of(structure, ground, float(duration), "structure", 0)
     labels.raise_if_lone_failure(xr.Dataset({"status": side.status}), "transient_response")
-    if not side.columns.shape[1]:
+    if not side.cells.period.size:
         raise ValueError("no structure has valid parameters; correct those that are out of range")
-    course = course_of(envelope, float(duration), float(side.columns[0].min()), points)
-    own = solve_course([side], np.zeros((2, 0), int), course).own
+    course = course_of(envelope, float(duration), float(side.cells.period.min()), points)
+    own = solve_course([side], ground, np.zeros((2, 0), int), course).own
     shown = course.shown
-    uy = side.columns[3]
+    uy = side.cells.yield_displacement
     values = {
         "displacement_std": np.sqrt(np.maximum(own.displacement[shown], 0)),
         "velocity_std": np.sqrt(np.maximum(own.velocity[shown], 0)),

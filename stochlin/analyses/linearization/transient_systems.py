@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import groupby
 from typing import NamedTuple
 
@@ -11,10 +11,10 @@ import scipy.linalg
 import xarray as xr
 
 from stochlin.analyses.linearization.equivalent_systems import solve_elastic
-from stochlin.analyses.linearization.state_space import ground_matrices
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_duration
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.linearization.filters import Matrices
 from stochlin.kernels.linearization.transient import (
     Coefficients,
     Difference,
@@ -35,12 +35,23 @@ MEMORY = 4e9  # bytes that a run may ask for
 POINTS = 101  # instants of a result
 
 
+class Oscillators(NamedTuple):
+    """Structures in a row, (n,)."""
+
+    period: Array
+    damping: Array
+    hardening: Array
+    yield_displacement: Array  # infinite where elastic
+    elastic_std: Array  # of the displacement, were it elastic [m]
+
+
 class Side(NamedTuple):
     """One structure: its cells in a row, and where each is."""
 
     structure: Structure
-    columns: Array  # period, damping, hardening, uy, elastic displacement_std, law, (m, n)
-    ground: Array  # (k, n)
+    cells: Oscillators
+    law: Array  # (k, n)
+    ground: Mapping[str, Array]  # its parameters, (n,) each
     status: xr.DataArray
     position: xr.DataArray  # of each cell in the row of all sides, -1 where invalid
 
@@ -98,23 +109,41 @@ def side_of(structure: Structure, ground: Ground, duration: float, role: str, fi
     elastic = solve_elastic(structure, ground)
     values = structure.arrays()
     like = elastic.yield_displacement
-    arrays = [
+    own = (
         values["period"],
         values["damping"],
         values.get("hardening", xr.DataArray(1.0)),
         like,
         elastic.displacement_std,
-        *structure.law_parameters(),
-        *ground.kernel_parameters(),
-    ]
-    rows = [array.broadcast_like(like).transpose(*like.dims).to_numpy().ravel() for array in arrays]
+    )
     status = elastic.status.where(elastic.status >= labels.NOT_CONVERGED, labels.CONVERGED)
     status = status.where(period <= duration, labels.INVALID_INPUT)
     valid = status.to_numpy().ravel() < labels.NOT_CONVERGED
     place = np.where(valid, first + np.cumsum(valid) - 1, -1).reshape(like.shape)
-    table = np.stack(rows).astype(float)[:, valid]
-    cut = len(rows) - len(ground.kernel_parameters())
-    return Side(structure, table[:cut], table[cut:], status, xr.full_like(like, 0, int).copy(data=place))
+
+    def row(array: xr.DataArray) -> Array:
+        wide = array.broadcast_like(like).transpose(*like.dims).to_numpy()
+        return wide.ravel()[valid].astype(float)
+
+    law = [row(array) for array in structure.law_parameters()]
+    return Side(
+        structure,
+        Oscillators(*map(row, own)),
+        np.array(law).reshape(len(law), valid.sum()),
+        {name: row(array) for name, array in ground.arrays().items()},
+        status,
+        xr.full_like(like, 0, int).copy(data=place),
+    )
+
+
+def oscillators_of(sides: Sequence[Side]) -> Oscillators:
+    """The structures of all sides in one row."""
+    return Oscillators(*map(np.concatenate, zip(*(side.cells for side in sides), strict=True)))
+
+
+def grounds_of(sides: Sequence[Side]) -> dict[str, Array]:
+    """The parameters of their grounds."""
+    return {name: np.concatenate([side.ground[name] for side in sides]) for name in sides[0].ground}
 
 
 def course_of(envelope: Envelope | None, duration: float, shortest: float, points: int) -> Course:
@@ -130,10 +159,9 @@ def course_of(envelope: Envelope | None, duration: float, shortest: float, point
     return Course(envelope, float(duration), times, shown, last)
 
 
-def solve_course(sides: Sequence[Side], pairs: Array, course: Course) -> Moments:
+def solve_course(sides: Sequence[Side], ground: Ground, pairs: Array, course: Course) -> Moments:
     """Second moments of all structures and pairs (2, p) of them, from rest."""
-    columns = np.concatenate([side.columns[:5] for side in sides], axis=1)
-    period, damping, hardening, uy, scale = columns
+    period, damping, hardening, uy, scale = oscillators_of(sides)
     needed = 8.0 * course.times.size * (5 * period.size + 8 * pairs.shape[1])
     if needed > MEMORY:
         raise ValueError(
@@ -145,7 +173,7 @@ def solve_course(sides: Sequence[Side], pairs: Array, course: Course) -> Moments
     structures = Structures(
         w, 2 * damping * w, np.where(elastic, 0.0, (1 - hardening) * w**2), uy, scale
     )
-    filters = _filters(np.concatenate([side.ground for side in sides], axis=1))
+    filters = _filters(ground, grounds_of(sides))
     closure = _coefficients(sides) if not elastic.all() else None
     transient = Transient(structures, filters, pairs, closure, course.value)
     kinks = () if course.envelope is None else course.envelope.kinks()
@@ -175,7 +203,7 @@ def _coefficients(sides: Sequence[Side]) -> Coefficients:
     """Equivalent coefficients of all cells, each by the closure of its law; neighbours alike at once."""
     closures = [s.structure.closure("gaussian") if s.structure.yields else None for s in sides]
     groups = [
-        (closure, np.concatenate([side.columns[5:] for _, side in members], axis=1))
+        (closure, np.concatenate([side.law for _, side in members], axis=1))
         for closure, members in (
             (closure, list(group))
             for closure, group in groupby(zip(closures, sides, strict=True), key=lambda pair: pair[0])
@@ -194,28 +222,31 @@ def _coefficients(sides: Sequence[Side]) -> Coefficients:
     return coefficients
 
 
-def _filters(parameters: Array) -> Filters:
+def _filters(ground: Ground, values: Mapping[str, Array]) -> Filters:
     """Ground filters of the cells, those alike found once."""
-    alike, which = np.unique(parameters[1:], axis=1, return_inverse=True)
-    intensity = 2 * np.pi * parameters[0]
-    if not len(alike):
-        none = np.zeros((parameters.shape[1], 0))
-        return Filters(
-            np.zeros((parameters.shape[1], 0, 0)), none, np.zeros((parameters.shape[1], 0, 0)), intensity
+    intensity = 2 * np.pi * values["intensity"]
+    shape = {name: row for name, row in values.items() if name != "intensity"}
+    table = np.stack([np.zeros_like(intensity), *shape.values()])
+    alike, which = np.unique(table, axis=1, return_inverse=True)
+    found = [
+        _in_standard_deviations(
+            ground.filter({"intensity": 1.0, **dict(zip(shape, column.tolist(), strict=True))}).arrays
         )
-    matrices, outputs, covariances = [], [], []
-    for column in alike.T:
-        _, matrix, noise, output = ground_matrices([1.0, *column])
-        covariance = scipy.linalg.solve_continuous_lyapunov(matrix, -np.outer(noise, noise))
-        scale = np.sqrt(np.diag(covariance))
-        matrices.append(matrix * scale / scale[:, None])
-        outputs.append(output * scale)
-        covariances.append(covariance / np.outer(scale, scale))
-    which = which.ravel()
-    stacked = [np.stack(parts)[which] for parts in (matrices, outputs, covariances)]
-    return Filters(
-        stacked[0], stacked[1] * np.sqrt(intensity)[:, None], stacked[2], np.zeros_like(intensity)
-    )
+        for column in alike[1:].T
+    ]
+    matrix, output, covariance = (np.stack(parts)[which.ravel()] for parts in zip(*found, strict=True))
+    white = np.zeros_like(intensity) if output.size else intensity
+    return Filters(matrix, output * np.sqrt(intensity)[:, None], covariance, white)
+
+
+def _in_standard_deviations(unit: Matrices) -> tuple[Array, Array, Array]:
+    """Matrix, output and covariance of a filter under a unit of noise, its states over their std."""
+    matrix, noise, output = unit
+    if not noise.size:
+        return matrix, output, matrix
+    covariance = scipy.linalg.solve_continuous_lyapunov(matrix, -np.outer(noise, noise))
+    scale = np.sqrt(np.diag(covariance))
+    return matrix * scale / scale[:, None], output * scale, covariance / np.outer(scale, scale)
 
 
 def spread_over(values: Array, at: xr.DataArray) -> xr.DataArray:

@@ -15,6 +15,7 @@ from stochlin.analyses.linearization.transient_systems import (
     Moments,
     Side,
     course_of,
+    oscillators_of,
     side_of,
     solve_course,
     spread_over,
@@ -56,7 +57,7 @@ class Pair(NamedTuple):
     ) -> Pair:
         """Check, number and solve the cells."""
         one = side_of(first, ground, duration, "first", 0)
-        two = side_of(second, ground, duration, "second", one.columns.shape[1])
+        two = side_of(second, ground, duration, "second", one.cells.period.size)
         gap = wanted.arrays()["gap"]
         try:
             xr.align(one.position, two.position, gap, join="exact", copy=False)
@@ -77,13 +78,13 @@ class Pair(NamedTuple):
         usable = good.to_numpy().ravel()
         if not usable.any():
             raise ValueError("no pair has valid parameters; correct those that are out of range")
-        period = np.concatenate([side.columns[0] for side in (one, two)])
-        course = course_of(envelope, duration, float(period.min()), points)
         sides = (one, two)
+        shortest = float(oscillators_of(sides).period.min())
+        course = course_of(envelope, duration, shortest, points)
         return cls(
             sides,
             pairs,
-            solve_course(sides, pairs, course),
+            solve_course(sides, ground, pairs, course),
             pair_at,
             _numbered(good),
             wide.to_numpy().ravel()[usable].astype(float),
@@ -191,6 +192,6 @@ def _drift(pair: Pair, ground: Ground) -> tuple[Array, Array]:
     )
     shared = correlate(structures[0], structures[1], ground).bias.broadcast_like(pair.pair_at)
     shared_row = shared.transpose(*pair.pair_at.dims).to_numpy()[pair.pair_at.to_numpy() >= 0]
-    columns = np.concatenate([side.columns[:4] for side in pair.sides], axis=1)
+    hardening = oscillators_of(pair.sides).hardening
     own, both = pair.moments.own, pair.moments.difference
-    return drift_variances(own, both, pair.pairs, pair.course.times, columns[2], bias, shared_row)
+    return drift_variances(own, both, pair.pairs, pair.course.times, hardening, bias, shared_row)

@@ -7,7 +7,12 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import elementwise
 
-from stochlin.analyses.linearization.transient_systems import Course, Moments
+from stochlin.analyses.linearization.transient_systems import (
+    Course,
+    Moments,
+    grounds_of,
+    oscillators_of,
+)
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, linear_system
 from stochlin.kernels.linearization.spectral_moments import difference_moments
@@ -43,9 +48,9 @@ def bandwidths(moments: Moments, pairs: Array, ground: Ground) -> Array:
     own = moments.own
     elastic = not own.relaxation.any() and not own.slip.any()
     chosen = np.unique(np.linspace(0, times.size - 1, 1 if elastic else INSTANTS).astype(int))
-    columns = np.concatenate([side.columns[:4] for side in moments.sides], axis=1)
-    parameters = np.concatenate([side.ground for side in moments.sides], axis=1)
-    period, damping, hardening, uy = columns
+    period, damping, hardening, uy, _ = oscillators_of(moments.sides)
+    below = ground.filter(grounds_of(moments.sides))
+    below_pair = below.at(pairs[0])
     w = 2 * np.pi / period
     still = linear_system(w, damping)
     coupling = np.where(np.isinf(uy), 0.0, (1 - hardening) * w**2)
@@ -55,14 +60,13 @@ def bandwidths(moments: Moments, pairs: Array, ground: Ground) -> Array:
         yielding = EquivalentSystem(w**2, still.damping, coupling, slip, relaxation)
         slips = (slip > NO_SLIP) & (relaxation > NO_SLIP * w)
         system = EquivalentSystem(*(np.where(slips, y, s) for y, s in zip(yielding, still, strict=True)))
-        forcing = ground.forcing(system, parameters)
+        forcing = below.forcing(system)
         (first, force_1), (second, force_2) = (
             (EquivalentSystem(*(x[side] for x in system)), Forcing(*(x[side] for x in forcing)))
             for side in pairs
         )
         with np.errstate(invalid="ignore", divide="ignore"):
-            ground_of_pair = list(parameters[:, pairs[0]])
-            l0, l1, l2 = difference_moments(first, force_1, second, force_2, ground_of_pair)
+            l0, l1, l2 = difference_moments(first, force_1, second, force_2, below_pair)
             narrow = 1 - l1**2 / (l0 * l2)
         # Structures that move as one have no bandwidth of their difference: independent crossings.
         found.append(np.sqrt(np.clip(np.nan_to_num(narrow, nan=1.0), 0, 1)))

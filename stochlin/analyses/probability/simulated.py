@@ -6,8 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stochlin.analyses.linearization.state_space import ground_matrices
-from stochlin.analyses.linearization.transient_systems import Course, Side
+from stochlin.analyses.linearization.transient_systems import Course, Side, grounds_of, oscillators_of
 from stochlin.analyses.simulation.ensembles import LAW_PARAMETERS, Cells, prepare
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
@@ -33,15 +32,14 @@ def simulate_course(
     ``gaps`` are gaps [m] and the pair of each. Intensities may differ from cell to cell: a structure
     under ``a`` times the motion is one of strength ``uy/a`` whose displacement is multiplied by ``a``.
     """
-    columns = np.concatenate([side.columns[:4] for side in sides], axis=1)
-    parameters = np.concatenate([side.ground for side in sides], axis=1)
-    if (parameters[1:] != parameters[1:, :1]).any():
+    below = grounds_of(sides)
+    if any((row != row[0]).any() for name, row in below.items() if name != "intensity"):
         raise ValueError(
             "ground has several periods or dampings; a simulation is of one ground, whose intensity "
             "alone may vary: simulate one ground at a time"
         )
-    amplitude = np.sqrt(parameters[0] / parameters[0, 0])
-    period, damping, hardening, uy = columns
+    amplitude = np.sqrt(below["intensity"] / below["intensity"][0])
+    period, damping, hardening, uy, _ = oscillators_of(sides)
     lone = ground.isel({name: slice(0, 1) for name in _dimensions(ground)})
     cells = Cells(
         period,
@@ -49,7 +47,7 @@ def simulate_course(
         hardening,
         uy / amplitude,
         np.concatenate([_law(side) for side in sides]),
-        np.concatenate([np.full(side.columns.shape[1], side.structure.block()) for side in sides]),
+        np.concatenate([np.full(side.cells.period.size, side.structure.block()) for side in sides]),
         1 / (damping * 2 * np.pi / period),
         np.zeros(period.size),
         np.ones(period.size, bool),
@@ -58,8 +56,8 @@ def simulate_course(
     blocks = course.shown.size - 1
     samples = int(np.ceil(course.duration / blocks / run.plan.dt))
     dt = course.duration / blocks / samples
-    _, matrix, noise, output = ground_matrices(list(parameters[:, 0]))
-    steps = filter_steps(matrix, noise, output, 2 * np.pi * parameters[0, 0], dt)
+    soil = ground.filter({name: float(row[0]) for name, row in below.items()})
+    steps = filter_steps(*soil.arrays, 2 * np.pi * soil.intensity, dt)
     plan = run.plan._replace(dt=dt, every=1, samples=samples)
     middle = dt * (np.arange(blocks * samples) + 0.5)
     shape = np.ones_like(middle) if course.envelope is None else course.envelope.at(middle)
@@ -75,7 +73,7 @@ def motions(paths: int) -> int:
 
 
 def _law(side: Side) -> Array:
-    law = side.columns[5:].T
+    law = side.law.T
     return np.concatenate([law, np.full((len(law), LAW_PARAMETERS - law.shape[1]), np.nan)], axis=1)
 
 

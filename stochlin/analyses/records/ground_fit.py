@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,7 +21,7 @@ from stochlin.analyses.records.spectra import (
     energy_band,
     periodogram,
 )
-from stochlin.models.grounds import CloughPenzien, KanaiTajimi
+from stochlin.models.grounds import GROUNDS, Ground
 from stochlin.models.parameters import Parameter
 
 Matrix = npt.NDArray[np.float64]
@@ -32,8 +31,6 @@ _MINIMUM_ORDINATES = 8
 # Half width at half height [rad/s] of the line that a sinusoid of 1 s makes in a periodogram.
 _LINE_WIDTH = 2.78
 _START_PERIODS = 16
-_START_DAMPINGS = (0.02, 0.06, 0.2, 0.6)
-_START_HIGH_PASS = ((1.5, 0.3), (6.0, 0.6))  # period over that of the ground, damping
 _STEP, _ON_BOUND = 1e-4, 1e-3  # in the logarithm of a parameter
 
 
@@ -44,14 +41,47 @@ class _Unknown(NamedTuple):
     lower: float
     upper: float
 
+    over_period: bool = False  # a time, sought over the ground's period
 
-_DAMPING = _Unknown("damping", 2e-3, 3.0)
-_HIGH_PASS = (
-    _Unknown("high_pass_period / period", 1.0, 100.0),
-    _Unknown("high_pass_damping", 0.1, 3.0),
-)
-_INTENSITY = _Unknown("intensity", 0.0, np.inf)
-_MODELS: dict[str, tuple[_Unknown, ...]] = {"kanai_tajimi": (), "clough_penzien": _HIGH_PASS}
+    @property
+    def shown(self) -> str:
+        return f"{self.name} / period" if self.over_period else self.name
+
+
+class _Problem(NamedTuple):
+    """What is sought, of which kind of ground, from where."""
+
+    kind: type[Ground]
+    unknowns: tuple[_Unknown, ...]  # period, those of `Fit`, intensity
+    starts: Sequence[tuple[float, ...]]
+
+    @classmethod
+    def of(cls, kind: type[Ground], shortest: float, longest: float) -> _Problem:
+        assert kind.fit is not None
+        own = (
+            _Unknown(name, *bounds, kind.units(name) == "s") for name, bounds in kind.fit.bounds.items()
+        )
+        period, intensity = _Unknown("period", shortest, longest), _Unknown("intensity", 0.0, np.inf)
+        return cls(kind, (period, *own, intensity), kind.fit.starts)
+
+    def ground(self, values: Sequence[Parameter], source: str = "") -> Any:
+        given = {
+            unknown.name: np.multiply(value, values[0]) if unknown.over_period else value
+            for unknown, value in zip(self.unknowns, values, strict=True)
+        }
+        return self.kind(**given, source=source)
+
+    def psd(self, logs: Matrix, frequency: Vector) -> Matrix:
+        """PSD of each row of parameters, by one call for all of them."""
+        columns = [xr.DataArray(column, dims="trial") for column in np.exp(logs).T]
+        axis = xr.DataArray(frequency, dims="frequency")
+        density: Matrix = self.ground(columns).psd(axis).transpose("trial", "frequency").to_numpy()
+        return density
+
+
+def fitted_grounds() -> dict[str, type[Ground]]:
+    """The kinds of ground that can be fitted, by name."""
+    return {name: kind for name, kind in GROUNDS.items() if kind.fit is not None}
 
 
 def fit_ground(
@@ -61,7 +91,7 @@ def fit_ground(
     *,
     part: Part = STRONG_PART,
     frequency_range: tuple[float, float] | None = None,
-) -> KanaiTajimi | CloughPenzien:
+) -> Any:
     """Fit a ground to the power spectral density of a record.
 
     The model is compared with the raw periodogram of the part without its mean: there is no
@@ -76,8 +106,8 @@ def fit_ground(
     ----------
     record : xarray.DataArray
         Ground acceleration [m/s^2] with the dimension ``time`` [s], as `read_record` gives it.
-    model : {"kanai_tajimi", "clough_penzien"}
-        The ground.
+    model : str
+        The kind of ground: ``"kanai_tajimi"``, ``"clough_penzien"``, or an extension that can be fitted.
     estimator : {"psd", "log_psd", "whittle"}
         What the fit minimizes: the squared difference of the spectra, which follows the peak; the
         squared difference of their logarithms, in which each frequency of the range counts alike;
@@ -93,7 +123,7 @@ def fit_ground(
 
     Returns
     -------
-    KanaiTajimi or CloughPenzien
+    KanaiTajimi, CloughPenzien or an extension
         With ``intensity`` [m^2/s^3], the two-sided PSD per rad/s of the white noise. ``source``
         names the estimator, the record, the part and the range, and gives relative standard errors.
 
@@ -131,7 +161,8 @@ def fit_ground(
     >>> round(ground.period, 2), round(ground.damping, 1), round(ground.intensity, 3)
     (1.0, 0.3, 0.01)
     """
-    _check_name("model", model, _MODELS)
+    kinds = fitted_grounds()
+    _check_name("model", model, kinds)
     _check_name("estimator", estimator, ESTIMATORS)
     chosen = ESTIMATORS[estimator]
     strong = strong_part(record, *part)
@@ -146,10 +177,9 @@ def fit_ground(
     used = (frequency >= low) & (frequency <= high) & (frequency > 0) & (density > 0)
     frequency, density = frequency[used], density[used]
     scale = density.mean()
-    period = _Unknown("period", 2 * np.pi / high, 2 * np.pi / frequency[0])
-    unknowns = (period, _DAMPING, *_MODELS[model], _INTENSITY)
-    logs = _minimize(frequency, density / scale, unknowns, chosen)
-    errors = _standard_errors(frequency, logs, chosen)
+    problem = _Problem.of(kinds[model], 2 * np.pi / high, 2 * np.pi / frequency[0])
+    logs = _minimize(frequency, density / scale, problem, chosen)
+    errors = _standard_errors(frequency, logs, problem, chosen)
     values = np.exp(logs) * [*np.ones(logs.size - 1), scale]
     resolved = _LINE_WIDTH * values[0] / (2 * np.pi * duration)
     source = (
@@ -159,7 +189,7 @@ def fit_ground(
     )
     if values[1] < 2 * resolved:
         source += f"; damping not well resolved (a sinusoid of this duration gives {resolved:.2g})"
-    return _ground(values.tolist(), source)
+    return problem.ground(values.tolist(), source)
 
 
 def _check_name(parameter: str, value: str, allowed: dict[str, Any]) -> None:
@@ -167,52 +197,27 @@ def _check_name(parameter: str, value: str, allowed: dict[str, Any]) -> None:
         raise ValueError(f"{parameter} = {value!r} is unknown; allowed: {', '.join(allowed)}")
 
 
-def _ground(values: Sequence[Parameter], source: str = "") -> KanaiTajimi | CloughPenzien:
-    period, damping, *high_pass, intensity = values
-    if not high_pass:
-        return KanaiTajimi(period, damping, intensity, source=source)
-    ratio, high_pass_damping = high_pass
-    return CloughPenzien(
-        period,
-        damping,
-        high_pass_period=np.multiply(ratio, period),
-        high_pass_damping=high_pass_damping,
-        intensity=intensity,
-        source=source,
-    )
-
-
-def _psd(logs: Matrix, frequency: Vector) -> Matrix:
-    """PSD of each row of parameters, by one call for all of them."""
-    columns = [xr.DataArray(column, dims="trial") for column in np.exp(logs).T]
-    axis = xr.DataArray(frequency, dims="frequency")
-    density: Matrix = _ground(columns).psd(axis).transpose("trial", "frequency").to_numpy()
-    return density
-
-
-def _minimize(
-    frequency: Vector, density: Vector, unknowns: Sequence[_Unknown], estimator: Estimator
-) -> Vector:
+def _minimize(frequency: Vector, density: Vector, problem: _Problem, estimator: Estimator) -> Vector:
     def residual(logs: Vector) -> Matrix:
-        return estimator.residual(density, _psd(np.atleast_2d(logs), frequency))
+        return estimator.residual(density, problem.psd(np.atleast_2d(logs), frequency))
 
     def slope(logs: Vector) -> Matrix:
         shifts = _STEP * np.eye(logs.size)
         return (residual(logs + shifts) - residual(logs - shifts)).T / (2 * _STEP)
 
     with np.errstate(divide="ignore"):
-        bounds = np.log([[u.lower for u in unknowns], [u.upper for u in unknowns]])
+        bounds = np.log([[u.lower for u in problem.unknowns], [u.upper for u in problem.unknowns]])
     found = [
         optimize.least_squares(lambda logs: residual(logs)[0], start, slope, bounds)
-        for start in _starts(frequency, density, unknowns, residual)
+        for start in _starts(frequency, density, problem, residual)
     ]
     best = min(found, key=lambda fit: float(fit.cost))
     if not best.success:
         raise ValueError(f"the fit failed ({best.message}); try another estimator or frequency_range")
-    for unknown, value, lower, upper in zip(unknowns, best.x, *bounds, strict=True):
+    for unknown, value, lower, upper in zip(problem.unknowns, best.x, *bounds, strict=True):
         if min(value - lower, upper - value) < _ON_BOUND:
             raise ValueError(
-                f"the fit ends on a bound, {unknown.name} = {np.exp(value):.3g}; allowed: between "
+                f"the fit ends on a bound, {unknown.shown} = {np.exp(value):.3g}; allowed: between "
                 f"{unknown.lower:.3g} and {unknown.upper:.3g}. The record does not define it: try "
                 "another estimator, part or frequency_range, or a simpler model (WhiteNoise at last)"
             )
@@ -223,26 +228,28 @@ def _minimize(
 def _starts(
     frequency: Vector,
     density: Vector,
-    unknowns: Sequence[_Unknown],
+    problem: _Problem,
     residual: Callable[[Vector], Matrix],
 ) -> list[Vector]:
-    """The best period of a grid for each damping (and high-pass oscillator), at the record's energy."""
-    periods = np.geomspace(unknowns[0].lower, unknowns[0].upper, _START_PERIODS + 2)[1:-1]
+    """The best period of a grid for each start of the others, at the record's energy."""
+    period = problem.unknowns[0]
+    periods = np.geomspace(period.lower, period.upper, _START_PERIODS + 2)[1:-1]
     peak = 2 * np.pi / frequency[np.argmax(density)]
     periods = np.append(periods, np.clip(peak, periods[0], periods[-1]))
     starts = []
-    for others in product(_START_DAMPINGS, _START_HIGH_PASS if len(unknowns) > 3 else [()]):
-        logs = np.log([[period, others[0], *others[1], 1.0] for period in periods])
-        logs[:, -1] = np.log(density.sum() / _psd(logs, frequency).sum(axis=1))
+    for others in problem.starts:
+        logs = np.log([[each, *others, 1.0] for each in periods])
+        logs[:, -1] = np.log(density.sum() / problem.psd(logs, frequency).sum(axis=1))
         starts.append(logs[np.argmin(np.sum(residual(logs) ** 2, axis=1))])
     return starts
 
 
-def _standard_errors(frequency: Vector, logs: Vector, estimator: Estimator) -> Vector:
+def _standard_errors(frequency: Vector, logs: Vector, problem: _Problem, estimator: Estimator) -> Vector:
     """Relative standard errors of the parameters, by the sandwich of the estimating equations."""
     shifts = _STEP * np.eye(logs.size)
-    slopes = np.log(_psd(logs + shifts, frequency) / _psd(logs - shifts, frequency)) / (2 * _STEP)
-    weight = estimator.weight(_psd(logs[None], frequency)[0])
+    up, down = (problem.psd(logs + sign * shifts, frequency) for sign in (1, -1))
+    slopes = np.log(up / down) / (2 * _STEP)
+    weight = estimator.weight(problem.psd(logs[None], frequency)[0])
     bread = np.linalg.pinv((weight * slopes) @ slopes.T)
     filling = _PADDING * estimator.variance * (weight**2 * slopes) @ slopes.T
     errors: Vector = np.sqrt(np.diag(bread @ filling @ bread))

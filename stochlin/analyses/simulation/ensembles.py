@@ -13,7 +13,6 @@ import scipy.linalg
 import xarray as xr
 
 from stochlin.analyses.linearization.equivalent_systems import solve_elastic, solve_structure
-from stochlin.analyses.linearization.state_space import ground_matrices
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_whole, is_number
@@ -161,12 +160,12 @@ def prepare(
     if not valid.any():
         raise ValueError("no structure has valid parameters; correct those that are out of range")
     check_memory(int(valid.sum()), paths)
-    parameters = [value.item() for value in ground.kernel_parameters()]
-    names, matrix, noise, output = ground_matrices(parameters)
-    intensity = 2 * np.pi * parameters[0]
-    rates = -np.linalg.eigvals(matrix).real if names else np.array([np.inf])
-    filters = 2 * np.pi / np.asarray(parameters[1::2])
-    periods = [float(cells.period[valid].min()), *filters]
+    soil = ground.lone_filter()
+    matrix, noise, output = soil.arrays
+    intensity = 2 * np.pi * soil.intensity
+    rates = -np.linalg.eigvals(matrix).real if soil.states else np.array([np.inf])
+    periods = [float(cells.period[valid].min())]
+    periods += [2 * np.pi / np.float64(soil.fastest)] if soil.states else []
     memory = max(float(cells.damping_time[valid].max()), float((1 / rates).max()))
     crowd, order, scale = _crowd(cells, valid)
     if link is not None:

@@ -17,6 +17,7 @@ from scipy.special import erf
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.small_systems import solve_3x3
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, own_covariance
+from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.gaussian import SlipQuadrant, slip_quadrant
 
 ORDERS = 12  # of the Laguerre series; what is beyond counts as one more order
@@ -115,41 +116,33 @@ def _sums_of_powers(memory: Array) -> Array:
     return np.maximum(sums, 0)
 
 
-def half_cycles(system: EquivalentSystem, forcing: Forcing, soil: tuple[Array, ...]) -> HalfCycles:
-    """Mean time between zero crossings of ``z`` (Rice 1944), and what ``z`` remembers after each.
-
-    ``soil`` holds its frequency and damping ratio; it is empty on white noise.
-    """
+def half_cycles(system: EquivalentSystem, ground: Filter) -> HalfCycles:
+    """Mean time between zero crossings of ``z`` (Rice 1944), and what ``z`` remembers after each."""
     n = system.stiffness.size
     time, memory = np.empty(n), np.empty((HALF_CYCLES, n))
     for begin in range(0, n, CELLS):
         cells = slice(begin, begin + CELLS)
         time[cells], memory[:, cells] = _half_cycles(
-            EquivalentSystem(*(row[cells] for row in system)),
-            Forcing(*(row[cells] for row in forcing)),
-            tuple(row[cells] for row in soil),
+            EquivalentSystem(*(row[cells] for row in system)), ground.at(cells)
         )
     return HalfCycles(time, memory)
 
 
-def _half_cycles(
-    system: EquivalentSystem, forcing: Forcing, soil: tuple[Array, ...]
-) -> tuple[Array, Array]:
+def _half_cycles(system: EquivalentSystem, ground: Filter) -> tuple[Array, Array]:
     w2, d, h, p, k = system
+    forcing, free = ground.free_motion(system)
     own = own_covariance(system, forcing)
-    size = 5 if soil else 3
+    size = 3 + len(free.output)
     a = np.zeros((size, size, w2.size))
     a[0, 1], a[1, :3], a[2, :3] = 1, (-w2, -d, h), (k, p, -k)
-    with_z = [own.mu_z, own.v_z, own.mu_z - own.z_z]
-    if soil:
-        wg, xig = soil
-        a[1, 3], a[3, 4], a[4, 3], a[4, 4] = 1, 1, -(wg**2), -2 * xig * wg
-        # After t the soil moves freely; by stationarity d/dtau E[f x] = -E[f x'] at tau = 0.
-        f_mu, f_v, f_y = forcing
-        with_z += [f_mu - f_y, k * f_mu + p * f_v - k * f_y - f_v]
+    for i, row in enumerate(free.matrix, start=3):
+        a[1, i] = free.output[i - 3]
+        for j, entry in enumerate(row, start=3):
+            a[i, j] = entry
+    with_z = [own.mu_z, own.v_z, own.mu_z - own.z_z, *free.with_z]
     # z' = (1 - p) v - k z, of which E[z z'] = 0.
     time = np.pi * np.sqrt(own.z_z / ((1 - p) ** 2 * own.v_v - k**2 * own.z_z))
-    fastest = np.sqrt(w2) + d + k + (soil[0] * (1 + 2 * soil[1]) if soil else 0)
+    fastest = np.sqrt(w2) + d + k + free.fastest
     displacement, _, slip = _follow(a, time, fastest, with_z)[:3]
     return time, np.clip((displacement - slip)[1:] / own.z_z, -1, 1)
 

@@ -1,14 +1,17 @@
-"""What a ground filter does to one oscillator: correlations of the forcing with its state.
+"""What a ground does to one oscillator: correlations of the forcing with its state, now and later.
 
-A ground of two-sided intensity ``S0`` is white noise of intensity ``2 pi S0`` through
-one oscillator (Kanai-Tajimi) or two (Clough-Penzien). The Sylvester equation
-``A C + C F' + R = 0`` of a structure with a filter oscillator ``F`` is solved in the
-quotient ring ``R[s]/(s^2 + e s + w^2)``, whose elements ``a + b F`` are pairs of numbers.
+A ground is white noise of two-sided PSD ``S0`` through a linear filter, and a `Filter` says which. What
+is asked of it follows from its matrix for any number of states. Grounds of one oscillator (Kanai-Tajimi)
+or two (Clough-Penzien) have closed forms, which are much faster: there the Sylvester equation
+``A C + C F' + R = 0`` of a structure with a filter oscillator ``F`` is solved in the quotient ring
+``R[s]/(s^2 + e s + w^2)``, whose elements ``a + b F`` are pairs of numbers.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -16,6 +19,196 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, linear_system
 
 Pair = tuple[Array, Array]
+Entry = Any  # a number, or an array of cells
+Transform = Callable[[Array], Array]
+AT_ONCE = 4096  # cells for which systems of equations are solved
+
+
+class Matrices(NamedTuple):
+    """A filter in numbers; cells go first."""
+
+    matrix: Array  # (..., m, m)
+    noise: Array  # (..., m)
+    output: Array  # (..., m)
+
+
+class FreeMotion(NamedTuple):
+    """How a ground moves on after an instant, and what it has in common with a structure's ``z``."""
+
+    matrix: Sequence[Sequence[Entry]]  # (k, k)
+    output: Sequence[Entry]  # (k,): forcing of the structure
+    with_z: Sequence[Entry]  # (k,): correlations of the states with z
+    fastest: Entry  # bound of the eigenvalues [1/s]
+
+
+@dataclass(frozen=True)
+class Filter:
+    """A ground: ``q' = matrix q + noise n(t)``, ground acceleration ``output . q``.
+
+    Parameters
+    ----------
+    intensity : number or array of cells
+        Two-sided PSD ``S0`` of the white noise ``n`` [m^2/s^3].
+    states : tuple of str
+        Names of the ``m`` states; without any the white noise itself is the ground acceleration.
+    matrix : (m, m) numbers or arrays of cells
+        As nested lists; its eigenvalues have negative real parts.
+    noise, output : (m,) numbers or arrays of cells
+
+    Raises
+    ------
+    ValueError
+        If the sizes do not agree.
+    """
+
+    intensity: Entry
+    states: tuple[str, ...] = ()
+    matrix: Sequence[Sequence[Entry]] = ()
+    noise: Sequence[Entry] = ()
+    output: Sequence[Entry] = ()
+
+    def __post_init__(self) -> None:
+        sizes = {len(self.states), len(self.matrix), len(self.noise), len(self.output)}
+        if len(sizes | {len(row) for row in self.matrix}) > 1:
+            raise ValueError(
+                f"a ground filter of {len(self.states)} states has a matrix of rows of "
+                f"{[len(row) for row in self.matrix]}, {len(self.noise)} numbers of noise and "
+                f"{len(self.output)} of output; allowed: a row, a column, a number for each state"
+            )
+
+    def at(self, cells: Any) -> Self:
+        """The filter of some cells."""
+        return replace(self, **{f.name: _at(getattr(self, f.name), cells) for f in fields(self)})
+
+    @property
+    def arrays(self) -> Matrices:
+        """Stacked over the cells."""
+        entries = [*self.output, *self.noise, *(entry for row in self.matrix for entry in row)]
+        cells, m = np.broadcast_shapes(*map(np.shape, entries)), len(self.states)
+        wide = [np.broadcast_to(np.asarray(entry, float), cells) for entry in entries]
+        stacked = np.stack(wide, axis=-1) if wide else np.zeros((*cells, 0))
+        return Matrices(
+            stacked[..., 2 * m :].reshape(*cells, m, m), stacked[..., m : 2 * m], stacked[..., :m]
+        )
+
+    @property
+    def fastest(self) -> Entry:
+        """Largest of the natural frequencies [rad/s], 0 without any."""
+        return np.abs(np.linalg.eigvals(self.arrays.matrix)).max(axis=-1, initial=0.0)
+
+    def transmission(self, frequency: Array) -> Array:
+        """The PSD over ``S0`` at frequencies [rad/s], ``|output (i w - matrix)^-1 noise|^2``."""
+        matrix, noise, output = self.arrays
+        if not self.states:
+            return np.ones_like(frequency, float)
+        resolved = _resolvent(1j * np.asarray(frequency, float), matrix, noise)
+        transmitted: Array = np.abs((output * resolved).sum(axis=-1)) ** 2
+        return transmitted
+
+    def forcing(self, system: EquivalentSystem) -> Forcing:
+        """Correlations of the forcing with the structure's states."""
+        if not self.states:
+            return white_noise_forcing(system, self.intensity)
+        output = self.arrays.output
+        return Forcing(*((output * row).sum(axis=-1) for row in self._correlations(system)))
+
+    def later(self, system: EquivalentSystem, forcing: Forcing) -> Transform:
+        """``s -> Int_0^inf E[f(t + tau) mu(t)] e^(-s tau) dtau``: what the ground remembers.
+
+        After ``t`` the filter moves freely. Of cells (n, 1), at ``s`` (n, nodes).
+        """
+        if not self.states:
+            return np.zeros_like
+        matrix, _, output = self.arrays
+        with_mu = self._correlations(system)[0]
+        return lambda s: (output * _resolvent(s, matrix, with_mu)).sum(axis=-1)
+
+    def free_motion(self, system: EquivalentSystem) -> tuple[Forcing, FreeMotion]:
+        """Forcing of the structure, and how it goes on."""
+        if not self.states:
+            return self.forcing(system), FreeMotion((), (), (), 0.0)
+        mu, velocity, slip = self._correlations(system)
+        output = self.arrays.output
+        forcing = Forcing(*((output * row).sum(axis=-1) for row in (mu, velocity, slip)))
+        with_z = list(np.moveaxis(mu - slip, -1, 0))
+        return forcing, FreeMotion(self.matrix, self.output, with_z, self.fastest)
+
+    def _correlations(self, system: EquivalentSystem) -> tuple[Array, ...]:
+        """Of ``mu``, ``mu'`` and ``y`` with the states (..., m): ``A C + C F' + b E[f q'] = 0``."""
+        matrix, noise, output = self.arrays
+        m = len(self.states)
+        cells = np.broadcast_shapes(matrix.shape[:-2], np.shape(self.intensity), *map(np.shape, system))
+        wide = [np.broadcast_to(row, cells).ravel() for row in (*system, self.intensity)]
+        matrix = np.broadcast_to(matrix, (*cells, m, m)).reshape(-1, m, m)
+        noise, output = (np.broadcast_to(row, (*cells, m)).reshape(-1, m) for row in (noise, output))
+        found = np.empty((3, len(matrix), m))
+        for begin in range(0, len(matrix), AT_ONCE):
+            part = slice(begin, begin + AT_ONCE)
+            own = EquivalentSystem(*(row[part] for row in wide[:-1]))
+            soil = Matrices(matrix[part], noise[part], output[part])
+            found[:, part] = _correlations(own, wide[-1][part], soil)
+        return tuple(found.reshape(3, *cells, m))
+
+
+def _at(entry: Any, cells: Any) -> Any:
+    if isinstance(entry, (list, tuple)):
+        return tuple(_at(one, cells) for one in entry)
+    if isinstance(entry, Filter):
+        return entry.at(cells)
+    return entry[cells] if np.ndim(entry) else entry
+
+
+def _resolvent(s: Array, matrix: Array, right: Array) -> Array:
+    """``(s - matrix)^-1 right``."""
+    left = s[..., None, None] * np.eye(matrix.shape[-1]) - matrix
+    return np.linalg.solve(left, np.broadcast_to(right, left.shape[:-1])[..., None])[..., 0]
+
+
+def _correlations(system: EquivalentSystem, intensity: Array, soil: Matrices) -> Array:
+    """As `Filter` wants them, (3, n, m), solved in units in which everything is of order one."""
+    w2, d, h, p, k = system
+    matrix, noise, output = soil
+    covariance = stationary(matrix, noise)
+    std = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1))
+    std = np.where(std > 0, std, 1.0)
+    drive = 2 * np.pi * intensity[:, None] * (covariance @ output[..., None])[..., 0] / std
+    w = np.sqrt(w2)
+    own = np.zeros((w.size, 3, 3))
+    own[:, 0, 1], own[:, 1, 0], own[:, 1, 1], own[:, 1, 2] = w, -w, -d, h / w
+    own[:, 2, 0], own[:, 2, 1], own[:, 2, 2] = k, p * w, -k
+    right = np.zeros((w.size, 3, noise.shape[1]))
+    right[:, 1] = drive / w[:, None]
+    found = _sylvester_of_matrices(own, matrix * std[:, None, :] / std[..., None], right)
+    found *= std[:, None, :]
+    found[:, 1] *= w[:, None]
+    return np.moveaxis(found, 1, 0)
+
+
+def stationary(matrix: Array, noise: Array) -> Array:
+    """Covariance of the states under a unit of white noise, (n, m, m); NaN where they are not stable."""
+    m = noise.shape[1]
+    both = np.concatenate([matrix.reshape(-1, m * m), noise], axis=1)
+    alike, which = np.unique(both, axis=0, return_inverse=True)
+    matrix, noise = alike[:, : m * m].reshape(-1, m, m), alike[:, m * m :]
+    stable = np.linalg.eigvals(matrix).real.max(axis=-1) < 0
+    safe = np.where(stable[:, None, None], matrix, -np.eye(m))
+    scale = np.ones_like(noise)
+    for _ in range(2):  # the second time in units of the standard deviations
+        unit, push = safe * scale[:, None, :] / scale[..., None], noise / scale
+        covariance = _sylvester_of_matrices(unit, unit, push[..., None] * push[:, None, :])
+        covariance = covariance * scale[..., None] * scale[:, None, :]
+        std = np.sqrt(np.maximum(np.diagonal(covariance, axis1=-2, axis2=-1), 0))
+        scale = np.where(std > 0, std, 1.0)
+    return np.where(stable[:, None, None], covariance, np.nan)[which.ravel()]
+
+
+def _sylvester_of_matrices(a: Array, b: Array, right: Array) -> Array:
+    """``X`` of ``A X + X B' + right = 0``, for each cell."""
+    p, q = a.shape[-1], b.shape[-1]
+    left = a[..., :, None, :, None] * np.eye(q)[:, None, :]
+    left = left + np.eye(p)[:, None, :, None] * b[..., None, :, None, :]
+    found = np.linalg.solve(left.reshape(-1, p * q, p * q), -right.reshape(-1, p * q, 1))
+    return found.reshape(right.shape)
 
 
 class FilterOscillator(NamedTuple):
@@ -146,3 +339,97 @@ def clough_penzien_rows(
     zero = np.zeros_like(mu)
     layer_rows = _sylvester(system, layer, (zero, mu), (layer_f[0], layer_f[1] + velocity), (zero, slip))
     return GroundRows((mu, velocity, slip), layer_rows)
+
+
+@dataclass(frozen=True, kw_only=True)
+class KanaiTajimiFilter(Filter):
+    """White noise through one oscillator, in closed form."""
+
+    frequency: Entry  # wg [rad/s]
+    damping: Entry  # xig
+
+    @classmethod
+    def of(cls, intensity: Entry, frequency: Entry, damping: Entry) -> KanaiTajimiFilter:
+        """From ``S0``, ``wg`` and ``xig``."""
+        signal = frequency**2, 2 * damping * frequency
+        matrix = (0.0, 1.0), tuple(-entry for entry in signal)
+        own = {"frequency": frequency, "damping": damping}
+        return cls(intensity, ("xg", "xg_rate"), matrix, (0.0, 1.0), signal, **own)
+
+    @property
+    def fastest(self) -> Entry:
+        """``wg``."""
+        return self.frequency
+
+    def forcing(self, system: EquivalentSystem) -> Forcing:
+        """Correlations of the forcing with the structure's states."""
+        return kanai_tajimi_forcing(system, self.intensity, self.frequency, self.damping)
+
+    def later(self, system: EquivalentSystem, forcing: Forcing) -> Transform:
+        """By stationarity ``d/dtau E[f mu] = -E[f mu']`` at ``tau = 0``."""
+        stiffness, damping = self.output
+        return lambda s: _free(stiffness, damping, forcing.mu, -forcing.velocity, s)
+
+    def free_motion(self, system: EquivalentSystem) -> tuple[Forcing, FreeMotion]:
+        """The forcing and its rate as states; by stationarity ``d/dtau E[f x] = -E[f x']``."""
+        forcing, (_, _, _, p, k) = self.forcing(system), system
+        f_mu, f_v, f_y = forcing
+        with_z = f_mu - f_y, k * f_mu + p * f_v - k * f_y - f_v
+        bound = self.frequency * (1 + 2 * self.damping)
+        return forcing, FreeMotion(self.matrix, (1.0, 0.0), with_z, bound)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CloughPenzienFilter(Filter):
+    """A Kanai-Tajimi ground through a high-pass oscillator, in closed form."""
+
+    soil: KanaiTajimiFilter
+    frequency: Entry  # wf [rad/s]
+    damping: Entry  # xif
+
+    @classmethod
+    def of(cls, soil: KanaiTajimiFilter, frequency: Entry, damping: Entry) -> CloughPenzienFilter:
+        """From the soil, ``wf`` and ``xif``."""
+        output = (*soil.output, -(frequency**2), -2 * damping * frequency)
+        still = (0.0, 0.0)
+        matrix = (*((*row, *still) for row in soil.matrix), (*still, 0.0, 1.0), output)
+        states = (*soil.states, "xf", "xf_rate")
+        noise = (*soil.noise, *still)
+        own = {"soil": soil, "frequency": frequency, "damping": damping}
+        return cls(soil.intensity, states, matrix, noise, output, **own)
+
+    @property
+    def fastest(self) -> Entry:
+        """The larger of ``wg`` and ``wf``."""
+        return np.maximum(self.soil.frequency, self.frequency)
+
+    @property
+    def _parameters(self) -> tuple[Entry, ...]:
+        return self.intensity, self.soil.frequency, self.soil.damping, self.frequency, self.damping
+
+    def forcing(self, system: EquivalentSystem) -> Forcing:
+        """Correlations of the forcing with the structure's states."""
+        return clough_penzien_forcing(system, *self._parameters)
+
+    def later(self, system: EquivalentSystem, forcing: Forcing) -> Transform:
+        """The soil's signal moves freely and drives the high-pass oscillator."""
+        rows = clough_penzien_rows(system, *self._parameters)
+        layer, layer_rate = rows.layer[0]
+        soil_stiffness, soil_damping = self.soil.output
+        stiffness, damping = self.frequency**2, 2 * self.damping * self.frequency
+
+        def cascade(s: Array) -> Array:
+            signal = _free(soil_stiffness, soil_damping, rows.signal[0], -rows.signal[1], s)
+            displacement = _free(stiffness, damping, layer, layer_rate + signal, s)
+            return signal - stiffness * displacement - damping * (s * displacement - layer)
+
+        return cascade
+
+    def free_motion(self, system: EquivalentSystem) -> tuple[Forcing, FreeMotion]:
+        """As on the soil alone: the high-pass oscillator is slow against a half-cycle."""
+        return self.soil.free_motion(system)
+
+
+def _free(stiffness: Array, damping: Array, value: Array, rate: Array, s: Array) -> Array:
+    """Laplace transform of an oscillator's free motion."""
+    return ((s + damping) * value + rate) / (s * (s + damping) + stiffness)

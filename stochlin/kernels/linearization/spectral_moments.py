@@ -14,7 +14,6 @@ ways and analytic for ``|Im x| < pi/2``, where the trapezoidal rule converges li
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -27,13 +26,11 @@ from stochlin.kernels.linearization.covariance import (
     pair_covariance,
     pair_row,
 )
-from stochlin.kernels.linearization.filters import clough_penzien_rows
+from stochlin.kernels.linearization.filters import Filter
 
 STEP, REACH = 0.33, 29.0  # errors e^(-pi^2/h) and 2 e^-reach, both about 5e-13
 _NODES = np.exp(STEP * np.arange(-int(REACH / STEP), int(REACH / STEP) + 1))
 CELLS = 128  # at a time: nodes times cells stay in the cache
-
-Transform = Callable[[Array], Array]
 
 
 class SpectralMoments(NamedTuple):
@@ -55,24 +52,22 @@ class _Column(NamedTuple):
 Rows = TypeVar("Rows", EquivalentSystem, Forcing, _Column)
 
 
-def displacement_moments(
-    system: EquivalentSystem, forcing: Forcing, parameters: Sequence[Array]
-) -> SpectralMoments:
+def displacement_moments(system: EquivalentSystem, forcing: Forcing, ground: Filter) -> SpectralMoments:
     """Spectral moments of one structure's displacement.
 
     Parameters
     ----------
     system, forcing
         Entries of shape (n,).
-    parameters : sequence of (n,)
-        Of the ground: intensity; ``wg``, ``xig``; ``wf``, ``xif``.
+    ground : Filter
+        Of the n cells.
     """
     own = own_covariance(system, forcing)
     column = _Column(own.mu_mu, np.zeros_like(own.mu_mu), own.mu_mu - own.mu_z)
     l1 = np.empty_like(own.mu_mu)
     for cells in _blocks(l1.size):
         part, force = _take(system, cells), _take(forcing, cells)
-        drive = _forcing_transform(part, force, [p[cells] for p in parameters])
+        drive = ground.at((cells, None)).later(part, force)
         s = _frequencies(own.mu_mu[cells], own.v_v[cells])
         l1[cells] = _integral(s, _decay(part, _take(column, cells), drive(s), s))
     return SpectralMoments(own.mu_mu, l1, own.v_v)
@@ -83,7 +78,7 @@ def difference_moments(
     forcing_1: Forcing,
     second: EquivalentSystem,
     forcing_2: Forcing,
-    parameters: Sequence[Array],
+    ground: Filter,
 ) -> SpectralMoments:
     """Spectral moments of ``mu_1 - mu_2`` on one ground; shapes as in `displacement_moments`.
 
@@ -103,10 +98,10 @@ def difference_moments(
     l0, l2 = column_1.mu - column_2.mu, own_1.v_v + own_2.v_v - 2 * velocities
     l1 = np.empty_like(l0)
     for cells in _blocks(l1.size):
-        ground = [p[cells] for p in parameters]
+        below = ground.at((cells, None))
         parts = [_take(system, cells) for system in (first, second)]
         drives = [
-            _forcing_transform(part, _take(force, cells), ground)
+            below.later(part, _take(force, cells))
             for part, force in zip(parts, (forcing_1, forcing_2), strict=True)
         ]
         s = _frequencies(l0[cells], l2[cells])
@@ -147,33 +142,3 @@ def _decay(system: EquivalentSystem, column: _Column, drive: Array, s: Array) ->
     right = (s + k) * right - h * (s * column.slip + k * column.mu)
     result: Array = right / ((s + k) * ((s + d) * s + w2) - h * (k + p * s))
     return result
-
-
-def _forcing_transform(
-    system: EquivalentSystem, forcing: Forcing, parameters: Sequence[Array]
-) -> Transform:
-    """``s -> Int_0^inf E[f(t + tau) mu(t)] e^(-s tau) dtau``: what the ground remembers.
-
-    After ``t`` a filter oscillator moves freely, and by stationarity ``d/dtau E[f mu] = -E[f mu']``
-    at ``tau = 0``.
-    """
-    if len(parameters) == 1:
-        return np.zeros_like
-    wg, xig, *high_pass = (row[:, None] for row in parameters[1:])
-
-    def free(w: Array, xi: Array, value: Array, rate: Array, s: Array) -> Array:
-        e = 2 * xi * w
-        return ((s + e) * value + rate) / (s * (s + e) + w * w)
-
-    if not high_pass:
-        return lambda s: free(wg, xig, forcing.mu, -forcing.velocity, s)
-    wf, xif = high_pass
-    rows = clough_penzien_rows(system, parameters[0][:, None], wg, xig, wf, xif)
-    layer, layer_rate = rows.layer[0]
-
-    def cascade(s: Array) -> Array:
-        signal = free(wg, xig, rows.signal[0], -rows.signal[1], s)
-        displacement = free(wf, xif, layer, layer_rate + signal, s)
-        return signal - wf * wf * displacement - 2 * xif * wf * (s * displacement - layer)
-
-    return cascade

@@ -32,6 +32,7 @@ class FilterSteps(NamedTuple):
     gain: Array  # (m,)
     row: Array  # (m,)
     direct: float
+    cascade: bool  # two oscillators, the second driven by the first, which does not feel it
 
 
 def filter_steps(matrix: Array, noise: Array, output: Array, intensity: float, dt: float) -> FilterSteps:
@@ -41,26 +42,45 @@ def filter_steps(matrix: Array, noise: Array, output: Array, intensity: float, d
     """
     size = len(noise)
     if size == 0:
-        return FilterSteps(np.zeros((0, 0)), np.zeros(0), np.zeros(0), float(np.sqrt(intensity / dt)))
+        direct = float(np.sqrt(intensity / dt))
+        return FilterSteps(np.zeros((0, 0)), np.zeros(0), np.zeros(0), direct, False)
     left = np.linalg.inv(np.eye(size) - 0.5 * dt * matrix)
     transition = left @ (np.eye(size) + 0.5 * dt * matrix)
     gain = left @ noise * np.sqrt(intensity * dt)
     row = 0.5 * output @ (np.eye(size) + transition)
-    return FilterSteps(transition, gain, row, float(0.5 * output @ gain))
+    cascade = size == 4 and not matrix[:2, 2:].any()
+    return FilterSteps(transition, gain, row, float(0.5 * output @ gain), cascade)
 
 
 @nb.njit(nogil=True, cache=True, error_model="numpy")
-def ground_block(xi, q, transition, gain, row, direct, f):  # type: ignore[no-untyped-def]
+def ground_block(xi, q, transition, gain, row, direct, cascade, f):  # type: ignore[no-untyped-def]
     """Mean forcing of each step, ``f`` (steps, LANES), from normal numbers; moves ``q`` on.
 
-    Written out for the sizes that occur, one oscillator or two: seven times as fast as a loop.
+    Written out for one oscillator and for two in a cascade: SPEEDUP times as fast as the loop.
     """
-    if q.shape[0] == 0:
-        f[:] = direct * xi
-    elif q.shape[0] == 2:
+    if q.shape[0] == 2:
         _one_oscillator(xi, q, transition, gain, row, direct, f)
-    else:
+    elif cascade:
         _two_oscillators(xi, q, transition, gain, row, direct, f)
+    else:
+        _any_states(xi, q, transition, gain, row, direct, f)
+
+
+@nb.njit(nogil=True, cache=True, error_model="numpy")
+def _any_states(xi, q, transition, gain, row, direct, f):  # type: ignore[no-untyped-def]
+    """Any number of states; none is white noise."""
+    f[:] = direct * xi
+    moved = np.empty_like(q)
+    for s in range(xi.shape[0]):
+        for i in range(q.shape[0]):
+            for lane in range(LANES):
+                f[s, lane] += row[i] * q[i, lane]
+                moved[i, lane] = gain[i] * xi[s, lane]
+            for j in range(q.shape[0]):
+                part = transition[i, j]
+                for lane in range(LANES):
+                    moved[i, lane] += part * q[j, lane]
+        q[:] = moved
 
 
 @nb.njit(nogil=True, cache=True, error_model="numpy")

@@ -7,8 +7,14 @@ from typing import Any
 
 import click
 
-from stochlin.views.shared.options import numbers_option, parameter_of, shared_option
+from stochlin.views.shared.options import GroundCommand, numbers_option, parameter_of, shared_option
 from stochlin.views.shared.screen import bad_input, on_screen, progress_bar
+
+
+class LookupCommand(GroundCommand):
+    """Without the strength of the ground, which an atlas does not depend on."""
+
+    left_out = ("intensity",)
 
 
 @click.command()
@@ -47,14 +53,10 @@ def atlas(spec: Path, out: Path, scheduler: str | None) -> None:
     click.echo(f"{table.rho.size} cells in {out}")
 
 
-@click.command()
+@click.command(cls=LookupCommand)
 @click.argument("atlas", type=click.Path(path_type=Path))
 @numbers_option("--period-1", "Of structure 1: [s] with --ground-period, else over the ground's.")
 @numbers_option("--period-2", "Of structure 2.")
-@numbers_option("--ground-period", "2 pi/wg [s].")
-@numbers_option("--ground-damping", "xig.")
-@numbers_option("--high-pass-period", "2 pi/wf [s].")
-@numbers_option("--high-pass-damping", "xif.")
 @shared_option("damping", "Damping ratio.")
 @shared_option("hardening", "Hardening ratio.")
 @shared_option("reduction-factor", "R = 3 sigma_el/uy.")

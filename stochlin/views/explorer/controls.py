@@ -6,8 +6,10 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from stochlin.analyses.cases.site import ENVELOPES, GROUNDS
-from stochlin.analyses.explorer.scene import ALLOWED, OF_GROUND, SHAPES, SITES, Scene, check_count
+from stochlin.analyses.explorer.scene import ALLOWED, SHAPES, SITES, Scene, check_count, names_of
+from stochlin.models.envelopes import ENVELOPES
+from stochlin.models.grounds import GROUNDS
+from stochlin.models.parameters import Model
 
 SCALES = {"cm": 100.0}  # of a unit that is shown, for one in SI
 
@@ -91,7 +93,7 @@ def _building(number: int, side: str) -> Group:
     )
 
 
-GROUPS = (
+SHOWN = (
     Group(
         "Ground",
         (
@@ -127,6 +129,27 @@ GROUPS = (
         ),
     ),
 )
+
+
+def _with_others(group: Group, kinds: Mapping[str, type[Model]]) -> Group:
+    """The group with a control for what else its kinds of model have: a parameter of an extension."""
+    known = {control.name for other in SHOWN for control in other.controls}
+    names = {name for kind in kinds.values() for name in names_of(kind)} - known
+    return group._replace(controls=(*group.controls, *map(_declared, sorted(names))))
+
+
+def _declared(name: str) -> Control:
+    """From what the model says of its parameter; the slider is about its default."""
+    about, start = ALLOWED[name].metadata, getattr(Scene(), name)
+    ends = max(about["allowed"].lower, -start), min(about["allowed"].upper, 3 * start)
+    low, high = (start + 0.9 * (end - start) for end in ends)
+    step = float(f"{(high - low) / 100:.0e}")
+    unit = "" if about["units"] == "1" else about["units"]
+    return Control(name, str(about["long_name"]).capitalize(), low, high, step, unit)
+
+
+OF_KINDS: Mapping[str, Mapping[str, type[Model]]] = {"Ground": GROUNDS, "Motion": ENVELOPES}
+GROUPS = tuple(_with_others(group, OF_KINDS.get(group.title, {})) for group in SHOWN)
 NUMBERS: Mapping[str, Control] = {
     control.name: control
     for group in GROUPS
@@ -137,14 +160,9 @@ NUMBERS: Mapping[str, Control] = {
 
 def counts(name: str, values: Mapping[str, Any]) -> bool:
     """Whether a control has a say with these values: the others are hidden."""
-    if name in OF_GROUND.values() or name.startswith("high_pass"):
-        kind = GROUNDS.get(values["site"])
-        used = kind.parameter_names() if kind else ()
-        return name in {OF_GROUND.get(one, one) for one in used}
-    every = {one for kind in ENVELOPES.values() for one in kind.parameter_names()}
-    if name in every:
-        chosen = ENVELOPES.get(values["envelope"])
-        return chosen is not None and name in chosen.parameter_names()
+    for role, kinds in (("site", GROUNDS), ("envelope", ENVELOPES)):
+        if any(name in names_of(kind) for kind in kinds.values()):
+            return name == "intensity" or name in names_of(kinds.get(values[role]))
     stem, _, number = name.rpartition("_")
     if stem in ("hardening", "reduction_factor"):
         return bool(values[f"yields_{number}"])

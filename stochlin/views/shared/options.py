@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+
+from stochlin.views.shared.screen import bad_input
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -18,13 +21,6 @@ if TYPE_CHECKING:
 
 CLOSURES = ("gaussian", "clipped", "drift", "narrow_band")
 STRUCTURE_OPTIONS = ("period", "damping", "hardening", "reduction_factor", "yield_displacement")
-GROUND_OPTIONS = {
-    "ground_period": "period",
-    "ground_damping": "damping",
-    "high_pass_period": "high_pass_period",
-    "high_pass_damping": "high_pass_damping",
-    "intensity": "intensity",
-}
 
 
 def _numbers(context: click.Context, option: click.Parameter, text: str | None) -> list[float] | None:
@@ -53,6 +49,75 @@ def numbers_option(name: str, help_text: str, default: str | None = None) -> Cal
     return click.option(
         name, callback=_numbers, metavar="NUMBERS", default=default, show_default=True, help=help_text
     )
+
+
+class Names(click.Choice):  # type: ignore[type-arg]
+    """A choice among the names of a registry, which is asked when the choice is."""
+
+    def __init__(self, names: Callable[[], Iterable[str]]) -> None:
+        self.case_sensitive, self._names = True, names
+
+    @property
+    def choices(self) -> Sequence[str]:  # type: ignore[override]
+        """The names of now."""
+        return tuple(self._names())
+
+
+class GroundOption(click.Option):
+    """The option that says which ground."""
+
+    def get_help_record(self, context: click.Context) -> tuple[str, str] | None:
+        """With the kinds of ground that there are now."""
+        from stochlin.models.grounds import GROUNDS
+
+        kinds = ", ".join(name.replace("_", "-") for name in GROUNDS)
+        self.help = f"{kinds}, or a named ground such as firm or sct_1985_ns."
+        return super().get_help_record(context)
+
+
+class GroundCommand(click.Command):
+    """A command with an option for every parameter of the grounds that are registered.
+
+    They are asked for when the command is: the list of all commands does not wait for them.
+    """
+
+    left_out: Sequence[str] = ()
+
+    def get_params(self, context: click.Context) -> list[click.Parameter]:
+        """With those of grounds before the others that follow `--ground`, or last."""
+        with bad_input():
+            given = [ground_option(name) for name in ground_options() if name not in self.left_out]
+        own = super().get_params(context)
+        names = [parameter.name for parameter in own]
+        place = names.index("ground") + 1 if "ground" in names else len(self.params)
+        return [*own[:place], *given, *own[place:]]
+
+
+def ground_options() -> dict[str, list[str]]:
+    """Parameters of grounds as options name them, and the names of the grounds that have them."""
+    from stochlin.models.grounds import GROUNDS
+
+    found: dict[str, list[str]] = {}
+    for name, kind in GROUNDS.items():
+        for option in kind.beside_structures():
+            found.setdefault(option, []).append(name.replace("_", "-"))
+    return {option: found[option] for option in sorted(found, key=lambda name: name == "intensity")}
+
+
+@cache
+def ground_option(name: str) -> click.Option:
+    """An option that takes the numbers of a ground's parameter."""
+    from stochlin.models.grounds import GROUNDS
+
+    kinds = ground_options()[name]
+    kind = GROUNDS.named(kinds[0])
+    field = kind.__dataclass_fields__[kind.beside_structures()[name]]
+    about, default = field.metadata, field.default
+    text = about["long_name"][0].upper() + about["long_name"][1:]
+    text += "" if about["units"] == "1" else f" [{about['units']}]"
+    text += f"; {default:g} if not given" if isinstance(default, float) else ""
+    text += "." if len(kinds) == len(GROUNDS) else f"; of {', '.join(kinds)}."
+    return click.Option([f"--{name.replace('_', '-')}"], callback=_numbers, metavar="NUMBERS", help=text)
 
 
 def shared_option(name: str, help_text: str, default: str | None = None) -> Callable[[Any], Any]:
@@ -133,6 +198,12 @@ def _decorate(command: Any, options: Sequence[Callable[[Any], Any]]) -> Any:
     return command
 
 
+def _fitted_grounds() -> Iterable[str]:
+    from stochlin.analyses.records.ground_fit import fitted_grounds
+
+    return fitted_grounds()
+
+
 def record_options(command: Any) -> Any:
     """Options of a record and the ground fitted to it."""
     options = (
@@ -149,7 +220,7 @@ def record_options(command: Any) -> Any:
         click.option("--time-column", help="Column of the time, likewise."),
         click.option(
             "--model",
-            type=click.Choice(["kanai_tajimi", "clough_penzien"]),
+            type=Names(_fitted_grounds),
             default="kanai_tajimi",
             show_default=True,
             help="Ground to fit.",
@@ -184,38 +255,33 @@ def structures(options: dict[str, Any]) -> tuple[Bilinear, Bilinear]:
 
 def ground(options: dict[str, Any]) -> Ground:
     """The ground called for by name, with its parameters."""
-    from stochlin.models.grounds import CloughPenzien, KanaiTajimi, WhiteNoise
-    from stochlin.models.named_grounds import named_ground
+    from dataclasses import MISSING
 
-    given = {
-        model_name: parameter_of(option, options[option])
-        for option, model_name in GROUND_OPTIONS.items()
-        if options[option] is not None
-    }
-    kinds: dict[str, type[Ground]] = {
-        "white-noise": WhiteNoise,
-        "kanai-tajimi": KanaiTajimi,
-        "clough-penzien": CloughPenzien,
-    }
-    kind = kinds.get(options["ground"])
-    if kind is None and set(given) <= {"intensity"}:
-        return named_ground(options["ground"], **given)
-    names = {"intensity"} if kind is None else {*kind.parameter_names()}
-    wrong = [
-        f"--{option.replace('_', '-')}"
-        for option, m in GROUND_OPTIONS.items()
-        if m in given and m not in names
-    ]
-    missing = [
-        f"--{option.replace('_', '-')}"
-        for option, m in GROUND_OPTIONS.items()
-        if m in names and m not in given and m != "intensity"
-    ]
-    if kind is None or wrong:
-        raise click.UsageError(f"{', '.join(wrong)} does not apply to --ground {options['ground']}.")
+    from stochlin.models.grounds import GROUNDS
+    from stochlin.models.grounds.named import ground_names, named_ground
+
+    chosen = options["ground"]
+    kind = GROUNDS.get(chosen.strip().lower().replace("-", "_"))
+    own = {"intensity": "intensity"} if kind is None else kind.beside_structures()
+    given = {name: options[name] for name in ground_options() if options[name] is not None}
+    wrong = [name for name in given if name not in own]
+    if kind is None and chosen.strip().lower() not in ground_names():
+        allowed = [*(name.replace("_", "-") for name in GROUNDS), *ground_names()]
+        raise ValueError(f"--ground {chosen!r} is not known; allowed: {', '.join(allowed)}")
+    if wrong:
+        raise click.UsageError(f"{_flags(wrong)} does not apply to --ground {chosen}.")
+    values = {own[name]: parameter_of(name, numbers) for name, numbers in given.items()}
+    if kind is None:
+        return named_ground(chosen, **values)
+    fields = kind.__dataclass_fields__
+    missing = [n for n, model in own.items() if n not in given and fields[model].default is MISSING]
     if missing:
-        raise click.UsageError(f"--ground {options['ground']} needs {', '.join(missing)}.")
-    return kind(**given)
+        raise click.UsageError(f"--ground {chosen} needs {_flags(missing)}.")
+    return kind(**values)
+
+
+def _flags(names: Iterable[str]) -> str:
+    return ", ".join(f"--{name.replace('_', '-')}" for name in names)
 
 
 def site(record: Path, options: dict[str, Any]) -> tuple[xr.DataArray, Ground]:

@@ -1,0 +1,8 @@
+"""Envelopes of finite motions: how the strength of shaking rises and falls."""
+
+from stochlin.models.envelopes.amin_ang import AminAng
+from stochlin.models.envelopes.base import ENVELOPES, Envelope
+from stochlin.models.envelopes.gamma import GammaEnvelope, HsuBernard
+from stochlin.models.envelopes.shinozuka_sato import ShinozukaSato
+
+__all__ = ["ENVELOPES", "AminAng", "Envelope", "GammaEnvelope", "HsuBernard", "ShinozukaSato"]

@@ -1,0 +1,63 @@
+"""The envelope of Amin and Ang: build-up, strong shaking, decay."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.models.envelopes.base import ENVELOPES, POSITIVE, Envelope
+from stochlin.models.parameters import parameter
+
+
+@ENVELOPES.register("amin_ang", 1)
+@dataclass(frozen=True)
+class AminAng(Envelope):
+    """Build-up, strong shaking, decay: ``(t/t1)^2``, 1, ``exp(-c (t - t2))``.
+
+    Parameters
+    ----------
+    rise_end : float
+        ``t1`` [s], positive.
+    strong_end : float
+        ``t2`` [s], not before ``rise_end``.
+    decay : float
+        ``c`` [1/s], positive.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a value is not a number or out of range.
+
+    References
+    ----------
+    Amin, M. and Ang, A. H.-S. (1968), J. Eng. Mech. Div. ASCE 94; Jennings, Housner and Tsai (1968).
+
+    Examples
+    --------
+    >>> import numpy as np, stochlin as sl
+    >>> sl.AminAng(4.0, 15.0, 0.35).at(np.array([2.0, 10.0])).tolist()
+    [0.25, 1.0]
+    """
+
+    rise_end: float = parameter("s", "end of the rise", POSITIVE)
+    strong_end: float = parameter("s", "end of strong shaking", POSITIVE)
+    decay: float = parameter("1/s", "decay rate", POSITIVE)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.strong_end < self.rise_end:
+            raise ValueError(
+                f"AminAng: strong_end = {self.strong_end:g} is before rise_end = {self.rise_end:g}; "
+                "allowed: strong_end >= rise_end"
+            )
+
+    def at(self, time: Array) -> Array:
+        """Values at times from 0 on."""
+        rise = np.minimum(time / self.rise_end, 1) ** 2
+        return rise * np.exp(-self.decay * np.maximum(time - self.strong_end, 0))
+
+    def kinks(self) -> tuple[float, ...]:
+        """End of the rise, end of strong shaking."""
+        return self.rise_end, self.strong_end

@@ -1,0 +1,31 @@
+"""Envelopes of finite motions: how the strength of shaking rises and falls."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.models.parameters import Model, Range
+from stochlin.registry import Registry
+
+ENVELOPES: Registry[type[Envelope]] = Registry("envelope", "stochlin.models.envelopes")
+POSITIVE = Range()
+
+
+@dataclass(frozen=True)
+class Envelope(Model):
+    """Base of the envelopes: a function of time [s] with values from 0 to 1, multiplying the motion."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name, value in self.arrays().items():
+            if value.ndim:
+                raise ValueError(f"{type(self).__name__}: {name} is an array; allowed: a number")
+
+    def at(self, time: Array) -> Array:
+        """Values at times from 0 on, the same shape."""
+        raise NotImplementedError
+
+    def kinks(self) -> tuple[float, ...]:
+        """Times [s] at which the slope jumps, increasing: an integration begins anew there."""
+        return ()

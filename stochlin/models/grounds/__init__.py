@@ -1,0 +1,8 @@
+"""Grounds: stationary random ground acceleration as filtered white noise."""
+
+from stochlin.models.grounds.base import GROUNDS, Ground
+from stochlin.models.grounds.clough_penzien import CloughPenzien
+from stochlin.models.grounds.kanai_tajimi import KanaiTajimi
+from stochlin.models.grounds.white_noise import WhiteNoise
+
+__all__ = ["GROUNDS", "CloughPenzien", "Ground", "KanaiTajimi", "WhiteNoise"]

@@ -1,0 +1,96 @@
+"""What all grounds have in common: stationary random acceleration as filtered white noise."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.linearization.filters import Filter
+from stochlin.models.parameters import Model, Parameter, Range
+from stochlin.registry import Registry
+
+GROUNDS: Registry[type[Ground]] = Registry("ground", "stochlin.models.grounds")
+POSITIVE = Range()
+POSITIVE_DAMPING = Range(reason="an undamped ground has no stationary motion")
+AS_STRUCTURES = ("period", "damping", "hardening", "mass")  # what structures have as well
+
+
+class Fit(NamedTuple):
+    """How `fit_ground` seeks what is neither period nor intensity; times are sought over the period."""
+
+    bounds: Mapping[str, tuple[float, float]]  # lower and upper, by name
+    starts: Sequence[tuple[float, ...]]  # of all of them
+
+
+@dataclass(frozen=True)
+class Ground(Model):
+    """Base of the grounds. ``intensity`` is the two-sided PSD ``S0`` of the white noise."""
+
+    name: ClassVar[str]
+    fit: ClassVar[Fit | None] = None  # None: it is not fitted to records
+    source: str = field(default="", compare=False, kw_only=True)
+
+    @staticmethod
+    def filter(values: Mapping[str, Any]) -> Filter:
+        """The filter for these values of the parameters: numbers, or arrays of cells.
+
+        All else follows from it: state space, spectra, linearization, time steps.
+        """
+        raise NotImplementedError
+
+    @classmethod
+    def beside_structures(cls) -> dict[str, str]:
+        """Its parameters by their names where structures have some too: ``ground_period``."""
+        return {f"ground_{n}" if n in AS_STRUCTURES else n: n for n in cls.parameter_names()}
+
+    def filter_of(self, rows: Iterable[Array]) -> Filter:
+        """The filter of cells, with ``rows`` in the order of `arrays`."""
+        return self.filter(dict(zip(self.arrays(), rows, strict=True)))
+
+    def lone_filter(self) -> Filter:
+        """The filter where every parameter is one number."""
+        return self.filter({name: value.item() for name, value in self.arrays().items()})
+
+    def psd(self, frequency: Parameter) -> xr.DataArray:
+        """Two-sided power spectral density of the ground acceleration.
+
+        Parameters
+        ----------
+        frequency : float or array
+            Circular frequency [rad/s], any shape; a plain 1-D array gets the dimension
+            ``frequency``.
+
+        Returns
+        -------
+        xarray.DataArray
+            PSD per rad/s [m^2/s^3].
+
+        Examples
+        --------
+        >>> import stochlin as sl
+        >>> float(sl.KanaiTajimi(period=2.0, damping=0.05).psd(0.0))
+        1.0
+        """
+        if not isinstance(frequency, xr.DataArray):
+            values = np.asarray(frequency, float)
+            dims = ["frequency"][: values.ndim]
+            coords = {"frequency": ("frequency", values, {"units": "rad/s"})} if dims else None
+            frequency = xr.DataArray(values, dims=dims, coords=coords)
+        density = self.arrays()["intensity"] * self._transmission(frequency)
+        density.attrs = {"units": "m^2/s^3", "long_name": "two-sided PSD of ground acceleration"}
+        return density.rename("psd")
+
+    def _transmission(self, frequency: xr.DataArray) -> xr.DataArray:
+        """The PSD over ``S0``."""
+
+        def of_cells(frequency: Array, *rows: Array) -> Array:
+            return self.filter_of(rows).transmission(frequency)
+
+        arrays = self.arrays().values()
+        transmitted: xr.DataArray = xr.apply_ufunc(of_cells, frequency, *arrays, join="exact")
+        return transmitted

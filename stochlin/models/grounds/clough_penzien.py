@@ -1,0 +1,78 @@
+"""The ground of Clough and Penzien: Kanai and Tajimi's without its slowest part."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+import xarray as xr
+
+from stochlin.kernels.linearization.filters import CloughPenzienFilter
+from stochlin.models.grounds.base import GROUNDS, POSITIVE, POSITIVE_DAMPING, Fit, Ground
+from stochlin.models.grounds.kanai_tajimi import KanaiTajimi, soil_transmission
+from stochlin.models.parameters import Parameter, parameter
+
+
+@GROUNDS.register("clough_penzien", 2)
+@dataclass(frozen=True)
+class CloughPenzien(Ground):
+    """Kanai-Tajimi ground through a high-pass oscillator, which removes the zero frequency.
+
+    Its PSD is that of `KanaiTajimi` times ``(w/wf)^4 / [(1 - (w/wf)^2)^2 + 4 xif^2 (w/wf)^2]``.
+
+    Parameters
+    ----------
+    period, damping : float or array
+        Soil oscillator: period ``2 pi / wg`` [s] and damping ratio ``xig`` [-], positive.
+    high_pass_period, high_pass_damping : float or array
+        High-pass oscillator: period ``2 pi / wf`` [s] and damping ratio ``xif`` [-], positive.
+    intensity : float or array
+        Two-sided PSD ``S0`` of the white noise per rad/s [m^2/s^3], positive.
+    source : str
+        Where the numbers come from.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a parameter is out of range, not a number or wrongly shaped.
+
+    References
+    ----------
+    Clough, R. W. and Penzien, J. (1975), Dynamics of structures.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> ground = sl.CloughPenzien(0.42, 0.6, high_pass_period=4.2, high_pass_damping=0.6)
+    >>> float(ground.psd(0.0))
+    0.0
+    """
+
+    name: ClassVar[str] = "Clough-Penzien"
+    fit: ClassVar[Fit] = Fit(
+        {
+            **KanaiTajimi.fit.bounds,
+            "high_pass_period": (1.0, 100.0),
+            "high_pass_damping": (0.1, 3.0),
+        },
+        [(*soil, *layer) for soil in KanaiTajimi.fit.starts for layer in ((1.5, 0.3), (6.0, 0.6))],
+    )
+    period: Parameter = parameter("s", "ground period", POSITIVE)
+    damping: Parameter = parameter("1", "ground damping ratio", POSITIVE_DAMPING)
+    high_pass_period: Parameter = parameter("s", "high-pass period", POSITIVE)
+    high_pass_damping: Parameter = parameter("1", "high-pass damping ratio", POSITIVE)
+    intensity: Parameter = parameter("m^2/s^3", "two-sided PSD of the white noise", POSITIVE, 1.0)
+
+    @staticmethod
+    def filter(values: Mapping[str, Any]) -> CloughPenzienFilter:
+        """The soil oscillator, and the high-pass one that it drives."""
+        frequency = 2 * np.pi / values["high_pass_period"]
+        return CloughPenzienFilter.of(KanaiTajimi.filter(values), frequency, values["high_pass_damping"])
+
+    def _transmission(self, frequency: xr.DataArray) -> xr.DataArray:
+        values = self.arrays()
+        ratio = (frequency / (2 * np.pi / values["high_pass_period"])) ** 2
+        high_pass = ratio**2 / ((1 - ratio) ** 2 + 4 * values["high_pass_damping"] ** 2 * ratio)
+        return soil_transmission(values, frequency) * high_pass

@@ -1,0 +1,49 @@
+"""White noise."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import xarray as xr
+
+from stochlin.kernels.linearization.filters import Filter
+from stochlin.models.grounds.base import GROUNDS, POSITIVE, Ground
+from stochlin.models.parameters import Parameter, parameter
+
+
+@GROUNDS.register("white_noise", 3)
+@dataclass(frozen=True)
+class WhiteNoise(Ground):
+    """White noise ground acceleration.
+
+    Parameters
+    ----------
+    intensity : float or array
+        Two-sided PSD ``S0`` per rad/s [m^2/s^3], positive.
+    source : str
+        Where the numbers come from.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a parameter is out of range, not a number or wrongly shaped.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> sl.WhiteNoise(intensity=0.01).describe()
+    'WhiteNoise(intensity=0.01)'
+    """
+
+    name: ClassVar[str] = "white noise"
+    intensity: Parameter = parameter("m^2/s^3", "two-sided PSD of the white noise", POSITIVE, 1.0)
+
+    @staticmethod
+    def filter(values: Mapping[str, Any]) -> Filter:
+        """No filter: the noise itself."""
+        return Filter(values["intensity"])
+
+    def _transmission(self, frequency: xr.DataArray) -> xr.DataArray:
+        return xr.ones_like(frequency, dtype=float)
