@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Model, Parameter, Range, parameter
-from stochlin.models.structures import Bilinear
 
 NOT_NEGATIVE = Range(include_lower=True)
 

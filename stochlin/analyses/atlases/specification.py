@@ -32,8 +32,8 @@ import xarray as xr
 
 from stochlin.analyses.tables.checks import check_whole, is_number, is_whole
 from stochlin.models.grounds import CloughPenzien, Ground, KanaiTajimi, WhiteNoise
+from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Model
-from stochlin.models.structures import Bilinear
 
 GROUNDS: Mapping[str, type[Ground]] = {
     "kanai_tajimi": KanaiTajimi,

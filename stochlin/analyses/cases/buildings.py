@@ -11,8 +11,9 @@ from stochlin.analyses.cases.values import Quantity, Section
 from stochlin.analyses.linearization.strength import DuctilityTarget, strength_for_ductility
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.grounds import Ground
+from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.links import NOT_NEGATIVE
-from stochlin.models.structures import POSITIVE, Bilinear
+from stochlin.models.structures import POSITIVE
 
 STRENGTHS = ("reduction_factor", "yield_displacement", "ductility", "elastic")
 OF_STOREYS = ("masses", "stiffnesses", "heights")

@@ -13,7 +13,7 @@ from stochlin.analyses.pounding.rows import Building as Structure
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.contacts import Contact
-from stochlin.models.structures import Bilinear
+from stochlin.models.laws.bilinear import Bilinear
 
 ENERGIES = ("viscous", "hysteretic", "contacts", "remaining")
 

@@ -15,9 +15,9 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import over_cells
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.grounds import Ground
+from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.links import Link, check_linked
 from stochlin.models.parameters import expect
-from stochlin.models.structures import Bilinear
 
 MISMATCH = 1e-8  # of logarithms of standard deviations and of the correlation
 

@@ -14,9 +14,10 @@ from stochlin.analyses.linearization.transient_systems import check_course
 from stochlin.analyses.tables.checks import check_confidence, check_whole
 from stochlin.models.envelopes import AminAng, Envelope, GammaEnvelope, ShinozukaSato
 from stochlin.models.grounds import Ground, KanaiTajimi
+from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.named_grounds import ground_names, named_ground
 from stochlin.models.parameters import Model, Range, parameter
-from stochlin.models.structures import DAMPING, HARDENING, POSITIVE, Bilinear
+from stochlin.models.structures import DAMPING, HARDENING, POSITIVE
 
 SITES = (*ground_names(), *GROUNDS)
 SHAPES = (*ENVELOPES, NONE)

@@ -19,9 +19,10 @@ from stochlin.analyses.tables.checks import check_confidence
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
+from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import expect
 from stochlin.models.rules.separations import PeakPair, check_zone
-from stochlin.models.structures import Bilinear, Structure
+from stochlin.models.structures import Structure
 
 VERDICTS = ("answer", "safe", "unsafe", "within_error", "not_available")
 ANSWER, SAFE, UNSAFE, WITHIN_ERROR, NOT_AVAILABLE = range(len(VERDICTS))

@@ -9,7 +9,7 @@ the density, so that kinks in the law do no harm.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -23,14 +23,35 @@ CELLS = 64  # per block: nodes times cells stay in the cache
 
 
 class SlipRate(NamedTuple):
-    """Slip rate ``w(v, z) = v - G(v, z)``, its kinks in ``z``, and whether it is linear in ``v > 0``."""
+    """Slip rate ``w(v, z) = v - G(v, z)``, its kinks in ``z``, and whether it is linear in ``v > 0``.
 
-    function: Callable[[Array, Array], Array]
-    kinks: tuple[float, ...]
+    Both functions take the parameters of the law (m, ...) last, each broadcast against ``v`` and ``z``.
+    """
+
+    function: Callable[[Array, Array, Array], Array]
+    kinks: Callable[[Array], Sequence[Array | float]]
     rate_independent: bool
 
 
-def slip_expectations(law: SlipRate, latent: Array, order: int) -> tuple[Array, Array]:
+class BoundRate(NamedTuple):
+    """A slip rate with parameters (m, n), one column a cell."""
+
+    law: SlipRate
+    parameters: Array
+
+    def __call__(self, v: Array, z: Array) -> Array:
+        """The slip rate of the cells, the first dimension."""
+        rows = self.parameters.reshape(*self.parameters.shape, *(1,) * (z.ndim - 1))
+        return self.law.function(v, z, rows)
+
+    def kinks(self) -> Sequence[Array | float]:
+        """Each of one column, (n, 1), or one number for all cells."""
+        return self.law.kinks(self.parameters[:, :, None])
+
+
+def slip_expectations(
+    law: SlipRate, latent: Array, parameters: Array, order: int
+) -> tuple[Array, Array]:
     """``(E[w v], E[w z])`` and the Jacobian by ``(sv, sz, r)``.
 
     Parameters
@@ -38,6 +59,8 @@ def slip_expectations(law: SlipRate, latent: Array, order: int) -> tuple[Array, 
     law : SlipRate
     latent : (3, n)
         ``sv``, ``sz``, ``r``.
+    parameters : (m, n)
+        Of the law.
     order : int
         Gauss-Legendre nodes of each panel.
 
@@ -50,24 +73,26 @@ def slip_expectations(law: SlipRate, latent: Array, order: int) -> tuple[Array, 
     block = CELLS if law.rate_independent else 1 + CELLS // order
     for begin in range(0, latent.shape[1], block):
         cells = slice(begin, begin + block)
-        moments = _moments(law, latent[:, cells], order)
+        moments = _moments(BoundRate(law, parameters[:, cells]), latent[:, cells], order)
         values[:, cells], jacobian[:, :, cells] = _assemble(moments, latent[:, cells])
     return values, jacobian
 
 
-def _moments(law: SlipRate, latent: Array, order: int) -> Array:
+def _moments(law: BoundRate, latent: Array, order: int) -> Array:
     """``M[a, b] = 2 E[w x^a t^b; x > 0]``, shape (4, 4, n)."""
     sv, sz, r = (row[:, None] for row in latent)
     q = np.sqrt((1 - r) * (1 + r))
-    t, weight = _panels(law.kinks, sz, r, q, order)
+    t, weight = _panels(law.kinks(), sz, r, q, order)
     weight = 2 * weight * np.exp(-0.5 * t * t) / SQRT_2PI
-    inner = _inner_closed if law.rate_independent else _inner_quadrature
+    inner = _inner_closed if law.law.rate_independent else _inner_quadrature
     powers = np.stack([weight, weight * t, weight * t**2, weight * t**3])
     result: Array = np.einsum("anj,bnj->abn", inner(law, sv, sz * t, r * t, q, order), powers)
     return result
 
 
-def _panels(kinks: tuple[float, ...], sz: Array, r: Array, q: Array, order: int) -> tuple[Array, Array]:
+def _panels(
+    kinks: Sequence[Array | float], sz: Array, r: Array, q: Array, order: int
+) -> tuple[Array, Array]:
     """Nodes and weights in ``t``: panels between kinks and around the turn of ``E[v | z]`` at 0."""
     turn = np.minimum(6 * q / np.maximum(np.abs(r), 1e-3), REACH)
     edges = [np.full_like(sz, -REACH), -turn, 0 * sz, turn, np.full_like(sz, REACH)]
@@ -80,17 +105,17 @@ def _panels(kinks: tuple[float, ...], sz: Array, r: Array, q: Array, order: int)
     return (middle + half * nodes).reshape(shape), (half * weights).reshape(shape)
 
 
-def _inner_closed(law: SlipRate, sv: Array, z: Array, mean: Array, q: Array, order: int) -> Array:
+def _inner_closed(law: BoundRate, sv: Array, z: Array, mean: Array, q: Array, order: int) -> Array:
     """``E[w x^a; x > 0 | t]`` for ``w = sv x w(1, z)``: truncated Gaussian moments by recursion."""
     density = np.exp(-0.5 * (mean / q) ** 2) / SQRT_2PI
     below = [ndtr(mean / q)]
     below.append(mean * below[0] + q * density)
     for power in range(2, 5):
         below.append(mean * below[-1] + (power - 1) * q * q * below[-2])
-    return sv * law.function(np.ones_like(z), z) * np.stack(below[1:])
+    return sv * law(np.ones_like(z), z) * np.stack(below[1:])
 
 
-def _inner_quadrature(law: SlipRate, sv: Array, z: Array, mean: Array, q: Array, order: int) -> Array:
+def _inner_quadrature(law: BoundRate, sv: Array, z: Array, mean: Array, q: Array, order: int) -> Array:
     """``E[w x^a; x > 0 | t]`` by Gauss-Legendre over the part of ``x > 0`` that carries weight.
 
     The panels are graded towards ``v = 0``, where rate-dependent laws turn, however slow that is
@@ -101,7 +126,7 @@ def _inner_quadrature(law: SlipRate, sv: Array, z: Array, mean: Array, q: Array,
     width = (high - low)[..., None]
     x = low[..., None] + width * nodes
     weight = width * weights * np.exp(-0.5 * ((x - mean[..., None]) / q[..., None]) ** 2)
-    weight *= law.function(sv[..., None] * x, np.broadcast_to(z[..., None], x.shape))
+    weight *= law(sv[..., None] * x, np.broadcast_to(z[..., None], x.shape))
     weight /= SQRT_2PI * q[..., None]
     return np.stack([(weight * x**power).sum(axis=-1) for power in range(4)])
 

@@ -1,1 +1,3 @@
-"""Hysteresis laws, one file each: symbolic form, coefficients, closures."""
+"""Hysteresis laws, one file each: symbolic form, closures in closed form, time steps."""
+
+from stochlin.models.structures import LAWS as LAWS

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from stochlin.analyses.charts.design import ChartSettings
     from stochlin.models.grounds import Ground
-    from stochlin.models.structures import Bilinear
+    from stochlin.models.laws.bilinear import Bilinear
 
 CLOSURES = ("gaussian", "clipped", "drift", "narrow_band")
 STRUCTURE_OPTIONS = ("period", "damping", "hardening", "reduction_factor", "yield_displacement")
@@ -166,7 +166,7 @@ def record_options(command: Any) -> Any:
 
 def structures(options: dict[str, Any]) -> tuple[Bilinear, Bilinear]:
     """The two bilinear structures; an option with a number goes before the shared one."""
-    from stochlin.models.structures import Bilinear
+    from stochlin.models.laws.bilinear import Bilinear
 
     pair = []
     for number in (1, 2):
