@@ -75,7 +75,7 @@ class Model:
     @classmethod
     def kinds(cls) -> Collection[type[Model]]:
         """What there is of this kind, for messages."""
-        return cls.__subclasses__()
+        return cls.__subclasses__() or [cls]
 
     @classmethod
     def parameter_names(cls) -> tuple[str, ...]:

@@ -6,6 +6,7 @@ Libraries are imported inside the commands: ``stochlin --help`` should not wait 
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,8 +21,11 @@ from stochlin.views.probability.command import probability
 from stochlin.views.separation.command import gap
 from stochlin.views.shared import options as shared
 from stochlin.views.shared.options import (
-    CLOSURES,
+    LawCommand,
+    Names,
     chart_options,
+    closure_option,
+    law_options,
     numbers_option,
     record_options,
     shared_option,
@@ -114,12 +118,25 @@ def verify(name: str, out: Path, picture_format: str, **options: Any) -> None:
     click.echo(f"{name}_verified and its dataset in {out}")
 
 
-@main.command()
+def _methods() -> Iterable[str]:
+    from stochlin.analyses.correlation.correlation import METHODS
+
+    return METHODS
+
+
+def _rules() -> Iterable[str]:
+    from stochlin.models.rules.effective_properties import effective_rule_names
+
+    return effective_rule_names(unverified=True)
+
+
+@main.command(cls=LawCommand)
 @shared_option("period", "Period [s].")
 @shared_option("damping", "Damping ratio.", "0.05")
 @shared_option("hardening", "Hardening ratio.")
 @shared_option("reduction-factor", "R = 3 sigma_el/uy; without a strength: elastic.")
 @shared_option("yield-displacement", "uy [m], instead of R.")
+@law_options
 @click.option(
     "--ground",
     default="white-noise",
@@ -133,18 +150,19 @@ def verify(name: str, out: Path, picture_format: str, **options: Any) -> None:
 @numbers_option("--intensity", "S0 [m^2/s^3], two-sided; 1 if not given.")
 @click.option(
     "--method",
-    type=click.Choice(["linearization", "white_noise", "effective", "simulation"]),
+    type=Names(_methods),
     default="linearization",
     show_default=True,
 )
 @click.option(
     "--rule",
+    type=Names(_rules),
     default="iwan_1980",
     show_default=True,
     help="Effective properties, where the method is effective.",
 )
 @simulation_options
-@click.option("--closure", type=click.Choice(CLOSURES), default="gaussian", show_default=True)
+@closure_option
 @click.option(
     "--out", type=click.Path(dir_okay=False, path_type=Path), help="Save the table, .nc or .csv."
 )
@@ -161,6 +179,8 @@ def rho(record: Path | None, out: Path | None, **options: Any) -> None:
       stochlin rho --period-1 .2:2:19 --period-2 1 --hardening .05 --reduction-factor 2,4,6 \\
           --ground kanai-tajimi --ground-period 2 --ground-damping .05 --out table.nc
       stochlin rho --period 1 --period-2 1.2 --record taft.txt --dt .01 --units g
+      stochlin rho --period .7 --period-2 1 --hardening .05 --reduction-factor 4 \\
+          --law bouc_wen --exponent 2
     """
     from stochlin.analyses.correlation.correlation import correlate
     from stochlin.analyses.tables.storage import save_table

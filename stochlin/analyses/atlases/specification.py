@@ -40,7 +40,6 @@ GROUNDS: Mapping[str, type[Ground]] = {
     "white_noise": WhiteNoise,
     "clough_penzien": CloughPenzien,
 }
-CLOSURES = ("gaussian", "clipped", "drift", "narrow_band")
 KEYS = ("title", "ground", "closure", "block_cells", "parameters")
 SWEEP = ("start", "stop", "count", "spacing")
 OF_STRUCTURES = ("damping", "hardening", "reduction_factor")
@@ -127,7 +126,7 @@ def specification(data: Mapping[str, Any]) -> AtlasSpecification:
     """Check a specification given as nested mappings; raises as `read_specification`."""
     _only(data, KEYS, "the specification")
     ground = _one_of(data.get("ground", "kanai_tajimi"), tuple(GROUNDS), "ground")
-    closure = _one_of(data.get("closure", "gaussian"), CLOSURES, "closure")
+    closure = _one_of(data.get("closure", "gaussian"), Bilinear.closure_names(), "closure")
     title = data.get("title", "Correlation of two structures")
     if not isinstance(title, str):
         raise ValueError(f"title = {title!r}; allowed: text in quotes")

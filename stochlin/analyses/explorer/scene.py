@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from stochlin.analyses.cases.buildings import Building
 from stochlin.analyses.cases.case import FEWEST_PATHS, Case
 from stochlin.analyses.cases.site import ENVELOPES, FITS, FITTED, GROUNDS, NONE
 from stochlin.analyses.linearization.strength import reduction_factor
@@ -181,7 +182,7 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
         given = {"intensity": given["intensity"]}
     values: dict[str, Any] = {OF_GROUND.get(name, name): value for name, value in given.items()}
     for number, building in enumerate(case.pair, start=1):
-        structure = building.structure
+        structure = _bilinear(case, building)
         if building.strength in ("yield_displacement", "ductility"):
             notes.append(
                 f"The strength of {building.name}, given by {building.strength.replace('_', ' ')}, is "
@@ -215,6 +216,15 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
         **{name: getattr(case, name) for name in kept},
     )
     return scene, notes
+
+
+def _bilinear(case: Case, building: Building) -> Bilinear:
+    if not isinstance(building.structure, Bilinear):
+        raise ValueError(
+            f"{case.file}: {building.name} is a {type(building.structure).__name__}; allowed in the "
+            "explorer: bilinear buildings; 'stochlin gap' and 'stochlin probability' take every law"
+        )
+    return building.structure
 
 
 def _numbers(model: Model) -> list[tuple[str, float]]:

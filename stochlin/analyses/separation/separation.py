@@ -137,7 +137,8 @@ def separation(
         expect(structure, Structure, role)
         if records is not None and not isinstance(structure, Bilinear):
             raise TypeError(
-                f"{role} = {type(structure).__name__} cannot ride on records; allowed: Bilinear"
+                f"{role} = {type(structure).__name__} cannot ride on records; allowed: Bilinear, or "
+                "no records"
             )
     expect(ground, Ground, "ground")
 
