@@ -26,7 +26,7 @@ from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.measures import Measure
 from stochlin.models.parameters import Range
-from stochlin.models.rules.separations import ZONES
+from stochlin.models.rules.codes import ZONES
 
 SHARE = Quantity("1", Range(upper=1.0, reason="a probability"))
 FEWEST_PATHS = 100  # for a quantile to have an interval

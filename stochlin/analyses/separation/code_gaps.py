@@ -7,8 +7,7 @@ import xarray as xr
 
 from stochlin.analyses.tables import labels
 from stochlin.models.parameters import Parameter
-from stochlin.models.rules.codes import code_rule, code_rule_names
-from stochlin.models.rules.separations import CodeRule, PeakPair, check_zone
+from stochlin.models.rules.codes import CodeRule, PeakPair, check_zone, code_rule, code_rule_names
 
 
 def code_gaps(

@@ -19,7 +19,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.rules.effective_properties import effective_rule, effective_rule_names
-from stochlin.models.rules.peak_factors import Vanmarcke1975
+from stochlin.models.rules.peak_factors.vanmarcke import Vanmarcke1975
 from stochlin.models.structures import DRIFT, Structure
 
 STEPS = 2000  # of the envelope, for the length of motion that it stands for

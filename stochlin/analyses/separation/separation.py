@@ -21,7 +21,7 @@ from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import expect
-from stochlin.models.rules.separations import PeakPair, check_zone
+from stochlin.models.rules.codes import PeakPair, check_zone
 from stochlin.models.structures import Structure
 
 VERDICTS = ("answer", "safe", "unsafe", "within_error", "not_available")
