@@ -6,7 +6,6 @@ Libraries are imported inside the commands: ``stochlin --help`` should not wait 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -118,18 +117,6 @@ def verify(name: str, out: Path, picture_format: str, **options: Any) -> None:
     click.echo(f"{name}_verified and its dataset in {out}")
 
 
-def _methods() -> Iterable[str]:
-    from stochlin.analyses.correlation.correlation import METHODS
-
-    return METHODS
-
-
-def _rules() -> Iterable[str]:
-    from stochlin.models.rules.effective_properties import effective_rule_names
-
-    return effective_rule_names(unverified=True)
-
-
 @main.command(cls=LawCommand)
 @shared_option("period", "Period [s].")
 @shared_option("damping", "Damping ratio.", "0.05")
@@ -150,13 +137,13 @@ def _rules() -> Iterable[str]:
 @numbers_option("--intensity", "S0 [m^2/s^3], two-sided; 1 if not given.")
 @click.option(
     "--method",
-    type=Names(_methods),
+    type=Names("stochlin.analyses.correlation.correlation", "METHODS"),
     default="linearization",
     show_default=True,
 )
 @click.option(
     "--rule",
-    type=Names(_rules),
+    type=Names("stochlin.models.rules.effective_properties", "EFFECTIVE_RULES"),
     default="iwan_1980",
     show_default=True,
     help="Effective properties, where the method is effective.",

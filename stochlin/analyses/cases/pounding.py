@@ -55,7 +55,7 @@ def pound_case(case: Case, progress: Progress | None = None) -> dict[str, xr.Dat
     for name, record in case.records.items():
         try:
             table = pound(structures, list(case.gaps), contact, record)
-        except (ValueError, ArithmeticError) as error:
+        except (ValueError, TypeError, ArithmeticError) as error:
             raise type(error)(f"{case.file}, record {name}: {error}") from error
         tables[name] = _described(table, case, structures).assign_attrs(
             title=f"{case.title}: pounding in {name}", record=name, case=case.title
@@ -112,6 +112,8 @@ def _described(table: xr.Dataset, case: Case, structures: list[Structure | Shear
     else:
         table["yield_displacement"] = ("structure", np.array(strengths, float))
         table["peak_ductility"] = table.peak / table.yield_displacement
+        if "largest_radius_amplification" not in table:  # it is estimated for bilinear buildings
+            table["largest_radius_amplification"] = np.nan * table.amplification
     return labels.label(_with_energies(_with_tallies(table)))
 
 

@@ -128,7 +128,8 @@ def correlate(
         check_closure(structure, closure)
     expect(ground, Ground, "ground")
     settings = partial(SimulationSettings, paths, seed, steps_per_period, relaxation_times, progress)
-    table, details = METHODS[method](Question(first, second, ground, closure, tolerance, rule, settings))
+    asked = Question((first, second), ground, closure, tolerance, rule, settings)
+    table, details = METHODS[method](asked)
     table = labels.label(table)
     if "bias" in table:
         table["bias"].attrs["long_name"] = "linearized rho less the exact one"
@@ -145,8 +146,7 @@ def correlate(
 class Question(NamedTuple):
     """What `correlate` is asked: each method takes of it what it needs."""
 
-    first: Structure
-    second: Structure
+    pair: tuple[Structure, Structure]
     ground: Ground
     closure: str
     tolerance: Tolerance
@@ -154,14 +154,9 @@ class Question(NamedTuple):
     settings: Callable[[], SimulationSettings]  # called by a method that simulates: it checks them
 
     @property
-    def pair(self) -> tuple[Structure, Structure]:
-        """Both structures."""
-        return self.first, self.second
-
-    @property
     def yields(self) -> bool:
         """Whether one of them can yield."""
-        return self.first.yields or self.second.yields
+        return any(structure.yields for structure in self.pair)
 
 
 Answer = tuple[xr.Dataset, str]  # and how it was made, for its history

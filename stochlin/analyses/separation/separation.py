@@ -10,7 +10,7 @@ import xarray as xr
 
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.records.gaps import recorded_gap
-from stochlin.analyses.separation.rules import PairInMotion, Rule, all_rules
+from stochlin.analyses.separation.rules import PairInMotion, Rule, all_rules, strong_seconds
 from stochlin.analyses.simulation.finite_motions import keeping_apart, pair_separation
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.tables import labels
@@ -153,9 +153,9 @@ def separation(
             quantiles=[confidence],
             progress=progress,
         )
-        pair = PairInMotion.of(
-            first, second, ground, motions, confidence, duration, envelope, (height_1, height_2)
-        )
+        seconds = strong_seconds(duration, envelope)
+        heights = (height_1, height_2)
+        pair = PairInMotion((first, second), ground, motions, confidence, seconds, heights)
         rules = all_rules(pair, floors_align, zone, unverified)
         table = _judged(rules, motions, confidence).assign(pair.quantities())
         table.attrs = {name: motions.attrs[name] for name in MOTION}

@@ -25,28 +25,17 @@ CELLS = 64  # per block: nodes times cells stay in the cache
 class SlipRate(NamedTuple):
     """Slip rate ``w(v, z) = v - G(v, z)``, its kinks in ``z``, and whether it is linear in ``v > 0``.
 
-    Both functions take the parameters of the law (m, ...) last, each broadcast against ``v`` and ``z``.
+    Both functions take the parameters of the law (m, ...) last, which broadcast against ``v`` and ``z``.
     """
 
     function: Callable[[Array, Array, Array], Array]
     kinks: Callable[[Array], Sequence[Array | float]]
     rate_independent: bool
-
-
-class BoundRate(NamedTuple):
-    """A slip rate with parameters (m, n), one column a cell."""
-
-    law: SlipRate
-    parameters: Array
+    parameters: Array = np.empty((0, 1))  # (m, n): one column a cell
 
     def __call__(self, v: Array, z: Array) -> Array:
         """The slip rate of the cells, the first dimension."""
-        rows = self.parameters.reshape(*self.parameters.shape, *(1,) * (z.ndim - 1))
-        return self.law.function(v, z, rows)
-
-    def kinks(self) -> Sequence[Array | float]:
-        """Each of one column, (n, 1), or one number for all cells."""
-        return self.law.kinks(self.parameters[:, :, None])
+        return self.function(v, z, self.parameters.reshape(*self.parameters.shape, *(1,) * (z.ndim - 1)))
 
 
 def slip_expectations(
@@ -73,18 +62,18 @@ def slip_expectations(
     block = CELLS if law.rate_independent else 1 + CELLS // order
     for begin in range(0, latent.shape[1], block):
         cells = slice(begin, begin + block)
-        moments = _moments(BoundRate(law, parameters[:, cells]), latent[:, cells], order)
+        moments = _moments(law._replace(parameters=parameters[:, cells]), latent[:, cells], order)
         values[:, cells], jacobian[:, :, cells] = _assemble(moments, latent[:, cells])
     return values, jacobian
 
 
-def _moments(law: BoundRate, latent: Array, order: int) -> Array:
+def _moments(law: SlipRate, latent: Array, order: int) -> Array:
     """``M[a, b] = 2 E[w x^a t^b; x > 0]``, shape (4, 4, n)."""
     sv, sz, r = (row[:, None] for row in latent)
     q = np.sqrt((1 - r) * (1 + r))
-    t, weight = _panels(law.kinks(), sz, r, q, order)
+    t, weight = _panels(law.kinks(law.parameters[:, :, None]), sz, r, q, order)
     weight = 2 * weight * np.exp(-0.5 * t * t) / SQRT_2PI
-    inner = _inner_closed if law.law.rate_independent else _inner_quadrature
+    inner = _inner_closed if law.rate_independent else _inner_quadrature
     powers = np.stack([weight, weight * t, weight * t**2, weight * t**3])
     result: Array = np.einsum("anj,bnj->abn", inner(law, sv, sz * t, r * t, q, order), powers)
     return result
@@ -105,7 +94,7 @@ def _panels(
     return (middle + half * nodes).reshape(shape), (half * weights).reshape(shape)
 
 
-def _inner_closed(law: BoundRate, sv: Array, z: Array, mean: Array, q: Array, order: int) -> Array:
+def _inner_closed(law: SlipRate, sv: Array, z: Array, mean: Array, q: Array, order: int) -> Array:
     """``E[w x^a; x > 0 | t]`` for ``w = sv x w(1, z)``: truncated Gaussian moments by recursion."""
     density = np.exp(-0.5 * (mean / q) ** 2) / SQRT_2PI
     below = [ndtr(mean / q)]
@@ -115,7 +104,7 @@ def _inner_closed(law: BoundRate, sv: Array, z: Array, mean: Array, q: Array, or
     return sv * law(np.ones_like(z), z) * np.stack(below[1:])
 
 
-def _inner_quadrature(law: BoundRate, sv: Array, z: Array, mean: Array, q: Array, order: int) -> Array:
+def _inner_quadrature(law: SlipRate, sv: Array, z: Array, mean: Array, q: Array, order: int) -> Array:
     """``E[w x^a; x > 0 | t]`` by Gauss-Legendre over the part of ``x > 0`` that carries weight.
 
     The panels are graded towards ``v = 0``, where rate-dependent laws turn, however slow that is

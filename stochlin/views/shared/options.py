@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,30 +28,24 @@ GROUND_OPTIONS = {
 
 
 class Names(click.Choice[str]):
-    """One of the names that there are when it is asked for: a start of the program waits for none."""
+    """One of the names that a module lists: it is asked when they are needed, so that no start waits."""
 
-    def __init__(self, names: Callable[[], Iterable[str]]) -> None:
-        self.names, self.case_sensitive = names, False
+    def __init__(self, module: str, listed: str) -> None:
+        self.module, self.listed, self.case_sensitive = module, listed, False
 
     @property
     def choices(self) -> tuple[str, ...]:  # type: ignore[override]
-        """The names."""
-        return tuple(self.names())
+        """The names: of a mapping, or what a function returns."""
+        names = getattr(import_module(self.module), self.listed)
+        return tuple(names() if callable(names) else names)
 
 
-def _closures() -> Iterable[str]:
-    from stochlin.models.laws import closure_names
-
-    return closure_names()
-
-
-def _laws() -> Iterable[str]:
-    from stochlin.models.laws import laws_in_numbers
-
-    return laws_in_numbers()
-
-
-closure_option = click.option("--closure", type=Names(_closures), default="gaussian", show_default=True)
+closure_option = click.option(
+    "--closure",
+    type=Names("stochlin.models.laws", "closure_names"),
+    default="gaussian",
+    show_default=True,
+)
 
 
 def _numbers(context: click.Context, option: click.Parameter, text: str | None) -> list[float] | None:
@@ -94,7 +89,7 @@ def shared_option(name: str, help_text: str, default: str | None = None) -> Call
 
 def law_options(command: Any) -> Any:
     """``--law``, ``--law-1``, ``--law-2``; of a `LawCommand`, which adds the laws' own parameters."""
-    kind = Names(_laws)
+    kind = Names("stochlin.models.laws", "laws_in_numbers")
     options = (
         click.option("--law", type=kind, default="bilinear", show_default=True, help="Hysteresis law."),
         *(click.option(f"--law-{n}", type=kind, help=f"Of structure {n}.") for n in (1, 2)),
