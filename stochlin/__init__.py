@@ -56,25 +56,27 @@ if TYPE_CHECKING:
     from stochlin.models.envelopes import AminAng, GammaEnvelope, HsuBernard, ShinozukaSato
     from stochlin.models.grounds import CloughPenzien, KanaiTajimi, WhiteNoise
     from stochlin.models.grounds.named import ground_names, named_ground
+    from stochlin.models.laws.bilinear import Bilinear
+    from stochlin.models.laws.bouc_wen import BoucWen
+    from stochlin.models.laws.hysteretic import Hysteretic
     from stochlin.models.links import Link
     from stochlin.models.measures import Measure
     from stochlin.models.rules.codes import code_rule, code_rule_names
     from stochlin.models.rules.effective_properties import effective_rule, effective_rule_names
     from stochlin.models.rules.peak_factors import peak_factor_model, peak_factor_names
-    from stochlin.models.structures import Bilinear, BoucWen, Hysteretic
 
 
 # Imported when first used: a start of the command line then costs no more than it needs.
 _HOME = {
     "AminAng": "models.envelopes",
-    "Bilinear": "models.structures",
-    "BoucWen": "models.structures",
+    "Bilinear": "models.laws.bilinear",
+    "BoucWen": "models.laws.bouc_wen",
     "CloughPenzien": "models.grounds",
     "GammaEnvelope": "models.envelopes",
     "Hertz": "models.contacts",
     "HertzDamp": "models.contacts",
     "HsuBernard": "models.envelopes",
-    "Hysteretic": "models.structures",
+    "Hysteretic": "models.laws.hysteretic",
     "ImpactKelvin": "models.contacts",
     "Jankowski": "models.contacts",
     "KanaiTajimi": "models.grounds",

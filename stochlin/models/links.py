@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Model, Parameter, Range, parameter
-from stochlin.models.structures import Bilinear
 
 NOT_NEGATIVE = Range(include_lower=True)
 
@@ -49,7 +49,7 @@ def check_linked(first: object, second: object) -> tuple[float, float]:
     masses = []
     for role, structure in (("first", first), ("second", second)):
         if not isinstance(structure, Bilinear):
-            raise TypeError(f"{role} = {structure!r} cannot be linked; allowed: Bilinear")
+            raise TypeError(f"{role} = {structure!r} cannot be linked; allowed: Bilinear, or no link")
         if structure.mass is None:
             raise ValueError(
                 f"{role}: mass is not given; a link acts on masses, allowed: 0 < value, in kg"

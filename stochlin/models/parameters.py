@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any, Self
 
 import numpy as np
@@ -79,6 +79,11 @@ class Model:
         return (field for field in dataclasses.fields(cls) if "allowed" in field.metadata)
 
     @classmethod
+    def kinds(cls) -> Collection[type[Model]]:
+        """What there is of this kind, for messages."""
+        return cls.__subclasses__() or [cls]
+
+    @classmethod
     def parameter_names(cls) -> tuple[str, ...]:
         """Names of the physical parameters."""
         return tuple(field.name for field in cls._declared())
@@ -130,7 +135,7 @@ class Model:
 def expect(value: object, kind: type[Model], role: str) -> None:
     """Raise a TypeError unless the argument called ``role`` is a ``kind``."""
     if not isinstance(value, kind):
-        names = sorted(c.__name__ for c in kind.__subclasses__())
+        names = sorted(c.__name__ for c in kind.kinds())
         raise TypeError(f"{role} = {value!r} is of the wrong kind; allowed: {', '.join(names)}")
 
 

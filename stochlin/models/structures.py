@@ -1,22 +1,27 @@
-"""Structures: oscillators of one degree of freedom whose stiffness may yield."""
+"""Structures: oscillators of one degree of freedom whose stiffness may yield.
+
+How one yields is its hysteresis law: a class in a file of `stochlin.models.laws`, or of another package.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import KW_ONLY, dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, ClassVar
 
+import numpy as np
 import xarray as xr
 
 from stochlin.kernels.linearization.fixed_point import Closure
-from stochlin.models.laws import bilinear, bouc_wen
 from stochlin.models.parameters import Model, Parameter, Range, parameter
+from stochlin.registry import Registry
 
 if TYPE_CHECKING:
     import sympy
 
     from stochlin.kernels.simulation.ensemble import Block
+    from stochlin.models.symbolic import SymbolicLaw
 
 POSITIVE = Range()
 DAMPING = Range(upper=1.0, reason="a ratio, .05 for 5 %")
@@ -24,8 +29,12 @@ HARDENING = Range(
     upper=1.0, include_upper=True, reason="without hardening there is no stationary displacement"
 )
 
-NARROW_BAND = "narrow_band"
+GAUSSIAN = "gaussian"  # every law has it, by quadrature if not in closed form
+NARROW_BAND = "narrow_band"  # amplitude averaging, which has no density of the velocity and z
 DRIFT = "drift"  # the clipped closure, and the plastic drift that it loses
+CHECKED = 8  # sets of parameters of a law, at most
+
+LAWS: Registry[type[Structure]] = Registry("law", "stochlin.models.laws")
 
 
 @dataclass(frozen=True)
@@ -35,7 +44,12 @@ class Structure(Model):
     Strength is given by ``yield_displacement`` or by ``reduction_factor``; without either the
     structure stays elastic. A mass is for structures that act on one another, through a `Link`: all
     else does without.
+
+    A law is a subclass, registered in `LAWS`. It declares its own parameters and gives its `symbolic`
+    form; closures in closed form and time steps are found from that unless it gives its own.
     """
+
+    closures: ClassVar[Mapping[str, Closure | None]] = {}  # in closed form; None for `NARROW_BAND`
 
     period: Parameter = parameter("s", "period of small oscillations", POSITIVE)
     damping: Parameter = parameter("1", "damping ratio", DAMPING)
@@ -67,189 +81,50 @@ class Structure(Model):
         """Whether a strength is given."""
         return self.yield_displacement is not None or self.reduction_factor is not None
 
+    @classmethod
+    def kinds(cls) -> Collection[type[Model]]:
+        """The laws there are."""
+        return LAWS.values() if cls is Structure else super().kinds()
+
+    @classmethod
+    def own_parameters(cls) -> tuple[str, ...]:
+        """Names of the law's parameters beyond those of every structure."""
+        common = Structure.parameter_names()
+        return tuple(name for name in cls.parameter_names() if name not in common)
+
+    @classmethod
+    def closure_names(cls) -> tuple[str, ...]:
+        """Names that `linearize` accepts for this law."""
+        return tuple(dict.fromkeys((GAUSSIAN, *cls.closures)))
+
+    def symbolic(self) -> sympy.Expr:
+        """``G(v, z)`` of ``z' = G``, in the symbols ``v`` and ``z`` and those of `own_parameters`."""
+        raise NotImplementedError
+
     def closure(self, name: str) -> Closure:
         """The closure ``name`` of this law: latent moments to equivalent coefficients."""
-        return self._closures()[name]
-
-    def closure_names(self) -> tuple[str, ...]:
-        """Names that `linearize` accepts for this law."""
-        return tuple(self._closures())
-
-    def law_parameters(self) -> list[xr.DataArray]:
-        """Parameters of the law beyond those of every structure."""
-        return []
+        return self.closures.get(name) or self._compiled.gaussian
 
     def block(self) -> Block:
         """Time steps of this law."""
-        raise NotImplementedError
-
-    def _closures(self) -> Mapping[str, Closure]:
-        raise NotImplementedError
-
-
-@dataclass(frozen=True)
-class Bilinear(Structure):
-    """Bilinear hysteretic oscillator, eqs. (5) to (7) of the paper.
-
-    Parameters
-    ----------
-    period : float or array
-        Period of small oscillations ``2 pi / w`` [s], positive.
-    damping : float or array
-        Viscous damping ratio ``xi`` [-], in (0, 1).
-    hardening : float or array, optional
-        Post-yield over elastic stiffness ``alpha`` [-], in (0, 1]; needed with a strength.
-    yield_displacement : float or array, optional
-        ``uy`` [m], positive.
-    reduction_factor : float or array, optional
-        ``R = p sigma_el / uy`` [-], positive: elastic over yield strength on the given ground.
-    peak_factor : float or array
-        ``p`` [-] in the definition of ``R``.
-    mass : float, optional
-        [kg], positive; only what acts on another structure needs it, as with a `Link`.
-
-    Raises
-    ------
-    ValueError, TypeError
-        If a scalar is out of range, a value is not a number or an array is wrongly shaped, both
-        strengths are given, or a strength comes without hardening.
-
-    References
-    ----------
-    Valles-Mattox and Reinhorn (1996), eqs. (5) to (7), with the law of Suzuki and Minai as in Roberts,
-    J. B. and Spanos, P. D. (1990), Random vibration and statistical linearization.
-
-    Examples
-    --------
-    >>> import stochlin as sl
-    >>> sl.Bilinear(period=1.0, damping=0.05, hardening=0.05, reduction_factor=4).describe()
-    'Bilinear(period=1, damping=0.05, hardening=0.05, reduction_factor=4, peak_factor=3)'
-    """
-
-    def _closures(self) -> Mapping[str, Closure]:
-        return {"gaussian": bilinear.gaussian, "clipped": bilinear.clipped, DRIFT: bilinear.clipped}
-
-    def closure_names(self) -> tuple[str, ...]:
-        """Names that `linearize` accepts for this law."""
-        return (*super().closure_names(), NARROW_BAND)
-
-    def block(self) -> Block:
-        """Time steps of this law."""
-        from stochlin.kernels.simulation.stepping import bilinear_block
-
-        return bilinear_block
-
-
-@dataclass(frozen=True)
-class BoucWen(Structure):
-    """Bouc-Wen oscillator: ``z' = v - beta |v| |z|^(n-1) z - gamma v |z|^n``.
-
-    Parameters
-    ----------
-    period, damping, hardening, yield_displacement, reduction_factor, peak_factor
-        As in `Bilinear`; ``uy`` scales ``z``, which saturates at ``(beta + gamma)^(-1/n)``.
-    beta : float or array
-        Positive [-]: width of the loops.
-    gamma : float or array
-        [-], above ``-beta``, for ``z`` would not saturate otherwise: shape of the loops.
-    exponent : float or array
-        ``n >= 1`` [-]: sharpness of yielding; the bilinear law is its limit.
-    mass : float, optional
-        As in `Bilinear`.
-
-    Raises
-    ------
-    ValueError, TypeError
-        As in `Bilinear`.
-
-    References
-    ----------
-    Wen, Y. K. (1976), J. Eng. Mech. Div. ASCE 102; linearized as in Wen, Y. K. (1980), J. Appl. Mech.
-    47.
-
-    Examples
-    --------
-    >>> import stochlin as sl
-    >>> sl.BoucWen(period=1.0, damping=0.05, hardening=0.1, yield_displacement=0.02).exponent
-    1.0
-    """
-
-    beta: Parameter = parameter("1", "Bouc-Wen beta", POSITIVE, 0.5)
-    gamma: Parameter = parameter("1", "Bouc-Wen gamma", Range(lower=-float("inf")), 0.5)
-    exponent: Parameter = parameter(
-        "1", "Bouc-Wen exponent n", Range(lower=1.0, include_lower=True), 1.0
-    )
-
-    def _closures(self) -> Mapping[str, Closure]:
-        return {"gaussian": bouc_wen.gaussian}
+        return self._compiled.block
 
     def law_parameters(self) -> list[xr.DataArray]:
-        """Beta, gamma and n."""
+        """Those of `own_parameters`."""
         values = self.arrays()
-        return [values["beta"], values["gamma"], values["exponent"]]
-
-    def block(self) -> Block:
-        """Time steps of this law."""
-        from stochlin.kernels.simulation.stepping import bouc_wen_block
-
-        return bouc_wen_block
-
-
-@dataclass(frozen=True)
-class Hysteretic(Structure):
-    """Oscillator with any odd hysteresis law ``z' = G(v, z)`` written as a sympy expression.
-
-    Parameters
-    ----------
-    period, damping, hardening, yield_displacement, reduction_factor, peak_factor
-        As in `Bilinear`.
-    law : sympy.Expr
-        ``G`` in symbols named ``v`` (ductility rate) and ``z``, odd in both together.
-    mass : float, optional
-        As in `Bilinear`.
-
-    Raises
-    ------
-    ValueError, TypeError
-        As in `Bilinear`; or if the law is missing, has other symbols, is not odd, or has kinks
-        that cannot be located.
-
-    References
-    ----------
-    Roberts, J. B. and Spanos, P. D. (1990), Random vibration and statistical linearization.
-
-    Examples
-    --------
-    >>> import stochlin as sl, sympy
-    >>> v, z = sympy.symbols("v z")
-    >>> friction = sl.Hysteretic(1.0, 0.05, 0.1, reduction_factor=2, law=v - abs(v) * z)
-    >>> friction.closure_names()
-    ('gaussian',)
-    """
-
-    law: sympy.Expr | None = None
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        _ = self._compiled
+        return [values[name] for name in self.own_parameters()]
 
     @cached_property
-    def _compiled(self) -> Any:
-        from stochlin.models.laws.symbolic import SymbolicLaw
+    def _compiled(self) -> SymbolicLaw:
+        """What follows from the symbolic form, checked for some of the parameters that are valid."""
+        from stochlin.models.symbolic import compiled
 
-        return SymbolicLaw(self.law)
-
-    def _closures(self) -> Mapping[str, Closure]:
-        return {"gaussian": self._compiled.gaussian}
-
-    def block(self) -> Block:
-        """Time steps of this law."""
-        block: Block = self._compiled.block
-        return block
-
-    def describe(self) -> str:
-        """One line with the parameters and the law."""
-        return f"{super().describe()[:-1]}, law={self.law})"
+        law = compiled(self.symbolic(), self.own_parameters())
+        arrays = xr.broadcast(self.valid(), *self.law_parameters())
+        valid, *columns = (array.values.ravel() for array in arrays)
+        sets = np.unique(np.array(columns).reshape(len(columns), valid.size)[:, valid], axis=1)
+        law.check(sets[:, :: 1 + sets.shape[1] // CHECKED])
+        return law
 
 
 @dataclass(frozen=True)

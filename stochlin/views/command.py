@@ -20,10 +20,12 @@ from stochlin.views.probability.command import probability
 from stochlin.views.separation.command import gap
 from stochlin.views.shared import options as shared
 from stochlin.views.shared.options import (
-    CLOSURES,
-    GroundCommand,
     GroundOption,
+    Names,
+    RhoCommand,
     chart_options,
+    closure_option,
+    law_options,
     record_options,
     shared_option,
     simulation_options,
@@ -115,27 +117,29 @@ def verify(name: str, out: Path, picture_format: str, **options: Any) -> None:
     click.echo(f"{name}_verified and its dataset in {out}")
 
 
-@main.command(cls=GroundCommand)
+@main.command(cls=RhoCommand)
 @shared_option("period", "Period [s].")
 @shared_option("damping", "Damping ratio.", "0.05")
 @shared_option("hardening", "Hardening ratio.")
 @shared_option("reduction-factor", "R = 3 sigma_el/uy; without a strength: elastic.")
 @shared_option("yield-displacement", "uy [m], instead of R.")
+@law_options
 @click.option("--ground", cls=GroundOption, default="white-noise", show_default=True)
 @click.option(
     "--method",
-    type=click.Choice(["linearization", "white_noise", "effective", "simulation"]),
+    type=Names("stochlin.analyses.correlation.correlation", "METHODS"),
     default="linearization",
     show_default=True,
 )
 @click.option(
     "--rule",
+    type=Names("stochlin.models.rules.effective_properties", "EFFECTIVE_RULES"),
     default="iwan_1980",
     show_default=True,
     help="Effective properties, where the method is effective.",
 )
 @simulation_options
-@click.option("--closure", type=click.Choice(CLOSURES), default="gaussian", show_default=True)
+@closure_option
 @click.option(
     "--out", type=click.Path(dir_okay=False, path_type=Path), help="Save the table, .nc or .csv."
 )
@@ -152,6 +156,8 @@ def rho(record: Path | None, out: Path | None, **options: Any) -> None:
       stochlin rho --period-1 .2:2:19 --period-2 1 --hardening .05 --reduction-factor 2,4,6 \\
           --ground kanai-tajimi --ground-period 2 --ground-damping .05 --out table.nc
       stochlin rho --period 1 --period-2 1.2 --record taft.txt --dt .01 --units g
+      stochlin rho --period .7 --period-2 1 --hardening .05 --reduction-factor 4 \\
+          --law bouc_wen --exponent 2
     """
     from stochlin.analyses.correlation.correlation import correlate
     from stochlin.analyses.tables.storage import save_table

@@ -13,8 +13,11 @@ from hypothesis import strategies as st
 
 import stochlin as sl
 from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.pounding import pound_case
+from stochlin.analyses.cases.probability import judge_gap
 from stochlin.analyses.cases.separation import answer_case, rms_acceleration
 from stochlin.analyses.cases.values import UNITS, Quantity, Section, key_lines
+from stochlin.analyses.explorer.scene import scene_of
 from stochlin.models.parameters import Range
 
 pytestmark = pytest.mark.invariant
@@ -335,3 +338,23 @@ def test_answer_is_that_of_the_library(tmp_path: Path) -> None:
     )
     assert "path" not in answer.table(samples=False).dims
     assert "existing_least_added_damping" in answer.table()
+
+
+def test_a_building_takes_a_law_and_its_parameters(tmp_path: Path) -> None:
+    """Where an analysis knows the bilinear law alone, it says so before any work."""
+    wave(tmp_path)
+    text = changed('name = "Annex"', 'name = "Annex"\nlaw = "bouc_wen"\nbeta = "60 %"\nexponent = 2')
+    structure = read(tmp_path, text).second.structure
+    given = {"damping": 0.05, "mass": 1.5e6, "beta": 0.6, "exponent": 2.0}
+    assert isinstance(structure, sl.BoucWen)
+    assert {name: getattr(structure, name) for name in given} == given
+    assert structure.gamma == sl.BoucWen(1.0, 0.05).gamma
+    with pytest.raises(ValueError, match=r"case.toml: Annex is a BoucWen; allowed in the explorer"):
+        scene_of(read(tmp_path, text))
+    case = read(tmp_path, text.replace("[motion]", f"{RECORD}[motion]"))
+    for judged in (lambda: answer_case(case), lambda: judge_gap(case, 0.05)):
+        with pytest.raises(ValueError, match="building_2 is a BoucWen, which cannot ride on records"):
+            judged()
+    (table,) = pound_case(case).values()
+    assert np.isfinite(table.peak).all()
+    assert np.isnan(table.largest_radius_amplification).all()

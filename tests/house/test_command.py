@@ -14,8 +14,8 @@ from click.testing import CliRunner, Result
 
 import stochlin as sl
 from stochlin.analyses.tables import storage
+from stochlin.models.laws import closure_names
 from stochlin.views.command import main
-from stochlin.views.shared.options import CLOSURES
 
 pytestmark = pytest.mark.cli
 
@@ -71,7 +71,7 @@ def test_csv_has_a_row_a_cell(tmp_path: Path) -> None:
     assert len(lines) == 4
 
 
-@pytest.mark.parametrize("closure", CLOSURES)
+@pytest.mark.parametrize("closure", closure_names())
 def test_every_closure_is_an_option_of_rho(closure: str, tmp_path: Path) -> None:
     options = ("--hardening", 0.05, "--reduction-factor", 4, "--closure", closure)
     periods = ("--period-1", "0.5,0.9", "--period-2", 0.7)

@@ -10,7 +10,7 @@ from scipy.integrate import dblquad
 
 import stochlin as sl
 from stochlin.models.laws import bilinear, bouc_wen
-from stochlin.models.laws.symbolic import SymbolicLaw
+from stochlin.models.symbolic import SymbolicLaw
 
 pytestmark = pytest.mark.oracle
 
@@ -31,7 +31,7 @@ def assert_same_response(one, other, tolerance=1e-9):
 
 
 def bouc_wen_expression(beta, gamma, exponent):
-    names = {"beta": beta, "gamma": gamma, "n": exponent}
+    names = {"beta": beta, "gamma": gamma, "exponent": exponent}
     expression = bouc_wen.symbolic()
     return expression.subs({s: names[s.name] for s in expression.free_symbols if s.name in names})
 

@@ -21,7 +21,7 @@ def test_block_of_a_law_moves_as_the_compiled_one():
     extra = np.tile([0.7, -0.2, 2.0], (2, 1))
     f = np.random.default_rng(1).standard_normal((600, LANES)) * 8
     runs = []
-    expression = sympy.lambdify((V, Z), BOUC_WEN, "math")
+    expression = sympy.lambdify((V, Z, sympy.Symbol("own")), BOUC_WEN, "math")
     for block, parameters in ((law_block(expression), law), (bouc_wen_block, np.hstack([law, extra]))):
         state, out = np.zeros((3, 2, LANES)), np.empty((LANES, 2, 300))
         block(f, 1 / 32, parameters, *state, 2, out)

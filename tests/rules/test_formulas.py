@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import stochlin as sl
-from stochlin.models.rules.effective_properties import Secant
+from stochlin.models.rules.effective_properties.secant import Secant
 
 pytestmark = pytest.mark.oracle
 

@@ -32,10 +32,9 @@ import xarray as xr
 
 from stochlin.analyses.tables.checks import check_whole, is_number, is_whole
 from stochlin.models.grounds import GROUNDS, Ground
+from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Model
-from stochlin.models.structures import Bilinear
 
-CLOSURES = ("gaussian", "clipped", "drift", "narrow_band")
 KEYS = ("title", "ground", "closure", "block_cells", "parameters")
 SWEEP = ("start", "stop", "count", "spacing")
 OF_STRUCTURES = ("damping", "hardening", "reduction_factor")
@@ -120,7 +119,7 @@ def specification(data: Mapping[str, Any]) -> AtlasSpecification:
     """Check a specification given as nested mappings; raises as `read_specification`."""
     _only(data, KEYS, "the specification")
     ground = _one_of(data.get("ground", "kanai_tajimi"), tuple(GROUNDS), "ground")
-    closure = _one_of(data.get("closure", "gaussian"), CLOSURES, "closure")
+    closure = _one_of(data.get("closure", "gaussian"), Bilinear.closure_names(), "closure")
     title = data.get("title", "Correlation of two structures")
     if not isinstance(title, str):
         raise ValueError(f"title = {title!r}; allowed: text in quotes")

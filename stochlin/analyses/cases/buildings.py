@@ -11,8 +11,9 @@ from stochlin.analyses.cases.values import Quantity, Section
 from stochlin.analyses.linearization.strength import DuctilityTarget, strength_for_ductility
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.grounds import Ground
+from stochlin.models.laws import laws_in_numbers
 from stochlin.models.links import NOT_NEGATIVE
-from stochlin.models.structures import POSITIVE, Bilinear
+from stochlin.models.structures import POSITIVE, Structure
 
 STRENGTHS = ("reduction_factor", "yield_displacement", "ductility", "elastic")
 OF_STOREYS = ("masses", "stiffnesses", "heights")
@@ -29,7 +30,7 @@ class Building:
     """
 
     name: str
-    structure: Bilinear
+    structure: Structure
     strength: str
     height: float | None
     storeys: int | None
@@ -104,7 +105,10 @@ def read_gaps(wanted: Section, count: int) -> tuple[float, ...]:
 
 
 def _single(one: Section, number: int, ground: Ground) -> Building:
-    one.only("name", "period", "damping", "hardening", *STRENGTHS, "mass", "height", "storeys")
+    laws = laws_in_numbers()
+    law = laws[one.text("law", tuple(laws)) if "law" in one else "bilinear"]
+    keys = ("name", "law", "period", "damping", "hardening", *law.own_parameters(), *STRENGTHS)
+    one.only(*keys, "mass", "height", "storeys")
     strength = _strength(
         one,
         STRENGTHS,
@@ -113,7 +117,10 @@ def _single(one: Section, number: int, ground: Ground) -> Building:
     names = ("period", "damping") if strength == "elastic" else ("period", "damping", "hardening")
     if strength in ("reduction_factor", "yield_displacement"):
         names = (*names, strength)
-    structure: Bilinear = one.model(Bilinear, (*names, "mass") if "mass" in one else names)
+    # A class has what is usual as an attribute; what has no such thing has to be given.
+    own = [name for name in law.own_parameters() if name in one or not hasattr(law, name)]
+    names = (*names, *(["mass"] if "mass" in one else []), *own)
+    structure: Structure = one.model(law, names)
     if strength == "ductility":
         wanted = one.model(DuctilityTarget, ("ductility",)).ductility
         try:

@@ -23,9 +23,10 @@ from stochlin.analyses.cases.values import Quantity, Section, read_sections
 from stochlin.models.contacts import Contact
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
+from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.measures import Measure
 from stochlin.models.parameters import Range
-from stochlin.models.rules.separations import ZONES
+from stochlin.models.rules.codes import ZONES
 
 SHARE = Quantity("1", Range(upper=1.0, reason="a probability"))
 FEWEST_PATHS = 100  # for a quantile to have an interval
@@ -79,6 +80,18 @@ class Case:
                 "by its period, damping and strength; 'stochlin pound' takes storeys"
             )
         return first, second
+
+    @property
+    def motions(self) -> Mapping[str, xr.DataArray]:
+        """The records for the two buildings to ride on; an error if there are some and they cannot."""
+        for number, building in enumerate(self.pair, start=1):
+            if self.records and not isinstance(building.structure, Bilinear):
+                raise ValueError(
+                    f"{self.file}: building_{number} is a {type(building.structure).__name__}, which "
+                    "cannot ride on records here; allowed: bilinear buildings, or no [[site.records]]; "
+                    "'stochlin pound' takes bilinear and bouc_wen on records"
+                )
+        return self.records
 
     @property
     def first(self) -> Building:

@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.cases.buildings import StoreyBuilding
+from stochlin.analyses.cases.buildings import Building, StoreyBuilding
 from stochlin.analyses.cases.case import Case
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.pounding.pounding import pound
-from stochlin.analyses.pounding.rows import Building as Structure
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress
+from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Contact
-from stochlin.models.structures import Bilinear
+from stochlin.models.structures import Structure
 
 ENERGIES = ("viscous", "hysteretic", "contacts", "remaining")
 
@@ -55,7 +55,7 @@ def pound_case(case: Case, progress: Progress | None = None) -> dict[str, xr.Dat
     for name, record in case.records.items():
         try:
             table = pound(structures, list(case.gaps), contact, record)
-        except (ValueError, ArithmeticError) as error:
+        except (ValueError, TypeError, ArithmeticError) as error:
             raise type(error)(f"{case.file}, record {name}: {error}") from error
         tables[name] = _described(table, case, structures).assign_attrs(
             title=f"{case.title}: pounding in {name}", record=name, case=case.title
@@ -78,7 +78,7 @@ def _checked(case: Case) -> Contact:
             "that touch, and a list for more than two"
         )
     for number, building in enumerate(case.buildings, start=1):
-        if isinstance(building.structure, Bilinear) and building.structure.mass is None:
+        if isinstance(building, Building) and building.structure.mass is None:
             raise ValueError(
                 f'{needs} the mass of every building; write mass = "1500 t" in [building_{number}]'
             )
@@ -90,19 +90,19 @@ def _checked(case: Case) -> Contact:
     return case.contact
 
 
-def _structure(case: Case, number: int) -> Structure:
+def _structure(case: Case, number: int) -> Structure | ShearBuilding:
     building = case.buildings[number]
     if isinstance(building, StoreyBuilding):
         return building.structure
-    structure: Bilinear = strength_in_metres(building.structure, case.ground)
+    structure: Structure = strength_in_metres(building.structure, case.ground)
     return structure
 
 
-def _described(table: xr.Dataset, case: Case, structures: list[Structure]) -> xr.Dataset:
+def _described(table: xr.Dataset, case: Case, structures: list[Structure | ShearBuilding]) -> xr.Dataset:
     """The dataset with the names of the case, and with what its impacts and energies add up to."""
     names = [building.name for building in case.buildings]
     strengths = [
-        structure.yield_displacement if isinstance(structure, Bilinear) and structure.yields else np.nan
+        structure.yield_displacement if isinstance(structure, Structure) and structure.yields else np.nan
         for structure in structures
     ]
     table = table.assign_coords(building=("structure", names, {"long_name": "name of the building"}))
@@ -112,6 +112,8 @@ def _described(table: xr.Dataset, case: Case, structures: list[Structure]) -> xr
     else:
         table["yield_displacement"] = ("structure", np.array(strengths, float))
         table["peak_ductility"] = table.peak / table.yield_displacement
+        if "largest_radius_amplification" not in table:  # it is estimated for bilinear buildings
+            table["largest_radius_amplification"] = np.nan * table.amplification
     return labels.label(_with_energies(_with_tallies(table)))
 
 

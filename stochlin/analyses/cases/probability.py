@@ -37,6 +37,7 @@ def judge_gap(case: Case, gap: float, progress: Progress | None = None) -> Proba
     ValueError, TypeError
         As in `stochlin.pounding_probability`.
     """
+    motions = case.motions
     asked = case.first.structure, case.second.structure, case.ground, gap
     table = pounding_probability(
         *asked,
@@ -49,6 +50,6 @@ def judge_gap(case: Case, gap: float, progress: Progress | None = None) -> Proba
     )
     records = {
         name: pounding_probability(*asked, method="hybrid", record=record, confidence=case.confidence)
-        for name, record in case.records.items()
+        for name, record in motions.items()
     }
     return ProbabilityAnswer(case, gap, table, records)

@@ -81,7 +81,7 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
         floors_align=case.floors_align,
         zone=case.zone,
         unverified=case.unverified,
-        records=dict(case.records) or None,
+        records=dict(case.motions) or None,
         progress=progress,
     )
     existing = None

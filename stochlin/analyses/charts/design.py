@@ -27,7 +27,7 @@ from stochlin.analyses.correlation.correlation import correlate, rho_white_noise
 from stochlin.analyses.records.spectra import fit_spectra
 from stochlin.analyses.tables import labels
 from stochlin.models.grounds import Ground, KanaiTajimi
-from stochlin.models.structures import Bilinear
+from stochlin.models.laws.bilinear import Bilinear
 
 NARROW_BAND_DAMPING = 0.05  # the paper's, for Figs. 4 and 5
 BROAD_BAND_DAMPING = 0.6  # firm ground, Der Kiureghian & Neuenhofer 1992

@@ -15,7 +15,7 @@ from stochlin.analyses.records.gaps import recorded_gap
 from stochlin.analyses.records.response import pseudo_energy_radius, respond
 from stochlin.analyses.separation.critical_gap import double_difference
 from stochlin.analyses.tables import labels
-from stochlin.models.structures import Bilinear
+from stochlin.models.laws.bilinear import Bilinear
 
 POINTS_PER_PERIOD = 32  # of a portrait, for a smooth curve
 CIRCLE = 181  # points

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -27,8 +29,6 @@ from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Parameter, expect
 from stochlin.models.rules.effective_properties import EffectiveRule, effective_rule
 from stochlin.models.structures import DRIFT, LinearPair, Structure
-
-METHODS = ("linearization", "white_noise", "effective", "simulation")
 
 
 def correlate(
@@ -127,34 +127,9 @@ def correlate(
         expect(structure, Structure, role)
         check_closure(structure, closure)
     expect(ground, Ground, "ground")
-    if method == "simulation":
-        settings = SimulationSettings(paths, seed, steps_per_period, relaxation_times, progress)
-        table = simulate_pairs(first, second, ground, settings)
-        details = f"paths={paths}, seed={seed}"
-    elif method == "effective":
-        chosen = effective_rule(rule)
-        sides = [solve_structure(s, ground, closure, tolerance) for s in (first, second)]
-        effective = effective_pair(first, second, sides, chosen)
-        rho = _combine(_white_noise, *(effective[name] for name in EQ_4))
-        table = _table(rho, sides).assign(effective)
-        if first.yields or second.yields:
-            table.attrs["comment"] = f"Peak ductilities are linearized. {labels.CAUTION_SIGMA}"
-        table.attrs["rule"] = chosen.describe()
-        details = f"closure={closure!r}, rule={chosen.name!r}"
-    elif method == "linearization":
-        if closure == DRIFT:
-            table = drifting_pairs(first, second, ground, tolerance)
-        else:
-            table = linearized_pairs(first, second, ground, closure, tolerance)
-        details = f"closure={closure!r}"
-        if first.yields or second.yields:
-            linear = f"{labels.CAUTION_RHO} {labels.CAUTION_SIGMA}"
-            table.attrs["comment"] = labels.CAUTION_DRIFT if closure == DRIFT else linear
-    else:
-        sides = [solve_elastic(s, ground) for s in (first, second)]
-        inputs = [s.arrays()[name] for name in ("period", "damping") for s in (first, second)]
-        table = _table(_combine(_white_noise, *inputs), sides)
-        details = "eq. (4)"
+    settings = partial(SimulationSettings, paths, seed, steps_per_period, relaxation_times, progress)
+    asked = Question((first, second), ground, closure, tolerance, rule, settings)
+    table, details = METHODS[method](asked)
     table = labels.label(table)
     if "bias" in table:
         table["bias"].attrs["long_name"] = "linearized rho less the exact one"
@@ -166,6 +141,70 @@ def correlate(
         f"correlate(method={method!r}, {details})",
         {"first": first, "second": second, "ground": ground},
     )
+
+
+class Question(NamedTuple):
+    """What `correlate` is asked: each method takes of it what it needs."""
+
+    pair: tuple[Structure, Structure]
+    ground: Ground
+    closure: str
+    tolerance: Tolerance
+    rule: str | EffectiveRule
+    settings: Callable[[], SimulationSettings]  # called by a method that simulates: it checks them
+
+    @property
+    def yields(self) -> bool:
+        """Whether one of them can yield."""
+        return any(structure.yields for structure in self.pair)
+
+
+Answer = tuple[xr.Dataset, str]  # and how it was made, for its history
+
+
+def _by_linearization(asked: Question) -> Answer:
+    drifts = asked.closure == DRIFT
+    if drifts:
+        table = drifting_pairs(*asked.pair, asked.ground, asked.tolerance)
+    else:
+        table = linearized_pairs(*asked.pair, asked.ground, asked.closure, asked.tolerance)
+    if asked.yields:
+        linear = f"{labels.CAUTION_RHO} {labels.CAUTION_SIGMA}"
+        table.attrs["comment"] = labels.CAUTION_DRIFT if drifts else linear
+    return table, f"closure={asked.closure!r}"
+
+
+def _by_white_noise(asked: Question) -> Answer:
+    sides = [solve_elastic(structure, asked.ground) for structure in asked.pair]
+    inputs = [s.arrays()[name] for name in ("period", "damping") for s in asked.pair]
+    return _table(_combine(_white_noise, *inputs), sides), "eq. (4)"
+
+
+def _by_effective_properties(asked: Question) -> Answer:
+    rule = effective_rule(asked.rule)
+    solved = (asked.ground, asked.closure, asked.tolerance)
+    sides = [solve_structure(structure, *solved) for structure in asked.pair]
+    effective = effective_pair(*asked.pair, sides, rule)
+    rho = _combine(_white_noise, *(effective[name] for name in EQ_4))
+    table = _table(rho, sides).assign(effective)
+    if asked.yields:
+        table.attrs["comment"] = f"Peak ductilities are linearized. {labels.CAUTION_SIGMA}"
+    table.attrs["rule"] = rule.describe()
+    return table, f"closure={asked.closure!r}, rule={rule.name!r}"
+
+
+def _by_simulation(asked: Question) -> Answer:
+    settings = asked.settings()
+    table = simulate_pairs(*asked.pair, asked.ground, settings)
+    return table, f"paths={settings.paths}, seed={settings.seed}"
+
+
+METHODS: Mapping[str, Callable[[Question], Answer]] = {
+    "linearization": _by_linearization,
+    "white_noise": _by_white_noise,
+    "effective": _by_effective_properties,
+    "simulation": _by_simulation,
+}
 
 
 def _table(rho: xr.DataArray, sides: list[xr.Dataset]) -> xr.Dataset:

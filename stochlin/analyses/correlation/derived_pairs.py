@@ -8,16 +8,11 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.linearization.equivalent_systems import INTERNAL, SHARES
+from stochlin.analyses.linearization.equivalent_systems import INTERNAL, SHARES, system_and_forcing
 from stochlin.analyses.tables.cellwise import cellwise
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.slabs import in_slabs
-from stochlin.kernels.linearization.covariance import (
-    EquivalentSystem,
-    Forcing,
-    own_covariance,
-    pair_covariance,
-)
+from stochlin.kernels.linearization.covariance import own_covariance, pair_covariance
 from stochlin.kernels.linearization.drift import drift_correlation, innovation_coherence
 
 OF_A_SIDE = ("drift_std", "drift_rate", *INTERNAL, *SHARES)
@@ -38,7 +33,7 @@ def pieces_of_rho(*parts: Array) -> Array:
     """``rho`` of cells, from `OF_A_SIDE` of the first structures and of the second."""
     half, end = len(parts) // 2, len(INTERNAL)
     (slow_1, rate_1, *one), (slow_2, rate_2, *other) = parts[:half], parts[half:]
-    first, second = _system(one[:end]), _system(other[:end])
+    first, second = (system_and_forcing(side[:end]) for side in (one, other))
     shares = [np.stack(np.broadcast_arrays(*side[end:])) for side in (one, other)]
     coherence = innovation_coherence(first[0], second[0])
     drifts = drift_correlation(coherence, shares[0], shares[1], rate_1, rate_2)
@@ -47,8 +42,3 @@ def pieces_of_rho(*parts: Array) -> Array:
     joint = pair_covariance(*first, *second) + drifts * slow_1 * slow_2
     rho: Array = joint / np.sqrt(total_1 * total_2)
     return rho
-
-
-def _system(parts: list[Array]) -> tuple[EquivalentSystem, Forcing]:
-    size = len(EquivalentSystem._fields)
-    return EquivalentSystem(*parts[:size]), Forcing(*parts[size:])

@@ -13,7 +13,8 @@ from stochlin.analyses.linearization.bias_map import KNOWN_GROUNDS, place_in_map
 from stochlin.analyses.tables.cellwise import cellwise
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.grounds import Ground, WhiteNoise
-from stochlin.models.structures import Bilinear, Structure
+from stochlin.models.laws.bilinear import Bilinear
+from stochlin.models.structures import Structure
 
 PERIODS, GROUND_DAMPINGS = (0.2, 0.5, 0.9, 5.0), (0.03, 0.1, 0.3, 1.0)  # of the shorter T/Tg; of xig
 # By PERIODS, and within each by GROUND_DAMPINGS.

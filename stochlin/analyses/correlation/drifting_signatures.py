@@ -20,7 +20,8 @@ from stochlin.analyses.tables.cellwise import cellwise
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.correlation.signatures import Insight, insight, signature
 from stochlin.models.grounds import Ground, KanaiTajimi
-from stochlin.models.structures import DRIFT, Bilinear, Structure
+from stochlin.models.laws.bilinear import Bilinear
+from stochlin.models.structures import DRIFT, Structure
 
 OTHER = "other_reference"
 PEAK_FACTOR = 3.0  # of the references, by which a reduction factor is told from R/p

@@ -17,13 +17,16 @@ from stochlin.analyses.linearization.bias_map import (
     relative_bias,
     rho_bias_map,
 )
-from stochlin.analyses.linearization.equivalent_systems import INTERNAL, solve_structure
+from stochlin.analyses.linearization.equivalent_systems import (
+    INTERNAL,
+    solve_structure,
+    system_and_forcing,
+)
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import cellwise_pair, is_lazy
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.correlation.tables import Codes, RhoBiasMap, Side, pair_parameters, pair_table
-from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Structure
 
@@ -97,8 +100,7 @@ def _side(arrays: tuple[Array, ...], dimensions: int, other_closure: bool) -> Si
 
     def parameters(values: list[Array]) -> Array:
         sigma, *rest = (np.broadcast_to(value, shape) for value in values)
-        split = len(EquivalentSystem._fields)
-        return pair_parameters(EquivalentSystem(*rest[:split]), Forcing(*rest[split:]), sigma)
+        return pair_parameters(*system_and_forcing(rest), sigma)
 
     own = parameters(systems[:count])
     gaussian = parameters(systems[count : 2 * count]) if other_closure else own

@@ -15,9 +15,9 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import over_cells
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.grounds import Ground
+from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.links import Link, check_linked
 from stochlin.models.parameters import expect
-from stochlin.models.structures import Bilinear
 
 MISMATCH = 1e-8  # of logarithms of standard deviations and of the correlation
 
@@ -90,7 +90,8 @@ def correlate_linked(
         )
 
     def of_cell(first: Bilinear, second: Bilinear, ground: Ground, link: Link) -> xr.Dataset:
-        return _Linked.of(first, second, ground, link, closure).solve()
+        alone = [solve_structure(s, ground, closure, USUAL) for s in (first, second)]
+        return _Linked((first, second), ground, link, closure, alone).solve()
 
     models = {"first": first, "second": second, "ground": ground, "link": link}
     table = labels.label(over_cells(of_cell, models))
@@ -112,12 +113,7 @@ class _Linked(NamedTuple):
     ground: Ground
     link: Link
     closure: str
-    alone: tuple[xr.Dataset, xr.Dataset]  # solved standing alone
-
-    @classmethod
-    def of(cls, first: Bilinear, second: Bilinear, ground: Ground, link: Link, closure: str) -> _Linked:
-        alone = [solve_structure(s, ground, closure, USUAL) for s in (first, second)]
-        return cls((first, second), ground, link, closure, (alone[0], alone[1]))
+    alone: list[xr.Dataset]  # solved standing alone
 
     def solve(self) -> xr.Dataset:
         """Find the moments that a closure assumes and that it leads to: log, log and atanh."""

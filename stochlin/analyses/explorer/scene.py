@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from stochlin.analyses.cases.buildings import Building
 from stochlin.analyses.cases.case import FEWEST_PATHS, Case
 from stochlin.analyses.cases.site import FITTED, NONE
 from stochlin.analyses.linearization.strength import reduction_factor
@@ -15,8 +16,9 @@ from stochlin.analyses.tables.checks import check_confidence, check_whole
 from stochlin.models.envelopes import ENVELOPES, AminAng, Envelope, GammaEnvelope, ShinozukaSato
 from stochlin.models.grounds import GROUNDS, Ground, KanaiTajimi
 from stochlin.models.grounds.named import ground_names, named_ground
+from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Model, Range, parameter
-from stochlin.models.structures import DAMPING, HARDENING, POSITIVE, Bilinear
+from stochlin.models.structures import DAMPING, HARDENING, POSITIVE
 
 SITES = (*ground_names(), *GROUNDS)
 SHAPES = (*ENVELOPES, NONE)
@@ -203,7 +205,7 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
     names = case.ground.beside_structures()
     values: dict[str, Any] = {name: given[own] for name, own in names.items() if own in given}
     for number, building in enumerate(case.pair, start=1):
-        structure = building.structure
+        structure = _bilinear(case, building)
         if building.strength in ("yield_displacement", "ductility"):
             notes.append(
                 f"The strength of {building.name}, given by {building.strength.replace('_', ' ')}, is "
@@ -237,6 +239,15 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
         **{name: getattr(case, name) for name in kept},
     )
     return scene, notes
+
+
+def _bilinear(case: Case, building: Building) -> Bilinear:
+    if not isinstance(building.structure, Bilinear):
+        raise ValueError(
+            f"{case.file}: {building.name} is a {type(building.structure).__name__}; allowed in the "
+            "explorer: bilinear buildings; 'stochlin gap' and 'stochlin probability' take every law"
+        )
+    return building.structure
 
 
 def _numbers(model: Model) -> list[tuple[str, float]]:

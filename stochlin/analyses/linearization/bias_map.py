@@ -18,7 +18,8 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.interpolation import Grid, interpolate
 from stochlin.kernels.correlation.tables import OFF, RhoBiasMap
 from stochlin.models.grounds import Ground, KanaiTajimi, WhiteNoise
-from stochlin.models.structures import Bilinear, Structure
+from stochlin.models.laws.bilinear import Bilinear
+from stochlin.models.structures import Structure
 
 FILE = "bias_map.nc"
 SHARED = ("elastic_ductility_std", "hardening", "damping")

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -55,6 +55,12 @@ PUBLIC = (
 )
 
 
+def system_and_forcing(arrays: Sequence[Array]) -> tuple[EquivalentSystem, Forcing]:
+    """From arrays in the order of `INTERNAL`."""
+    count = len(EquivalentSystem._fields)
+    return EquivalentSystem(*arrays[:count]), Forcing(*arrays[count:])
+
+
 def check_closure(structure: Structure, closure: str) -> None:
     """Raise a ValueError unless the law of the structure has this closure."""
     if closure not in structure.closure_names():
@@ -77,21 +83,15 @@ def solve_structure(
     return corrected(structure, ground, solved)
 
 
-def solve_derived(
-    structure: Structure, ground: Ground, closure: str, tolerance: Tolerance
-) -> xr.Dataset:
-    """The same as its equations have it, without what simulation adds to the drift closure."""
-    return _solve(structure, ground, closure, tolerance)
-
-
 def solve_elastic(structure: Structure, ground: Ground) -> xr.Dataset:
     """The same for the structure if it stayed elastic, whatever its strength."""
-    return _solve(structure, ground, None, None)
+    return solve_derived(structure, ground, None, None)
 
 
-def _solve(
+def solve_derived(
     structure: Structure, ground: Ground, closure: str | None, tolerance: Tolerance | None
 ) -> xr.Dataset:
+    """The same as its equations have it, without what simulation adds to the drift closure."""
     values, law = structure.arrays(), structure.law_parameters()
     elastic = closure is None or not structure.yields
     cells = _Cells(

@@ -7,12 +7,16 @@ from collections.abc import Callable
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.linearization.equivalent_systems import INTERNAL, solve_structure
+from stochlin.analyses.linearization.equivalent_systems import (
+    INTERNAL,
+    solve_structure,
+    system_and_forcing,
+)
 from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.cellwise import cellwise
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
-from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.spectral_moments import (
     SpectralMoments,
     difference_moments,
@@ -147,12 +151,9 @@ def peak_table(
     """Peak of a Gaussian displacement with these spectral moments [m^2, m^2/s, m^2/s^2]."""
     moving = (l0 > 0) & (l2 > 0)  # rounding may leave less of the difference of equal structures
     crossings = duration * np.sqrt(l2.where(moving) / l0) / np.pi
-    bandwidth = np.sqrt(np.maximum(1 - l1**2 / (l0 * l2).where(moving), 0))
+    bandwidth = xr.apply_ufunc(np.sqrt, (1 - l1**2 / (l0 * l2).where(moving)).clip(0))
     factors = [
-        xr.apply_ufunc(
-            lambda n, delta, f=function: f(n, delta, sides), crossings, bandwidth, join="exact"
-        )
-        for function in (model.mean, model.std)
+        cellwise(function, crossings, bandwidth, sides=sides)[0] for function in (model.mean, model.std)
     ]
     sigma = np.sqrt(l0.where(moving))
     return xr.Dataset(
@@ -168,46 +169,29 @@ def peak_table(
 
 def response_moments(solved: xr.Dataset, ground: Ground) -> tuple[xr.DataArray, ...]:
     """Spectral moments of the displacement [m]; ``solved`` as `solve_structure` returns it."""
-
-    def moments(parts: list[Array], below: Filter) -> SpectralMoments:
-        return displacement_moments(*_system(parts), below)
-
-    return _moments(moments, [solved], ground)
+    return _moments(displacement_moments, [solved], ground)
 
 
 def relative_moments(first: xr.Dataset, second: xr.Dataset, ground: Ground) -> tuple[xr.DataArray, ...]:
     """Spectral moments of ``u_1 - u_2`` [m]; arguments as in `response_moments`."""
-
-    def moments(parts: list[Array], below: Filter) -> SpectralMoments:
-        half = len(parts) // 2
-        return difference_moments(*_system(parts[:half]), *_system(parts[half:]), below)
-
-    return _moments(moments, [first, second], ground)
+    return _moments(difference_moments, [first, second], ground)
 
 
 def _moments(
-    function: Callable[[list[Array], Filter], SpectralMoments],
-    sides: list[xr.Dataset],
-    ground: Ground,
+    function: Callable[..., SpectralMoments], sides: list[xr.Dataset], ground: Ground
 ) -> tuple[xr.DataArray, ...]:
     """Cells in one row for the kernel; a cell without a response stays NaN."""
-    inputs = [side[name] for side in sides for name in INTERNAL]
 
     @np.errstate(invalid="ignore", divide="ignore")
     def flat(*arrays: Array) -> tuple[Array, ...]:
         shape = np.broadcast_shapes(*(np.shape(array) for array in arrays))
         rows = [np.broadcast_to(array, shape).ravel() for array in arrays]
-        moments = function(rows[: len(inputs)], ground.filter_of(rows[len(inputs) :]))
-        return tuple(moment.reshape(shape) for moment in moments)
+        systems: list[EquivalentSystem | Forcing] = []
+        for _ in sides:
+            systems += system_and_forcing(rows[: len(INTERNAL)])
+            del rows[: len(INTERNAL)]
+        return tuple(moment.reshape(shape) for moment in function(*systems, ground.filter_of(rows)))
 
-    cores: list[list[str]] = [[]] * len(SpectralMoments._fields)
-    arrays = [*inputs, *ground.arrays().values()]
-    result: tuple[xr.DataArray, ...] = xr.apply_ufunc(
-        flat, *arrays, output_core_dims=cores, join="exact"
-    )
-    return result
-
-
-def _system(parts: list[Array]) -> tuple[EquivalentSystem, Forcing]:
-    size = len(EquivalentSystem._fields)
-    return EquivalentSystem(*parts[:size]), Forcing(*parts[size:])
+    inputs = [side[name] for side in sides for name in INTERNAL]
+    kinds = (float,) * len(SpectralMoments._fields)
+    return cellwise(flat, *inputs, *ground.arrays().values(), kinds=kinds)

@@ -11,6 +11,7 @@ import xarray as xr
 from scipy.optimize import elementwise
 
 from stochlin.analyses.linearization.equivalent_systems import (
+    STRENGTH_RATIO,
     check_closure,
     solve_elastic,
     solve_structure,
@@ -236,6 +237,12 @@ def _search(structure: Structure, ground: Ground, target: DuctilityTarget, closu
         root = elementwise.find_root(excess, around.bracket, args=(index,), maxiter=60)
         result[valid] = np.where(root.success, np.exp(root.x), np.nan)
     return xr.DataArray(result, dims=arrays[0].dims, coords=arrays[0].coords)
+
+
+def solved_reduction_factor(structure: Structure, solved: xr.Dataset) -> float:
+    """The reduction factor of one cell, from what `solve_structure` returns; NaN if elastic."""
+    factor = float(structure.arrays()["peak_factor"] * solved[STRENGTH_RATIO])
+    return factor if structure.yields else np.nan
 
 
 def strength_in_metres(structure: Structure, ground: Ground) -> Any:

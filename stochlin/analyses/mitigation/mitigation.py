@@ -19,10 +19,12 @@ from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.contacts import Contact
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
+from stochlin.models.laws.bilinear import Bilinear
+from stochlin.models.laws.bouc_wen import BoucWen
 from stochlin.models.links import Link, check_linked
 from stochlin.models.measures import Measure
 from stochlin.models.parameters import expect
-from stochlin.models.structures import Bilinear, BoucWen, Structure
+from stochlin.models.structures import Structure
 
 AS_BUILT = "as built"
 TEXTS: Mapping[str, str] = {

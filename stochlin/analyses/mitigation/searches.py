@@ -12,9 +12,9 @@ from stochlin.analyses.mitigation.mitigated_pair import MitigatedPair
 from stochlin.analyses.separation.existing_gap import DAMPINGS, first_below
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding.contact import reduced_mass
+from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.links import Link
 from stochlin.models.measures import Measure
-from stochlin.models.structures import Bilinear
 
 CONSTANTS = np.append(0.0, np.geomspace(1e-3, 10, 13))  # of dashpots, over 2 m w
 SIDES: Mapping[str, tuple[float, float]] = {

@@ -25,9 +25,9 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import in_order
 from stochlin.kernels.pounding import run as kernel
 from stochlin.models.contacts import Contact
+from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.links import Link
 from stochlin.models.parameters import Model
-from stochlin.models.structures import Bilinear
 
 REFERENCES = (
     f"{labels.PAPER} Hairer, E., Norsett, S. P. and Wanner, G. (1993), Solving Ordinary Differential "

@@ -15,9 +15,11 @@ from stochlin.kernels.pounding.contact import reduced_mass
 from stochlin.kernels.pounding.run import BILINEAR, BOUC_WEN, ELASTIC, STEREOMECHANICAL, Row
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Contact, Element, Stereomechanical
+from stochlin.models.laws.bilinear import Bilinear
+from stochlin.models.laws.bouc_wen import BoucWen
 from stochlin.models.links import Link
 from stochlin.models.parameters import Model, expect
-from stochlin.models.structures import Bilinear, BoucWen, Structure
+from stochlin.models.structures import Structure
 
 Building = Structure | ShearBuilding
 

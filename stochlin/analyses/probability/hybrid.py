@@ -15,8 +15,9 @@ from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.probability.phases import beyond_phase, concentration, exceeding, least_phase
 from stochlin.models.grounds import Ground
+from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import expect
-from stochlin.models.structures import Bilinear, Gap, Structure
+from stochlin.models.structures import Gap, Structure
 
 POINTS_PER_PERIOD = 16
 CLOSE = 1e-6  # relative, of the gap that is searched

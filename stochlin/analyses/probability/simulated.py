@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from stochlin.analyses.linearization.transient_systems import Course, Side, grounds_of, oscillators_of
-from stochlin.analyses.simulation.ensembles import LAW_PARAMETERS, Cells, prepare
+from stochlin.analyses.simulation.ensembles import Cells, joined_laws, prepare
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.separation_histories import Histories, Watched, separation_histories
@@ -46,7 +46,7 @@ def simulate_course(
         damping,
         hardening,
         uy / amplitude,
-        np.concatenate([_law(side) for side in sides]),
+        joined_laws([side.law.T for side in sides]),
         np.concatenate([np.full(side.cells.period.size, side.structure.block()) for side in sides]),
         1 / (damping * 2 * np.pi / period),
         np.zeros(period.size),
@@ -70,11 +70,6 @@ def simulate_course(
 def motions(paths: int) -> int:
     """How many motions are run for so many paths: whole groups of them."""
     return int(np.ceil(paths / LANES)) * LANES
-
-
-def _law(side: Side) -> Array:
-    law = side.law.T
-    return np.concatenate([law, np.full((len(law), LAW_PARAMETERS - law.shape[1]), np.nan)], axis=1)
 
 
 def _dimensions(ground: Ground) -> set[str]:

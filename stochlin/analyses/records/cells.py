@@ -13,8 +13,9 @@ from stochlin.analyses.records.records import checked_record
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.records.runs import Ground
+from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Parameter, expect
-from stochlin.models.structures import Bilinear, Structure
+from stochlin.models.structures import Structure
 
 Records = xr.DataArray | Sequence[xr.DataArray] | Mapping[str, xr.DataArray]
 """One record, as `read_record` gives it, or several: a list, or a mapping with their names."""

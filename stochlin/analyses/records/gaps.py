@@ -17,7 +17,7 @@ from stochlin.analyses.records.cells import (
 from stochlin.analyses.tables import labels
 from stochlin.kernels.records import oscillator as recorded
 from stochlin.kernels.records.runs import gaps_on_records
-from stochlin.models.structures import Bilinear
+from stochlin.models.laws.bilinear import Bilinear
 
 
 def recorded_gap(first: Bilinear, second: Bilinear, record: Records) -> xr.Dataset:

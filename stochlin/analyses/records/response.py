@@ -20,8 +20,8 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_whole
 from stochlin.kernels.records import oscillator as recorded
 from stochlin.kernels.records.runs import history, peaks_on_records
+from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Parameter
-from stochlin.models.structures import Bilinear
 
 REFERENCES = (
     f"{labels.PAPER} Nigam, N. C. and Jennings, P. C. (1969). Calculation of response spectra from "

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 import xarray as xr
 
 from stochlin.analyses.tables import labels
 from stochlin.models.parameters import Parameter
-from stochlin.models.rules.codes import code_rule, code_rule_names
-from stochlin.models.rules.separations import CodeRule, PeakPair, check_zone
+from stochlin.models.rules.codes import PeakPair, check_zone, code_rule, code_rule_names
+
+TEXTS: Mapping[str, str] = {
+    "reference": "source of the rule",
+    "mark": "how the rule was checked",
+    "assumptions": "what the peaks must be",
+    "missing": "what the rule needs and was not given",
+}
 
 
 def code_gaps(
@@ -87,7 +95,10 @@ def code_gaps(
     usable = valid & xr.DataArray([not lacks for lacks in missing], dims="rule")
     status = xr.full_like(usable, labels.CONVERGED, np.int8).where(usable, labels.INVALID_INPUT)
     table = xr.Dataset({"gap": gap, "status": status.transpose(*gap.dims).astype(np.int8)})
-    table = labels.label(table.assign_coords(_described(rules, missing)))
+    table = labels.label(table)
+    for name, text in TEXTS.items():
+        told = missing if name == "missing" else [getattr(rule, name) for rule in rules]
+        table = table.assign_coords({name: ("rule", told, {"long_name": text})})
     table.attrs["comment"] = "Rules whose mark has an M are from memory, not compared with the source."
     return labels.with_run_information(
         table,
@@ -96,15 +107,3 @@ def code_gaps(
         {"pair": pair},
         "; ".join(dict.fromkeys(rule.reference for rule in rules)),
     )
-
-
-def _described(
-    rules: list[CodeRule], missing: list[str]
-) -> dict[str, tuple[str, list[str], dict[str, str]]]:
-    columns = {
-        "reference": ([rule.reference for rule in rules], "source of the rule"),
-        "mark": ([rule.mark for rule in rules], "how the rule was checked"),
-        "assumptions": ([rule.assumptions for rule in rules], "what the peaks must be"),
-        "missing": (missing, "what the rule needs and was not given"),
-    }
-    return {name: ("rule", values, {"long_name": text}) for name, (values, text) in columns.items()}

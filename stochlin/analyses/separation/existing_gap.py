@@ -10,8 +10,8 @@ import numpy as np
 import scipy.optimize
 import xarray as xr
 
-from stochlin.analyses.linearization.equivalent_systems import STRENGTH_RATIO, solve_structure
-from stochlin.analyses.linearization.strength import strength_in_metres
+from stochlin.analyses.linearization.equivalent_systems import solve_structure
+from stochlin.analyses.linearization.strength import solved_reduction_factor, strength_in_metres
 from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.simulation.finite_motions import keeping_apart, pair_separation
 from stochlin.analyses.simulation.simulation import simulate
@@ -130,13 +130,10 @@ class _Case(NamedTuple):
 
     @classmethod
     def of(cls, structures: tuple[Structure, Structure], ground: Ground) -> _Case:
-        pair, factors = [], []
-        for structure in structures:
-            solved = solve_structure(structure, ground, "gaussian", USUAL)
-            pair.append(strength_in_metres(structure, ground))
-            factor = float(structure.arrays()["peak_factor"] * solved[STRENGTH_RATIO])
-            factors.append(factor if structure.yields else np.nan)
-        return cls((pair[0], pair[1]), ground, (factors[0], factors[1]))
+        one, other = (strength_in_metres(structure, ground) for structure in structures)
+        solved = [solve_structure(structure, ground, "gaussian", USUAL) for structure in structures]
+        first, second = (solved_reduction_factor(*both) for both in zip(structures, solved, strict=True))
+        return cls((one, other), ground, (first, second))
 
     def weaker(self, factor: float) -> list[Structure]:
         return [

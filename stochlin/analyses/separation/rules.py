@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from stochlin.analyses.correlation.correlation import correlate
 from stochlin.analyses.correlation.effective import rho_effective
-from stochlin.analyses.linearization.equivalent_systems import STRENGTH_RATIO, solve_structure
+from stochlin.analyses.linearization.equivalent_systems import solve_structure
 from stochlin.analyses.linearization.peaks import peak_table, relative_moments
+from stochlin.analyses.linearization.strength import solved_reduction_factor
 from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.separation.code_gaps import code_gaps
 from stochlin.analyses.separation.critical_gap import double_difference
@@ -19,8 +23,8 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.rules.effective_properties import effective_rule, effective_rule_names
-from stochlin.models.rules.peak_factors import Vanmarcke1975
-from stochlin.models.structures import DRIFT, Structure
+from stochlin.models.rules.peak_factors.vanmarcke import Vanmarcke1975
+from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
 
 STEPS = 2000  # of the envelope, for the length of motion that it stands for
 GUMBEL = np.sqrt(6) / np.pi
@@ -47,29 +51,15 @@ class PairInMotion:
 
     structures: tuple[Structure, Structure]
     ground: Ground
-    solved: tuple[xr.Dataset, xr.Dataset]
     motions: xr.Dataset
     confidence: float
     strong_seconds: float  # length of the stationary motion that an envelope stands for
     heights: tuple[float | None, float | None]
 
-    @classmethod
-    def of(
-        cls,
-        first: Structure,
-        second: Structure,
-        ground: Ground,
-        motions: xr.Dataset,
-        confidence: float,
-        duration: float,
-        envelope: Envelope | None,
-        heights: tuple[float | None, float | None],
-    ) -> PairInMotion:
-        """Linearize the structures; an envelope counts by the integral of its square."""
-        solved = tuple(solve_structure(s, ground, "gaussian", USUAL) for s in (first, second))
-        seconds = strong_seconds(duration, envelope)
-        pair = (first, second)
-        return cls(pair, ground, (solved[0], solved[1]), motions, confidence, seconds, heights)
+    @cached_property
+    def solved(self) -> list[xr.Dataset]:
+        """Both structures, linearized."""
+        return [solve_structure(s, self.ground, "gaussian", USUAL) for s in self.structures]
 
     @property
     def peaks(self) -> Array:
@@ -85,15 +75,13 @@ class PairInMotion:
     def quantities(self) -> dict[str, float]:
         """What the table says of the structures."""
         table: dict[str, float] = {}
-        for n in (0, 1):
+        for n, (structure, side) in enumerate(zip(self.structures, self.solved, strict=True)):
             mean = ("peak_mean", "peak_mean_standard_error")
             table |= {f"{name}_{n + 1}": float(self.motions[name][n]) for name in mean}
             table[f"peak_{n + 1}"] = float(self.peaks[n])
-            yields = self.structures[n].yields
-            table[f"ductility_{n + 1}"] = float(self.ductilities[n]) if yields else np.nan
-            table[f"yield_displacement_{n + 1}"] = float(self.solved[n].yield_displacement)
-            factor = float(self.structures[n].arrays()["peak_factor"] * self.solved[n][STRENGTH_RATIO])
-            table[f"reduction_factor_{n + 1}"] = factor if yields else np.nan
+            table[f"ductility_{n + 1}"] = float(self.ductilities[n]) if structure.yields else np.nan
+            table[f"yield_displacement_{n + 1}"] = float(side.yield_displacement)
+            table[f"reduction_factor_{n + 1}"] = solved_reduction_factor(structure, side)
         for name in ("separation_mean", "separation_mean_standard_error"):
             table[name] = float(self.motions[name][0, 1])
         return table
@@ -111,16 +99,12 @@ def all_rules(pair: PairInMotion, floors_align: bool, zone: str | None, unverifi
     """Every rule that there is, those that lack something too."""
     return [
         _with_simulated_rho(pair),
-        _with_linearized_rho(pair),
-        _with_drifting_rho(pair),
+        _with_linearized_rho(pair, "linearized", GAUSSIAN, "linearization"),
+        _with_linearized_rho(pair, "drift", DRIFT, "linearization with plastic drift"),
         *(_with_effective_rho(pair, name) for name in effective_rule_names(unverified)),
         linearized_rule(pair.solved, pair.ground, pair.strong_seconds, pair.confidence),
         *code_rules(pair.peaks, pair.heights, floors_align, zone),
     ]
-
-
-def _with_rho(pair: PairInMotion, name: str, rho: float, **texts: str) -> Rule:
-    return equation_3_rule(pair.peaks, name, rho, **texts)
 
 
 def equation_3_rule(peaks: Array, name: str, rho: float, **texts: str) -> Rule:
@@ -130,49 +114,44 @@ def equation_3_rule(peaks: Array, name: str, rho: float, **texts: str) -> Rule:
 
 
 def _with_simulated_rho(pair: PairInMotion) -> Rule:
-    name, kind = "eq_3_simulated", "equation_3"
-    try:
-        table = simulate(pair.structures, pair.ground)
-    except ValueError as error:  # of a structure that yields so rarely that it would take hours
-        return Rule(name, kind, np.nan, missing=str(error))
-    rho = float(table.rho[0, 1])
-    return _with_rho(pair, name, rho, mark="C", assumptions=f"{EQ_3}; rho of stationary simulation")
+    def solve() -> xr.DataArray:  # refused for a structure so rarely yielding that it would take hours
+        return simulate(pair.structures, pair.ground).rho[0, 1]
+
+    return _with_solved_rho(pair, "simulated", "stationary simulation", solve)
 
 
-def _with_linearized_rho(pair: PairInMotion) -> Rule:
-    return _with_solved_rho(pair, "eq_3_linearized", "gaussian", "rho of linearization")
-
-
-def _with_drifting_rho(pair: PairInMotion) -> Rule:
-    name = "eq_3_drift"
-    lacking = [s for s in pair.structures if DRIFT not in s.closure_names()]
+def _with_linearized_rho(pair: PairInMotion, name: str, closure: str, source: str) -> Rule:
+    lacking = {type(s).__name__ for s in pair.structures if closure not in s.closure_names()}
     if lacking:
-        names = ", ".join(sorted({type(structure).__name__ for structure in lacking}))
-        return Rule(name, "equation_3", np.nan, missing=f"no drift closure for {names}")
-    return _with_solved_rho(pair, name, DRIFT, "rho of linearization with plastic drift")
+        missing = f"no {closure} closure for {', '.join(sorted(lacking))}"
+        return Rule(f"eq_3_{name}", "equation_3", np.nan, missing=missing)
+    both = (*pair.structures, pair.ground)
+    return _with_solved_rho(pair, name, source, lambda: correlate(*both, closure=closure).rho)
 
 
-def _with_solved_rho(pair: PairInMotion, name: str, closure: str, source: str) -> Rule:
+def _with_solved_rho(
+    pair: PairInMotion, name: str, source: str, solve: Callable[[], xr.DataArray]
+) -> Rule:
     try:
-        rho = float(correlate(*pair.structures, pair.ground, closure=closure).rho)
-    except ArithmeticError as error:
-        return Rule(name, "equation_3", np.nan, missing=str(error))
-    return _with_rho(pair, name, rho, mark="C", assumptions=f"{EQ_3}; {source}")
+        rho = float(solve())
+    except (ArithmeticError, ValueError) as error:
+        return Rule(f"eq_3_{name}", "equation_3", np.nan, missing=str(error))
+    texts = {"mark": "C", "assumptions": f"{EQ_3}; rho of {source}"}
+    return equation_3_rule(pair.peaks, f"eq_3_{name}", rho, **texts)
 
 
 def _with_effective_rho(pair: PairInMotion, name: str) -> Rule:
     rule = effective_rule(name)
-    values = [structure.arrays() for structure in pair.structures]
-    yields = [structure.yields for structure in pair.structures]
     arguments: dict[str, float] = {}
-    for n, (given, own) in enumerate(zip(values, yields, strict=True)):
+    for n, structure in enumerate(pair.structures):
+        own, given = structure.yields, structure.arrays()
         arguments |= {f"{key}_{n + 1}": float(given[key]) for key in ("period", "damping")}
         arguments[f"hardening_{n + 1}"] = float(given["hardening"]) if own else 1.0
         arguments[f"ductility_{n + 1}"] = float(pair.ductilities[n]) if own else 1.0
     rho = float(rho_effective(**arguments, rule=rule).rho)
     doubt = "" if rule.verified else f"; {rule.reason}"
-    return _with_rho(
-        pair,
+    return equation_3_rule(
+        pair.peaks,
         f"eq_3_{rule.name}",
         rho,
         reference=rule.reference,
@@ -182,10 +161,10 @@ def _with_effective_rho(pair: PairInMotion, name: str) -> Rule:
 
 
 def linearized_rule(
-    solved: tuple[xr.Dataset, xr.Dataset], ground: Ground, seconds: float, confidence: float
+    solved: Sequence[xr.Dataset], ground: Ground, seconds: float, confidence: float
 ) -> Rule:
     """Linearization alone: a Gaussian difference, its one-sided peak by Vanmarcke."""
-    moments = relative_moments(*solved, ground)
+    moments = relative_moments(solved[0], solved[1], ground)
     gap = float(peak_quantile(moments, seconds, confidence, sides=1))
     missing = "" if np.isfinite(gap) else "not solved, or the motion is too short to hold a peak"
     return Rule(
@@ -221,21 +200,10 @@ def code_rules(
         floors_align=floors_align,
         zone=zone,
     )
-    names = ("rule", "gap", "reference", "mark", "assumptions", "missing")
-    columns = (table[name].values for name in names)
-    return [
-        Rule(
-            str(name),
-            "code",
-            float(gap),
-            reference=str(reference),
-            mark=str(mark),
-            assumptions=str(assumptions),
-            missing=_lacking(str(missing)),
-        )
-        for name, gap, reference, mark, assumptions, missing in zip(*columns, strict=True)
-    ]
-
-
-def _lacking(names: str) -> str:
-    return f"needs {names}" if names else ""
+    rules = []
+    for name in table.rule.values:
+        row = table.sel(rule=name)
+        texts: dict[str, Any] = {n: str(row[n].values) for n in ("reference", "mark", "assumptions")}
+        texts["missing"] = f"needs {row.missing.values}" if row.missing.values else ""
+        rules.append(Rule(str(name), "code", float(row.gap), **texts))
+    return rules

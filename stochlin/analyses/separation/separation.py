@@ -10,7 +10,7 @@ import xarray as xr
 
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.records.gaps import recorded_gap
-from stochlin.analyses.separation.rules import PairInMotion, Rule, all_rules
+from stochlin.analyses.separation.rules import PairInMotion, Rule, all_rules, strong_seconds
 from stochlin.analyses.simulation.finite_motions import keeping_apart, pair_separation
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.tables import labels
@@ -19,9 +19,10 @@ from stochlin.analyses.tables.checks import check_confidence
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
+from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import expect
-from stochlin.models.rules.separations import PeakPair, check_zone
-from stochlin.models.structures import Bilinear, Structure
+from stochlin.models.rules.codes import PeakPair, check_zone
+from stochlin.models.structures import Structure
 
 VERDICTS = ("answer", "safe", "unsafe", "within_error", "not_available")
 ANSWER, SAFE, UNSAFE, WITHIN_ERROR, NOT_AVAILABLE = range(len(VERDICTS))
@@ -136,7 +137,8 @@ def separation(
         expect(structure, Structure, role)
         if records is not None and not isinstance(structure, Bilinear):
             raise TypeError(
-                f"{role} = {type(structure).__name__} cannot ride on records; allowed: Bilinear"
+                f"{role} = {type(structure).__name__} cannot ride on records; allowed: Bilinear, or "
+                "no records"
             )
     expect(ground, Ground, "ground")
 
@@ -151,9 +153,9 @@ def separation(
             quantiles=[confidence],
             progress=progress,
         )
-        pair = PairInMotion.of(
-            first, second, ground, motions, confidence, duration, envelope, (height_1, height_2)
-        )
+        seconds = strong_seconds(duration, envelope)
+        heights = (height_1, height_2)
+        pair = PairInMotion((first, second), ground, motions, confidence, seconds, heights)
         rules = all_rules(pair, floors_align, zone, unverified)
         table = _judged(rules, motions, confidence).assign(pair.quantities())
         table.attrs = {name: motions.attrs[name] for name in MOTION}

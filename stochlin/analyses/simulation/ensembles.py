@@ -25,7 +25,6 @@ from stochlin.models.links import Link, check_linked
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
 
-LAW_PARAMETERS = 3  # at most, as the Bouc-Wen law has
 SAMPLES_PER_PERIOD = 2  # of the shortest period; more would say little new of its variance
 MEMORY = 4e9  # bytes that a run may ask for
 
@@ -95,15 +94,13 @@ def cells_of(
     k_eq = xr.zeros_like(like)
     if stationary:
         k_eq = solve_structure(structure, ground, "gaussian", Tolerance(1e-6, 1e-9, 200)).k_eq
-    law = structure.law_parameters()
-    law += [xr.DataArray(np.nan)] * (LAW_PARAMETERS - len(law))
     columns = [
         values["period"],
         values["damping"],
         values.get("hardening", xr.DataArray(1.0)),
         like,
         k_eq,
-        *law,
+        *structure.law_parameters(),
     ]
     arrays = [array.broadcast_like(like).transpose(*like.dims).values.ravel() for array in columns]
     period, damping, hardening, uy, pace, *rest = (np.asarray(a, float) for a in arrays)
@@ -116,7 +113,7 @@ def cells_of(
         damping,
         hardening,
         uy,
-        np.stack(rest, axis=1),
+        np.reshape(rest, (len(rest), period.size)).T,
         np.full(period.size, structure.block()),
         1 / (damping * w),
         np.nan_to_num(slow),
@@ -143,7 +140,16 @@ def cells_of_all(structures: Sequence[Structure], ground: Ground, stationary: bo
 
 def joined(parts: Sequence[Cells]) -> Cells:
     """Cells of several structures in one row."""
-    return Cells(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+    columns = dict(zip(Cells._fields, zip(*parts, strict=True), strict=True))
+    laws = joined_laws(columns.pop("law"))
+    return Cells(law=laws, **{name: np.concatenate(column) for name, column in columns.items()})
+
+
+def joined_laws(laws: Sequence[Array]) -> Array:
+    """Parameters of several laws (n, k) in one row, as wide as the longest."""
+    widest = max(law.shape[1] for law in laws)
+    wide = [np.pad(law, ((0, 0), (0, widest - law.shape[1])), constant_values=np.nan) for law in laws]
+    return np.concatenate(wide)
 
 
 def prepare(

@@ -9,7 +9,7 @@ the density, so that kinks in the law do no harm.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -23,14 +23,24 @@ CELLS = 64  # per block: nodes times cells stay in the cache
 
 
 class SlipRate(NamedTuple):
-    """Slip rate ``w(v, z) = v - G(v, z)``, its kinks in ``z``, and whether it is linear in ``v > 0``."""
+    """Slip rate ``w(v, z) = v - G(v, z)``, its kinks in ``z``, and whether it is linear in ``v > 0``.
 
-    function: Callable[[Array, Array], Array]
-    kinks: tuple[float, ...]
+    Both functions take the parameters of the law (m, ...) last, which broadcast against ``v`` and ``z``.
+    """
+
+    function: Callable[[Array, Array, Array], Array]
+    kinks: Callable[[Array], Sequence[Array | float]]
     rate_independent: bool
+    parameters: Array = np.empty((0, 1))  # (m, n): one column a cell
+
+    def __call__(self, v: Array, z: Array) -> Array:
+        """The slip rate of the cells, the first dimension."""
+        return self.function(v, z, self.parameters.reshape(*self.parameters.shape, *(1,) * (z.ndim - 1)))
 
 
-def slip_expectations(law: SlipRate, latent: Array, order: int) -> tuple[Array, Array]:
+def slip_expectations(
+    law: SlipRate, latent: Array, parameters: Array, order: int
+) -> tuple[Array, Array]:
     """``(E[w v], E[w z])`` and the Jacobian by ``(sv, sz, r)``.
 
     Parameters
@@ -38,6 +48,8 @@ def slip_expectations(law: SlipRate, latent: Array, order: int) -> tuple[Array, 
     law : SlipRate
     latent : (3, n)
         ``sv``, ``sz``, ``r``.
+    parameters : (m, n)
+        Of the law.
     order : int
         Gauss-Legendre nodes of each panel.
 
@@ -50,7 +62,7 @@ def slip_expectations(law: SlipRate, latent: Array, order: int) -> tuple[Array, 
     block = CELLS if law.rate_independent else 1 + CELLS // order
     for begin in range(0, latent.shape[1], block):
         cells = slice(begin, begin + block)
-        moments = _moments(law, latent[:, cells], order)
+        moments = _moments(law._replace(parameters=parameters[:, cells]), latent[:, cells], order)
         values[:, cells], jacobian[:, :, cells] = _assemble(moments, latent[:, cells])
     return values, jacobian
 
@@ -59,7 +71,7 @@ def _moments(law: SlipRate, latent: Array, order: int) -> Array:
     """``M[a, b] = 2 E[w x^a t^b; x > 0]``, shape (4, 4, n)."""
     sv, sz, r = (row[:, None] for row in latent)
     q = np.sqrt((1 - r) * (1 + r))
-    t, weight = _panels(law.kinks, sz, r, q, order)
+    t, weight = _panels(law.kinks(law.parameters[:, :, None]), sz, r, q, order)
     weight = 2 * weight * np.exp(-0.5 * t * t) / SQRT_2PI
     inner = _inner_closed if law.rate_independent else _inner_quadrature
     powers = np.stack([weight, weight * t, weight * t**2, weight * t**3])
@@ -67,7 +79,9 @@ def _moments(law: SlipRate, latent: Array, order: int) -> Array:
     return result
 
 
-def _panels(kinks: tuple[float, ...], sz: Array, r: Array, q: Array, order: int) -> tuple[Array, Array]:
+def _panels(
+    kinks: Sequence[Array | float], sz: Array, r: Array, q: Array, order: int
+) -> tuple[Array, Array]:
     """Nodes and weights in ``t``: panels between kinks and around the turn of ``E[v | z]`` at 0."""
     turn = np.minimum(6 * q / np.maximum(np.abs(r), 1e-3), REACH)
     edges = [np.full_like(sz, -REACH), -turn, 0 * sz, turn, np.full_like(sz, REACH)]
@@ -87,7 +101,7 @@ def _inner_closed(law: SlipRate, sv: Array, z: Array, mean: Array, q: Array, ord
     below.append(mean * below[0] + q * density)
     for power in range(2, 5):
         below.append(mean * below[-1] + (power - 1) * q * q * below[-2])
-    return sv * law.function(np.ones_like(z), z) * np.stack(below[1:])
+    return sv * law(np.ones_like(z), z) * np.stack(below[1:])
 
 
 def _inner_quadrature(law: SlipRate, sv: Array, z: Array, mean: Array, q: Array, order: int) -> Array:
@@ -101,7 +115,7 @@ def _inner_quadrature(law: SlipRate, sv: Array, z: Array, mean: Array, q: Array,
     width = (high - low)[..., None]
     x = low[..., None] + width * nodes
     weight = width * weights * np.exp(-0.5 * ((x - mean[..., None]) / q[..., None]) ** 2)
-    weight *= law.function(sv[..., None] * x, np.broadcast_to(z[..., None], x.shape))
+    weight *= law(sv[..., None] * x, np.broadcast_to(z[..., None], x.shape))
     weight /= SQRT_2PI * q[..., None]
     return np.stack([(weight * x**power).sum(axis=-1) for power in range(4)])
 

@@ -13,8 +13,10 @@ SECANT_STEPS = 12
 CLOSE = 1e-12
 
 
-def law_block(law: Callable[[float, float], float]) -> Callable[..., None]:
-    """The block of time steps, as `bilinear_block`, for ``z' = law(v, z)``.
+def law_block(law: Callable[..., Any]) -> Callable[..., None]:
+    """The block of time steps, as `bilinear_block`, for ``z' = law(v, z, own)``.
+
+    ``own`` are the parameters of the law, which stand after the first four of a structure.
 
     Implicit midpoint rule for ``z`` by the secant method, which asks for no derivative; explicit
     midpoint rule where a jump of the law leaves it without solution. Second order, first where the
@@ -23,13 +25,13 @@ def law_block(law: Callable[[float, float], float]) -> Callable[..., None]:
     compiled: Any = nb.njit(nogil=True, error_model="numpy")(law)
 
     @nb.njit(nogil=True, error_model="numpy")
-    def mid_point(hyst, start, slope, half):  # type: ignore[no-untyped-def]
-        """Solve ``z = hyst + half law(start - slope z, z)``."""
-        before, after = hyst, hyst + half * compiled(start - slope * hyst, hyst)
+    def mid_point(hyst, start, slope, half, own):  # type: ignore[no-untyped-def]
+        """Solve ``z = hyst + half law(start - slope z, z, own)``."""
+        before, after = hyst, hyst + half * compiled(start - slope * hyst, hyst, own)
         explicit = after
         off_before = before - after
         for _ in range(SECANT_STEPS):
-            off = after - hyst - half * compiled(start - slope * after, after)
+            off = after - hyst - half * compiled(start - slope * after, after, own)
             if abs(off) <= CLOSE * (1.0 + abs(after)):
                 return after
             if off == off_before:
@@ -41,7 +43,8 @@ def law_block(law: Callable[[float, float], float]) -> Callable[..., None]:
     def block(f, dt, parameters, u, v, z, every, out):  # type: ignore[no-untyped-def]
         half = 0.5 * dt
         for n in range(u.shape[0]):
-            d, k, h, scale = parameters[n]
+            d, k, h, scale = parameters[n, :4]
+            own = parameters[n, 4:]
             keep, pull, push = 1.0 - half * d - half * half * k, dt * k, dt * scale
             implicit = 1.0 / (1.0 + half * d + half * half * k)
             slope = half * h * implicit
@@ -50,9 +53,9 @@ def law_block(law: Callable[[float, float], float]) -> Callable[..., None]:
                     vel, hyst = v[n, lane], z[n, lane]
                     base = vel * keep + push * f[s, lane] - pull * u[n, lane]
                     start = 0.5 * (vel + base * implicit)
-                    z_mid = mid_point(hyst, start, slope, half)
+                    z_mid = mid_point(hyst, start, slope, half, own)
                     v_mid = start - slope * z_mid
-                    z[n, lane] = hyst + dt * compiled(v_mid, z_mid)
+                    z[n, lane] = hyst + dt * compiled(v_mid, z_mid, own)
                     u[n, lane] += dt * v_mid
                     v[n, lane] = 2.0 * v_mid - vel
                     if (s + 1) % every == 0:

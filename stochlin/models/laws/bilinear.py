@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from scipy.special import erf, erfc, gammainc
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.linearization.fixed_point import ClosureValue, gaussian_covariance
+from stochlin.kernels.linearization.fixed_point import Closure, ClosureValue, gaussian_covariance
 from stochlin.kernels.linearization.gaussian import regress_slip, slip_quadrant
+from stochlin.models.structures import DRIFT, GAUSSIAN, LAWS, NARROW_BAND, Structure
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     import sympy
+
+    from stochlin.kernels.simulation.ensemble import Block
 
 
 def symbolic() -> sympy.Expr:
@@ -96,3 +102,58 @@ def _clipped_covariance(latent: Array) -> tuple[Array, Array]:
         ]
     )
     return covariance, jacobian
+
+
+@LAWS.register("bilinear", place=1)
+@dataclass(frozen=True)
+class Bilinear(Structure):
+    """Bilinear hysteretic oscillator, eqs. (5) to (7) of the paper.
+
+    Parameters
+    ----------
+    period : float or array
+        Period of small oscillations ``2 pi / w`` [s], positive.
+    damping : float or array
+        Viscous damping ratio ``xi`` [-], in (0, 1).
+    hardening : float or array, optional
+        Post-yield over elastic stiffness ``alpha`` [-], in (0, 1]; needed with a strength.
+    yield_displacement : float or array, optional
+        ``uy`` [m], positive.
+    reduction_factor : float or array, optional
+        ``R = p sigma_el / uy`` [-], positive: elastic over yield strength on the given ground.
+    peak_factor : float or array
+        ``p`` [-] in the definition of ``R``.
+    mass : float, optional
+        [kg], positive; only what acts on another structure needs it, as with a `Link`.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a scalar is out of range, a value is not a number or an array is wrongly shaped, both
+        strengths are given, or a strength comes without hardening.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eqs. (5) to (7), with the law of Suzuki and Minai as in Roberts,
+    J. B. and Spanos, P. D. (1990), Random vibration and statistical linearization.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> sl.Bilinear(period=1.0, damping=0.05, hardening=0.05, reduction_factor=4).describe()
+    'Bilinear(period=1, damping=0.05, hardening=0.05, reduction_factor=4, peak_factor=3)'
+    """
+
+    closures: ClassVar[Mapping[str, Closure | None]] = {
+        GAUSSIAN: gaussian,
+        "clipped": clipped,
+        DRIFT: clipped,
+        NARROW_BAND: None,
+    }
+    symbolic = staticmethod(symbolic)
+
+    def block(self) -> Block:
+        """Time steps of this law."""
+        from stochlin.kernels.simulation.stepping import bilinear_block
+
+        return bilinear_block

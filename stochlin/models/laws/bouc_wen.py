@@ -6,25 +6,32 @@ so that ``period`` is the period of small oscillations.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from scipy.special import beta as beta_function
 from scipy.special import betainc, gamma
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.linearization.fixed_point import ClosureValue, gaussian_covariance
+from stochlin.kernels.linearization.fixed_point import Closure, ClosureValue, gaussian_covariance
+from stochlin.models.parameters import Parameter, Range, parameter
+from stochlin.models.structures import GAUSSIAN, LAWS, POSITIVE, Structure
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     import sympy
+
+    from stochlin.kernels.simulation.ensemble import Block
 
 
 def symbolic() -> sympy.Expr:
-    """``G(v, z)`` in the symbols ``v``, ``z``, ``beta``, ``gamma`` and ``n``."""
+    """``G(v, z)`` in the symbols ``v``, ``z``, ``beta``, ``gamma`` and ``exponent``."""
     import sympy
 
     v, z = sympy.symbols("v z", real=True)
-    beta_, gamma_, n = sympy.symbols("beta gamma n", real=True)
+    beta_, gamma_, n = sympy.symbols("beta gamma exponent", real=True)
     return v - beta_ * abs(v) * abs(z) ** (n - 1) * z - gamma_ * v * abs(z) ** n
 
 
@@ -62,3 +69,54 @@ def gaussian(latent: Array, parameters: Array) -> ClosureValue:
             ]
         )
     return ClosureValue(np.stack([slip, relaxation]), jacobian, *gaussian_covariance(latent))
+
+
+@LAWS.register("bouc_wen", place=2)
+@dataclass(frozen=True)
+class BoucWen(Structure):
+    """Bouc-Wen oscillator: ``z' = v - beta |v| |z|^(n-1) z - gamma v |z|^n``.
+
+    Parameters
+    ----------
+    period, damping, hardening, yield_displacement, reduction_factor, peak_factor
+        As in `Bilinear`; ``uy`` scales ``z``, which saturates at ``(beta + gamma)^(-1/n)``.
+    beta : float or array
+        Positive [-]: width of the loops.
+    gamma : float or array
+        [-], above ``-beta``, for ``z`` would not saturate otherwise: shape of the loops.
+    exponent : float or array
+        ``n >= 1`` [-]: sharpness of yielding; the bilinear law is its limit.
+    mass : float, optional
+        As in `Bilinear`.
+
+    Raises
+    ------
+    ValueError, TypeError
+        As in `Bilinear`.
+
+    References
+    ----------
+    Wen, Y. K. (1976), J. Eng. Mech. Div. ASCE 102; linearized as in Wen, Y. K. (1980), J. Appl. Mech.
+    47.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> sl.BoucWen(period=1.0, damping=0.05, hardening=0.1, yield_displacement=0.02).exponent
+    1.0
+    """
+
+    beta: Parameter = parameter("1", "Bouc-Wen beta", POSITIVE, 0.5)
+    gamma: Parameter = parameter("1", "Bouc-Wen gamma", Range(lower=-float("inf")), 0.5)
+    exponent: Parameter = parameter(
+        "1", "Bouc-Wen exponent n", Range(lower=1.0, include_lower=True), 1.0
+    )
+
+    closures: ClassVar[Mapping[str, Closure | None]] = {GAUSSIAN: gaussian}
+    symbolic = staticmethod(symbolic)
+
+    def block(self) -> Block:
+        """Time steps of this law."""
+        from stochlin.kernels.simulation.stepping import bouc_wen_block
+
+        return bouc_wen_block

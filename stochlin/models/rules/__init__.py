@@ -1,1 +1,1 @@
-"""Published formulas found by name: code rules, effective properties, peak factors."""
+"""Published formulas found by name, one class each: code rules, effective properties, peak factors."""

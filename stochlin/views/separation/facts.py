@@ -22,12 +22,14 @@ GRAVITY = 9.80665
 def uncertainties(answer: CaseAnswer) -> list[str]:
     """What the answer does not know, for the page."""
     case, table = answer.case, answer.separation
+    kinds = dict.fromkeys(type(building.structure).__name__ for building in case.pair)
+    laws = " or ".join("bilinear" if kind == "Bilinear" else kind for kind in kinds)
     sentences = [
         f"Chance: the interval covers the sampling of {case.paths} motions only. Four times as many "
         "would halve it.",
         "The ground: a stationary random motion with an envelope, its spectrum and intensity taken as "
         "given. How strong the next earthquake will be is the largest unknown, and not in the interval.",
-        "The buildings: each is one bilinear oscillator, at the level where they could meet. Higher "
+        f"The buildings: each is one {laws} oscillator, at the level where they could meet. Higher "
         "modes, torsion, soil under the foundations, and loss of strength are left out, and so is the "
         "error of the periods and dampings that you gave.",
         "The rules: all are fed with the simulated peaks of these buildings, so that the table judges "
@@ -84,6 +86,8 @@ def facts(answer: CaseAnswer) -> list[tuple[str, str, str]]:
 def _building(building: Building, table: xr.Dataset, number: int) -> list[tuple[str, str]]:
     structure = building.structure
     found = _parameters(structure)
+    if (kind := type(structure).__name__) != "Bilinear":
+        found = [("hysteresis law", kind), *found]
     if structure.yields:
         shown = {"reduction factor": f"{float(table[f'reduction_factor_{number}']):.3g}"}
         shown["yield displacement"] = length(float(table[f"yield_displacement_{number}"]))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Iterable, Sequence
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,10 +18,30 @@ if TYPE_CHECKING:
 
     from stochlin.analyses.charts.design import ChartSettings
     from stochlin.models.grounds import Ground
-    from stochlin.models.structures import Bilinear
+    from stochlin.models.structures import Structure
 
-CLOSURES = ("gaussian", "clipped", "drift", "narrow_band")
 STRUCTURE_OPTIONS = ("period", "damping", "hardening", "reduction_factor", "yield_displacement")
+
+
+class Names(click.Choice[str]):
+    """One of the names that a module lists: it is asked when they are needed, so that no start waits."""
+
+    def __init__(self, module: str, listed: str) -> None:
+        self.module, self.listed, self.case_sensitive = module, listed, False
+
+    @property
+    def choices(self) -> tuple[str, ...]:  # type: ignore[override]
+        """The names: of a mapping, or what a function returns."""
+        names = getattr(import_module(self.module), self.listed)
+        return tuple(names() if callable(names) else names)
+
+
+closure_option = click.option(
+    "--closure",
+    type=Names("stochlin.models.laws", "closure_names"),
+    default="gaussian",
+    show_default=True,
+)
 
 
 def _numbers(context: click.Context, option: click.Parameter, text: str | None) -> list[float] | None:
@@ -49,18 +70,6 @@ def numbers_option(name: str, help_text: str, default: str | None = None) -> Cal
     return click.option(
         name, callback=_numbers, metavar="NUMBERS", default=default, show_default=True, help=help_text
     )
-
-
-class Names(click.Choice):  # type: ignore[type-arg]
-    """A choice among the names of a registry, which is asked when the choice is."""
-
-    def __init__(self, names: Callable[[], Iterable[str]]) -> None:
-        self.case_sensitive, self._names = True, names
-
-    @property
-    def choices(self) -> Sequence[str]:  # type: ignore[override]
-        """The names of now."""
-        return tuple(self._names())
 
 
 class GroundOption(click.Option):
@@ -122,13 +131,58 @@ def ground_option(name: str) -> click.Option:
 
 def shared_option(name: str, help_text: str, default: str | None = None) -> Callable[[Any], Any]:
     """``--name`` for both structures, and ``--name-1``, ``--name-2`` for one."""
+    return lambda command: _decorate(
+        command,
+        (
+            numbers_option(f"--{name}", help_text, default),
+            *(numbers_option(f"--{name}-{n}", f"Of structure {n}.") for n in (1, 2)),
+        ),
+    )
 
-    def decorate(command: Any) -> Any:
-        for number in (2, 1):
-            command = numbers_option(f"--{name}-{number}", f"Of structure {number}.")(command)
-        return numbers_option(f"--{name}", help_text, default)(command)
 
-    return decorate
+def law_options(command: Any) -> Any:
+    """``--law``, ``--law-1``, ``--law-2``; of a `LawCommand`, which adds the laws' own parameters."""
+    kind = Names("stochlin.models.laws", "laws_in_numbers")
+    options = (
+        click.option("--law", type=kind, default="bilinear", show_default=True, help="Hysteresis law."),
+        *(click.option(f"--law-{n}", type=kind, help=f"Of structure {n}.") for n in (1, 2)),
+    )
+    return _decorate(command, options)
+
+
+class LawCommand(click.Command):
+    """A command with an option for every parameter that a law has of its own."""
+
+    def get_params(self, ctx: click.Context) -> list[click.Parameter]:
+        """All of them; those of the laws after ``--law-2``."""
+
+        def holder() -> None: ...
+
+        for name, told in reversed(own_parameters().items()):
+            shared_option(name.replace("_", "-"), told)(holder)
+        own: list[click.Parameter] = getattr(holder, "__click_params__", [])
+        given = super().get_params(ctx)
+        place = 1 + next(n for n, option in enumerate(given) if option.name == "law_2")
+        return [*given[:place], *reversed(own), *given[place:]]
+
+
+class RhoCommand(LawCommand, GroundCommand):
+    """A command with the options of laws and of grounds."""
+
+
+def own_parameters() -> dict[str, str]:
+    """Parameters that one law has and not every structure, and what they are."""
+    from stochlin.models.laws import laws_in_numbers
+
+    told: dict[str, list[str]] = {}
+    for name, law in laws_in_numbers().items():
+        for field in dataclasses.fields(law):
+            if field.name in law.own_parameters():
+                usual = getattr(law, field.name, None)  # a class has what is usual, if anything is
+                usual = "" if usual is None else f", {usual:g} if not given"
+                what = f"{field.metadata['long_name']}, of {name}{usual}"
+                told.setdefault(field.name, []).append(what)
+    return {name: f"{'; '.join(texts)}." for name, texts in told.items()}
 
 
 def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
@@ -156,7 +210,7 @@ def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
             for name, default, text in numbers
         ),
         numbers_option("--reduction-factors", "R of the curves in Figs. 4 and 5b.", reduction_factors),
-        click.option("--closure", type=click.Choice(CLOSURES), default="gaussian", show_default=True),
+        closure_option,
         click.option(
             "--points",
             type=click.IntRange(min=2),
@@ -198,12 +252,6 @@ def _decorate(command: Any, options: Sequence[Callable[[Any], Any]]) -> Any:
     return command
 
 
-def _fitted_grounds() -> Iterable[str]:
-    from stochlin.analyses.records.ground_fit import fitted_grounds
-
-    return fitted_grounds()
-
-
 def record_options(command: Any) -> Any:
     """Options of a record and the ground fitted to it."""
     options = (
@@ -220,7 +268,7 @@ def record_options(command: Any) -> Any:
         click.option("--time-column", help="Column of the time, likewise."),
         click.option(
             "--model",
-            type=Names(_fitted_grounds),
+            type=Names("stochlin.analyses.records.ground_fit", "fitted_grounds"),
             default="kanai_tajimi",
             show_default=True,
             help="Ground to fit.",
@@ -235,21 +283,33 @@ def record_options(command: Any) -> Any:
     return _decorate(command, options)
 
 
-def structures(options: dict[str, Any]) -> tuple[Bilinear, Bilinear]:
-    """The two bilinear structures; an option with a number goes before the shared one."""
-    from stochlin.models.structures import Bilinear
+def structures(options: dict[str, Any]) -> tuple[Structure, Structure]:
+    """The two structures; an option with a number goes before the shared one."""
+    from stochlin.models.laws import laws_in_numbers
 
+    def chosen(name: str, number: int) -> str:
+        """The option that counts for this structure."""
+        return name if options[f"{name}_{number}"] is None else f"{name}_{number}"
+
+    laws = [options[chosen("law", number)] for number in (1, 2)]
+    kinds = [laws_in_numbers()[law] for law in laws]
+    for name in own_parameters():
+        has = [name in kind.own_parameters() for kind in kinds]
+        for option, fits in ((name, any(has)), (f"{name}_1", has[0]), (f"{name}_2", has[1])):
+            if options[option] is not None and not fits:
+                told = " and ".join(dict.fromkeys(laws))
+                raise click.UsageError(f"{_flags([option])} does not apply to --law {told}.")
     pair = []
-    for number in (1, 2):
-        values = {}
-        for name in STRUCTURE_OPTIONS:
-            own = options[f"{name}_{number}"]
-            values[name] = parameter_of(
-                name if own is None else f"{name}_{number}", options[name] if own is None else own
-            )
-        if values["period"] is None:
+    for number, kind in enumerate(kinds, start=1):
+        names = [chosen(name, number) for name in (*STRUCTURE_OPTIONS, *kind.own_parameters())]
+        values = {
+            name.removesuffix(f"_{number}"): parameter_of(name, options[name])
+            for name in names
+            if options[name] is not None
+        }
+        if "period" not in values:
             raise click.UsageError(f"Missing option '--period-{number}' (or '--period' for both).")
-        pair.append(Bilinear(**values))
+        pair.append(kind(**values))
     return pair[0], pair[1]
 
 

@@ -1,23 +1,25 @@
-"""Separation between two buildings: what a rule is, and the four families of rules in the paper.
+"""Separation between two buildings: as building codes ask for it, and by the four families of the paper.
 
 The peaks are the displacements that the code means by its own word, at the level where the
-buildings could meet; each rule says which in ``assumptions``. Marks: S, seen in a copy of the source;
-P, printed in Valles-Mattox and Reinhorn (1996); M, from memory, not compared with the source.
+buildings could meet; each rule says which in ``assumptions``.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import MISSING, dataclass, fields
 from typing import Any, ClassVar
 
 import numpy as np
 
 from stochlin.models.parameters import Model, Parameter, Range, parameter
+from stochlin.models.rules.published import Published, look_up
+from stochlin.registry import Registry
 
 NOT_NEGATIVE = Range(include_lower=True)
 ZONES: Mapping[str, float] = {"I": 0.001, "II": 0.003, "III": 0.006}  # share of the height, Mexico City
 INELASTIC = "peaks are largest displacements, inelastic where the structure yields"
+CODE_RULES: Registry[type[CodeRule]] = Registry("code rule", "stochlin.models.rules.codes")
 
 
 @dataclass(frozen=True)
@@ -31,12 +33,9 @@ class PeakPair(Model):
 
 
 @dataclass(frozen=True)
-class CodeRule:
-    """Base of the rules."""
+class CodeRule(Published):
+    """Base of the rules; a number that a rule takes is its field."""
 
-    name: ClassVar[str]
-    reference: ClassVar[str]
-    mark: ClassVar[str]
     assumptions: ClassVar[str] = INELASTIC
     needs: ClassVar[tuple[str, ...]] = ()  # arguments of `gap` beyond the peaks
 
@@ -75,9 +74,10 @@ class CodeRule:
                 f"[m], zone one of {', '.join(ZONES)}"
             )
         check_zone(zone)
-        return self._gap(Site(peak_1, peak_2, height_1, height_2, floors_align, zone))
+        return self.of_site(Site(peak_1, peak_2, height_1, height_2, floors_align, zone))
 
-    def _gap(self, site: Site) -> Any:
+    def of_site(self, site: Site) -> Any:
+        """Required separation [m]."""
         raise NotImplementedError
 
 
@@ -118,73 +118,63 @@ def check_zone(zone: str | None) -> None:
         raise ValueError(f"zone = {zone!r} is not known; allowed: {', '.join(ZONES)}")
 
 
-@dataclass(frozen=True)
-class SquareRoot(CodeRule):
-    """Square root of the sum of squares, of the paper's four families."""
+def code_rule_names() -> tuple[str, ...]:
+    """Names of the separation rules that `code_gaps` sets side by side.
 
-    name: ClassVar[str] = "srss"
-    reference: ClassVar[str] = "Valles-Mattox and Reinhorn (1996), family of rules"
-    mark: ClassVar[str] = "P"
+    Returns
+    -------
+    tuple of str
+        In the order of `code_gaps`.
 
-    def _gap(self, site: Site) -> Any:
-        return site.root_of_squares
-
-
-@dataclass(frozen=True)
-class ShareOfSum(CodeRule):
-    """A factor times the sum of displacements, of the paper's four families; 1 unless told."""
-
-    factor: float = 1.0
-
-    name: ClassVar[str] = "share_of_sum"
-    reference: ClassVar[str] = "Valles-Mattox and Reinhorn (1996), family of rules"
-    mark: ClassVar[str] = "P"
-
-    def __post_init__(self) -> None:
-        _check_positive(self, "factor")
-
-    def _gap(self, site: Site) -> Any:
-        return self.factor * site.total
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> sl.code_rule_names()[:4]
+    ('srss', 'share_of_sum', 'asce_7', 'canada')
+    """
+    return tuple(name for name, rule in CODE_RULES.items() if not _lacks_number(rule))
 
 
-@dataclass(frozen=True)
-class ShareOfHeight(CodeRule):
-    """A factor times the lower building's height, of the paper's four families."""
+def code_rule(name: str, value: float | None = None) -> CodeRule:
+    """Separation rule of a building code, by name.
 
-    factor: float
+    Parameters
+    ----------
+    name : str
+        One of `code_rule_names`, or ``"share_of_height"`` or ``"fixed_distance"``, in any case.
+    value : float, optional
+        The number of a family: a factor [-] for ``"share_of_sum"`` and ``"share_of_height"``, a
+        distance [m] for ``"fixed_distance"``.
 
-    name: ClassVar[str] = "share_of_height"
-    reference: ClassVar[str] = "Valles-Mattox and Reinhorn (1996), family of rules"
-    mark: ClassVar[str] = "P"
-    assumptions: ClassVar[str] = "the peaks are not used"
-    needs: ClassVar[tuple[str, ...]] = ("height_1", "height_2")
+    Returns
+    -------
+    CodeRule
+        With ``gap(peak_1, peak_2, ...)`` [m], ``reference``, ``mark`` and ``assumptions``.
 
-    def __post_init__(self) -> None:
-        _check_positive(self, "factor")
+    Raises
+    ------
+    ValueError
+        If the name is unknown, or a family's number is missing, not positive, or given to a rule
+        that has none.
 
-    def _gap(self, site: Site) -> Any:
-        return self.factor * site.lower_height + 0 * site.total
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> round(float(sl.code_rule("eurocode_8").gap(0.03, 0.04, floors_align=True)), 6)
+    0.035
+    >>> float(sl.code_rule("share_of_height", 0.01).gap(0.03, 0.04, 12.0, 20.0))
+    0.12
+    """
+    rule = look_up(CODE_RULES, name, "name")
+    if value is None and _lacks_number(rule):
+        raise ValueError(f"value is not given; {rule.name} needs it; allowed: a positive number")
+    if value is None:
+        return rule.usual()
+    if not fields(rule):
+        families = ", ".join(name for name, one in CODE_RULES.items() if fields(one))
+        raise ValueError(f"value = {value!r} is given to {rule.name}; allowed for {families} only")
+    return rule(value)  # type: ignore[call-arg]
 
 
-@dataclass(frozen=True)
-class FixedDistance(CodeRule):
-    """A fixed distance [m], of the paper's four families."""
-
-    distance: float
-
-    name: ClassVar[str] = "fixed_distance"
-    reference: ClassVar[str] = "Valles-Mattox and Reinhorn (1996), family of rules"
-    mark: ClassVar[str] = "P"
-    assumptions: ClassVar[str] = "the peaks are not used"
-
-    def __post_init__(self) -> None:
-        _check_positive(self, "distance")
-
-    def _gap(self, site: Site) -> Any:
-        return self.distance + 0 * site.total
-
-
-def _check_positive(rule: CodeRule, name: str) -> None:
-    value = getattr(rule, name)
-    if not 0 < value < np.inf:
-        raise ValueError(f"{rule.name}: {name} = {value!r}; allowed: a positive number")
+def _lacks_number(rule: type[CodeRule]) -> bool:
+    return any(field.default is MISSING for field in fields(rule))

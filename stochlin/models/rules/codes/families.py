@@ -1,0 +1,73 @@
+"""The four families of rules in the paper."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from stochlin.models.rules.codes import CODE_RULES, CodeRule, Site
+from stochlin.models.rules.published import published
+
+PAPER = "Valles-Mattox and Reinhorn (1996), family of rules"
+NO_PEAKS = "the peaks are not used"
+
+
+@published(CODE_RULES, "srss", PAPER, "P", 1)
+class SquareRoot(CodeRule):
+    """Square root of the sum of squares."""
+
+    def of_site(self, site: Site) -> Any:
+        return site.root_of_squares
+
+
+class _Numbered(CodeRule):
+    """A family whose number is its field."""
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if not 0 < value < np.inf:
+                raise ValueError(f"{self.name}: {field.name} = {value!r}; allowed: a positive number")
+
+
+@published(CODE_RULES, "share_of_sum", PAPER, "P", 2)
+@dataclass(frozen=True)
+class ShareOfSum(_Numbered):
+    """A factor times the sum of displacements; 1 unless told."""
+
+    factor: float = 1.0
+
+    def of_site(self, site: Site) -> Any:
+        return self.factor * site.total
+
+
+OF_HEIGHT = ("height_1", "height_2")
+
+
+@published(CODE_RULES, "share_of_height", PAPER, "P", 11)
+@dataclass(frozen=True)
+class ShareOfHeight(_Numbered):
+    """A factor times the lower building's height."""
+
+    assumptions = NO_PEAKS
+    needs = OF_HEIGHT
+
+    factor: float
+
+    def of_site(self, site: Site) -> Any:
+        return self.factor * site.lower_height + 0 * site.total
+
+
+@published(CODE_RULES, "fixed_distance", PAPER, "P", 12)
+@dataclass(frozen=True)
+class FixedDistance(_Numbered):
+    """A fixed distance [m]."""
+
+    assumptions = NO_PEAKS
+
+    distance: float
+
+    def of_site(self, site: Site) -> Any:
+        return self.distance + 0 * site.total

@@ -1,0 +1,99 @@
+"""Effective period and damping of a yielding structure, as functions of its peak ductility ``mu``.
+
+The rules come from single records or steady vibration; with their periods and dampings eq. (4)
+estimates the correlation of two yielding structures. Below ``mu = 1`` the structure is elastic.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.models.parameters import Parameter, parameter
+from stochlin.models.rules.published import Published, look_up
+from stochlin.models.structures import HARDENING, POSITIVE, LinearPair
+from stochlin.registry import Registry
+
+EFFECTIVE_RULES: Registry[type[EffectiveRule]] = Registry(
+    "effective rule", "stochlin.models.rules.effective_properties"
+)
+
+
+@dataclass(frozen=True)
+class EffectiveRule(Published):
+    """Base of the rules: ``T*/T`` and ``xi*`` of the linear structure that stands for a yielding one.
+
+    The methods take numbers or arrays that broadcast: ``ductility`` is the peak ductility [-],
+    ``hardening`` the hardening ratio [-], ``damping`` the viscous damping ratio [-].
+    """
+
+    def period_ratio(self, ductility: Array, hardening: Array) -> Array:
+        """Effective over elastic period."""
+        raise NotImplementedError
+
+    def damping(self, ductility: Array, hardening: Array, damping: Array) -> Array:
+        """Effective damping ratio."""
+        raise NotImplementedError
+
+
+def effective_rule_names(unverified: bool = False) -> tuple[str, ...]:
+    """Names of the rules for effective period and damping.
+
+    Parameters
+    ----------
+    unverified : bool
+        Whether to list those, too, whose constants are too uncertain to be trusted.
+
+    Returns
+    -------
+    tuple of str
+        As `effective_rule` and `correlate` take them.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> sl.effective_rule_names()
+    ('elastic', 'secant', 'penzien_1997', 'iwan_1980', 'fema_440')
+    """
+    return tuple(name for name in EFFECTIVE_RULES if unverified or effective_rule(name).verified)
+
+
+def effective_rule(name: str | EffectiveRule) -> EffectiveRule:
+    """Rule for effective period and damping, by name.
+
+    Parameters
+    ----------
+    name : str
+        One of `effective_rule_names`, in any case; a rule itself is passed through.
+
+    Returns
+    -------
+    EffectiveRule
+        With ``period_ratio(ductility, hardening)``, ``damping(ductility, hardening, damping)``,
+        ``reference``, ``mark`` and ``verified``.
+
+    Raises
+    ------
+    ValueError
+        If the name is unknown; the message lists those that are.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> rule = sl.effective_rule("secant")
+    >>> round(float(rule.period_ratio(4.0, 0.0)), 3), round(float(rule.damping(4.0, 0.0, 0.05)), 3)
+    (2.0, 0.527)
+    """
+    if isinstance(name, EffectiveRule):
+        return name
+    return look_up(EFFECTIVE_RULES, name, "rule").usual()
+
+
+@dataclass(frozen=True)
+class YieldingPair(LinearPair):
+    """Two structures with known peak ductilities: what the rules ask for."""
+
+    hardening_1: Parameter = parameter("1", "hardening ratio, structure 1", HARDENING)
+    hardening_2: Parameter = parameter("1", "hardening ratio, structure 2", HARDENING)
+    ductility_1: Parameter = parameter("1", "peak ductility, structure 1", POSITIVE)
+    ductility_2: Parameter = parameter("1", "peak ductility, structure 2", POSITIVE)

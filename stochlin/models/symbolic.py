@@ -1,0 +1,203 @@
+"""What follows from the symbolic form of an odd hysteresis law ``z' = G(v, z)``: closure, time steps."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache, cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+import sympy
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.linearization.fixed_point import ClosureValue, gaussian_covariance
+from stochlin.kernels.linearization.gaussian import regress_slip
+from stochlin.kernels.linearization.quadrature import SlipRate, slip_expectations
+
+if TYPE_CHECKING:
+    from stochlin.kernels.simulation.ensemble import Block
+
+ORDER = 40
+ACCURACY = 1e-9
+_PROBES = np.random.default_rng(1996).uniform(-2.5, 2.5, (2, 400))
+
+
+class SymbolicLaw:
+    """``G(v, z)`` compiled for batched Gaussian quadrature.
+
+    Parameters
+    ----------
+    expression : sympy.Expr
+        ``G`` in symbols named ``v`` [1/s, ductility rate], ``z`` [-], and as the parameters; odd:
+        ``G(-v, -z) = -G(v, z)``.
+    parameters : tuple of str
+        Names of the law's parameters; functions take their values as rows, in this order.
+
+    Raises
+    ------
+    TypeError
+        If it is not a sympy expression.
+    ValueError
+        If it has other symbols.
+    """
+
+    def __init__(self, expression: sympy.Expr, parameters: tuple[str, ...] = ()) -> None:
+        self.expression, self.parameters = _with_plain_symbols(expression, parameters), parameters
+        law = self._function(self.expression, "numpy")
+
+        def slip(rate: Array, displacement: Array, values: Array) -> Array:
+            return rate - np.broadcast_to(law(rate, displacement, values), rate.shape)
+
+        self.slip_rate = SlipRate(slip, self._kinks(), False)
+        probes = np.random.default_rng(4).uniform(0.3, 1.7, (len(parameters), _PROBES.shape[1]))
+        self.slip_rate = self.slip_rate._replace(rate_independent=self._is_rate_independent(probes))
+        self._good: set[bytes] = set()
+
+    def gaussian(self, latent: Array, parameters: Array) -> ClosureValue:
+        """Gaussian closure by quadrature, with derivatives."""
+        slip, slip_jacobian = slip_expectations(self.slip_rate, latent, parameters, ORDER)
+        covariance, covariance_jacobian = gaussian_covariance(latent)
+        coefficients, jacobian = regress_slip(slip, slip_jacobian, covariance, covariance_jacobian)
+        return ClosureValue(coefficients, jacobian, covariance, covariance_jacobian)
+
+    @cached_property
+    def block(self) -> Block:
+        """Time steps of this law, compiled when first asked for."""
+        from stochlin.kernels.simulation.law_stepping import law_block
+
+        return law_block(self._function(self._without_steps(), "math"))
+
+    def check(self, parameters: Array) -> None:
+        """Raise a ValueError if the law is not odd, not real, or has kinks that quadrature cannot find.
+
+        ``parameters`` (m, n): one set of them a column.
+        """
+        for column in np.ascontiguousarray(parameters.T):
+            if column.tobytes() not in self._good:
+                self._check_odd(column)
+                self._check_quadrature(column)
+                self._good.add(column.tobytes())
+
+    def _function(self, expression: sympy.Expr, module: str) -> Callable[..., Array]:
+        """The expression as a function of ``v``, ``z`` and the parameters, which it takes as one."""
+        v, z = sympy.symbols("v z", real=True)
+        rows = sympy.DeferredVector("parameters")
+        values = {sympy.Symbol(n, real=True): rows[i] for i, n in enumerate(self.parameters)}
+        return sympy.lambdify((v, z, rows), expression.subs(values), module, cse=True)
+
+    def _kinks(self) -> Callable[[Array], Sequence[Array | float]]:
+        """The values of ``z`` where the law may jump or bend, as a function of the parameters."""
+        kinks = _kinks(self.expression)
+        fixed = sorted(float(kink) for kink in kinks if kink.is_number)
+        moving = self._function(sympy.Tuple(*(k for k in kinks if not k.is_number)), "numpy")
+
+        def at(parameters: Array) -> Sequence[Array | float]:
+            with np.errstate(all="ignore"):
+                found = moving(0.0, 0.0, parameters)
+            return [*fixed, *(np.where(np.isfinite(kink), kink, 0.0) for kink in found)]
+
+        return at
+
+    def _named(self, column: Array) -> str:
+        """The law in messages, with the parameters that it was tried with."""
+        told = ", ".join(f"{n} = {x:g}" for n, x in zip(self.parameters, column, strict=True))
+        return f"law = {self.expression}" + (f" with {told}" if told else "")
+
+    def _without_steps(self) -> sympy.Expr:
+        """The law with its Heaviside steps as cases, which is what plain Python can print."""
+        return self.expression.replace(
+            sympy.Heaviside, lambda *x: sympy.Heaviside(*x).rewrite(sympy.Piecewise)
+        )
+
+    def _check_odd(self, column: Array) -> None:
+        v, z = _PROBES
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)
+            value, mirrored = (self.slip_rate.function(side * v, side * z, column) for side in (1, -1))
+        if np.iscomplexobj(value) or not np.isfinite(value).all():
+            raise ValueError(f"{self._named(column)} is not real and finite in |v|, |z| < 2.5")
+        if np.abs(value + mirrored).max() > 1e-9 * (1 + np.abs(value).max()):
+            raise ValueError(
+                f"{self._named(column)} is not odd; allowed: G(-v, -z) = -G(v, z), the same "
+                "behaviour in both directions"
+            )
+
+    def _is_rate_independent(self, parameters: Array) -> bool:
+        v, z = np.abs(_PROBES[0]) + 0.01, _PROBES[1]
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)
+            whole, double = (self.slip_rate.function(n * v, z, parameters) for n in (1, 2))
+        return bool(np.abs(double - 2 * whole).max() <= 1e-11 * (1 + np.abs(whole).max()))
+
+    def _check_quadrature(self, column: Array) -> None:
+        latent = np.array([[0.1, 1.0, 2.0, 50.0], [2.5, 0.4, 0.9, 1.2], [0.7, 0.0, 0.3, 0.5]])
+        parameters = np.repeat(column[:, None], latent.shape[1], axis=1)
+        coarse, fine = (
+            slip_expectations(self.slip_rate, latent, parameters, order)[0]
+            for order in (ORDER, 3 * ORDER)
+        )
+        error = np.max(np.abs(coarse - fine) / (np.abs(fine) + latent[0]))
+        if not error < ACCURACY:
+            raise ValueError(
+                f"{self._named(column)} has kinks that could not be located (quadrature error "
+                f"{error:.1e}, allowed {ACCURACY:.0e}); found are kinks at v = 0, and those written as "
+                "Abs, sign, Heaviside, Max, Min or Piecewise of z alone"
+            )
+
+
+@cache
+def _compiled(expression: sympy.Expr, parameters: tuple[str, ...]) -> SymbolicLaw:
+    return SymbolicLaw(expression, parameters)
+
+
+def compiled(expression: sympy.Expr, parameters: tuple[str, ...]) -> SymbolicLaw:
+    """The law of this expression; the same expression is compiled once."""
+    return _compiled(_with_plain_symbols(expression, parameters), parameters)
+
+
+def _with_plain_symbols(expression: sympy.Expr, parameters: tuple[str, ...]) -> sympy.Expr:
+    """Replace the user's symbols, found by name, by real ones."""
+    if not isinstance(expression, sympy.Expr):
+        raise TypeError(f"law = {expression!r} is not allowed; give a sympy expression")
+    names = {symbol.name for symbol in expression.free_symbols}
+    if "v" not in names or not names <= {"v", "z", *parameters}:
+        own = f", and its parameters {', '.join(parameters)}" if parameters else ""
+        raise ValueError(
+            f"law = {expression} has the symbols {sorted(names)}; allowed: 'v' and 'z' only{own}, with "
+            "numbers in place of any parameter"
+        )
+    return expression.subs({s: sympy.Symbol(s.name, real=True) for s in expression.free_symbols})
+
+
+def _kinks(expression: sympy.Expr) -> set[sympy.Expr]:
+    """Values of ``z`` where the law may jump or bend: zeros of arguments that do not depend on ``v``."""
+    v, z = sympy.symbols("v z", real=True)
+    kinks: set[sympy.Expr] = set()
+    for argument in _switch_arguments(expression):
+        for factor in sympy.Mul.make_args(sympy.factor(argument)):
+            if z in factor.free_symbols and v not in factor.free_symbols:
+                roots = sympy.solveset(factor, z, sympy.S.Reals)
+                if not isinstance(roots, sympy.FiniteSet) and factor.free_symbols != {z}:
+                    roots = _roots(factor, z)
+                if isinstance(roots, sympy.FiniteSet):
+                    kinks.update(roots)
+    return kinks
+
+
+def _roots(factor: sympy.Expr, z: sympy.Symbol) -> sympy.FiniteSet:
+    """Zeros that may depend on parameters; where one is not real the kink is not there."""
+    try:
+        return sympy.FiniteSet(*sympy.solve(factor, z))
+    except NotImplementedError:
+        return sympy.FiniteSet()
+
+
+def _switch_arguments(expression: sympy.Expr) -> Iterator[sympy.Expr]:
+    for node in sympy.preorder_traversal(expression):
+        if isinstance(node, (sympy.Heaviside, sympy.sign, sympy.Abs)):
+            yield node.args[0]
+        elif isinstance(node, (sympy.Max, sympy.Min)):
+            yield from (a - b for a in node.args for b in node.args if a is not b)
+        elif isinstance(node, sympy.core.relational.Relational):
+            yield node.lhs - node.rhs

@@ -1,0 +1,159 @@
+"""A hysteresis law from outside: one class in one file, known to every command."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+import sympy
+import xarray as xr
+
+import stochlin as sl
+
+pytestmark = pytest.mark.cli
+
+PAGE = Path(__file__).parents[2] / "docs" / "extending.md"
+V, Z = sympy.symbols("v z")
+TOLD = {"beta": 0.6, "gamma": 0.2, "pinching": 0.3, "sharpness": 5.0, "limit": 0.8}
+SITE = {"damping": 0.05, "hardening": 0.1, "reduction_factor": 4}
+# The same formulas on the same motions: quadrature agrees to 1e-12 or so, and the implicit steps of
+# both end within 1e-12 of their solutions; loops that dissipate do not amplify that, and steps add up.
+ROUNDING = 1e-9
+
+
+def law_from_the_page():
+    """The example in the section on laws, as a reader would copy it."""
+    section = PAGE.read_text(encoding="utf-8").split("\n## A hysteresis law\n")[1].split("\n## ")[0]
+    return re.search(r"caption: pinched.py\n\n(.*?)```", section, re.DOTALL)[1]
+
+
+def the_same(**structure):
+    """The law of the page as a user writes it down without an extension, with these numbers in it."""
+    slip = TOLD["beta"] * abs(V) * Z + TOLD["gamma"] * V * abs(Z)
+    pinched = 1 - TOLD["pinching"] * sympy.exp(-TOLD["sharpness"] * Z**2)
+    beyond = abs(V) * sympy.sign(Z) * sympy.Max(abs(Z) - TOLD["limit"], 0)
+    return sl.Hysteretic(**structure, law=V - pinched * slip - beyond)
+
+
+@pytest.fixture
+def toy(install):
+    return install(law_from_the_page())
+
+
+def options(**values):
+    return [part for name, value in values.items() for part in (f"--{name.replace('_', '-')}", value)]
+
+
+@pytest.mark.parametrize("method", ["linearization", "simulation"])
+def test_rho_of_a_law_from_outside(toy, tmp_path, method):
+    done = toy(
+        "rho",
+        *options(period_1=0.7, period_2="1,1.3", law="pinched", **SITE, **TOLD, method=method),
+        *options(paths=32, seed=3, ground="firm", intensity=0.01, out=tmp_path / "table.nc"),
+    )
+    assert done.returncode == 0, done.stderr
+    first, second = (the_same(period=period, **SITE) for period in (0.7, [1.0, 1.3]))
+    firm = sl.named_ground("firm", intensity=0.01)
+    expected = sl.correlate(first, second, firm, method, paths=32, seed=3)
+    with xr.open_dataset(tmp_path / "table.nc") as table:
+        assert "Pinched(" in table.attrs["first"]
+        assert not table.status.any()
+        for name in ("rho", "displacement_std_1", "displacement_std_2"):
+            np.testing.assert_allclose(table[name], expected[name], rtol=ROUNDING, err_msg=name)
+
+
+CASE = """\
+[site]
+ground = "firm"
+intensity = "0.01 m^2/s^3"
+[motion]
+duration = "12 s"
+[building_1]
+law = "pinched"
+period = "0.7 s"
+damping = "5 %"
+hardening = "10 %"
+reduction_factor = 4
+beta = 0.6
+gamma = 0.2
+pinching = "30 %"
+limit = 0.8
+[building_2]
+period = "1.1 s"
+damping = "5 %"
+hardening = "10 %"
+yield_displacement = "2 cm"
+[separation]
+confidence = 0.9
+[simulation]
+paths = 128
+"""
+
+
+def test_gap_of_a_case_with_a_law_from_outside(toy, tmp_path):
+    (tmp_path / "case.toml").write_text(CASE)
+    done = toy("gap", "case.toml", "--out", "gap.nc")
+    assert done.returncode == 0, done.stderr
+    assert "eq_3_drift: no drift closure for Pinched" in done.stdout
+    told = tomllib.loads(CASE)
+    assert told["building_1"]["law"] == "pinched"
+    first = the_same(period=0.7, **SITE)
+    second = sl.Bilinear(1.1, 0.05, 0.1, yield_displacement=0.02)
+    firm = sl.named_ground("firm", intensity=0.01)
+    expected = sl.separation(first, second, firm, 12.0, paths=128)
+    with xr.open_dataset(tmp_path / "gap.nc") as table:
+        np.testing.assert_allclose(table.gap, expected.gap, rtol=ROUNDING)
+        np.testing.assert_allclose(table.peak_mean_1, expected.peak_mean_1, rtol=ROUNDING)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "says"),
+    [
+        ("limit = 0.8", "limt = 0.8", ["line 15: building_1.limt", "did you mean limit?"]),
+        ("limit = 0.8", "limit = 0", ["line 15: building_1.limit = 0 is out of range", "0 < value"]),
+        ('"pinched"', '"pinced"', ["did you mean 'pinched'? allowed: bilinear, bouc_wen, pinched"]),
+        ('"pinched"', '"hysteretic"', ["allowed: bilinear, bouc_wen, pinched"]),
+        ('law = "pinched"\n', "", ["building_1.beta = 0.6 is not a key that is known here"]),
+        ("[building_2]", "[building_2]\nlimit = 1", ["building_2.limit = 1 is not a key"]),
+    ],
+)
+def test_a_case_that_says_it_wrong(toy, tmp_path, before, after, says):
+    assert before in CASE
+    (tmp_path / "case.toml").write_text(CASE.replace(before, after))
+    done = toy("gap", "case.toml")
+    assert done.returncode == 2
+    for part in says:
+        assert part in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("--law", "pinced"), "'bilinear', 'bouc_wen', 'pinched'"),
+        (("--law", "pinched", "--exponent", 2), "--exponent does not apply to --law pinched"),
+        (("--law-2", "pinched", "--limit-1", 1), "--limit-1 does not apply to --law bilinear"),
+        (("--law", "pinched", "--limit", 0), "limit = 0 is out of range; allowed: 0 < value"),
+        (("--law", "pinched", "--closure", "drift"), "not available for Pinched; allowed: gaussian"),
+        (("--help",), "z beyond which it softens once more, of pinched, 1 if not given"),
+    ],
+    ids=str,
+)
+def test_options_of_a_law_are_those_of_the_law(toy, arguments, says):
+    said = toy("rho", *options(period_1=0.7, period_2=1.0, **SITE), *arguments)
+    assert said.returncode == (0 if "--help" in arguments else 2)
+    assert says in " ".join((said.stdout + said.stderr).split())
+
+
+def test_what_takes_no_such_law_says_so(toy, tmp_path):
+    np.savetxt(tmp_path / "motion.txt", np.sin(np.arange(1000) / 7))
+    record = '[[site.records]]\npath = "motion.txt"\nunits = "m/s^2"\ndt = "0.01 s"\n'
+    gap = 'existing = "5 cm"\n'
+    case = CASE.replace("[motion]", f"{record}[motion]").replace("confidence", f"{gap}confidence")
+    (tmp_path / "case.toml").write_text(case)
+    for command in ("gap", "probability"):
+        done = toy(command, "case.toml")
+        assert done.returncode == 2
+        assert "building_1 is a Pinched, which cannot ride on records here" in done.stderr
