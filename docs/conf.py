@@ -36,8 +36,8 @@ autodoc_default_options = {
     "members": True,
     "inherited-members": True,
     # Of use to the analyses only.
-    "exclude-members": "arrays, block, closure, damping_coefficient, forcing, isel, kernel_parameters, "
-    "law_parameters, parameter_names, power, valid",
+    "exclude-members": "arrays, block, closure, damping_coefficient, force_law, forcing, isel, "
+    "kernel_parameters, law, law_parameters, parameter_names, power, valid",
 }
 numpydoc_show_class_members = False
 numpydoc_validation_checks = {"PR02", "PR03", "PR10", "RT03", "SS01"}

@@ -119,8 +119,13 @@ class Model:
 def expect(value: object, kind: type[Model], role: str) -> None:
     """Raise a TypeError unless the argument called ``role`` is a ``kind``."""
     if not isinstance(value, kind):
-        names = sorted(c.__name__ for c in kind.__subclasses__())
+        names = sorted(_most_special(kind))
         raise TypeError(f"{role} = {value!r} is of the wrong kind; allowed: {', '.join(names)}")
+
+
+def _most_special(kind: type[Model]) -> set[str]:
+    """Names of the kinds of a model that have no kinds themselves."""
+    return {name for own in kind.__subclasses__() for name in _most_special(own) or {own.__name__}}
 
 
 def _checked(value: Any, field: dataclasses.Field[Any], model: str) -> float | xr.DataArray:
