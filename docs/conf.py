@@ -36,8 +36,8 @@ autodoc_default_options = {
     "members": True,
     "inherited-members": True,
     # Of use to the analyses only.
-    "exclude-members": "arrays, block, closure, closures, damping_coefficient, forcing, isel, "
-    "kernel_parameters, kinds, law_parameters, own_parameters, parameter_names, power, symbolic, valid",
+    "exclude-members": "arrays, block, closure, closures, damping_coefficient, force_law, forcing, isel, "
+    "kinds, law, law_parameters, own_parameters, parameter_names, power, symbolic, valid",
 }
 numpydoc_show_class_members = False
 numpydoc_validation_checks = {"PR02", "PR03", "PR10", "RT03", "SS01"}

@@ -81,7 +81,7 @@ class Model:
     @classmethod
     def kinds(cls) -> Collection[type[Model]]:
         """What there is of this kind, for messages."""
-        return cls.__subclasses__() or [cls]
+        return {kind for own in cls.__subclasses__() for kind in own.kinds()} or {cls}
 
     @classmethod
     def parameter_names(cls) -> tuple[str, ...]:

@@ -81,7 +81,7 @@ def test_neither_mass_ratio_nor_stiffness_nor_velocity_matters(kind, m1, m2):
     stiffness, velocities = 4.2e7, (0.05, -0.9)
     contact = kind(stiffness=stiffness, restitution=0.4)
     mass = kernel.reduced_mass(m1, m2)
-    k, _, c = contact.kernel_parameters(mass)
+    k, _, c, *_ = contact.force_law(mass)
     scale = contact.time_scale(mass, 0.95)
     assert scale == pytest.approx(np.sqrt(mass / stiffness), rel=1e-14)
     time, e, state = collide(*linear_law(kind, k, c), (m1, m2), velocities, scale)
@@ -196,22 +196,22 @@ def test_compiled_force_is_the_law(contact):
         law, leaves = (lambda d, v: 3e6 * d), lambda d, v: d
     else:
         law, leaves = linear_law(type(contact), 3e6, 0.8 * np.sqrt(3e6 * mass))
-    parameters = tuple(float(value) for value in contact.kernel_parameters(mass))
+    law_of_force = contact.force_law(mass)
     for d in (1e-6, 0.003, 0.2):
         for v in (-0.9, -0.01, 0.0, 0.3):
             expected = law(d, v)
             if isinstance(contact, sl.NoTensionKelvin):
                 expected = max(expected, 0.0)
-            found = kernel.force(contact.kind, parameters, d, v, v0)
+            found = kernel.force(law_of_force, d, v, v0)
             assert found == pytest.approx(expected, rel=1e-13)
             assert float(contact.force(d, v, v0, mass)) == found
-            margin = kernel.separation_margin(contact.kind, parameters, d, v)
+            margin = kernel.separation_margin(law_of_force, d, v)
             assert margin == pytest.approx(leaves(d, v), rel=1e-13)
-        assert kernel.force(contact.kind, parameters, -d, 0.3, v0) == 0
+        assert kernel.force(law_of_force, -d, 0.3, v0) == 0
 
 
 def test_hertz_damp_without_an_approach_is_elastic():
-    assert kernel.force(kernel.HERTZ_DAMP, (2.0, 1.0, 0.8), 3.0, 0.5, 0.0) == 6.0
+    assert kernel.force(kernel.ForceLaw(2.0, 1.0, 0.8, over_approach=True), 3.0, 0.5, 0.0) == 6.0
 
 
 def test_a_rigid_wall_is_an_infinite_mass():
@@ -465,7 +465,7 @@ def test_cells_out_of_range_do_not_spoil_their_neighbours():
     contact = sl.ImpactKelvin(1e8, restitution=[0.5, 2.0, 0.65])
     np.testing.assert_array_equal(contact.valid(), [True, False, True])
     np.testing.assert_allclose(contact.e, [0.5, np.nan, 0.65], rtol=1e-14)
-    assert np.isfinite(contact.kernel_parameters(1e4)[2]).values.tolist() == [True, False, True]
+    assert np.isfinite(contact.force_law(1e4).damping).values.tolist() == [True, False, True]
     for kind in (sl.Kelvin, sl.HertzDamp, sl.Jankowski):
         contact = kind([1e8, -1.0], restitution=0.5)
         for result in (contact.force(0.01, 0.1, 1.0, 1e4), contact.time_scale(1e4, 1.0)):

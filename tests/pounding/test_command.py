@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import stochlin as sl
-from stochlin.analyses.cases.contacts import CONTACTS
+from stochlin.models.contacts.base import CONTACTS
 from stochlin.views.command import main
 from stochlin.views.pounding.pictures import draw_pound
 

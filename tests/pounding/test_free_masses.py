@@ -11,7 +11,6 @@ import stochlin as sl
 from stochlin.kernels.pounding import contact as forces
 from stochlin.kernels.pounding import run as kernel
 from stochlin.kernels.pounding.impacts import AFTER, APPROACH, BEFORE, BEGIN, END, LARGEST
-from stochlin.kernels.pounding.rates import branch_force
 from stochlin.kernels.pounding.rows import CLOSED, OPENING
 
 pytestmark = pytest.mark.oracle
@@ -28,13 +27,11 @@ def free_row(masses, contact, gap=0.0):
     n = len(masses)
     left, right = np.arange(n - 1), np.arange(1, n)
     mass = np.array(masses, float)
-    kind, restitution, element = kernel.STEREOMECHANICAL, 1.0, np.ones((n - 1, 3))
-    if isinstance(contact, sl.Stereomechanical):
-        restitution = float(contact.restitution)
-    else:
-        kind = contact.kind
-        reduced = [forces.reduced_mass(mass[i], mass[i + 1]) for i in range(n - 1)]
-        element = np.array([contact.kernel_parameters(m) for m in reduced], float)
+    jumps = isinstance(contact, sl.Stereomechanical)
+    laws = [
+        forces.ForceLaw() if jumps else contact.force_law(forces.reduced_mass(mass[i], mass[i + 1]))
+        for i in range(n - 1)
+    ]
     return kernel.Row(
         first=np.arange(n + 1),
         below=np.full(n, -1),
@@ -49,9 +46,9 @@ def free_row(masses, contact, gap=0.0):
         left=left,
         right=right,
         gap=np.full(n - 1, gap),
-        kind=kind,
-        element=element,
-        restitution=restitution,
+        element=forces.law_table(laws),
+        jumps=jumps,
+        restitution=contact.e,
         slow=0.0,
         tied=np.zeros((0, 2), np.int64),
         tie=np.zeros((0, 2)),
@@ -187,11 +184,11 @@ def test_forces_on_branches_are_those_of_the_elements(d, v, v0):
     mass = 1.2e5
     for kind in (*KINDS, sl.HertzDamp, sl.Jankowski):
         contact = kind(3e7, restitution=0.5)
-        parameters = tuple(float(p) for p in contact.kernel_parameters(mass))
+        law = contact.force_law(mass)
         branch = OPENING if v < 0 and kind in (sl.ImpactKelvin, sl.Jankowski) else CLOSED
-        found, elastic = branch_force(contact.kind, branch, np.array(parameters), d, v, v0)
-        assert elastic == pytest.approx(3e7 * d ** parameters[1], rel=1e-14)
+        found, elastic = forces.branch_force(forces.law_table([law])[0], branch, d, v, v0)
+        assert elastic == pytest.approx(3e7 * d**law.exponent, rel=1e-14)
         if kind is sl.NoTensionKelvin:
             found = max(found, 0.0)  # this branch ends where it would pull
-        wanted = forces.force(contact.kind, parameters, d, v, v0)
+        wanted = forces.force(law, d, v, v0)
         assert found == pytest.approx(wanted, rel=1e-14, abs=1e-9)

@@ -127,7 +127,7 @@ def by_scipy(pair, gap, contact, record):
         for name in ("mass", "hardening", "yield_displacement")
     )
     xi = np.array([s.damping for s in pair])
-    parameters = tuple(float(p) for p in contact.kernel_parameters(forces.reduced_mass(*mass)))
+    law = contact.force_law(forces.reduced_mass(*mass))
     bouc_wen = isinstance(pair[0], sl.BoucWen)
 
     def rates(t, x, ground, slope):
@@ -136,7 +136,7 @@ def by_scipy(pair, gap, contact, record):
             dz = v - 0.5 * abs(v) * z / uy - 0.5 * v * abs(z) / uy
         else:
             dz = np.where((abs(z) >= uy) & (z * v > 0), 0.0, v)
-        force = forces.force(contact.kind, parameters, u[0] - u[1] - gap, v[0] - v[1], 1.0)
+        force = forces.force(law, u[0] - u[1] - gap, v[0] - v[1], 1.0)
         push = np.array([-force, force]) / mass
         a = -ground - slope * t - 2 * xi * w * v - w**2 * (alpha * u + (1 - alpha) * z) + push
         return np.concatenate([v, a, dz])
@@ -191,7 +191,7 @@ def by_events(pair, gap, contact, record):
         np.array([getattr(s, name) for s in pair])
         for name in ("mass", "hardening", "yield_displacement", "damping")
     )
-    k, _, c = contact.kernel_parameters(forces.reduced_mass(*mass))
+    k, _, c, *_ = contact.force_law(forces.reduced_mass(*mass))
     sides, closed = [0, 0], False
 
     def rates(t, x, ground, slope):

@@ -74,6 +74,6 @@ def test_peaks_of_a_pounding_pair_are_those_of_opensees(ops, kind):
     assert (table.peak > YIELD).all()
     assert (abs(table.amplification - 1) > 2 * PEAK_SHARE).any()  # the contact is felt
     reduced = MASSES[0] * MASSES[1] / sum(MASSES)
-    damper = float(contact.kernel_parameters(reduced)[2])
+    damper = float(contact.force_law(reduced).damping)
     theirs = peaks_in_opensees(ops, motion.to_numpy(), damper)
     np.testing.assert_allclose(table.peak, theirs, rtol=PEAK_SHARE)

@@ -3,28 +3,15 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Mapping
 from typing import Any
 
 from stochlin.analyses.cases.values import Quantity, Section
-from stochlin.models import contacts
 from stochlin.models.contacts import Contact
-from stochlin.models.contacts.base import DAMPING, RESTITUTION
-from stochlin.models.contacts.hertzian import SPHERES
+from stochlin.models.contacts.base import CONTACTS, DAMPING, RESTITUTION
 from stochlin.models.links import Link
 from stochlin.models.measures import Measure
 from stochlin.models.structures import POSITIVE
 
-CONTACTS: Mapping[str, type[Contact]] = {
-    "linear_spring": contacts.LinearSpring,
-    "kelvin": contacts.Kelvin,
-    "no_tension_kelvin": contacts.NoTensionKelvin,
-    "impact_kelvin": contacts.ImpactKelvin,
-    "hertz": contacts.Hertz,
-    "hertz_damp": contacts.HertzDamp,
-    "jankowski": contacts.Jankowski,
-    "stereomechanical": contacts.Stereomechanical,
-}
 DAMPINGS = ("added_damping_1", "added_damping_2")
 LINK = {"link_stiffness": "stiffness", "link_damping_constant": "damping_constant"}
 
@@ -66,7 +53,7 @@ def _quantity(section: Section, kind: type[Contact], name: str) -> Quantity:
     declared = Quantity.declared(kind, name)
     if not declared.units.endswith("^n"):
         return declared
-    power = SPHERES
+    power = inspect.signature(kind).parameters["exponent"].default
     if "exponent" in section:
         power = section.number("exponent", Quantity.declared(kind, "exponent"))
     return declared._replace(units=declared.units.replace("^n", f"^{power:g}"))

@@ -8,8 +8,8 @@ the others by a Runge-Kutta method of order 8.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 import xarray as xr
@@ -18,23 +18,15 @@ from scipy.integrate import solve_ivp
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding import contact as kernel
-from stochlin.models.contacts import (
-    Hertz,
-    HertzDamp,
-    ImpactKelvin,
-    Jankowski,
-    Kelvin,
-    LinearSpring,
-    NoTensionKelvin,
-)
-from stochlin.models.contacts.base import POSITIVE, RESTITUTION, checked
+from stochlin.models.contacts import Element, HertzDamp, LinearSpring
+from stochlin.models.contacts.base import CONTACTS, POSITIVE, RESTITUTION, checked
+from stochlin.models.contacts.damped import Damped, WithRatio
+from stochlin.models.contacts.linear import LinearDamped
 from stochlin.models.parameters import Range
 
 PARTING = Range(
     upper=1.0, include_lower=True, reason="from 1 on the contact of the Kelvin element never ends"
 )
-LINEAR = LinearSpring | Kelvin | NoTensionKelvin | ImpactKelvin
-ELEMENT = LINEAR | Hertz | HertzDamp | Jankowski
 TOLERANCE = {"rtol": 1e-12, "atol": 1e-14}
 SCALES = (
     "Two free masses of reduced mass m meet at v0. Scales: τ = (m v0^(1-n)/k)^(1/(n+1)), v0 τ, "
@@ -49,6 +41,9 @@ OWN = (
     "axis is its damping factor a."
 )
 LONGEST = 1e3  # contact times; the slowest to part need about 1/e
+
+
+Kind = TypeVar("Kind", bound=Element)
 
 
 class History(NamedTuple):
@@ -90,15 +85,7 @@ def contact_loop_chart(restitution: float = 0.65, points: int = 201) -> xr.Datas
     """
     restitution = _number("restitution", restitution, RESTITUTION)
     given: dict[str, Any] = {"stiffness": 1.0, "restitution": restitution}
-    models: list[ELEMENT] = [
-        LinearSpring(1.0),
-        Kelvin(**given),
-        NoTensionKelvin(**given),
-        ImpactKelvin(**given),
-        Hertz(1.0),
-        HertzDamp(**given),
-        Jankowski(**given),
-    ]
+    models = [kind(**given) if issubclass(kind, Damped) else kind(1.0) for kind in _kinds(Element)]
     title = f"Force and deformation of contact elements, e = {restitution:g}"
     return _histories(models, points, title, f"contact_loop_chart(restitution={restitution:g})")
 
@@ -132,8 +119,7 @@ def contact_history_chart(damping_ratio: float = 0.5, points: int = 201) -> xr.D
     """
     damping_ratio = _number("damping_ratio", damping_ratio, PARTING)
     given: dict[str, Any] = {"stiffness": 1.0, "damping_ratio": damping_ratio}
-    models: list[ELEMENT] = [Kelvin(**given), NoTensionKelvin(**given)]
-    models += [ImpactKelvin(**given), Jankowski(**given)]
+    models = [kind(**given) for kind in _kinds(WithRatio)]
     title = f"Histories of deformation and contact force, ξ = {damping_ratio:g}"
     return _histories(models, points, title, f"contact_history_chart(damping_ratio={damping_ratio:g})")
 
@@ -169,7 +155,7 @@ def restitution_chart(largest: float = 1.0, points: int = 201) -> xr.Dataset:
     """
     _check_points(points)
     largest = _number("largest", largest, POSITIVE)
-    classes = (Kelvin, NoTensionKelvin, ImpactKelvin, Jankowski)
+    classes = _kinds(WithRatio)
     ratio = _axis("damping_ratio", "damping ratio of the contact", largest, points)
     factor = _axis("damping_factor", "damping factor of the Hertz-damp contact", 2 * largest, points)
     rows = [kind.restitution(ratio) for kind in classes]
@@ -189,11 +175,19 @@ def restitution_chart(largest: float = 1.0, points: int = 201) -> xr.Dataset:
     )
 
 
-def _histories(models: list[ELEMENT], points: int, title: str, call: str) -> xr.Dataset:
+def _kinds(base: type[Kind]) -> list[type[Kind]]:
+    """All elements of a kind, in their order."""
+    return [kind for kind in CONTACTS.values() if issubclass(kind, base)]
+
+
+def _histories(models: Sequence[Element], points: int, title: str, call: str) -> xr.Dataset:
     _check_points(points)
     names = [type(model).__name__ for model in models]
     chart = xr.Dataset(coords={"element": _elements(names)})
-    found = [_linear(m, points) if isinstance(m, LINEAR) else _integrated(m, points) for m in models]
+    found = [
+        _linear(m, points) if isinstance(m, LinearSpring | LinearDamped) else _integrated(m, points)
+        for m in models
+    ]
     over = ("element", "point")
     chart["scaled_time"] = (over, np.stack([history.time for history in found]))
     chart["scaled_deformation"] = (over, np.stack([history.deformation for history in found]))
@@ -203,25 +197,25 @@ def _histories(models: list[ELEMENT], points: int, title: str, call: str) -> xr.
     chart["scaled_contact_time"] = ("element", [history.time[-1] for history in found])
     chart["restitution"] = ("element", [model.e for model in models])
     chart["contact_damping"] = ("element", [getattr(model, "damping", 0.0) for model in models])
-    described: Mapping[str, ELEMENT] = dict(zip(names, models, strict=True))
     chart.attrs |= {"caption": SCALES, "comment": PRINTED}
+    described = dict(zip(names, models, strict=True))
     return labels.with_run_information(labels.label(chart), title, call, described)
 
 
-def _force(model: ELEMENT, history: History) -> Array:
+def _force(model: Element, history: History) -> Array:
     """The force within the contact: at its ends the dashpot acts, though the deformation is zero."""
     within = np.maximum(history.deformation, np.finfo(float).tiny)
-    return kernel.forces(model.kind, *model.kernel_parameters(1.0), within, history.velocity, 1.0)
+    return kernel.forces(*model.force_law(1.0), within, history.velocity, 1.0)
 
 
-def _linear(model: LINEAR, points: int) -> History:
-    """Closed form: free motion with the damping, without it once an Impact Kelvin element has turned."""
+def _linear(model: LinearSpring | LinearDamped, points: int) -> History:
+    """Closed form: free motion with the damping, without it once one of approach only has turned."""
     if isinstance(model, LinearSpring):
         return History(*_free_motion(np.linspace(0, model.contact_time(), points), 0.0))
     time = np.linspace(0, model.contact_time(model.damping), points)
-    coefficient = model.kernel_parameters(1.0)[2]
+    coefficient = model.force_law(1.0).damping
     damped = History(*_free_motion(time, 0.5 * coefficient))
-    if not isinstance(model, ImpactKelvin):
+    if not model.law.approach_only:
         return damped
     back = time - (time[-1] - np.pi / 2)  # since the deepest point, where d = e v0/w
     turned = back > 0
@@ -240,14 +234,14 @@ def _free_motion(time: Array, xi: float) -> tuple[Array, Array, Array]:
     return time, decay * swing.real, decay * (np.cosh(root * time) - xi * swing).real
 
 
-def _integrated(model: ELEMENT, points: int) -> History:
-    parameters = tuple(float(value) for value in model.kernel_parameters(1.0))
+def _integrated(model: Element, points: int) -> History:
+    law = model.force_law(1.0)
 
     def rates(_: float, state: Array) -> tuple[float, float]:
-        return state[1], -kernel.force(model.kind, parameters, state[0], state[1], 1.0)
+        return state[1], -kernel.force(law, state[0], state[1], 1.0)
 
     def margin(_: float, state: Array) -> float:
-        return kernel.separation_margin(model.kind, parameters, state[0], state[1])
+        return kernel.separation_margin(law, state[0], state[1])
 
     margin.terminal, margin.direction = True, -1  # type: ignore[attr-defined]
     span = (0.0, LONGEST / float(model.e))

@@ -9,7 +9,7 @@ import xarray as xr
 
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_whole
-from stochlin.kernels.pounding.contact import reduced_mass, velocities_after_impact
+from stochlin.kernels.pounding.contact import impact_loss, velocities_after_impact
 from stochlin.models.contacts import Contact
 from stochlin.models.contacts.base import checked
 from stochlin.models.parameters import Parameter, Range, expect
@@ -117,7 +117,7 @@ def pounding_estimate(
         table[f"radius_amplification_{n}"] = growth
         largest = growth.max(("point", "way")).fillna(1.0)
         table[f"largest_radius_amplification_{n}"] = largest.where(valid)
-    loss = 0.5 * (1 - contact.e**2) * reduced_mass(*mass) * (v[0] - v[1]) ** 2
+    loss = impact_loss(mass[0], mass[1], contact.e) * (v[0] - v[1]) ** 2
     table["energy_lost"] = loss.where(approach)
     status = xr.full_like(valid, labels.CONVERGED, np.int8)
     table["status"] = status.where(valid, labels.INVALID_INPUT).astype(np.int8)

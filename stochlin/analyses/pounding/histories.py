@@ -11,6 +11,7 @@ from stochlin.analyses.pounding.rows import Building, Meeting
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding import impacts
 from stochlin.kernels.pounding import run as kernel
+from stochlin.kernels.pounding.contact import stored_energy
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.links import Link
 
@@ -53,10 +54,8 @@ def histories(
         "hysteretic_energy": hysteretic,
     }
     squeezed = np.zeros(time.size)
-    if row.kind != kernel.STEREOMECHANICAL:
-        k, power, _ = row.element.T
-        depth = np.maximum(u[:, row.left] - u[:, row.right] - row.gap, 0.0)
-        squeezed = (k * depth ** (power + 1) / (power + 1)).sum(axis=1)
+    if not row.jumps:
+        squeezed = stored_energy(row.element, u[:, row.left] - u[:, row.right] - row.gap).sum(axis=1)
     stretch, pace = (w[:, row.tied[:, 0]] - w[:, row.tied[:, 1]] for w in (u, v))
     strained = 0.5 * (row.tie[:, 0] * stretch**2).sum(axis=1)
     kept = [energy for name, energy in energies.items() if name != "input_energy"]

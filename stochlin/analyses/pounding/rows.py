@@ -11,10 +11,10 @@ import scipy.linalg
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.pounding.contact import reduced_mass
-from stochlin.kernels.pounding.run import BILINEAR, BOUC_WEN, ELASTIC, STEREOMECHANICAL, Row
+from stochlin.kernels.pounding.contact import ForceLaw, law_table, reduced_mass
+from stochlin.kernels.pounding.run import BILINEAR, BOUC_WEN, ELASTIC, Row
 from stochlin.models.buildings import ShearBuilding
-from stochlin.models.contacts import Contact, Element, Stereomechanical
+from stochlin.models.contacts import Contact, Element
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.laws.bouc_wen import BoucWen
 from stochlin.models.links import Link
@@ -157,13 +157,11 @@ def build_row(
     tied = [(b, tops[b], link) for b, link in enumerate(links) if link is not None]
     left = np.array([first[m.building] + m.floor_left for m in places])
     right = np.array([first[m.building + 1] + m.floor_right for m in places])
-    element, kind, restitution = np.ones((len(places), 3)), STEREOMECHANICAL, 1.0
-    if isinstance(contact, Element):
-        kind = contact.kind
-        masses = [float(reduced_mass(*pair)) for pair in zip(mass[left], mass[right], strict=True)]
-        element = np.array([contact.kernel_parameters(m) for m in masses], float)
-    elif isinstance(contact, Stereomechanical):
-        restitution = float(contact.arrays()["restitution"])
+    element = contact if isinstance(contact, Element) else None
+    laws = [
+        element.force_law(float(m)) if element else ForceLaw()
+        for m in reduced_mass(mass[left], mass[right])
+    ]
     row = Row(
         first=first,
         below=below,
@@ -178,9 +176,9 @@ def build_row(
         left=left,
         right=right,
         gap=np.array([gaps[m.building] for m in places]),
-        kind=kind,
-        element=element,
-        restitution=restitution,
+        element=law_table(laws),
+        jumps=element is None,
+        restitution=1.0 if element else float(contact.e),
         slow=SLOW * float(np.abs(motion).max()) * min(map(shortest_period, structures)) / (2 * np.pi),
         tied=np.array(
             [(first[b] + m.floor_left, first[b + 1] + m.floor_right) for b, m, _ in tied], np.int64

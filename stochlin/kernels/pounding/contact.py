@@ -1,65 +1,100 @@
 """Force of a contact element, its end of contact, and the jump of a stereomechanical impact; compiled.
 
 ``d = u1 - u2 - gap`` is the penetration [m], positive in contact, ``v = d'`` [m/s], and ``v0`` the
-approach velocity, ``v`` at the beginning of this contact. ``parameters`` are three numbers whatever
-the law: stiffness ``k`` [N/m^n], exponent ``n``, and a damping ``c`` whose meaning is the law's. The
-force pushes structure 1 back and structure 2 forward; negative, it pulls.
+approach velocity, ``v`` at the beginning of this contact. The force pushes structure 1 back and
+structure 2 forward; negative, it pulls.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterable
+from typing import Any, NamedTuple
 
 import numba as nb
+import numpy as np
 from numba.extending import register_jitable
 
-KELVIN, NO_TENSION, IMPACT_KELVIN, SPRING, HERTZ_DAMP, JANKOWSKI = range(6)
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.pounding.rows import CLOSED, OPEN, OPENING, PARTED, lean
+
+
+class ForceLaw(NamedTuple):
+    """What the force of any element is made of: ``k d^n + c d^p v`` while ``d > 0``.
+
+    Numbers, or arrays that broadcast.
+    """
+
+    stiffness: Any = 1.0  # k [N/m^n]
+    exponent: Any = 1.0  # n
+    damping: Any = 0.0  # c [N s/m^(p+1)]; [-] if over_approach
+    damping_exponent: Any = 0.0  # p
+    approach_only: bool = False  # the dashpot acts while v > 0
+    over_approach: bool = False  # the dashpot's force is ``k d^n c v/v0``
+    tension: bool = True  # else contact ends with the force: p = n - 1, unless in approach_only
+
+
+LAW = np.dtype([(name, type(value)) for name, value in ForceLaw()._asdict().items()], align=True)
+
+
+def law_table(laws: Iterable[ForceLaw]) -> Array:
+    """Laws of numbers, one a contact, as a `Row` takes them."""
+    return np.array([tuple(law) for law in laws], LAW)
+
+
+@lean
+def branch_force(law, branch, d, v, v0):  # type: ignore[no-untyped-def]
+    """Force of an element on one of its branches, and its elastic part [N]; smooth beyond its ends."""
+    if branch == OPEN:
+        return 0.0, 0.0
+    elastic = law.stiffness * d if law.exponent == 1.0 else law.stiffness * max(d, 0.0) ** law.exponent
+    if branch == PARTED:
+        return 0.0, elastic
+    if branch == OPENING:
+        return elastic, elastic
+    if law.over_approach:  # a contact that did not begin with an approach has no v0
+        return (elastic * (1.0 + law.damping * v / v0) if v0 > 0.0 else elastic), elastic
+    c = law.damping
+    if law.damping_exponent != 0.0:
+        c *= max(d, 0.0) ** law.damping_exponent
+    return elastic + c * v, elastic
+
+
+@lean
+def has_fractional_power(law):  # type: ignore[no-untyped-def]
+    """Whether the force begins and ends as no polynomial does."""
+    return law.exponent != 1.0 or law.damping_exponent != 0.0
 
 
 @nb.njit(nogil=True, cache=True, error_model="numpy")
-def force(kind, parameters, d, v, v0):  # type: ignore[no-untyped-def]
-    """Force [N] of one element; zero where there is no contact, ``d <= 0``.
-
-    ======================  ====================================  =======================
-    kind                    force                                 c
-    ======================  ====================================  =======================
-    KELVIN                  ``k d + c v``                         N s/m
-    NO_TENSION              ``max(k d + c v, 0)``                 N s/m
-    IMPACT_KELVIN           ``k d + c max(v, 0)``                 N s/m
-    SPRING                  ``k d^n``                             0
-    HERTZ_DAMP              ``k d^n (1 + c v/v0)``                1
-    JANKOWSKI               ``k d^n + c d^((n-1)/2) max(v, 0)``   N s/m^((n+1)/2)
-    ======================  ====================================  =======================
-    """
-    k, n, c = parameters
+def force(law, d, v, v0):  # type: ignore[no-untyped-def]
+    """Force [N] of one element; zero where there is no contact, ``d <= 0``."""
     if d <= 0.0:
         return 0.0
-    elastic = k * d if n == 1.0 else k * d**n
-    if kind == HERTZ_DAMP:  # a contact that did not begin with an approach has no v0
-        return elastic * (1.0 + c * v / v0) if v0 > 0.0 else elastic
-    if kind == JANKOWSKI:
-        c *= d ** (0.5 * (n - 1.0))
-    if kind in (IMPACT_KELVIN, JANKOWSKI):
-        v = max(v, 0.0)
-    total = elastic + c * v
-    return max(total, 0.0) if kind == NO_TENSION else total
+    total, _ = branch_force(law, OPENING if law.approach_only and v < 0.0 else CLOSED, d, v, v0)
+    return total if law.tension else max(total, 0.0)
 
 
 @nb.vectorize(cache=True)  # type: ignore[no-untyped-call]
-def forces(kind, k, n, c, d, v, v0):  # type: ignore[no-untyped-def]
-    """`force` over arrays that broadcast."""
-    return force(kind, (k, n, c), d, v, v0)
+def forces(k, n, c, p, approach_only, over_approach, tension, d, v, v0):  # type: ignore[no-untyped-def]
+    """`force` over arrays that broadcast: the fields of a `ForceLaw`, then the motion."""
+    return force(ForceLaw(k, n, c, p, approach_only, over_approach, tension), d, v, v0)
 
 
 @nb.njit(nogil=True, cache=True, error_model="numpy")
-def separation_margin(kind, parameters, d, v):  # type: ignore[no-untyped-def]
+def separation_margin(law, d, v):  # type: ignore[no-untyped-def]
     """What reaches zero, falling, when the contact ends [m].
 
-    The penetration; for NO_TENSION the force over the stiffness, which is there before: the faces
-    part while the element is still compressed.
+    The penetration; without tension the force over ``k d^(n-1)``, which is there before: the faces part
+    while the element is still compressed.
     """
-    k, _, c = parameters
-    return d + c * v / k if kind == NO_TENSION else d
+    return d if law.tension or law.approach_only else d + law.damping * v / law.stiffness
+
+
+def stored_energy(law: Array, d: Array) -> Array:
+    """Energy [J] in the springs of elements, rows of a `law_table`, at penetrations (..., c)."""
+    k, n = law["stiffness"], law["exponent"]
+    energy: Array = k * np.maximum(d, 0.0) ** (n + 1) / (n + 1)
+    return energy
 
 
 @register_jitable
@@ -75,3 +110,9 @@ def velocities_after_impact(
     """Eq. (13): velocities of both structures after a stereomechanical impact. Scalars or arrays."""
     jump = (1.0 + restitution) * (velocity_1 - velocity_2)
     return velocity_1 - jump / (1.0 + mass_1 / mass_2), velocity_2 + jump / (1.0 + mass_2 / mass_1)
+
+
+@register_jitable
+def impact_loss(mass_1: Any, mass_2: Any, restitution: Any) -> Any:
+    """Energy that this impact takes, over the square of ``u1' - u2'`` [kg]. Scalars or arrays."""
+    return 0.5 * (1.0 - restitution) * (1.0 + restitution) * reduced_mass(mass_1, mass_2)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import numpy as np
 
 from stochlin.kernels.basics.linear_branch import evaluate, first_exit
-from stochlin.kernels.pounding.contact import IMPACT_KELVIN, JANKOWSKI, NO_TENSION
 from stochlin.kernels.pounding.impacts import END, LARGEST, begin_entry, end_entry, settle
 from stochlin.kernels.pounding.rates import (
     CLOSING_RATE,
@@ -27,7 +26,6 @@ from stochlin.kernels.pounding.rows import (
     OPEN,
     OPENING,
     PARTED,
-    STEREOMECHANICAL,
     TOGETHER,
     lean,
     once,
@@ -94,7 +92,7 @@ def _watched_contact(row, branch, j, first):  # type: ignore[no-untyped-def]
         watch = _keeps_sign(MARGIN, j, gap, -1)
     elif kept == OPENING:
         watch = _keeps_sign(CLOSING_RATE, j, 0.0, -1)
-    elif kept == CLOSED and row.kind in (IMPACT_KELVIN, JANKOWSKI):
+    elif kept == CLOSED and row.element[j].approach_only:
         watch = _keeps_sign(CLOSING_RATE, j, 0.0, 1)
     return watch
 
@@ -197,7 +195,7 @@ def pass_event(row, branch, event, way, ground, time, x, space, table, used):  #
             branch.storey[event] = way if branch.storey[event] == 0 else 0
         return used
     j = (event - 2 * n) % c
-    if row.kind == STEREOMECHANICAL:
+    if row.jumps:
         return settle(row, branch, j, ground, time, x, space, table, used)
     if branch.contact[j] == OPEN:
         v = measure(row, CLOSING_RATE, j, x)
@@ -216,7 +214,8 @@ def _end_contact(row, branch, j, time, x, table):  # type: ignore[no-untyped-def
     """A contact opens; or its force ends, while the element is still compressed and may push again."""
     parted = branch.contact[j] == PARTED
     end_entry(row, branch, j, table[branch.entry[j], END] if parted else time, x, table)
-    if row.kind == NO_TENSION and not parted and measure(row, PENETRATION, j, x) > row.gap[j]:
+    pulls = row.element[j].tension or row.element[j].approach_only
+    if not pulls and not parted and measure(row, PENETRATION, j, x) > row.gap[j]:
         branch.contact[j] = PARTED
     else:
         branch.contact[j] = OPEN

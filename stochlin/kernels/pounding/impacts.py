@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stochlin.kernels.pounding.contact import reduced_mass, velocities_after_impact
+from stochlin.kernels.pounding.contact import impact_loss, velocities_after_impact
 from stochlin.kernels.pounding.rates import CLOSING_RATE, PENETRATION, linked, measure, rates
 from stochlin.kernels.pounding.rows import OPEN, TOGETHER, lean, once, sizes
 
@@ -140,12 +140,9 @@ def _let_go(row, branch, j, time, x, table):  # type: ignore[no-untyped-def]
 def _strike(row, j, e, x):  # type: ignore[no-untyped-def]
     """One impact, eq. (13)."""
     n, one, two = row.mass.size, row.left[j], row.right[j]
-    v = x[n + one] - x[n + two]
-    x[n + one], x[n + two] = velocities_after_impact(
-        x[n + one], x[n + two], row.mass[one], row.mass[two], e
-    )
-    mass = reduced_mass(row.mass[one], row.mass[two])
-    x[_account(row, j)] += 0.5 * (1.0 - e) * (1.0 + e) * mass * v * v
+    v1, v2, mass_1, mass_2 = x[n + one], x[n + two], row.mass[one], row.mass[two]
+    x[n + one], x[n + two] = velocities_after_impact(v1, v2, mass_1, mass_2, e)
+    x[_account(row, j)] += impact_loss(mass_1, mass_2, e) * (v1 - v2) * (v1 - v2)
 
 
 @lean

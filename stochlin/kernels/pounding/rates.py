@@ -16,21 +16,11 @@ from __future__ import annotations
 import numpy as np
 
 from stochlin.kernels.basics.linear_branch import jit
-from stochlin.kernels.pounding.contact import (
-    HERTZ_DAMP,
-    IMPACT_KELVIN,
-    JANKOWSKI,
-    KELVIN,
-    NO_TENSION,
-    separation_margin,
-)
+from stochlin.kernels.pounding.contact import branch_force, separation_margin
 from stochlin.kernels.pounding.rows import (
     BILINEAR,
     BOUC_WEN,
-    CLOSED,
     OPEN,
-    PARTED,
-    STEREOMECHANICAL,
     TOGETHER,
     Branches,
     lean,
@@ -49,24 +39,6 @@ def _bouc_wen_rate(storey, side, shape, strength, y, rate):  # type: ignore[no-u
     if exponent != 1.0:
         z = max(z, 0.0) ** exponent
     return rate * z * (beta * storey * side + gamma)
-
-
-@lean
-def branch_force(kind, branch, element, d, v, v0):  # type: ignore[no-untyped-def]
-    """Force of a contact element and its elastic part [N]; see `contact.force`."""
-    k, n, c = element
-    if branch == OPEN:
-        return 0.0, 0.0
-    elastic = k * d if n == 1.0 else k * max(d, 0.0) ** n
-    if branch == PARTED:
-        return 0.0, elastic
-    if kind == HERTZ_DAMP:
-        return (elastic * (1.0 + c * v / v0) if v0 > 0.0 else elastic), elastic
-    if kind in (KELVIN, NO_TENSION) or (kind == IMPACT_KELVIN and branch == CLOSED):
-        return elastic + c * v, elastic
-    if kind == JANKOWSKI and branch == CLOSED:
-        return elastic + c * max(d, 0.0) ** (0.5 * (n - 1.0)) * v, elastic
-    return elastic, elastic
 
 
 @tight
@@ -139,12 +111,12 @@ def rates(row, branch, ground, x, dx, force):  # type: ignore[no-untyped-def]
         if kept not in (OPEN, TOGETHER):
             one, two = row.left[j], row.right[j]
             d, v = x[one] - x[two] - row.gap[j], x[n + one] - x[n + two]
-            f, elastic = branch_force(row.kind, kept, row.element[j], d, v, branch.approach[j])
+            f, elastic = branch_force(row.element[j], kept, d, v, branch.approach[j])
             lost = (f - elastic) * v
             dx[n + one] -= f * row.per_mass[one]
             dx[n + two] += f * row.per_mass[two]
         force[j], dx[3 * n + 3 * s + j] = f, lost
-    if row.kind == STEREOMECHANICAL:
+    if row.jumps:
         _hold_together(row, branch, dx, force)
 
 
@@ -210,8 +182,7 @@ def measure(row, what, i, x):  # type: ignore[no-untyped-def]
     apart = x[one] - x[two]
     if what == PENETRATION:
         return apart
-    k, exponent, c = row.element[i]
-    return separation_margin(row.kind, (k, exponent, c), apart, x[n + one] - x[n + two])
+    return separation_margin(row.element[i], apart, x[n + one] - x[n + two])
 
 
 @jit
@@ -230,6 +201,6 @@ def starting_branches(row, x):  # type: ignore[no-untyped-def]
             branch.storey[i] = 1
     for j in range(c):
         d = measure(row, PENETRATION, j, x) - row.gap[j]
-        if row.kind == STEREOMECHANICAL and d >= 0 and measure(row, CLOSING_RATE, j, x) == 0:
+        if row.jumps and d >= 0 and measure(row, CLOSING_RATE, j, x) == 0:
             branch.contact[j] = TOGETHER
     return branch

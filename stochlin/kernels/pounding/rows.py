@@ -10,7 +10,6 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding.borrowing import borrow
 
 ELASTIC, BILINEAR, BOUC_WEN = range(3)  # laws of a storey
-STEREOMECHANICAL = 6  # beside the kinds of contact elements
 OPEN, CLOSED, OPENING, PARTED, TOGETHER = range(5)  # branches of a contact
 
 lean = nb.njit(nogil=True, error_model="numpy")
@@ -36,10 +35,10 @@ class Row(NamedTuple):
     left: Array  # (c,): number of the floor on the left; contacts along one level follow one another
     right: Array  # (c,)
     gap: Array  # (c,) [m]
-    kind: int  # of the contacts, for all of them
-    element: Array  # (c, 3): stiffness, exponent and damping, as `contact.force` takes them
-    restitution: float  # of stereomechanical impacts
-    slow: float  # [m/s]: an approach slower than this does not count as one in the Hertz-damp law
+    element: Array  # (c,): laws of the contacts, a `contact.law_table`
+    jumps: bool  # velocities jump instead: stereomechanical impacts
+    restitution: float  # of these
+    slow: float  # [m/s]: an approach slower than this counts as none in a law over its velocity
     tied: Array  # (l, 2): numbers of the floors that a link ties
     tie: Array  # (l, 2): its stiffness [N/m] and damping constant [N s/m]
 
@@ -78,8 +77,8 @@ def borrow_row(row):  # type: ignore[no-untyped-def]
         borrow(row.left),
         borrow(row.right),
         borrow(row.gap),
-        row.kind,
         borrow(row.element),
+        row.jumps,
         row.restitution,
         row.slow,
         borrow(row.tied),

@@ -17,7 +17,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.source_versions import version_of
 from stochlin.kernels.pounding import borrowing, contact, events, impacts, outputs, rows, steps
 from stochlin.kernels.pounding import rates as rates_source
-from stochlin.kernels.pounding.contact import reduced_mass
+from stochlin.kernels.pounding.contact import has_fractional_power, reduced_mass
 from stochlin.kernels.pounding.events import (
     NOTHING,
     first_event,
@@ -39,7 +39,6 @@ from stochlin.kernels.pounding.rows import (
     ELASTIC,
     OPEN,
     PARTED,
-    STEREOMECHANICAL,
     TOGETHER,
     Row,
     borrow_branches,
@@ -111,10 +110,11 @@ def _advance(row, branch, ground, slope, h, x, space):  # type: ignore[no-untype
 @lean
 def _first_in_contact(row, branch, j):  # type: ignore[no-untyped-def]
     """First step in a contact, a share of its time between two free masses [s]."""
-    k, n, c = row.element[j]
+    law = row.element[j]
+    k, n, c = law.stiffness, law.exponent, 0.0 if law.over_approach else law.damping
     mass = reduced_mass(row.mass[row.left[j]], row.mass[row.right[j]])
     pace = (mass * branch.approach[j] ** (1.0 - n) / k) ** (1.0 / (n + 1.0))
-    if n != 1.0:
+    if has_fractional_power(law):
         return ON_HERTZ * pace
     return ON_CONTACT * (min(pace, mass / c) if c > 0.0 else pace)
 
@@ -226,7 +226,7 @@ def run(row: Row, motion: Motion, start: Array | None = None) -> Run:
 def standing_alone(row: Row) -> Row:
     """The same buildings, each standing alone: without contacts, without links."""
     none, nothing = np.zeros(0, np.int64), np.zeros(0)
-    alone = row._replace(left=none, right=none, gap=nothing, element=np.zeros((0, 3)), kind=0)
+    alone = row._replace(left=none, right=none, gap=nothing, element=row.element[:0])
     return alone._replace(tied=np.zeros((0, 2), np.int64), tie=np.zeros((0, 2)))
 
 
@@ -234,7 +234,6 @@ __all__ = [
     "BILINEAR",
     "BOUC_WEN",
     "ELASTIC",
-    "STEREOMECHANICAL",
     "Motion",
     "Row",
     "Run",

@@ -15,6 +15,7 @@ from scipy.integrate import DOP853
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.linear_branch import MARKS, TERMS, jit
 from stochlin.kernels.pounding.borrowing import borrow
+from stochlin.kernels.pounding.contact import has_fractional_power
 from stochlin.kernels.pounding.rates import measure, rates
 from stochlin.kernels.pounding.rows import OPEN, lean, once, sizes, tight
 
@@ -126,7 +127,7 @@ def attempt(row, branch, ground, slope, h, x, space):  # type: ignore[no-untyped
     _combine(B, STAGES, space.stages, h, x, space.new)
     error = _error(row, h, space)
     for j in range(row.gap.size):
-        if branch.contact[j] != OPEN and row.element[j, 1] != 1.0:
+        if branch.contact[j] != OPEN and has_fractional_power(row.element[j]):
             return error / ROUGH
     return error
 

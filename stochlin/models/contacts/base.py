@@ -1,4 +1,4 @@
-"""What contacts share: how they are made, asked for their restitution, and handed to a kernel."""
+"""What contacts share: how they are found, asked for their restitution, and handed to a kernel."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ import numpy as np
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.pounding import contact as kernel
+from stochlin.kernels.pounding.contact import ForceLaw, forces
 from stochlin.models.parameters import Model, Parameter, Range, parameter
+from stochlin.registry import Registry
 
 POSITIVE = Range()
 ANY = Range(lower=-np.inf)
@@ -27,10 +28,12 @@ RESTITUTION = Range(
 
 Form = Callable[[Array], Array]
 
+CONTACTS: Registry[type[Contact]] = Registry("contact", "stochlin.models.contacts")
+
 
 @dataclass(frozen=True)
 class Contact(Model):
-    """Base of what structures may meet at: elements with a force, and the stereomechanical impact."""
+    """Base of what structures may meet at: elements with a force; without one, velocities jump."""
 
     @property
     def e(self) -> Any:
@@ -47,35 +50,46 @@ class Contact(Model):
 
 
 @dataclass(frozen=True)
-class Element(Model):
+class Element(Contact):
     """A contact with a force law: a spring, as a rule with a dashpot.
 
     With ``d = u1 - u2 - gap`` the penetration and ``v = d'``, there is a force while ``d > 0``.
     """
 
-    kind: ClassVar[int]
+    law: ClassVar[ForceLaw] = ForceLaw()  # the parts of it that do not hang on the parameters
     stiffness: Parameter = parameter("N/m", "stiffness of the contact", POSITIVE)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        law = self.law
+        if not (law.tension or law.approach_only) and (
+            law.over_approach or np.any(law.damping_exponent != self.power - 1)
+        ):
+            raise ValueError(
+                f"{type(self).__name__}: law = {law} has no tension; allowed with that: a "
+                "damping_exponent of the exponent less 1, not over_approach, for the end of contact is "
+                "known for these"
+            )
 
     @property
     def power(self) -> Any:
         """Exponent of the penetration in the elastic force [-]."""
-        return 1.0
+        return getattr(self, "exponent", self.law.exponent)
 
     def damping_coefficient(self, reduced_mass: Any) -> Any:
-        """The damping that the compiled force takes, for a reduced mass [kg]; none here."""
+        """The damping of the force law, for a reduced mass [kg]; none here."""
         return 0.0
 
-    def kernel_parameters(self, reduced_mass: Any) -> tuple[Any, Any, Any]:
-        """What `stochlin.kernels.pounding.contact.force` takes with ``kind``, for a reduced mass [kg].
+    def force_law(self, reduced_mass: Any) -> ForceLaw:
+        """The law of the force, for a reduced mass [kg].
 
-        Returns
-        -------
-        tuple
-            Stiffness [N/m^n], exponent [-], damping (its unit is the law's): numbers where the
-            contact and the mass are, else arrays that broadcast by dimension name.
+        Its fields are numbers where the contact and the mass are, else arrays that broadcast by
+        dimension name.
         """
         mass = checked(type(self).__name__, "reduced_mass", reduced_mass, "kg", POSITIVE)
-        return self.stiffness, self.power, self.damping_coefficient(mass)
+        return self.law._replace(
+            stiffness=self.stiffness, exponent=self.power, damping=self.damping_coefficient(mass)
+        )
 
     def force(
         self, penetration: Any, velocity: Any, approach_velocity: Any, reduced_mass: Any
@@ -114,15 +128,11 @@ class Element(Model):
         d = checked(name, "penetration", penetration, "m", ANY)
         v = checked(name, "velocity", velocity, "m/s", ANY)
         v0 = checked(name, "approach_velocity", approach_velocity, "m/s", POSITIVE)
-        given = [xr.DataArray(value) for value in (*self.kernel_parameters(mass), d, v, v0)]
-        result: xr.DataArray = xr.apply_ufunc(self._forces, *given, join="exact", keep_attrs=False)
+        given = [xr.DataArray(value) for value in (*self.force_law(mass), d, v, v0)]
+        with np.errstate(invalid="ignore"):  # cells out of range are blanked below
+            result: xr.DataArray = xr.apply_ufunc(forces, *given, join="exact", keep_attrs=False)
         result = result.where(self.valid() & POSITIVE.contains(mass) & POSITIVE.contains(v0))
         return result.rename("contact_force").assign_attrs(units="N", long_name="contact force")
-
-    @classmethod
-    @np.errstate(invalid="ignore")  # cells out of range are blanked by what calls this
-    def _forces(cls, k: Array, n: Array, c: Array, d: Array, v: Array, v0: Array) -> Array:
-        return kernel.forces(cls.kind, k, n, c, d, v, v0)
 
     def time_scale(self, reduced_mass: Any, approach_velocity: Any) -> Any:
         """The time that contact times are multiples of [s].
@@ -143,6 +153,21 @@ class Element(Model):
         n = self.power
         with np.errstate(invalid="ignore"):  # NaN in cells out of range
             return (mass * v0 ** (1 - n) / self.stiffness) ** (1 / (n + 1))
+
+
+@dataclass(frozen=True)
+class Undamped(Element):
+    """A spring alone."""
+
+    @property
+    def e(self) -> float:
+        """Coefficient of restitution [-]: 1."""
+        return self.restitution()
+
+    @staticmethod
+    def restitution() -> float:
+        """Coefficient of restitution [-]: 1."""
+        return 1.0
 
 
 def checked(model: str, name: str, value: Any, units: str, allowed: Range) -> float | xr.DataArray:

@@ -25,9 +25,9 @@ class Damped(Element):
 
     damping: Parameter = parameter("1", "damping of the contact", DAMPING)
 
-    _word: ClassVar[str]  # what the damping is called where it is given
-    _restitution: ClassVar[Form]
-    _damping: ClassVar[Mapping[str, Form]]  # by name of the formula
+    damping_name: ClassVar[str]  # what the damping is called where it is given
+    restitution_of: ClassVar[Form]  # the damping
+    damping_for: ClassVar[Mapping[str, Form]]  # a restitution, by name of the formula
 
     @property
     def e(self) -> Any:
@@ -59,14 +59,14 @@ class Damped(Element):
 
     @classmethod
     def _deliver(cls, damping: Any) -> Any:
-        return elementwise(cls.__name__, cls._word, damping, DAMPING, cls._restitution)
+        return elementwise(cls.__name__, cls.damping_name, damping, DAMPING, cls.restitution_of)
 
     @classmethod
     def _invert(cls, restitution: Any, formula: str = EXACT) -> Any:
-        if formula not in cls._damping:
-            known = ", ".join(cls._damping)
+        if formula not in cls.damping_for:
+            known = ", ".join(cls.damping_for)
             raise ValueError(f"{cls.__name__}: formula = {formula!r} is not known; allowed: {known}")
-        form = cls._damping[formula]
+        form = cls.damping_for[formula]
         return elementwise(cls.__name__, "restitution", restitution, RESTITUTION, form)
 
     @classmethod
@@ -76,11 +76,11 @@ class Damped(Element):
         if (damping is None) == (restitution is None):
             given = "neither is given" if damping is None else "both are given"
             raise ValueError(
-                f"{name}: of {cls._word} and restitution {given}; allowed: exactly one of them, "
+                f"{name}: of {cls.damping_name} and restitution {given}; allowed: exactly one of them, "
                 "since each defines the dashpot"
             )
         if damping is not None:
-            return checked(name, cls._word, damping, "1", DAMPING)
+            return checked(name, cls.damping_name, damping, "1", DAMPING)
         return cls._invert(checked(name, "restitution", restitution, "1", RESTITUTION))
 
 
@@ -89,7 +89,7 @@ class WithRatio(Damped):
     """A dashpot by its damping ratio ``xi = c/(2 sqrt(k m))``, ``m`` the reduced mass."""
 
     damping: Parameter = parameter("1", "damping ratio of the contact", DAMPING)
-    _word: ClassVar[str] = "damping_ratio"
+    damping_name: ClassVar[str] = "damping_ratio"
 
     def __init__(
         self,

@@ -9,14 +9,14 @@ from typing import Any, ClassVar
 import numpy as np
 from scipy.special import gamma
 
-from stochlin.kernels.pounding import contact as kernel
+from stochlin.kernels.pounding.contact import ForceLaw
 from stochlin.models.contacts import restitution as closed_forms
 from stochlin.models.contacts.base import (
+    CONTACTS,
     DAMPING,
     POSITIVE,
-    Contact,
-    Element,
     Form,
+    Undamped,
     elementwise,
 )
 from stochlin.models.contacts.damped import EXACT, Damped, WithRatio
@@ -27,8 +27,9 @@ SPHERES = 1.5
 LINEAR = np.sqrt(5) / 2  # xi of Jankowski's element over that of the linear element equal to it
 
 
+@CONTACTS.register("hertz", 5)
 @dataclass(frozen=True)
-class Hertz(Element, Contact):
+class Hertz(Undamped):
     """Hertz contact without damping, ``f = k d^n``: ``e = 1``.
 
     Parameters
@@ -55,24 +56,8 @@ class Hertz(Element, Contact):
     (1.0, 3.2181)
     """
 
-    kind: ClassVar[int] = kernel.SPRING
     stiffness: Parameter = parameter("N/m^n", "stiffness of the contact", POSITIVE)
     exponent: Parameter = parameter("1", "exponent of the contact", EXPONENT, SPHERES)
-
-    @property
-    def e(self) -> float:
-        """Coefficient of restitution [-]: 1."""
-        return self.restitution()
-
-    @property
-    def power(self) -> Any:
-        """Exponent of the penetration in the elastic force [-]."""
-        return self.exponent
-
-    @staticmethod
-    def restitution() -> float:
-        """Coefficient of restitution [-]: 1."""
-        return 1.0
 
     @staticmethod
     def contact_time(exponent: Any = SPHERES) -> Any:
@@ -105,8 +90,9 @@ def _hertz_time(n: Any) -> Any:
     return 2 * np.sqrt(np.pi) * gamma(1 + share) / gamma(0.5 + share) * deepest
 
 
+@CONTACTS.register("hertz_damp", 6)
 @dataclass(frozen=True, init=False)
-class HertzDamp(Damped, Contact):
+class HertzDamp(Damped):
     """Hertz contact with hysteresis damping, ``f = k d^n (1 + a d'/v0)``, ``v0`` the approach velocity.
 
     Its restitution follows exactly, whatever the exponent, from ``a (1 + e) = ln[(1 + a)/(1 - a e)]``.
@@ -150,14 +136,14 @@ class HertzDamp(Damped, Contact):
     0.725
     """
 
-    kind: ClassVar[int] = kernel.HERTZ_DAMP
+    law: ClassVar[ForceLaw] = ForceLaw(over_approach=True)
     stiffness: Parameter = parameter("N/m^n", "stiffness of the contact", POSITIVE)
     damping: Parameter = parameter("1", "damping factor of the contact", DAMPING)
     exponent: Parameter = parameter("1", "exponent of the contact", EXPONENT, SPHERES)
 
-    _word: ClassVar[str] = "damping_factor"
-    _restitution: ClassVar[Form] = staticmethod(closed_forms.hertz_damp_restitution)
-    _damping: ClassVar[Mapping[str, Form]] = {
+    damping_name: ClassVar[str] = "damping_factor"
+    restitution_of: ClassVar[Form] = staticmethod(closed_forms.hertz_damp_restitution)
+    damping_for: ClassVar[Mapping[str, Form]] = {
         EXACT: closed_forms.hertz_damp_factor,
         "lankarani_nikravesh_1990": lambda e: 0.75 * (1 - e) * (1 + e),
         "ye_2009": lambda e: 1.6 * (1 - e) / e,
@@ -175,11 +161,6 @@ class HertzDamp(Damped, Contact):
         object.__setattr__(self, "damping", self._settle(damping_factor, restitution))
         object.__setattr__(self, "exponent", exponent)
         self.__post_init__()
-
-    @property
-    def power(self) -> Any:
-        """Exponent of the penetration in the elastic force [-]."""
-        return self.exponent
 
     @classmethod
     def restitution(cls, damping_factor: Any) -> Any:
@@ -210,8 +191,9 @@ class HertzDamp(Damped, Contact):
         return self.damping
 
 
+@CONTACTS.register("jankowski", 7)
 @dataclass(frozen=True, init=False)
-class Jankowski(WithRatio, Contact):
+class Jankowski(WithRatio):
     """Hertz contact damped in approach only: ``f = k d^1.5 + 2 xi sqrt(k sqrt(d) m) max(d', 0)``.
 
     In ``y = sqrt(4/5) sqrt(k/m) d^1.25`` the balance ``v dv = -f dd/m`` is that of a linear element,
@@ -251,19 +233,14 @@ class Jankowski(WithRatio, Contact):
     0.4946
     """
 
-    kind: ClassVar[int] = kernel.JANKOWSKI
+    law: ClassVar[ForceLaw] = ForceLaw(exponent=SPHERES, damping_exponent=0.25, approach_only=True)
     stiffness: Parameter = parameter("N/m^1.5", "stiffness of the contact", POSITIVE)
-    _restitution: ClassVar[Form] = staticmethod(
+    restitution_of: ClassVar[Form] = staticmethod(
         lambda xi: closed_forms.impact_kelvin_restitution(xi / LINEAR)
     )
-    _damping: ClassVar[Mapping[str, Form]] = {
+    damping_for: ClassVar[Mapping[str, Form]] = {
         EXACT: lambda e: LINEAR * closed_forms.impact_kelvin_damping(e),
         "jankowski_2005": lambda e: (
             4.5 * np.sqrt(5) * (1 - e) * (1 + e) / (e * (e * (9 * np.pi - 16) + 16))
         ),
     }
-
-    @property
-    def power(self) -> Any:
-        """Exponent of the penetration in the elastic force [-]."""
-        return SPHERES

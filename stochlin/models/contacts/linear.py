@@ -8,14 +8,15 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from stochlin.kernels.pounding import contact as kernel
+from stochlin.kernels.pounding.contact import ForceLaw
 from stochlin.models.contacts import restitution as closed_forms
-from stochlin.models.contacts.base import DAMPING, Contact, Element, Form, elementwise
+from stochlin.models.contacts.base import CONTACTS, DAMPING, Form, Undamped, elementwise
 from stochlin.models.contacts.damped import EXACT, WithRatio
 
 
+@CONTACTS.register("linear_spring", 1)
 @dataclass(frozen=True)
-class LinearSpring(Element, Contact):
+class LinearSpring(Undamped):
     """Spring without damping, ``f = k d``: ``e = 1``.
 
     Parameters
@@ -39,18 +40,6 @@ class LinearSpring(Element, Contact):
     1.0
     """
 
-    kind: ClassVar[int] = kernel.SPRING
-
-    @property
-    def e(self) -> float:
-        """Coefficient of restitution [-]: 1."""
-        return self.restitution()
-
-    @staticmethod
-    def restitution() -> float:
-        """Coefficient of restitution [-]: 1."""
-        return 1.0
-
     @staticmethod
     def contact_time() -> float:
         """Contact time over `time_scale` [-]: ``pi``, half a period."""
@@ -61,7 +50,7 @@ class LinearSpring(Element, Contact):
 class LinearDamped(WithRatio):
     """A damped element with a linear law: its contact time is known."""
 
-    _contact_time: ClassVar[Form]
+    time_of: ClassVar[Form]
 
     @classmethod
     def contact_time(cls, damping_ratio: Any) -> Any:
@@ -82,11 +71,12 @@ class LinearDamped(WithRatio):
         ValueError, TypeError
             If a scalar is out of range, or a value is not a number.
         """
-        return elementwise(cls.__name__, cls._word, damping_ratio, DAMPING, cls._contact_time)
+        return elementwise(cls.__name__, cls.damping_name, damping_ratio, DAMPING, cls.time_of)
 
 
+@CONTACTS.register("kelvin", 2)
 @dataclass(frozen=True, init=False)
-class Kelvin(LinearDamped, Contact):
+class Kelvin(LinearDamped):
     """Kelvin element that may pull, eq. (14): ``f = k d + c d'`` while ``d > 0``.
 
     The sign of the dashpot is the right one; the paper's feeds energy in. Before the end of a
@@ -126,14 +116,14 @@ class Kelvin(LinearDamped, Contact):
     (0.163, 0.1359)
     """
 
-    kind: ClassVar[int] = kernel.KELVIN
-    _restitution: ClassVar[Form] = staticmethod(closed_forms.kelvin_restitution)
-    _damping: ClassVar[Mapping[str, Form]] = {EXACT: closed_forms.kelvin_damping}
-    _contact_time: ClassVar[Form] = staticmethod(closed_forms.kelvin_time)
+    restitution_of: ClassVar[Form] = staticmethod(closed_forms.kelvin_restitution)
+    damping_for: ClassVar[Mapping[str, Form]] = {EXACT: closed_forms.kelvin_damping}
+    time_of: ClassVar[Form] = staticmethod(closed_forms.kelvin_time)
 
 
+@CONTACTS.register("no_tension_kelvin", 3)
 @dataclass(frozen=True, init=False)
-class NoTensionKelvin(LinearDamped, Contact):
+class NoTensionKelvin(LinearDamped):
     """Kelvin element that cannot pull: ``f = max(k d + c d', 0)`` while ``d > 0``.
 
     ``e = exp(-2 xi A)`` and a contact of ``2 A`` over ``sqrt(k/m)``, with ``A = acos(xi)/sqrt(1 -
@@ -163,14 +153,15 @@ class NoTensionKelvin(LinearDamped, Contact):
     0.1499
     """
 
-    kind: ClassVar[int] = kernel.NO_TENSION
-    _restitution: ClassVar[Form] = staticmethod(closed_forms.no_tension_restitution)
-    _damping: ClassVar[Mapping[str, Form]] = {EXACT: closed_forms.no_tension_damping}
-    _contact_time: ClassVar[Form] = staticmethod(closed_forms.no_tension_time)
+    law: ClassVar[ForceLaw] = ForceLaw(tension=False)
+    restitution_of: ClassVar[Form] = staticmethod(closed_forms.no_tension_restitution)
+    damping_for: ClassVar[Mapping[str, Form]] = {EXACT: closed_forms.no_tension_damping}
+    time_of: ClassVar[Form] = staticmethod(closed_forms.no_tension_time)
 
 
+@CONTACTS.register("impact_kelvin", 4)
 @dataclass(frozen=True, init=False)
-class ImpactKelvin(LinearDamped, Contact):
+class ImpactKelvin(LinearDamped):
     """Impact Kelvin element, eq. (16): its dashpot acts in approach only, ``f = k d + c max(d', 0)``.
 
     ``e = exp(-xi A)`` and a contact of ``A + pi/2`` over ``sqrt(k/m)``, with ``A = acos(xi)/sqrt(1 -
@@ -206,10 +197,10 @@ class ImpactKelvin(LinearDamped, Contact):
     0.5061
     """
 
-    kind: ClassVar[int] = kernel.IMPACT_KELVIN
-    _restitution: ClassVar[Form] = staticmethod(closed_forms.impact_kelvin_restitution)
-    _damping: ClassVar[Mapping[str, Form]] = {
+    law: ClassVar[ForceLaw] = ForceLaw(approach_only=True)
+    restitution_of: ClassVar[Form] = staticmethod(closed_forms.impact_kelvin_restitution)
+    damping_for: ClassVar[Mapping[str, Form]] = {
         EXACT: closed_forms.impact_kelvin_damping,
         "mahmoud_jankowski_2011": lambda e: (1 - e * e) / (e * (e * (np.pi - 2) + 2)),
     }
-    _contact_time: ClassVar[Form] = staticmethod(closed_forms.impact_kelvin_time)
+    time_of: ClassVar[Form] = staticmethod(closed_forms.impact_kelvin_time)

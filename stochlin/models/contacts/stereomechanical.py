@@ -8,7 +8,7 @@ from typing import Any
 import xarray as xr
 
 from stochlin.kernels.pounding import contact as kernel
-from stochlin.models.contacts.base import ANY, POSITIVE, Contact, checked
+from stochlin.models.contacts.base import ANY, CONTACTS, POSITIVE, Contact, checked
 from stochlin.models.parameters import Parameter, Range, parameter
 
 SHARE = Range(
@@ -19,6 +19,7 @@ SHARE = Range(
 )
 
 
+@CONTACTS.register("stereomechanical", 8)
 @dataclass(frozen=True)
 class Stereomechanical(Contact):
     """Stereomechanical impact, eq. (13): ``u1' - u2'`` becomes ``-e`` times itself, momentum is kept.
@@ -128,5 +129,4 @@ class Stereomechanical(Contact):
 
 
 def _energy_loss(velocity_1: Any, velocity_2: Any, mass_1: Any, mass_2: Any, e: Any) -> Any:
-    mass = kernel.reduced_mass(mass_1, mass_2)
-    return 0.5 * (1 - e) * (1 + e) * mass * (velocity_1 - velocity_2) ** 2
+    return kernel.impact_loss(mass_1, mass_2, e) * (velocity_1 - velocity_2) ** 2

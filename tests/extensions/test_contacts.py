@@ -1,0 +1,92 @@
+"""A contact element from outside: the one of the documentation, through ``stochlin pound``."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.integrate import solve_ivp
+
+import stochlin as sl
+from stochlin.kernels.pounding.contact import ForceLaw
+from stochlin.models.contacts.base import Element
+
+pytestmark = pytest.mark.oracle
+
+PAGE = (Path(__file__).parents[2] / "docs" / "extending.md").read_text(encoding="utf-8")
+RESTITUTION = 0.6
+CASE = """
+[[site.records]]
+path = "record.txt"
+name = "noise"
+units = "g"
+dt = "0.02 s"
+
+[motion]"""
+CONTACT = """[contact]
+model = "{}"
+stiffness = "900 GN/m^1.5"
+restitution = 0.6
+"""
+
+
+def case_file(folder: Path, model: str) -> Path:
+    text = sl.example_case().replace("[motion]", CASE, 1)
+    text = text[: text.index("[contact]")] + CONTACT.format(model).replace("900 G", "900000 M")
+    noise = np.convolve(np.random.default_rng(3).normal(size=419), np.hanning(20), "valid")
+    np.savetxt(folder / "record.txt", 1.5 * noise / abs(noise).max())
+    (folder / "case.toml").write_text(text, encoding="utf-8")
+    return folder / "case.toml"
+
+
+def integrated_restitution(xi: float) -> float:
+    """Of two free masses, the law written down again; in scales in which k, m and v0 are 1."""
+
+    def rates(_, state):
+        d, v = max(state[0], 0.0), state[1]
+        return v, -(d**1.5) - 2 * xi * d**0.25 * v
+
+    def parted(_, state):
+        return state[0]
+
+    parted.terminal, parted.direction = True, -1
+    run = solve_ivp(rates, (0, 100), (0.0, 1.0), events=parted, rtol=1e-10, atol=1e-13)
+    return -run.y_events[0][0, 1]
+
+
+def test_an_element_from_outside_pounds_as_its_force_law_says(install, tmp_path):
+    source = re.search(r":caption: tsuji.py\n\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE)[1]
+    stochlin = install(source)
+    case = case_file(tmp_path, "tsuji")
+    done = stochlin("pound", case, "--out", "p.nc")
+    assert done.returncode == 0, done.stderr
+    assert re.search(r"noise: \d+ impacts", done.stdout)
+    with xr.open_dataset(tmp_path / "p.nc") as table:
+        assert table.sizes["impact"] > 3
+        assert float(table.energy_balance_error.max()) < 1e-6
+        xi = float(re.search(r"^Tsuji\(stiffness=9e\+11, damping=(.*)\)$", table.attrs["contact"])[1])
+        assert integrated_restitution(xi) == pytest.approx(RESTITUTION, abs=1e-5)  # damping is rounded
+        mass = 3.2e6 * 1.5e6 / 4.7e6
+        alone = 0.5 * (1 - RESTITUTION**2) * mass * table.approach_velocity**2
+        # The masses are not quite free: an impact takes .015 s, in which springs and ground push on.
+        fast = table.approach_velocity > 0.5 * table.approach_velocity.max()
+        np.testing.assert_allclose(table.energy_lost[fast], alone[fast], rtol=0.1)
+
+    refused = stochlin("pound", case_file(tmp_path, "rubber"))
+    assert refused.returncode != 0
+    assert "contact.model = 'rubber' is not known; allowed: linear_spring, kelvin," in refused.stderr
+    assert "stereomechanical, tsuji" in " ".join(refused.stderr.split())
+
+
+@dataclass(frozen=True)
+class Loose(Element):
+    law = ForceLaw(exponent=1.5, damping_exponent=0.25, tension=False)
+
+
+def test_a_law_whose_end_of_contact_is_not_known_is_refused():
+    with pytest.raises(ValueError, match=r"Loose: law = .* has no tension; allowed with that"):
+        Loose(1e9)
