@@ -54,4 +54,3 @@ def test_an_unknown_name_lists_those_that_are_known():
     assert registry.named("ONE-thing") == 1
     with pytest.raises(ValueError, match=r"kind = 'other' is not a known thing; allowed: one_thing$"):
         registry.named("other", "kind")
-
