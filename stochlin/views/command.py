@@ -74,7 +74,7 @@ def charts(
       stochlin charts fig5a --damping .02 --hardening .1 --format pdf --out out
       stochlin charts --record taft.txt --dt .01 --units g
     """
-    from stochlin.analyses.charts.design import chart_functions
+    from stochlin.analyses.charts.charts import chart_functions
 
     with bad_input():
         settings = shared.chart_settings(options)

@@ -15,6 +15,7 @@ import numpy as np
 import xarray as xr
 from scipy.integrate import solve_ivp
 
+from stochlin.analyses.charts.charts import CHARTS, ChartSettings
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding import contact as kernel
@@ -83,7 +84,7 @@ def contact_loop_chart(restitution: float = 0.65, points: int = 201) -> xr.Datas
 
     Examples
     --------
-    >>> from stochlin.analyses.charts.contacts import contact_loop_chart
+    >>> from stochlin.charts import contact_loop_chart
     >>> chart = contact_loop_chart(restitution=0.5)
     >>> round(float(chart.scaled_force.sel(element="ImpactKelvin").max()), 3)
     1.195
@@ -100,7 +101,8 @@ def contact_loop_chart(restitution: float = 0.65, points: int = 201) -> xr.Datas
         Jankowski(**given),
     ]
     title = f"Force and deformation of contact elements, e = {restitution:g}"
-    return _histories(models, points, title, f"contact_loop_chart(restitution={restitution:g})")
+    call = f"contact_loop_chart(restitution={restitution:g})"
+    return _histories("contact_loops", models, points, title, call)
 
 
 def contact_history_chart(damping_ratio: float = 0.5, points: int = 201) -> xr.Dataset:
@@ -125,7 +127,7 @@ def contact_history_chart(damping_ratio: float = 0.5, points: int = 201) -> xr.D
 
     Examples
     --------
-    >>> from stochlin.analyses.charts.contacts import contact_history_chart
+    >>> from stochlin.charts import contact_history_chart
     >>> chart = contact_history_chart()
     >>> [round(float(t), 3) for t in chart.scaled_contact_time.sel(element=["Kelvin", "ImpactKelvin"])]
     [3.628, 2.78]
@@ -135,7 +137,8 @@ def contact_history_chart(damping_ratio: float = 0.5, points: int = 201) -> xr.D
     models: list[ELEMENT] = [Kelvin(**given), NoTensionKelvin(**given)]
     models += [ImpactKelvin(**given), Jankowski(**given)]
     title = f"Histories of deformation and contact force, ξ = {damping_ratio:g}"
-    return _histories(models, points, title, f"contact_history_chart(damping_ratio={damping_ratio:g})")
+    call = f"contact_history_chart(damping_ratio={damping_ratio:g})"
+    return _histories("contact_histories", models, points, title, call)
 
 
 def restitution_chart(largest: float = 1.0, points: int = 201) -> xr.Dataset:
@@ -162,7 +165,7 @@ def restitution_chart(largest: float = 1.0, points: int = 201) -> xr.Dataset:
 
     Examples
     --------
-    >>> from stochlin.analyses.charts.contacts import restitution_chart
+    >>> from stochlin.charts import restitution_chart
     >>> chart = restitution_chart()
     >>> [round(float(e), 4) for e in chart.restitution.sel(damping_ratio=0.5)]
     [0.163, 0.2984, 0.5463, 0.5749]
@@ -179,8 +182,8 @@ def restitution_chart(largest: float = 1.0, points: int = 201) -> xr.Dataset:
             "restitution_hertz_damp": HertzDamp.restitution(factor),
         }
     )
-    chart.attrs["caption"] = "Two free masses; ξ = c/(2 √(k m)), of Jankowski c/(2 √(k √d m))."
-    chart.attrs["comment"] = OWN
+    caption = "Two free masses; ξ = c/(2 √(k m)), of Jankowski c/(2 √(k √d m))."
+    chart.attrs |= {"chart": "restitution", "caption": caption, "comment": OWN}
     return labels.with_run_information(
         labels.label(chart),
         "Coefficient of restitution of contact elements",
@@ -189,7 +192,22 @@ def restitution_chart(largest: float = 1.0, points: int = 201) -> xr.Dataset:
     )
 
 
-def _histories(models: list[ELEMENT], points: int, title: str, call: str) -> xr.Dataset:
+@CHARTS.register("fig6", place=60)
+def _fig6(settings: ChartSettings) -> xr.Dataset:
+    return contact_loop_chart(points=settings.fine_points)
+
+
+@CHARTS.register("fig7", place=60)
+def _fig7(settings: ChartSettings) -> xr.Dataset:
+    return contact_history_chart(points=settings.fine_points)
+
+
+@CHARTS.register("fig8", place=60)
+def _fig8(settings: ChartSettings) -> xr.Dataset:
+    return restitution_chart(points=settings.fine_points)
+
+
+def _histories(picture: str, models: list[ELEMENT], points: int, title: str, call: str) -> xr.Dataset:
     _check_points(points)
     names = [type(model).__name__ for model in models]
     chart = xr.Dataset(coords={"element": _elements(names)})
@@ -204,7 +222,7 @@ def _histories(models: list[ELEMENT], points: int, title: str, call: str) -> xr.
     chart["restitution"] = ("element", [model.e for model in models])
     chart["contact_damping"] = ("element", [getattr(model, "damping", 0.0) for model in models])
     described: Mapping[str, ELEMENT] = dict(zip(names, models, strict=True))
-    chart.attrs |= {"caption": SCALES, "comment": PRINTED}
+    chart.attrs |= {"chart": picture, "caption": SCALES, "comment": PRINTED}
     return labels.with_run_information(labels.label(chart), title, call, described)
 
 

@@ -12,7 +12,7 @@ import click
 if TYPE_CHECKING:
     import xarray as xr
 
-    from stochlin.analyses.charts.design import ChartSettings
+    from stochlin.analyses.charts.charts import ChartSettings
     from stochlin.models.grounds import Ground
     from stochlin.models.structures import Bilinear
 
@@ -120,7 +120,7 @@ def simulation_options(command: Any) -> Any:
 
 def chart_settings(options: dict[str, Any]) -> ChartSettings:
     """The settings of charts among the options of a command."""
-    from stochlin.analyses.charts.design import ChartSettings
+    from stochlin.analyses.charts.charts import ChartSettings
 
     names = {field.name for field in dataclasses.fields(ChartSettings)}
     chosen = {key: value for key, value in options.items() if key in names}
