@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import matplotlib.image
 import pytest
@@ -11,7 +10,6 @@ import xarray as xr
 
 pytestmark = pytest.mark.invariant
 
-PAGE = (Path(__file__).parents[2] / "docs" / "extending.md").read_text(encoding="utf-8")
 CURVES_AND_PLANES = """
 import numpy as np
 import xarray as xr
@@ -37,14 +35,8 @@ def record_chart(settings, record, site):
 """
 
 
-def of_page(heading: str) -> str:
-    """The example of a section of the page."""
-    section = PAGE.partition(f"\n## {heading}\n")[2].partition("\n## ")[0]
-    return re.search(r"^```python\n(.*?)^```", section, re.DOTALL | re.MULTILINE)[1]
-
-
-def test_the_example_of_the_page_is_computed_and_drawn(install, tmp_path):
-    stochlin = install(of_page("A chart"))
+def test_the_example_of_the_page_is_computed_and_drawn(install, example, tmp_path):
+    stochlin = install(example("A chart"))
     done = stochlin("charts", "toy", "--points", 9, "--out", ".")
     assert done.returncode == 0, done.stderr
     with xr.open_dataset(tmp_path / "toy.nc") as chart:

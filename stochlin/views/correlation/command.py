@@ -1,0 +1,86 @@
+"""The command ``stochlin rho``: the correlation of a pair of structures, or a table of it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from stochlin.views.shared import options as shared
+from stochlin.views.shared.options import (
+    CLOSURES,
+    numbers_option,
+    record_options,
+    shared_option,
+    simulation_options,
+)
+from stochlin.views.shared.screen import COMMANDS, bad_input, on_screen
+
+
+@COMMANDS.register("rho")
+@click.command()
+@shared_option("period", "Period [s].")
+@shared_option("damping", "Damping ratio.", "0.05")
+@shared_option("hardening", "Hardening ratio.")
+@shared_option("reduction-factor", "R = 3 sigma_el/uy; without a strength: elastic.")
+@shared_option("yield-displacement", "uy [m], instead of R.")
+@click.option(
+    "--ground",
+    default="white-noise",
+    show_default=True,
+    help="white-noise, kanai-tajimi, clough-penzien, or a named ground such as firm or sct_1985_ns.",
+)
+@numbers_option("--ground-period", "2 pi/wg [s].")
+@numbers_option("--ground-damping", "xig.")
+@numbers_option("--high-pass-period", "2 pi/wf [s].")
+@numbers_option("--high-pass-damping", "xif.")
+@numbers_option("--intensity", "S0 [m^2/s^3], two-sided; 1 if not given.")
+@click.option(
+    "--method",
+    type=click.Choice(["linearization", "white_noise", "effective", "simulation"]),
+    default="linearization",
+    show_default=True,
+)
+@click.option(
+    "--rule",
+    default="iwan_1980",
+    show_default=True,
+    help="Effective properties, where the method is effective.",
+)
+@simulation_options
+@click.option("--closure", type=click.Choice(CLOSURES), default="gaussian", show_default=True)
+@click.option(
+    "--out", type=click.Path(dir_okay=False, path_type=Path), help="Save the table, .nc or .csv."
+)
+@record_options
+def rho(record: Path | None, out: Path | None, **options: Any) -> None:
+    """Correlation coefficient of a pair of structures, or a table over any parameters.
+
+    A number is a value (0.5), a list (0.5,1,2) or a sweep start:stop:count, with :log for a
+    geometric one (0.2:4:81:log). Options without a number in the name hold for both structures.
+
+    \b
+    Examples:
+      stochlin rho --period-1 .7 --period-2 1
+      stochlin rho --period-1 .2:2:19 --period-2 1 --hardening .05 --reduction-factor 2,4,6 \\
+          --ground kanai-tajimi --ground-period 2 --ground-damping .05 --out table.nc
+      stochlin rho --period 1 --period-2 1.2 --record taft.txt --dt .01 --units g
+    """
+    from stochlin.analyses.correlation.correlation import correlate
+    from stochlin.analyses.tables.storage import save_table
+
+    with bad_input():
+        first, second = shared.structures(options)
+        ground = shared.site(record, options)[1] if record else shared.ground(options)
+        chosen = {key: options[key] for key in ("closure", "rule", "paths", "seed")}
+        table = correlate(first, second, ground, options["method"], **chosen)
+        click.echo(f"# {table.attrs['title']}")
+        for role in ("first", "second", "ground"):
+            click.echo(f"# {role}: {table.attrs[role]}")
+        if "comment" in table.attrs:
+            click.echo(f"# {table.attrs['comment']}")
+        click.echo(on_screen(table))
+        if out is not None:
+            save_table(table, out)
+            click.echo(f"# saved {out}")
