@@ -1,6 +1,7 @@
 """Configuration of the documentation site; `make docs` builds it into build/docs."""
 
 import re
+from pathlib import Path
 from typing import Any
 
 from docutils import nodes
@@ -21,7 +22,10 @@ extensions = [
     "sphinx.ext.autosummary",
     "sphinx_gallery.gen_gallery",
 ]
-exclude_patterns = ["gallery/*"]  # scripts; their pages are made in auto_gallery
+exclude_patterns = [
+    "gallery/*",
+    "reference/generated/names.rst",
+]  # scripts and lists; pages are made of them
 nitpicky = True  # a name in backticks that leads nowhere is a warning, and warnings fail the build
 default_role = "py:obj"
 
@@ -36,8 +40,8 @@ autodoc_default_options = {
     "members": True,
     "inherited-members": True,
     # Of use to the analyses only.
-    "exclude-members": "arrays, block, closure, closures, damping_coefficient, force_law, forcing, isel, "
-    "kinds, law, law_parameters, own_parameters, parameter_names, power, symbolic, valid",
+    "exclude-members": "arrays, block, closure, closures, damping_coefficient, force_law, forcing, "
+    "isel, kinds, law, law_parameters, own_parameters, parameter_names, power, symbolic, valid",
 }
 numpydoc_show_class_members = False
 numpydoc_validation_checks = {"PR02", "PR03", "PR10", "RT03", "SS01"}
@@ -64,6 +68,49 @@ html_css_files = ["math.css"]
 html_title = f"stochlin {release}"
 
 
+# The reference page: its own words, and at the end of each section the public names that stand below the
+# same heading in stochlin/__init__.pyi; those of a submodule in its place.
+PACKAGE = Path(stochlin.__file__).parent
+PASSED_ON = re.compile(r"\bimport (\w+) as \1$|^    (\w+) as \2,$", re.MULTILINE)
+
+
+def _names(text: str) -> list[str]:
+    found = [a or b for a, b in PASSED_ON.findall(text)]
+    listed = []
+    for name in found:
+        file = PACKAGE / f"{name}.py"
+        inner = _names(file.read_text(encoding="utf-8")) if file.exists() else []
+        listed += [f"{name}.{one}" for one in inner if not one.isupper()] or [name]
+    return listed
+
+
+def _summary(names: list[str], folder: str) -> str:
+    options = f".. autosummary::\n   :toctree: {folder}\n   :template: autosummary/base.rst\n\n"
+    return options + "".join(f"   {name}\n" for name in names)
+
+
+STUB = (PACKAGE / "__init__.pyi").read_text(encoding="utf-8")
+_, *_parts = re.split(r"^# (.*)\n", STUB, flags=re.MULTILINE)
+SECTIONS = dict(zip(_parts[::2], map(_names, _parts[1::2]), strict=True))
+# Pages of the single names are made of a list in a file, before any page is read.
+LISTED = Path(__file__).parent / "reference" / "generated" / "names.rst"
+LISTED.parent.mkdir(exist_ok=True)
+LISTED.write_text(
+    ".. currentmodule:: stochlin\n\n" + "\n".join(_summary(names, ".") for names in SECTIONS.values()),
+    encoding="utf-8",
+)
+autosummary_generate = ["reference/generated/names.rst"]
+
+
+def _list_names(app: Any, page: str, source: list[str]) -> None:
+    if page == "reference/index":
+        before, *parts = re.split(r"^## (.*)\n", source[0], flags=re.MULTILINE)
+        for heading, text in zip(parts[::2], parts[1::2], strict=True):
+            listed = _summary(SECTIONS[heading], "generated")
+            before += f"## {heading}\n{text.rstrip()}\n\n```{{eval-rst}}\n{listed}```\n\n"
+        source[0] = before
+
+
 # Formulas in the browser's own MathML: the pages need no network, and no script.
 def _inline(writer: Any, node: nodes.Element) -> None:
     writer.body.append(tex2mathml(node.astext()))
@@ -80,5 +127,6 @@ def _block(writer: Any, node: nodes.Element) -> None:
 
 
 def setup(app: Any) -> None:
-    """Make the formulas."""
+    """List the names, make the formulas."""
+    app.connect("source-read", _list_names)
     app.add_html_math_renderer("mathml", (_inline, None), (_block, None))

@@ -12,6 +12,7 @@ import pkgutil
 from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 from importlib.metadata import entry_points
+from importlib.util import find_spec
 from threading import RLock
 from typing import Generic, TypeVar
 
@@ -30,10 +31,12 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
         What they are called in messages, ``"ground"``.
     folder : str
         The package whose modules define them.
+    module : str, optional
+        Only the modules of this name do, one in each package within.
     """
 
-    def __init__(self, kind: str, folder: str) -> None:
-        self.kind, self.folder = kind, folder
+    def __init__(self, kind: str, folder: str, module: str | None = None) -> None:
+        self.kind, self.folder, self.module = kind, folder, module
         self._things: dict[str, Thing] = {}
         self._places: dict[str, tuple[int, str]] = {}
         self._asked = False
@@ -76,10 +79,18 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
         with self._lock:
             if not self._asked:
                 self._asked = True  # a module that asks while it is imported sees what is there so far
-                for module in pkgutil.iter_modules(importlib.import_module(self.folder).__path__):
-                    importlib.import_module(f"{self.folder}.{module.name}")
+                for name in self._modules():
+                    importlib.import_module(name)
                 import_extensions()
         return self._things
+
+    def _modules(self) -> Iterator[str]:
+        for found in pkgutil.iter_modules(importlib.import_module(self.folder).__path__):
+            name = f"{self.folder}.{found.name}"
+            if self.module is None:
+                yield name
+            elif found.ispkg and find_spec(f"{name}.{self.module}"):
+                yield f"{name}.{self.module}"
 
 
 @cache

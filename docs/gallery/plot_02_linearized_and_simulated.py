@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 import stochlin as sl
-from stochlin.views.shared.style import CURVES, STYLE, ratio_ticks
+from stochlin.charts import CURVES, STYLE, ratio_ticks
 
 plt.rcParams.update(STYLE)
 lakebed = sl.KanaiTajimi(period=2.0, damping=0.05)

@@ -13,8 +13,7 @@ small. Hardening 1 is linear, and exact.
 import matplotlib.pyplot as plt
 import numpy as np
 
-from stochlin.analyses.linearization.bias_map import bias_map
-from stochlin.views.shared.style import STYLE
+from stochlin.charts import STYLE, bias_map
 
 plt.rcParams.update(STYLE)
 table = bias_map().sel(hardening=slice(0, 0.9))

@@ -10,7 +10,7 @@ gap to the left of the band does not keep the confidence.
 import matplotlib.pyplot as plt
 
 import stochlin as sl
-from stochlin.views.shared.style import STYLE
+from stochlin.charts import STYLE
 
 plt.rcParams.update(STYLE)
 first, second = (sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.6, 1.0))

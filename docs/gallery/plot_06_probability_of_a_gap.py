@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 import stochlin as sl
-from stochlin.views.shared.style import CURVES, STYLE
+from stochlin.charts import CURVES, STYLE
 
 plt.rcParams.update(STYLE)
 ground = sl.named_ground("firm", intensity=0.01)

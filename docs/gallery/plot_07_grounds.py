@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 import stochlin as sl
-from stochlin.views.shared.style import CURVES, STYLE
+from stochlin.charts import CURVES, STYLE
 
 plt.rcParams.update(STYLE)
 frequency = xr.DataArray(np.linspace(0.05, 40, 4000), dims="frequency")

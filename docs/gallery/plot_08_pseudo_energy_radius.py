@@ -11,8 +11,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.charts.records import portrait_chart
-from stochlin.views.shared.style import STYLE
+from stochlin.charts import STYLE, portrait_chart
 
 plt.rcParams.update(STYLE)
 time = 0.02 * np.arange(1500)

@@ -10,8 +10,7 @@ that all elements compare.
 
 import matplotlib.pyplot as plt
 
-from stochlin.analyses.charts.contacts import contact_loop_chart
-from stochlin.views.shared.style import CURVES, STYLE
+from stochlin.charts import CURVES, STYLE, contact_loop_chart
 
 plt.rcParams.update(STYLE)
 chart = contact_loop_chart(restitution=0.65)

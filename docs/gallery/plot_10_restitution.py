@@ -8,8 +8,7 @@ Eq. (15) holds for the Kelvin element that may pull, and for no other.
 
 import matplotlib.pyplot as plt
 
-from stochlin.analyses.charts.contacts import restitution_chart
-from stochlin.views.shared.style import CURVES, STYLE
+from stochlin.charts import CURVES, STYLE, restitution_chart
 
 plt.rcParams.update(STYLE)
 chart = restitution_chart()

@@ -12,7 +12,7 @@ import numpy as np
 import sympy
 
 import stochlin as sl
-from stochlin.views.shared.style import CURVES, STYLE
+from stochlin.charts import CURVES, STYLE
 
 plt.rcParams.update(STYLE)
 v, z = sympy.symbols("v z", real=True)

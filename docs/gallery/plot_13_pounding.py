@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 import stochlin as sl
-from stochlin.views.shared.style import STYLE
+from stochlin.charts import STYLE
 
 plt.rcParams.update(STYLE)
 time = 0.02 * np.arange(1000)

@@ -12,7 +12,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import stochlin as sl
-from stochlin.views.shared.style import CURVES, STYLE
+from stochlin.charts import CURVES, STYLE
 
 plt.rcParams.update(STYLE)
 one, two = (sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.6, 1.0))

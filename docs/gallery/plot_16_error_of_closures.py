@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
 
-from stochlin.views.shared.style import STYLE
+from stochlin.charts import STYLE
 
 plt.rcParams.update(STYLE)
 table = xr.load_dataset("drift_pairs.nc", engine="scipy")  # beside this file

@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.charts.design import ChartSettings, chart_functions
+from stochlin.analyses.charts.charts import ChartSettings, chart_functions
 from stochlin.views.charts.charts import draw
 from stochlin.views.shared.style import CURVES
 

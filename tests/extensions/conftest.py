@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
+PAGE = Path(__file__).parents[2] / "docs" / "extending.md"
 COMMAND = "from stochlin.views.command import main; main(prog_name='stochlin')"
 
 
@@ -36,3 +39,16 @@ def install(tmp_path):
         return run
 
     return install
+
+
+@pytest.fixture
+def example():
+    """``example(heading)`` is the code of that section of the page."""
+
+    def example(heading):
+        section = (
+            PAGE.read_text(encoding="utf-8").partition(f"\n## {heading}\n")[2].partition("\n## ")[0]
+        )
+        return re.search(r"^```python\n(.*?)^```", section, re.DOTALL | re.MULTILINE)[1]
+
+    return example

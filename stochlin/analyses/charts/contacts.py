@@ -15,6 +15,7 @@ import numpy as np
 import xarray as xr
 from scipy.integrate import solve_ivp
 
+from stochlin.analyses.charts.charts import CHARTS, ChartSettings
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding import contact as kernel
@@ -78,7 +79,7 @@ def contact_loop_chart(restitution: float = 0.65, points: int = 201) -> xr.Datas
 
     Examples
     --------
-    >>> from stochlin.analyses.charts.contacts import contact_loop_chart
+    >>> from stochlin.charts import contact_loop_chart
     >>> chart = contact_loop_chart(restitution=0.5)
     >>> round(float(chart.scaled_force.sel(element="ImpactKelvin").max()), 3)
     1.195
@@ -87,7 +88,8 @@ def contact_loop_chart(restitution: float = 0.65, points: int = 201) -> xr.Datas
     given: dict[str, Any] = {"stiffness": 1.0, "restitution": restitution}
     models = [kind(**given) if issubclass(kind, Damped) else kind(1.0) for kind in _kinds(Element)]
     title = f"Force and deformation of contact elements, e = {restitution:g}"
-    return _histories(models, points, title, f"contact_loop_chart(restitution={restitution:g})")
+    call = f"contact_loop_chart(restitution={restitution:g})"
+    return _histories("contact_loops", models, points, title, call)
 
 
 def contact_history_chart(damping_ratio: float = 0.5, points: int = 201) -> xr.Dataset:
@@ -112,7 +114,7 @@ def contact_history_chart(damping_ratio: float = 0.5, points: int = 201) -> xr.D
 
     Examples
     --------
-    >>> from stochlin.analyses.charts.contacts import contact_history_chart
+    >>> from stochlin.charts import contact_history_chart
     >>> chart = contact_history_chart()
     >>> [round(float(t), 3) for t in chart.scaled_contact_time.sel(element=["Kelvin", "ImpactKelvin"])]
     [3.628, 2.78]
@@ -121,7 +123,8 @@ def contact_history_chart(damping_ratio: float = 0.5, points: int = 201) -> xr.D
     given: dict[str, Any] = {"stiffness": 1.0, "damping_ratio": damping_ratio}
     models = [kind(**given) for kind in _kinds(WithRatio)]
     title = f"Histories of deformation and contact force, ξ = {damping_ratio:g}"
-    return _histories(models, points, title, f"contact_history_chart(damping_ratio={damping_ratio:g})")
+    call = f"contact_history_chart(damping_ratio={damping_ratio:g})"
+    return _histories("contact_histories", models, points, title, call)
 
 
 def restitution_chart(largest: float = 1.0, points: int = 201) -> xr.Dataset:
@@ -148,7 +151,7 @@ def restitution_chart(largest: float = 1.0, points: int = 201) -> xr.Dataset:
 
     Examples
     --------
-    >>> from stochlin.analyses.charts.contacts import restitution_chart
+    >>> from stochlin.charts import restitution_chart
     >>> chart = restitution_chart()
     >>> [round(float(e), 4) for e in chart.restitution.sel(damping_ratio=0.5)]
     [0.163, 0.2984, 0.5463, 0.5749]
@@ -165,8 +168,8 @@ def restitution_chart(largest: float = 1.0, points: int = 201) -> xr.Dataset:
             "restitution_hertz_damp": HertzDamp.restitution(factor),
         }
     )
-    chart.attrs["caption"] = "Two free masses; ξ = c/(2 √(k m)), of Jankowski c/(2 √(k √d m))."
-    chart.attrs["comment"] = OWN
+    caption = "Two free masses; ξ = c/(2 √(k m)), of Jankowski c/(2 √(k √d m))."
+    chart.attrs |= {"chart": "restitution", "caption": caption, "comment": OWN}
     return labels.with_run_information(
         labels.label(chart),
         "Coefficient of restitution of contact elements",
@@ -180,7 +183,24 @@ def _kinds(base: type[Kind]) -> list[type[Kind]]:
     return [kind for kind in CONTACTS.values() if issubclass(kind, base)]
 
 
-def _histories(models: Sequence[Element], points: int, title: str, call: str) -> xr.Dataset:
+@CHARTS.register("fig6", place=60)
+def _fig6(settings: ChartSettings) -> xr.Dataset:
+    return contact_loop_chart(points=settings.fine_points)
+
+
+@CHARTS.register("fig7", place=60)
+def _fig7(settings: ChartSettings) -> xr.Dataset:
+    return contact_history_chart(points=settings.fine_points)
+
+
+@CHARTS.register("fig8", place=60)
+def _fig8(settings: ChartSettings) -> xr.Dataset:
+    return restitution_chart(points=settings.fine_points)
+
+
+def _histories(
+    picture: str, models: Sequence[Element], points: int, title: str, call: str
+) -> xr.Dataset:
     _check_points(points)
     names = [type(model).__name__ for model in models]
     chart = xr.Dataset(coords={"element": _elements(names)})
@@ -197,8 +217,8 @@ def _histories(models: Sequence[Element], points: int, title: str, call: str) ->
     chart["scaled_contact_time"] = ("element", [history.time[-1] for history in found])
     chart["restitution"] = ("element", [model.e for model in models])
     chart["contact_damping"] = ("element", [getattr(model, "damping", 0.0) for model in models])
-    chart.attrs |= {"caption": SCALES, "comment": PRINTED}
     described = dict(zip(names, models, strict=True))
+    chart.attrs |= {"chart": picture, "caption": SCALES, "comment": PRINTED}
     return labels.with_run_information(labels.label(chart), title, call, described)
 
 

@@ -9,17 +9,44 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.charts.charts import CHARTS, ChartSettings
+from stochlin.analyses.charts.design import ground_caption, ground_period
 from stochlin.analyses.correlation.correlation import rho_white_noise
 from stochlin.analyses.records.cells import Records
 from stochlin.analyses.records.gaps import recorded_gap
 from stochlin.analyses.records.response import pseudo_energy_radius, respond
+from stochlin.analyses.records.spectra import fit_spectra
 from stochlin.analyses.separation.critical_gap import double_difference
 from stochlin.analyses.tables import labels
+from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 
 POINTS_PER_PERIOD = 32  # of a portrait, for a smooth curve
 CIRCLE = 181  # points
 PERIODS = (0.1, 5.0)  # s
+GAP_POINTS = 61  # at most, of Fig. 2: each cell follows the whole record
+
+
+@CHARTS.register("site_spectrum", place=10)
+def _site_spectrum(record: xr.DataArray, site: Ground) -> xr.Dataset:
+    title, caption = f"Ground fitted to {_source(record)}", f"{ground_caption(site)}\n{site.source}"
+    return _captioned(fit_spectra(record, site), "spectra", title, caption)
+
+
+@CHARTS.register("fig1", place=11)
+def _fig1(settings: ChartSettings, record: xr.DataArray, site: Ground) -> xr.Dataset:
+    return portrait_chart(record, ground_period(site), settings.damping)
+
+
+@CHARTS.register("per_spectrum", place=12)
+def _per_spectrum(settings: ChartSettings, record: xr.DataArray) -> xr.Dataset:
+    title = f"Spectrum of the pseudo energy radius, {_source(record)}"
+    return per_spectrum_chart(record, settings.damping, settings.points).assign_attrs(title=title)
+
+
+@CHARTS.register("fig2", place=13)
+def _fig2(settings: ChartSettings, record: xr.DataArray) -> xr.Dataset:
+    return recorded_gap_chart(record, settings.damping, min(settings.points, GAP_POINTS))
 
 
 def portrait_chart(record: xr.DataArray, period: float, damping: float) -> xr.Dataset:
@@ -57,6 +84,7 @@ def portrait_chart(record: xr.DataArray, period: float, damping: float) -> xr.Da
     chart = chart.assign_coords(angle=("angle", angle, {"units": "rad", "long_name": "angle"}))
     return _captioned(
         labels.label(chart),
+        "portrait",
         f"Pseudo energy radius of {_source(record)}",
         f"Elastic structure: T = {period:.3g} s, ξ = {damping:.3g}; r_PER = {float(peak):.3g} m",
     )
@@ -83,6 +111,7 @@ def per_spectrum_chart(records: Records, damping: float, points: int = 161) -> x
     chart = pseudo_energy_radius(records, _periods("period", "period", points), damping)
     return _captioned(
         chart,
+        "per_spectrum",
         "Spectrum of the pseudo energy radius",
         f"Elastic structures: ξ = {damping:.3g}",
     )
@@ -120,6 +149,7 @@ def recorded_gap_chart(record: xr.DataArray, damping: float, points: int = 61) -
     chart.critical_gap.attrs.update(units="m", long_name="critical gap, eqs. (3) and (4)")
     return _captioned(
         chart,
+        "critical_gap",
         f"Critical gap in {_source(record)}",
         f"Elastic structures: ξ = {damping:.3g}; the largest u1 - u2, and eqs. (3) and (4)",
     )
@@ -137,5 +167,5 @@ def _source(record: xr.DataArray) -> str:
     return str(record.attrs.get("source", "a record"))
 
 
-def _captioned(chart: xr.Dataset, title: str, caption: str) -> xr.Dataset:
-    return chart.assign_attrs(title=title, caption=caption)
+def _captioned(chart: xr.Dataset, picture: str, title: str, caption: str) -> xr.Dataset:
+    return chart.assign_attrs(chart=picture, title=title, caption=caption)

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin._version import __version__
+from stochlin.analyses.charts.charts import CHARTS, ChartSettings
 from stochlin.analyses.correlation.effective import rho_effective
 from stochlin.analyses.tables import labels
 from stochlin.models.rules.effective_properties import effective_rule, effective_rule_names
@@ -48,6 +49,7 @@ def effective_rules_chart(
         found = [getattr(rule, name) for rule in rules]
         table = table.assign_coords({name: ("rule", found, {"long_name": text})})
     return table.assign_attrs(
+        chart="curves",
         title="Correlation of bilinear structures by eq. (4) with effective properties",
         caption=f"White noise. Bilinear structures: ξ = {damping:g}, α = {hardening:g}, peak ductility "
         f"{ductility:g} of both; ratio of the elastic periods",
@@ -55,4 +57,11 @@ def effective_rules_chart(
         "of the separation, both ways.",
         references="; ".join([labels.PAPER, *(rule.reference for rule in rules)]),
         history=f"stochlin {__version__}: rho_effective()",
+    )
+
+
+@CHARTS.register("fig3b", place=30)
+def _fig3b(settings: ChartSettings) -> xr.Dataset:
+    return effective_rules_chart(
+        settings.damping, settings.hardening, settings.ductility, settings.fine_points
     )

@@ -6,9 +6,7 @@ from dataclasses import replace
 
 import xarray as xr
 
-from stochlin.analyses.charts.design import ChartSettings, chart_functions
-
-FORMULAS = ("fig3a", "fig3b")  # eq. (4), on white noise: nothing is linearized
+from stochlin.analyses.charts.charts import ChartSettings, chart_functions
 
 
 def verify_chart(name: str, settings: ChartSettings) -> xr.Dataset:
@@ -32,12 +30,14 @@ def verify_chart(name: str, settings: ChartSettings) -> xr.Dataset:
         If there is nothing to simulate under this name.
     """
     functions = chart_functions(replace(settings, method="linearization"))
-    if name not in functions or name in FORMULAS:
-        allowed = ", ".join(key for key in functions if key not in FORMULAS)
-        raise ValueError(f"NAME = {name!r} cannot be verified; allowed: {allowed}")
+    allowed = [key for key, function in functions.items() if "ground" in function.keywords]
+    if name not in allowed:
+        raise ValueError(f"NAME = {name!r} cannot be verified; allowed: {', '.join(allowed)}")
     chart = functions[name]()
     simulated = chart_functions(replace(settings, method="simulation"))[name]()
-    shown = "rho" if "rho" in chart else "amplification"
+    shown = next((str(key) for key in simulated if f"{key}_standard_error" in simulated), None)
+    if shown is None or chart.attrs["chart"] not in ("curves", "plane"):
+        raise ValueError(f"NAME = {name!r} is no chart of curves or of a plane with a simulation to it")
     units = {"units": "1"}
     error = f"{shown}_standard_error"
     chart[f"{shown}_simulated"] = simulated[shown].assign_attrs(units, long_name=f"{shown}, simulated")
@@ -47,6 +47,7 @@ def verify_chart(name: str, settings: ChartSettings) -> xr.Dataset:
     )
     largest = float(simulated[error].max())
     return chart.assign_attrs(
+        chart=f"compared_{chart.attrs['chart']}",
         title=f"{chart.attrs['title']}: linearized against simulated",
         comment=f"Simulated on {simulated.attrs['paths']} paths; standard error at most {largest:.2g}.",
     )

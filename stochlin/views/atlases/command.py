@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from stochlin.views.shared.options import GroundCommand, numbers_option, parameter_of, shared_option
-from stochlin.views.shared.screen import bad_input, on_screen, progress_bar
+from stochlin.views.shared.screen import COMMANDS, bad_input, on_screen, progress_bar
 
 
 class LookupCommand(GroundCommand):
@@ -17,6 +17,7 @@ class LookupCommand(GroundCommand):
     left_out = ("intensity",)
 
 
+@COMMANDS.register("atlas")
 @click.command()
 @click.argument("spec", type=click.Path(dir_okay=False, path_type=Path))
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="The Zarr store, a folder.")
@@ -53,6 +54,7 @@ def atlas(spec: Path, out: Path, scheduler: str | None) -> None:
     click.echo(f"{table.rho.size} cells in {out}")
 
 
+@COMMANDS.register("lookup")
 @click.command(cls=LookupCommand)
 @click.argument("atlas", type=click.Path(path_type=Path))
 @numbers_option("--period-1", "Of structure 1: [s] with --ground-period, else over the ground's.")

@@ -3,24 +3,49 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Callable, Hashable, Iterator
 from itertools import cycle
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
-from stochlin.views.charts.comparisons import draw_comparison
-from stochlin.views.charts.contacts import draw_histories, draw_loops, draw_restitution
-from stochlin.views.charts.records import draw_critical_gap, draw_per_spectrum, draw_portrait
-from stochlin.views.shared.style import CURVES, NAMES, STYLE, plane, ratio_ticks, tenths
+from stochlin.registry import Registry
+from stochlin.views.shared.style import (
+    CURVES,
+    NAMES,
+    STYLE,
+    contour_levels,
+    label_axis,
+    legend_beside,
+    plane,
+    quantity,
+)
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+# By the attribute ``chart`` of a dataset: what draws its axes into a figure.
+PICTURES: Registry[Callable[[Figure, xr.Dataset], None]] = Registry("chart", "stochlin.views.charts")
 SIZE = (7.2, 4.6)  # inches: the width of a printed page
+AXES = (0.1, 0.25, 0.64, 0.66)
 COMPARISONS = (("rho_elastic", "0.35", "x", "elastic"), ("rho_white_noise", "0.6", "o", "eq. (4)"))
 CAPTION_WIDTH, COMMENT_WIDTH = 110, 125  # characters
+# Files from before that attribute: the first of these whose names a dataset has.
+UNTOLD = (
+    ("spectra", {"psd_record"}),
+    ("compared_plane", {"rho_difference", "period_ratio_2"}),
+    ("compared_curves", {"rho_difference"}),
+    ("compared_curves", {"amplification_difference"}),
+    ("portrait", {"circle_displacement"}),
+    ("critical_gap", {"critical_gap"}),
+    ("contact_loops", {"scaled_force", "LinearSpring"}),
+    ("contact_histories", {"scaled_force"}),
+    ("restitution", {"restitution_hertz_damp"}),
+    ("per_spectrum", {"pseudo_energy_radius", "period"}),
+    ("plane", {"rho", "period_ratio_2"}),
+    ("curves", {"period_ratio"}),
+)
 
 
 def draw(dataset: xr.Dataset) -> Figure:
@@ -29,8 +54,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     Parameters
     ----------
     dataset : xarray.Dataset
-        As the functions of ``stochlin.analyses.charts.design``, ``record_charts`` and
-        ``contact_charts`` make them, from memory or from file.
+        As the functions of `stochlin.charts` make them, from memory or from file. The attribute
+        ``chart`` says what kind of picture it becomes.
 
     Returns
     -------
@@ -45,39 +70,11 @@ def draw(dataset: xr.Dataset) -> Figure:
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
+    draw_axes = PICTURES.named(_kind(dataset), "attribute chart")
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=SIZE)
-        axes = figure.add_axes((0.1, 0.25, 0.64, 0.66))
-        if "psd_record" in dataset:
-            _spectra(axes, dataset)
-        elif any(str(name).endswith("_difference") for name in dataset):
-            axes.remove()
-            draw_comparison(figure, dataset)
-        elif "circle_displacement" in dataset:
-            axes.remove()
-            draw_portrait(figure, dataset)
-        elif "critical_gap" in dataset:
-            axes.remove()
-            draw_critical_gap(figure, dataset)
-        elif "scaled_force" in dataset:
-            axes.remove()
-            # Springs without a dashpot have a loop, and no damping ratio to be compared at.
-            (draw_loops if "LinearSpring" in dataset.element else draw_histories)(figure, dataset)
-        elif "restitution_hertz_damp" in dataset:
-            axes.remove()
-            draw_restitution(figure, dataset)
-        elif "pseudo_energy_radius" in dataset:
-            draw_per_spectrum(axes, dataset)
-        elif "period_ratio_2" in dataset.dims:
-            _plane(figure, axes, dataset)
-        elif "period_ratio" in dataset.dims:
-            _curves(axes, dataset)
-        else:
-            raise ValueError(
-                f"dataset has dimensions {tuple(dataset.dims)}; allowed: a chart, over period_ratio, "
-                "over period_ratio_1 and period_ratio_2, of contact elements, or of a record"
-            )
-        figure.text(0.1, 0.935, dataset.attrs["title"], size=10)
+        draw_axes(figure, dataset)
+        figure.text(0.1, 0.935, dataset.attrs.get("title", ""), size=10)
         lines = dataset.attrs.get("caption", "").splitlines()
         caption = "\n".join(textwrap.fill(line, CAPTION_WIDTH) for line in lines)
         figure.text(0.1, 0.135, caption, va="top", size=8)
@@ -86,14 +83,47 @@ def draw(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _curves(axes: Axes, dataset: xr.Dataset) -> None:
-    name = "rho" if "rho" in dataset else "amplification"
-    table = dataset[name]
-    (family,) = (d for d in table.dims if d != "period_ratio")
-    x = table.period_ratio.values
-    for (color, dash), value in zip(cycle(CURVES), table[family].values, strict=False):
-        label = value if family == "rule" else f"{NAMES[str(family)]} = {value:g}"
-        axes.plot(x, table.sel({family: value}), color=color, linestyle=dash, label=label)
+def _kind(dataset: xr.Dataset) -> str:
+    if "chart" in dataset.attrs:
+        return str(dataset.attrs["chart"])
+    names = {*map(str, dataset.variables), *map(str, dataset.dims)}
+    names |= {*dataset["element"].values} if "element" in dataset else set()
+    for kind, marks in UNTOLD:
+        if marks <= names:
+            return kind
+    dimensions, allowed = tuple(dataset.dims), ", ".join(PICTURES)
+    raise ValueError(f"dataset over {dimensions} has no attribute chart; allowed: {allowed}")
+
+
+def _shown(dataset: xr.Dataset) -> xr.DataArray:
+    """What a chart shows: its first variable."""
+    return dataset[next(name for name in dataset.data_vars if name != "status")]
+
+
+def name_of(table: xr.DataArray) -> str:
+    """What an axis or a bar says of what is shown."""
+    return NAMES.get(str(table.name), quantity(table))
+
+
+def family(table: xr.DataArray) -> Iterator[tuple[str, dict[Hashable, Any]]]:
+    """Every curve over the last dimension: its label, and its place along the first if there are two."""
+    if table.ndim == 1:
+        yield quantity(table), {}
+        return
+    first, _ = table.dims
+    for value in table[first].values:
+        label = value if isinstance(value, str) else f"{NAMES.get(str(first), first)} = {value:g}"
+        yield label, {first: value}
+
+
+@PICTURES.register("curves")
+def _curves(figure: Figure, dataset: xr.Dataset) -> None:
+    axes = figure.add_axes(AXES)
+    table = _shown(dataset)
+    across = table[table.dims[-1]]
+    x = across.values
+    for (color, dash), (label, place) in zip(cycle(CURVES), family(table), strict=False):
+        axes.plot(x, table.sel(place), color=color, linestyle=dash, label=label)
     for other, color, marker, label in COMPARISONS:
         if other in dataset:
             axes.plot(
@@ -107,25 +137,29 @@ def _curves(axes: Axes, dataset: xr.Dataset) -> None:
                 markevery=16,
                 label=label,
             )
-    axes.set_xscale("log")
-    ratio_ticks(axes.xaxis, x)
-    axes.set_xlabel(table.period_ratio.attrs.get("long_name", "period ratio"))
-    axes.set_ylabel(NAMES[name])
+    label_axis(axes, "x", across)
+    axes.set_ylabel(name_of(table))
     axes.set_xlim(x[0], x[-1])
-    if name == "rho":
+    if table.name == "rho":
         low = min(float(dataset[v].min()) for v in dataset.data_vars if str(v).startswith("rho"))
         axes.set_ylim(min(0.0, np.floor(low * 10) / 10), 1.02)
-    axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1), borderaxespad=0)
+    legend_beside(axes)
 
 
-def _plane(figure: Figure, axes: Axes, dataset: xr.Dataset) -> None:
-    filled = plane(axes, dataset.rho, tenths(dataset.rho))
+@PICTURES.register("plane")
+def _plane(figure: Figure, dataset: xr.Dataset) -> None:
+    axes = figure.add_axes(AXES)
+    table = _shown(dataset)
+    filled = plane(axes, table, contour_levels(table))
     axes.set_anchor("W")
-    bar = figure.colorbar(filled, cax=figure.add_axes((0.57, 0.25, 0.025, 0.66)), label=NAMES["rho"])
+    label = name_of(table)
+    bar = figure.colorbar(filled, cax=figure.add_axes((0.57, 0.25, 0.025, 0.66)), label=label)
     bar.ax.grid(visible=False)
 
 
-def _spectra(axes: Axes, dataset: xr.Dataset) -> None:
+@PICTURES.register("spectra")
+def _spectra(figure: Figure, dataset: xr.Dataset) -> None:
+    axes = figure.add_axes(AXES)
     frequency = dataset.frequency.values
     shown = (
         ("psd_record", "0.75", "-", 0.6, "record, periodogram"),
@@ -141,4 +175,4 @@ def _spectra(axes: Axes, dataset: xr.Dataset) -> None:
     axes.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3), useMathText=True)
     axes.set_xlabel("circular frequency [rad/s]")
     axes.set_ylabel(r"two-sided PSD [m$^2$/s$^3$]")
-    axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1), borderaxespad=0)
+    legend_beside(axes)

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from stochlin.views.shared.style import CURVES, NAMES, plane, ratio_ticks, tenths
+from stochlin.views.charts.charts import PICTURES, family, name_of
+from stochlin.views.shared.style import CURVES, contour_levels, label_axis, legend_beside, plane
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -16,20 +17,18 @@ if TYPE_CHECKING:
 TWICE = 1.96  # standard errors of a 95 % interval
 
 
-def draw_comparison(figure: Figure, dataset: xr.Dataset) -> None:
-    """Draw planes or curves of both methods into a figure."""
-    if "period_ratio_2" in dataset.dims:
-        _planes(figure, dataset)
-    else:
-        _curves(figure, dataset)
-
-
+@PICTURES.register("compared_plane")
 def _planes(figure: Figure, dataset: xr.Dataset) -> None:
-    levels = tenths(dataset.rho, dataset.rho_simulated)
+    name = _compared(dataset)
+    symbol = r"$\rho$" if name == "rho" else name
+    linearized, simulated, difference = (
+        dataset[name + end] for end in ("", "_simulated", "_difference")
+    )
+    levels = contour_levels(linearized, simulated)
     panels = (
-        ("linearized", dataset.rho, levels),
-        ("simulated", dataset.rho_simulated, levels),
-        ("difference", dataset.rho_difference, tenths(dataset.rho_difference, at_most=-0.1)),
+        ("linearized", linearized, levels),
+        ("simulated", simulated, levels),
+        ("difference", difference, contour_levels(difference, at_most=-0.1)),
     )
     for n, (title, table, at) in enumerate(panels):
         axes = figure.add_axes((0.09 + 0.305 * n, 0.42, 0.27, 0.45))
@@ -44,17 +43,19 @@ def _planes(figure: Figure, dataset: xr.Dataset) -> None:
         bar.ax.grid(visible=False)
         bar.ax.tick_params(labelsize=7)
         bar.set_ticks(at[::2].tolist())
-        bar.set_label(r"$\rho$" if n < 2 else r"$\rho$ linearized less simulated", size=8)
+        bar.set_label(symbol if n < 2 else f"{symbol} linearized less simulated", size=8)
 
 
+@PICTURES.register("compared_curves")
 def _curves(figure: Figure, dataset: xr.Dataset) -> None:
-    name = "rho" if "rho" in dataset else "amplification"
+    name = _compared(dataset)
     upper = figure.add_axes((0.1, 0.5, 0.64, 0.41))
     lower = figure.add_axes((0.1, 0.25, 0.64, 0.21), sharex=upper)
-    x = dataset.period_ratio.values
-    for (color, dash), value in zip(cycle(CURVES), dataset.reduction_factor.values, strict=False):
-        one = dataset.sel(reduction_factor=value)
-        upper.plot(x, one[name], color=color, linestyle=dash, label=f"R = {value:g}, linearized")
+    across = dataset[dataset[name].dims[-1]]
+    x = across.values
+    for (color, dash), (label, place) in zip(cycle(CURVES), family(dataset[name]), strict=False):
+        one = dataset.sel(place)
+        upper.plot(x, one[name], color=color, linestyle=dash, label=f"{label}, linearized")
         upper.errorbar(
             x,
             one[f"{name}_simulated"],
@@ -64,17 +65,19 @@ def _curves(figure: Figure, dataset: xr.Dataset) -> None:
             marker="o",
             ms=3,
             lw=1,
-            label=f"R = {value:g}, simulated",
+            label=f"{label}, simulated",
         )
         lower.plot(x, one[f"{name}_difference"], color=color, linestyle=dash)
     lower.axhline(0, color="0.5", lw=0.8)
-    lower.set_xscale("log")
-    ratio_ticks(lower.xaxis, x)
+    label_axis(lower, "x", across)
     upper.tick_params(labelbottom=False)
     upper.set_xlim(x[0], x[-1])
     if float(np.abs(dataset[f"{name}_simulated"]).max()) > 5:
         upper.set_yscale("log")
-    lower.set_xlabel(dataset.period_ratio.attrs.get("long_name", "period ratio"))
-    upper.set_ylabel(NAMES[name].split(",")[0])
+    upper.set_ylabel(name_of(dataset[name]).split(",")[0])
     lower.set_ylabel("difference")
-    upper.legend(loc="upper left", bbox_to_anchor=(1.02, 1), borderaxespad=0)
+    legend_beside(upper)
+
+
+def _compared(dataset: xr.Dataset) -> str:
+    return next(str(name) for name in dataset if f"{name}_difference" in dataset)

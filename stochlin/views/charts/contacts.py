@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from stochlin.views.shared.style import CURVES
+from stochlin.views.charts.charts import PICTURES
+from stochlin.views.shared.style import CURVES, legend_beside
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,6 +43,7 @@ SYMBOLS = r"while $d > 0$, with $d = u_1 - u_2 - g$ and $v$ its rate"
 INK: Any = {"color": "0.1", "lw": 1.1, "solid_capstyle": "butt", "clip_on": False}
 
 
+@PICTURES.register("contact_loops")
 def draw_loops(figure: Figure, dataset: xr.Dataset) -> None:
     """Fig. 6: what the elements are made of, and their force over the deformation."""
     figure.set_size_inches(7.2, 6.4)
@@ -60,6 +62,7 @@ def draw_loops(figure: Figure, dataset: xr.Dataset) -> None:
     right.tick_params(labelleft=False)
 
 
+@PICTURES.register("contact_histories")
 def draw_histories(figure: Figure, dataset: xr.Dataset) -> None:
     """Fig. 7: deformation and force over time, from the first touch to the end of each contact."""
     upper = figure.add_axes((0.1, 0.595, 0.64, 0.315))
@@ -83,6 +86,7 @@ def draw_histories(figure: Figure, dataset: xr.Dataset) -> None:
     upper.legend(handles, labels, loc="upper left", bbox_to_anchor=(1.02, 1), borderaxespad=0)
 
 
+@PICTURES.register("restitution")
 def draw_restitution(figure: Figure, dataset: xr.Dataset) -> None:
     """Fig. 8: coefficient of restitution over the damping ratio; over its own factor for Hertz-damp."""
     axes = figure.add_axes((0.1, 0.25, 0.64, 0.54))
@@ -102,7 +106,7 @@ def draw_restitution(figure: Figure, dataset: xr.Dataset) -> None:
     axes.set_ylim(0, 1)
     axes.set_xlabel(r"damping ratio $\xi$")
     axes.set_ylabel("coefficient of restitution $e$")
-    axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1), borderaxespad=0)
+    legend_beside(axes)
 
 
 def _curves(axes: Axes, dataset: xr.Dataset, names: Sequence[str], x: str, y: str) -> None:

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from stochlin.views.shared.style import CURVES
+from stochlin.views.charts.charts import AXES, PICTURES
+from stochlin.views.shared.style import CURVES, legend_beside
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
@@ -18,6 +18,7 @@ TICKS = (0.1, 0.2, 0.5, 1, 2, 5)  # s
 CENTIMETRES = 100.0
 
 
+@PICTURES.register("portrait")
 def draw_portrait(figure: Figure, dataset: xr.Dataset) -> None:
     """Fig. 1: the trace in the plane of states within its circle, and the radius over time."""
     plane = figure.add_axes((0.1, 0.27, 0.36, 0.6))
@@ -41,8 +42,10 @@ def draw_portrait(figure: Figure, dataset: xr.Dataset) -> None:
     history.set_ylabel("r [cm]")
 
 
-def draw_per_spectrum(axes: Axes, dataset: xr.Dataset) -> None:
+@PICTURES.register("per_spectrum")
+def draw_per_spectrum(figure: Figure, dataset: xr.Dataset) -> None:
     """Pseudo energy radius and largest displacement over the period."""
+    axes = figure.add_axes(AXES)
     shown = (
         ("pseudo_energy_radius", "pseudo energy radius"),
         ("displacement_max", "largest displacement"),
@@ -55,9 +58,10 @@ def draw_per_spectrum(axes: Axes, dataset: xr.Dataset) -> None:
     axes.set_ylim(bottom=0)
     axes.set_xlabel("period [s]")
     axes.set_ylabel("radius, displacement [cm]")
-    axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1), borderaxespad=0)
+    legend_beside(axes)
 
 
+@PICTURES.register("critical_gap")
 def draw_critical_gap(figure: Figure, dataset: xr.Dataset) -> None:
     """Fig. 2: the gap that the record takes, and eqs. (3) and (4), over the periods."""
     from matplotlib import colormaps

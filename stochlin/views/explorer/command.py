@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stochlin.views.shared.screen import bad_input
+from stochlin.views.shared.screen import COMMANDS, bad_input
 
 if TYPE_CHECKING:
     from stochlin.analyses.explorer.scene import Scene
@@ -16,6 +16,7 @@ FILE = click.Path(dir_okay=False, path_type=Path)
 PORT = 8640
 
 
+@COMMANDS.register("explore")
 @click.command()
 @click.option("--case", type=FILE, help="Start from a case file, as 'stochlin gap --example' prints.")
 @click.option(

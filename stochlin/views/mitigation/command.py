@@ -6,9 +6,18 @@ from pathlib import Path
 
 import click
 
-from stochlin.views.shared.screen import FILE, PICTURES, bad_input, check_target, progress_bar, show
+from stochlin.views.shared.screen import (
+    COMMANDS,
+    FILE,
+    PICTURES,
+    bad_input,
+    check_target,
+    progress_bar,
+    show,
+)
 
 
+@COMMANDS.register("mitigate")
 @click.command()
 @click.argument("case", type=FILE)
 @click.option("--out", type=FILE, help="Save the table, .nc or .csv.")

@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stochlin.views.shared.screen import FILE, PICTURES, bad_input, check_target, progress_bar, show
+from stochlin.views.shared.screen import (
+    COMMANDS,
+    FILE,
+    PICTURES,
+    bad_input,
+    check_target,
+    progress_bar,
+    show,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -19,6 +27,7 @@ if TYPE_CHECKING:
 TABLES = (".nc",)
 
 
+@COMMANDS.register("pound")
 @click.command()
 @click.argument("case", type=FILE)
 @click.option(

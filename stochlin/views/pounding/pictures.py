@@ -39,7 +39,7 @@ def draw_pound(dataset: xr.Dataset) -> Figure:
     Parameters
     ----------
     dataset : xarray.Dataset
-        As `stochlin.analyses.cases.pounding.pound_case` makes them, from memory or from file.
+        As `stochlin.charts.pound_case` makes them, from memory or from file.
 
     Returns
     -------

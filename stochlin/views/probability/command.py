@@ -6,9 +6,10 @@ from pathlib import Path
 
 import click
 
-from stochlin.views.shared.screen import FILE, PICTURES, bad_input, check_target, progress_bar
+from stochlin.views.shared.screen import COMMANDS, FILE, PICTURES, bad_input, check_target, progress_bar
 
 
+@COMMANDS.register("probability")
 @click.command()
 @click.argument("case", type=FILE)
 @click.option("--gap", type=float, help="Gap [m], instead of the existing one of the file.")

@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stochlin.views.shared.screen import FILE, bad_input, check_target, paragraph, progress_bar, show
+from stochlin.views.shared.screen import (
+    COMMANDS,
+    FILE,
+    bad_input,
+    check_target,
+    paragraph,
+    progress_bar,
+    show,
+)
 
 if TYPE_CHECKING:
     from stochlin.analyses.cases.separation import CaseAnswer
@@ -15,6 +23,7 @@ if TYPE_CHECKING:
 REPORTS = (".html", ".htm")
 
 
+@COMMANDS.register("gap")
 @click.command()
 @click.argument("case", required=False, type=FILE)
 @click.option("--report", type=FILE, help="Write a page with table and pictures, .html.")

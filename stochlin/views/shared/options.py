@@ -16,7 +16,6 @@ from stochlin.views.shared.screen import bad_input
 if TYPE_CHECKING:
     import xarray as xr
 
-    from stochlin.analyses.charts.design import ChartSettings
     from stochlin.models.grounds import Ground
     from stochlin.models.structures import Structure
 
@@ -131,7 +130,7 @@ def ground_option(name: str) -> click.Option:
 
 def shared_option(name: str, help_text: str, default: str | None = None) -> Callable[[Any], Any]:
     """``--name`` for both structures, and ``--name-1``, ``--name-2`` for one."""
-    return lambda command: _decorate(
+    return lambda command: decorate(
         command,
         (
             numbers_option(f"--{name}", help_text, default),
@@ -147,7 +146,7 @@ def law_options(command: Any) -> Any:
         click.option("--law", type=kind, default="bilinear", show_default=True, help="Hysteresis law."),
         *(click.option(f"--law-{n}", type=kind, help=f"Of structure {n}.") for n in (1, 2)),
     )
-    return _decorate(command, options)
+    return decorate(command, options)
 
 
 class LawCommand(click.Command):
@@ -185,43 +184,6 @@ def own_parameters() -> dict[str, str]:
     return {name: f"{'; '.join(texts)}." for name, texts in told.items()}
 
 
-def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
-    """Where charts go and what they take as given."""
-    folder = click.Path(file_okay=False, path_type=Path)
-    numbers = (
-        ("--damping", 0.05, "Damping ratio of the structures."),
-        ("--hardening", 0.05, "Hardening ratio."),
-        ("--plane-reduction-factor", 4.0, "R of Fig. 5a."),
-        ("--ground-period", 2.0, "Period of the model grounds [s]."),
-    )
-    options = (
-        click.option(
-            "--out", type=folder, default="figures", show_default=True, help="Folder for the files."
-        ),
-        click.option(
-            "--format",
-            "picture_format",
-            type=click.Choice(["png", "svg", "pdf"]),
-            default="png",
-            show_default=True,
-        ),
-        *(
-            click.option(name, type=float, default=default, show_default=True, help=text)
-            for name, default, text in numbers
-        ),
-        numbers_option("--reduction-factors", "R of the curves in Figs. 4 and 5b.", reduction_factors),
-        closure_option,
-        click.option(
-            "--points",
-            type=click.IntRange(min=2),
-            default=points,
-            show_default=True,
-            help="Periods along an axis.",
-        ),
-    )
-    return lambda command: _decorate(command, options)
-
-
 def simulation_options(command: Any) -> Any:
     """How to simulate."""
     options = (
@@ -234,19 +196,11 @@ def simulation_options(command: Any) -> Any:
         ),
         click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True),
     )
-    return _decorate(command, options)
+    return decorate(command, options)
 
 
-def chart_settings(options: dict[str, Any]) -> ChartSettings:
-    """The settings of charts among the options of a command."""
-    from stochlin.analyses.charts.design import ChartSettings
-
-    names = {field.name for field in dataclasses.fields(ChartSettings)}
-    chosen = {key: value for key, value in options.items() if key in names}
-    return ChartSettings(**chosen | {"reduction_factors": tuple(options["reduction_factors"])})
-
-
-def _decorate(command: Any, options: Sequence[Callable[[Any], Any]]) -> Any:
+def decorate(command: Any, options: Sequence[Callable[[Any], Any]]) -> Any:
+    """The command with these options, in their order."""
     for option in reversed(options):
         command = option(command)
     return command
@@ -280,7 +234,7 @@ def record_options(command: Any) -> Any:
             help="How it is fitted: psd, log_psd, whittle.",
         ),
     )
-    return _decorate(command, options)
+    return decorate(command, options)
 
 
 def structures(options: dict[str, Any]) -> tuple[Structure, Structure]:

@@ -11,9 +11,12 @@ from typing import TYPE_CHECKING
 
 import click
 
+from stochlin.registry import Registry
+
 if TYPE_CHECKING:
     import xarray as xr
 
+COMMANDS: Registry[click.Command] = Registry("command", "stochlin.views", "command")
 SCREEN_ROWS, WIDTH = 40, 100
 STEPS = 1000  # of a bar
 PICTURES = (".png", ".svg", ".pdf")

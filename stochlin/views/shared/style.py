@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -54,33 +54,54 @@ def ratio_ticks(axis: Axis, values: np.ndarray) -> None:
     axis.set_major_formatter(StrMethodFormatter("{x:g}"))
 
 
-def plane(axes: Axes, rho: xr.DataArray, levels: np.ndarray) -> QuadContourSet:
-    """Filled contours of a table over two period ratios, with labelled lines."""
+def quantity(values: xr.DataArray) -> str:
+    """What an axis says of a variable: its long name, and its unit if it has one."""
+    name, units = values.attrs.get("long_name", str(values.name)), values.attrs.get("units", "1")
+    return name if units == "1" else f"{name} [{units}]"
+
+
+def label_axis(axes: Axes, way: Literal["x", "y"], values: xr.DataArray) -> None:
+    """An axis of these values; of periods and their ratios it is logarithmic."""
+    if str(values.name).startswith("period"):
+        axes.set(**{f"{way}scale": "log"})
+        ratio_ticks(axes.xaxis if way == "x" else axes.yaxis, values.values)
+    axes.set(**{f"{way}label": quantity(values)})
+
+
+def legend_beside(axes: Axes) -> None:
+    """The legend to the right of the axes."""
+    axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1), borderaxespad=0)
+
+
+def plane(axes: Axes, table: xr.DataArray, levels: np.ndarray) -> QuadContourSet:
+    """Filled contours of a table over its two dimensions, with labelled lines."""
     from matplotlib import colormaps
     from matplotlib.colors import ListedColormap
 
-    x, y = rho.period_ratio_1.values, rho.period_ratio_2.values
+    across, up = (table[name] for name in table.dims)
+    place = across.values, up.values, table.values.T
     # The upper part of cividis: lightness grows with the value, black lines stay legible on it.
     shades = ListedColormap(colormaps["cividis"](np.linspace(0.35, 1, 256)))
-    filled = axes.contourf(x, y, rho.values.T, levels=levels, cmap=shades)
-    lines = axes.contour(x, y, rho.values.T, levels=levels, colors="0.1", linewidths=0.6)
-    axes.clabel(lines, levels=levels[::2], fontsize=7, fmt="%.1f")
+    filled = axes.contourf(*place, levels=levels, cmap=shades)
+    lines = axes.contour(*place, levels=levels, colors="0.1", linewidths=0.6)
+    digits = "%.1f" if str(table.name).startswith("rho") else "%g"
+    axes.clabel(lines, levels=levels[::2], fontsize=7, fmt=digits)
     axes.grid(visible=False)
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    ratio_ticks(axes.xaxis, x)
-    ratio_ticks(axes.yaxis, y)
+    label_axis(axes, "x", across)
+    label_axis(axes, "y", up)
     axes.set_box_aspect(1)
-    axes.set_xlabel("T1/Tg")
-    axes.set_ylabel("T2/Tg")
     return filled
 
 
-def tenths(*tables: xr.DataArray, at_most: float = 0.0) -> np.ndarray:
-    """Contour levels in steps of .1 from the lowest value, or ``at_most``, up to the highest."""
-    low = min(at_most, *(np.floor(float(table.min()) * 10) / 10 for table in tables))
-    high = max(np.ceil(float(table.max()) * 10) / 10 for table in tables)
-    return np.round(np.arange(low, high + 0.05, 0.1), 10)
+def contour_levels(*tables: xr.DataArray, at_most: float = 0.0) -> np.ndarray:
+    """Levels for all tables: of rho tenths, from the lowest value or ``at_most`` up to the highest."""
+    from matplotlib.ticker import MaxNLocator
+
+    low, high = min(float(table.min()) for table in tables), max(float(table.max()) for table in tables)
+    if not str(tables[0].name).startswith("rho"):
+        return np.asarray(MaxNLocator(10).tick_values(low, high))
+    first, last = min(at_most, np.floor(low * 10) / 10), np.ceil(high * 10) / 10
+    return np.round(np.arange(first, last + 0.05, 0.1), 10)
 
 
 FORMATS = ("png", "svg", "pdf")

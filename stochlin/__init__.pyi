@@ -1,0 +1,126 @@
+"""The public names, each listed here and nowhere else.
+
+They are imported when first used. Type checkers and editors read this list, and so does the reference
+page: each of its sections shows what stands below the comment with its heading.
+"""
+
+__version__: str
+
+# Ground
+from .models.grounds import (
+    WhiteNoise as WhiteNoise,
+    KanaiTajimi as KanaiTajimi,
+    CloughPenzien as CloughPenzien,
+)
+from .models.grounds.named import (
+    named_ground as named_ground,
+    ground_names as ground_names,
+)
+
+# Records and envelopes
+from .analyses.records.records import (
+    read_record as read_record,
+    strong_part as strong_part,
+)
+from .analyses.records.ground_fit import fit_ground as fit_ground
+from .analyses.records.spectra import fit_spectra as fit_spectra
+from .analyses.records.envelope_fit import (
+    fit_envelope as fit_envelope,
+    energy_build_up as energy_build_up,
+)
+from .models.envelopes import (
+    AminAng as AminAng,
+    ShinozukaSato as ShinozukaSato,
+    GammaEnvelope as GammaEnvelope,
+    HsuBernard as HsuBernard,
+)
+from .analyses.records.evolutionary_spectra import evolutionary_psd as evolutionary_psd
+from .analyses.records.response import (
+    respond as respond,
+    response_spectrum as response_spectrum,
+    pseudo_energy_radius as pseudo_energy_radius,
+)
+from .analyses.records.gaps import recorded_gap as recorded_gap
+
+# Structures
+from .models.laws.bilinear import Bilinear as Bilinear
+from .models.laws.bouc_wen import BoucWen as BoucWen
+from .models.laws.hysteretic import Hysteretic as Hysteretic
+from .models.buildings import ShearBuilding as ShearBuilding
+from .analyses.linearization.strength import (
+    reduction_factor as reduction_factor,
+    strength_for_ductility as strength_for_ductility,
+)
+
+# Response and correlation
+from .analyses.linearization.linearization import linearize as linearize
+from .analyses.correlation.correlation import correlate as correlate
+from .analyses.simulation.simulation import simulate as simulate
+from .analyses.correlation.amplification import amplification as amplification
+from .analyses.linearization.transient_response import transient_response as transient_response
+from .analyses.linearization.peaks import peak_response as peak_response
+from .analyses.linearization.state_space import (
+    statespace as statespace,
+    stationary_covariance as stationary_covariance,
+)
+
+# The gap
+from .analyses.separation.separation import separation as separation
+from .analyses.separation.existing_gap import existing_gap as existing_gap
+from .analyses.simulation.finite_motions import exceedance as exceedance
+from .analyses.separation.critical_gap import critical_gap as critical_gap
+from .analyses.cases.case import (
+    read_case as read_case,
+    example_case as example_case,
+)
+
+# Formulas and rules by name
+from .analyses.correlation.correlation import rho_white_noise as rho_white_noise
+from .analyses.correlation.effective import rho_effective as rho_effective
+from .models.rules.effective_properties import (
+    effective_rule as effective_rule,
+    effective_rule_names as effective_rule_names,
+)
+from .analyses.separation.code_gaps import code_gaps as code_gaps
+from .models.rules.codes import (
+    code_rule as code_rule,
+    code_rule_names as code_rule_names,
+)
+from .models.rules.peak_factors import (
+    peak_factor_model as peak_factor_model,
+    peak_factor_names as peak_factor_names,
+)
+
+# Pounding
+from .analyses.probability.probability import pounding_probability as pounding_probability
+from .analyses.probability.fragility import pounding_fragility as pounding_fragility
+from .analyses.pounding.pounding import pound as pound
+from .analyses.pounding.estimates import pounding_estimate as pounding_estimate
+
+# Contacts
+from .models.contacts import (
+    LinearSpring as LinearSpring,
+    Kelvin as Kelvin,
+    NoTensionKelvin as NoTensionKelvin,
+    ImpactKelvin as ImpactKelvin,
+    Hertz as Hertz,
+    HertzDamp as HertzDamp,
+    Jankowski as Jankowski,
+    Stereomechanical as Stereomechanical,
+)
+
+# Links and other measures
+from .models.links import Link as Link
+from .analyses.correlation.linked import correlate_linked as correlate_linked
+from .models.measures import Measure as Measure
+from .analyses.mitigation.mitigation import mitigate as mitigate
+
+# Atlases
+from .analyses.atlases.atlas import (
+    write_atlas as write_atlas,
+    open_atlas as open_atlas,
+)
+from .analyses.atlases.lookup import lookup as lookup
+
+# Charts
+from . import charts as charts

@@ -1,0 +1,28 @@
+"""The charts, one door to them: functions that make their data, what draws it, and the looks of curves.
+
+``sl.charts.draw(sl.charts.restitution_chart())`` is Fig. 8.
+"""
+
+from stochlin.analyses.cases.pounding import pound_case as pound_case
+from stochlin.analyses.charts.charts import CHARTS as CHARTS
+from stochlin.analyses.charts.charts import ChartSettings as ChartSettings
+from stochlin.analyses.charts.charts import chart_functions as chart_functions
+from stochlin.analyses.charts.contacts import contact_history_chart as contact_history_chart
+from stochlin.analyses.charts.contacts import contact_loop_chart as contact_loop_chart
+from stochlin.analyses.charts.contacts import restitution_chart as restitution_chart
+from stochlin.analyses.charts.design import amplification_chart as amplification_chart
+from stochlin.analyses.charts.design import period_plane_chart as period_plane_chart
+from stochlin.analyses.charts.design import period_ratio_chart as period_ratio_chart
+from stochlin.analyses.charts.design import white_noise_chart as white_noise_chart
+from stochlin.analyses.charts.records import per_spectrum_chart as per_spectrum_chart
+from stochlin.analyses.charts.records import portrait_chart as portrait_chart
+from stochlin.analyses.charts.records import recorded_gap_chart as recorded_gap_chart
+from stochlin.analyses.charts.rules import effective_rules_chart as effective_rules_chart
+from stochlin.analyses.charts.verification import verify_chart as verify_chart
+from stochlin.analyses.linearization.bias_map import bias_map as bias_map
+from stochlin.views.charts.charts import PICTURES as PICTURES
+from stochlin.views.charts.charts import draw as draw
+from stochlin.views.pounding.pictures import draw_pound as draw_pound
+from stochlin.views.shared.style import CURVES as CURVES
+from stochlin.views.shared.style import STYLE as STYLE
+from stochlin.views.shared.style import ratio_ticks as ratio_ticks

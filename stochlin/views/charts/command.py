@@ -1,0 +1,148 @@
+"""The commands ``stochlin charts`` and ``stochlin verify``: datasets, and the pictures drawn of them."""
+
+from __future__ import annotations
+
+import dataclasses
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from stochlin.views.shared import options as shared
+from stochlin.views.shared.options import (
+    closure_option,
+    decorate,
+    numbers_option,
+    record_options,
+    simulation_options,
+)
+from stochlin.views.shared.screen import COMMANDS, bad_input
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from stochlin.analyses.charts.charts import ChartSettings
+
+
+def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
+    """Where charts go and what they take as given."""
+    folder = click.Path(file_okay=False, path_type=Path)
+    numbers = (
+        ("--damping", 0.05, "Damping ratio of the structures."),
+        ("--hardening", 0.05, "Hardening ratio."),
+        ("--plane-reduction-factor", 4.0, "R of Fig. 5a."),
+        ("--ground-period", 2.0, "Period of the model grounds [s]."),
+    )
+    options = (
+        click.option(
+            "--out", type=folder, default="figures", show_default=True, help="Folder for the files."
+        ),
+        click.option(
+            "--format",
+            "picture_format",
+            type=click.Choice(["png", "svg", "pdf"]),
+            default="png",
+            show_default=True,
+        ),
+        *(
+            click.option(name, type=float, default=default, show_default=True, help=text)
+            for name, default, text in numbers
+        ),
+        numbers_option("--reduction-factors", "R of the curves in Figs. 4 and 5b.", reduction_factors),
+        closure_option,
+        click.option(
+            "--points",
+            type=click.IntRange(min=2),
+            default=points,
+            show_default=True,
+            help="Periods along an axis.",
+        ),
+    )
+    return lambda command: decorate(command, options)
+
+
+@COMMANDS.register("charts")
+@click.command()
+@click.argument("name", required=False)
+@chart_options(points=161, reduction_factors="1,2,4,6")
+@click.option(
+    "--ductility", type=float, default=4.0, show_default=True, help="Peak ductility in Fig. 3b."
+)
+@record_options
+def charts(
+    name: str | None, out: Path, picture_format: str, record: Path | None, **options: Any
+) -> None:
+    """Draw the design charts, all or the one called NAME, each beside its dataset (.nc).
+
+    \b
+    Without a record: fig3a, fig3b; on narrow-band ground (xig .05) fig4a, fig4b, fig4c, fig5a, fig5b,
+    and the same with the ending _broad_band (xig .6); of contact elements fig6, fig7, fig8.
+    With --record: site_spectrum, fig1 (pseudo energy radius), per_spectrum and fig2 (critical gap)
+    of the record, and Figs. 4 and 5 with the ending _site, on the fitted ground.
+
+    \b
+    Examples:
+      stochlin charts
+      stochlin charts fig5a --damping .02 --hardening .1 --format pdf --out out
+      stochlin charts --record taft.txt --dt .01 --units g
+    """
+    from stochlin.analyses.charts.charts import chart_functions
+
+    with bad_input():
+        settings = chart_settings(options)
+        motion, site = shared.site(record, options) if record else (None, None)
+        functions = chart_functions(settings, motion, site)
+        if name is not None and name not in functions:
+            raise ValueError(f"NAME = {name!r} is no chart; allowed: {', '.join(functions)}")
+        chosen = functions if name is None else {name: functions[name]}
+        out.mkdir(parents=True, exist_ok=True)
+        with click.progressbar(
+            chosen.items(), label="charts", file=sys.stderr, item_show_func=lambda item: item and item[0]
+        ) as bar:
+            for chart, compute in bar:
+                _write_chart(compute(), out / chart, picture_format)
+    click.echo(f"{len(chosen)} charts and their datasets in {out}")
+
+
+@COMMANDS.register("verify")
+@click.command()
+@click.argument("name", default="fig5a")
+@chart_options(points=31, reduction_factors="2,4,6")
+@simulation_options
+def verify(name: str, out: Path, picture_format: str, **options: Any) -> None:
+    """Draw the chart NAME linearized, simulated, and their difference (fig5a if not given).
+
+    \b
+    Examples:
+      stochlin verify
+      stochlin verify fig4b --reduction-factors 2,4 --paths 512
+    """
+    from stochlin.analyses.charts.verification import verify_chart
+
+    with bad_input():
+        dataset = verify_chart(name, chart_settings(options))
+        out.mkdir(parents=True, exist_ok=True)
+        _write_chart(dataset, out / f"{name}_verified", picture_format)
+    click.echo(dataset.attrs["comment"])
+    click.echo(f"{name}_verified and its dataset in {out}")
+
+
+def chart_settings(options: dict[str, Any]) -> ChartSettings:
+    """The settings of charts among the options of a command."""
+    from stochlin.analyses.charts.charts import ChartSettings
+
+    names = {field.name for field in dataclasses.fields(ChartSettings)}
+    chosen = {key: value for key, value in options.items() if key in names}
+    return ChartSettings(**chosen | {"reduction_factors": tuple(options["reduction_factors"])})
+
+
+def _write_chart(dataset: xr.Dataset, stem: Path, picture_format: str) -> None:
+    """The dataset, and the picture drawn from it beside it."""
+    from stochlin.analyses.tables.storage import save_table
+    from stochlin.views.charts.charts import draw
+    from stochlin.views.shared.style import save
+
+    save_table(dataset, stem.with_name(f"{stem.name}.nc"))
+    save(draw(dataset), stem.with_name(f"{stem.name}.{picture_format}"))

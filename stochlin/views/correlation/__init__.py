@@ -1,0 +1,1 @@
+"""The correlation of a pair: stochlin rho."""

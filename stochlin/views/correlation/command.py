@@ -1,0 +1,83 @@
+"""The command ``stochlin rho``: the correlation of a pair of structures, or a table of it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from stochlin.views.shared import options as shared
+from stochlin.views.shared.options import (
+    GroundOption,
+    Names,
+    RhoCommand,
+    closure_option,
+    law_options,
+    record_options,
+    shared_option,
+    simulation_options,
+)
+from stochlin.views.shared.screen import COMMANDS, bad_input, on_screen
+
+
+@COMMANDS.register("rho")
+@click.command(cls=RhoCommand)
+@shared_option("period", "Period [s].")
+@shared_option("damping", "Damping ratio.", "0.05")
+@shared_option("hardening", "Hardening ratio.")
+@shared_option("reduction-factor", "R = 3 sigma_el/uy; without a strength: elastic.")
+@shared_option("yield-displacement", "uy [m], instead of R.")
+@law_options
+@click.option("--ground", cls=GroundOption, default="white-noise", show_default=True)
+@click.option(
+    "--method",
+    type=Names("stochlin.analyses.correlation.correlation", "METHODS"),
+    default="linearization",
+    show_default=True,
+)
+@click.option(
+    "--rule",
+    type=Names("stochlin.models.rules.effective_properties", "EFFECTIVE_RULES"),
+    default="iwan_1980",
+    show_default=True,
+    help="Effective properties, where the method is effective.",
+)
+@simulation_options
+@closure_option
+@click.option(
+    "--out", type=click.Path(dir_okay=False, path_type=Path), help="Save the table, .nc or .csv."
+)
+@record_options
+def rho(record: Path | None, out: Path | None, **options: Any) -> None:
+    """Correlation coefficient of a pair of structures, or a table over any parameters.
+
+    A number is a value (0.5), a list (0.5,1,2) or a sweep start:stop:count, with :log for a
+    geometric one (0.2:4:81:log). Options without a number in the name hold for both structures.
+
+    \b
+    Examples:
+      stochlin rho --period-1 .7 --period-2 1
+      stochlin rho --period-1 .2:2:19 --period-2 1 --hardening .05 --reduction-factor 2,4,6 \\
+          --ground kanai-tajimi --ground-period 2 --ground-damping .05 --out table.nc
+      stochlin rho --period 1 --period-2 1.2 --record taft.txt --dt .01 --units g
+      stochlin rho --period .7 --period-2 1 --hardening .05 --reduction-factor 4 \\
+          --law bouc_wen --exponent 2
+    """
+    from stochlin.analyses.correlation.correlation import correlate
+    from stochlin.analyses.tables.storage import save_table
+
+    with bad_input():
+        first, second = shared.structures(options)
+        ground = shared.site(record, options)[1] if record else shared.ground(options)
+        chosen = {key: options[key] for key in ("closure", "rule", "paths", "seed")}
+        table = correlate(first, second, ground, options["method"], **chosen)
+        click.echo(f"# {table.attrs['title']}")
+        for role in ("first", "second", "ground"):
+            click.echo(f"# {role}: {table.attrs[role]}")
+        if "comment" in table.attrs:
+            click.echo(f"# {table.attrs['comment']}")
+        click.echo(on_screen(table))
+        if out is not None:
+            save_table(table, out)
+            click.echo(f"# saved {out}")

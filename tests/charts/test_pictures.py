@@ -1,0 +1,66 @@
+"""Which picture a chart dataset becomes: the one its attribute names, and of older files the same."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import stochlin as sl
+from stochlin.views.charts import charts
+
+pytestmark = pytest.mark.invariant
+
+FIGURES = sorted((Path(__file__).parents[2] / "figures").glob("*.nc"))
+TIME = 0.02 * np.arange(500)
+RECORD = xr.DataArray(np.sin(9 * TIME) * np.exp(-0.3 * TIME), dims="time", coords={"time": TIME})
+SETTINGS = sl.charts.ChartSettings(points=5, paths=4)
+
+
+def computed():
+    site = sl.fit_ground(RECORD)
+    for given in ((), (RECORD, site)):
+        yield from sl.charts.chart_functions(SETTINGS, *given).items()
+    for name in ("fig4b", "fig5a", "fig5b"):
+        yield f"{name}_verified", lambda name=name: sl.charts.verify_chart(name, SETTINGS)
+
+
+@pytest.fixture(scope="module")
+def charts_by_name():
+    return {name: compute() for name, compute in computed()}
+
+
+def test_every_chart_says_its_kind_and_files_that_do_not_are_drawn_alike(charts_by_name):
+    kinds = {name: chart.attrs["chart"] for name, chart in charts_by_name.items()}
+    assert set(kinds.values()) == set(sl.charts.PICTURES)
+    for name, chart in charts_by_name.items():
+        del chart.attrs["chart"]
+        assert charts._kind(chart) == kinds[name], name
+
+
+@pytest.mark.parametrize("path", FIGURES, ids=lambda path: path.stem)
+def test_saved_figures_are_of_the_kind_they_are_drawn_as(path):
+    with xr.open_dataset(path) as chart:
+        told = chart.attrs.pop("chart", "compared_plane")
+        assert charts._kind(chart) == told
+        assert told != "compared_plane" or path.stem == "fig5a_verified"
+
+
+def test_what_is_no_chart_is_refused_with_the_kinds_there_are():
+    with pytest.raises(ValueError, match=r"no attribute chart; allowed: .*curves.*, plane"):
+        sl.charts.draw(xr.Dataset({"a": ("b", [1.0])}))
+    with pytest.raises(
+        ValueError, match=r"attribute chart = 'pie' is not a known chart; allowed: .*curves"
+    ):
+        sl.charts.draw(xr.Dataset(attrs={"chart": "pie"}))
+
+
+@pytest.mark.parametrize("name", ["fig6", "fig3a", "fig9"])
+def test_a_chart_without_simulation_is_not_verified(name):
+    with pytest.raises(
+        ValueError, match=rf"'{name}' cannot be verified; allowed: fig4a, .*fig5b"
+    ) as found:
+        sl.charts.verify_chart(name, SETTINGS)
+    assert "fig8" not in str(found.value)

@@ -1,0 +1,74 @@
+"""Charts from outside: one file, computed, saved, drawn and verified by the command line."""
+
+from __future__ import annotations
+
+import re
+
+import matplotlib.image
+import pytest
+import xarray as xr
+
+pytestmark = pytest.mark.invariant
+
+CURVES_AND_PLANES = """
+import numpy as np
+import xarray as xr
+from stochlin.charts import CHARTS
+import stochlin as sl
+
+@CHARTS.register("levels")
+def levels_chart(settings, ground):
+    values = np.linspace(.5, 2, settings.points)
+    period = xr.DataArray(values, coords={"period": ("period", values, {"units": "s"})})
+    first = sl.Bilinear(period, settings.damping, settings.hardening, reduction_factor=4)
+    return sl.amplification(first, ground, **settings.options).assign_attrs(chart="curves")
+
+@CHARTS.register("area")
+def area_chart(settings):
+    x, y = np.arange(1.0, 5), np.arange(1.0, 4)
+    table = xr.DataArray(np.outer(x, y), dims=("length", "width"), coords={"length": x, "width": y})
+    return table.to_dataset(name="area").assign_attrs(chart="plane", title="Areas")
+
+@CHARTS.register("of_record")
+def record_chart(settings, record, site):
+    return xr.Dataset({"motion": record}, attrs={"chart": "curves"})
+"""
+
+
+def test_the_example_of_the_page_is_computed_and_drawn(install, example, tmp_path):
+    stochlin = install(example("A chart"))
+    done = stochlin("charts", "toy", "--points", 9, "--out", ".")
+    assert done.returncode == 0, done.stderr
+    with xr.open_dataset(tmp_path / "toy.nc") as chart:
+        assert chart.attrs["chart"] == "toy_bars"
+    assert matplotlib.image.imread(tmp_path / "toy.png").std() > 0.05
+
+
+def test_curves_and_planes_need_no_drawing_code_and_are_found_by_what_they_ask_for(install, tmp_path):
+    stochlin = install(CURVES_AND_PLANES)
+    for name in ("levels", "levels_broad_band", "area"):
+        done = stochlin("charts", name, "--points", 5, "--out", ".")
+        assert done.returncode == 0, done.stderr
+        assert matplotlib.image.imread(tmp_path / f"{name}.png").std() > 0.05
+    done = stochlin("verify", "levels", "--points", 3, "--paths", 4, "--out", ".")
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "levels_verified.png").exists()
+    done = stochlin("verify", "area", "--out", ".")
+    assert done.returncode == 2
+    assert re.search(r"allowed: .*levels, ", done.stderr)
+    assert "area," not in done.stderr
+    done = stochlin("charts", "of_record", "--out", ".")
+    assert done.returncode == 2
+    assert "levels_broad_band" in done.stderr
+    (tmp_path / "motion.txt").write_text("\n".join(str((7 * n) % 11 - 5) for n in range(400)))
+    options = ("--record", "motion.txt", "--dt", 0.02, "--units", "cm/s^2")
+    done = stochlin("charts", "of_record", *options, "--out", ".")
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "of_record.png").exists()
+
+
+def test_a_chart_that_asks_for_what_there_is_not_is_told_what_there_is(install):
+    source = "from stochlin.charts import CHARTS\n@CHARTS.register('odd')\ndef odd(moon): ...\n"
+    done = install(source)("charts", "odd", "--out", ".")
+    assert done.returncode == 2
+    assert "chart 'odd' asks for moon; allowed: ground, record, settings, site" in done.stderr

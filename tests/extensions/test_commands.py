@@ -1,0 +1,36 @@
+"""Commands from outside: one file, listed and run by the command line."""
+
+from __future__ import annotations
+
+import pytest
+
+import stochlin as sl
+
+pytestmark = pytest.mark.invariant
+
+
+def test_the_example_of_the_page_is_listed_and_runs(install, example):
+    stochlin = install(example("A command"))
+    listed = stochlin("--help")
+    assert listed.returncode == 0, listed.stderr
+    assert "The standard deviation of a structure on white noise." in listed.stdout
+    assert "Draw the design charts" in listed.stdout
+    assert "stochlin toy --period 1.5" in stochlin("toy", "--help").stdout
+    done = stochlin("toy", "--period", 1.5)
+    expected = sl.linearize(sl.Bilinear(1.5, 0.05), sl.WhiteNoise(0.01)).displacement_std
+    assert done.stdout == f"{float(expected):.4g} m\n"
+    wrong = stochlin("toy", "--period", -1)
+    assert wrong.returncode == 2
+    assert "period = -1" in wrong.stderr
+
+
+def test_a_command_does_not_take_the_place_of_another(install):
+    source = (
+        "import click\nfrom stochlin.views.shared.screen import COMMANDS\n"
+        "@COMMANDS.register('gap')\n@click.command()\ndef gap(): ...\n"
+    )
+    done = install(source)("--help")
+    assert done.returncode == 1
+    assert "Traceback" not in done.stderr
+    assert "command 'gap' is there already" in done.stderr
+    assert "toy" in done.stderr
