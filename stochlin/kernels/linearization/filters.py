@@ -141,7 +141,7 @@ class Filter:
         wide = [np.broadcast_to(row, cells).ravel() for row in (*system, self.intensity)]
         matrix = np.broadcast_to(matrix, (*cells, m, m)).reshape(-1, m, m)
         noise, output = (np.broadcast_to(row, (*cells, m)).reshape(-1, m) for row in (noise, output))
-        found = np.empty((3, len(matrix), m))
+        found = np.empty((3, len(matrix), m), np.result_type(*system))
         for begin in range(0, len(matrix), AT_ONCE):
             part = slice(begin, begin + AT_ONCE)
             own = EquivalentSystem(*(row[part] for row in wide[:-1]))
@@ -173,7 +173,7 @@ def _correlations(system: EquivalentSystem, intensity: Array, soil: Matrices) ->
     std = np.where(std > 0, std, 1.0)
     drive = 2 * np.pi * intensity[:, None] * (covariance @ output[..., None])[..., 0] / std
     w = np.sqrt(w2)
-    own = np.zeros((w.size, 3, 3))
+    own = np.zeros((w.size, 3, 3), np.result_type(*system))  # complex where a slope is sought
     own[:, 0, 1], own[:, 1, 0], own[:, 1, 1], own[:, 1, 2] = w, -w, -d, h / w
     own[:, 2, 0], own[:, 2, 1], own[:, 2, 2] = k, p * w, -k
     right = np.zeros((w.size, 3, noise.shape[1]))

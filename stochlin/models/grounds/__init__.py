@@ -1,8 +1,9 @@
 """Grounds: stationary random ground acceleration as filtered white noise."""
 
-from stochlin.models.grounds.base import GROUNDS, Ground
+from stochlin.kernels.linearization.filters import Filter
+from stochlin.models.grounds.base import GROUNDS, Fit, Ground
 from stochlin.models.grounds.clough_penzien import CloughPenzien
 from stochlin.models.grounds.kanai_tajimi import KanaiTajimi
 from stochlin.models.grounds.white_noise import WhiteNoise
 
-__all__ = ["GROUNDS", "CloughPenzien", "Ground", "KanaiTajimi", "WhiteNoise"]
+__all__ = ["GROUNDS", "CloughPenzien", "Filter", "Fit", "Ground", "KanaiTajimi", "WhiteNoise"]

@@ -1,0 +1,189 @@
+"""A ground from outside, that of the documentation: in commands, case files, atlases, the explorer."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy.linalg
+import xarray as xr
+
+pytestmark = pytest.mark.cli
+
+PAGE = (Path(__file__).parents[2] / "docs" / "extending.md").read_text(encoding="utf-8")
+SECTION = PAGE.partition("## A ground\n")[2]
+SOURCE = re.findall(r"^```py\n(.*?)^```", SECTION, re.DOTALL | re.MULTILINE)[0]
+SOIL = {"period": 0.4, "damping": 0.6, "layer_period": 1.1, "layer_damping": 0.2}
+GROUND = ("--ground", "two-layers", "--ground-period", 0.4, "--ground-damping", 0.6)
+GROUND += ("--layer-period", 1.1, "--layer-damping", 0.2)
+PERIODS = (0.7, 1.0)
+PAIR = ("--period-1", PERIODS[0], "--period-2", PERIODS[1])
+
+
+def covariance(period_1, period_2, damping, soil):
+    """Of ``u_1, v_1, u_2, v_2`` and the soil's four states, by the whole system's Lyapunov equation."""
+    w, v = 2 * np.pi / soil["period"], 2 * np.pi / soil["layer_period"]
+    d, e = 2 * soil["damping"] * w, 2 * soil["layer_damping"] * v
+    matrix = np.zeros((8, 8))
+    matrix[4:, 4:] = [[0, 1, 0, 0], [-(w**2), -d, 0, 0], [0, 0, 0, 1], [w**2, d, -(v**2), -e]]
+    for at, period in ((0, period_1), (2, period_2)):
+        own = 2 * np.pi / period
+        matrix[at, at + 1] = 1
+        matrix[at + 1, at : at + 2] = -(own**2), -2 * damping * own
+        matrix[at + 1, 6:] = v**2, e
+    noise = np.zeros((8, 8))
+    noise[5, 5] = 2 * np.pi
+    return scipy.linalg.solve_continuous_lyapunov(matrix, -noise)
+
+
+def rho(period_1, period_2, damping=0.05, soil=SOIL):
+    x = covariance(period_1, period_2, damping, soil)
+    return x[0, 2] / np.sqrt(x[0, 0] * x[2, 2])
+
+
+@pytest.fixture
+def toy(install):
+    return install(SOURCE)
+
+
+def done(result):
+    assert result.returncode == 0, result.stderr
+    return result.stdout
+
+
+def test_rho_by_linearization_and_by_simulation(toy, tmp_path):
+    out = tmp_path / "table.nc"
+    exact = rho(*PERIODS)
+    done(toy("rho", *PAIR, *GROUND, "--out", out))
+    with xr.open_dataset(out) as table:
+        assert float(table.rho) == pytest.approx(exact, rel=1e-9)
+        std = np.sqrt(np.diag(covariance(*PERIODS, 0.05, SOIL))[[0, 2]])
+        found = [float(table.displacement_std_1), float(table.displacement_std_2)]
+        np.testing.assert_allclose(found, std, rtol=1e-9)
+    done(toy("rho", *PAIR, *GROUND, "--method", "simulation", "--paths", 256, "--out", out))
+    with xr.open_dataset(out) as table:
+        assert abs(float(table.rho) - exact) < 4 * float(table.rho_standard_error)
+        assert float(table.rho_standard_error) < 0.02
+
+
+def test_help_and_messages_know_it(toy):
+    text = " ".join(done(toy("rho", "--help")).split()).replace("- ", "-")
+    assert "two-layers, or a named ground" in text
+    assert "--layer-period NUMBERS Period of the upper layer [s]; of two-layers." in text
+    unknown = toy("rho", *PAIR, "--ground", "moon")
+    assert unknown.returncode == 2
+    assert all(name in unknown.stderr for name in ("kanai-tajimi", "white-noise", "two-layers", "firm"))
+    missing = toy("rho", *PAIR, *GROUND[:-4])
+    assert missing.returncode == 2
+    assert "needs --layer-period." in missing.stderr
+    assert (
+        "--layer-damping does not apply to --ground firm"
+        in toy("rho", *PAIR, "--ground", "firm", "--layer-damping", 0.1).stderr
+    )
+
+
+CASE = """
+title = "Two layers"
+[site]
+ground = "two_layers"
+period = "0.4 s"
+damping = 0.6
+layer_period = "1.1 s"
+layer_damping = 0.2
+intensity = "0.01 m^2/s^3"
+[motion]
+duration = "20 s"
+envelope = "amin_ang"
+rise_end = "4 s"
+strong_end = "15 s"
+decay = "0.35 1/s"
+[building_1]
+name = "left"
+period = "0.7 s"
+damping = 0.05
+hardening = 0.05
+reduction_factor = 4
+[building_2]
+name = "right"
+period = "1 s"
+damping = 0.05
+hardening = 0.05
+reduction_factor = 4
+[separation]
+confidence = 0.9
+[simulation]
+paths = 256
+seed = 1
+"""
+
+
+def test_a_case_file(toy, tmp_path):
+    (tmp_path / "case.toml").write_text(CASE, encoding="utf-8")
+    text = done(toy("gap", "case.toml"))
+    assert "left and right should stand" in text
+    (tmp_path / "case.toml").write_text(CASE.replace("two_layers", "moon"), encoding="utf-8")
+    wrong = toy("gap", "case.toml")
+    assert wrong.returncode == 2
+    assert "two_layers" in wrong.stderr
+
+
+def test_an_atlas(toy, tmp_path):
+    pytest.importorskip("zarr")
+    spec = """
+        ground = "two_layers"
+        [parameters]
+        period_1 = [1.0, 2.0]
+        period_2 = [2.0, 3.0]
+        ground_damping = [0.4, 0.6]
+        layer_period = 2.75
+        layer_damping = 0.2
+        damping = 0.05
+    """
+    (tmp_path / "spec.toml").write_text(spec, encoding="utf-8")
+    done(toy("atlas", "spec.toml", "--out", "atlas.zarr"))
+    # Periods over the ground's, here 0.4 s
+    given = ("--period-1", 0.4, "--period-2", 1.2, "--ground-period", 0.4, "--ground-damping", 0.6)
+    text = done(toy("lookup", "atlas.zarr", *given, "--layer-period", 1.1))
+    assert f"{rho(0.4, 1.2):.5g}"[:6] in text
+    with xr.open_zarr(tmp_path / "atlas.zarr", consolidated=False) as atlas:
+        assert atlas.ground_damping.attrs["long_name"] == "ground damping ratio"
+    other = toy("lookup", "atlas.zarr", *given, "--layer-period", 1.0)
+    assert other.returncode == 2
+    assert "layer_period is held at 2.75" in other.stderr
+
+
+def test_the_explorer_has_a_control_for_it(install, tmp_path):
+    install(SOURCE)
+    code = (
+        "from stochlin.analyses.explorer.case_text import case_text\n"
+        "from stochlin.analyses.explorer.scene import SITES, Scene\n"
+        "from stochlin.views.explorer.controls import NUMBERS, counts\n"
+        "assert 'two_layers' in SITES\n"
+        "scene = Scene(site='two_layers', layer_period=1.1)\n"
+        "assert scene.ground().layer_period == 1.1 and scene.ground().layer_damping == 0.1\n"
+        "one, other = NUMBERS['layer_period'], NUMBERS['layer_damping']\n"
+        "assert one.shown == 'Period of the upper layer [s]'\n"
+        "assert 0 < other.low < 0.1 < other.high\n"
+        "assert counts('layer_period', {'site': 'two_layers'})\n"
+        "assert not counts('layer_period', {'site': 'kanai_tajimi'})\n"
+        "print(case_text(scene))\n"
+    )
+    path = os.pathsep.join([str(tmp_path), *filter(None, sys.path)])
+    result = subprocess.run(
+        [sys.executable, "-W", "error", "-c", code],
+        capture_output=True, text=True, check=False, cwd=tmp_path, env=os.environ | {"PYTHONPATH": path},
+    )  # fmt: skip
+    assert 'layer_period = "1.1 s"' in done(result)
+
+
+def test_an_extension_that_cannot_be_imported_is_named(install):
+    result = install("import nowhere_to_be_found")("rho", *PAIR)
+    assert result.returncode not in (0, None)
+    assert "the extension 'toy' (toy) cannot be imported: ModuleNotFoundError" in result.stderr
+    assert "Traceback" not in result.stderr
+    assert len(result.stderr.strip().splitlines()) == 1
