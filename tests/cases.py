@@ -38,6 +38,14 @@ BEYOND = {
     "ground_damping": (0.005, 0.9),
 }
 
+FIRM_SITE = """\
+[site]
+ground = "firm"
+intensity = "0.01 m^2/s^3"
+[motion]
+duration = "12 s"
+"""  # of a case file
+
 
 def recorded_example() -> str:
     """The example of a case file with the lines of its record, ``taft.txt``, taken in."""

@@ -162,11 +162,10 @@ def _with_plain_symbols(expression: sympy.Expr, parameters: tuple[str, ...]) -> 
         raise TypeError(f"law = {expression!r} is not allowed; give a sympy expression")
     names = {symbol.name for symbol in expression.free_symbols}
     if "v" not in names or not names <= {"v", "z", *parameters}:
-        own = f", and its parameters {', '.join(parameters)}" if parameters else ""
-        raise ValueError(
-            f"law = {expression} has the symbols {sorted(names)}; allowed: 'v' and 'z' only{own}, with "
-            "numbers in place of any parameter"
-        )
+        allowed = "'v' and 'z' only, with numbers in place of any parameter"
+        if parameters:
+            allowed = f"'v', 'z' and its parameters {', '.join(parameters)}"
+        raise ValueError(f"law = {expression} has the symbols {sorted(names)}; allowed: {allowed}")
     return expression.subs({s: sympy.Symbol(s.name, real=True) for s in expression.free_symbols})
 
 

@@ -6,6 +6,7 @@ import re
 import tomllib
 from pathlib import Path
 
+import cases
 import numpy as np
 import pytest
 import sympy
@@ -65,13 +66,8 @@ def test_rho_of_a_law_from_outside(toy, tmp_path, method):
             np.testing.assert_allclose(table[name], expected[name], rtol=ROUNDING, err_msg=name)
 
 
-CASE = """\
-[site]
-ground = "firm"
-intensity = "0.01 m^2/s^3"
-[motion]
-duration = "12 s"
-[building_1]
+CASE = f"""\
+{cases.FIRM_SITE}[building_1]
 law = "pinched"
 period = "0.7 s"
 damping = "5 %"

@@ -6,6 +6,7 @@ import math
 import re
 from pathlib import Path
 
+import cases
 import pytest
 import xarray as xr
 
@@ -14,13 +15,8 @@ import stochlin as sl
 pytestmark = pytest.mark.cli
 
 PAGE = (Path(__file__).parents[2] / "docs" / "extending.md").read_text(encoding="utf-8")
-CASE = """\
-[site]
-ground = "firm"
-intensity = "0.01 m^2/s^3"
-[motion]
-duration = "12 s"
-[building_1]
+CASE = f"""\
+{cases.FIRM_SITE}[building_1]
 period = "0.7 s"
 damping = "5 %"
 hardening = "10 %"

@@ -255,11 +255,12 @@ def structures(options: dict[str, Any]) -> tuple[Structure, Structure]:
                 raise click.UsageError(f"{_flags([option])} does not apply to --law {told}.")
     pair = []
     for number, kind in enumerate(kinds, start=1):
-        names = [chosen(name, number) for name in (*STRUCTURE_OPTIONS, *kind.own_parameters())]
+        names = (*STRUCTURE_OPTIONS, *kind.own_parameters())
+        given = {name: chosen(name, number) for name in names}
         values = {
-            name.removesuffix(f"_{number}"): parameter_of(name, options[name])
-            for name in names
-            if options[name] is not None
+            name: parameter_of(option, options[option])
+            for name, option in given.items()
+            if options[option] is not None
         }
         if "period" not in values:
             raise click.UsageError(f"Missing option '--period-{number}' (or '--period' for both).")

@@ -20,8 +20,6 @@ from stochlin.models.parameters import Model, Parameter, Range, parameter
 from stochlin.models.rules.published import Published, look_up
 from stochlin.registry import Registry
 
-EULER = float(np.euler_gamma)
-RISING = float(np.exp(EULER / 2))  # below, L + .5772/L falls as the number of crossings grows
 PEAK_FACTORS: Registry[type[PeakFactor]] = Registry("peak factor", "stochlin.models.rules.peak_factors")
 
 
@@ -72,12 +70,6 @@ class PeakFactor(Published):
     def formula(self, n: Array, delta: Array) -> tuple[Array, Array]:
         """``(p, q)`` for two-sided peaks, cells in one row."""
         raise NotImplementedError
-
-
-def extreme_value(n: Array) -> Array:
-    """Mean ``L + .5772/L``, ``L = sqrt(2 ln N)``; NaN where it would fall as N grows."""
-    level = np.sqrt(2 * np.log(np.maximum(n, RISING)))
-    return np.where(n >= RISING, level + EULER / level, np.nan)
 
 
 def peak_factor_names() -> tuple[str, ...]:

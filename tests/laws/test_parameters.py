@@ -1,0 +1,94 @@
+"""A law given by its symbolic form and parameters: in tables, in crowds, and refused with a reason."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+import sympy
+
+import stochlin as sl
+from stochlin.models.parameters import Parameter, Range, parameter
+from stochlin.models.structures import Structure
+
+pytestmark = pytest.mark.oracle
+
+V, Z, LIMIT, SHARE = sympy.symbols("v z limit share")
+GROUND = sl.KanaiTajimi(period=0.8, damping=0.3)
+SOFTENING = V * (1 - SHARE * sympy.Abs(Z)) - sympy.Abs(V) * sympy.sign(Z) * sympy.Max(abs(Z) - LIMIT, 0)
+
+
+@dataclass(frozen=True)
+class Softening(Structure):
+    """The slope falls with z, and once more beyond a limit."""
+
+    limit: Parameter = parameter("1", "limit", Range(), 1.0)
+    share: Parameter = parameter("1", "share", Range(), 0.5)
+
+    def symbolic(self):
+        return SOFTENING
+
+
+def the_same(period, limit, share):
+    law = SOFTENING.subs({LIMIT: limit, SHARE: share})
+    return sl.Hysteretic(period, 0.05, 0.1, reduction_factor=4, law=law)
+
+
+def test_a_table_has_the_law_of_each_cell_and_bad_cells_keep_to_themselves():
+    limits, shares, periods = [0.3, 0.8, -1.0, 2.0], [0.2, 0.5, 0.5, 0.9], [0.4, 0.8, 1.0, 2.0]
+    table = sl.linearize(
+        Softening(periods, 0.05, 0.1, reduction_factor=4, limit=limits, share=shares), GROUND
+    )
+    assert table.status.values.tolist() == [0, 0, 3, 0]
+    for n in (0, 1, 3):
+        alone = sl.linearize(the_same(periods[n], limits[n], shares[n]), GROUND)
+        for name in ("displacement_std", "z_std", "c_eq", "k_eq"):
+            # the same quadrature; terms of the expression may stand in another order
+            assert float(table[name][n]) == pytest.approx(float(alone[name]), rel=1e-11)
+
+
+def test_laws_with_many_and_few_parameters_ride_on_the_same_motions():
+    strength = {"damping": 0.05, "hardening": 0.1, "reduction_factor": 4}
+    structures = [
+        sl.BoucWen(0.6, **strength, exponent=2),
+        Softening(0.8, **strength, limit=0.4),
+        sl.Bilinear(1.0, **strength),
+        the_same(0.8, 0.4, 0.5),
+    ]
+    table = sl.simulate(structures, GROUND, paths=32, duration=10.0)
+    np.testing.assert_allclose(table.peak[:, 1], table.peak[:, 3], rtol=1e-9)  # of secant steps
+    assert not np.allclose(table.peak[:, 0], table.peak[:, 1], rtol=0.01)
+
+
+class Unknown(Softening):
+    """A law with a symbol that it does not declare."""
+
+    def symbolic(self):
+        return SOFTENING - sympy.Symbol("beta") * Z
+
+
+class Uneven(Softening):
+    """A law that is odd without a share only."""
+
+    def symbolic(self):
+        return V - SHARE * LIMIT * Z**2
+
+
+@pytest.mark.parametrize(
+    ("law", "message"),
+    [
+        (Unknown, r"'beta'.*allowed: 'v', 'z' and its parameters limit, share"),
+        (Uneven, r"law = .* with limit = 1, share = 0.5 is not odd"),
+    ],
+)
+def test_a_law_that_cannot_be_is_refused_when_it_is_used(law, message):
+    structure = law(1.0, 0.05, 0.1, reduction_factor=4)
+    with pytest.raises(ValueError, match=message):
+        sl.linearize(structure, GROUND)
+
+
+def test_a_law_without_a_drift_closure_says_what_it_has():
+    structure = Softening(1.0, 0.05, 0.1, reduction_factor=4)
+    with pytest.raises(ValueError, match="'drift' is not available for Softening; allowed: gaussian"):
+        sl.linearize(structure, GROUND, "drift")
