@@ -7,6 +7,7 @@ import xarray as xr
 
 from stochlin.analyses.cases.buildings import StoreyBuilding
 from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.variables import VARIABLES
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.pounding.pounding import pound
 from stochlin.analyses.pounding.rows import Building as Structure
@@ -112,7 +113,7 @@ def _described(table: xr.Dataset, case: Case, structures: list[Structure]) -> xr
     else:
         table["yield_displacement"] = ("structure", np.array(strengths, float))
         table["peak_ductility"] = table.peak / table.yield_displacement
-    return labels.label(_with_energies(_with_tallies(table)))
+    return labels.label(_with_energies(_with_tallies(table)), VARIABLES)
 
 
 def _with_tallies(table: xr.Dataset) -> xr.Dataset:

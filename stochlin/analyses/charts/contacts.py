@@ -16,6 +16,7 @@ import xarray as xr
 from scipy.integrate import solve_ivp
 
 from stochlin.analyses.charts.charts import CHARTS, ChartSettings
+from stochlin.analyses.charts.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding import contact as kernel
@@ -185,7 +186,7 @@ def restitution_chart(largest: float = 1.0, points: int = 201) -> xr.Dataset:
     caption = "Two free masses; ξ = c/(2 √(k m)), of Jankowski c/(2 √(k √d m))."
     chart.attrs |= {"chart": "restitution", "caption": caption, "comment": OWN}
     return labels.with_run_information(
-        labels.label(chart),
+        labels.label(chart, VARIABLES),
         "Coefficient of restitution of contact elements",
         f"restitution_chart(largest={largest:g})",
         {},
@@ -223,7 +224,7 @@ def _histories(picture: str, models: list[ELEMENT], points: int, title: str, cal
     chart["contact_damping"] = ("element", [getattr(model, "damping", 0.0) for model in models])
     described: Mapping[str, ELEMENT] = dict(zip(names, models, strict=True))
     chart.attrs |= {"chart": picture, "caption": SCALES, "comment": PRINTED}
-    return labels.with_run_information(labels.label(chart), title, call, described)
+    return labels.with_run_information(labels.label(chart, VARIABLES), title, call, described)
 
 
 def _force(model: ELEMENT, history: History) -> Array:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.models.parameters import Parameter
 from stochlin.models.rules.codes import code_rule, code_rule_names
@@ -87,7 +88,7 @@ def code_gaps(
     usable = valid & xr.DataArray([not lacks for lacks in missing], dims="rule")
     status = xr.full_like(usable, labels.CONVERGED, np.int8).where(usable, labels.INVALID_INPUT)
     table = xr.Dataset({"gap": gap, "status": status.transpose(*gap.dims).astype(np.int8)})
-    table = labels.label(table.assign_coords(_described(rules, missing)))
+    table = labels.label(table.assign_coords(_described(rules, missing)), VARIABLES)
     table.attrs["comment"] = "Rules whose mark has an M are from memory, not compared with the source."
     return labels.with_run_information(
         table,
