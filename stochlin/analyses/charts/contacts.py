@@ -174,8 +174,10 @@ def restitution_chart(largest: float = 1.0, points: int = 201) -> xr.Dataset:
     _check_points(points)
     largest = _number("largest", largest, POSITIVE)
     classes = (Kelvin, NoTensionKelvin, ImpactKelvin, Jankowski)
-    ratio = _axis("damping_ratio", "damping ratio of the contact", largest, points)
-    factor = _axis("damping_factor", "damping factor of the Hertz-damp contact", 2 * largest, points)
+    ratio = labels.axis("damping_ratio", "damping ratio of the contact", np.linspace(0, largest, points))
+    factor = labels.axis(
+        "damping_factor", "damping factor of the Hertz-damp contact", np.linspace(0, 2 * largest, points)
+    )
     rows = [kind.restitution(ratio) for kind in classes]
     chart = xr.Dataset(
         {
@@ -287,12 +289,6 @@ def _number(name: str, value: Any, allowed: Range) -> float:
 def _check_points(points: int) -> None:
     if points < 2:
         raise ValueError(f"points = {points}; allowed: at least 2")
-
-
-def _axis(name: str, long_name: str, largest: float, points: int) -> xr.DataArray:
-    attrs = {"units": "1", "long_name": long_name}
-    values = np.linspace(0, largest, points)
-    return xr.DataArray(values, dims=name, coords={name: (name, values, attrs)}, attrs=attrs)
 
 
 def _elements(names: list[str]) -> xr.DataArray:

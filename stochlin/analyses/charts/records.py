@@ -159,9 +159,7 @@ def recorded_gap_chart(record: xr.DataArray, damping: float, points: int = 61) -
 def _periods(name: str, long_name: str, points: int) -> xr.DataArray:
     if points < 2:
         raise ValueError(f"points = {points}; allowed: at least 2")
-    attrs = {"units": "s", "long_name": long_name}
-    values = np.geomspace(*PERIODS, points)
-    return xr.DataArray(values, dims=name, coords={name: (name, values, attrs)}, attrs=attrs)
+    return labels.axis(name, long_name, np.geomspace(*PERIODS, points), "s")
 
 
 def _source(record: xr.DataArray) -> str:

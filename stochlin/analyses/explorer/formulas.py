@@ -184,10 +184,7 @@ def probability(scene: Scene) -> xr.Dataset:
 
 def swept(scene: Scene, ratios: Array) -> Structure:
     """Building 2 with every ratio of its period to that of building 1."""
-    attrs = {"units": "1", "long_name": "ratio of the periods, T2/T1"}
-    ratio = xr.DataArray(
-        ratios, dims="period_ratio", coords={"period_ratio": ("period_ratio", ratios, attrs)}
-    )
+    ratio = labels.axis("period_ratio", "ratio of the periods, T2/T1", ratios)
     return scene.structure(2, period=scene.period_1 * ratio)
 
 

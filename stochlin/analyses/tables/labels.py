@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -46,6 +47,12 @@ CURES = {
 # stand for something else there.
 Variables = Mapping[str, tuple[str, str]]
 ENDS = {"lower": "lower end of its 95 % interval", "upper": "upper end of its 95 % interval"}
+
+
+def axis(name: str, long_name: str, values: Any, units: str = "1") -> xr.DataArray:
+    """Values along a dimension of their own, told on the array and on the coordinate."""
+    attrs = {"units": units, "long_name": long_name}
+    return xr.DataArray(values, dims=name, coords={name: (name, values, attrs)}, attrs=attrs)
 
 
 def label(dataset: xr.Dataset, variables: Variables) -> xr.Dataset:
