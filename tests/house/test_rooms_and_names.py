@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import inspect
 import re
+import runpy
 import subprocess
 import sys
 import tomllib
@@ -16,7 +17,6 @@ from pathlib import Path
 import pytest
 
 import stochlin as sl
-from stochlin.analyses.tables.labels import VARIABLES
 
 pytestmark = pytest.mark.invariant
 
@@ -44,6 +44,12 @@ WITHOUT_FORMULA = {
     "read_record",
     "write_atlas",
 }
+VARIABLES = [
+    (name, units)
+    for path in sorted(ROOT.glob("analyses/*/variables.py"))
+    for name, (units, _) in runpy.run_path(str(path))["VARIABLES"].items()
+]
+UNITS = dict(VARIABLES)
 CALLABLE = sorted({*sl.__all__} - {"charts"})
 PURE_NUMBERS = {"rtol", "atol", "relaxation_times"}
 
@@ -173,9 +179,14 @@ def test_public_names_say_dimensions_and_units_of_their_datasets(name: str) -> N
     returned = sections(name).get("Returns", "")
     if returned.startswith("xarray."):
         assert re.search(r"over (the dimensions|\(?``)|without dimensions|`time`", returned.lower())
-    for variable in set(re.findall(r"``([a-z_]+)``", returned)) & set(VARIABLES):
-        units = VARIABLES[variable][0]
+    for variable in set(re.findall(r"``([a-z_]+)``", returned)) & set(UNITS):
+        units = UNITS[variable]
         assert units == "1" or f"[{units}" in returned, f"{variable} is in {units}"
+
+
+def test_a_variable_has_the_same_unit_in_every_room() -> None:
+    assert len(UNITS) > 100
+    assert {name for name, units in VARIABLES if units != UNITS[name]} == set()
 
 
 @pytest.mark.parametrize("name", CALLABLE)

@@ -7,6 +7,7 @@ import xarray as xr
 
 from stochlin.analyses.cases.buildings import Building, StoreyBuilding
 from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.variables import VARIABLES
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.pounding.pounding import pound
 from stochlin.analyses.tables import labels
@@ -114,7 +115,7 @@ def _described(table: xr.Dataset, case: Case, structures: list[Structure | Shear
         table["peak_ductility"] = table.peak / table.yield_displacement
         if "largest_radius_amplification" not in table:  # it is estimated for bilinear buildings
             table["largest_radius_amplification"] = np.nan * table.amplification
-    return labels.label(_with_energies(_with_tallies(table)))
+    return labels.label(_with_energies(_with_tallies(table)), VARIABLES)
 
 
 def _with_tallies(table: xr.Dataset) -> xr.Dataset:

@@ -16,6 +16,7 @@ import xarray as xr
 from scipy.integrate import solve_ivp
 
 from stochlin.analyses.charts.charts import CHARTS, ChartSettings
+from stochlin.analyses.charts.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding import contact as kernel
@@ -159,8 +160,10 @@ def restitution_chart(largest: float = 1.0, points: int = 201) -> xr.Dataset:
     _check_points(points)
     largest = _number("largest", largest, POSITIVE)
     classes = _kinds(WithRatio)
-    ratio = _axis("damping_ratio", "damping ratio of the contact", largest, points)
-    factor = _axis("damping_factor", "damping factor of the Hertz-damp contact", 2 * largest, points)
+    ratio = labels.axis("damping_ratio", "damping ratio of the contact", np.linspace(0, largest, points))
+    factor = labels.axis(
+        "damping_factor", "damping factor of the Hertz-damp contact", np.linspace(0, 2 * largest, points)
+    )
     rows = [kind.restitution(ratio) for kind in classes]
     chart = xr.Dataset(
         {
@@ -171,7 +174,7 @@ def restitution_chart(largest: float = 1.0, points: int = 201) -> xr.Dataset:
     caption = "Two free masses; ξ = c/(2 √(k m)), of Jankowski c/(2 √(k √d m))."
     chart.attrs |= {"chart": "restitution", "caption": caption, "comment": OWN}
     return labels.with_run_information(
-        labels.label(chart),
+        labels.label(chart, VARIABLES),
         "Coefficient of restitution of contact elements",
         f"restitution_chart(largest={largest:g})",
         {},
@@ -219,7 +222,7 @@ def _histories(
     chart["contact_damping"] = ("element", [getattr(model, "damping", 0.0) for model in models])
     described = dict(zip(names, models, strict=True))
     chart.attrs |= {"chart": picture, "caption": SCALES, "comment": PRINTED}
-    return labels.with_run_information(labels.label(chart), title, call, described)
+    return labels.with_run_information(labels.label(chart, VARIABLES), title, call, described)
 
 
 def _force(model: Element, history: History) -> Array:
@@ -282,12 +285,6 @@ def _number(name: str, value: Any, allowed: Range) -> float:
 def _check_points(points: int) -> None:
     if points < 2:
         raise ValueError(f"points = {points}; allowed: at least 2")
-
-
-def _axis(name: str, long_name: str, largest: float, points: int) -> xr.DataArray:
-    attrs = {"units": "1", "long_name": long_name}
-    values = np.linspace(0, largest, points)
-    return xr.DataArray(values, dims=name, coords={name: (name, values, attrs)}, attrs=attrs)
 
 
 def _elements(names: list[str]) -> xr.DataArray:

@@ -20,16 +20,8 @@ from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 
 
-def _axis(name: str, long_name: str, low: float, high: float, points: int) -> xr.DataArray:
-    attrs = {"units": "1", "long_name": long_name}
-    values = np.geomspace(low, high, points)
-    return xr.DataArray(values, dims=name, coords={name: (name, values, attrs)}, attrs=attrs)
-
-
-def _reduction_factors(values: tuple[float, ...]) -> xr.DataArray:
-    attrs = {"units": "1", "long_name": "reduction factor"}
-    coords = {"reduction_factor": ("reduction_factor", list(values), attrs)}
-    return xr.DataArray(list(values), dims="reduction_factor", coords=coords, attrs=attrs)
+def _reduction_factors(settings: ChartSettings) -> xr.DataArray:
+    return labels.axis("reduction_factor", "reduction factor", list(settings.reduction_factors))
 
 
 @CHARTS.register("fig3a", place=30)
@@ -41,10 +33,10 @@ def white_noise_chart(settings: ChartSettings) -> xr.Dataset:
     xarray.Dataset
         ``rho`` over (``damping``, ``period_ratio``).
     """
-    ratio = _axis("period_ratio", "period ratio T1/T2", 0.25, 4, settings.fine_points)
-    values = [0.01, 0.02, 0.05, 0.1, 0.2]
-    attrs = {"units": "1", "long_name": "damping ratio"}
-    damping = xr.DataArray(values, dims="damping", coords={"damping": ("damping", values, attrs)})
+    ratio = labels.axis(
+        "period_ratio", "period ratio T1/T2", np.geomspace(0.25, 4, settings.fine_points)
+    )
+    damping = labels.axis("damping", "damping ratio", [0.01, 0.02, 0.05, 0.1, 0.2])
     table = rho_white_noise(ratio, 1.0, damping, damping).transpose("damping", "period_ratio")
     return table.assign_attrs(
         chart="curves",
@@ -63,9 +55,11 @@ def period_ratio_chart(settings: ChartSettings, ground: Ground, frequency_ratio:
         ``rho`` and ``status`` over (``reduction_factor``, ``period_ratio``), ``rho_elastic`` (the same
         ground) and ``rho_white_noise`` (eq. 4) over ``period_ratio``.
     """
-    ratio = _axis("period_ratio", "period ratio T1/T2", 0.25, 4, settings.fine_points)
+    ratio = labels.axis(
+        "period_ratio", "period ratio T1/T2", np.geomspace(0.25, 4, settings.fine_points)
+    )
     second_period = ground_period(ground) / frequency_ratio
-    factors = _reduction_factors(settings.reduction_factors)
+    factors = _reduction_factors(settings)
     periods = (ratio * second_period, second_period)
     first, second = (
         Bilinear(period, settings.damping, settings.hardening, reduction_factor=factors)
@@ -96,7 +90,8 @@ def period_plane_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
     """
     first, second = (
         Bilinear(
-            _axis(f"period_ratio_{n}", f"T{n}/Tg", 0.1, 4, settings.points) * ground_period(ground),
+            labels.axis(f"period_ratio_{n}", f"T{n}/Tg", np.geomspace(0.1, 4, settings.points))
+            * ground_period(ground),
             settings.damping,
             settings.hardening,
             reduction_factor=settings.plane_reduction_factor,
@@ -118,12 +113,12 @@ def amplification_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
     xarray.Dataset
         ``amplification`` and ``status`` over (``reduction_factor``, ``period_ratio``).
     """
-    ratio = _axis("period_ratio", "T/Tg", 0.1, 4, settings.points)
+    ratio = labels.axis("period_ratio", "T/Tg", np.geomspace(0.1, 4, settings.points))
     structure = Bilinear(
         ratio * ground_period(ground),
         settings.damping,
         settings.hardening,
-        reduction_factor=_reduction_factors(settings.reduction_factors),
+        reduction_factor=_reduction_factors(settings),
     )
     table = amplification(structure, ground, **settings.options)
     chart = table[_shown(table)].transpose("reduction_factor", "period_ratio")

@@ -11,6 +11,7 @@ import xarray as xr
 
 from stochlin.analyses.charts.charts import CHARTS, ChartSettings
 from stochlin.analyses.charts.design import ground_caption, ground_period
+from stochlin.analyses.charts.variables import VARIABLES
 from stochlin.analyses.correlation.correlation import rho_white_noise
 from stochlin.analyses.records.cells import Records
 from stochlin.analyses.records.gaps import recorded_gap
@@ -83,7 +84,7 @@ def portrait_chart(record: xr.DataArray, period: float, damping: float) -> xr.Da
         )
     chart = chart.assign_coords(angle=("angle", angle, {"units": "rad", "long_name": "angle"}))
     return _captioned(
-        labels.label(chart),
+        labels.label(chart, VARIABLES),
         "portrait",
         f"Pseudo energy radius of {_source(record)}",
         f"Elastic structure: T = {period:.3g} s, ξ = {damping:.3g}; r_PER = {float(peak):.3g} m",
@@ -158,9 +159,7 @@ def recorded_gap_chart(record: xr.DataArray, damping: float, points: int = 61) -
 def _periods(name: str, long_name: str, points: int) -> xr.DataArray:
     if points < 2:
         raise ValueError(f"points = {points}; allowed: at least 2")
-    attrs = {"units": "s", "long_name": long_name}
-    values = np.geomspace(*PERIODS, points)
-    return xr.DataArray(values, dims=name, coords={name: (name, values, attrs)}, attrs=attrs)
+    return labels.axis(name, long_name, np.geomspace(*PERIODS, points), "s")
 
 
 def _source(record: xr.DataArray) -> str:

@@ -33,11 +33,7 @@ def effective_rules_chart(
         ``rho`` over (``rule``, ``period_ratio``), the ratio of the elastic periods; along ``rule`` the
         coordinates ``reference`` and ``mark``.
     """
-    values = np.geomspace(0.25, 4, points)
-    attrs = {"units": "1", "long_name": "elastic period ratio T1/T2"}
-    ratio = xr.DataArray(
-        values, dims="period_ratio", coords={"period_ratio": ("period_ratio", values, attrs)}
-    )
+    ratio = labels.axis("period_ratio", "elastic period ratio T1/T2", np.geomspace(0.25, 4, points))
     both = {"damping": damping, "hardening": hardening, "ductility": ductility}
     pair = {f"{name}_{n}": value for name, value in both.items() for n in (1, 2)}
     rules = [effective_rule(name) for name in effective_rule_names()]

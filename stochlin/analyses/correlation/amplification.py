@@ -5,6 +5,7 @@ from __future__ import annotations
 import xarray as xr
 
 from stochlin.analyses.correlation.correlation import correlate
+from stochlin.analyses.correlation.variables import VARIABLES
 from stochlin.analyses.linearization.equivalent_systems import solve_elastic
 from stochlin.analyses.linearization.linearization import linearize
 from stochlin.analyses.tables import labels
@@ -84,7 +85,7 @@ def amplification(
         table["amplification_standard_error"] = error
         table.attrs = {**inelastic.attrs}
     return labels.with_run_information(
-        labels.label(table),
+        labels.label(table, VARIABLES),
         f"Amplification of the displacement by yielding, {method}, {ground.name} ground",
         f"amplification(method={method!r}, closure={closure!r})",
         {"structure": structure, "ground": ground},

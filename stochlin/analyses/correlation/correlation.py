@@ -13,6 +13,7 @@ from stochlin.analyses.correlation.drifting import drifting_pairs
 from stochlin.analyses.correlation.effective import EQ_4, effective_pair
 from stochlin.analyses.correlation.linearized import SHOWN, linearized_pairs
 from stochlin.analyses.correlation.simulated import SimulationSettings, simulate_pairs
+from stochlin.analyses.correlation.variables import VARIABLES
 from stochlin.analyses.linearization.equivalent_systems import (
     check_closure,
     solve_elastic,
@@ -130,9 +131,7 @@ def correlate(
     settings = partial(SimulationSettings, paths, seed, steps_per_period, relaxation_times, progress)
     asked = Question((first, second), ground, closure, tolerance, rule, settings)
     table, details = METHODS[method](asked)
-    table = labels.label(table)
-    if "bias" in table:
-        table["bias"].attrs["long_name"] = "linearized rho less the exact one"
+    table = labels.label(table, VARIABLES)
     case = f"correlate({first.describe()}, {second.describe()}, {ground.describe()})"
     labels.raise_if_lone_failure(table, case)
     return labels.with_run_information(
@@ -259,7 +258,7 @@ def rho_white_noise(
     status = xr.full_like(valid, labels.CONVERGED, np.int8).where(valid, labels.INVALID_INPUT)
     table = xr.Dataset({"rho": rho.where(valid), "status": status})
     return labels.with_run_information(
-        labels.label(table),
+        labels.label(table, VARIABLES),
         "Correlation of two linear structures under white noise, eq. (4)",
         "rho_white_noise()",
         {"pair": pair},

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.correlation.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import cellwise
 from stochlin.kernels.basics.arrays import Array
@@ -88,7 +89,7 @@ def rho_effective(
     (rho,) = cellwise(white_noise_correlation, *effective.values())
     table = xr.Dataset({"rho": rho, **effective})
     status = xr.full_like(valid, labels.CONVERGED, np.int8).where(valid, labels.INVALID_INPUT)
-    table = labels.label(table.assign(status=status.astype(np.int8)))
+    table = labels.label(table.assign(status=status.astype(np.int8)), VARIABLES)
     return labels.with_run_information(
         table.assign_attrs(rule=chosen.describe()),
         f"Correlation of two yielding structures by eq. (4) and the rule {chosen.name}",

@@ -8,6 +8,7 @@ import numpy as np
 import scipy.optimize
 import xarray as xr
 
+from stochlin.analyses.correlation.variables import VARIABLES
 from stochlin.analyses.linearization.equivalent_systems import check_closure, solve_structure
 from stochlin.analyses.linearization.state_space import statespace, stationary_covariance
 from stochlin.analyses.linearization.tolerance import USUAL
@@ -94,7 +95,7 @@ def correlate_linked(
         return _Linked((first, second), ground, link, closure, alone).solve()
 
     models = {"first": first, "second": second, "ground": ground, "link": link}
-    table = labels.label(over_cells(of_cell, models))
+    table = labels.label(over_cells(of_cell, models), VARIABLES)
     labels.raise_if_lone_failure(table, f"correlate_linked({first.describe()}, {second.describe()})")
     if first.yields or second.yields:
         table = table.assign_attrs(comment=labels.CAUTION_SIGMA)

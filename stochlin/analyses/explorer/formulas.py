@@ -1,4 +1,7 @@
-"""What the explorer shows of a scene by formula: spectra, correlation, gaps by rule, probability."""
+"""What the explorer shows of a scene by formula: spectra, correlation, gaps by rule, probability.
+
+Where linearization fails, each raises an ArithmeticError.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +14,7 @@ import xarray as xr
 from stochlin.analyses.correlation.correlation import rho_white_noise
 from stochlin.analyses.correlation.drifting import correlation_with_drift
 from stochlin.analyses.correlation.linearized import pairs_of_solved
+from stochlin.analyses.correlation.variables import VARIABLES as OF_PAIRS
 from stochlin.analyses.explorer.scene import Scene
 from stochlin.analyses.linearization.equivalent_systems import INTERNAL, solve_structure
 from stochlin.analyses.linearization.peaks import response_moments
@@ -25,6 +29,7 @@ from stochlin.analyses.separation.rules import (
     strong_seconds,
 )
 from stochlin.analyses.separation.separation import TEXTS
+from stochlin.analyses.separation.variables import VARIABLES as OF_GAPS
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.covariance import EquivalentSystem
@@ -74,20 +79,8 @@ def _solved(scene: Scene) -> _Pair:
 def spectra(scene: Scene) -> xr.Dataset:
     """Spectra of the ground and of both buildings' displacements, linearized.
 
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    xarray.Dataset
-        Over ``frequency`` [rad/s], with the coordinate ``period`` [s]: ``psd_ground`` [m^2/s^3] and
-        ``displacement_psd_1`` and ``_2`` [m^2 s], two-sided.
-
-    Raises
-    ------
-    ArithmeticError
-        If linearization fails.
+    Over ``frequency`` [rad/s], with the coordinate ``period`` [s]: ``psd_ground`` [m^2/s^3] and
+    ``displacement_psd_1`` and ``_2`` [m^2 s], two-sided.
     """
     ground = scene.ground()
     periods = [scene.period_1, scene.period_2]
@@ -114,22 +107,9 @@ def spectra(scene: Scene) -> xr.Dataset:
 def correlation(scene: Scene) -> xr.Dataset:
     """Correlation over the ratio of the periods, that of building 1 fixed: eq. (4) and two closures.
 
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    xarray.Dataset
-        Over ``period_ratio`` [-], ``T2/T1``, that of the scene among the values: ``rho_white_noise``
-        [-], eq. (4), ``rho_linearized`` [-] (Gaussian closure) and ``rho_drift`` [-]; ``bias``,
-        ``bias_1`` and ``bias_2`` of the Gaussian closure and its flag ``caution``; the scene's own ratio
-        in the attribute ``period_ratio``.
-
-    Raises
-    ------
-    ArithmeticError
-        If linearization fails.
+    Over ``period_ratio`` [-], ``T2/T1``, that of the scene among the values: ``rho_white_noise`` [-],
+    eq. (4), ``rho_linearized`` [-] (Gaussian closure) and ``rho_drift`` [-]; ``bias``, ``bias_1`` and
+    ``bias_2`` of the Gaussian closure and its flag ``caution``. The scene's own ratio is an attribute.
     """
     pair, ground = _solved(scene), scene.ground()
     first, second = pair.structures
@@ -145,8 +125,8 @@ def correlation(scene: Scene) -> xr.Dataset:
     texts = ("eq. (4)", "linearization, Gaussian closure", "linearization, drift closure")
     for name, text in zip(list(shown)[-3:], texts, strict=True):
         shown[name].attrs = {"units": "1", "long_name": f"correlation coefficient, {text}"}
-    shown["bias"].attrs = {"units": "1", "long_name": "linearized rho less the exact one"}
-    found = labels.label(xr.Dataset(shown)).assign_attrs(period_ratio=scene.period_2 / scene.period_1)
+    ratio = scene.period_2 / scene.period_1
+    found = labels.label(xr.Dataset(shown), OF_PAIRS).assign_attrs(period_ratio=ratio)
     if scene.yields_1 or scene.yields_2:
         found.attrs["comment"] = f"{labels.CAUTION_RHO} {labels.CAUTION_SIGMA}"
     return _described(scene, found, "Correlation over the ratio of periods", "correlation")
@@ -156,22 +136,8 @@ def gap_rules(scene: Scene) -> xr.Dataset:
     """The gap by the rules that need no simulation.
 
     Peaks are standard deviations of the drift closure times peak factors of linearization; those of
-    linearization alone only in ``eq_3_linearized`` and ``linearization``.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    xarray.Dataset
-        Over ``rule``: ``gap`` [m], NaN where the rule has none, and ``rho`` [-]; the coordinates of
-        `separation`.
-
-    Raises
-    ------
-    ArithmeticError
-        If linearization fails.
+    linearization alone only in ``eq_3_linearized`` and ``linearization``. Over ``rule``: ``gap`` [m],
+    NaN where the rule has none, and ``rho`` [-]; the coordinates of `separation`.
     """
     ground, seconds = scene.ground(), strong_seconds(scene.duration, scene.motion_envelope())
     pair = _solved(scene)
@@ -205,25 +171,12 @@ def gap_rules(scene: Scene) -> xr.Dataset:
     for name, text in TEXTS.items():
         table[name].attrs["long_name"] = text
     table = table.assign_attrs(peaks="drift closure", gap_m=scene.gap, confidence=scene.confidence)
-    return _described(scene, labels.label(table), "Gap by rules without simulation", "gap_rules")
+    table = labels.label(table, OF_GAPS)
+    return _described(scene, table, "Gap by rules without simulation", "gap_rules")
 
 
 def probability(scene: Scene) -> xr.Dataset:
-    """Probability of no pounding over time, by formula: `pounding_probability` without simulation.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    xarray.Dataset
-
-    Raises
-    ------
-    ArithmeticError
-        If linearization fails.
-    """
+    """Probability of no pounding over time, by formula: `pounding_probability` without simulation."""
     return pounding_probability(
         *scene.structures(), scene.ground(), scene.gap, **scene.motion(), paths=0
     )
@@ -231,10 +184,7 @@ def probability(scene: Scene) -> xr.Dataset:
 
 def swept(scene: Scene, ratios: Array) -> Structure:
     """Building 2 with every ratio of its period to that of building 1."""
-    attrs = {"units": "1", "long_name": "ratio of the periods, T2/T1"}
-    ratio = xr.DataArray(
-        ratios, dims="period_ratio", coords={"period_ratio": ("period_ratio", ratios, attrs)}
-    )
+    ratio = labels.axis("period_ratio", "ratio of the periods, T2/T1", ratios)
     return scene.structure(2, period=scene.period_1 * ratio)
 
 

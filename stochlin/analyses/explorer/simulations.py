@@ -23,22 +23,9 @@ RATIO_PATHS = 256  # correlations need fewer motions than quantiles
 def simulations(scene: Scene, progress: Progress | None = None) -> dict[str, xr.Dataset]:
     """The same questions to the exact laws, by simulation.
 
-    Parameters
-    ----------
-    scene : Scene
-    progress : callable, optional
-        Called with the share that is done; what it raises stops the simulation.
-
-    Returns
-    -------
-    dict of xarray.Dataset
-        ``correlation`` over the ratio of periods, as `correlate`; ``gaps``, as `separation`;
-        ``probability``, as `pounding_probability`.
-
-    Raises
-    ------
-    ValueError
-        If the run would not fit into memory, or take hours.
+    ``correlation`` over the ratio of periods, as `correlate`; ``gaps``, as `separation`;
+    ``probability``, as `pounding_probability`. ``progress`` is called with the share that is done, and
+    may stop the work by raising. What would not fit into memory, or take hours, raises a ValueError.
     """
 
     def part(number: int) -> Progress:
@@ -62,18 +49,9 @@ def simulations(scene: Scene, progress: Progress | None = None) -> dict[str, xr.
 
 
 def together(scene: Scene, tables: Mapping[str, xr.Dataset]) -> xr.Dataset:
-    """One dataset of all that is shown, for a file.
+    """One dataset of all that is shown, for a file, from datasets by the name of what they show.
 
-    Parameters
-    ----------
-    scene : Scene
-    tables : mapping
-        Datasets by the name of what they show.
-
-    Returns
-    -------
-    xarray.Dataset
-        Variables, coordinates and dimensions with the name of their table before their own.
+    Variables, coordinates and dimensions have the name of their table before their own.
     """
     whole = xr.Dataset()
     for name, table in tables.items():

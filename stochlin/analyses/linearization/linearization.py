@@ -8,6 +8,7 @@ import xarray as xr
 from stochlin.analyses.linearization.bias_map import caution_of, relative_bias
 from stochlin.analyses.linearization.equivalent_systems import PUBLIC, solve_structure
 from stochlin.analyses.linearization.tolerance import Tolerance
+from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
@@ -114,7 +115,7 @@ def linearize(
     if closure == DRIFT:
         moves = solved.drift_std > 0
         table = table.assign(drift_std=solved.drift_std, drift_time=(1 / solved.drift_rate).where(moves))
-    table = labels.label(table)
+    table = labels.label(table, VARIABLES)
     labels.raise_if_lone_failure(table, f"linearize({structure.describe()}, {ground.describe()})")
     if structure.yields:
         caution = labels.CAUTION_DRIFT if closure == DRIFT else labels.CAUTION_SIGMA

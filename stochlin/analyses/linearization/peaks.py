@@ -13,6 +13,7 @@ from stochlin.analyses.linearization.equivalent_systems import (
     system_and_forcing,
 )
 from stochlin.analyses.linearization.tolerance import USUAL
+from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import cellwise
 from stochlin.kernels.basics.arrays import Array
@@ -28,9 +29,9 @@ from stochlin.models.rules.peak_factors import PeakFactor, StationaryMotion, pea
 from stochlin.models.structures import DRIFT, Structure
 
 ONE_SIDED = {
-    "peak_mean": "mean of the largest displacement in one direction",
-    "peak_std": "standard deviation of the largest displacement in one direction",
-    "peak_factor": "mean largest displacement in one direction over the standard deviation",
+    "peak_mean": ("m", "mean of the largest displacement in one direction"),
+    "peak_std": ("m", "standard deviation of the largest displacement in one direction"),
+    "peak_factor": ("1", "mean largest displacement in one direction over the standard deviation"),
 }
 
 
@@ -123,13 +124,11 @@ def peak_response(
         )
     status = solved.status.where(~outside, labels.INVALID_INPUT)
     table = table.assign(status=status.astype(np.int8))
-    table = labels.label(table.assign(displacement_std=solved.displacement_std))
+    table = table.assign(displacement_std=solved.displacement_std)
+    table = labels.label(table, VARIABLES if sides == 2 else {**VARIABLES, **ONE_SIDED})
     comment = f"{type(chosen).__name__} is defined for {domain}; NaN elsewhere."
     if structure.yields:
         comment = f"{labels.CAUTION_SIGMA} {comment}"
-    if sides == 1:
-        for name, long_name in ONE_SIDED.items():
-            table[name].attrs["long_name"] = long_name
     table = table.assign_attrs(comment=comment, peak_factor_model=type(chosen).__name__, sides=sides)
     return labels.with_run_information(
         table,

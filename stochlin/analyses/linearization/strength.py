@@ -17,6 +17,7 @@ from stochlin.analyses.linearization.equivalent_systems import (
     solve_structure,
 )
 from stochlin.analyses.linearization.tolerance import Tolerance
+from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.grounds import Ground
@@ -121,7 +122,7 @@ def strength_for_ductility(
     status = solved.status.where(reached, labels.NOT_CONVERGED).where(valid, labels.INVALID_INPUT)
     table = solved[list(SHOWN)].assign(reduction_factor=reduction, ductility_peak=peak).where(reached)
     table["status"] = status.astype(np.int8)
-    table = labels.label(table)
+    table = labels.label(table, VARIABLES)
     case = f"strength_for_ductility({structure.describe()}, {ground.describe()}, {target.describe()})"
     labels.raise_if_lone_failure(table, case)
     return labels.with_run_information(
@@ -181,7 +182,8 @@ def reduction_factor(structure: Structure, ground: Ground) -> xr.Dataset:
     table = labels.label(
         elastic[["yield_displacement", "status"]].assign(
             reduction_factor=peak / elastic.yield_displacement
-        )
+        ),
+        VARIABLES,
     )
     labels.raise_if_lone_failure(table, f"reduction_factor({structure.describe()}, {ground.describe()})")
     return labels.with_run_information(

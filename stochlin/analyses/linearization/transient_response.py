@@ -15,6 +15,7 @@ from stochlin.analyses.linearization.transient_systems import (
     spread_over,
     time_axis,
 )
+from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_whole
 from stochlin.models.envelopes import Envelope
@@ -109,7 +110,7 @@ def transient_response(
         permanent_set=flags(course, time),
         status=side.status.astype(np.int8),
     ).assign_coords(time=time)
-    table = labels.label(table).assign_attrs(
+    table = labels.label(table, VARIABLES).assign_attrs(
         duration_s=float(duration),
         envelope_model="none" if envelope is None else envelope.describe(),
         strong_shaking_end_s=course.strong_end,

@@ -11,6 +11,7 @@ import xarray as xr
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.mitigation.mitigated_pair import RECORDED, MitigatedPair
 from stochlin.analyses.mitigation.searches import Row, Search, searches
+from stochlin.analyses.mitigation.variables import VARIABLES
 from stochlin.analyses.records.records import checked_record
 from stochlin.analyses.separation.separation import NOT_AVAILABLE, VERDICT_ATTRS, verdict_of
 from stochlin.analyses.tables import labels
@@ -244,12 +245,8 @@ def _table(rows: Sequence[Row], columns: Sequence[Mapping[str, Any]], site: Miti
         .where(known, labels.NOT_CONVERGED)
         .astype(np.int8)
     )
-    table = labels.label(table)
+    table = labels.label(table, VARIABLES)
     table.verdict.attrs = VERDICT_ATTRS
-    for n in (1, 2):
-        if site.records:
-            told = f"peak over that as built and standing alone, structure {n}"
-            table[f"amplification_{n}"].attrs["long_name"] = told
     for name, text in TEXTS.items():
         table[name].attrs["long_name"] = text
     return table

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.pounding.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_whole
 from stochlin.kernels.pounding.contact import impact_loss, velocities_after_impact
@@ -122,7 +123,7 @@ def pounding_estimate(
     status = xr.full_like(valid, labels.CONVERGED, np.int8)
     table["status"] = status.where(valid, labels.INVALID_INPUT).astype(np.int8)
     return labels.with_run_information(
-        labels.label(table),
+        labels.label(table, VARIABLES),
         "Energy estimate of a hit",
         f"pounding_estimate(points={points})",
         {"first": first, "second": second, "contact": contact},

@@ -17,6 +17,7 @@ from stochlin.analyses.pounding.rows import (
     checked_gaps,
     checked_links,
 )
+from stochlin.analyses.pounding.variables import VARIABLES
 from stochlin.analyses.records.records import checked_record
 from stochlin.analyses.records.response import pseudo_energy_radius
 from stochlin.analyses.tables import labels
@@ -145,8 +146,7 @@ def pound(
     if len(oscillators) == len(row_of) and not any(links):
         worst = _estimates(oscillators, spaces, contact, motion)
         table["largest_radius_amplification"] = ("structure", worst)
-    table = labels.label(table)
-    table["amplification"].attrs["long_name"] = "peak in the row over peak standing alone"
+    table = labels.label(table, VARIABLES)
     table.attrs.update(
         gaps=spaces.tolist(), steps=done.steps, motion=f"{ground.size} samples at {dt:g} s"
     )

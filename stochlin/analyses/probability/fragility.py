@@ -9,6 +9,7 @@ import xarray as xr
 
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.probability.probability import REFERENCES, pounding_probability
+from stochlin.analyses.probability.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.envelopes import Envelope
@@ -111,7 +112,7 @@ def pounding_fragility(
     for ending in GAPS:
         if f"required_gap{ending}" in found:
             table[f"required_gap{ending}"] = found[f"required_gap{ending}"]
-    table = labels.label(table.assign(status=found.status)).assign_attrs(found.attrs)
+    table = labels.label(table.assign(status=found.status), VARIABLES).assign_attrs(found.attrs)
     return labels.with_run_information(
         table,
         f"Fragility of two structures against pounding, {ground.name} ground",

@@ -7,6 +7,7 @@ import xarray as xr
 
 from stochlin.analyses.correlation.correlation import correlate
 from stochlin.analyses.linearization.strength import strength_in_metres
+from stochlin.analyses.probability.variables import VARIABLES
 from stochlin.analyses.records.cells import check_structure, only_scalars
 from stochlin.analyses.records.gaps import recorded_gap
 from stochlin.analyses.records.ground_fit import fit_ground
@@ -77,12 +78,11 @@ def hybrid_pounding(
         rho=rho,
         status=xr.where(valid, labels.CONVERGED, labels.INVALID_INPUT).astype(np.int8),  # type: ignore[no-untyped-call]
     )
-    table = labels.label(table.drop_attrs(deep=False)).assign_attrs(
+    table = labels.label(table.drop_attrs(deep=False), VARIABLES).assign_attrs(
         confidence=confidence,
         record=str(record.attrs.get("source", "record")),
         phase="von Mises, of mean cosine rho",
     )
-    table.separation.attrs["long_name"] = "gap that the record itself takes"
     return labels.with_run_information(
         table,
         "Probability of pounding in a recorded motion, random phase",

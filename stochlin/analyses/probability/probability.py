@@ -13,6 +13,7 @@ from stochlin.analyses.linearization.transient_systems import (
 )
 from stochlin.analyses.probability.cells import Pair, by_formula, by_simulation
 from stochlin.analyses.probability.hybrid import hybrid_pounding
+from stochlin.analyses.probability.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_confidence, check_whole
 from stochlin.kernels.basics.parallel import Progress
@@ -154,7 +155,7 @@ def pounding_probability(
     table = table.assign(
         envelope=("time", np.array(shape)), permanent_set=flags(pair.course, time), status=pair.status
     ).assign_coords(time=time)
-    table = labels.label(table).assign_attrs(
+    table = labels.label(table, VARIABLES).assign_attrs(
         confidence=confidence,
         duration_s=float(duration),
         envelope_model="none" if envelope is None else envelope.describe(),

@@ -10,6 +10,7 @@ import xarray as xr
 from scipy import optimize
 
 from stochlin.analyses.records.records import checked_record
+from stochlin.analyses.records.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.envelopes import AminAng, Envelope, GammaEnvelope, HsuBernard, ShinozukaSato
@@ -160,7 +161,7 @@ def energy_build_up(record: xr.DataArray, envelope: Envelope) -> xr.Dataset:
     )
     source = str(record.attrs.get("source", "a record"))
     return labels.with_run_information(
-        labels.label(table),
+        labels.label(table, VARIABLES),
         f"Build-up of energy in {source}",
         "energy_build_up()",
         {"envelope_model": envelope},

@@ -14,6 +14,7 @@ from stochlin.analyses.records.cells import (
     template,
     with_status,
 )
+from stochlin.analyses.records.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.kernels.records import oscillator as recorded
 from stochlin.kernels.records.runs import gaps_on_records
@@ -90,7 +91,7 @@ def recorded_gap(first: Bilinear, second: Bilinear, record: Records) -> xr.Datas
     elastic = table_over({"stayed": stayed}, like, motions, valid).stayed == 1
     table = with_status(table_over(columns, like, motions, valid), elastic)
     return labels.with_run_information(
-        labels.label(table.assign_attrs(records=motions.describe())),
+        labels.label(table.assign_attrs(records=motions.describe()), VARIABLES),
         "Gap of two structures in recorded motions",
         "recorded_gap()",
         {"first": first, "second": second},

@@ -16,6 +16,7 @@ from stochlin.analyses.records.cells import (
     template,
     with_status,
 )
+from stochlin.analyses.records.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_whole
 from stochlin.kernels.records import oscillator as recorded
@@ -237,4 +238,4 @@ def _spectrum(record: Records, structure: Bilinear) -> xr.Dataset:
 
 def _with_information(table: xr.Dataset, title: str, call: str, structure: Bilinear) -> xr.Dataset:
     models = {"structure": structure}
-    return labels.with_run_information(labels.label(table), title, call, models, REFERENCES)
+    return labels.with_run_information(labels.label(table, VARIABLES), title, call, models, REFERENCES)

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.models.parameters import Parameter
 from stochlin.models.rules.codes import PeakPair, check_zone, code_rule, code_rule_names
@@ -95,10 +96,10 @@ def code_gaps(
     usable = valid & xr.DataArray([not lacks for lacks in missing], dims="rule")
     status = xr.full_like(usable, labels.CONVERGED, np.int8).where(usable, labels.INVALID_INPUT)
     table = xr.Dataset({"gap": gap, "status": status.transpose(*gap.dims).astype(np.int8)})
-    table = labels.label(table)
     for name, text in TEXTS.items():
         told = missing if name == "missing" else [getattr(rule, name) for rule in rules]
         table = table.assign_coords({name: ("rule", told, {"long_name": text})})
+    table = labels.label(table, VARIABLES)
     table.attrs["comment"] = "Rules whose mark has an M are from memory, not compared with the source."
     return labels.with_run_information(
         table,

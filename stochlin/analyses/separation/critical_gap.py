@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.parameters import Model, Parameter, Range, parameter
@@ -66,7 +67,7 @@ def critical_gap(peak_1: Parameter, peak_2: Parameter, rho: Parameter) -> xr.Dat
     gap = xr.apply_ufunc(double_difference, *values, join="exact")
     status = xr.full_like(valid, labels.CONVERGED, np.int8).where(valid, labels.INVALID_INPUT)
     return labels.with_run_information(
-        labels.label(xr.Dataset({"gap": gap, "status": status.astype(np.int8)})),
+        labels.label(xr.Dataset({"gap": gap, "status": status.astype(np.int8)}), VARIABLES),
         "Critical gap by the double difference combination, eq. (3)",
         "critical_gap()",
         {"pair": pair},

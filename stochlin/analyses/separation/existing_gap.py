@@ -13,6 +13,7 @@ import xarray as xr
 from stochlin.analyses.linearization.equivalent_systems import solve_structure
 from stochlin.analyses.linearization.strength import solved_reduction_factor, strength_in_metres
 from stochlin.analyses.linearization.tolerance import USUAL
+from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.simulation.finite_motions import keeping_apart, pair_separation
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.tables import labels
@@ -113,8 +114,9 @@ def existing_gap(
         f"reduction factors times {STRENGTHS[0]:g} to {STRENGTHS[-1]:g}, motion times "
         f"{AMPLITUDES[0]:g} to {AMPLITUDES[-1]:g}, added damping to {DAMPINGS[-1]:g}"
     )
+    table = labels.label(table, VARIABLES)
     return labels.with_run_information(
-        labels.label(table).assign_attrs(gap_m=float(gap), confidence=confidence, searched=searched),
+        table.assign_attrs(gap_m=float(gap), confidence=confidence, searched=searched),
         f"What an existing gap allows, {ground.name} ground",
         f"existing_gap(gap={gap:g}, duration={duration:g}, confidence={confidence:g}, seed={seed})",
         {"first": first, "second": second, "ground": ground},

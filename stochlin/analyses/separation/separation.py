@@ -11,6 +11,7 @@ import xarray as xr
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.records.gaps import recorded_gap
 from stochlin.analyses.separation.rules import PairInMotion, Rule, all_rules, strong_seconds
+from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.simulation.finite_motions import keeping_apart, pair_separation
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.tables import labels
@@ -167,7 +168,7 @@ def separation(
 
     models = {"first": first, "second": second, "ground": ground}
     table = over_cells(of_cell, models)
-    table = labels.label(table)
+    table = labels.label(table, VARIABLES)
     table.verdict.attrs = VERDICT_ATTRS
     for name, text in TEXTS.items():
         table[name].attrs["long_name"] = text

@@ -9,6 +9,7 @@ import scipy.stats
 import xarray as xr
 
 from stochlin.analyses.simulation.ensembles import Run
+from stochlin.analyses.simulation.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_duration
 from stochlin.kernels.basics.arrays import Array
@@ -136,7 +137,7 @@ def exceedance(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Dataset:
             "probability_upper": count.copy(data=np.nan_to_num(upper, nan=1.0)),
         }
     )
-    return labels.label(table)
+    return labels.label(table, VARIABLES)
 
 
 def pair_separation(motions: xr.Dataset) -> xr.DataArray:

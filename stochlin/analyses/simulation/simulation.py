@@ -19,6 +19,7 @@ from stochlin.analyses.simulation.ensembles import (
 )
 from stochlin.analyses.simulation.finite_motions import check_motion, simulate_finite
 from stochlin.analyses.simulation.run_lengths import with_length
+from stochlin.analyses.simulation.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
@@ -160,7 +161,7 @@ def simulate(
         table = simulate_finite(run, duration, envelope, quantiles, progress)
         table = table.assign_coords(structure=names, structure_2=names)
         return labels.with_run_information(
-            labels.label(table),
+            labels.label(table, VARIABLES),
             f"Simulation of {len(structures)} structures in finite motions, {ground.name} ground",
             f"simulate(paths={paths}, seed={seed}, duration={duration})",
             models | {"ground": ground},
@@ -180,7 +181,7 @@ def simulate(
         coords={"structure": names, "structure_2": names},
     )
     return labels.with_run_information(
-        labels.label(table).assign_attrs(run_attributes(run)),
+        labels.label(table, VARIABLES).assign_attrs(run_attributes(run)),
         f"Simulation of {len(structures)} structures, {ground.name} ground",
         f"simulate(paths={paths}, seed={seed})",
         models | {"ground": ground},

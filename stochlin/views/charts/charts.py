@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Callable, Hashable, Iterator
 from itertools import cycle
 from typing import TYPE_CHECKING, Any
@@ -14,12 +13,13 @@ from stochlin.registry import Registry
 from stochlin.views.shared.style import (
     CURVES,
     NAMES,
-    STYLE,
     contour_levels,
+    filled,
     label_axis,
     legend_beside,
     plane,
     quantity,
+    styled,
 )
 
 if TYPE_CHECKING:
@@ -48,6 +48,7 @@ UNTOLD = (
 )
 
 
+@styled()
 def draw(dataset: xr.Dataset) -> Figure:
     """Draw one chart dataset.
 
@@ -67,19 +68,17 @@ def draw(dataset: xr.Dataset) -> Figure:
     ValueError
         If the dataset is no chart.
     """
-    import matplotlib as mpl
     from matplotlib.figure import Figure
 
     draw_axes = PICTURES.named(_kind(dataset), "attribute chart")
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=SIZE)
-        draw_axes(figure, dataset)
-        figure.text(0.1, 0.935, dataset.attrs.get("title", ""), size=10)
-        lines = dataset.attrs.get("caption", "").splitlines()
-        caption = "\n".join(textwrap.fill(line, CAPTION_WIDTH) for line in lines)
-        figure.text(0.1, 0.135, caption, va="top", size=8)
-        comment = textwrap.fill(dataset.attrs.get("comment", ""), COMMENT_WIDTH)
-        figure.text(0.1, 0.05, comment, va="top", size=7, style="italic")
+    figure = Figure(figsize=SIZE)
+    draw_axes(figure, dataset)
+    attrs = dataset.attrs
+    figure.text(0.1, 0.935, attrs.get("title", ""), size=10)
+    caption = filled(attrs.get("caption", "").splitlines(), CAPTION_WIDTH)
+    figure.text(0.1, 0.135, caption, va="top", size=8)
+    comment = filled([attrs.get("comment", "")], COMMENT_WIDTH)
+    figure.text(0.1, 0.05, comment, va="top", size=7, style="italic")
     return figure
 
 
@@ -150,10 +149,10 @@ def _curves(figure: Figure, dataset: xr.Dataset) -> None:
 def _plane(figure: Figure, dataset: xr.Dataset) -> None:
     axes = figure.add_axes(AXES)
     table = _shown(dataset)
-    filled = plane(axes, table, contour_levels(table))
+    shades = plane(axes, table, contour_levels(table))
     axes.set_anchor("W")
     label = name_of(table)
-    bar = figure.colorbar(filled, cax=figure.add_axes((0.57, 0.25, 0.025, 0.66)), label=label)
+    bar = figure.colorbar(shades, cax=figure.add_axes((0.57, 0.25, 0.025, 0.66)), label=label)
     bar.ax.grid(visible=False)
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from stochlin.views.shared.style import CURVES, STYLE
+from stochlin.views.shared.style import AS_GIVEN, CURVES, filled, styled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,6 +20,7 @@ NAME, CAPTION = 34, 105  # characters
 MARKERS = ("o", "s", "^", "D", "v", "P")
 
 
+@styled(AS_GIVEN)
 def draw_measures(dataset: xr.Dataset) -> Figure:
     """Draw the table of `stochlin.mitigate`.
 
@@ -43,7 +44,6 @@ def draw_measures(dataset: xr.Dataset) -> Figure:
         raise ValueError(
             f"dataset has the dimensions {tuple(dataset.dims)}; allowed: what mitigate returns"
         )
-    import matplotlib as mpl
     from matplotlib.figure import Figure
 
     recorded = "record" in dataset.dims
@@ -51,25 +51,24 @@ def draw_measures(dataset: xr.Dataset) -> Figure:
     foot = FOOT + LINE * (caption.count("\n") + 1)
     count = dataset.sizes["measure"]
     height = HEAD + ROW * (count + 0.6) + foot
-    with mpl.rc_context(STYLE | {"text.parse_math": False}):  # names are the user's
-        figure = Figure(figsize=(WIDTH, height))
-        end = MIDDLE if recorded else ALONE
-        box = (foot / height, ROW * (count + 0.6) / height)
-        gaps = figure.add_axes((NAMES, box[0], end - NAMES, box[1]))
-        _gaps(gaps, dataset)
-        panels = [gaps]
-        if recorded:
-            panels.append(figure.add_axes((MIDDLE + 0.03, box[0], LAST - MIDDLE - 0.03, box[1])))
-            _amplifications(panels[1], dataset)
-        for axes in panels:
-            axes.set_ylim(count - 0.4, -0.6)
-            axes.set_yticks(range(count))
-            axes.tick_params(labelleft=axes is gaps, length=0)
-            if axes.get_legend_handles_labels()[1]:
-                axes.legend(loc="lower left", bbox_to_anchor=(0, 1.0), borderaxespad=0.2, fontsize=7)
-        gaps.set_yticklabels([textwrap.shorten(str(n), NAME) for n in dataset.measure.values], size=7.5)
-        figure.text(0.02, 1 - 0.2 / height, dataset.attrs["title"], size=10)
-        figure.text(0.02, (foot - FOOT) / height, caption, va="top", size=7.5)
+    figure = Figure(figsize=(WIDTH, height))
+    end = MIDDLE if recorded else ALONE
+    box = (foot / height, ROW * (count + 0.6) / height)
+    gaps = figure.add_axes((NAMES, box[0], end - NAMES, box[1]))
+    _gaps(gaps, dataset)
+    panels = [gaps]
+    if recorded:
+        panels.append(figure.add_axes((MIDDLE + 0.03, box[0], LAST - MIDDLE - 0.03, box[1])))
+        _amplifications(panels[1], dataset)
+    for axes in panels:
+        axes.set_ylim(count - 0.4, -0.6)
+        axes.set_yticks(range(count))
+        axes.tick_params(labelleft=axes is gaps, length=0)
+        if axes.get_legend_handles_labels()[1]:
+            axes.legend(loc="lower left", bbox_to_anchor=(0, 1.0), borderaxespad=0.2, fontsize=7)
+    gaps.set_yticklabels([textwrap.shorten(str(n), NAME) for n in dataset.measure.values], size=7.5)
+    figure.text(0.02, 1 - 0.2 / height, dataset.attrs["title"], size=10)
+    figure.text(0.02, (foot - FOOT) / height, caption, va="top", size=7.5)
     return figure
 
 
@@ -131,4 +130,4 @@ def _caption(dataset: xr.Dataset) -> str:
     for one in (dataset.isel(measure=n) for n in range(dataset.sizes["measure"])):
         if one.kind.item() == "given":
             lines.append(f"{one.measure.item()}: {one.description.item()}")
-    return "\n".join(textwrap.fill(line, CAPTION, subsequent_indent="    ") for line in lines)
+    return filled(lines, CAPTION, "    ")

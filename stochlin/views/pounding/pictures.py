@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from stochlin.views.shared.style import CURVES, STYLE
+from stochlin.views.shared.style import AS_GIVEN, CURVES, filled, styled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,6 +33,7 @@ ENERGIES = (
 )
 
 
+@styled(AS_GIVEN)
 def draw_pound(dataset: xr.Dataset) -> Figure:
     """Draw one dataset of ``stochlin pound``.
 
@@ -52,7 +53,6 @@ def draw_pound(dataset: xr.Dataset) -> Figure:
     ValueError
         If the dataset is another one.
     """
-    import matplotlib as mpl
     from matplotlib.figure import Figure
 
     if "impact_time" not in dataset or "least_clearance" not in dataset:
@@ -65,29 +65,28 @@ def draw_pound(dataset: xr.Dataset) -> Figure:
     caption = _caption(dataset)
     foot = AXIS + LINE * (caption.count("\n") + 1) + 0.1
     height = HEAD + sum(heights) + BETWEEN * (len(heights) - 1) + AXIS * hits + foot
-    with mpl.rc_context(STYLE | {"text.parse_math": False}):  # names are the user's
-        figure = Figure(figsize=(WIDTH, height))
-        panels, top = [], height - HEAD
-        for number, one in enumerate(heights):
-            top -= one + (AXIS * hits if number == len(shown) + 2 else 0)
-            box = (LEFT, top / height, RIGHT - LEFT, one / height)
-            panels.append(figure.add_axes(box))
-            top -= BETWEEN
-        for axes, number in zip(panels, shown, strict=False):
-            _sides(axes, dataset, number)
-        _forces(panels[len(shown)], dataset, shown)
-        _energies(panels[len(shown) + 1], dataset)
-        for axes in panels[: len(shown) + 2]:
-            axes.set_xlim(float(dataset.time[0]), float(dataset.time[-1]))
-            axes.tick_params(labelbottom=axes is panels[len(shown) + 1])
-        if hits:
-            _close_up(panels[-1], dataset)
-        for axes in (one for one in panels if one.get_legend_handles_labels()[1]):
-            axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1.03), borderaxespad=0, fontsize=8)
-        for axes in {panels[len(shown) + 1], panels[-1]}:
-            axes.set_xlabel("time [s]")
-        figure.text(LEFT, 1 - 0.2 / height, dataset.attrs["title"], size=10)
-        figure.text(LEFT, (foot - AXIS) / height, caption, va="top", size=7.5)
+    figure = Figure(figsize=(WIDTH, height))
+    panels, top = [], height - HEAD
+    for number, one in enumerate(heights):
+        top -= one + (AXIS * hits if number == len(shown) + 2 else 0)
+        box = (LEFT, top / height, RIGHT - LEFT, one / height)
+        panels.append(figure.add_axes(box))
+        top -= BETWEEN
+    for axes, number in zip(panels, shown, strict=False):
+        _sides(axes, dataset, number)
+    _forces(panels[len(shown)], dataset, shown)
+    _energies(panels[len(shown) + 1], dataset)
+    for axes in panels[: len(shown) + 2]:
+        axes.set_xlim(float(dataset.time[0]), float(dataset.time[-1]))
+        axes.tick_params(labelbottom=axes is panels[len(shown) + 1])
+    if hits:
+        _close_up(panels[-1], dataset)
+    for axes in (one for one in panels if one.get_legend_handles_labels()[1]):
+        axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1.03), borderaxespad=0, fontsize=8)
+    for axes in {panels[len(shown) + 1], panels[-1]}:
+        axes.set_xlabel("time [s]")
+    figure.text(LEFT, 1 - 0.2 / height, dataset.attrs["title"], size=10)
+    figure.text(LEFT, (foot - AXIS) / height, caption, va="top", size=7.5)
     return figure
 
 
@@ -196,4 +195,4 @@ def _caption(dataset: xr.Dataset) -> str:
     ]
     gaps = ", ".join(f"{CENTIMETRES * float(gap):.3g}" for gap in np.atleast_1d(dataset.attrs["gaps"]))
     told.append(f"contact: {dataset.attrs['contact']}; gap {gaps} cm")
-    return "\n".join(textwrap.fill(line, CAPTION, subsequent_indent="    ") for line in told)
+    return filled(told, CAPTION, "    ")

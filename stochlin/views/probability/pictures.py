@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import textwrap
-from collections.abc import Callable
-from functools import wraps
 from itertools import cycle
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
 
-from stochlin.views.shared.style import CURVES, STYLE
+from stochlin.views.shared.style import CURVES, filled, legend_beside, styled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,20 +33,7 @@ SIZES = (
 )
 
 
-def _styled(draw: Callable[[Any], Figure]) -> Callable[[Any], Figure]:
-    """The function, drawing in the package's style."""
-
-    @wraps(draw)
-    def styled(data: Any) -> Figure:
-        import matplotlib as mpl
-
-        with mpl.rc_context(STYLE):
-            return draw(data)
-
-    return styled
-
-
-@_styled
+@styled()
 def draw_pounding(dataset: xr.Dataset) -> Figure:
     """Draw what `pounding_probability` returns for one pair and one gap, over time.
 
@@ -74,7 +58,7 @@ def draw_pounding(dataset: xr.Dataset) -> Figure:
             f"dataset has the dimensions {tuple(dataset.dims)}; allowed: a probability of pounding over "
             "time alone, so select one pair and one gap"
         )
-    figure = _figure()
+    figure = _captioned(dataset)
     upper, lower = figure.add_axes((0.1, 0.55, 0.6, 0.38)), figure.add_axes((0.1, 0.25, 0.6, 0.26))
     time = dataset.time.values
     _estimates(upper, dataset, stem, time)
@@ -91,11 +75,11 @@ def draw_pounding(dataset: xr.Dataset) -> Figure:
             axes.axvline(dataset.attrs["strong_shaking_end_s"], color="0.5", lw=0.8)
     for axes in (upper, lower):
         axes.set_xlim(time[0], time[-1])
-        axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1), borderaxespad=0)
-    return _with_words(figure, dataset)
+        legend_beside(axes)
+    return figure
 
 
-@_styled
+@styled()
 def draw_fragility(dataset: xr.Dataset) -> Figure:
     """Draw what `pounding_fragility` returns: probability over intensity, a curve for each of some gaps.
 
@@ -119,7 +103,7 @@ def draw_fragility(dataset: xr.Dataset) -> Figure:
             f"dataset has the dimensions {tuple(dataset.dims)}; allowed: a fragility, over intensity "
             "and gap"
         )
-    figure = _figure()
+    figure = _captioned(dataset)
     axes = figure.add_axes((0.1, 0.25, 0.6, 0.66))
     gaps = dataset.sizes["gap"]
     chosen = np.unique(np.linspace(0, gaps - 1, min(gaps, CURVES_AT_MOST)).astype(int))
@@ -140,11 +124,11 @@ def draw_fragility(dataset: xr.Dataset) -> Figure:
     axes.set_ylim(-0.02, 1.02)
     axes.set_xlabel(r"intensity $S_0$ [m$^2$/s$^3$]")
     axes.set_ylabel("probability of pounding")
-    axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1), borderaxespad=0)
-    return _with_words(figure, dataset)
+    legend_beside(axes)
+    return figure
 
 
-@_styled
+@styled()
 def draw_evolutionary_psd(density: xr.DataArray) -> Figure:
     """Draw what `evolutionary_psd` returns over ``time`` and ``frequency``.
 
@@ -166,27 +150,30 @@ def draw_evolutionary_psd(density: xr.DataArray) -> Figure:
         raise ValueError(f"density has the dimensions {density.dims}; allowed: time and frequency")
     from matplotlib import colormaps
 
-    figure = _figure()
+    roles = {role: density.attrs[role] for role in ("ground", "envelope") if role in density.attrs}
+    figure = _captioned(xr.Dataset(attrs={"title": "Evolutionary power spectral density", **roles}))
     axes = figure.add_axes((0.1, 0.25, 0.62, 0.66))
     values = density.transpose("frequency", "time")
-    filled = axes.contourf(density.time, density.frequency, values, levels=12, cmap=colormaps["Greys"])
+    shades = axes.contourf(density.time, density.frequency, values, levels=12, cmap=colormaps["Greys"])
     axes.set_xlabel("time [s]")
     axes.set_ylabel("circular frequency [rad/s]")
-    bar = figure.colorbar(filled, cax=figure.add_axes((0.75, 0.25, 0.025, 0.66)))
+    bar = figure.colorbar(shades, cax=figure.add_axes((0.75, 0.25, 0.025, 0.66)))
     bar.set_label(r"two-sided PSD [m$^2$/s$^3$]")
-    shown = xr.Dataset(
-        attrs={
-            "title": "Evolutionary power spectral density",
-            **{role: density.attrs[role] for role in ("ground", "envelope") if role in density.attrs},
-        }
-    )
-    return _with_words(figure, shown)
+    return figure
 
 
-def _figure() -> Figure:
+def _captioned(dataset: xr.Dataset) -> Figure:
+    """A figure that says of what it is."""
     from matplotlib.figure import Figure
 
-    return Figure(figsize=SIZE)
+    figure = Figure(figsize=SIZE)
+    figure.text(0.1, 0.95, dataset.attrs["title"], size=10)
+    roles = ("first", "second", "ground", "envelope", "envelope_model", "distance", "record")
+    caption = filled(
+        (f"{role}: {dataset.attrs[role]}" for role in roles if role in dataset.attrs), WIDTH
+    )
+    figure.text(0.1, 0.165, caption, va="top", size=7.5)
+    return figure
 
 
 def _estimates(axes: Axes, dataset: xr.Dataset, stem: str, x: np.ndarray) -> None:
@@ -201,12 +188,3 @@ def _estimates(axes: Axes, dataset: xr.Dataset, stem: str, x: np.ndarray) -> Non
     if simulated in dataset:
         band = dataset[f"{simulated}_lower"], dataset[f"{simulated}_upper"]
         axes.fill_between(x, *band, color="0.8", label="simulated, 95 %")
-
-
-def _with_words(figure: Figure, dataset: xr.Dataset) -> Figure:
-    figure.text(0.1, 0.95, dataset.attrs["title"], size=10)
-    roles = ("first", "second", "ground", "envelope", "envelope_model", "distance", "record")
-    lines = [f"{role}: {dataset.attrs[role]}" for role in roles if role in dataset.attrs]
-    caption = "\n".join(textwrap.fill(line, WIDTH) for line in lines)
-    figure.text(0.1, 0.165, caption, va="top", size=7.5)
-    return figure

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any, Literal
+import textwrap
+from collections.abc import Callable, Iterable
+from functools import wraps
+from typing import TYPE_CHECKING, Any, Literal, ParamSpec
 
 import numpy as np
 import xarray as xr
@@ -26,6 +29,7 @@ STYLE: Any = {
     "legend.frameon": False,
     "svg.hashsalt": "stochlin",  # the same input gives the same file
 }
+AS_GIVEN = STYLE | {"text.parse_math": False}  # where names are the user's
 # Dark to light, each with a dash of its own: told apart in colour, in grey and by line style.
 CURVES = (
     ("#1b1b1b", "-"),
@@ -42,6 +46,30 @@ NAMES = {
     "rho": r"correlation coefficient $\rho$",
     "amplification": "amplification D, inelastic / elastic",
 }
+
+
+Given = ParamSpec("Given")
+
+
+def styled(style: Any = STYLE) -> Callable[[Callable[Given, Figure]], Callable[Given, Figure]]:
+    """A decorator: the function draws in the package's style."""
+
+    def decorate(draw: Callable[Given, Figure]) -> Callable[Given, Figure]:
+        @wraps(draw)
+        def drawing(*args: Given.args, **kwargs: Given.kwargs) -> Figure:
+            import matplotlib as mpl
+
+            with mpl.rc_context(style):
+                return draw(*args, **kwargs)
+
+        return drawing
+
+    return decorate
+
+
+def filled(lines: Iterable[str], width: int, hang: str = "") -> str:
+    """The lines of a caption, none longer than so many characters."""
+    return "\n".join(textwrap.fill(line, width, subsequent_indent=hang) for line in lines)
 
 
 def ratio_ticks(axis: Axis, values: np.ndarray) -> None:

@@ -1,0 +1,17 @@
+"""What contact elements do, and the trace of a record."""
+
+from stochlin.analyses.records.variables import VARIABLES as RECORDS
+from stochlin.analyses.tables.labels import Variables
+
+VARIABLES: Variables = {
+    **RECORDS,
+    "velocity_over_frequency": ("m", "velocity over circular frequency"),
+    "restitution": ("1", "coefficient of restitution"),
+    "restitution_hertz_damp": ("1", "coefficient of restitution of the Hertz-damp contact"),
+    "contact_damping": ("1", "damping of the contact, as its element takes it"),
+    "scaled_contact_time": ("1", "contact time over (m v0^(1-n)/k)^(1/(n+1))"),
+    "scaled_time": ("1", "time over (m v0^(1-n)/k)^(1/(n+1))"),
+    "scaled_deformation": ("1", "deformation d over (m v0^2/k)^(1/(n+1))"),
+    "scaled_velocity": ("1", "rate of deformation over the approach velocity v0"),
+    "scaled_force": ("1", "contact force over k^(1/(n+1)) (m v0^2)^(n/(n+1))"),
+}

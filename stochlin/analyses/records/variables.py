@@ -1,0 +1,25 @@
+"""What recorded motions do to structures."""
+
+from stochlin.analyses.tables.labels import Variables
+
+VARIABLES: Variables = {
+    "displacement": ("m", "displacement relative to the ground"),
+    "velocity": ("m/s", "velocity relative to the ground"),
+    "z": ("1", "hysteretic displacement over yield displacement"),
+    "radius": ("m", "root of u^2 + (u'/w)^2"),
+    "displacement_max": ("m", "largest absolute displacement relative to the ground"),
+    "velocity_max": ("m/s", "largest absolute velocity relative to the ground"),
+    "acceleration_max": ("m/s^2", "largest absolute acceleration, ground included"),
+    "pseudo_velocity": ("m/s", "circular frequency times displacement_max"),
+    "pseudo_acceleration": ("m/s^2", "circular frequency squared times displacement_max"),
+    "pseudo_energy_radius": ("m", "largest root of u^2 + (u'/w)^2"),
+    "permanent_set": ("m", "displacement at rest after the motion"),
+    "peak": ("m", "largest absolute displacement"),
+    "separation": ("m", "largest displacement of the structure towards structure_2"),
+    "srss": ("m", "root of the sum of squares of the peaks"),
+    "separation_over_srss": ("1", "separation over SRSS of the peaks"),
+    "rho": ("1", "correlation coefficient of the displacements"),
+    "envelope": ("1", "envelope of the motion"),
+    "record_energy": ("1", "share of the record's energy so far"),
+    "envelope_energy": ("1", "share of the envelope's energy so far"),
+}

@@ -1,0 +1,19 @@
+"""Gaps by rule, and what is simulated of them."""
+
+from stochlin.analyses.simulation.variables import VARIABLES as SIMULATION
+from stochlin.analyses.tables.labels import Variables
+
+VARIABLES: Variables = {
+    **SIMULATION,
+    "gap": ("m", "gap between the structures"),
+    "gap_lower": ("m", "lower end of the answer's 95 % interval"),
+    "gap_upper": ("m", "upper end of the answer's 95 % interval"),
+    "error": ("1", "gap of the rule over that of the simulation, less one"),
+    "separation_samples": ("m", "largest displacement of structure 1 towards structure 2"),
+    "no_pounding_probability": ("1", "share of the simulated motions that the gap survives"),
+    "ductility": ("1", "mean peak displacement over yield displacement"),
+    "required_gap": ("m", "gap that keeps the confidence"),
+    "largest_reduction_factor": ("1", "reduction factor at which the gap just keeps the confidence"),
+    "largest_intensity": ("m^2/s^3", "intensity S0 at which the gap just keeps the confidence"),
+    "least_added_damping": ("1", "damping ratio to be added to both for the gap to keep the confidence"),
+}

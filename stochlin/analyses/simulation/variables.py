@@ -1,0 +1,23 @@
+"""What is simulated, beside what linearization finds."""
+
+from stochlin.analyses.linearization.variables import VARIABLES as LINEARIZATION
+from stochlin.analyses.tables.labels import Variables
+
+VARIABLES: Variables = {
+    **LINEARIZATION,
+    "rho": ("1", "correlation coefficient of the displacements"),
+    "displacement_std_standard_error": ("m", "standard error of the displacement's standard deviation"),
+    "rho_standard_error": ("1", "standard error of rho"),
+    "drift": ("1", "variance of the second half of the run less that of the first, in standard errors"),
+    "peak": ("m", "largest absolute displacement"),
+    "peak_positive": ("m", "largest displacement"),
+    "peak_negative": ("m", "largest displacement the other way"),
+    "separation": ("m", "largest displacement of the structure towards structure_2"),
+    "peak_positive_mean": ("m", "mean of the largest displacement"),
+    "peak_mean_standard_error": ("m", "standard error of peak_mean"),
+    "peak_positive_mean_standard_error": ("m", "standard error of peak_positive_mean"),
+    "separation_mean": ("m", "mean of the separation"),
+    "separation_mean_standard_error": ("m", "standard error of separation_mean"),
+    "separation_quantile": ("m", "separation not exceeded with this probability"),
+    "probability": ("1", "probability of exceeding the gap"),
+}
