@@ -36,7 +36,8 @@ autodoc_default_options = {
     "members": True,
     "inherited-members": True,
     # Of use to the analyses only.
-    "exclude-members": "arrays, block, closure, damping_coefficient, forcing, isel, kernel_parameters, "
+    "exclude-members": "arrays, beside_structures, block, closure, damping_coefficient, filter, filter_of, "
+    "isel, kernel_parameters, lone_filter, units, "
     "law_parameters, parameter_names, power, valid",
 }
 numpydoc_show_class_members = False
