@@ -15,7 +15,7 @@ from stochlin.kernels.basics.interpolation import Grid, interpolate
 from stochlin.kernels.correlation import tables as pair_tables
 from stochlin.kernels.correlation.tables import Codes, Side, pair_parameters, pair_table
 from stochlin.kernels.linearization.covariance import EquivalentSystem, own_covariance, pair_covariance
-from stochlin.kernels.linearization.filters import kanai_tajimi_forcing
+from stochlin.kernels.linearization.filters import KanaiTajimiFilter
 
 pytestmark = pytest.mark.oracle
 
@@ -35,7 +35,8 @@ def draw(rng, period, slip=None):
 def side(systems, soil, strides):
     """Structures of a table, with nothing known of their bias."""
     stacked = EquivalentSystem(*(np.array(column) for column in zip(*systems, strict=True)))
-    forcing = kanai_tajimi_forcing(stacked, np.float64(1), *(np.asarray(x, float) for x in soil))
+    ground = KanaiTajimiFilter.of(np.float64(1), *(np.asarray(x, float) for x in soil))
+    forcing = ground.forcing(stacked)
     sigma = np.sqrt(own_covariance(stacked, forcing).mu_mu)
     parameters = pair_parameters(stacked, forcing, sigma)
     count = len(systems)

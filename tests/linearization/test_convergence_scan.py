@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import stochlin as sl
-from stochlin.kernels.linearization.filters import kanai_tajimi_forcing
+from stochlin.kernels.linearization.filters import KanaiTajimiFilter
 from stochlin.kernels.linearization.fixed_point import solve_fixed_point
 from stochlin.models.laws import bilinear
 
@@ -98,7 +98,7 @@ def solve_from(start, structure, ground, uy):
         soil,
         start * np.stack([w, np.ones_like(w), np.ones_like(w)]),
         bilinear.gaussian,
-        lambda system, parameters: kanai_tajimi_forcing(system, *parameters),
+        lambda system, parameters: KanaiTajimiFilter.of(*parameters).forcing(system),
         1e-10,
         1e-12,
         200,

@@ -14,7 +14,7 @@ from stochlin.kernels.linearization.covariance import (
     own_covariance,
     pair_covariance,
 )
-from stochlin.kernels.linearization.filters import clough_penzien_forcing, kanai_tajimi_forcing
+from stochlin.kernels.linearization.filters import CloughPenzienFilter, KanaiTajimiFilter
 
 pytestmark = pytest.mark.oracle
 
@@ -28,9 +28,10 @@ def draw(rng, slip, relaxation):
 
 
 def forcing(system, filters):
-    parameters = [np.float64(x) for x in (1.0, *filters)]
-    law = kanai_tajimi_forcing if len(filters) == 2 else clough_penzien_forcing
-    return law(system, *parameters)
+    wg, xig, *high_pass = (np.float64(x) for x in filters)
+    ground = KanaiTajimiFilter.of(np.float64(1.0), wg, xig)
+    ground = CloughPenzienFilter.of(ground, *high_pass) if high_pass else ground
+    return ground.forcing(system)
 
 
 def errors(first, second, filters):

@@ -109,8 +109,11 @@ class Filter:
         """Correlations of the forcing with the structure's states."""
         if not self.states:
             return white_noise_forcing(system, self.intensity)
+        return self._forcing(self._correlations(system))
+
+    def _forcing(self, rows: Sequence[Array]) -> Forcing:
         output = self.arrays.output
-        return Forcing(*((output * row).sum(axis=-1) for row in self._correlations(system)))
+        return Forcing(*((output * row).sum(axis=-1) for row in rows))
 
     def later(self, system: EquivalentSystem, forcing: Forcing) -> Transform:
         """``s -> Int_0^inf E[f(t + tau) mu(t)] e^(-s tau) dtau``: what the ground remembers.
@@ -127,11 +130,9 @@ class Filter:
         """Forcing of the structure, and how it goes on."""
         if not self.states:
             return self.forcing(system), FreeMotion((), (), (), 0.0)
-        mu, velocity, slip = self._correlations(system)
-        output = self.arrays.output
-        forcing = Forcing(*((output * row).sum(axis=-1) for row in (mu, velocity, slip)))
-        with_z = list(np.moveaxis(mu - slip, -1, 0))
-        return forcing, FreeMotion(self.matrix, self.output, with_z, self.fastest)
+        rows = self._correlations(system)
+        with_z = list(np.moveaxis(rows[0] - rows[2], -1, 0))
+        return self._forcing(rows), FreeMotion(self.matrix, self.output, with_z, self.fastest)
 
     def _correlations(self, system: EquivalentSystem) -> tuple[Array, ...]:
         """Of ``mu``, ``mu'`` and ``y`` with the states (..., m): ``A C + C F' + b E[f q'] = 0``."""
@@ -189,6 +190,7 @@ def stationary(matrix: Array, noise: Array) -> Array:
     m = noise.shape[1]
     both = np.concatenate([matrix.reshape(-1, m * m), noise], axis=1)
     alike, which = np.unique(both, axis=0, return_inverse=True)
+    alike[~np.isfinite(alike).all(axis=1)] = 0.0
     matrix, noise = alike[:, : m * m].reshape(-1, m, m), alike[:, m * m :]
     stable = np.linalg.eigvals(matrix).real.max(axis=-1) < 0
     safe = np.where(stable[:, None, None], matrix, -np.eye(m))
@@ -269,42 +271,11 @@ def white_noise_forcing(system: EquivalentSystem, intensity: Array) -> Forcing:
     return Forcing(zero, np.pi * intensity + zero, zero)
 
 
-def kanai_tajimi_forcing(
-    system: EquivalentSystem, intensity: Array, frequency: Array, damping_ratio: Array
-) -> Forcing:
-    """Forcing correlations under ``f = wg^2 xg + 2 xig wg xg'``, eqs. (11) and (12)."""
-    soil = FilterOscillator(frequency**2, 2 * damping_ratio * frequency)
-    with_forcing = (np.pi * intensity / soil.damping, np.pi * intensity)
-    rows = _sylvester(system, soil, _NOTHING, with_forcing, _NOTHING)
-    return Forcing(*(soil.stiffness * row[0] + soil.damping * row[1] for row in rows))
-
-
 class GroundRows(NamedTuple):
     """Correlations of a structure's ``(mu, mu', y)`` with what drives it, on Clough-Penzien ground."""
 
     signal: tuple[Array, Array, Array]  # with the soil's signal, which drives the high-pass oscillator
     layer: tuple[Pair, Pair, Pair]  # with the high-pass oscillator's displacement and velocity
-
-
-def clough_penzien_forcing(
-    system: EquivalentSystem,
-    intensity: Array,
-    frequency: Array,
-    damping_ratio: Array,
-    high_pass_frequency: Array,
-    high_pass_damping: Array,
-) -> Forcing:
-    """Forcing correlations under ``f = xf''``, with ``xf`` driven by the Kanai-Tajimi signal."""
-    rows = clough_penzien_rows(
-        system, intensity, frequency, damping_ratio, high_pass_frequency, high_pass_damping
-    )
-    stiffness, damping = high_pass_frequency**2, 2 * high_pass_damping * high_pass_frequency
-    return Forcing(
-        *(
-            signal - stiffness * row[0] - damping * row[1]
-            for signal, row in zip(rows.signal, rows.layer, strict=True)
-        )
-    )
 
 
 def clough_penzien_rows(
@@ -315,7 +286,7 @@ def clough_penzien_rows(
     high_pass_frequency: Array,
     high_pass_damping: Array,
 ) -> GroundRows:
-    """What `clough_penzien_forcing` is made of.
+    """What the forcing ``f = xf''``, with ``xf`` driven by the Kanai-Tajimi signal, is made of.
 
     The high-pass oscillator is itself a linear structure on Kanai-Tajimi ground, and the
     filter cascade is block triangular: two solves of the same kind, one after the other.
@@ -362,8 +333,11 @@ class KanaiTajimiFilter(Filter):
         return self.frequency
 
     def forcing(self, system: EquivalentSystem) -> Forcing:
-        """Correlations of the forcing with the structure's states."""
-        return kanai_tajimi_forcing(system, self.intensity, self.frequency, self.damping)
+        """Under ``f = wg^2 xg + 2 xig wg xg'``, eqs. (11) and (12)."""
+        soil = FilterOscillator(*self.output)
+        with_forcing = (np.pi * self.intensity / soil.damping, np.pi * self.intensity)
+        rows = _sylvester(system, soil, _NOTHING, with_forcing, _NOTHING)
+        return Forcing(*(soil.stiffness * row[0] + soil.damping * row[1] for row in rows))
 
     def later(self, system: EquivalentSystem, forcing: Forcing) -> Transform:
         """By stationarity ``d/dtau E[f mu] = -E[f mu']`` at ``tau = 0``."""
@@ -408,8 +382,15 @@ class CloughPenzienFilter(Filter):
         return self.intensity, self.soil.frequency, self.soil.damping, self.frequency, self.damping
 
     def forcing(self, system: EquivalentSystem) -> Forcing:
-        """Correlations of the forcing with the structure's states."""
-        return clough_penzien_forcing(system, *self._parameters)
+        """Under ``f = xf''``, from its parts."""
+        rows = clough_penzien_rows(system, *self._parameters)
+        stiffness, damping = self.frequency**2, 2 * self.damping * self.frequency
+        return Forcing(
+            *(
+                signal - stiffness * row[0] - damping * row[1]
+                for signal, row in zip(rows.signal, rows.layer, strict=True)
+            )
+        )
 
     def later(self, system: EquivalentSystem, forcing: Forcing) -> Transform:
         """The soil's signal moves freely and drives the high-pass oscillator."""

@@ -56,7 +56,7 @@ def filter_steps(matrix: Array, noise: Array, output: Array, intensity: float, d
 def ground_block(xi, q, transition, gain, row, direct, cascade, f):  # type: ignore[no-untyped-def]
     """Mean forcing of each step, ``f`` (steps, LANES), from normal numbers; moves ``q`` on.
 
-    Written out for one oscillator and for two in a cascade: SPEEDUP times as fast as the loop.
+    Written out for one oscillator and for two in a cascade: six to nine times as fast as the loop.
     """
     if q.shape[0] == 2:
         _one_oscillator(xi, q, transition, gain, row, direct, f)
@@ -71,15 +71,17 @@ def _any_states(xi, q, transition, gain, row, direct, f):  # type: ignore[no-unt
     """Any number of states; none is white noise."""
     f[:] = direct * xi
     moved = np.empty_like(q)
-    for s in range(xi.shape[0]):
+    for s in range(xi.shape[0] if q.shape[0] else 0):
+        number, force = xi[s], f[s]
         for i in range(q.shape[0]):
+            state, new, weight, kick = q[i], moved[i], row[i], gain[i]
             for lane in range(LANES):
-                f[s, lane] += row[i] * q[i, lane]
-                moved[i, lane] = gain[i] * xi[s, lane]
+                force[lane] += weight * state[lane]
+                new[lane] = kick * number[lane]
             for j in range(q.shape[0]):
-                part = transition[i, j]
+                other, part = q[j], transition[i, j]
                 for lane in range(LANES):
-                    moved[i, lane] += part * q[j, lane]
+                    new[lane] += part * other[lane]
         q[:] = moved
 
 

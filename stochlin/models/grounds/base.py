@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -50,7 +51,11 @@ class Ground(Model):
 
     def filter_of(self, rows: Iterable[Array]) -> Filter:
         """The filter of cells, with ``rows`` in the order of `arrays`."""
-        return self.filter(dict(zip(self.arrays(), rows, strict=True)))
+        return self.filter(dict(zip(self._given, rows, strict=True)))
+
+    @cached_property
+    def _given(self) -> tuple[str, ...]:
+        return tuple(self.arrays())
 
     def lone_filter(self) -> Filter:
         """The filter where every parameter is one number."""
