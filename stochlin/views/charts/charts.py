@@ -55,7 +55,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     Parameters
     ----------
     dataset : xarray.Dataset
-        As the functions of `stochlin.charts` make them, from memory or from file. The attribute
+        As the functions of ``stochlin.charts`` make them, from memory or from file. The attribute
         ``chart`` says what kind of picture it becomes.
 
     Returns

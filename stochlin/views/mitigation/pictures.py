@@ -22,23 +22,10 @@ MARKERS = ("o", "s", "^", "D", "v", "P")
 
 @styled(AS_GIVEN)
 def draw_measures(dataset: xr.Dataset) -> Figure:
-    """Draw the table of `stochlin.mitigate`.
+    """Draw the table of `stochlin.mitigate`, from memory or from file.
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        As `stochlin.mitigate` returns it, from memory or from file.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        A line a measure: the gap that keeps the confidence with its interval, against the gap there is;
-        where there are records, beside it the amplification of both buildings.
-
-    Raises
-    ------
-    ValueError
-        If the dataset is another one.
+    A line a measure: the gap that keeps the confidence with its interval, against the gap there is;
+    where there are records, beside it the amplification of both buildings.
     """
     if "required_gap" not in dataset or "measure" not in dataset.dims:
         raise ValueError(

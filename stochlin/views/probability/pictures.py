@@ -35,22 +35,9 @@ SIZES = (
 
 @styled()
 def draw_pounding(dataset: xr.Dataset) -> Figure:
-    """Draw what `pounding_probability` returns for one pair and one gap, over time.
+    """Draw what `pounding_probability` returns for one pair and one gap, over ``time`` alone.
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Over ``time`` alone.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Confidence of no pounding above, standard deviations or radii below.
-
-    Raises
-    ------
-    ValueError
-        If there are other dimensions.
+    Confidence of no pounding above, standard deviations or radii below.
     """
     stem = "confidence_of_no_pounding"
     if stem not in dataset or dataset[stem].dims != ("time",):
@@ -81,22 +68,7 @@ def draw_pounding(dataset: xr.Dataset) -> Figure:
 
 @styled()
 def draw_fragility(dataset: xr.Dataset) -> Figure:
-    """Draw what `pounding_fragility` returns: probability over intensity, a curve for each of some gaps.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Over ``intensity`` and ``gap``.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    ValueError
-        If the dimensions are others.
-    """
+    """Draw what `pounding_fragility` returns: probability over intensity, a curve a gap."""
     name = "pounding_probability"
     if name not in dataset or set(dataset[name].dims) != {"intensity", "gap"}:
         raise ValueError(
@@ -130,22 +102,7 @@ def draw_fragility(dataset: xr.Dataset) -> Figure:
 
 @styled()
 def draw_evolutionary_psd(density: xr.DataArray) -> Figure:
-    """Draw what `evolutionary_psd` returns over ``time`` and ``frequency``.
-
-    Parameters
-    ----------
-    density : xarray.DataArray
-        Over ``time`` and ``frequency`` alone.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    ValueError
-        If the dimensions are others.
-    """
+    """Draw what `evolutionary_psd` returns over ``time`` and ``frequency`` alone."""
     if set(density.dims) != {"time", "frequency"}:
         raise ValueError(f"density has the dimensions {density.dims}; allowed: time and frequency")
     from matplotlib import colormaps

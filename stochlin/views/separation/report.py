@@ -36,18 +36,7 @@ class Picture(NamedTuple):
 
 
 def report_page(answer: CaseAnswer) -> str:
-    """The page of an answer.
-
-    Parameters
-    ----------
-    answer : CaseAnswer
-        As `stochlin.analyses.cases.separation.answer_case` gives it.
-
-    Returns
-    -------
-    str
-        HTML with its pictures and its style within; all text of the case file is escaped.
-    """
+    """The page of an answer: HTML with pictures and style within; text of the case file is escaped."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
