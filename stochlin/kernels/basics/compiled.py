@@ -1,6 +1,27 @@
 """How code is compiled: the decorators of all kernels, and what they need.
 
-PLACE FOR FIGURES
+================  ==================================================================================
+`entry`           called from Python; kept in numba's cache, see `version_of`
+`entry_of_sums`   an entry whose sums may be taken in any order, in vector registers
+`compiled`        called from compiled code
+`called_often`    so short that handing over its arguments takes longer than the work: LLVM inlines it
+`inlined`         called in one place only: numba inlines it, and LLVM need not go over it at each level
+================  ==================================================================================
+
+`borrow` takes away the counting. numba counts a reference whenever an array is taken out of a tuple,
+which in a function of a microsecond is most of the time.
+
+Each of the three strange ones is worth it: `pound` takes, in processor time and with one left out
+(a pair of ten storeys; oscillators on a Kelvin element; on a Hertz one),
+
+================  ============================  ========================
+left out          time of a run                 time of its compilation
+================  ============================  ========================
+`borrow`          3.6, 3.7 and 3.8 times        1.15 times
+`called_often`    1.4, 1.6 and 1.6 times        0.96 times
+`inlined`         1.6, 1.8 and 1.7 times        1.4 times
+all three         4.0, 4.2 and 4.3 times        1.13 times
+================  ============================  ========================
 """
 
 from __future__ import annotations

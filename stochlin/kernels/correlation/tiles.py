@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stochlin.kernels.basics.compiled import compiled, inlined
+from stochlin.kernels.basics.compiled import compiled
 
 LANES = 128  # cells of a tile: both structures of each then fit the first-level cache
 PARAMETERS = 19  # of a structure, as `pair_tables.pair_parameters` lists them
@@ -128,7 +128,7 @@ def rho_of_tile(one, two, cells_1, cells_2, a, b, loaded, out):
     _correlations(a, b, out)
 
 
-@inlined
+@compiled
 def _bracket(axes, d, size, x, low):
     """The interval of ``x`` on axis ``d``, sought from ``low`` on; -1 outside."""
     if not axes[d, 0] - ROUNDING <= x <= axes[d, size - 1] + ROUNDING:
@@ -140,7 +140,7 @@ def _bracket(axes, d, size, x, low):
     return low
 
 
-@inlined
+@compiled
 def _share(axes, d, low, x):
     x = min(max(x, axes[d, low]), axes[d, low + 1])
     return (x - axes[d, low]) / (axes[d, low + 1] - axes[d, low])
