@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from opensees_loader import opensees_or_none
+from opensees_models import new_model, opensees_or_none, shake
 
 import stochlin as sl
 from stochlin.kernels.basics.arrays import Array
@@ -52,8 +52,7 @@ def seconds(task: Callable[[], object]) -> float:
 
 def opensees(ops: Any, pair: list[sl.ShearBuilding], record: Array, step: float) -> tuple[float, Array]:
     """Time of the analysis alone, one call for the motion, and the last displacements of the roofs."""
-    ops.wipe()
-    ops.model("basic", "-ndm", 1, "-ndf", 1)
+    new_model(ops)
     ops.uniaxialMaterial("ElasticPPGap", 1, BUMPER, -1e15, -GAP, 0.0)
     for b, each in enumerate(pair):
         base = 100 * (b + 1)
@@ -79,15 +78,7 @@ def opensees(ops: Any, pair: list[sl.ShearBuilding], record: Array, step: float)
                 ops.element("zeroLength", tag, base + j + 1, base + i + 1, "-mat", tag, "-dir", 1)
     for i in range(STOREYS):
         ops.element("zeroLength", 50_000 + i, 101 + i, 201 + i, "-mat", 1, "-dir", 1)
-    ops.timeSeries("Path", 1, "-dt", DT, "-values", *record, 0.0)
-    ops.pattern("UniformExcitation", 1, 1, "-accel", 1)
-    ops.constraints("Plain")
-    ops.numberer("RCM")
-    ops.system("BandGeneral")
-    ops.test("NormDispIncr", 1e-10, 50)
-    ops.algorithm("Newton")
-    ops.integrator("Newmark", 0.5, 0.25)
-    ops.analysis("Transient")
+    shake(ops, record, DT, ("NormDispIncr", 1e-10, 50), "RCM", "BandGeneral")
     roofs = np.zeros(2)
     begin = time.perf_counter()
     if ops.analyze(round(DURATION / step), step) != 0:

@@ -13,7 +13,7 @@ from typing import Any
 from unittest import mock
 
 import numpy as np
-from opensees_loader import opensees_or_none
+from opensees_models import add_oscillators, new_model, opensees_or_none, shake
 
 import stochlin as sl
 from stochlin.analyses.simulation.ensembles import Run, cells_of_all, prepare
@@ -126,26 +126,9 @@ def opensees_rate(ops: Any) -> float:
     motion = 3 * np.random.default_rng(0).standard_normal(OPENSEES_STEPS + 1)
 
     def build() -> None:
-        ops.wipe()
-        ops.model("basic", "-ndm", 1, "-ndf", 1)
-        for n, period in enumerate((1.0, 2.0)):
-            w = 2 * np.pi / period
-            ops.node(2 * n, 0.0)
-            ops.node(2 * n + 1, 0.0)
-            ops.fix(2 * n, 1)
-            ops.mass(2 * n + 1, 1.0)
-            ops.uniaxialMaterial("Steel01", 2 * n, 0.02 * w**2, w**2, 0.05)
-            ops.uniaxialMaterial("Viscous", 2 * n + 1, 0.1 * w, 1.0)
-            ops.element("zeroLength", n, 2 * n, 2 * n + 1, "-mat", 2 * n, 2 * n + 1, "-dir", 1, 1)
-        ops.timeSeries("Path", 1, "-dt", dt, "-values", *motion, 0.0)
-        ops.pattern("UniformExcitation", 1, 1, "-accel", 1)
-        ops.constraints("Plain")
-        ops.numberer("Plain")
-        ops.system("FullGeneral")
-        ops.test("NormUnbalance", 1e-9, 20)
-        ops.algorithm("Newton")
-        ops.integrator("Newmark", 0.5, 0.25)
-        ops.analysis("Transient")
+        new_model(ops)
+        add_oscillators(ops, (1.0, 2.0), (1.0, 1.0), (0.02, 0.02), 0.05, 0.05)
+        shake(ops, motion, dt, ("NormUnbalance", 1e-9, 20))
 
     times = []
     for _ in range(REPEATS):

@@ -40,8 +40,8 @@ autodoc_default_options = {
     "members": True,
     "inherited-members": True,
     # Of use to the analyses only.
-    "exclude-members": "arrays, beside_structures, block, closure, closures, damping_coefficient, filter, "
-    "filter_of, force_law, forcing, isel, kinds, law, law_parameters, lone_filter, own_parameters, "
+    "exclude-members": "arrays, beside_structures, block, closure, closures, damping_coefficient, "
+    "filter, filter_of, force_law, forcing, isel, kinds, law, law_parameters, lone_filter, own_parameters, "
     "parameter_names, power, symbolic, units, valid",
 }
 numpydoc_show_class_members = False

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from hypothesis import settings
-from opensees_loader import load_opensees
+from opensees_models import load_opensees
 
 # Examples follow from the test alone, and a slow machine does not make a test fail.
 settings.register_profile("stochlin", deadline=None, derandomize=True, max_examples=60, database=None)

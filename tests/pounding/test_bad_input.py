@@ -7,6 +7,8 @@ import pytest
 import xarray as xr
 
 import stochlin as sl
+from stochlin.analyses.pounding.rows import build_row
+from stochlin.kernels.pounding import run as kernel
 
 pytestmark = pytest.mark.invariant
 
@@ -15,6 +17,10 @@ ONE = sl.Bilinear(1.0, 0.05, mass=2e5)
 TWO = sl.Bilinear(0.5, 0.05, mass=3e5)
 TIME = 0.02 * np.arange(100)
 MOTION = xr.DataArray(np.sin(6 * TIME), dims="time", coords={"time": TIME})
+
+
+class Pinched(sl.Bilinear):
+    """Of another law: what is derived from a structure may bend as it likes."""
 
 
 def tower(heights, **other):
@@ -27,6 +33,11 @@ def tower(heights, **other):
         ({"structures": [ONE]}, ValueError, "at least two"),
         ({"structures": ONE}, ValueError, "at least two"),
         ({"structures": [ONE, 3]}, TypeError, "number 2 = 3.*allowed: Bilinear"),
+        (
+            {"structures": [ONE, Pinched(0.5, 0.05, mass=3e5)]},
+            TypeError,
+            "number 2 = Pinched.*allowed: Bilinear, BoucWen, ShearBuilding; .*there are separation and",
+        ),
         ({"structures": [ONE, sl.Bilinear(1.0, 0.05)]}, ValueError, "number 2: mass is not given"),
         (
             {"structures": [ONE, sl.Bilinear([1.0, 2.0], 0.05, mass=1e5)]},
@@ -146,3 +157,10 @@ def test_cells_out_of_range_are_left_out_of_an_estimate():
     alone = sl.pounding_estimate(ONE, TWO, 0.02, CONTACT, 0.1, 0.1)
     found = float(hit.largest_radius_amplification_2[2])
     assert found == float(alone.largest_radius_amplification_2)
+
+
+def test_compiled_code_refuses_a_law_that_it_does_not_know():
+    row, _ = build_row([ONE, TWO], np.array([0.01]), CONTACT, MOTION.to_numpy(), [None])
+    motion = kernel.Motion(MOTION.to_numpy(), 0.02, np.array([0]), np.array([0.0]))
+    with pytest.raises(ValueError, match=r"law = \[0 3\] .* allowed: \[0, 1, 2\]"):
+        kernel.run(row._replace(law=np.array([0, 3])), motion)

@@ -10,8 +10,8 @@ from hypothesis import given
 import stochlin as sl
 from stochlin.kernels.pounding import contact as forces
 from stochlin.kernels.pounding import run as kernel
+from stochlin.kernels.pounding.contact import CLOSED, OPENING
 from stochlin.kernels.pounding.impacts import AFTER, APPROACH, BEFORE, BEGIN, END, LARGEST
-from stochlin.kernels.pounding.rows import CLOSED, OPENING
 
 pytestmark = pytest.mark.oracle
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import xarray as xr
+from opensees_models import add_oscillators, new_model, shake
 
 import stochlin as sl
 
@@ -26,36 +27,18 @@ def record(samples=800):
 
 def peaks_in_opensees(ops, acceleration, damper):
     """Largest displacements of the pair; compression, and with it the gap, is negative there."""
-    ops.wipe()
-    ops.model("basic", "-ndm", 1, "-ndf", 1)
-    for n, (period, mass, uy) in enumerate(zip(PERIODS, MASSES, YIELD, strict=True), start=1):
-        w = 2 * np.pi / period
-        base, top, spring, dashpot = 10 * n, 10 * n + 1, 2 * n, 2 * n + 1
-        ops.node(base, 0.0)
-        ops.node(top, 0.0)
-        ops.fix(base, 1)
-        ops.mass(top, mass)
-        ops.uniaxialMaterial("Steel01", spring, mass * w**2 * uy, mass * w**2, HARDENING)
-        ops.uniaxialMaterial("Viscous", dashpot, 2 * DAMPING * w * mass, 1.0)
-        ops.element("zeroLength", n, base, top, "-mat", spring, dashpot, "-dir", 1, 1)
+    new_model(ops)
+    tops = add_oscillators(ops, PERIODS, MASSES, YIELD, DAMPING, HARDENING)
     if damper:
         ops.uniaxialMaterial("ViscoelasticGap", 9, STIFFNESS, damper, -GAP)
     else:
         ops.uniaxialMaterial("ElasticPPGap", 9, STIFFNESS, -1e12, -GAP, 0.0)
-    ops.element("zeroLength", 9, 11, 21, "-mat", 9, "-dir", 1)
-    ops.timeSeries("Path", 1, "-dt", DT, "-values", *acceleration, 0.0)  # a sample beyond the end
-    ops.pattern("UniformExcitation", 1, 1, "-accel", 1)
-    ops.constraints("Plain")
-    ops.numberer("Plain")
-    ops.system("FullGeneral")
-    ops.test("NormDispIncr", 1e-12, 50)
-    ops.algorithm("Newton")
-    ops.integrator("Newmark", 0.5, 0.25)
-    ops.analysis("Transient")
+    ops.element("zeroLength", 9, *tops, "-mat", 9, "-dir", 1)
+    shake(ops, acceleration, DT, ("NormDispIncr", 1e-12, 50))
     most = np.zeros(2)
     for _ in range(round((len(acceleration) - 1) * DT / STEP)):
         assert ops.analyze(1, STEP) == 0
-        most = np.maximum(most, [abs(ops.nodeDisp(11, 1)), abs(ops.nodeDisp(21, 1))])
+        most = np.maximum(most, [abs(ops.nodeDisp(top, 1)) for top in tops])
     return most
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from opensees_models import add_oscillators, new_model, shake
 
 from stochlin.kernels.simulation.stepping import LANES, bilinear_block
 
@@ -27,31 +28,13 @@ def ground_acceleration():
 
 def displacements_in_opensees(ops, acceleration):
     """Nodal displacements (2, STEPS): a spring of Steel01 beside a dashpot for each unit mass."""
-    ops.wipe()
-    ops.model("basic", "-ndm", 1, "-ndf", 1)
-    for n, (period, uy) in enumerate(zip(PERIODS, YIELD, strict=True), start=1):
-        w = 2 * np.pi / period
-        base, top, spring, dashpot = 10 * n, 10 * n + 1, 2 * n, 2 * n + 1
-        ops.node(base, 0.0)
-        ops.node(top, 0.0)
-        ops.fix(base, 1)
-        ops.mass(top, 1.0)
-        ops.uniaxialMaterial("Steel01", spring, w**2 * uy, w**2, HARDENING)
-        ops.uniaxialMaterial("Viscous", dashpot, 2 * DAMPING * w, 1.0)
-        ops.element("zeroLength", n, base, top, "-mat", spring, dashpot, "-dir", 1, 1)
-    ops.timeSeries("Path", 1, "-dt", DT, "-values", *acceleration, 0.0)  # a sample beyond the end
-    ops.pattern("UniformExcitation", 1, 1, "-accel", 1)
-    ops.constraints("Plain")
-    ops.numberer("Plain")
-    ops.system("FullGeneral")
-    ops.test("NormUnbalance", 1e-12, 50)
-    ops.algorithm("Newton")
-    ops.integrator("Newmark", 0.5, 0.25)  # average acceleration
-    ops.analysis("Transient")
+    new_model(ops)
+    tops = add_oscillators(ops, PERIODS, (1.0, 1.0), YIELD, DAMPING, HARDENING)
+    shake(ops, acceleration, DT, ("NormUnbalance", 1e-12, 50))
     found = np.empty((2, STEPS))
     for s in range(STEPS):
         assert ops.analyze(1, DT) == 0
-        found[:, s] = [ops.nodeDisp(10 * n + 1, 1) for n in (1, 2)]
+        found[:, s] = [ops.nodeDisp(top, 1) for top in tops]
     return found
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -22,6 +22,9 @@ from stochlin.models.parameters import Model, expect
 from stochlin.models.structures import Structure
 
 Building = Structure | ShearBuilding
+
+# Laws of storeys that yield. One of a kind that is derived from these may be any other.
+LAWS: Mapping[type, int] = {Bilinear: BILINEAR, BoucWen: BOUC_WEN, ShearBuilding: BILINEAR}
 
 ALIGNED = 0.05  # [m]: floors whose levels differ by less meet
 SLOW = 1e-3  # of the velocity that the motion can give the stiffest structure in a quarter period
@@ -54,12 +57,14 @@ def checked_buildings(structures: Sequence[Building]) -> list[Building]:
         raise ValueError(f"structures = {structures!r}; allowed: a list of at least two, left to right")
     for number, structure in enumerate(structures, start=1):
         role = f"structures, number {number}"
+        if type(structure) not in LAWS:
+            raise TypeError(
+                f"{role} = {structure!r} is of the wrong kind; allowed: "
+                f"{', '.join(kind.__name__ for kind in LAWS)}; for structures of another law there are "
+                "separation and simulate"
+            )
         if isinstance(structure, ShearBuilding):
             continue
-        if not isinstance(structure, (Bilinear, BoucWen)):
-            raise TypeError(
-                f"{role} = {structure!r} is of the wrong kind; allowed: Bilinear, BoucWen, ShearBuilding"
-            )
         _only_numbers(structure, role)
         if structure.mass is None:
             raise ValueError(f"{role}: mass is not given; pounding needs it, in kg")
@@ -220,16 +225,15 @@ def _stack(structure: Building) -> Stack:
     hardening = float(values.get("hardening", 1.0))
     if isinstance(structure, ShearBuilding):
         strength = np.broadcast_to(values.get("yield_drifts", np.inf), values["masses"].shape)
-        law = BILINEAR if "yield_drifts" in values else ELASTIC
+        law = LAWS[type(structure)] if "yield_drifts" in values else ELASTIC
         damping = structure.damping_matrix()
         stiffness = values["stiffnesses"]
         return Stack(values["masses"], stiffness, hardening, strength, law, (0.0, 0.0, 1.0), damping)
     mass, w = values["mass"].reshape(1), 2 * np.pi / values["period"]
     strength = np.atleast_1d(values.get("yield_displacement", np.inf)).astype(float)
-    law = ELASTIC if not structure.yields else BILINEAR
+    law = LAWS[type(structure)] if structure.yields else ELASTIC
     shape = (0.0, 0.0, 1.0)
-    if isinstance(structure, BoucWen) and structure.yields:
-        law = BOUC_WEN
+    if law == BOUC_WEN:
         shape = (float(values["beta"]), float(values["gamma"]), float(values["exponent"]))
     damping = (2 * values["damping"] * w * mass).reshape(1, 1)
     return Stack(

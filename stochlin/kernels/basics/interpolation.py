@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numba as nb
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.compiled import entry
 
 ROUNDING = 1e-9  # by which a point may miss the end of an axis
 
@@ -29,8 +29,8 @@ class Grid(NamedTuple):
         return cls(padded, np.array(values.shape), flat)
 
 
-@nb.njit(nogil=True, cache=True, error_model="numpy")
-def interpolate(axes, sizes, values, points, out):  # type: ignore[no-untyped-def]
+@entry
+def interpolate(axes, sizes, values, points, out):
     """Interpolate at ``points`` (d, n) into ``out`` (n,); NaN outside and where a point is NaN."""
     dimensions, count = points.shape
     share = np.empty(dimensions)

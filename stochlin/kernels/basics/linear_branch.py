@@ -9,17 +9,15 @@ polynomial from an interval: of a displacement, a velocity, or a distance betwee
 
 from __future__ import annotations
 
-import numba as nb
+from stochlin.kernels.basics.compiled import compiled
 
 LONGEST = 1 / 3  # w h; damping D = 2 xi w h is then below 2/3
 TERMS = 18  # the first term left out is below (2/3)^18 / 18!, 1e-19
 MARKS = 8  # roots of one polynomial between 0 and 1: at most 4 are sought
 
-jit = nb.njit(nogil=True, error_model="numpy")
 
-
-@jit
-def expand(c, velocity, push, slope, damping, stiffness):  # type: ignore[no-untyped-def]
+@compiled
+def expand(c, velocity, push, slope, damping, stiffness):
     """Taylor coefficients ``c`` (TERMS,) of ``x(t)`` with ``x(0) = 0``, ``x'(0) = velocity``."""
     c[0] = 0.0
     c[1] = velocity
@@ -29,8 +27,8 @@ def expand(c, velocity, push, slope, damping, stiffness):  # type: ignore[no-unt
         c[n] = -(damping * (n - 1) * c[n - 1] + stiffness * c[n - 2]) / (n * (n - 1))
 
 
-@jit
-def evaluate(c, t):  # type: ignore[no-untyped-def]
+@compiled
+def evaluate(c, t):
     """Value and derivative of the polynomial at ``t``."""
     value, rate = c[TERMS - 1], 0.0
     for n in range(TERMS - 2, -1, -1):
@@ -39,8 +37,8 @@ def evaluate(c, t):  # type: ignore[no-untyped-def]
     return value, rate
 
 
-@jit
-def transition(damping, stiffness, c):  # type: ignore[no-untyped-def]
+@compiled
+def transition(damping, stiffness, c):
     """Displacement and velocity after one sub-step, per unit of velocity, push and slope."""
     expand(c, 1.0, 0.0, 0.0, damping, stiffness)
     xv, vv = evaluate(c, 1.0)
@@ -51,8 +49,8 @@ def transition(damping, stiffness, c):  # type: ignore[no-untyped-def]
     return xv, xp, xs, vv, vp, vs
 
 
-@jit
-def first_exit(c, lower, upper, end, rows, marks):  # type: ignore[no-untyped-def]
+@compiled
+def first_exit(c, lower, upper, end, rows, marks):
     """Time at which the polynomial first leaves the interval, and by which side: 1, -1, or 0 for never.
 
     The polynomial is monotone between the roots of its derivative, and so is that between those of
@@ -80,8 +78,8 @@ def first_exit(c, lower, upper, end, rows, marks):  # type: ignore[no-untyped-de
     return end, 0
 
 
-@jit
-def _roots(c, end, breaks, count, found):  # type: ignore[no-untyped-def]
+@compiled
+def _roots(c, end, breaks, count, found):
     """Roots of a polynomial that is monotone between ``breaks``; returns their number."""
     number, lo, before = 0, 0.0, evaluate(c, 0.0)[0]
     for i in range(count + 1):
@@ -95,8 +93,8 @@ def _roots(c, end, breaks, count, found):  # type: ignore[no-untyped-def]
     return number
 
 
-@jit
-def _root(c, target, lo, hi, rising):  # type: ignore[no-untyped-def]
+@compiled
+def _root(c, target, lo, hi, rising):
     """Where the polynomial passes the target, by Newton's method kept inside its bracket."""
     t = 0.5 * (lo + hi)
     for _ in range(100):

@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-import numba as nb
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.compiled import entry, version_of
 from stochlin.kernels.basics.parallel import in_order
-from stochlin.kernels.basics.source_versions import version_of
 from stochlin.kernels.correlation import tiles as pair_steps
 from stochlin.kernels.correlation.tiles import (
     LANES,
@@ -103,7 +102,7 @@ def pair_table(
 
     def part(number: int) -> None:
         begin = number * PART
-        _fill(*first, *second, *fixed, begin, min(begin + PART, count), *result, VERSION)  # type: ignore[call-arg]
+        _fill(*first, *second, *fixed, begin, min(begin + PART, count), *result, VERSION)
 
     parts = -(-count // PART)
     if threads and parts > 1:
@@ -114,8 +113,8 @@ def pair_table(
     return result
 
 
-@nb.njit(nogil=True, cache=True, error_model="numpy")
-def _fill(  # type: ignore[no-untyped-def]
+@entry
+def _fill(
     one, gaussian_1, place_1, flags_1, strides_1, two, gaussian_2, place_2, flags_2, strides_2,
     shape, axes, sizes, values, other_closure, not_converged, not_physical,
     begin, end, rho, status, bias, caution, version,

@@ -13,8 +13,9 @@ a structure has a double eigenvalue: `benchmarks/tables.py` holds it against eli
 
 from __future__ import annotations
 
-import numba as nb
 import numpy as np
+
+from stochlin.kernels.basics.compiled import compiled
 
 LANES = 128  # cells of a tile: both structures of each then fit the first-level cache
 PARAMETERS = 19  # of a structure, as `pair_tables.pair_parameters` lists them
@@ -22,12 +23,9 @@ SHARED = 4  # axes of the map of the bias that the two structures share
 ROUNDING = 1e-9  # by which a point may miss the end of an axis
 EQUAL = 1e-6  # relative difference of properties that count as equal
 
-step = nb.njit(nogil=True, error_model="numpy")
-within = nb.njit(nogil=True, error_model="numpy", inline="always")  # a call counts arrays' references
 
-
-@step
-def cells_of_tile(begin, count, shape, strides, cells):  # type: ignore[no-untyped-def]
+@compiled
+def cells_of_tile(begin, count, shape, strides, cells):
     """Numbers of one side's structures in ``count`` cells from ``begin``; the last goes on."""
     at = np.empty(shape.size, np.int64)
     rest, cell = begin, 0
@@ -48,8 +46,8 @@ def cells_of_tile(begin, count, shape, strides, cells):  # type: ignore[no-untyp
             at[d] = 0
 
 
-@step
-def _load(parameters, cells, tile, loaded):  # type: ignore[no-untyped-def]
+@compiled
+def _load(parameters, cells, tile, loaded):
     """The parameters of the structures of a tile, one parameter after the other.
 
     ``loaded`` are those that are there already: of a table's row, one structure stays.
@@ -72,8 +70,8 @@ def _load(parameters, cells, tile, loaded):  # type: ignore[no-untyped-def]
                 tile[at + lane] = parameters[n, cells[lane]]
 
 
-@step
-def _put_stiffer_first(stiff, soft):  # type: ignore[no-untyped-def]
+@compiled
+def _put_stiffer_first(stiff, soft):
     """Exchange the two structures of a lane where the second is the stiffer."""
     for lane in range(LANES):
         if stiff[lane] < soft[lane]:
@@ -81,8 +79,8 @@ def _put_stiffer_first(stiff, soft):  # type: ignore[no-untyped-def]
                 stiff[n], soft[n] = soft[n], stiff[n]
 
 
-@step
-def _correlations(stiff, soft, out):  # type: ignore[no-untyped-def]
+@compiled
+def _correlations(stiff, soft, out):
     """``rho`` of all lanes, from the parameters of the stiffer structure of each and of the softer."""
     for n in range(LANES):
         w, d, h = soft[n], soft[LANES + n], soft[2 * LANES + n]
@@ -110,8 +108,8 @@ def _correlations(stiff, soft, out):  # type: ignore[no-untyped-def]
         out[n] = (c0 * r0 + c1 * r1 + c2 * r2) / ((c0 * m00 + c1 * m10 + c2 * m20) * scale)
 
 
-@step
-def rho_of_tile(one, two, cells_1, cells_2, a, b, loaded, out):  # type: ignore[no-untyped-def]
+@compiled
+def rho_of_tile(one, two, cells_1, cells_2, a, b, loaded, out):
     """``rho`` of a tile, the stiffer structure first (`covariance.pair_covariance` says why).
 
     ``a`` and ``b`` are space for the structures, ``loaded`` says which are there.
@@ -130,8 +128,8 @@ def rho_of_tile(one, two, cells_1, cells_2, a, b, loaded, out):  # type: ignore[
     _correlations(a, b, out)
 
 
-@within
-def _bracket(axes, d, size, x, low):  # type: ignore[no-untyped-def]
+@compiled
+def _bracket(axes, d, size, x, low):
     """The interval of ``x`` on axis ``d``, sought from ``low`` on; -1 outside."""
     if not axes[d, 0] - ROUNDING <= x <= axes[d, size - 1] + ROUNDING:
         return -1
@@ -142,14 +140,14 @@ def _bracket(axes, d, size, x, low):  # type: ignore[no-untyped-def]
     return low
 
 
-@within
-def _share(axes, d, low, x):  # type: ignore[no-untyped-def]
+@compiled
+def _share(axes, d, low, x):
     x = min(max(x, axes[d, low]), axes[d, low + 1])
     return (x - axes[d, low]) / (axes[d, low + 1] - axes[d, low])
 
 
-@step
-def _locate(axes, sizes, point, weights, offsets):  # type: ignore[no-untyped-def]
+@compiled
+def _locate(axes, sizes, point, weights, offsets):
     """Corners around a point of the shared axes; False outside."""
     weights[0], offsets[0], count = 1.0, 0, 1
     for d in range(SHARED):
@@ -165,8 +163,8 @@ def _locate(axes, sizes, point, weights, offsets):  # type: ignore[no-untyped-de
     return True
 
 
-@step
-def _corner(values, weights, offsets, plane, cell):  # type: ignore[no-untyped-def]
+@compiled
+def _corner(values, weights, offsets, plane, cell):
     """Value at a corner of the plane of periods, interpolated along the shared axes."""
     total = 0.0
     for corner in range(1 << SHARED):
@@ -174,10 +172,8 @@ def _corner(values, weights, offsets, plane, cell):  # type: ignore[no-untyped-d
     return total
 
 
-@step
-def bias_of_tile(  # type: ignore[no-untyped-def]
-    place_1, cells_1, place_2, cells_2, count, axes, sizes, values, memory, out
-):
+@compiled
+def bias_of_tile(place_1, cells_1, place_2, cells_2, count, axes, sizes, values, memory, out):
     """Bias of ``rho`` by the map, linear between its points; NaN outside or if the two differ.
 
     ``memory`` is made by `new_memory`: pairs of equal properties find their corners there. What is
@@ -219,8 +215,8 @@ def bias_of_tile(  # type: ignore[no-untyped-def]
     last[0], last[1], last[2] = known, low, near
 
 
-@step
-def new_memory(sizes):  # type: ignore[no-untyped-def]
+@compiled
+def new_memory(sizes):
     """Memory of `bias_of_pair`: values at corners, of which point, its weights, and where it was."""
     plane = sizes[SHARED] * sizes[SHARED + 1]
     return (

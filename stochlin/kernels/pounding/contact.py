@@ -15,7 +15,9 @@ import numpy as np
 from numba.extending import register_jitable
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.pounding.rows import CLOSED, OPEN, OPENING, PARTED, lean
+from stochlin.kernels.basics.compiled import compiled, entry
+
+OPEN, CLOSED, OPENING, PARTED, TOGETHER = range(5)  # branches of a contact
 
 
 class ForceLaw(NamedTuple):
@@ -41,8 +43,8 @@ def law_table(laws: Iterable[ForceLaw]) -> Array:
     return np.array([tuple(law) for law in laws], LAW)
 
 
-@lean
-def branch_force(law, branch, d, v, v0):  # type: ignore[no-untyped-def]
+@compiled
+def branch_force(law, branch, d, v, v0):
     """Force of an element on one of its branches, and its elastic part [N]; smooth beyond its ends."""
     if branch == OPEN:
         return 0.0, 0.0
@@ -59,14 +61,14 @@ def branch_force(law, branch, d, v, v0):  # type: ignore[no-untyped-def]
     return elastic + c * v, elastic
 
 
-@lean
-def has_fractional_power(law):  # type: ignore[no-untyped-def]
+@compiled
+def has_fractional_power(law):
     """Whether the force begins and ends as no polynomial does."""
     return law.exponent != 1.0 or law.damping_exponent != 0.0
 
 
-@nb.njit(nogil=True, cache=True, error_model="numpy")
-def force(law, d, v, v0):  # type: ignore[no-untyped-def]
+@entry
+def force(law, d, v, v0):
     """Force [N] of one element; zero where there is no contact, ``d <= 0``."""
     if d <= 0.0:
         return 0.0
@@ -75,13 +77,13 @@ def force(law, d, v, v0):  # type: ignore[no-untyped-def]
 
 
 @nb.vectorize(cache=True)  # type: ignore[no-untyped-call]
-def forces(k, n, c, p, approach_only, over_approach, tension, d, v, v0):  # type: ignore[no-untyped-def]
+def forces(k, n, c, p, approach_only, over_approach, tension, d, v, v0):
     """`force` over arrays that broadcast: the fields of a `ForceLaw`, then the motion."""
     return force(ForceLaw(k, n, c, p, approach_only, over_approach, tension), d, v, v0)
 
 
-@nb.njit(nogil=True, cache=True, error_model="numpy")
-def separation_margin(law, d, v):  # type: ignore[no-untyped-def]
+@entry
+def separation_margin(law, d, v):
     """What reaches zero, falling, when the contact ends [m].
 
     The penetration; without tension the force over ``k d^(n-1)``, which is there before: the faces part

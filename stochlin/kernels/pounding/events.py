@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from stochlin.kernels.basics.compiled import compiled, inlined
 from stochlin.kernels.basics.linear_branch import evaluate, first_exit
+from stochlin.kernels.pounding.contact import CLOSED, OPEN, OPENING, PARTED, TOGETHER
 from stochlin.kernels.pounding.impacts import END, LARGEST, begin_entry, end_entry, settle
 from stochlin.kernels.pounding.rates import (
     CLOSING_RATE,
@@ -18,19 +20,7 @@ from stochlin.kernels.pounding.rates import (
     STRAIN_RATE,
     measure,
 )
-from stochlin.kernels.pounding.rows import (
-    BILINEAR,
-    BOUC_WEN,
-    CLOSED,
-    ELASTIC,
-    OPEN,
-    OPENING,
-    PARTED,
-    TOGETHER,
-    lean,
-    once,
-    sizes,
-)
+from stochlin.kernels.pounding.rows import BILINEAR, BOUC_WEN, ELASTIC, sizes
 from stochlin.kernels.pounding.steps import (
     NODES,
     STAGES,
@@ -47,15 +37,15 @@ THIRDS = 16  # the square of what is left, (2/3)^32, is the error of a peak
 GRAIN = 1e-11  # of the largest displacement: the noise of the polynomials
 
 
-@lean
-def watches(row):  # type: ignore[no-untyped-def]
+@compiled
+def watches(row):
     """Number of the ends of branches that `watched` knows: two of each storey and of each contact."""
     n, _, c, _ = sizes(row)
     return 2 * (n + c)
 
 
-@lean
-def watched(row, branch, number):  # type: ignore[no-untyped-def]
+@compiled
+def watched(row, branch, number):
     """What ends a branch: a `measure`, of which storey or contact, its shift, and its interval.
 
     What floors that move together watch, their force, is not among it.
@@ -67,8 +57,8 @@ def watched(row, branch, number):  # type: ignore[no-untyped-def]
     return _watched_contact(row, branch, j, number < 2 * n + c)
 
 
-@lean
-def _watched_storey(row, branch, i, first):  # type: ignore[no-untyped-def]
+@compiled
+def _watched_storey(row, branch, i, first):
     law, sign, limit = row.law[i], branch.storey[i], row.strength[i]
     watch = NOTHING, i, 0.0, 0.0, 0.0
     if first and law == BILINEAR and sign == 0:
@@ -80,8 +70,8 @@ def _watched_storey(row, branch, i, first):  # type: ignore[no-untyped-def]
     return watch
 
 
-@lean
-def _watched_contact(row, branch, j, first):  # type: ignore[no-untyped-def]
+@compiled
+def _watched_contact(row, branch, j, first):
     kept, gap = branch.contact[j], row.gap[j]
     watch = NOTHING, j, 0.0, 0.0, 0.0
     if first and kept == OPEN:
@@ -97,21 +87,21 @@ def _watched_contact(row, branch, j, first):  # type: ignore[no-untyped-def]
     return watch
 
 
-@lean
-def _keeps_sign(what, i, shift, sign):  # type: ignore[no-untyped-def]
+@compiled
+def _keeps_sign(what, i, shift, sign):
     return what, i, shift, 0.0 if sign > 0 else -INFINITE, INFINITE if sign > 0 else 0.0
 
 
-@once
-def _in_contact(branch):  # type: ignore[no-untyped-def]
+@inlined
+def _in_contact(branch):
     for kept in branch.contact:  # noqa: SIM110  a generator would be an allocation
         if kept != OPEN:
             return True
     return False
 
 
-@once
-def _storeys_stay(row, branch, h, x, space):  # type: ignore[no-untyped-def]
+@inlined
+def _storeys_stay(row, branch, h, x, space):
     """Whether no storey can end its branch within the step: the test of `first_event`, at one go."""
     n, new, begin, end = row.mass.size, space.new, space.stages[0], space.stages[STAGES]
     for i in range(n):
@@ -136,8 +126,8 @@ def _storeys_stay(row, branch, h, x, space):  # type: ignore[no-untyped-def]
     return True
 
 
-@once
-def first_event(row, branch, ground, slope, h, x, space):  # type: ignore[no-untyped-def]
+@inlined
+def first_event(row, branch, ground, slope, h, x, space):
     """First end of a branch within a step that was taken.
 
     Returns its time over the step, its number, the side by which the interval is left, and whether the
@@ -179,8 +169,8 @@ def first_event(row, branch, ground, slope, h, x, space):  # type: ignore[no-unt
     return best, event, way, known
 
 
-@once
-def pass_event(row, branch, event, way, ground, time, x, space, table, used):  # type: ignore[no-untyped-def]
+@inlined
+def pass_event(row, branch, event, way, ground, time, x, space, table, used):
     """Go from branch to branch at an event; returns how many lines of the table are used.
 
     There has to be room for MOST_BLOWS and two for each contact.
@@ -209,8 +199,8 @@ def pass_event(row, branch, event, way, ground, time, x, space, table, used):  #
     return used
 
 
-@lean
-def _end_contact(row, branch, j, time, x, table):  # type: ignore[no-untyped-def]
+@compiled
+def _end_contact(row, branch, j, time, x, table):
     """A contact opens; or its force ends, while the element is still compressed and may push again."""
     parted = branch.contact[j] == PARTED
     end_entry(row, branch, j, table[branch.entry[j], END] if parted else time, x, table)
@@ -222,8 +212,8 @@ def _end_contact(row, branch, j, time, x, table):  # type: ignore[no-untyped-def
         branch.entry[j] = -1
 
 
-@once
-def watch_forces(branch, end, space, table):  # type: ignore[no-untyped-def]
+@inlined
+def watch_forces(branch, end, space, table):
     """Take the largest forces up to the share ``end`` of a step into the table."""
     for j in range(branch.contact.size):
         line = branch.entry[j]
@@ -247,8 +237,8 @@ def watch_forces(branch, end, space, table):  # type: ignore[no-untyped-def]
         table[line, LARGEST] = largest
 
 
-@lean
-def watch_peaks(row, end, h, x, after, space, peaks, look):  # type: ignore[no-untyped-def]
+@compiled
+def watch_peaks(row, end, h, x, after, space, peaks, look):
     """Take the share ``end`` of a step, up to ``after``, into ``peaks`` (2, n): highest, lowest.
 
     Without the polynomials of the step, tells whether they are needed for that; with them, ``look``,

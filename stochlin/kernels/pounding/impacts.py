@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from stochlin.kernels.pounding.contact import impact_loss, velocities_after_impact
+from stochlin.kernels.basics.compiled import compiled, inlined
+from stochlin.kernels.pounding.contact import OPEN, TOGETHER, impact_loss, velocities_after_impact
 from stochlin.kernels.pounding.rates import CLOSING_RATE, PENETRATION, linked, measure, rates
-from stochlin.kernels.pounding.rows import OPEN, TOGETHER, lean, once, sizes
+from stochlin.kernels.pounding.rows import sizes
 
 BEGIN, CONTACT, APPROACH, LARGEST, END, BEFORE, AFTER = range(7)
 COLUMNS = 7
@@ -21,8 +22,8 @@ HOP = 1e-10  # of the largest displacement: floors that would rebound no farther
 MOST_BLOWS = 50  # at one time; then all floors that touch go on with one velocity
 
 
-@lean
-def begin_entry(row, branch, j, velocity, time, x, table, used):  # type: ignore[no-untyped-def]
+@compiled
+def begin_entry(row, branch, j, velocity, time, x, table, used):
     """A new line of the table; returns how many are used."""
     lost = x[_account(row, j)]
     line = table[used]
@@ -32,22 +33,22 @@ def begin_entry(row, branch, j, velocity, time, x, table, used):  # type: ignore
     return used + 1
 
 
-@lean
-def end_entry(row, branch, j, time, x, table):  # type: ignore[no-untyped-def]
+@compiled
+def end_entry(row, branch, j, time, x, table):
     """Bring the line of a contact up to date."""
     table[branch.entry[j], END] = time
     table[branch.entry[j], AFTER] = x[_account(row, j)]
 
 
-@lean
-def _account(row, j):  # type: ignore[no-untyped-def]
+@compiled
+def _account(row, j):
     """Where the state has what a contact has dissipated."""
     n, s, _, _ = sizes(row)
     return 3 * n + 3 * s + j
 
 
-@once
-def settle(row, branch, struck, ground, time, x, space, table, used):  # type: ignore[no-untyped-def]
+@inlined
+def settle(row, branch, struck, ground, time, x, space, table, used):
     """What follows when the floors of a contact strike each other, or move together no longer.
 
     Blows at all floors that touch, the fastest first, until none approaches; a light floor that is
@@ -81,8 +82,8 @@ def settle(row, branch, struck, ground, time, x, space, table, used):  # type: i
     return used
 
 
-@lean
-def _blows(row, branch, struck, touch, calm, time, x, table, used):  # type: ignore[no-untyped-def]
+@compiled
+def _blows(row, branch, struck, touch, calm, time, x, table, used):
     """Blows until no floors approach that touch, or too many; returns also which of both."""
     for _ in range(MOST_BLOWS):
         which, fastest = np.int64(-1), calm  # no literal: it would be a type of its own
@@ -104,8 +105,8 @@ def _blows(row, branch, struck, touch, calm, time, x, table, used):  # type: ign
     return used, True
 
 
-@lean
-def _press(row, branch, j, ground, time, calm, x, space, table, used):  # type: ignore[no-untyped-def]
+@compiled
+def _press(row, branch, j, ground, time, calm, x, space, table, used):
     """Hold two floors together that are pressed so hard that they would hardly rebound."""
     n = row.mass.size
     rates(row, branch, ground, x, space.rate, space.force)
@@ -123,21 +124,21 @@ def _press(row, branch, j, ground, time, calm, x, space, table, used):  # type: 
     return used
 
 
-@lean
-def _touches(row, branch, j, touch, x):  # type: ignore[no-untyped-def]
+@compiled
+def _touches(row, branch, j, touch, x):
     distance = measure(row, PENETRATION, j, x) - row.gap[j]
     return branch.contact[j] == TOGETHER or distance >= -touch
 
 
-@lean
-def _let_go(row, branch, j, time, x, table):  # type: ignore[no-untyped-def]
+@compiled
+def _let_go(row, branch, j, time, x, table):
     end_entry(row, branch, j, time, x, table)
     branch.contact[j] = OPEN
     branch.entry[j] = -1
 
 
-@lean
-def _strike(row, j, e, x):  # type: ignore[no-untyped-def]
+@compiled
+def _strike(row, j, e, x):
     """One impact, eq. (13)."""
     n, one, two = row.mass.size, row.left[j], row.right[j]
     v1, v2, mass_1, mass_2 = x[n + one], x[n + two], row.mass[one], row.mass[two]
@@ -145,8 +146,8 @@ def _strike(row, j, e, x):  # type: ignore[no-untyped-def]
     x[_account(row, j)] += impact_loss(mass_1, mass_2, e) * (v1 - v2) * (v1 - v2)
 
 
-@lean
-def _join(row, branch, j, x):  # type: ignore[no-untyped-def]
+@compiled
+def _join(row, branch, j, x):
     """One velocity for all floors that move together with those of a contact; momentum is kept."""
     n, c = row.mass.size, row.gap.size
     start, stop = j, j + 1

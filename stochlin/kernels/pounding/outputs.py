@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.pounding.borrowing import borrow
+from stochlin.kernels.basics.compiled import inlined
 from stochlin.kernels.pounding.events import watch_forces, watch_peaks
 from stochlin.kernels.pounding.rates import rates
-from stochlin.kernels.pounding.rows import lean, once
 from stochlin.kernels.pounding.steps import copy, interpolate, state_within
 
 
@@ -22,20 +21,8 @@ class Asked(NamedTuple):
     peaks: Array
 
 
-@lean
-def borrow_asked(asked):  # type: ignore[no-untyped-def]
-    """The same, its arrays borrowed."""
-    return Asked(
-        borrow(asked.interval),
-        borrow(asked.since),
-        borrow(asked.states),
-        borrow(asked.forces),
-        borrow(asked.peaks),
-    )
-
-
-@once
-def watch(row, branch, ground, slope, h, end, x, after, known, space, asked, table):  # type: ignore[no-untyped-def]
+@inlined
+def watch(row, branch, ground, slope, h, end, x, after, known, space, asked, table):
     """Take peaks and forces of the share ``end`` of a step; tells whether its polynomials are known."""
     needed = watch_peaks(row, end, h, x, after, space, asked.peaks, known)
     if needed and not known:
@@ -46,8 +33,8 @@ def watch(row, branch, ground, slope, h, end, x, after, known, space, asked, tab
     return known
 
 
-@once
-def report(row, branch, ground, slope, h, tau, last, x, after, known, space, asked, at, done):  # type: ignore[no-untyped-def]
+@inlined
+def report(row, branch, ground, slope, h, tau, last, x, after, known, space, asked, at, done):
     """Write the states asked for between ``tau`` and ``last`` of interval ``at``; how many are done."""
     while done < asked.since.size and asked.interval[done] == at and asked.since[done] <= last:
         state, t = asked.states[done], (asked.since[done] - tau) / h

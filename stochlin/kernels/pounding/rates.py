@@ -15,24 +15,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from stochlin.kernels.basics.linear_branch import jit
-from stochlin.kernels.pounding.contact import branch_force, separation_margin
-from stochlin.kernels.pounding.rows import (
-    BILINEAR,
-    BOUC_WEN,
-    OPEN,
-    TOGETHER,
-    Branches,
-    lean,
-    sizes,
-    tight,
-)
+from stochlin.kernels.basics.compiled import called_often, compiled
+from stochlin.kernels.pounding.contact import OPEN, TOGETHER, branch_force, separation_margin
+from stochlin.kernels.pounding.rows import BILINEAR, BOUC_WEN, Branches, sizes
 
 STRAIN, STRAIN_RATE, PENETRATION, CLOSING_RATE, MARGIN = range(5)  # see `measure`
 
 
-@lean
-def _bouc_wen_rate(storey, side, shape, strength, y, rate):  # type: ignore[no-untyped-def]
+@compiled
+def _bouc_wen_rate(storey, side, shape, strength, y, rate):
     """Rate of the slip: ``v |z|^n (beta sign(v z) + gamma)``."""
     beta, gamma, exponent = shape
     z = side * y / strength
@@ -41,8 +32,8 @@ def _bouc_wen_rate(storey, side, shape, strength, y, rate):  # type: ignore[no-u
     return rate * z * (beta * storey * side + gamma)
 
 
-@tight
-def _drags(damping, lo, v, drag):  # type: ignore[no-untyped-def]
+@called_often
+def _drags(damping, lo, v, drag):
     """Forces of the dashpots of one building, four floors at a time: sums that do not wait."""
     m, i = v.size, 0
     while i + 4 <= m:
@@ -62,8 +53,8 @@ def _drags(damping, lo, v, drag):  # type: ignore[no-untyped-def]
         drag[k] = a
 
 
-@tight
-def _building(row, branch, b, ground, x, dx):  # type: ignore[no-untyped-def]
+@called_often
+def _building(row, branch, b, ground, x, dx):
     """Rates of one building standing alone."""
     n, s = row.mass.size, row.first.size - 1
     lo, hi = row.first[b], row.first[b + 1]
@@ -93,8 +84,8 @@ def _building(row, branch, b, ground, x, dx):  # type: ignore[no-untyped-def]
     dx[3 * n + b], dx[3 * n + s + b], dx[3 * n + 2 * s + b] = entering * ground, viscous, hysteretic
 
 
-@tight
-def rates(row, branch, ground, x, dx, force):  # type: ignore[no-untyped-def]
+@called_often
+def rates(row, branch, ground, x, dx, force):
     """Rates ``dx`` of the state ``x`` and forces (c,) of the contacts, for a ground acceleration."""
     n, s, c, _ = sizes(row)
     for b in range(s):
@@ -120,8 +111,8 @@ def rates(row, branch, ground, x, dx, force):  # type: ignore[no-untyped-def]
         _hold_together(row, branch, dx, force)
 
 
-@lean
-def _hold_together(row, branch, dx, force):  # type: ignore[no-untyped-def]
+@compiled
+def _hold_together(row, branch, dx, force):
     """Forces with which floors that move together have one acceleration; tridiagonal along a level."""
     n, c = row.mass.size, row.gap.size
     for j in range(c):  # elimination: the rest of each pivot's line is parked in ``force``
@@ -143,14 +134,14 @@ def _hold_together(row, branch, dx, force):  # type: ignore[no-untyped-def]
             dx[n + row.right[j]] = dx[n + row.left[j]]
 
 
-@lean
-def linked(row, branch, j):  # type: ignore[no-untyped-def]
+@compiled
+def linked(row, branch, j):
     """Whether the floor on the left of contact ``j`` also moves together with its own left."""
     return j > 0 and row.right[j - 1] == row.left[j] and branch.contact[j - 1] == TOGETHER
 
 
-@lean
-def _pivot(row, branch, j):  # type: ignore[no-untyped-def]
+@compiled
+def _pivot(row, branch, j):
     """Pivot of contact ``j`` in the elimination, from the beginning of its chain."""
     start = j
     while linked(row, branch, start):
@@ -163,8 +154,8 @@ def _pivot(row, branch, j):  # type: ignore[no-untyped-def]
     return pivot
 
 
-@lean
-def measure(row, what, i, x):  # type: ignore[no-untyped-def]
+@compiled
+def measure(row, what, i, x):
     """Linear function of a state, or of its rates: of a storey or a contact with the number ``i``.
 
     STRAIN is ``y``; PENETRATION leaves out the gap; MARGIN is what ends a contact.
@@ -185,8 +176,8 @@ def measure(row, what, i, x):  # type: ignore[no-untyped-def]
     return separation_margin(row.element[i], apart, x[n + one] - x[n + two])
 
 
-@jit
-def starting_branches(row, x):  # type: ignore[no-untyped-def]
+@compiled
+def starting_branches(row, x):
     """Branches at a state from which the motion begins: elastic; at rest at a gap of 0, together."""
     n, _, c, _ = sizes(row)
     branch = Branches(

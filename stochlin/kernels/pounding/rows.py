@@ -4,19 +4,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numba as nb
-
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.pounding.borrowing import borrow
+from stochlin.kernels.basics.compiled import compiled
 
-ELASTIC, BILINEAR, BOUC_WEN = range(3)  # laws of a storey
-OPEN, CLOSED, OPENING, PARTED, TOGETHER = range(5)  # branches of a contact
-
-lean = nb.njit(nogil=True, error_model="numpy")
-# Called so often that handing over a row takes longer than the work.
-tight = nb.njit(nogil=True, error_model="numpy", forceinline=True)
-# What is called in one place only: the compiler then goes over it once, not once a level.
-once = nb.njit(nogil=True, error_model="numpy", inline="always")
+LAWS = ELASTIC, BILINEAR, BOUC_WEN = range(3)  # of a storey
 
 
 class Row(NamedTuple):
@@ -53,46 +44,8 @@ class Branches(NamedTuple):
     entry: Array  # (c,): its line in the table of impacts, or -1
 
 
-@lean
-def sizes(row):  # type: ignore[no-untyped-def]
+@compiled
+def sizes(row):
     """Numbers of floors, buildings and contacts, and the length of the state."""
     n, s, c = row.mass.size, row.first.size - 1, row.gap.size
     return n, s, c, 3 * n + 3 * s + c + len(row.tied)
-
-
-@lean
-def borrow_row(row):  # type: ignore[no-untyped-def]
-    """The row, its arrays borrowed."""
-    return Row(
-        borrow(row.first),
-        borrow(row.below),
-        borrow(row.mass),
-        borrow(row.per_mass),
-        borrow(row.post),
-        borrow(row.couple),
-        borrow(row.strength),
-        borrow(row.law),
-        borrow(row.shape),
-        borrow(row.damping),
-        borrow(row.left),
-        borrow(row.right),
-        borrow(row.gap),
-        borrow(row.element),
-        row.jumps,
-        row.restitution,
-        row.slow,
-        borrow(row.tied),
-        borrow(row.tie),
-    )
-
-
-@lean
-def borrow_branches(branch):  # type: ignore[no-untyped-def]
-    """The branches, their arrays borrowed."""
-    return Branches(
-        borrow(branch.storey),
-        borrow(branch.side),
-        borrow(branch.contact),
-        borrow(branch.approach),
-        borrow(branch.entry),
-    )

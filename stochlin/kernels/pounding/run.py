@@ -9,15 +9,21 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numba as nb
 import numpy as np
 
 from stochlin.kernels.basics import linear_branch
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.source_versions import version_of
-from stochlin.kernels.pounding import borrowing, contact, events, impacts, outputs, rows, steps
+from stochlin.kernels.basics.compiled import borrow, compiled, entry, inlined, version_of
+from stochlin.kernels.pounding import contact, events, impacts, outputs, rows, steps
 from stochlin.kernels.pounding import rates as rates_source
-from stochlin.kernels.pounding.contact import has_fractional_power, reduced_mass
+from stochlin.kernels.pounding.contact import (
+    CLOSED,
+    OPEN,
+    PARTED,
+    TOGETHER,
+    has_fractional_power,
+    reduced_mass,
+)
 from stochlin.kernels.pounding.events import (
     NOTHING,
     first_event,
@@ -30,35 +36,25 @@ from stochlin.kernels.pounding.impacts import (
     begin_entry,
     end_entry,
 )
-from stochlin.kernels.pounding.outputs import Asked, borrow_asked, report, watch
+from stochlin.kernels.pounding.outputs import Asked, report, watch
 from stochlin.kernels.pounding.rates import rates, starting_branches
 from stochlin.kernels.pounding.rows import (
     BILINEAR,
     BOUC_WEN,
-    CLOSED,
     ELASTIC,
-    OPEN,
-    PARTED,
-    TOGETHER,
+    LAWS,
     Row,
-    borrow_branches,
-    borrow_row,
-    lean,
-    once,
     sizes,
 )
 from stochlin.kernels.pounding.steps import (
     STAGES,
     attempt,
-    borrow_space,
     grow_reach,
     state_within,
     workspace,
 )
 
-VERSION = version_of(
-    linear_branch, borrowing, contact, events, impacts, outputs, rates_source, rows, steps
-)
+VERSION = version_of(linear_branch, contact, events, impacts, outputs, rates_source, rows, steps)
 
 SAFETY, SHRINK, GROW, ORDER = 0.9, 0.2, 5.0, 8.0  # of the step control
 OUTSET = 1e-3  # of what the motion can do in one interval: nothing smaller is resolved
@@ -92,8 +88,8 @@ class Run(NamedTuple):
     last: Array  # (k,): and in what state
 
 
-@once
-def _advance(row, branch, ground, slope, h, x, space):  # type: ignore[no-untyped-def]
+@inlined
+def _advance(row, branch, ground, slope, h, x, space):
     """Take a step, shorter and shorter until its error is allowed; its length, the next, the trials."""
     for trial in range(1, 60):
         error = attempt(row, branch, ground, slope, h, x, space)
@@ -107,8 +103,8 @@ def _advance(row, branch, ground, slope, h, x, space):  # type: ignore[no-untype
     return 0.0, h, trial
 
 
-@lean
-def _first_in_contact(row, branch, j):  # type: ignore[no-untyped-def]
+@compiled
+def _first_in_contact(row, branch, j):
     """First step in a contact, a share of its time between two free masses [s]."""
     law = row.element[j]
     k, n, c = law.stiffness, law.exponent, 0.0 if law.over_approach else law.damping
@@ -119,8 +115,8 @@ def _first_in_contact(row, branch, j):  # type: ignore[no-untyped-def]
     return ON_CONTACT * (min(pace, mass / c) if c > 0.0 else pace)
 
 
-@once
-def _pass(row, branch, event, way, ground, time, planned, x, space, table, used):  # type: ignore[no-untyped-def]
+@inlined
+def _pass(row, branch, event, way, ground, time, planned, x, space, table, used):
     """Go on to the next branch; returns the table, its length, and the step to plan with."""
     before = branch.contact.copy()
     if used + MOST_BLOWS + 2 * before.size > len(table):
@@ -135,8 +131,8 @@ def _pass(row, branch, event, way, ground, time, planned, x, space, table, used)
     return table, used, planned
 
 
-@once
-def _interval(row, branch, begin, slope, dt, at, planned, x, after, space, asked, done, table, used):  # type: ignore[no-untyped-def]
+@inlined
+def _interval(row, branch, begin, slope, dt, at, planned, x, after, space, asked, done, table, used):
     """All steps of interval ``at`` of the record, over which the ground goes from ``begin``."""
     tau, count = 0.0, 0
     while tau < dt:
@@ -172,12 +168,12 @@ def _interval(row, branch, begin, slope, dt, at, planned, x, after, space, asked
     return tau, count, planned, done, table, used
 
 
-@nb.njit(nogil=True, cache=True, error_model="numpy")
-def _run(owned, acceleration, dt, wanted, x, version):  # type: ignore[no-untyped-def]
+@entry
+def _run(owned, acceleration, dt, wanted, x, version):
     """The whole motion: the table of impacts, the steps, whether and how far it came; and the owners."""
     own_space, own_branch, after = workspace(owned), starting_branches(owned, x), x.copy()
-    row, asked = borrow_row(owned), borrow_asked(wanted)
-    space, branch = borrow_space(own_space), borrow_branches(own_branch)
+    row, asked = borrow(owned), borrow(wanted)
+    space, branch = borrow(own_space), borrow(own_branch)
     table = np.empty((FIRST_LINES + 4 * row.gap.size, COLUMNS))
     used = steps = done = np.int64(0)  # a literal would be a type of its own, to be compiled for too
     asked.peaks[:] = x[: row.mass.size]
@@ -213,6 +209,8 @@ def run(row: Row, motion: Motion, start: Array | None = None) -> Run:
     A step that cannot be completed ends it: then ``completed`` is false, and ``time`` and ``last`` say
     where.
     """
+    if not np.isin(row.law, LAWS).all():
+        raise ValueError(f"law = {row.law} has one that is not known; allowed: {list(LAWS)}")
     n, _, c, k = sizes(row)
     state = np.zeros(k) if start is None else np.array(start, float)
     times = motion.since.size

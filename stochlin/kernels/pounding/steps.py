@@ -13,11 +13,11 @@ import numpy as np
 from scipy.integrate import DOP853
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.linear_branch import MARKS, TERMS, jit
-from stochlin.kernels.pounding.borrowing import borrow
-from stochlin.kernels.pounding.contact import has_fractional_power
+from stochlin.kernels.basics.compiled import called_often, compiled, inlined
+from stochlin.kernels.basics.linear_branch import MARKS, TERMS
+from stochlin.kernels.pounding.contact import OPEN, has_fractional_power
 from stochlin.kernels.pounding.rates import measure, rates
-from stochlin.kernels.pounding.rows import OPEN, lean, once, sizes, tight
+from stochlin.kernels.pounding.rows import sizes
 
 # Contiguous, for numba's cache does not take constants that are not.
 A, B, C = (np.ascontiguousarray(table) for table in (DOP853.A, DOP853.B, DOP853.C))
@@ -59,8 +59,8 @@ class Space(NamedTuple):
     marks: Array  # (2, MARKS)
 
 
-@jit
-def workspace(row):  # type: ignore[no-untyped-def]
+@compiled
+def workspace(row):
     """New arrays for a run."""
     _, s, c, k = sizes(row)
     return Space(
@@ -78,33 +78,15 @@ def workspace(row):  # type: ignore[no-untyped-def]
     )
 
 
-@lean
-def borrow_space(space):  # type: ignore[no-untyped-def]
-    """The workspace, its arrays borrowed."""
-    return Space(
-        borrow(space.stages),
-        borrow(space.new),
-        borrow(space.shapes),
-        borrow(space.state),
-        borrow(space.rate),
-        borrow(space.force),
-        borrow(space.nodes),
-        borrow(space.reach),
-        borrow(space.line),
-        borrow(space.lines),
-        borrow(space.marks),
-    )
-
-
-@lean
-def copy(source, target):  # type: ignore[no-untyped-def]
+@compiled
+def copy(source, target):
     """Copy entries of a state."""
     for i in range(source.size):
         target[i] = source[i]
 
 
-@lean
-def _combine(weights, count, stages, h, x, out):  # type: ignore[no-untyped-def]
+@compiled
+def _combine(weights, count, stages, h, x, out):
     copy(x, out)
     for j in range(count):
         w = h * weights[j]
@@ -113,8 +95,8 @@ def _combine(weights, count, stages, h, x, out):  # type: ignore[no-untyped-def]
                 out[i] += w * stages[j, i]
 
 
-@once
-def attempt(row, branch, ground, slope, h, x, space):  # type: ignore[no-untyped-def]
+@inlined
+def attempt(row, branch, ground, slope, h, x, space):
     """Take a step of ``h`` seconds from ``x``; returns its error over the tolerance.
 
     The ground acceleration is ``ground`` at the beginning and has the slope ``slope``; the rates at the
@@ -132,8 +114,8 @@ def attempt(row, branch, ground, slope, h, x, space):  # type: ignore[no-untyped
     return error
 
 
-@tight
-def grow_reach(row, x, reach):  # type: ignore[no-untyped-def]
+@called_often
+def grow_reach(row, x, reach):
     """Take a state into the largest displacement, velocity and energy."""
     n, s, _, k = sizes(row)
     kinetic = 0.0
@@ -147,8 +129,8 @@ def grow_reach(row, x, reach):  # type: ignore[no-untyped-def]
         reach[2, 0] = max(reach[2, 0], abs(x[i]))
 
 
-@once
-def _error(row, h, space):  # type: ignore[no-untyped-def]
+@inlined
+def _error(row, h, space):
     """Error of the step over the tolerance: the root of the sum over the state, not of its mean."""
     n, _, _, k = sizes(row)
     reach = space.reach[REACH:]  # that of this step, which may yet be refused
@@ -180,8 +162,8 @@ def _error(row, h, space):  # type: ignore[no-untyped-def]
     return h * fifth / np.sqrt(fifth + 0.01 * third)
 
 
-@lean
-def interpolate(row, branch, ground, slope, h, x, space):  # type: ignore[no-untyped-def]
+@compiled
+def interpolate(row, branch, ground, slope, h, x, space):
     """Find the polynomials of the step that was taken; the rates at its end are there."""
     stages, shapes = space.stages, space.shapes
     for m in range(3):
@@ -202,8 +184,8 @@ def interpolate(row, branch, ground, slope, h, x, space):  # type: ignore[no-unt
                     shapes[3 + m, i] += w * stages[j, i]
 
 
-@lean
-def state_within(x, t, space, out):  # type: ignore[no-untyped-def]
+@compiled
+def state_within(x, t, space, out):
     """State at the share ``t`` of the step."""
     for i in range(x.size):
         value = 0.0
@@ -212,8 +194,8 @@ def state_within(x, t, space, out):  # type: ignore[no-untyped-def]
         out[i] = x[i] + value
 
 
-@lean
-def polynomial(row, what, number, shift, x, space):  # type: ignore[no-untyped-def]
+@compiled
+def polynomial(row, what, number, shift, x, space):
     """Coefficients of a `measure` less ``shift`` over the step, in ``space.line``."""
     line = space.line
     line[:] = 0.0
@@ -224,8 +206,8 @@ def polynomial(row, what, number, shift, x, space):  # type: ignore[no-untyped-d
             line[p] += factor * POWERS[m, p]
 
 
-@lean
-def component_polynomial(i, sign, x, space):  # type: ignore[no-untyped-def]
+@compiled
+def component_polynomial(i, sign, x, space):
     """Coefficients of one entry of the state over the step, times ``sign``, in ``space.line``."""
     line = space.line
     line[:] = 0.0
@@ -235,8 +217,8 @@ def component_polynomial(i, sign, x, space):  # type: ignore[no-untyped-def]
             line[p] += sign * space.shapes[m, i] * POWERS[m, p]
 
 
-@lean
-def find_node_forces(row, branch, ground, slope, h, x, space):  # type: ignore[no-untyped-def]
+@compiled
+def find_node_forces(row, branch, ground, slope, h, x, space):
     """Forces of the contacts at even distances over the step."""
     for q in range(NODES):
         t = q / (NODES - 1)
@@ -244,8 +226,8 @@ def find_node_forces(row, branch, ground, slope, h, x, space):  # type: ignore[n
         rates(row, branch, ground + slope * (t * h), space.state, space.rate, space.nodes[q])
 
 
-@lean
-def force_polynomial(contact, space):  # type: ignore[no-untyped-def]
+@compiled
+def force_polynomial(contact, space):
     """Coefficients of the force of a contact over the step, in ``space.line``."""
     space.line[:] = 0.0
     for p in range(NODES):

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stochlin.kernels.basics.compiled import compiled
 from stochlin.kernels.basics.linear_branch import (
     LONGEST,
     MARKS,
@@ -19,7 +20,6 @@ from stochlin.kernels.basics.linear_branch import (
     evaluate,
     expand,
     first_exit,
-    jit,
     transition,
 )
 
@@ -41,14 +41,14 @@ class Oscillator(NamedTuple):
     plastic: tuple[float, float, float, float, float, float]
 
 
-@jit
-def substeps(w, dt, per_radian):  # type: ignore[no-untyped-def]
+@compiled
+def substeps(w, dt, per_radian):
     """Sub-steps of an interval of the record, ``per_radian`` times as many as a branch needs."""
     return max(1, int(np.ceil(w * dt * per_radian / LONGEST)))
 
 
-@jit
-def oscillator(parameters, h, c):  # type: ignore[no-untyped-def]
+@compiled
+def oscillator(parameters, h, c):
     """The structure whose ``parameters`` these are, for sub-steps of ``h`` seconds."""
     w, xi, alpha, uy = parameters
     damping, stiffness = 2 * xi * w * h, (w * h) ** 2
@@ -63,8 +63,8 @@ def oscillator(parameters, h, c):  # type: ignore[no-untyped-def]
     )
 
 
-@jit
-def _stride(o, u, v, y, side, ground, h, cuts, at, peaks, each, out):  # type: ignore[no-untyped-def]
+@compiled
+def _stride(o, u, v, y, side, ground, h, cuts, at, peaks, each, out):
     """Sub-steps from number ``at`` up to one in which the branch may change, or to the end.
 
     ``side`` is 1 or -1 while yielding, 0 otherwise. Every ``each``-th state goes into ``out``, if that
@@ -97,8 +97,8 @@ def _stride(o, u, v, y, side, ground, h, cuts, at, peaks, each, out):  # type: i
     return at, u, v, y
 
 
-@jit
-def _may_change(o, stiffness, v, a, y, v1, a1, y1, rise, side):  # type: ignore[no-untyped-def]
+@compiled
+def _may_change(o, stiffness, v, a, y, v1, a1, y1, rise, side):
     """Whether the branch might change within a sub-step with these states at its ends.
 
     A function strays from its chord by at most an eighth of its largest second derivative; the
@@ -112,8 +112,8 @@ def _may_change(o, stiffness, v, a, y, v1, a1, y1, rise, side):  # type: ignore[
     return min(side * v, side * v1) <= 0.125 * jerk
 
 
-@jit
-def _legs(o, u, v, y, side, ground, rise, peaks, space):  # type: ignore[no-untyped-def]
+@compiled
+def _legs(o, u, v, y, side, ground, rise, peaks, space):
     """One sub-step, from change of branch to change of branch."""
     c, row, rows, marks = space
     t, count = 0.0, 0
@@ -148,8 +148,8 @@ def _legs(o, u, v, y, side, ground, rise, peaks, space):  # type: ignore[no-unty
     return u, v, y, side
 
 
-@jit
-def _update(o, length, stiffness, u, v, a, ground, u1, v1, a1, ground1, peaks):  # type: ignore[no-untyped-def]
+@compiled
+def _update(o, length, stiffness, u, v, a, ground, u1, v1, a1, ground1, peaks):
     """Take the peaks of one stretch on one branch into account."""
     peaks[HIGHEST] = max(peaks[HIGHEST], top(length, u, v, u1, v1))
     peaks[LOWEST] = max(peaks[LOWEST], top(length, -u, -v, -u1, -v1))
@@ -162,8 +162,8 @@ def _update(o, length, stiffness, u, v, a, ground, u1, v1, a1, ground1, peaks): 
     peaks[RADIUS] = max(peaks[RADIUS], u1 * u1 + v1 * v1 / o.stiffness, turn)
 
 
-@jit
-def _turn_of_radius(o, length, u, v, a, u1, v1, a1):  # type: ignore[no-untyped-def]
+@compiled
+def _turn_of_radius(o, length, u, v, a, u1, v1, a1):
     """Square of the radius where it is stationary within a stretch, 0 for none.
 
     The rate of ``u^2 + u'^2/w^2`` is ``2 u' (u + u''/w^2)``: where ``u'`` vanishes the radius is a peak
@@ -178,16 +178,16 @@ def _turn_of_radius(o, length, u, v, a, u1, v1, a1):  # type: ignore[no-untyped-
     return displacement**2 + velocity**2 / o.stiffness
 
 
-@jit
-def _cubic(s, length, value, rate, value1, rate1):  # type: ignore[no-untyped-def]
+@compiled
+def _cubic(s, length, value, rate, value1, rate1):
     """The cubic through values and rates at both ends, at the share ``s`` of a stretch."""
     begin, end, rise = rate * length, rate1 * length, value1 - value
     square, cube = 3 * rise - 2 * begin - end, begin + end - 2 * rise
     return value + s * (begin + s * (square + s * cube))
 
 
-@jit
-def top(length, value, rate, value1, rate1):  # type: ignore[no-untyped-def]
+@compiled
+def top(length, value, rate, value1, rate1):
     """Largest value of the cubic through values and rates at both ends of a stretch."""
     largest = max(value, value1)
     if rate > 0 > rate1:
@@ -198,14 +198,14 @@ def top(length, value, rate, value1, rate1):  # type: ignore[no-untyped-def]
     return largest
 
 
-@jit
-def workspace():  # type: ignore[no-untyped-def]
+@compiled
+def workspace():
     """Arrays that the steps of one thread write into."""
     return np.empty(TERMS), np.empty(TERMS), np.empty((4, TERMS)), np.empty((2, MARKS))
 
 
-@jit
-def run(parameters, ground, dt, cuts, peaks, each, out, space):  # type: ignore[no-untyped-def]
+@compiled
+def run(parameters, ground, dt, cuts, peaks, each, out, space):
     """One structure from rest over ``ground`` (samples,) [m/s^2], in ``cuts`` sub-steps an interval.
 
     ``parameters`` (4,): w [rad/s], damping ratio, hardening ratio, yield displacement [m] or infinity.

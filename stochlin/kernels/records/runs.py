@@ -5,17 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-import numba as nb
 import numpy as np
 
 from stochlin.kernels.basics import linear_branch
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.compiled import entry, version_of
 from stochlin.kernels.basics.parallel import in_order
-from stochlin.kernels.basics.source_versions import version_of
 from stochlin.kernels.records import oscillator as recorded
 from stochlin.kernels.records.oscillator import PEAKS, run, substeps, top, workspace
-
-entry = nb.njit(nogil=True, cache=True, error_model="numpy")
 
 VERSION = version_of(linear_branch, recorded)
 
@@ -31,7 +28,7 @@ class Ground(NamedTuple):
 
 
 @entry
-def _all_peaks(ground, dt, parameters, out, version):  # type: ignore[no-untyped-def]
+def _all_peaks(ground, dt, parameters, out, version):
     space, nothing = workspace(), np.empty((3, 0))
     for i in range(parameters.shape[0]):
         cuts = substeps(parameters[i, 0], dt, 1.0)
@@ -39,7 +36,7 @@ def _all_peaks(ground, dt, parameters, out, version):  # type: ignore[no-untyped
 
 
 @entry
-def _all_gaps(ground, dt, first, second, out, version):  # type: ignore[no-untyped-def]
+def _all_gaps(ground, dt, first, second, out, version):
     space = workspace()
     for i in range(first.shape[0]):
         cuts = substeps(max(first[i, 0], second[i, 0]), dt, PAIR)
@@ -61,7 +58,7 @@ def _all_gaps(ground, dt, first, second, out, version):  # type: ignore[no-untyp
 
 
 @entry
-def _history(ground, dt, parameters, refine, out, version):  # type: ignore[no-untyped-def]
+def _history(ground, dt, parameters, refine, out, version):
     each = substeps(parameters[0], dt / refine, 1.0)
     run(parameters, ground, dt, each * refine, np.empty(PEAKS), each, out, workspace())
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import numba as nb
-
+from stochlin.kernels.basics.compiled import compiled
 from stochlin.kernels.simulation.stepping import LANES
 
 SECANT_STEPS = 12
@@ -22,16 +21,16 @@ def law_block(law: Callable[..., Any]) -> Callable[..., None]:
     midpoint rule where a jump of the law leaves it without solution. Second order, first where the
     law jumps.
     """
-    compiled: Any = nb.njit(nogil=True, error_model="numpy")(law)
+    rate: Any = compiled(law)
 
-    @nb.njit(nogil=True, error_model="numpy")
-    def mid_point(hyst, start, slope, half, own):  # type: ignore[no-untyped-def]
+    @compiled
+    def mid_point(hyst, start, slope, half, own):
         """Solve ``z = hyst + half law(start - slope z, z, own)``."""
-        before, after = hyst, hyst + half * compiled(start - slope * hyst, hyst, own)
+        before, after = hyst, hyst + half * rate(start - slope * hyst, hyst, own)
         explicit = after
         off_before = before - after
         for _ in range(SECANT_STEPS):
-            off = after - hyst - half * compiled(start - slope * after, after, own)
+            off = after - hyst - half * rate(start - slope * after, after, own)
             if abs(off) <= CLOSE * (1.0 + abs(after)):
                 return after
             if off == off_before:
@@ -39,8 +38,8 @@ def law_block(law: Callable[..., Any]) -> Callable[..., None]:
             before, after, off_before = after, after - off * (after - before) / (off - off_before), off
         return explicit
 
-    @nb.njit(nogil=True, error_model="numpy")
-    def block(f, dt, parameters, u, v, z, every, out):  # type: ignore[no-untyped-def]
+    @compiled
+    def block(f, dt, parameters, u, v, z, every, out):
         half = 0.5 * dt
         for n in range(u.shape[0]):
             d, k, h, scale = parameters[n, :4]
@@ -55,7 +54,7 @@ def law_block(law: Callable[..., Any]) -> Callable[..., None]:
                     start = 0.5 * (vel + base * implicit)
                     z_mid = mid_point(hyst, start, slope, half, own)
                     v_mid = start - slope * z_mid
-                    z[n, lane] = hyst + dt * compiled(v_mid, z_mid, own)
+                    z[n, lane] = hyst + dt * rate(v_mid, z_mid, own)
                     u[n, lane] += dt * v_mid
                     v[n, lane] = 2.0 * v_mid - vel
                     if (s + 1) % every == 0:

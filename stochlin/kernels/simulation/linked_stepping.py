@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import numba as nb
 import numpy as np
 
+from stochlin.kernels.basics.compiled import entry
 from stochlin.kernels.simulation.stepping import LANES
 
 PASSES = 3  # each may find one more structure that yields
 
 
-@nb.njit(nogil=True, cache=True, error_model="numpy")
-def linked_block(f, dt, parameters, u, v, z, every, out):  # type: ignore[no-untyped-def]
+@entry
+def linked_block(f, dt, parameters, u, v, z, every, out):
     """The pair over the steps of ``f``, as `bilinear_block`; trapezoidal rule, exact return map.
 
     ``parameters`` (2, 7): as for the bilinear law, then stiffness and damping constant of the link
@@ -46,8 +46,8 @@ def linked_block(f, dt, parameters, u, v, z, every, out):  # type: ignore[no-unt
             out[:, 1, (s + 1) // every - 1] = u[1]
 
 
-@nb.njit(nogil=True, cache=True, error_model="numpy")
-def _velocities(half, parameters, main, cross, base, v, z, side, new, trial):  # type: ignore[no-untyped-def]
+@entry
+def _velocities(half, parameters, main, cross, base, v, z, side, new, trial):
     """New velocities and elastic trials of ``z``; ``side`` is 1 or -1 where a structure yields."""
     left, right = np.empty(2), np.empty(2)
     for _ in range(PASSES):

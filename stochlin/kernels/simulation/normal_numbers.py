@@ -10,11 +10,10 @@ function is nowhere off by more than 9e-4.
 
 from __future__ import annotations
 
-import numba as nb
 import numpy as np
 import numpy.typing as npt
 
-from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.compiled import entry
 
 State = npt.NDArray[np.uint64]
 
@@ -33,8 +32,8 @@ def generator_state(seed: int, stream: int, lanes: int) -> State:
     return sequence.generate_state(4 * lanes, np.uint64).astype(np.uint64).reshape(4, lanes)
 
 
-@nb.njit(nogil=True, cache=True, error_model="numpy")
-def fill_normal(state: State, out: Array) -> None:
+@entry
+def fill_normal(state, out):
     """Fill ``out`` (steps, lanes) with independent numbers of mean 0 and variance 1."""
     s0, s1, s2, s3 = state[0], state[1], state[2], state[3]
     for step in range(out.shape[0]):

@@ -13,10 +13,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numba as nb
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.compiled import entry, entry_of_sums
 
 LANES = 32  # independent motions in the innermost loop: vector registers, first-level cache
 NEWTON_STEPS = 4  # for the implicit midpoint rule
@@ -52,8 +52,8 @@ def filter_steps(matrix: Array, noise: Array, output: Array, intensity: float, d
     return FilterSteps(transition, gain, row, float(0.5 * output @ gain), cascade)
 
 
-@nb.njit(nogil=True, cache=True, error_model="numpy")
-def ground_block(xi, q, transition, gain, row, direct, cascade, f):  # type: ignore[no-untyped-def]
+@entry
+def ground_block(xi, q, transition, gain, row, direct, cascade, f):
     """Mean forcing of each step, ``f`` (steps, LANES), from normal numbers; moves ``q`` on.
 
     Written out for one oscillator and for two in a cascade: six to nine times as fast as the loop.
@@ -66,8 +66,8 @@ def ground_block(xi, q, transition, gain, row, direct, cascade, f):  # type: ign
         _any_states(xi, q, transition, gain, row, direct, f)
 
 
-@nb.njit(nogil=True, cache=True, error_model="numpy")
-def _any_states(xi, q, transition, gain, row, direct, f):  # type: ignore[no-untyped-def]
+@entry
+def _any_states(xi, q, transition, gain, row, direct, f):
     """Any number of states; none is white noise."""
     f[:] = direct * xi
     moved = np.empty_like(q)
@@ -85,8 +85,8 @@ def _any_states(xi, q, transition, gain, row, direct, f):  # type: ignore[no-unt
         q[:] = moved
 
 
-@nb.njit(nogil=True, cache=True, error_model="numpy")
-def _one_oscillator(xi, q, transition, gain, row, direct, f):  # type: ignore[no-untyped-def]
+@entry
+def _one_oscillator(xi, q, transition, gain, row, direct, f):
     a00, a01, a10, a11 = transition[0, 0], transition[0, 1], transition[1, 0], transition[1, 1]
     g0, g1, r0, r1 = gain[0], gain[1], row[0], row[1]
     q0, q1 = q[0], q[1]
@@ -98,8 +98,8 @@ def _one_oscillator(xi, q, transition, gain, row, direct, f):  # type: ignore[no
             q1[lane] = a10 * x0 + a11 * x1 + g1 * number
 
 
-@nb.njit(nogil=True, cache=True, error_model="numpy")
-def _two_oscillators(xi, q, transition, gain, row, direct, f):  # type: ignore[no-untyped-def]
+@entry
+def _two_oscillators(xi, q, transition, gain, row, direct, f):
     """The second driven by the first, which does not feel it: the upper right block is zero."""
     a00, a01, a10, a11 = transition[0, 0], transition[0, 1], transition[1, 0], transition[1, 1]
     b00, b01, b10, b11 = transition[2, 0], transition[2, 1], transition[3, 0], transition[3, 1]
@@ -117,8 +117,8 @@ def _two_oscillators(xi, q, transition, gain, row, direct, f):  # type: ignore[n
             q3[lane] = b10 * x0 + b11 * x1 + c10 * x2 + c11 * x3 + g3 * number
 
 
-@nb.njit(nogil=True, cache=True, error_model="numpy")
-def bilinear_block(f, dt, parameters, u, v, z, every, out):  # type: ignore[no-untyped-def]
+@entry
+def bilinear_block(f, dt, parameters, u, v, z, every, out):
     """Bilinear structures over the steps of ``f``.
 
     ``out`` (LANES, n, samples) takes every ``every``-th displacement.
@@ -153,8 +153,8 @@ def bilinear_block(f, dt, parameters, u, v, z, every, out):  # type: ignore[no-u
                 sample += 1
 
 
-@nb.njit(nogil=True, cache=True, error_model="numpy")
-def bouc_wen_block(f, dt, parameters, u, v, z, every, out):  # type: ignore[no-untyped-def]
+@entry
+def bouc_wen_block(f, dt, parameters, u, v, z, every, out):
     """Bouc-Wen structures likewise: implicit midpoint rule for ``z``, by Newton's method.
 
     ``parameters`` (n, 7): as for the bilinear law, then ``beta``, ``gamma`` and the exponent. Iterates
@@ -195,8 +195,8 @@ def bouc_wen_block(f, dt, parameters, u, v, z, every, out):  # type: ignore[no-u
                 sample += 1
 
 
-@nb.njit(nogil=True, cache=True, error_model="numpy", fastmath={"reassoc"})
-def add_products(out, total):  # type: ignore[no-untyped-def]
+@entry_of_sums
+def add_products(out, total):
     """Add ``sum_samples u_i u_j`` to the lower triangles of ``total`` (LANES, n, n).
 
     Not left to BLAS, whose own threads get into the way of ours on matrices this small.
@@ -211,8 +211,8 @@ def add_products(out, total):  # type: ignore[no-untyped-def]
                 total[lane, i, j] += product
 
 
-@nb.njit(nogil=True, cache=True, error_model="numpy")
-def keep_extremes(out, scale, highest, lowest, difference):  # type: ignore[no-untyped-def]
+@entry
+def keep_extremes(out, scale, highest, lowest, difference):
     """Update the extremes of displacements and of their differences with the samples of ``out``."""
     lanes, n, samples = out.shape
     for lane in range(lanes):
