@@ -19,15 +19,15 @@ class Commands(click.Group):
     def list_commands(self, ctx: click.Context) -> list[str]:
         """All by name."""
         with bad_input():
-            return sorted(COMMANDS)
+            return super().list_commands(ctx)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """The one of this name."""
         with bad_input():
-            return COMMANDS.get(cmd_name)
+            return super().get_command(ctx, cmd_name)
 
 
-@click.group(cls=Commands, context_settings=CONTEXT)
+@click.group(cls=Commands, commands=COMMANDS, context_settings=CONTEXT)
 @click.version_option(__version__, prog_name="stochlin")
 def main() -> None:
     """Correlation and separation of neighbouring yielding buildings."""

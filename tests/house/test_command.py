@@ -206,6 +206,12 @@ def test_help_has_examples(command: str) -> None:
     assert f"stochlin {command}" in result.output
 
 
+def test_a_command_that_is_not_there_brings_the_nearest_to_mind() -> None:
+    result = run("gaps")
+    assert result.exit_code == 2
+    assert "Did you mean 'gap'?" in result.output
+
+
 def test_a_failed_write_leaves_nothing(tmp_path: Path) -> None:
     target = tmp_path / "table.nc"
     target.write_text("before")
