@@ -41,8 +41,8 @@ autodoc_default_options = {
     "inherited-members": True,
     # Of use to the analyses only.
     "exclude-members": "arrays, beside_structures, block, closure, closures, damping_coefficient, "
-    "filter, filter_of, force_law, forcing, isel, kinds, law, law_parameters, lone_filter, own_parameters, "
-    "parameter_names, power, symbolic, units, valid",
+    "filter, filter_of, force_law, forcing, isel, kinds, law, law_parameters, lone_filter, "
+    "own_parameters, parameter_names, power, symbolic, units, valid",
 }
 numpydoc_show_class_members = False
 numpydoc_validation_checks = {"PR02", "PR03", "PR10", "RT03", "SS01"}
