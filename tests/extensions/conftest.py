@@ -43,12 +43,12 @@ def install(tmp_path):
 
 @pytest.fixture
 def example():
-    """``example(heading)`` is the code of that section of the page."""
+    """``example(heading)`` is the code in that section of the page, as a reader would copy it."""
 
     def example(heading):
         section = (
             PAGE.read_text(encoding="utf-8").partition(f"\n## {heading}\n")[2].partition("\n## ")[0]
         )
-        return re.search(r"^```python\n(.*?)^```", section, re.DOTALL | re.MULTILINE)[1]
+        return re.search(r"^```py\n(.*?)^```", section, re.DOTALL | re.MULTILINE)[1]
 
     return example

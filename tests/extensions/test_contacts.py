@@ -17,7 +17,6 @@ from stochlin.models.contacts.base import Element
 
 pytestmark = pytest.mark.oracle
 
-PAGE = (Path(__file__).parents[2] / "docs" / "extending.md").read_text(encoding="utf-8")
 RESTITUTION = 0.6
 CASE = """
 [[site.records]]
@@ -58,8 +57,8 @@ def integrated_restitution(xi: float) -> float:
     return -run.y_events[0][0, 1]
 
 
-def test_an_element_from_outside_pounds_as_its_force_law_says(install, tmp_path):
-    source = re.search(r":caption: tsuji.py\n\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE)[1]
+def test_an_element_from_outside_pounds_as_its_force_law_says(install, example, tmp_path):
+    source = example("A contact element")
     stochlin = install(source)
     case = case_file(tmp_path, "tsuji")
     done = stochlin("pound", case, "--out", "p.nc")

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import os
-import re
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,9 +13,6 @@ import xarray as xr
 
 pytestmark = pytest.mark.cli
 
-PAGE = (Path(__file__).parents[2] / "docs" / "extending.md").read_text(encoding="utf-8")
-SECTION = PAGE.partition("## A ground\n")[2]
-SOURCE = re.findall(r"^```py\n(.*?)^```", SECTION, re.DOTALL | re.MULTILINE)[0]
 SOIL = {"period": 0.4, "damping": 0.6, "layer_period": 1.1, "layer_damping": 0.2}
 GROUND = ("--ground", "two-layers", "--ground-period", 0.4, "--ground-damping", 0.6)
 GROUND += ("--layer-period", 1.1, "--layer-damping", 0.2)
@@ -47,8 +42,8 @@ def rho(period_1, period_2, damping=0.05, soil=SOIL):
 
 
 @pytest.fixture
-def toy(install):
-    return install(SOURCE)
+def toy(install, example):
+    return install(example("A ground"))
 
 
 def done(result):
@@ -157,8 +152,8 @@ def test_an_atlas(toy, tmp_path):
     assert "layer_period is held at 2.75" in other.stderr
 
 
-def test_the_explorer_has_a_control_for_it(install, tmp_path):
-    install(SOURCE)
+def test_the_explorer_has_a_control_for_it(install, example, tmp_path):
+    install(example("A ground"))
     code = (
         "from stochlin.analyses.explorer.case_text import case_text\n"
         "from stochlin.analyses.explorer.scene import SITES, Scene\n"

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import re
 import tomllib
-from pathlib import Path
 
 import cases
 import numpy as np
@@ -16,19 +14,12 @@ import stochlin as sl
 
 pytestmark = pytest.mark.cli
 
-PAGE = Path(__file__).parents[2] / "docs" / "extending.md"
 V, Z = sympy.symbols("v z")
 TOLD = {"beta": 0.6, "gamma": 0.2, "pinching": 0.3, "sharpness": 5.0, "limit": 0.8}
 SITE = {"damping": 0.05, "hardening": 0.1, "reduction_factor": 4}
 # The same formulas on the same motions: quadrature agrees to 1e-12 or so, and the implicit steps of
 # both end within 1e-12 of their solutions; loops that dissipate do not amplify that, and steps add up.
 ROUNDING = 1e-9
-
-
-def law_from_the_page():
-    """The example in the section on laws, as a reader would copy it."""
-    section = PAGE.read_text(encoding="utf-8").split("\n## A hysteresis law\n")[1].split("\n## ")[0]
-    return re.search(r"caption: pinched.py\n\n(.*?)```", section, re.DOTALL)[1]
 
 
 def the_same(**structure):
@@ -40,8 +31,8 @@ def the_same(**structure):
 
 
 @pytest.fixture
-def toy(install):
-    return install(law_from_the_page())
+def toy(install, example):
+    return install(example("A hysteresis law"))
 
 
 def options(**values):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from pathlib import Path
 
 import cases
 import pytest
@@ -14,7 +13,6 @@ import stochlin as sl
 
 pytestmark = pytest.mark.cli
 
-PAGE = (Path(__file__).parents[2] / "docs" / "extending.md").read_text(encoding="utf-8")
 CASE = f"""\
 {cases.FIRM_SITE}[building_1]
 period = "0.7 s"
@@ -33,13 +31,10 @@ paths = 128
 
 
 @pytest.fixture
-def toy(install):
+def toy(install, example):
     """Both examples of the page, in one module."""
-    sources = [
-        re.search(rf"caption: {name}.py\n\n(.*?)```", PAGE, re.DOTALL)[1]
-        for name in ("atlantis", "rootrule")
-    ]
-    return install("\n".join(sources))
+    rules = ("A code rule", "A rule for effective properties")
+    return install("\n".join(example(rule) for rule in rules))
 
 
 def test_both_rules_are_in_the_table_of_gaps(toy, tmp_path):
@@ -95,8 +90,8 @@ def test_rho_takes_the_rule(toy, tmp_path):
     assert "'root'" in unknown.stderr
 
 
-def test_a_name_that_is_taken_is_refused(install, tmp_path):
-    source = PAGE.split("caption: atlantis.py\n\n")[1].split("```")[0]
+def test_a_name_that_is_taken_is_refused(install, example, tmp_path):
+    source = example("A code rule")
     (tmp_path / "case.toml").write_text(CASE)
     done = install(source.replace('"atlantis"', '"taiwan"'))("gap", "case.toml")
     assert done.returncode in {1, 2}
