@@ -10,10 +10,9 @@ import scipy.linalg
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.models.parameters import Model, Parameter, Range, parameter
+from stochlin.models.parameters import POSITIVE, Model, Parameter, parameter
 from stochlin.models.structures import DAMPING, HARDENING
 
-POSITIVE = Range()
 STOREY, MODE = "storey", "mode"
 
 
@@ -83,7 +82,7 @@ class ShearBuilding(Model):
             if isinstance(getattr(self, field), xr.DataArray):
                 raise ValueError(f"{name}: {field} is an array; allowed: one number for the building")
         for key, value in self.arrays().items():
-            allowed = next(f for f in self._declared() if f.name == key).metadata["allowed"]
+            allowed = self.allowed(key)
             bad = np.flatnonzero(~np.atleast_1d(allowed.contains(value.to_numpy())))
             if bad.size:
                 raise ValueError(
@@ -106,13 +105,7 @@ class ShearBuilding(Model):
         return np.cumsum(self.arrays()["heights"].to_numpy())
 
     def periods(self) -> xr.DataArray:
-        """Periods of the modes of the elastic building [s], the longest first.
-
-        Returns
-        -------
-        xarray.DataArray
-            Over ``mode``, counted from 1.
-        """
+        """Periods of the elastic building [s] over ``mode``, counted from 1: the longest first."""
         w, _ = self._modes()
         modes = np.arange(1, w.size + 1)
         attrs = {"units": "s", "long_name": "period of the mode"}

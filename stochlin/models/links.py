@@ -5,9 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from stochlin.models.laws.bilinear import Bilinear
-from stochlin.models.parameters import Model, Parameter, Range, parameter
-
-NOT_NEGATIVE = Range(include_lower=True)
+from stochlin.models.parameters import NOT_NEGATIVE, Model, Parameter, parameter
 
 
 @dataclass(frozen=True)

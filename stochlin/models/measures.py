@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from stochlin.models.contacts import Contact
-from stochlin.models.links import NOT_NEGATIVE, Link
-from stochlin.models.parameters import Model, Parameter, expect, parameter
+from stochlin.models.links import Link
+from stochlin.models.parameters import NOT_NEGATIVE, Model, Parameter, expect, parameter
 
 
 @dataclass(frozen=True)
@@ -52,8 +52,6 @@ class Measure(Model):
 
     def describe(self) -> str:
         """One line with the parameters."""
-        parts = [f"{name}={float(value):.6g}" for name, value in self.arrays().items()]
-        for name, part in (("link", self.link), ("contact", self.contact)):
-            if part is not None:
-                parts.append(f"{name}={part.describe()}")
-        return f"{type(self).__name__}({', '.join(parts)})"
+        own = {"link": self.link, "contact": self.contact}
+        parts = [f", {name}={part.describe()}" for name, part in own.items() if part is not None]
+        return f"{super().describe()[:-1]}{''.join(parts)})"

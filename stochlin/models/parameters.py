@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any, Self
@@ -45,6 +46,9 @@ class Range:
         return above & below & np.isfinite(value)
 
 
+POSITIVE, NOT_NEGATIVE = Range(), Range(include_lower=True)
+
+
 def parameter(units: str, long_name: str, allowed: Range, default: Any = dataclasses.MISSING) -> Any:
     """Declare a physical parameter of a model as a dataclass field."""
     return dataclasses.field(
@@ -64,7 +68,7 @@ class Model:
         for field in self._declared():
             value = getattr(self, field.name)
             if value is not None or field.default is not None:
-                checked = _checked(value, field, type(self).__name__)
+                checked = check(type(self).__name__, field.name, value, field.metadata)
                 object.__setattr__(self, field.name, checked)
         try:
             xr.align(*self.arrays().values(), join="exact", copy=False)
@@ -91,8 +95,7 @@ class Model:
     @classmethod
     def allowed(cls, name: str) -> Range:
         """The allowed values of a parameter."""
-        allowed: Range = next(f.metadata["allowed"] for f in cls._declared() if f.name == name)
-        return allowed
+        return cls.__dataclass_fields__[name].metadata["allowed"]
 
     @classmethod
     def units(cls, name: str) -> str:
@@ -110,20 +113,18 @@ class Model:
 
     def isel(self, indexers: Mapping[str, slice]) -> Self:
         """The model with only these cells along the dimensions that it has."""
-        parts = {
-            name: array.isel(indexers, missing_dims="ignore")
-            for name, array in self.arrays().items()
-            if array.ndim
-        }
-        return dataclasses.replace(self, **parts)
+        part = copy.copy(self)
+        for name, array in self.arrays().items():
+            if array.ndim:
+                object.__setattr__(part, name, array.isel(indexers, missing_dims="ignore"))
+        return part
 
     def valid(self) -> xr.DataArray:
         """True for the cells in which every parameter is in its range."""
         ok = xr.DataArray(True)
-        arrays = self.arrays()
-        for field in self._declared():
-            if field.name in arrays and arrays[field.name].ndim:  # a number has been checked before
-                ok = ok & field.metadata["allowed"].contains(arrays[field.name])
+        for name, array in self.arrays().items():
+            if array.ndim:  # a number has been checked before
+                ok = ok & self.allowed(name).contains(array)
         return ok
 
     def describe(self) -> str:
@@ -139,9 +140,9 @@ def expect(value: object, kind: type[Model], role: str) -> None:
         raise TypeError(f"{role} = {value!r} is of the wrong kind; allowed: {', '.join(names)}")
 
 
-def _checked(value: Any, field: dataclasses.Field[Any], model: str) -> float | xr.DataArray:
-    label = f"{model}: {field.name}"
-    allowed: Range = field.metadata["allowed"]
+def check(model: str, name: str, value: Any, declared: Mapping[str, Any]) -> float | xr.DataArray:
+    """The value of a parameter, checked and labelled with what is ``declared`` of it."""
+    label, allowed = f"{model}: {name}", declared["allowed"]
     try:
         array = value.copy(deep=False) if isinstance(value, xr.DataArray) else np.asarray(value)
     except ValueError as error:
@@ -162,12 +163,12 @@ def _checked(value: Any, field: dataclasses.Field[Any], model: str) -> float | x
         array = xr.DataArray(array, dims=CASE)
     if not array.size:
         raise ValueError(f"{label} is empty; allowed: at least one value")
-    described = {key: field.metadata[key] for key in ("units", "long_name")}
+    described = {key: declared[key] for key in ("units", "long_name")}
     array = array.astype(float)
     array = array.assign_attrs(described | array.attrs)
-    if field.name in array.coords:
-        axis = array.coords[field.name]
-        array = array.assign_coords({field.name: axis.assign_attrs(described | axis.attrs)})
+    if name in array.coords:
+        axis = array.coords[name]
+        array = array.assign_coords({name: axis.assign_attrs(described | axis.attrs)})
     return array
 
 

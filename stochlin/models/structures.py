@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.kernels.linearization.fixed_point import Closure
-from stochlin.models.parameters import Model, Parameter, Range, parameter
+from stochlin.models.parameters import POSITIVE, Model, Parameter, Range, parameter
 from stochlin.registry import Registry
 
 if TYPE_CHECKING:
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from stochlin.kernels.simulation.ensemble import Block
     from stochlin.models.symbolic import SymbolicLaw
 
-POSITIVE = Range()
 DAMPING = Range(upper=1.0, reason="a ratio, .05 for 5 %")
 HARDENING = Range(
     upper=1.0, include_upper=True, reason="without hardening there is no stationary displacement"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterator, Sequence
 from functools import cache, cached_property
 from typing import TYPE_CHECKING
@@ -26,20 +25,8 @@ _PROBES = np.random.default_rng(1996).uniform(-2.5, 2.5, (2, 400))
 class SymbolicLaw:
     """``G(v, z)`` compiled for batched Gaussian quadrature.
 
-    Parameters
-    ----------
-    expression : sympy.Expr
-        ``G`` in symbols named ``v`` [1/s, ductility rate], ``z`` [-], and as the parameters; odd:
-        ``G(-v, -z) = -G(v, z)``.
-    parameters : tuple of str
-        Names of the law's parameters; functions take their values as rows, in this order.
-
-    Raises
-    ------
-    TypeError
-        If it is not a sympy expression.
-    ValueError
-        If it has other symbols.
+    Its symbols are named ``v`` [1/s, ductility rate], ``z`` [-], and as the parameters, whose values
+    functions take as rows in this order. It is odd: ``G(-v, -z) = -G(v, z)``.
     """
 
     def __init__(self, expression: sympy.Expr, parameters: tuple[str, ...] = ()) -> None:
@@ -57,9 +44,8 @@ class SymbolicLaw:
     def gaussian(self, latent: Array, parameters: Array) -> ClosureValue:
         """Gaussian closure by quadrature, with derivatives."""
         slip, slip_jacobian = slip_expectations(self.slip_rate, latent, parameters, ORDER)
-        covariance, covariance_jacobian = gaussian_covariance(latent)
-        coefficients, jacobian = regress_slip(slip, slip_jacobian, covariance, covariance_jacobian)
-        return ClosureValue(coefficients, jacobian, covariance, covariance_jacobian)
+        moments = gaussian_covariance(latent)
+        return ClosureValue(*regress_slip(slip, slip_jacobian, *moments), *moments)
 
     @cached_property
     def block(self) -> Block:
@@ -110,11 +96,10 @@ class SymbolicLaw:
             sympy.Heaviside, lambda *x: sympy.Heaviside(*x).rewrite(sympy.Piecewise)
         )
 
+    @np.errstate(all="ignore")
     def _check_odd(self, column: Array) -> None:
         v, z = _PROBES
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RuntimeWarning)
-            value, mirrored = (self.slip_rate.function(side * v, side * z, column) for side in (1, -1))
+        value, mirrored = (self.slip_rate.function(side * v, side * z, column) for side in (1, -1))
         if np.iscomplexobj(value) or not np.isfinite(value).all():
             raise ValueError(f"{self._named(column)} is not real and finite in |v|, |z| < 2.5")
         if np.abs(value + mirrored).max() > 1e-9 * (1 + np.abs(value).max()):
@@ -123,11 +108,10 @@ class SymbolicLaw:
                 "behaviour in both directions"
             )
 
+    @np.errstate(all="ignore")
     def _is_rate_independent(self, parameters: Array) -> bool:
         v, z = np.abs(_PROBES[0]) + 0.01, _PROBES[1]
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RuntimeWarning)
-            whole, double = (self.slip_rate.function(n * v, z, parameters) for n in (1, 2))
+        whole, double = (self.slip_rate.function(n * v, z, parameters) for n in (1, 2))
         return bool(np.abs(double - 2 * whole).max() <= 1e-11 * (1 + np.abs(whole).max()))
 
     def _check_quadrature(self, column: Array) -> None:

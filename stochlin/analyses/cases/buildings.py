@@ -12,8 +12,8 @@ from stochlin.analyses.linearization.strength import DuctilityTarget, strength_f
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.laws import laws_in_numbers
-from stochlin.models.links import NOT_NEGATIVE
-from stochlin.models.structures import POSITIVE, Structure
+from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE
+from stochlin.models.structures import Structure
 
 STRENGTHS = ("reduction_factor", "yield_displacement", "ductility", "elastic")
 OF_STOREYS = ("masses", "stiffnesses", "heights")

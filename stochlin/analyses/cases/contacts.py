@@ -10,7 +10,7 @@ from stochlin.models.contacts import Contact
 from stochlin.models.contacts.base import CONTACTS, DAMPING, RESTITUTION
 from stochlin.models.links import Link
 from stochlin.models.measures import Measure
-from stochlin.models.structures import POSITIVE
+from stochlin.models.parameters import POSITIVE
 
 DAMPINGS = ("added_damping_1", "added_damping_2")
 LINK = {"link_stiffness": "stiffness", "link_damping_constant": "damping_constant"}

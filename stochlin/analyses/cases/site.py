@@ -15,7 +15,7 @@ from stochlin.analyses.records.spectra import ESTIMATORS
 from stochlin.models.envelopes import ENVELOPES, Envelope
 from stochlin.models.grounds import GROUNDS, Ground, WhiteNoise
 from stochlin.models.grounds.named import ground_names, named_ground
-from stochlin.models.structures import POSITIVE
+from stochlin.models.parameters import POSITIVE
 
 FITTED, NONE = "fitted", "none"
 TIME = Quantity("s", POSITIVE)

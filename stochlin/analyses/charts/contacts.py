@@ -21,10 +21,10 @@ from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding import contact as kernel
 from stochlin.models.contacts import Element, HertzDamp, LinearSpring
-from stochlin.models.contacts.base import CONTACTS, POSITIVE, RESTITUTION, checked
+from stochlin.models.contacts.base import CONTACTS, RESTITUTION, checked
 from stochlin.models.contacts.damped import Damped, WithRatio
 from stochlin.models.contacts.linear import LinearDamped
-from stochlin.models.parameters import Range
+from stochlin.models.parameters import POSITIVE, Range
 
 PARTING = Range(
     upper=1.0, include_lower=True, reason="from 1 on the contact of the Kelvin element never ends"

@@ -26,7 +26,8 @@ from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import cellwise_pair, is_lazy
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.correlation.tables import Codes, RhoBiasMap, Side, pair_parameters, pair_table
+from stochlin.kernels.basics.interpolation import Grid
+from stochlin.kernels.correlation.tables import Codes, Side, pair_parameters, pair_table
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Structure
 
@@ -82,9 +83,7 @@ def pairs_of_solved(
 
 
 @np.errstate(all="ignore")  # what comes of extreme input is judged by its status
-def _cells(
-    *inputs: Array, grid: RhoBiasMap | None, other_closure: bool, threads: bool
-) -> tuple[Array, ...]:
+def _cells(*inputs: Array, grid: Grid | None, other_closure: bool, threads: bool) -> tuple[Array, ...]:
     """All cells from the arrays of the first side and of the second, which broadcast."""
     shape = np.broadcast_shapes(*(array.shape for array in inputs))
     half = len(inputs) // 2

@@ -17,8 +17,8 @@ from stochlin.models.envelopes import ENVELOPES, AminAng, Envelope, GammaEnvelop
 from stochlin.models.grounds import GROUNDS, Ground, KanaiTajimi
 from stochlin.models.grounds.named import ground_names, named_ground
 from stochlin.models.laws.bilinear import Bilinear
-from stochlin.models.parameters import Model, Range, parameter
-from stochlin.models.structures import DAMPING, HARDENING, POSITIVE
+from stochlin.models.parameters import POSITIVE, Model, Range, parameter
+from stochlin.models.structures import DAMPING, HARDENING
 
 SITES = (*ground_names(), *GROUNDS)
 SHAPES = (*ENVELOPES, NONE)

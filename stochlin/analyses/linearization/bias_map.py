@@ -16,7 +16,7 @@ import xarray as xr
 from stochlin.analyses.tables.cellwise import cellwise
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.interpolation import Grid, interpolate
-from stochlin.kernels.correlation.tables import OFF, RhoBiasMap
+from stochlin.kernels.correlation.tables import OFF
 from stochlin.models.grounds import Ground, KanaiTajimi, WhiteNoise
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import Structure
@@ -76,7 +76,7 @@ def relative_bias(
     return (1 + bias) * solved.displacement_std / gaussian.displacement_std - 1
 
 
-def rho_bias_map(first: Structure, second: Structure, ground: Ground) -> RhoBiasMap | None:
+def rho_bias_map(first: Structure, second: Structure, ground: Ground) -> Grid | None:
     """What the map knows of ``rho`` on this ground, by the axes of `place_in_map`; None: nothing."""
     known = type(ground) in KNOWN_GROUNDS
     if not known or not (isinstance(first, Bilinear) and isinstance(second, Bilinear)):
@@ -98,14 +98,14 @@ def place_in_map(structure: Structure, ground: Ground, solved: xr.Dataset) -> li
 
 
 @cache
-def _rho_grid(white_noise: bool) -> RhoBiasMap:
+def _rho_grid(white_noise: bool) -> Grid:
     if not white_noise:
-        return RhoBiasMap(*_grid("rho_bias"))
+        return _grid("rho_bias")
     table = bias_map()["rho_bias_white_noise"]
     *shared, ratio = (np.log(table[dim].values.astype(float)) for dim in table.dims)
     everywhere = np.array([-1e3, 1e3])  # the ground is the same for all dampings and periods
     values = np.broadcast_to(table.values[..., None, None, :], (*table.shape[:-1], 2, 2, ratio.size))
-    return RhoBiasMap(*Grid.of([*shared, everywhere, everywhere, ratio], values))
+    return Grid.of([*shared, everywhere, everywhere, ratio], values)
 
 
 def caution_of(bias: xr.DataArray) -> xr.DataArray:

@@ -21,8 +21,8 @@ from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.grounds import Ground
-from stochlin.models.parameters import Model, Parameter, expect, parameter
-from stochlin.models.structures import POSITIVE, Structure
+from stochlin.models.parameters import POSITIVE, Model, Parameter, expect, parameter
+from stochlin.models.structures import Structure
 
 TOLERANCE = Tolerance(1e-12, 1e-13, 200)
 REACHED = 1e-6  # relative; where ductility jumps with R, a search ends at the jump

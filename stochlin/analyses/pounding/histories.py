@@ -12,12 +12,13 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding import impacts
 from stochlin.kernels.pounding import run as kernel
 from stochlin.kernels.pounding.contact import stored_energy
+from stochlin.kernels.pounding.rows import Row
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.links import Link
 
 
 def by_floor(
-    values: Array, row: kernel.Row, structures: Sequence[Building], time: Array | None = None
+    values: Array, row: Row, structures: Sequence[Building], time: Array | None = None
 ) -> xr.DataArray:
     """Values (..., n) over ``structure`` and, for shear buildings, ``floor``: NaN above the roof."""
     sizes = np.diff(row.first)
@@ -37,7 +38,7 @@ def by_floor(
 
 
 def histories(
-    row: kernel.Row, structures: Sequence[Building], run: kernel.Run, start: float, time: Array
+    row: Row, structures: Sequence[Building], run: kernel.Run, start: float, time: Array
 ) -> xr.Dataset:
     """Histories of a run at the times ``time``, its impacts, and the balance of its energies."""
     n, s = row.mass.size, row.first.size - 1

@@ -25,6 +25,7 @@ from stochlin.analyses.tables.checks import is_number
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import in_order
 from stochlin.kernels.pounding import run as kernel
+from stochlin.kernels.pounding.rows import Row
 from stochlin.models.contacts import Contact
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.links import Link
@@ -204,7 +205,7 @@ def _estimates(
     return worst
 
 
-def _completed(row: kernel.Row, motion: kernel.Motion) -> kernel.Run:
+def _completed(row: Row, motion: kernel.Motion) -> kernel.Run:
     run = kernel.run(row, motion)
     if run.completed:
         return run

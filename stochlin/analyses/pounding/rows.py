@@ -12,7 +12,7 @@ import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding.contact import ForceLaw, law_table, reduced_mass
-from stochlin.kernels.pounding.run import BILINEAR, BOUC_WEN, ELASTIC, Row
+from stochlin.kernels.pounding.rows import BILINEAR, BOUC_WEN, ELASTIC, Row
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Contact, Element
 from stochlin.models.laws.bilinear import Bilinear

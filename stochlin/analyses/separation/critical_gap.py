@@ -10,8 +10,7 @@ import xarray as xr
 from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
-from stochlin.models.parameters import Model, Parameter, Range, parameter
-from stochlin.models.rules.codes import NOT_NEGATIVE
+from stochlin.models.parameters import NOT_NEGATIVE, Model, Parameter, Range, parameter
 
 
 @dataclass(frozen=True)

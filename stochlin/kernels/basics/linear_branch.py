@@ -7,8 +7,6 @@ and has none of the cancellations of the closed form. A change of branch is an e
 polynomial from an interval: of a displacement, a velocity, or a distance between two structures.
 """
 
-from __future__ import annotations
-
 from stochlin.kernels.basics.compiled import compiled
 
 LONGEST = 1 / 3  # w h; damping D = 2 xi w h is then below 2/3

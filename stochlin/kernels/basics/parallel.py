@@ -12,7 +12,12 @@ Progress = Callable[[float], None]
 """Called with the share of the work that is done."""
 
 
-def in_order(task: Callable[[int], Result], count: int) -> Iterator[Result]:
+def in_order(
+    task: Callable[[int], Result], count: int, progress: Progress | None = None
+) -> Iterator[Result]:
     """Results of ``task(0), task(1), ...`` in this order, from all cores."""
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        yield from pool.map(task, range(count))
+        for done, result in enumerate(pool.map(task, range(count)), start=1):
+            yield result
+            if progress is not None:
+                progress(done / count)

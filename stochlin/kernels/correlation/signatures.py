@@ -9,7 +9,7 @@ of their signatures and that of what the references do not see. ``docs/drift.md`
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -31,8 +31,7 @@ def signature(joint: Array, gram: Array) -> Array:
     """Signatures (..., k) from correlations with the references (..., k) and among them (..., k, k)."""
     size = gram.shape[-1]
     basis = np.linalg.inv(np.linalg.cholesky((1 - OWN) * gram + OWN * np.eye(size)))
-    coordinates: Array = np.sqrt(1 - OWN) * (basis @ joint[..., None])[..., 0]
-    return coordinates
+    return np.sqrt(1 - OWN) * (basis @ joint[..., None])[..., 0]
 
 
 def insight(derived: Array, correction: Array) -> Insight:
@@ -45,8 +44,7 @@ def insight(derived: Array, correction: Array) -> Insight:
 
 
 def _left(coordinates: Array) -> Array:
-    left: Array = np.maximum(1 - (coordinates**2).sum(axis=0), 0) + LEFT
-    return left
+    return np.maximum(1 - (coordinates**2).sum(axis=0), 0) + LEFT
 
 
 def informed_correlation(derived: Array, first: Insight, second: Insight) -> Array:
@@ -63,12 +61,9 @@ def informed_correlation(derived: Array, first: Insight, second: Insight) -> Arr
 def _products(one: Array, other: Array) -> Array:
     """Sums over the first axis of products that broadcast; of a table's two sides a matrix product."""
     shape = np.broadcast_shapes(one.shape[1:], other.shape[1:])
-    axes = [[n for n, size in enumerate(x.shape[1:], 1) if size > 1] for x in (one, other)]
-    squeezed = [
-        x.reshape([size for n, size in enumerate(x.shape) if n == 0 or size > 1]) for x in (one, other)
-    ]
-    wanted = sorted({*axes[0], *axes[1]})
-    sums: Array = np.einsum(
-        squeezed[0], [0, *axes[0]], squeezed[1], [0, *axes[1]], wanted, optimize=True
-    )
-    return sums.reshape(shape)
+    terms: list[Any] = []  # without the axes along which they are broadcast
+    for x in (one, other):
+        axes = [n for n, size in enumerate(x.shape) if n == 0 or size > 1]
+        terms += [x.reshape([x.shape[n] for n in axes]), axes]
+    wanted = sorted({*terms[1], *terms[3]} - {0})
+    return np.einsum(*terms, wanted, optimize=True).reshape(shape)

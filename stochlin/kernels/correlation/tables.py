@@ -9,6 +9,7 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import entry, version_of
+from stochlin.kernels.basics.interpolation import Grid
 from stochlin.kernels.basics.parallel import in_order
 from stochlin.kernels.correlation import tiles as pair_steps
 from stochlin.kernels.correlation.tiles import (
@@ -37,14 +38,6 @@ class Side(NamedTuple):
     place: Array  # (n, SHARED + 2): logarithms of the map's shared axes, period, ground period
     flags: Array  # (n, 3) int8: status, caution, elastic
     strides: Array  # (d,): steps from cell to cell along the dimensions of the table
-
-
-class RhoBiasMap(NamedTuple):
-    """Bias of ``rho`` over SHARED axes, the longer period over the ground's, and shorter over longer."""
-
-    axes: Array  # (SHARED + 2, longest), logarithms, padded with infinity
-    sizes: Array
-    values: Array  # flat
 
 
 class Codes(NamedTuple):
@@ -83,33 +76,28 @@ def pair_table(
     first: Side,
     second: Side,
     shape: tuple[int, ...],
-    grid: RhoBiasMap | None,
+    grid: Grid | None,
     codes: Codes,
     *,
     threads: bool,
 ) -> PairTable:
-    """All cells of a table; on all cores if ``threads``. No cell depends on another."""
+    """All cells of a table; on all cores if ``threads``. No cell depends on another.
+
+    ``grid`` has the bias of ``rho`` over logarithms: of the SHARED axes, of the longer period over the
+    ground's, and of the shorter over the longer.
+    """
     count = math.prod(shape)
     kinds = (float, np.int8, float, np.int8)
     result = PairTable(*(np.empty(count, kind) for kind in kinds))
     other_closure = first.gaussian is not first.parameters or second.gaussian is not second.parameters
-    fixed: tuple[Any, ...] = (
-        np.array(shape, int),
-        *(grid or NOWHERE),
-        other_closure,
-        *codes,
-    )
+    fixed: tuple[Any, ...] = (np.array(shape, int), *(grid or NOWHERE), other_closure, *codes)
 
     def part(number: int) -> None:
         begin = number * PART
         _fill(*first, *second, *fixed, begin, min(begin + PART, count), *result, VERSION)
 
     parts = -(-count // PART)
-    if threads and parts > 1:
-        list(in_order(part, parts))
-    else:
-        for number in range(parts):
-            part(number)
+    list(in_order(part, parts) if threads and parts > 1 else map(part, range(parts)))
     return result
 
 

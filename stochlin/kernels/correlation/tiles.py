@@ -11,8 +11,6 @@ division remain a cell, in vector registers. The modal form would cost five divi
 a structure has a double eigenvalue: `benchmarks/tables.py` holds it against elimination.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from stochlin.kernels.basics.compiled import compiled

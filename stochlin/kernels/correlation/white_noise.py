@@ -20,5 +20,4 @@ def white_noise_correlation(
     mixed = damping_1 * w1 + damping_2 * w2
     crossed = damping_1 * w2 + damping_2 * w1
     detuning = (w1 - w2) * (w1 + w2)
-    rho: Array = 8 * np.sqrt(damping_1 * damping_2) * mixed / (detuning**2 + 4 * mixed * crossed)
-    return rho
+    return 8 * np.sqrt(damping_1 * damping_2) * mixed / (detuning**2 + 4 * mixed * crossed)

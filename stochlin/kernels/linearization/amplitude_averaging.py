@@ -91,11 +91,10 @@ def solve_amplitude_average(
     # oscillator of stiffness alpha: the mismatch changes sign in between.
     low = np.log(np.minimum(0.5 * elastic_sigma, 0.02))
     high = np.log(10 * np.maximum(elastic_sigma, 1) / hardening**2)
-    arguments = (frequency, damping_ratio, hardening, np.arange(frequency.size))
     root = elementwise.find_root(
         mismatch,
         (low, high),
-        args=arguments,
+        args=(frequency, damping_ratio, hardening, np.arange(frequency.size)),
         tolerances={"xrtol": 0, "xatol": rtol},
         maxiter=max_iterations,
     )

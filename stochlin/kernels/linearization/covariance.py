@@ -15,7 +15,7 @@ with ``stiffness = w^2``, ``damping = 2 xi w``, ``coupling = (1 - alpha) w^2``,
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -43,8 +43,7 @@ class EquivalentSystem(NamedTuple):
         a2, a1, a0 = self.characteristic
         square = frequency**2
         real, imaginary = a0 - a2 * square, frequency * (a1 - square)
-        squared: Array = (square + self.relaxation**2) / (real**2 + imaginary**2)
-        return squared
+        return (square + self.relaxation**2) / (real**2 + imaginary**2)
 
 
 class Forcing(NamedTuple):
@@ -57,6 +56,9 @@ class Forcing(NamedTuple):
     mu: Array
     velocity: Array
     slip: Array
+
+
+Rows = TypeVar("Rows", EquivalentSystem, Forcing)
 
 
 class OwnCovariance(NamedTuple):
@@ -109,14 +111,12 @@ def pair_covariance(
         return pair_row(first, forcing_1, second, forcing_2)[0]
     if not stiffer.any():
         return pair_row(second, forcing_2, first, forcing_1)[0]
-    systems, forcings = zip(first, second, strict=True), zip(forcing_1, forcing_2, strict=True)
-    (stiff, soft), (force_stiff, force_soft) = (
-        zip(*((np.where(stiffer, a, b), np.where(stiffer, b, a)) for a, b in pairs), strict=True)
-        for pairs in (systems, forcings)
-    )
-    return pair_row(
-        EquivalentSystem(*stiff), Forcing(*force_stiff), EquivalentSystem(*soft), Forcing(*force_soft)
-    )[0]
+
+    def choose(yes: Rows, no: Rows) -> Rows:
+        return type(yes)(*(np.where(stiffer, a, b) for a, b in zip(yes, no, strict=True)))
+
+    stiff, force_stiff = choose(first, second), choose(forcing_1, forcing_2)
+    return pair_row(stiff, force_stiff, choose(second, first), choose(forcing_2, forcing_1))[0]
 
 
 def pair_row(

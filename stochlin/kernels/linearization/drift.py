@@ -49,15 +49,8 @@ class HalfCycles(NamedTuple):
 def drift_of(system: EquivalentSystem, latent: Array, cycles: HalfCycles) -> Drift:
     """Drift of a structure solved with the clipped closure, eqs. (1) to (5).
 
-    Parameters
-    ----------
-    system
-        Equivalent system.
-    latent : (3, n)
-        Standard deviations and correlation of the Gaussian ``(v, z~)`` behind the closure, in units
-        of the yield displacement.
-    cycles
-        Of the linear response.
+    ``latent`` (3, n) are standard deviations and correlation of the Gaussian ``(v, z~)`` behind the
+    closure, in units of the yield displacement.
     """
     sv, sz, r = latent
     slip = slip_quadrant(sz, r)
@@ -81,8 +74,7 @@ def _relaxation(system: EquivalentSystem, latent: Array, slip: SlipQuadrant) -> 
     by_velocity = 2 * slip.probability
     by_z = 2 * sv * h * (r * h * slip.edge + q * slip.corner) / erf(h / np.sqrt(2))
     w2, d, coupling = system.stiffness, system.damping, system.coupling
-    rate: Array = (w2 - coupling) * by_z / (w2 - coupling * by_velocity + d * by_z)
-    return rate
+    return (w2 - coupling) * by_z / (w2 - coupling * by_velocity + d * by_z)
 
 
 def _orders(sz: Array) -> Array:
@@ -207,5 +199,4 @@ def drift_correlation(
     total = root_1[-1] * root_2[-1]
     for j in range(ORDERS - 1, -1, -1):
         total = total * square + root_1[j] * root_2[j]
-    result: Array = coherence * total * 2 * np.sqrt(rate_1 * rate_2) / (rate_1 + rate_2)
-    return result
+    return coherence * total * 2 * np.sqrt(rate_1 * rate_2) / (rate_1 + rate_2)

@@ -102,13 +102,13 @@ class Filter:
         if not self.states:
             return np.ones_like(frequency, float)
         resolved = _resolvent(1j * np.asarray(frequency, float), matrix, noise)
-        transmitted: Array = np.abs((output * resolved).sum(axis=-1)) ** 2
-        return transmitted
+        return np.abs((output * resolved).sum(axis=-1)) ** 2
 
     def forcing(self, system: EquivalentSystem) -> Forcing:
         """Correlations of the forcing with the structure's states."""
         if not self.states:
-            return white_noise_forcing(system, self.intensity)
+            zero = np.zeros_like(system.stiffness * self.intensity)
+            return Forcing(zero, np.pi * self.intensity + zero, zero)
         return self._forcing(self._correlations(system))
 
     def _forcing(self, rows: Sequence[Array]) -> Forcing:
@@ -230,13 +230,20 @@ class FilterOscillator(NamedTuple):
         conjugate = a - b * self.damping
         return (conjugate * u[0] - b * fu[0]) / norm, (conjugate * u[1] - b * fu[1]) / norm
 
+    def free(self, value: Array, rate: Array, s: Array) -> Array:
+        """Laplace transform of a free motion from this value and rate."""
+        return ((s + self.damping) * value + rate) / (s * (s + self.damping) + self.stiffness)
+
+
+_NOTHING = (np.zeros(()), np.zeros(()))
+
 
 def _sylvester(
     system: EquivalentSystem,
     oscillator: FilterOscillator,
-    r_mu: Pair,
     r_v: Pair,
-    r_y: Pair,
+    r_mu: Pair = _NOTHING,
+    r_y: Pair = _NOTHING,
 ) -> tuple[Pair, Pair, Pair]:
     """Rows of ``C`` in ``A C + C F' + R = 0`` for a structure and one filter oscillator."""
     _, d, h, p, k = system
@@ -255,61 +262,8 @@ def _sylvester(
     mu = oscillator.solve(constant, linear, right)
     f_mu = oscillator.apply(mu)
     velocity = (-f_mu[0] - r_mu[0], -f_mu[1] - r_mu[1])
-    flow = (
-        k * mu[0] + p * velocity[0] + r_y[0],
-        k * mu[1] + p * velocity[1] + r_y[1],
-    )
+    flow = (k * mu[0] + p * velocity[0] + r_y[0], k * mu[1] + p * velocity[1] + r_y[1])
     return mu, velocity, oscillator.solve(k, -np.ones_like(k), flow)
-
-
-_NOTHING = (np.zeros(()), np.zeros(()))
-
-
-def white_noise_forcing(system: EquivalentSystem, intensity: Array) -> Forcing:
-    """Forcing correlations under white noise of two-sided PSD ``intensity``."""
-    zero = np.zeros_like(system.stiffness * intensity)
-    return Forcing(zero, np.pi * intensity + zero, zero)
-
-
-class GroundRows(NamedTuple):
-    """Correlations of a structure's ``(mu, mu', y)`` with what drives it, on Clough-Penzien ground."""
-
-    signal: tuple[Array, Array, Array]  # with the soil's signal, which drives the high-pass oscillator
-    layer: tuple[Pair, Pair, Pair]  # with the high-pass oscillator's displacement and velocity
-
-
-def clough_penzien_rows(
-    system: EquivalentSystem,
-    intensity: Array,
-    frequency: Array,
-    damping_ratio: Array,
-    high_pass_frequency: Array,
-    high_pass_damping: Array,
-) -> GroundRows:
-    """What the forcing ``f = xf''``, with ``xf`` driven by the Kanai-Tajimi signal, is made of.
-
-    The high-pass oscillator is itself a linear structure on Kanai-Tajimi ground, and the
-    filter cascade is block triangular: two solves of the same kind, one after the other.
-    """
-    soil = FilterOscillator(frequency**2, 2 * damping_ratio * frequency)
-    layer = FilterOscillator(high_pass_frequency**2, 2 * high_pass_damping * high_pass_frequency)
-    layer_system = linear_system(high_pass_frequency, high_pass_damping)
-    noise = (np.pi * intensity / soil.damping, np.pi * intensity)
-    x_row, v_row, _ = _sylvester(layer_system, soil, _NOTHING, noise, _NOTHING)
-    layer_v_v = (soil.stiffness * v_row[0] + soil.damping * v_row[1]) / layer.damping
-
-    # E[q f] with f = f_soil - stiffness xf - damping xf', for both filter stages.
-    soil_f = (
-        noise[0] - layer.stiffness * x_row[0] - layer.damping * v_row[0],
-        noise[1] - layer.stiffness * x_row[1] - layer.damping * v_row[1],
-    )
-    layer_f = (-layer_v_v, np.zeros_like(layer_v_v))
-
-    soil_rows = _sylvester(system, soil, _NOTHING, soil_f, _NOTHING)
-    mu, velocity, slip = (soil.stiffness * row[0] + soil.damping * row[1] for row in soil_rows)
-    zero = np.zeros_like(mu)
-    layer_rows = _sylvester(system, layer, (zero, mu), (layer_f[0], layer_f[1] + velocity), (zero, slip))
-    return GroundRows((mu, velocity, slip), layer_rows)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -336,13 +290,12 @@ class KanaiTajimiFilter(Filter):
         """Under ``f = wg^2 xg + 2 xig wg xg'``, eqs. (11) and (12)."""
         soil = FilterOscillator(*self.output)
         with_forcing = (np.pi * self.intensity / soil.damping, np.pi * self.intensity)
-        rows = _sylvester(system, soil, _NOTHING, with_forcing, _NOTHING)
+        rows = _sylvester(system, soil, with_forcing)
         return Forcing(*(soil.stiffness * row[0] + soil.damping * row[1] for row in rows))
 
     def later(self, system: EquivalentSystem, forcing: Forcing) -> Transform:
         """By stationarity ``d/dtau E[f mu] = -E[f mu']`` at ``tau = 0``."""
-        stiffness, damping = self.output
-        return lambda s: _free(stiffness, damping, forcing.mu, -forcing.velocity, s)
+        return lambda s: FilterOscillator(*self.output).free(forcing.mu, -forcing.velocity, s)
 
     def free_motion(self, system: EquivalentSystem) -> tuple[Forcing, FreeMotion]:
         """The forcing and its rate as states; by stationarity ``d/dtau E[f x] = -E[f x']``."""
@@ -378,39 +331,49 @@ class CloughPenzienFilter(Filter):
         return np.maximum(self.soil.frequency, self.frequency)
 
     @property
-    def _parameters(self) -> tuple[Entry, ...]:
-        return self.intensity, self.soil.frequency, self.soil.damping, self.frequency, self.damping
+    def _layer(self) -> FilterOscillator:
+        return FilterOscillator(self.frequency**2, 2 * self.damping * self.frequency)
+
+    def _rows(self, system: EquivalentSystem) -> tuple[tuple[Array, ...], tuple[Pair, ...]]:
+        """Correlations of ``(mu, mu', y)`` with the soil's signal, and with the oscillator it drives.
+
+        That oscillator is itself a linear structure on Kanai-Tajimi ground, and the filter cascade is
+        block triangular: two solves of the same kind, one after the other.
+        """
+        soil, layer = FilterOscillator(*self.soil.output), self._layer
+        noise = (np.pi * self.intensity / soil.damping, np.pi * self.intensity)
+        x_row, v_row, _ = _sylvester(linear_system(self.frequency, self.damping), soil, noise)
+        layer_v_v = (soil.stiffness * v_row[0] + soil.damping * v_row[1]) / layer.damping
+
+        # E[q f] with f = f_soil - stiffness xf - damping xf', for both filter stages.
+        soil_f = (
+            noise[0] - layer.stiffness * x_row[0] - layer.damping * v_row[0],
+            noise[1] - layer.stiffness * x_row[1] - layer.damping * v_row[1],
+        )
+        soil_rows = _sylvester(system, soil, soil_f)
+        mu, velocity, slip = (soil.stiffness * row[0] + soil.damping * row[1] for row in soil_rows)
+        zero = np.zeros_like(mu)
+        rows = _sylvester(system, layer, (-layer_v_v, velocity), (zero, mu), (zero, slip))
+        return (mu, velocity, slip), rows
 
     def forcing(self, system: EquivalentSystem) -> Forcing:
         """Under ``f = xf''``, from its parts."""
-        rows = clough_penzien_rows(system, *self._parameters)
-        stiffness, damping = self.frequency**2, 2 * self.damping * self.frequency
-        return Forcing(
-            *(
-                signal - stiffness * row[0] - damping * row[1]
-                for signal, row in zip(rows.signal, rows.layer, strict=True)
-            )
-        )
+        stiffness, damping = self._layer
+        pairs = zip(*self._rows(system), strict=True)
+        return Forcing(*(signal - stiffness * row[0] - damping * row[1] for signal, row in pairs))
 
     def later(self, system: EquivalentSystem, forcing: Forcing) -> Transform:
         """The soil's signal moves freely and drives the high-pass oscillator."""
-        rows = clough_penzien_rows(system, *self._parameters)
-        layer, layer_rate = rows.layer[0]
-        soil_stiffness, soil_damping = self.soil.output
-        stiffness, damping = self.frequency**2, 2 * self.damping * self.frequency
+        (with_mu, with_rate, _), ((with_layer, with_layer_rate), *_) = self._rows(system)
+        soil, layer = FilterOscillator(*self.soil.output), self._layer
 
         def cascade(s: Array) -> Array:
-            signal = _free(soil_stiffness, soil_damping, rows.signal[0], -rows.signal[1], s)
-            displacement = _free(stiffness, damping, layer, layer_rate + signal, s)
-            return signal - stiffness * displacement - damping * (s * displacement - layer)
+            signal = soil.free(with_mu, -with_rate, s)
+            moved = layer.free(with_layer, with_layer_rate + signal, s)
+            return signal - layer.stiffness * moved - layer.damping * (s * moved - with_layer)
 
         return cascade
 
     def free_motion(self, system: EquivalentSystem) -> tuple[Forcing, FreeMotion]:
         """As on the soil alone: the high-pass oscillator is slow against a half-cycle."""
         return self.soil.free_motion(system)
-
-
-def _free(stiffness: Array, damping: Array, value: Array, rate: Array, s: Array) -> Array:
-    """Laplace transform of an oscillator's free motion."""
-    return ((s + damping) * value + rate) / (s * (s + damping) + stiffness)

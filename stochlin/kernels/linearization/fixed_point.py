@@ -24,7 +24,6 @@ COMPLEX_STEP = 1e-30
 LARGEST_STEP = 1.0  # in log(sigma) and atanh(corr)
 LEAST_DELTA = 0.05
 LARGEST_MISMATCH = 1e-6  # of a converged cell, whatever its last step
-SHORTER, LONGER, LONGEST = 0.25, 3.0, 100.0  # factors from one step to the next
 
 
 class Pace(NamedTuple):
@@ -73,15 +72,8 @@ def gaussian_covariance(latent: Array) -> tuple[Array, Array]:
     """Covariance and its Jacobian of the Gaussian density with moments ``(sv, sz, r)``."""
     sv, sz, r = latent
     zero = np.zeros_like(sv)
-    covariance = np.stack([sv * sv, sz * sz, r * sv * sz])
-    jacobian = np.stack(
-        [
-            np.stack([2 * sv, zero, zero]),
-            np.stack([zero, 2 * sz, zero]),
-            np.stack([r * sz, r * sv, sv * sz]),
-        ]
-    )
-    return covariance, jacobian
+    jacobian = np.array([[2 * sv, zero, zero], [zero, 2 * sz, zero], [r * sz, r * sv, sv * sz]])
+    return np.array([sv * sv, sz * sz, r * sv * sz]), jacobian
 
 
 def solve_fixed_point(
@@ -97,26 +89,16 @@ def solve_fixed_point(
 ) -> FixedPoint:
     """Solve every cell, in chunks.
 
-    Parameters
-    ----------
-    structure : (3, n)
-        Stiffness, damping and coupling of the equivalent system.
-    law, ground : (m, n)
-        Parameters handed through to ``closure`` and ``forcing_of``.
-    start : (3, n)
-        First guess of the latent moments.
-    rtol, atol
-        A cell is done when ``|dy| <= atol + rtol |y|`` for each latent moment ``y``; ``atol``
-        counts for the correlation only, since the other two are positive scales.
+    ``structure`` (3, n) has stiffness, damping and coupling of the equivalent system, ``start`` (3, n)
+    the first guess of the latent moments; ``law`` and ``ground`` (m, n) are handed through to closure
+    and ``forcing_of``. A cell is done when ``|dy| <= atol + rtol |y|`` for each latent moment ``y``;
+    ``atol`` counts for the correlation only, since the other two are positive scales.
     """
+    whole = _Problem(structure, law, ground, closure, forcing_of, rtol, atol)
     parts = []
-    for begin in range(0, start.shape[1], CHUNK):
+    for begin in range(0, max(1, start.shape[1]), CHUNK):
         cells = slice(begin, begin + CHUNK)
-        problem = _Problem(structure[:, cells], law[:, cells], ground[:, cells], closure, forcing_of)
-        parts.append(_solve(problem, start[:, cells], rtol, atol, max_iterations))
-    if not parts:
-        none = np.empty(0)
-        return FixedPoint(start[:2], start, none.astype(np.int32), none, none == 0)
+        parts.append(_solve(whole.of(cells), start[:, cells], max_iterations))
     return FixedPoint(*(np.concatenate(field, axis=-1) for field in zip(*parts, strict=True)))
 
 
@@ -126,8 +108,10 @@ class _Problem(NamedTuple):
     ground: Array
     closure: Closure
     forcing_of: ForcingOf
+    rtol: float
+    atol: float
 
-    def of(self, cells: Array) -> _Problem:
+    def of(self, cells: Array | slice) -> _Problem:
         return self._replace(
             structure=self.structure[:, cells], law=self.law[:, cells], ground=self.ground[:, cells]
         )
@@ -142,22 +126,20 @@ class _State(NamedTuple):
     delta: Array
 
 
-def _solve(problem: _Problem, start: Array, rtol: float, atol: float, max_iterations: int) -> FixedPoint:
+def _solve(problem: _Problem, start: Array, max_iterations: int) -> FixedPoint:
     """Boldly first; a cell that ran away begins again with care."""
     bold = max(1, int(BOLD_SHARE * max_iterations))
-    solution = _evolve(problem, start, rtol, atol, bold, BOLD)
+    solution = _evolve(problem, start, bold, BOLD)
     lost = np.flatnonzero(~solution.converged)
     if lost.size and max_iterations > bold:
-        again = _evolve(problem.of(lost), start[:, lost], rtol, atol, max_iterations - bold, CAREFUL)
+        again = _evolve(problem.of(lost), start[:, lost], max_iterations - bold, CAREFUL)
         again.iterations[:] += bold
         for field, better in zip(solution, again, strict=True):
             field[..., lost] = better
     return solution
 
 
-def _evolve(
-    problem: _Problem, start: Array, rtol: float, atol: float, max_iterations: int, pace: Pace
-) -> FixedPoint:
+def _evolve(problem: _Problem, start: Array, max_iterations: int, pace: Pace) -> FixedPoint:
     n = start.shape[1]
     y = np.stack([np.log(start[0]), np.log(start[1]), np.arctanh(start[2])])
     state = _State(y, np.full(n, np.inf), np.zeros_like(y), np.full(n, pace.first))
@@ -166,7 +148,7 @@ def _evolve(
         active = np.flatnonzero(~converged)
         if not active.size:
             break
-        converged[active] = _advance(problem.of(active), state, active, rtol, atol, pace)
+        converged[active] = _advance(problem.of(active), state, active, pace)
         iterations[active] += 1
     y = state.base + state.step
     latent = np.stack([np.exp(y[0]), np.exp(y[1]), np.tanh(y[2])])
@@ -175,9 +157,7 @@ def _evolve(
     return FixedPoint(coefficients, latent, iterations, state.norm, converged)
 
 
-def _advance(
-    problem: _Problem, state: _State, cells: Array, rtol: float, atol: float, pace: Pace
-) -> Array:
+def _advance(problem: _Problem, state: _State, cells: Array, pace: Pace) -> Array:
     """One evaluation of the cells, and what is made of it: a new step, or a part of the old one."""
     y = state.base[:, cells] + state.step[:, cells]
     mismatch, jacobian = _mismatch(problem, y)
@@ -195,8 +175,8 @@ def _advance(
     state.delta[cells] = delta
     # Judged by the undamped step: a damped one is also small where delta is.
     change = np.abs(_newton_step(jacobian, mismatch, np.inf))
-    r = np.tanh(y[2])
-    change[2] *= (1 - r * r) * rtol / (atol + rtol * np.abs(r))
+    r, rtol = np.tanh(y[2]), problem.rtol
+    change[2] *= (1 - r * r) * rtol / (problem.atol + rtol * np.abs(r))
     return valid & (norm <= LARGEST_MISMATCH) & (change.max(axis=0) <= rtol)
 
 
@@ -256,12 +236,6 @@ def _to_unknowns(covariance: Array) -> tuple[Array, Array]:
     r = vz / (sv * sz)
     zero = np.zeros_like(r)
     spread = 1 / (1 - r * r)
-    unknowns = np.stack([np.log(sv), np.log(sz), np.arctanh(r)])
-    jacobian = np.stack(
-        [
-            np.stack([0.5 / vv, zero, zero]),
-            np.stack([zero, 0.5 / zz, zero]),
-            np.stack([-0.5 * r * spread / vv, -0.5 * r * spread / zz, spread / (sv * sz)]),
-        ]
-    )
-    return unknowns, jacobian
+    by_moments = [-0.5 * r * spread / vv, -0.5 * r * spread / zz, spread / (sv * sz)]
+    jacobian = np.array([[0.5 / vv, zero, zero], [zero, 0.5 / zz, zero], by_moments])
+    return np.array([np.log(sv), np.log(sz), np.arctanh(r)]), jacobian

@@ -51,14 +51,8 @@ def regress_slip(
 ) -> tuple[Array, Array]:
     """Least-squares ``(1 + c_e, k_e)`` of the slip rate ``v - G(v, z)`` on ``(v, z)``, with Jacobian.
 
-    Parameters
-    ----------
-    slip : (2, n)
-        ``E[(v - G) v]`` and ``E[(v - G) z]``.
-    covariance : (3, n)
-        ``Var v``, ``Var z``, ``Cov(v, z)``.
-    slip_jacobian, covariance_jacobian : (2, 3, n), (3, 3, n)
-        Derivatives by the latent moments.
+    ``slip`` (2, n) is ``E[(v - G) v]`` and ``E[(v - G) z]``, ``covariance`` (3, n) ``Var v``, ``Var z``
+    and ``Cov(v, z)``; their Jacobians are by the latent moments.
     """
 
     def solve(by_v: Array, by_z: Array) -> Array:

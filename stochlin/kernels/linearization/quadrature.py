@@ -20,6 +20,7 @@ from stochlin.kernels.linearization.gaussian import SQRT_2PI
 
 REACH = 12.0  # standard deviations; the density beyond is below 1e-31
 CELLS = 64  # per block: nodes times cells stay in the cache
+GRADED = np.concatenate([[0.0], 4.0 ** np.arange(-6, 1)])  # panels that grow by a factor of four
 
 
 class SlipRate(NamedTuple):
@@ -41,21 +42,9 @@ class SlipRate(NamedTuple):
 def slip_expectations(
     law: SlipRate, latent: Array, parameters: Array, order: int
 ) -> tuple[Array, Array]:
-    """``(E[w v], E[w z])`` and the Jacobian by ``(sv, sz, r)``.
+    """``(E[w v], E[w z])``, (2, n), and the Jacobian by ``latent`` (3, n): ``sv``, ``sz``, ``r``.
 
-    Parameters
-    ----------
-    law : SlipRate
-    latent : (3, n)
-        ``sv``, ``sz``, ``r``.
-    parameters : (m, n)
-        Of the law.
-    order : int
-        Gauss-Legendre nodes of each panel.
-
-    Returns
-    -------
-    (2, n) and (2, 3, n)
+    ``order`` is the number of Gauss-Legendre nodes of each panel.
     """
     values = np.empty((2, latent.shape[1]))
     jacobian = np.empty((2, 3, latent.shape[1]))
@@ -75,8 +64,7 @@ def _moments(law: SlipRate, latent: Array, order: int) -> Array:
     weight = 2 * weight * np.exp(-0.5 * t * t) / SQRT_2PI
     inner = _inner_closed if law.rate_independent else _inner_quadrature
     powers = np.stack([weight, weight * t, weight * t**2, weight * t**3])
-    result: Array = np.einsum("anj,bnj->abn", inner(law, sv, sz * t, r * t, q, order), powers)
-    return result
+    return np.einsum("anj,bnj->abn", inner(law, sv, sz * t, r * t, q, order), powers)
 
 
 def _panels(
@@ -110,7 +98,7 @@ def _inner_quadrature(law: SlipRate, sv: Array, z: Array, mean: Array, q: Array,
     The panels are graded towards ``v = 0``, where rate-dependent laws turn, however slow that is
     beside ``sv``.
     """
-    nodes, weights = _graded(order // 2)
+    nodes, weights = on_panels(GRADED, order // 2)
     low, high = np.maximum(mean - REACH * q, 0), np.maximum(mean, 0) + REACH * q
     width = (high - low)[..., None]
     x = low[..., None] + width * nodes
@@ -120,10 +108,9 @@ def _inner_quadrature(law: SlipRate, sv: Array, z: Array, mean: Array, q: Array,
     return np.stack([(weight * x**power).sum(axis=-1) for power in range(4)])
 
 
-def _graded(order: int) -> tuple[Array, Array]:
-    """Nodes and weights on [0, 1], in panels that grow by a factor of four."""
+def on_panels(edges: Array, order: int) -> tuple[Array, Array]:
+    """Gauss-Legendre nodes, ``order`` on each of the panels between increasing edges, and weights."""
     nodes, weights = np.polynomial.legendre.leggauss(order)
-    edges = np.concatenate([[0.0], 4.0 ** np.arange(-6, 1)])
     half = 0.5 * np.diff(edges)[:, None]
     return (edges[:-1, None] + half * (1 + nodes)).ravel(), (half * weights).ravel()
 
@@ -135,7 +122,7 @@ def _assemble(m: Array, latent: Array) -> tuple[Array, Array]:
     def score(a: int, b: int) -> Array:
         """``2 E[w x^a t^b s; x > 0]`` for the scores ``s`` by sv, sz and r."""
         xx, xt, tt = m[a + 2, b], m[a + 1, b + 1], m[a, b + 2]
-        return np.stack(
+        return np.array(
             [
                 ((xx - r * xt) / q2 - m[a, b]) / sv,
                 ((tt - r * xt) / q2 - m[a, b]) / sz,

@@ -14,6 +14,8 @@ ways and analytic for ``|Im x| < pi/2``, where the trapezoidal rule converges li
 
 from __future__ import annotations
 
+from functools import reduce
+from operator import sub as subtract
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -53,24 +55,10 @@ Rows = TypeVar("Rows", EquivalentSystem, Forcing, _Column)
 
 
 def displacement_moments(system: EquivalentSystem, forcing: Forcing, ground: Filter) -> SpectralMoments:
-    """Spectral moments of one structure's displacement.
-
-    Parameters
-    ----------
-    system, forcing
-        Entries of shape (n,).
-    ground : Filter
-        Of the n cells.
-    """
+    """Spectral moments of one structure's displacement, of cells (n,)."""
     own = own_covariance(system, forcing)
     column = _Column(own.mu_mu, np.zeros_like(own.mu_mu), own.mu_mu - own.mu_z)
-    l1 = np.empty_like(own.mu_mu)
-    for cells in _blocks(l1.size):
-        part, force = _take(system, cells), _take(forcing, cells)
-        drive = ground.at((cells, None)).later(part, force)
-        s = _frequencies(own.mu_mu[cells], own.v_v[cells])
-        l1[cells] = _integral(s, _decay(part, _take(column, cells), drive(s), s))
-    return SpectralMoments(own.mu_mu, l1, own.v_v)
+    return _with_l1(own.mu_mu, own.v_v, ground, (system, forcing, column))
 
 
 def difference_moments(
@@ -96,39 +84,29 @@ def difference_moments(
         first.stiffness * both + first.damping * velocity_1 - first.coupling * slip_1 - forcing_2.mu
     )
     l0, l2 = column_1.mu - column_2.mu, own_1.v_v + own_2.v_v - 2 * velocities
+    return _with_l1(l0, l2, ground, (first, forcing_1, column_1), (second, forcing_2, column_2))
+
+
+def _with_l1(
+    l0: Array, l2: Array, ground: Filter, *structures: tuple[EquivalentSystem, Forcing, _Column]
+) -> SpectralMoments:
+    """The moments of a displacement, or of the first structure's less the second's."""
     l1 = np.empty_like(l0)
-    for cells in _blocks(l1.size):
+    for begin in range(0, l1.size, CELLS):
+        cells = slice(begin, begin + CELLS)
+        with np.errstate(invalid="ignore", divide="ignore"):  # no motion, no frequency: NaN
+            s = np.sqrt(l2[cells] / l0[cells])[:, None] * _NODES
         below = ground.at((cells, None))
-        parts = [_take(system, cells) for system in (first, second)]
-        drives = [
-            below.later(part, _take(force, cells))
-            for part, force in zip(parts, (forcing_1, forcing_2), strict=True)
-        ]
-        s = _frequencies(l0[cells], l2[cells])
-        drive = drives[0](s) - drives[1](s)
-        columns = [_take(column, cells) for column in (column_1, column_2)]
-        decays = [_decay(*pair, drive, s) for pair in zip(parts, columns, strict=True)]
-        l1[cells] = _integral(s, decays[0] - decays[1])
+        parts = [(_take(a, cells), _take(b, cells), _take(c, cells)) for a, b, c in structures]
+        drive = reduce(subtract, [below.later(system, force)(s) for system, force, _ in parts])
+        decay = reduce(subtract, [_decay(system, column, drive, s) for system, _, column in parts])
+        l1[cells] = (2 / np.pi) * STEP * (s * decay).sum(axis=1)
     return SpectralMoments(l0, l1, l2)
-
-
-def _blocks(size: int) -> list[slice]:
-    return [slice(begin, begin + CELLS) for begin in range(0, size, CELLS)]
 
 
 def _take(rows: Rows, cells: slice) -> Rows:
     """Some cells, with an axis for the nodes."""
     return type(rows)(*(row[cells, None] for row in rows))
-
-
-@np.errstate(invalid="ignore", divide="ignore")  # no motion, no frequency: NaN
-def _frequencies(l0: Array, l2: Array) -> Array:
-    return np.sqrt(l2 / l0)[:, None] * _NODES
-
-
-def _integral(s: Array, decay: Array) -> Array:
-    total: Array = (2 / np.pi) * STEP * (s * decay).sum(axis=1)
-    return total
 
 
 def _decay(system: EquivalentSystem, column: _Column, drive: Array, s: Array) -> Array:
@@ -140,5 +118,4 @@ def _decay(system: EquivalentSystem, column: _Column, drive: Array, s: Array) ->
     w2, d, h, p, k = system
     right = w2 * column.mu - s * (column.velocity + drive)
     right = (s + k) * right - h * (s * column.slip + k * column.mu)
-    result: Array = right / ((s + k) * ((s + d) * s + w2) - h * (k + p * s))
-    return result
+    return right / ((s + k) * ((s + d) * s + w2) - h * (k + p * s))

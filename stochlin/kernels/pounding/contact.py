@@ -95,8 +95,7 @@ def separation_margin(law, d, v):
 def stored_energy(law: Array, d: Array) -> Array:
     """Energy [J] in the springs of elements, rows of a `law_table`, at penetrations (..., c)."""
     k, n = law["stiffness"], law["exponent"]
-    energy: Array = k * np.maximum(d, 0.0) ** (n + 1) / (n + 1)
-    return energy
+    return k * np.maximum(d, 0.0) ** (n + 1) / (n + 1)
 
 
 @register_jitable

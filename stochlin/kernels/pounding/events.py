@@ -4,8 +4,6 @@ A storey yields and unloads, a contact begins, turns and ends where a linear fun
 an interval; two floors that move together part where the force between them vanishes.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from stochlin.kernels.basics.compiled import compiled, inlined
@@ -38,17 +36,11 @@ GRAIN = 1e-11  # of the largest displacement: the noise of the polynomials
 
 
 @compiled
-def watches(row):
-    """Number of the ends of branches that `watched` knows: two of each storey and of each contact."""
-    n, _, c, _ = sizes(row)
-    return 2 * (n + c)
-
-
-@compiled
 def watched(row, branch, number):
     """What ends a branch: a `measure`, of which storey or contact, its shift, and its interval.
 
-    What floors that move together watch, their force, is not among it.
+    There are two of each storey and of each contact. What floors that move together watch, their force,
+    is not among it.
     """
     n, _, c, _ = sizes(row)
     if number < 2 * n:
@@ -133,13 +125,14 @@ def first_event(row, branch, ground, slope, h, x, space):
     Returns its time over the step, its number, the side by which the interval is left, and whether the
     polynomials of the step were found. In contact they always are, with the forces at the nodes.
     """
-    total = watches(row)
+    n, _, c, _ = sizes(row)
+    total = 2 * (n + c)
     best, event, way, known = 1.0, NOTHING, 0, False
     if _in_contact(branch):
         interpolate(row, branch, ground, slope, h, x, space)
         find_node_forces(row, branch, ground, slope, h, x, space)
         known = True
-    for number in range(2 * row.mass.size if _storeys_stay(row, branch, h, x, space) else 0, total):
+    for number in range(2 * n if _storeys_stay(row, branch, h, x, space) else 0, total):
         what, i, shift, lower, upper = watched(row, branch, number)
         if what == NOTHING:
             continue
@@ -160,7 +153,7 @@ def first_event(row, branch, ground, slope, h, x, space):
         t, side = first_exit(space.line, lower, upper, best, space.lines, space.marks)
         if side != 0 and (t < best or event == NOTHING):
             best, event, way = t, number, side
-    for j in range(row.gap.size):
+    for j in range(c):
         if branch.contact[j] == TOGETHER:
             force_polynomial(j, space)
             t, side = first_exit(space.line, 0.0, INFINITE, best, space.lines, space.marks)

@@ -4,8 +4,6 @@ An impact is a line of the table: when it began, which contact, its approach vel
 when it ended, and what the contact had dissipated before and after it.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from stochlin.kernels.basics.compiled import compiled, inlined

@@ -11,8 +11,6 @@ velocities and slips of all floors, the work that the ground, the dashpots and t
 each building, and what each contact and each link has dissipated.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from stochlin.kernels.basics.compiled import called_often, compiled

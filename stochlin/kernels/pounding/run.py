@@ -14,7 +14,7 @@ import numpy as np
 from stochlin.kernels.basics import linear_branch
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import borrow, compiled, entry, inlined, version_of
-from stochlin.kernels.pounding import contact, events, impacts, outputs, rows, steps
+from stochlin.kernels.pounding import contact, events, impacts, rows, steps
 from stochlin.kernels.pounding import rates as rates_source
 from stochlin.kernels.pounding.contact import (
     CLOSED,
@@ -24,37 +24,21 @@ from stochlin.kernels.pounding.contact import (
     has_fractional_power,
     reduced_mass,
 )
-from stochlin.kernels.pounding.events import (
-    NOTHING,
-    first_event,
-    pass_event,
-)
-from stochlin.kernels.pounding.impacts import (
-    COLUMNS,
-    FIRST_LINES,
-    MOST_BLOWS,
-    begin_entry,
-    end_entry,
-)
-from stochlin.kernels.pounding.outputs import Asked, report, watch
+from stochlin.kernels.pounding.events import NOTHING, first_event, pass_event, watch_forces, watch_peaks
+from stochlin.kernels.pounding.impacts import COLUMNS, FIRST_LINES, MOST_BLOWS, begin_entry, end_entry
 from stochlin.kernels.pounding.rates import rates, starting_branches
-from stochlin.kernels.pounding.rows import (
-    BILINEAR,
-    BOUC_WEN,
-    ELASTIC,
-    LAWS,
-    Row,
-    sizes,
-)
+from stochlin.kernels.pounding.rows import LAWS, Row, sizes
 from stochlin.kernels.pounding.steps import (
     STAGES,
     attempt,
+    copy,
     grow_reach,
+    interpolate,
     state_within,
     workspace,
 )
 
-VERSION = version_of(linear_branch, contact, events, impacts, outputs, rates_source, rows, steps)
+VERSION = version_of(linear_branch, contact, events, impacts, rates_source, rows, steps)
 
 SAFETY, SHRINK, GROW, ORDER = 0.9, 0.2, 5.0, 8.0  # of the step control
 OUTSET = 1e-3  # of what the motion can do in one interval: nothing smaller is resolved
@@ -73,6 +57,16 @@ class Motion(NamedTuple):
     dt: float
     interval: Array  # (times,): number of the interval of the record, increasing
     since: Array  # (times,) [s]: time since its beginning, from 0 to dt
+
+
+class Asked(NamedTuple):
+    """What is asked for: times as in `Motion`, and room for the states and forces at them."""
+
+    interval: Array
+    since: Array
+    states: Array
+    forces: Array
+    peaks: Array
 
 
 class Run(NamedTuple):
@@ -101,6 +95,35 @@ def _advance(row, branch, ground, slope, h, x, space):
         # A trial that overflowed has no error to learn from.
         h *= max(SHRINK, SAFETY * error ** (-1.0 / ORDER)) if error < np.inf else SHRINK
     return 0.0, h, trial
+
+
+@inlined
+def _watch(row, branch, ground, slope, h, end, x, after, known, space, asked, table):
+    """Take peaks and forces of the share ``end`` of a step; tells whether its polynomials are known."""
+    needed = watch_peaks(row, end, h, x, after, space, asked.peaks, known)
+    if needed and not known:
+        interpolate(row, branch, ground, slope, h, x, space)
+        watch_peaks(row, end, h, x, after, space, asked.peaks, needed)
+        known = needed
+    watch_forces(branch, end, space, table)
+    return known
+
+
+@inlined
+def _report(row, branch, ground, slope, h, tau, last, x, after, known, space, asked, at, done):
+    """Write the states asked for between ``tau`` and ``last`` of interval ``at``; how many are done."""
+    while done < asked.since.size and asked.interval[done] == at and asked.since[done] <= last:
+        state, t = asked.states[done], (asked.since[done] - tau) / h
+        if asked.since[done] == last:
+            copy(after, state)
+        else:
+            if not known:
+                interpolate(row, branch, ground, slope, h, x, space)
+                known = True
+            state_within(x, t, space, state)
+        rates(row, branch, ground + slope * (t * h), state, space.rate, asked.forces[done])
+        done += 1
+    return done
 
 
 @compiled
@@ -151,8 +174,8 @@ def _interval(row, branch, begin, slope, dt, at, planned, x, after, space, asked
         else:
             after[:] = space.new
         last = dt if taken == left and end == 1.0 else tau + end * taken
-        known = watch(row, branch, ground, slope, taken, end, x, after, known, space, asked, table)
-        done = report(
+        known = _watch(row, branch, ground, slope, taken, end, x, after, known, space, asked, table)
+        done = _report(
             row, branch, ground, slope, taken, tau, last, x, after, known, space, asked, at, done
         )
         x[:] = after
@@ -226,15 +249,3 @@ def standing_alone(row: Row) -> Row:
     none, nothing = np.zeros(0, np.int64), np.zeros(0)
     alone = row._replace(left=none, right=none, gap=nothing, element=row.element[:0])
     return alone._replace(tied=np.zeros((0, 2), np.int64), tie=np.zeros((0, 2)))
-
-
-__all__ = [
-    "BILINEAR",
-    "BOUC_WEN",
-    "ELASTIC",
-    "Motion",
-    "Row",
-    "Run",
-    "run",
-    "standing_alone",
-]

@@ -20,10 +20,9 @@ from stochlin.kernels.pounding.rates import measure, rates
 from stochlin.kernels.pounding.rows import sizes
 
 # Contiguous, for numba's cache does not take constants that are not.
-A, B, C = (np.ascontiguousarray(table) for table in (DOP853.A, DOP853.B, DOP853.C))
-ERROR_5, ERROR_3 = (np.ascontiguousarray(table) for table in (DOP853.E5, DOP853.E3))
-A_MORE, C_MORE, DENSE = (
-    np.ascontiguousarray(table) for table in (DOP853.A_EXTRA, DOP853.C_EXTRA, DOP853.D)
+A, B, C, ERROR_5, ERROR_3, A_MORE, C_MORE, DENSE = (
+    np.ascontiguousarray(getattr(DOP853, name))
+    for name in ("A", "B", "C", "E5", "E3", "A_EXTRA", "C_EXTRA", "D")
 )
 STAGES, ALL = 12, 16
 SHAPES = 7  # 1 t, 2 t (1-t), 3 t^2 (1-t), 4 t^2 (1-t)^2, ... 7 t^4 (1-t)^3
@@ -36,9 +35,7 @@ NODES = 8  # evenly over a step, where the forces of the contacts are looked at
 FROM_NODES = np.ascontiguousarray(np.linalg.inv(np.vander(np.linspace(0, 1, NODES), increasing=True)))
 
 TOLERANCE = 1e-10  # of a step, over the largest displacement, velocity and energy so far
-ROUGH = (
-    1e-2  # of that in a contact whose force ends with a fractional power, which no polynomial follows
-)
+ROUGH = 1e-2  # of that in a contact whose force ends with a fractional power, as no polynomial does
 TINY = 1e-200
 REACH = 3
 

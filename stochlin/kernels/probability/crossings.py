@@ -39,27 +39,15 @@ def positive_part(mean: Array, deviation: Array) -> Array:
 def exceeding(gap: Array, variance: Array) -> Array:
     """``P(d > g) = 1 - Phi(h)``; 0 where nothing moves."""
     with np.errstate(divide="ignore"):
-        probability: Array = ndtr(-gap / np.sqrt(np.maximum(variance, 0)))
-    return probability
+        return ndtr(-gap / np.sqrt(np.maximum(variance, 0)))
 
 
 def hazards(gap: Array, d_d: Array, d_v: Array, v_v: Array, bandwidth: Array) -> tuple[Array, Array]:
     """Rates [1/s] at which no pounding ends: by Poisson, and corrected for clumps as by Vanmarcke.
 
-    Parameters
-    ----------
-    gap : array
-        ``g`` [m], positive.
-    d_d, d_v, v_v : array
-        Second moments of ``d`` and ``d'``; they broadcast with the gap.
-    bandwidth : array
-        ``delta`` [-].
-
-    Returns
-    -------
-    tuple of two arrays
-        ``nu``, the up-crossing rate, and ``nu [1 - exp(-nu_R/nu)]/(1 - e^(-h^2/2))``: of the clumps that
-        the envelope's crossings start, those that hold a crossing of ``d``, a rate while below.
+    That is ``nu``, the up-crossing rate, and ``nu [1 - exp(-nu_R/nu)]/(1 - e^(-h^2/2))``: of the clumps
+    that the envelope's crossings start, those that hold a crossing of ``d``, a rate while below. The
+    second moments of ``d`` and ``d'`` broadcast with the gap [m].
     """
     moving = (d_d > 0) & (v_v > 0)
     s, sv = np.sqrt(np.where(moving, d_d, 1.0)), np.sqrt(np.where(moving, v_v, 1.0))

@@ -27,12 +27,8 @@ def drift_variances(
 ) -> tuple[Array, Array]:
     """Variances of the drift of displacements (times, n) and of their differences (times, p) [m^2].
 
-    Parameters
-    ----------
-    hardening, bias : (n,)
-        Hardening ratio, and relative bias of the linearized standard deviation; NaN if unknown.
-    rho_bias : (p,)
-        Linearized less true correlation.
+    ``bias`` (n,) is that of the linearized standard deviation, relative, and ``rho_bias`` (p,) the
+    linearized less the true correlation; NaN if unknown.
     """
     one, two = pairs
     pace = 2 * SPEED * hardening * own.relaxation

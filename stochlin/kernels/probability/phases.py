@@ -14,15 +14,13 @@ import scipy.optimize
 from scipy.special import i0e, i1e
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.linearization.quadrature import on_panels
 
 CERTAIN = 1e-9  # 1 - |rho| below which the phase is certain
 PANELS, ORDER = 18, 10
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(ORDER)
 _GRADED = np.concatenate([[0.0], 0.3 ** np.arange(PANELS)[::-1]]) / 2  # towards 0, up to 1/2
 _EDGES = np.concatenate([_GRADED, 1 - _GRADED[-2::-1]])
-_HALF = 0.5 * np.diff(_EDGES)[:, None]
-UNIT_NODES = (_EDGES[:-1, None] + _HALF * (1 + _NODES)).ravel()  # dense at both ends of (0, 1)
-UNIT_WEIGHTS = (_HALF * _WEIGHTS).ravel()
+UNIT_NODES, UNIT_WEIGHTS = on_panels(_EDGES, ORDER)  # dense at both ends of (0, 1)
 CELLS = 2048  # at a time
 
 
@@ -84,8 +82,7 @@ def exceeding(radius_1: Array, radius_2: Array, gap: Array, k: float) -> Array:
 def _share_above(gap: Array, span: Array) -> Array:
     """Share of time that an oscillation of radius ``span`` is above the gap."""
     with np.errstate(divide="ignore"):
-        share: Array = np.arccos(np.minimum(gap / span, 1.0)) / np.pi
-    return share
+        return np.arccos(np.minimum(gap / span, 1.0)) / np.pi
 
 
 def _nodes(start: Array, k: float) -> tuple[Array, Array]:

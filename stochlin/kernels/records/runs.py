@@ -65,13 +65,7 @@ def _history(ground, dt, parameters, refine, out, version):
 
 def peaks_on_records(grounds: Sequence[Ground], parameters: Array) -> Array:
     """Peaks (records, n, PEAKS) of structures ``parameters`` (n, 4) on each ground."""
-
-    def one(ground: Ground, part: Array) -> Array:
-        out = np.empty((len(part), PEAKS))
-        _all_peaks(*ground, part, out, VERSION)
-        return out
-
-    return _spread(one, grounds, parameters)
+    return _spread(_all_peaks, PEAKS, grounds, parameters)
 
 
 def gaps_on_records(grounds: Sequence[Ground], first: Array, second: Array) -> Array:
@@ -79,14 +73,7 @@ def gaps_on_records(grounds: Sequence[Ground], first: Array, second: Array) -> A
 
     Both structures of a pair take the same sub-steps.
     """
-
-    def one(ground: Ground, part: Array) -> Array:
-        out = np.empty((len(part), 2 * PEAKS + 2))
-        first, second = (np.ascontiguousarray(half) for half in np.split(part, 2, axis=1))
-        _all_gaps(*ground, first, second, out, VERSION)
-        return out
-
-    return _spread(one, grounds, np.concatenate([first, second], axis=1))
+    return _spread(_all_gaps, 2 * PEAKS + 2, grounds, first, second)
 
 
 def history(ground: Ground, parameters: Array, refine: int) -> Array:
@@ -96,15 +83,19 @@ def history(ground: Ground, parameters: Array, refine: int) -> Array:
     return out
 
 
-def _spread(one: Callable[[Ground, Array], Array], grounds: Sequence[Ground], rows: Array) -> Array:
-    """``one`` of each ground and all rows, on all cores; each part has short and long periods."""
-    parts = max(1, min(len(rows), PARTS))
+def _spread(
+    fill: Callable[..., None], columns: int, grounds: Sequence[Ground], *structures: Array
+) -> Array:
+    """The columns that ``fill`` finds; each part of the structures has short and long periods."""
+    count = len(structures[0])
+    parts = max(1, min(count, PARTS))
+    result = np.empty((len(grounds), count, columns))
 
-    def task(number: int) -> Array:
-        return one(grounds[number // parts], np.ascontiguousarray(rows[number % parts :: parts]))
+    def task(number: int) -> None:
+        record, part = number // parts, slice(number % parts, None, parts)
+        out = np.empty(result[record, part].shape)
+        fill(*grounds[record], *(np.ascontiguousarray(rows[part]) for rows in structures), out, VERSION)
+        result[record, part] = out
 
-    done = list(in_order(task, parts * len(grounds)))
-    result = np.empty((len(grounds), len(rows), done[0].shape[1]))
-    for number, values in enumerate(done):
-        result[number // parts, number % parts :: parts] = values
+    list(in_order(task, parts * len(grounds)))
     return result

@@ -8,6 +8,8 @@ whatever the number of threads.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import reduce
+from operator import add
 from typing import NamedTuple
 
 import numpy as np
@@ -24,7 +26,6 @@ from stochlin.kernels.simulation.stepping import (
 )
 
 SAMPLES = 32  # of each block, unless a plan says otherwise: it then fits the second-level cache
-
 
 Block = Callable[..., None]
 
@@ -130,13 +131,8 @@ def stationary_sums(
             (change**2).sum(axis=0),
         )
 
-    total = None
-    for group, sums in enumerate(in_order(run, plan.groups)):
-        total = sums if total is None else Sums(*(a + b for a, b in zip(total, sums, strict=True)))
-        if progress is not None:
-            progress((group + 1) / plan.groups)
-    assert total is not None
-    return total
+    groups = in_order(run, plan.groups, progress)
+    return reduce(lambda total, sums: Sums(*map(add, total, sums)), groups)
 
 
 def plastic_displacements(
@@ -184,12 +180,8 @@ def finite_extremes(
             keep_extremes(out[:, :, : part.size], scale, *extremes)
         return extremes
 
-    parts = []
-    for group, extremes in enumerate(in_order(run, plan.groups)):
-        parts.append(extremes)
-        if progress is not None:
-            progress((group + 1) / plan.groups)
-    return Extremes(*(np.concatenate(field) for field in zip(*parts, strict=True)))
+    groups = in_order(run, plan.groups, progress)
+    return Extremes(*(np.concatenate(field) for field in zip(*groups, strict=True)))
 
 
 def _gram(motion: Motion, blocks: int) -> Array:

@@ -1,7 +1,5 @@
 """Time steps of two bilinear structures that a spring and a dashpot link; compiled."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from stochlin.kernels.basics.compiled import entry

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import reduce
+from operator import add
 from typing import NamedTuple
 
 import numpy as np
@@ -64,13 +66,8 @@ def separation_histories(
             squares[block + 1], fourths[block + 1] = (now**2).sum(axis=0), (now**4).sum(axis=0)
         return Histories(survivors, beyond, squares, fourths, largest)
 
-    total, largest = None, []
-    for group, part in enumerate(in_order(run, plan.groups)):
-        largest.append(part.largest)
-        sums = list(part[:4])
-        total = sums if total is None else [a + b for a, b in zip(total, sums, strict=True)]
-        if progress is not None:
-            progress((group + 1) / plan.groups)
-    assert total is not None
-    survivors, beyond, squares, fourths = total
-    return Histories(survivors, beyond, squares, fourths, np.concatenate(largest))
+    def join(total: Histories, part: Histories) -> Histories:
+        largest = np.concatenate([total.largest, part.largest])
+        return Histories(*[*map(add, total[:-1], part[:-1]), largest])
+
+    return reduce(join, in_order(run, plan.groups, progress))

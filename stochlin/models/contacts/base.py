@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-import copy
-import dataclasses
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 import numpy as np
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding.contact import ForceLaw, forces
-from stochlin.models.parameters import Model, Parameter, Range, parameter
+from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, Range, check, parameter
 from stochlin.registry import Registry
 
-POSITIVE = Range()
 ANY = Range(lower=-np.inf)
-DAMPING = Range(include_lower=True)
+DAMPING = NOT_NEGATIVE
 RESTITUTION = Range(
     upper=1.0,
     include_upper=True,
@@ -39,14 +35,6 @@ class Contact(Model):
     def e(self) -> Any:
         """Coefficient of restitution [-] of two free masses."""
         raise NotImplementedError
-
-    def isel(self, indexers: Mapping[str, slice]) -> Self:
-        """The contact with only these cells along the dimensions that it has."""
-        part = copy.copy(self)
-        for name, array in self.arrays().items():
-            if array.ndim:
-                object.__setattr__(part, name, array.isel(indexers, missing_dims="ignore"))
-        return part
 
 
 @dataclass(frozen=True)
@@ -94,28 +82,12 @@ class Element(Contact):
     def force(
         self, penetration: Any, velocity: Any, approach_velocity: Any, reduced_mass: Any
     ) -> xr.DataArray:
-        """Force of the contact, positive where it pushes the structures apart.
+        """Force of the contact [N], positive where it pushes the structures apart.
 
-        Parameters
-        ----------
-        penetration : float or array
-            ``d = u1 - u2 - gap`` [m]; without contact, ``d <= 0``, there is no force.
-        velocity : float or array
-            ``d'`` [m/s], positive in approach.
-        approach_velocity : float or array
-            ``d'`` [m/s] at the beginning of this contact, positive; only `HertzDamp` asks for it.
-        reduced_mass : float or array
-            ``m1 m2/(m1 + m2)`` [kg], positive.
-
-        Returns
-        -------
-        xarray.DataArray
-            Force [N]; NaN in cells that are out of range.
-
-        Raises
-        ------
-        ValueError, TypeError
-            If a scalar is out of range, a value is not a number, or dimensions do not fit.
+        ``penetration`` is ``d = u1 - u2 - gap`` [m], without contact not positive: there is no force;
+        ``velocity`` is ``d'`` [m/s], positive in approach, and ``approach_velocity`` its value at the
+        beginning of this contact, positive, for which only `HertzDamp` asks; ``reduced_mass`` is ``m1
+        m2/(m1 + m2)`` [kg]. NaN in cells that are out of range; a scalar that is out of range raises.
 
         Examples
         --------
@@ -138,14 +110,7 @@ class Element(Contact):
         """The time that contact times are multiples of [s].
 
         ``(m v0^(1-n)/k)^(1/(n+1))``, which is ``sqrt(m/k)`` for the linear elements whatever the
-        velocity. The scale of penetration is ``v0`` times this.
-
-        Parameters
-        ----------
-        reduced_mass : float or array
-            ``m1 m2/(m1 + m2)`` [kg], positive.
-        approach_velocity : float or array
-            ``d'`` [m/s] at the beginning of the contact, positive.
+        velocity. The scale of penetration is ``v0`` times this. Arguments as in `force`.
         """
         name = type(self).__name__
         mass = checked(name, "reduced_mass", reduced_mass, "kg", POSITIVE)
@@ -172,14 +137,8 @@ class Undamped(Element):
 
 def checked(model: str, name: str, value: Any, units: str, allowed: Range) -> float | xr.DataArray:
     """The value of an argument, checked and labelled as a declared parameter of a model would be."""
-    return getattr(_holder(model, name, units, allowed)(value), name)
-
-
-@cache
-def _holder(model: str, name: str, units: str, allowed: Range) -> Any:
-    """A model of one parameter, called as the model whose argument it is."""
-    field = (name, Parameter, parameter(units, name.replace("_", " "), allowed))
-    return dataclasses.make_dataclass(model, [field], bases=(Model,), frozen=True)
+    declared = {"units": units, "long_name": name.replace("_", " "), "allowed": allowed}
+    return check(model, name, value, declared)
 
 
 def elementwise(model: str, name: str, value: Any, allowed: Range, form: Form) -> Any:

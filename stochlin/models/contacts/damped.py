@@ -38,22 +38,7 @@ class Damped(Element):
     def delivered_restitution(cls, restitution: Any, formula: str = EXACT) -> Any:
         """What the damping by a formula really delivers, where ``restitution`` is asked for.
 
-        Parameters
-        ----------
-        restitution : float or array
-            ``e`` [-] that is asked for, in (0, 1]; of any shape.
-        formula : str
-            ``"exact"``, or a published approximation by its name.
-
-        Returns
-        -------
-        float or array
-            ``e`` [-] that two free masses part with, as the argument; NaN in cells out of range.
-
-        Raises
-        ------
-        ValueError, TypeError
-            If a scalar is out of range, a value is not a number, or the formula is not known.
+        Arguments, cells of NaN and errors as in `Kelvin.damping_ratio`.
         """
         return cls._deliver(cls._invert(restitution, formula))
 
@@ -104,45 +89,19 @@ class WithRatio(Damped):
 
     @classmethod
     def restitution(cls, damping_ratio: Any) -> Any:
-        """Coefficient of restitution that this element delivers between two free masses.
+        """Coefficient of restitution ``e`` [-] that this element delivers between two free masses.
 
-        Parameters
-        ----------
-        damping_ratio : float or array
-            ``xi`` [-], not negative; of any shape.
-
-        Returns
-        -------
-        float or array
-            ``e`` [-], as the argument; NaN in cells out of range.
-
-        Raises
-        ------
-        ValueError, TypeError
-            If a scalar is out of range, or a value is not a number.
+        ``damping_ratio`` is ``xi`` [-], not negative, of any shape; what comes back is like it, NaN in
+        cells out of range. A scalar out of range is a ValueError, what is not a number a TypeError.
         """
         return cls._deliver(damping_ratio)
 
     @classmethod
     def damping_ratio(cls, restitution: Any, formula: str = EXACT) -> Any:
-        """Damping ratio with which this element delivers a coefficient of restitution.
+        """Damping ratio ``xi`` [-] with which this element delivers a coefficient of restitution.
 
-        Parameters
-        ----------
-        restitution : float or array
-            ``e`` [-], in (0, 1]; of any shape.
-        formula : str
-            ``"exact"``, the inverse of `restitution`; or a published approximation, by its name.
-
-        Returns
-        -------
-        float or array
-            ``xi`` [-], as the argument; NaN in cells out of range.
-
-        Raises
-        ------
-        ValueError, TypeError
-            If a scalar is out of range, a value is not a number, or the formula is not known.
+        ``restitution`` is ``e`` [-], in (0, 1]; ``formula`` is ``"exact"``, the inverse of
+        `restitution`, or a published approximation by its name, else a ValueError. The rest is as there.
         """
         return cls._invert(restitution, formula)
 

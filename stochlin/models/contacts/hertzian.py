@@ -11,16 +11,10 @@ from scipy.special import gamma
 
 from stochlin.kernels.pounding.contact import ForceLaw
 from stochlin.models.contacts import restitution as closed_forms
-from stochlin.models.contacts.base import (
-    CONTACTS,
-    DAMPING,
-    POSITIVE,
-    Form,
-    Undamped,
-    elementwise,
-)
+from stochlin.models.contacts.base import CONTACTS, DAMPING, Form, Undamped, elementwise
 from stochlin.models.contacts.damped import EXACT, Damped, WithRatio
-from stochlin.models.parameters import Parameter, Range, parameter
+from stochlin.models.contacts.linear import ImpactKelvin
+from stochlin.models.parameters import POSITIVE, Parameter, Range, parameter
 
 EXPONENT = Range(lower=1.0, include_lower=True, reason="1.5 for spheres")
 SPHERES = 1.5
@@ -61,25 +55,10 @@ class Hertz(Undamped):
 
     @staticmethod
     def contact_time(exponent: Any = SPHERES) -> Any:
-        """Contact time of two free masses, over `time_scale`.
+        """Contact time of two free masses, over `time_scale` [-]; otherwise as `Kelvin.restitution`.
 
         ``2 sqrt(pi) (N/2)^(1/N) Gamma(1 + 1/N)/Gamma(1/2 + 1/N)`` with ``N = n + 1``; it is ``pi`` for
         ``n = 1``.
-
-        Parameters
-        ----------
-        exponent : float or array
-            ``n >= 1`` [-]; of any shape.
-
-        Returns
-        -------
-        float or array
-            Contact time [-], as the argument; NaN in cells out of range.
-
-        Raises
-        ------
-        ValueError, TypeError
-            If a scalar is out of range, or a value is not a number.
         """
         return elementwise("Hertz", "exponent", exponent, EXPONENT, _hertz_time)
 
@@ -112,8 +91,7 @@ class HertzDamp(Damped):
     Raises
     ------
     ValueError, TypeError
-        If a scalar is out of range, a value is not a number, or of ``damping_factor`` and
-        ``restitution`` both or neither are given.
+        As in `Kelvin`.
 
     Notes
     -----
@@ -164,26 +142,12 @@ class HertzDamp(Damped):
 
     @classmethod
     def restitution(cls, damping_factor: Any) -> Any:
-        """Coefficient of restitution for a damping factor; otherwise as `Kelvin.restitution`.
-
-        Parameters
-        ----------
-        damping_factor : float or array
-            ``a`` [-], not negative; of any shape.
-        """
+        """Coefficient of restitution for a damping factor; otherwise as `Kelvin.restitution`."""
         return cls._deliver(damping_factor)
 
     @classmethod
     def damping_factor(cls, restitution: Any, formula: str = EXACT) -> Any:
-        """Damping factor for a coefficient of restitution; otherwise as `Kelvin.damping_ratio`.
-
-        Parameters
-        ----------
-        restitution : float or array
-            ``e`` [-], in (0, 1]; of any shape.
-        formula : str
-            ``"exact"``, the inverse of `restitution`; ``"lankarani_nikravesh_1990"``; ``"ye_2009"``.
-        """
+        """Damping factor for a coefficient of restitution; otherwise as `Kelvin.damping_ratio`."""
         return cls._invert(restitution, formula)
 
     def damping_coefficient(self, reduced_mass: Any) -> Any:
@@ -204,16 +168,13 @@ class Jankowski(WithRatio):
     ----------
     stiffness : float or array
         ``k`` [N/m^1.5], positive.
-    damping_ratio : float or array, optional
-        ``xi`` [-], not negative.
-    restitution : float or array, optional
-        ``e`` [-] that the contact is to deliver, in (0, 1]; this or ``damping_ratio``.
+    damping_ratio, restitution : float or array
+        As in `Kelvin`; the relation between the two is another.
 
     Raises
     ------
     ValueError, TypeError
-        If a scalar is out of range, a value is not a number, or of ``damping_ratio`` and
-        ``restitution`` both or neither are given.
+        As in `Kelvin`.
 
     Notes
     -----
@@ -235,11 +196,9 @@ class Jankowski(WithRatio):
 
     law: ClassVar[ForceLaw] = ForceLaw(exponent=SPHERES, damping_exponent=0.25, approach_only=True)
     stiffness: Parameter = parameter("N/m^1.5", "stiffness of the contact", POSITIVE)
-    restitution_of: ClassVar[Form] = staticmethod(
-        lambda xi: closed_forms.impact_kelvin_restitution(xi / LINEAR)
-    )
+    restitution_of: ClassVar[Form] = staticmethod(lambda xi: ImpactKelvin.restitution_of(xi / LINEAR))
     damping_for: ClassVar[Mapping[str, Form]] = {
-        EXACT: lambda e: LINEAR * closed_forms.impact_kelvin_damping(e),
+        EXACT: lambda e: LINEAR * ImpactKelvin.damping_for[EXACT](e),
         "jankowski_2005": lambda e: (
             4.5 * np.sqrt(5) * (1 - e) * (1 + e) / (e * (e * (9 * np.pi - 16) + 16))
         ),

@@ -12,6 +12,7 @@ from stochlin.kernels.pounding.contact import ForceLaw
 from stochlin.models.contacts import restitution as closed_forms
 from stochlin.models.contacts.base import CONTACTS, DAMPING, Form, Undamped, elementwise
 from stochlin.models.contacts.damped import EXACT, WithRatio
+from stochlin.models.contacts.restitution import angle_ratio, invert_angle_ratio
 
 
 @CONTACTS.register("linear_spring", 1)
@@ -54,23 +55,7 @@ class LinearDamped(WithRatio):
 
     @classmethod
     def contact_time(cls, damping_ratio: Any) -> Any:
-        """Contact time of two free masses, over `time_scale`: times ``w = sqrt(k/m)``.
-
-        Parameters
-        ----------
-        damping_ratio : float or array
-            ``xi`` [-], not negative; of any shape.
-
-        Returns
-        -------
-        float or array
-            Contact time times ``w`` [-], as the argument; NaN in cells out of range.
-
-        Raises
-        ------
-        ValueError, TypeError
-            If a scalar is out of range, or a value is not a number.
-        """
+        """Contact time of two free masses times ``w = sqrt(k/m)`` [-]; otherwise as `restitution`."""
         return elementwise(cls.__name__, cls.damping_name, damping_ratio, DAMPING, cls.time_of)
 
 
@@ -154,9 +139,11 @@ class NoTensionKelvin(LinearDamped):
     """
 
     law: ClassVar[ForceLaw] = ForceLaw(tension=False)
-    restitution_of: ClassVar[Form] = staticmethod(closed_forms.no_tension_restitution)
-    damping_for: ClassVar[Mapping[str, Form]] = {EXACT: closed_forms.no_tension_damping}
-    time_of: ClassVar[Form] = staticmethod(closed_forms.no_tension_time)
+    restitution_of: ClassVar[Form] = staticmethod(lambda xi: np.exp(-2 * xi * angle_ratio(xi)))
+    damping_for: ClassVar[Mapping[str, Form]] = {
+        EXACT: lambda e: invert_angle_ratio(0.5 * np.abs(np.log(e)))
+    }
+    time_of: ClassVar[Form] = staticmethod(lambda xi: 2 * angle_ratio(xi))
 
 
 @CONTACTS.register("impact_kelvin", 4)
@@ -198,9 +185,9 @@ class ImpactKelvin(LinearDamped):
     """
 
     law: ClassVar[ForceLaw] = ForceLaw(approach_only=True)
-    restitution_of: ClassVar[Form] = staticmethod(closed_forms.impact_kelvin_restitution)
+    restitution_of: ClassVar[Form] = staticmethod(lambda xi: np.exp(-xi * angle_ratio(xi)))
     damping_for: ClassVar[Mapping[str, Form]] = {
-        EXACT: closed_forms.impact_kelvin_damping,
+        EXACT: lambda e: invert_angle_ratio(np.abs(np.log(e))),
         "mahmoud_jankowski_2011": lambda e: (1 - e * e) / (e * (e * (np.pi - 2) + 2)),
     }
-    time_of: ClassVar[Form] = staticmethod(closed_forms.impact_kelvin_time)
+    time_of: ClassVar[Form] = staticmethod(lambda xi: angle_ratio(xi) + np.pi / 2)

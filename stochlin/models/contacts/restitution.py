@@ -59,36 +59,6 @@ def kelvin_damping(e: Array) -> Array:
     return loss / np.hypot(np.pi, loss)
 
 
-def no_tension_restitution(xi: Array) -> Array:
-    """Kelvin element that parts at zero force: ``exp(-2 xi A)``."""
-    return np.exp(-2 * xi * angle_ratio(xi))
-
-
-def no_tension_time(xi: Array) -> Array:
-    """Its contact time ``2 A`` over ``sqrt(m/k)``."""
-    return 2 * angle_ratio(xi)
-
-
-def no_tension_damping(e: Array) -> Array:
-    """Inverse of `no_tension_restitution`."""
-    return invert_angle_ratio(0.5 * np.abs(np.log(e)))
-
-
-def impact_kelvin_restitution(xi: Array) -> Array:
-    """Kelvin element damped in approach only: ``exp(-xi A)``."""
-    return np.exp(-xi * angle_ratio(xi))
-
-
-def impact_kelvin_time(xi: Array) -> Array:
-    """Its contact time ``A + pi/2`` over ``sqrt(m/k)``."""
-    return angle_ratio(xi) + np.pi / 2
-
-
-def impact_kelvin_damping(e: Array) -> Array:
-    """Inverse of `impact_kelvin_restitution`."""
-    return invert_angle_ratio(np.abs(np.log(e)))
-
-
 def langevin_fraction(x: Array) -> Array:
     """``L(x)/x`` for ``0 <= x <= 1``, by the continued fraction ``1/(3 + x^2/(5 + x^2/(7 + ...``."""
     below = np.full_like(x, FRACTION.start + 2)

@@ -8,8 +8,8 @@ from typing import Any
 import xarray as xr
 
 from stochlin.kernels.pounding import contact as kernel
-from stochlin.models.contacts.base import ANY, CONTACTS, POSITIVE, Contact, checked
-from stochlin.models.parameters import Parameter, Range, parameter
+from stochlin.models.contacts.base import ANY, CONTACTS, Contact, checked
+from stochlin.models.parameters import POSITIVE, Parameter, Range, parameter
 
 SHARE = Range(
     upper=1.0,
@@ -56,25 +56,10 @@ class Stereomechanical(Contact):
     def velocities_after(
         self, velocity_1: Any, velocity_2: Any, mass_1: Any, mass_2: Any
     ) -> tuple[xr.DataArray, xr.DataArray]:
-        """Velocities of both structures after the impact.
+        """Velocities [m/s] of both structures after the impact, from those before and the masses [kg].
 
-        Parameters
-        ----------
-        velocity_1, velocity_2 : float or array
-            Before [m/s]; structure 1 is on the left, so that they meet if ``velocity_1 >= velocity_2``.
-        mass_1, mass_2 : float or array
-            [kg], positive.
-
-        Returns
-        -------
-        tuple of xarray.DataArray
-            After [m/s]; NaN in cells that are out of range or do not meet.
-
-        Raises
-        ------
-        ValueError, TypeError
-            If a scalar is out of range, a value is not a number, dimensions do not fit, or a single
-            pair does not meet.
+        Structure 1 is on the left: they meet if ``velocity_1 >= velocity_2``. Cells that are out of
+        range or do not meet are NaN; a scalar out of range, or a single pair that does not meet, raises.
         """
         given, usable = self._approach(velocity_1, velocity_2, mass_1, mass_2)
         after = xr.apply_ufunc(
@@ -85,25 +70,14 @@ class Stereomechanical(Contact):
         return first, second
 
     def energy_loss(self, velocity_1: Any, velocity_2: Any, mass_1: Any, mass_2: Any) -> xr.DataArray:
-        """Energy that the impact takes, ``(1 - e^2) m (v1 - v2)^2/2`` with the reduced mass ``m``.
+        """Energy that the impact takes [J], ``(1 - e^2) m (v1 - v2)^2/2`` with the reduced mass ``m``.
 
-        Parameters
-        ----------
-        velocity_1, velocity_2, mass_1, mass_2
-            As in `velocities_after`.
-
-        Returns
-        -------
-        xarray.DataArray
-            Energy [J]; NaN in cells that are out of range or do not meet.
-
-        Raises
-        ------
-        ValueError, TypeError
-            As in `velocities_after`.
+        Arguments, cells of NaN and errors as in `velocities_after`.
         """
         given, usable = self._approach(velocity_1, velocity_2, mass_1, mass_2)
-        loss: xr.DataArray = xr.apply_ufunc(_energy_loss, *given, join="exact")
+        loss = xr.apply_ufunc(
+            lambda v1, v2, *rest: kernel.impact_loss(*rest) * (v1 - v2) ** 2, *given, join="exact"
+        )
         return loss.where(usable).assign_attrs(units="J", long_name="energy lost in the impact")
 
     def _approach(self, *given: Any) -> tuple[list[xr.DataArray], xr.DataArray]:
@@ -126,7 +100,3 @@ class Stereomechanical(Contact):
                 "allowed: velocity_1 >= velocity_2, for structure 1 is on the left: the others part"
             )
         return [*values, xr.DataArray(self.restitution)], usable
-
-
-def _energy_loss(velocity_1: Any, velocity_2: Any, mass_1: Any, mass_2: Any, e: Any) -> Any:
-    return kernel.impact_loss(mass_1, mass_2, e) * (velocity_1 - velocity_2) ** 2

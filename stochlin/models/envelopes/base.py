@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.models.parameters import Model, Range
+from stochlin.models.parameters import Model
 from stochlin.registry import Registry
 
 ENVELOPES: Registry[type[Envelope]] = Registry("envelope", "stochlin.models.envelopes")
-POSITIVE = Range()
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.models.envelopes.base import ENVELOPES, POSITIVE, Envelope
-from stochlin.models.parameters import parameter
+from stochlin.models.envelopes.base import ENVELOPES, Envelope
+from stochlin.models.parameters import POSITIVE, parameter
 
 
 @ENVELOPES.register("gamma", 3)

@@ -16,7 +16,6 @@ from stochlin.models.parameters import Model, Parameter, Range
 from stochlin.registry import Registry
 
 GROUNDS: Registry[type[Ground]] = Registry("ground", "stochlin.models.grounds")
-POSITIVE = Range()
 POSITIVE_DAMPING = Range(reason="an undamped ground has no stationary motion")
 AS_STRUCTURES = ("period", "damping", "hardening", "mass")  # what structures have as well
 
@@ -62,18 +61,9 @@ class Ground(Model):
         return self.filter({name: value.item() for name, value in self.arrays().items()})
 
     def psd(self, frequency: Parameter) -> xr.DataArray:
-        """Two-sided power spectral density of the ground acceleration.
+        """Two-sided power spectral density of the ground acceleration, per rad/s [m^2/s^3].
 
-        Parameters
-        ----------
-        frequency : float or array
-            Circular frequency [rad/s], any shape; a plain 1-D array gets the dimension
-            ``frequency``.
-
-        Returns
-        -------
-        xarray.DataArray
-            PSD per rad/s [m^2/s^3].
+        At circular frequencies [rad/s] of any shape; a plain 1-D array gets the dimension ``frequency``.
 
         Examples
         --------
@@ -97,5 +87,4 @@ class Ground(Model):
             return self.filter_of(rows).transmission(frequency)
 
         arrays = self.arrays().values()
-        transmitted: xr.DataArray = xr.apply_ufunc(of_cells, frequency, *arrays, join="exact")
-        return transmitted
+        return xr.apply_ufunc(of_cells, frequency, *arrays, join="exact")

@@ -10,9 +10,9 @@ import numpy as np
 import xarray as xr
 
 from stochlin.kernels.linearization.filters import CloughPenzienFilter
-from stochlin.models.grounds.base import GROUNDS, POSITIVE, POSITIVE_DAMPING, Fit, Ground
+from stochlin.models.grounds.base import GROUNDS, POSITIVE_DAMPING, Fit, Ground
 from stochlin.models.grounds.kanai_tajimi import KanaiTajimi, soil_transmission
-from stochlin.models.parameters import Parameter, parameter
+from stochlin.models.parameters import POSITIVE, Parameter, parameter
 
 
 @GROUNDS.register("clough_penzien", 2)
@@ -28,15 +28,13 @@ class CloughPenzien(Ground):
         Soil oscillator: period ``2 pi / wg`` [s] and damping ratio ``xig`` [-], positive.
     high_pass_period, high_pass_damping : float or array
         High-pass oscillator: period ``2 pi / wf`` [s] and damping ratio ``xif`` [-], positive.
-    intensity : float or array
-        Two-sided PSD ``S0`` of the white noise per rad/s [m^2/s^3], positive.
-    source : str
-        Where the numbers come from.
+    intensity, source
+        As in `KanaiTajimi`.
 
     Raises
     ------
     ValueError, TypeError
-        If a parameter is out of range, not a number or wrongly shaped.
+        As in `KanaiTajimi`.
 
     References
     ----------

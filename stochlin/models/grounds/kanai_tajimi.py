@@ -10,8 +10,8 @@ import numpy as np
 import xarray as xr
 
 from stochlin.kernels.linearization.filters import KanaiTajimiFilter
-from stochlin.models.grounds.base import GROUNDS, POSITIVE, POSITIVE_DAMPING, Fit, Ground
-from stochlin.models.parameters import Parameter, parameter
+from stochlin.models.grounds.base import GROUNDS, POSITIVE_DAMPING, Fit, Ground
+from stochlin.models.parameters import POSITIVE, Parameter, parameter
 
 
 @GROUNDS.register("kanai_tajimi", 1)

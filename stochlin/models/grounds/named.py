@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,18 +10,15 @@ from stochlin.models.grounds import CloughPenzien, KanaiTajimi
 from stochlin.models.parameters import Parameter
 
 
-class _HighPass(NamedTuple):
-    frequency: float
-    damping: float
-
-
-class _GroundSet(NamedTuple):
-    """Frequencies in rad/s, as the sources print them."""
-
-    frequency: float
-    damping: float
-    high_pass: _HighPass | None
-    source: str
+def _ground(
+    source: str, frequency: float, damping: float, *high_pass: float
+) -> KanaiTajimi | CloughPenzien:
+    """Of frequencies in rad/s, as the sources print them: of the soil and of a high-pass oscillator."""
+    soil = 2 * np.pi / frequency, damping
+    if not high_pass:
+        return KanaiTajimi(*soil, source=source)
+    high_pass_frequency, high_pass_damping = high_pass
+    return CloughPenzien(*soil, 2 * np.pi / high_pass_frequency, high_pass_damping, source=source)
 
 
 _DER_KIUREGHIAN = "Der Kiureghian & Neuenhofer 1992, Earthquake Eng. Struct. Dyn. 21, 713-740"
@@ -30,21 +27,19 @@ _YEH_WEN = "Yeh & Wen 1990, Structural Safety 8, 281-298"
 _FIT = "least squares on the linear PSD of the 5-95 % part of the record"
 
 _GROUNDS = {
-    "firm": _GroundSet(15.0, 0.6, _HighPass(1.5, 0.6), f"{_DER_KIUREGHIAN}, firm"),
-    "medium": _GroundSet(10.0, 0.4, _HighPass(1.0, 0.6), f"{_DER_KIUREGHIAN}, medium"),
-    "soft": _GroundSet(5.0, 0.2, _HighPass(0.5, 0.6), f"{_DER_KIUREGHIAN}, soft"),
-    "ec8_a": _GroundSet(17.57, 0.54, _HighPass(2.22, 0.78), f"{_GIARALIS} A"),
-    "ec8_b": _GroundSet(10.73, 0.78, _HighPass(2.33, 0.90), f"{_GIARALIS} B"),
-    "ec8_c": _GroundSet(7.49, 0.84, _HighPass(2.14, 1.15), f"{_GIARALIS} C"),
-    "ec8_d": _GroundSet(5.34, 0.88, _HighPass(2.12, 1.17), f"{_GIARALIS} D"),
-    "ec8_e": _GroundSet(10.76, 0.77, _HighPass(2.03, 1.07), f"{_GIARALIS} E"),
-    "taft_1952_yeh_wen": _GroundSet(20.0, 0.65, _HighPass(1.0, 0.5), f"{_YEH_WEN}, Taft 1952"),
-    "mexico_city_1985_yeh_wen": _GroundSet(
-        4.2, 0.10, _HighPass(0.23, 0.1), f"{_YEH_WEN}, Mexico City 1985"
-    ),
-    "sct_1985_ns": _GroundSet(3.09, 0.054, None, f"{_FIT} Mexico City 1985-09-19, SCT, NS"),
-    "sct_1985_ew": _GroundSet(3.11, 0.033, None, f"{_FIT} Mexico City 1985-09-19, SCT, EW"),
-    "taft_1952": _GroundSet(17.8, 0.45, None, f"{_FIT} Kern County 1952, Taft 111"),
+    "firm": _ground(f"{_DER_KIUREGHIAN}, firm", 15.0, 0.6, 1.5, 0.6),
+    "medium": _ground(f"{_DER_KIUREGHIAN}, medium", 10.0, 0.4, 1.0, 0.6),
+    "soft": _ground(f"{_DER_KIUREGHIAN}, soft", 5.0, 0.2, 0.5, 0.6),
+    "ec8_a": _ground(f"{_GIARALIS} A", 17.57, 0.54, 2.22, 0.78),
+    "ec8_b": _ground(f"{_GIARALIS} B", 10.73, 0.78, 2.33, 0.90),
+    "ec8_c": _ground(f"{_GIARALIS} C", 7.49, 0.84, 2.14, 1.15),
+    "ec8_d": _ground(f"{_GIARALIS} D", 5.34, 0.88, 2.12, 1.17),
+    "ec8_e": _ground(f"{_GIARALIS} E", 10.76, 0.77, 2.03, 1.07),
+    "taft_1952_yeh_wen": _ground(f"{_YEH_WEN}, Taft 1952", 20.0, 0.65, 1.0, 0.5),
+    "mexico_city_1985_yeh_wen": _ground(f"{_YEH_WEN}, Mexico City 1985", 4.2, 0.10, 0.23, 0.1),
+    "sct_1985_ns": _ground(f"{_FIT} Mexico City 1985-09-19, SCT, NS", 3.09, 0.054),
+    "sct_1985_ew": _ground(f"{_FIT} Mexico City 1985-09-19, SCT, EW", 3.11, 0.033),
+    "taft_1952": _ground(f"{_FIT} Kern County 1952, Taft 111", 17.8, 0.45),
 }
 
 
@@ -103,14 +98,4 @@ def named_ground(name: str, intensity: Parameter = 1.0) -> KanaiTajimi | CloughP
     chosen = _GROUNDS.get(str(name).strip().lower())
     if chosen is None:
         raise ValueError(f"name = {name!r} is not a known ground; allowed: {', '.join(_GROUNDS)}")
-    period = 2 * np.pi / chosen.frequency
-    if chosen.high_pass is None:
-        return KanaiTajimi(period, chosen.damping, intensity, source=chosen.source)
-    return CloughPenzien(
-        period,
-        chosen.damping,
-        high_pass_period=2 * np.pi / chosen.high_pass.frequency,
-        high_pass_damping=chosen.high_pass.damping,
-        intensity=intensity,
-        source=chosen.source,
-    )
+    return replace(chosen, intensity=intensity)

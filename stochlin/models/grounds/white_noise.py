@@ -9,8 +9,8 @@ from typing import Any, ClassVar
 import xarray as xr
 
 from stochlin.kernels.linearization.filters import Filter
-from stochlin.models.grounds.base import GROUNDS, POSITIVE, Ground
-from stochlin.models.parameters import Parameter, parameter
+from stochlin.models.grounds.base import GROUNDS, Ground
+from stochlin.models.parameters import POSITIVE, Parameter, parameter
 
 
 @GROUNDS.register("white_noise", 3)
@@ -20,15 +20,13 @@ class WhiteNoise(Ground):
 
     Parameters
     ----------
-    intensity : float or array
-        Two-sided PSD ``S0`` per rad/s [m^2/s^3], positive.
-    source : str
-        Where the numbers come from.
+    intensity, source
+        As in `KanaiTajimi`.
 
     Raises
     ------
     ValueError, TypeError
-        If a parameter is out of range, not a number or wrongly shaped.
+        As in `KanaiTajimi`.
 
     Examples
     --------

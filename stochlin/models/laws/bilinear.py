@@ -40,19 +40,17 @@ def gaussian(latent: Array, parameters: Array) -> ClosureValue:
     s = slip_quadrant(sz, r)
     h, q, edge, corner = s.h, s.q, s.edge, s.corner
     relaxation = 2 * sv * h * (r * h * edge + q * corner)
-    jacobian = np.stack(
+    jacobian = np.array(
         [
-            np.stack([np.zeros_like(sv), 2 * h * h * edge, 2 * corner / q]),
-            np.stack(
-                [
-                    relaxation / sv,
-                    -2 * sv * h**2 * (r * h * (2 - h * h) * edge + q * (1 - h * h) * corner),
-                    2 * sv * h * (h * edge - (r / q) * corner),
-                ]
-            ),
+            [np.zeros_like(sv), 2 * h * h * edge, 2 * corner / q],
+            [
+                relaxation / sv,
+                -2 * sv * h**2 * (r * h * (2 - h * h) * edge + q * (1 - h * h) * corner),
+                2 * sv * h * (h * edge - (r / q) * corner),
+            ],
         ]
     )
-    coefficients = np.stack([2 * s.probability, relaxation])
+    coefficients = np.array([2 * s.probability, relaxation])
     return ClosureValue(coefficients, jacobian, *gaussian_covariance(latent))
 
 
@@ -66,22 +64,19 @@ def clipped(latent: Array, parameters: Array) -> ClosureValue:
     s = slip_quadrant(sz, r)
     h, q, edge, corner = s.h, s.q, s.edge, s.corner
     dh = -h * h
-    slip = np.stack([2 * sv * sv * s.second, 2 * sv * s.first])
-    slip_jacobian = np.stack(
+    slip = np.array([2 * sv * sv * s.second, 2 * sv * s.first])
+    slip_jacobian = np.array(
         [
-            np.stack(
-                [
-                    4 * sv * s.second,
-                    -2 * sv * sv * dh * ((q * q + (r * h) ** 2) * edge + r * h * q * corner),
-                    4 * sv * sv * (r * h * edge + q * corner),
-                ]
-            ),
-            np.stack([2 * s.first, -2 * sv * dh * (r * h * edge + q * corner), 2 * sv * edge]),
+            [
+                4 * sv * s.second,
+                -2 * sv * sv * dh * ((q * q + (r * h) ** 2) * edge + r * h * q * corner),
+                4 * sv * sv * (r * h * edge + q * corner),
+            ],
+            [2 * s.first, -2 * sv * dh * (r * h * edge + q * corner), 2 * sv * edge],
         ]
     )
-    covariance, covariance_jacobian = _clipped_covariance(latent)
-    coefficients, jacobian = regress_slip(slip, slip_jacobian, covariance, covariance_jacobian)
-    return ClosureValue(coefficients, jacobian, covariance, covariance_jacobian)
+    moments = _clipped_covariance(latent)
+    return ClosureValue(*regress_slip(slip, slip_jacobian, *moments), *moments)
 
 
 def _clipped_covariance(latent: Array) -> tuple[Array, Array]:
@@ -91,17 +86,10 @@ def _clipped_covariance(latent: Array) -> tuple[Array, Array]:
     inside = erf(h / np.sqrt(2))  # P(|z~| < 1)
     inside_square = gammainc(1.5, 0.5 * h * h)  # E[(z~/sz)^2; |z~| < 1]
     zero = np.zeros_like(sv)
-    covariance = np.stack(
-        [sv * sv, sz * sz * inside_square + erfc(h / np.sqrt(2)), r * sv * sz * inside]
-    )
-    jacobian = np.stack(
-        [
-            np.stack([2 * sv, zero, zero]),
-            np.stack([zero, 2 * sz * inside_square, zero]),
-            np.stack([r * sz * inside, r * sv * inside_square, sv * sz * inside]),
-        ]
-    )
-    return covariance, jacobian
+    z_z = sz * sz * inside_square + erfc(h / np.sqrt(2))
+    by_moments = [r * sz * inside, r * sv * inside_square, sv * sz * inside]
+    jacobian = np.array([[2 * sv, zero, zero], [zero, 2 * sz * inside_square, zero], by_moments])
+    return np.array([sv * sv, z_z, r * sv * sz * inside]), jacobian
 
 
 @LAWS.register("bilinear", place=1)

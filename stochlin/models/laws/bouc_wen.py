@@ -15,8 +15,8 @@ from scipy.special import betainc, gamma
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.fixed_point import Closure, ClosureValue, gaussian_covariance
-from stochlin.models.parameters import Parameter, Range, parameter
-from stochlin.models.structures import GAUSSIAN, LAWS, POSITIVE, Structure
+from stochlin.models.parameters import POSITIVE, Parameter, Range, parameter
+from stochlin.models.structures import GAUSSIAN, LAWS, Structure
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -56,19 +56,13 @@ def gaussian(latent: Array, parameters: Array) -> ClosureValue:
         share = even * (2 / n * q ** (n + 1) + r * integral) + odd * r
         relaxation = n * sv * power_less_one * share
         d_share = even * (integral - r * d_integral / n) + odd
-        jacobian = np.stack(
+        jacobian = np.array(
             [
-                np.stack([np.zeros_like(sv), n * slip / sz, power * even * d_integral]),
-                np.stack(
-                    [
-                        relaxation / sv,
-                        (n - 1) * relaxation / sz,
-                        n * sv * power_less_one * d_share,
-                    ]
-                ),
+                [np.zeros_like(sv), n * slip / sz, power * even * d_integral],
+                [relaxation / sv, (n - 1) * relaxation / sz, n * sv * power_less_one * d_share],
             ]
         )
-    return ClosureValue(np.stack([slip, relaxation]), jacobian, *gaussian_covariance(latent))
+    return ClosureValue(np.array([slip, relaxation]), jacobian, *gaussian_covariance(latent))
 
 
 @LAWS.register("bouc_wen", place=2)

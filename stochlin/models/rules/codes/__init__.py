@@ -12,11 +12,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from stochlin.models.parameters import Model, Parameter, Range, parameter
+from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, parameter
 from stochlin.models.rules.published import Published, look_up
 from stochlin.registry import Registry
 
-NOT_NEGATIVE = Range(include_lower=True)
 ZONES: Mapping[str, float] = {"I": 0.001, "II": 0.003, "III": 0.006}  # share of the height, Mexico City
 INELASTIC = "peaks are largest displacements, inelastic where the structure yields"
 CODE_RULES: Registry[type[CodeRule]] = Registry("code rule", "stochlin.models.rules.codes")
@@ -28,8 +27,8 @@ class PeakPair(Model):
 
     peak_1: Parameter = parameter("m", "peak displacement, structure 1", NOT_NEGATIVE)
     peak_2: Parameter = parameter("m", "peak displacement, structure 2", NOT_NEGATIVE)
-    height_1: Parameter | None = parameter("m", "height, structure 1", Range(), None)
-    height_2: Parameter | None = parameter("m", "height, structure 2", Range(), None)
+    height_1: Parameter | None = parameter("m", "height, structure 1", POSITIVE, None)
+    height_2: Parameter | None = parameter("m", "height, structure 2", POSITIVE, None)
 
 
 @dataclass(frozen=True)
@@ -48,23 +47,11 @@ class CodeRule(Published):
         floors_align: bool = False,
         zone: str | None = None,
     ) -> Any:
-        """Required separation [m].
+        """Required separation [m], for peak displacements [m] as the rule means them.
 
-        Parameters
-        ----------
-        peak_1, peak_2 : float or array
-            Peak displacements [m] as the rule means them.
-        height_1, height_2 : float or array, optional
-            Heights of the two buildings [m].
-        floors_align : bool
-            Whether the floors of the buildings are at the same levels.
-        zone : str, optional
-            ``"I"``, ``"II"`` or ``"III"``, of Mexico City.
-
-        Raises
-        ------
-        ValueError
-            If something that the rule needs is not given, or the zone is unknown.
+        Some rules also need the heights of the buildings [m], or the zone ``"I"``, ``"II"`` or ``"III"``
+        of Mexico City: a ValueError says what is missing. ``floors_align``: whether the floors of the
+        buildings are at the same levels.
         """
         given = {"height_1": height_1, "height_2": height_2, "zone": zone}
         missing = [name for name in self.needs if given[name] is None]

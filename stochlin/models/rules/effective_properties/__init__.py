@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.models.parameters import Parameter, parameter
+from stochlin.models.parameters import POSITIVE, Parameter, parameter
 from stochlin.models.rules.published import Published, look_up
-from stochlin.models.structures import HARDENING, POSITIVE, LinearPair
+from stochlin.models.structures import HARDENING, LinearPair
 from stochlin.registry import Registry
 
 EFFECTIVE_RULES: Registry[type[EffectiveRule]] = Registry(

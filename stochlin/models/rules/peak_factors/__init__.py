@@ -16,7 +16,7 @@ from typing import ClassVar
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.models.parameters import Model, Parameter, Range, parameter
+from stochlin.models.parameters import POSITIVE, Model, Parameter, parameter
 from stochlin.models.rules.published import Published, look_up
 from stochlin.registry import Registry
 
@@ -32,14 +32,9 @@ class PeakFactor(Published):
     spread: ClassVar[float] = 1.0
 
     def mean(self, crossings: Array, bandwidth: Array, sides: int = 2) -> Array:
-        """Mean peak factor ``p``; NaN outside the domain.
+        """Mean peak factor ``p`` of ``N`` crossings and the bandwidth ``delta``; NaN outside the domain.
 
-        Parameters
-        ----------
-        crossings, bandwidth : array
-            ``N`` and ``delta`` [-]; they broadcast.
-        sides : int
-            2: largest absolute value; 1: largest value.
+        ``sides`` is 2 for the largest absolute value, 1 for the largest value.
         """
         return self._evaluate(crossings, bandwidth, sides)[0]
 
@@ -121,4 +116,4 @@ def peak_factor_model(name: str) -> PeakFactor:
 class StationaryMotion(Model):
     """How long a stationary motion lasts: ``duration`` [s], positive."""
 
-    duration: Parameter = parameter("s", "duration of the motion", Range())
+    duration: Parameter = parameter("s", "duration of the motion", POSITIVE)

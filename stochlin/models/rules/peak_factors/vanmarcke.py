@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.linearization.quadrature import on_panels
 from stochlin.models.rules.peak_factors import PEAK_FACTORS, PeakFactor
 from stochlin.models.rules.published import published
 
 PANELS, ORDER = 28, 12  # mean and std to 1e-10 up to N = 1e8, by comparison with mpmath
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(ORDER)
+# Panels that shrink towards 0, where F turns on within x ~ N delta^1.2 if that is small.
+_NODES, _WEIGHTS = on_panels(np.union1d(0.25 ** np.arange(2, 9), np.linspace(0, 1, PANELS)), ORDER)
 CELLS = 256  # at a time: nodes times cells stay in the cache
 
 
@@ -42,11 +44,7 @@ class Vanmarcke1975(PeakFactor):
 def _survival_moments(n: Array, delta: Array) -> tuple[Array, Array]:
     """``Int (1 - F) dx`` and ``Int 2 x (1 - F) dx`` of Vanmarcke's distribution."""
     reach = np.sqrt(2 * (np.log1p(n) + 37))  # 1 - F is below 1e-16 beyond
-    # Panels that shrink towards 0, where F turns on within x ~ N delta^1.2 if that is small.
-    edges = np.union1d(0.25 ** np.arange(2, 9), np.linspace(0, 1, PANELS))
-    half = 0.5 * np.diff(edges)[:, None]
-    unit = (edges[:-1, None] + half * (1 + _NODES)).ravel()
-    x, weight = reach * unit, reach * (half * _WEIGHTS).ravel()
+    x, weight = reach * _NODES, reach * _WEIGHTS
     rate = -n * np.expm1(-np.sqrt(np.pi / 2) * delta**1.2 * x) / np.expm1(0.5 * x * x)
     # 1 - (1 - a) e^-r without cancellation where both are small
     start = np.exp(-0.5 * x * x)
