@@ -13,10 +13,10 @@ import click
 from stochlin.views.shared import options as shared
 from stochlin.views.shared.options import (
     closure_option,
-    decorate,
     numbers_option,
     record_options,
     simulation_options,
+    together,
 )
 from stochlin.views.shared.screen import COMMANDS, bad_input
 
@@ -35,7 +35,7 @@ def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
         ("--plane-reduction-factor", 4.0, "R of Fig. 5a."),
         ("--ground-period", 2.0, "Period of the model grounds [s]."),
     )
-    options = (
+    return together(
         click.option(
             "--out", type=folder, default="figures", show_default=True, help="Folder for the files."
         ),
@@ -60,7 +60,6 @@ def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
             help="Periods along an axis.",
         ),
     )
-    return lambda command: decorate(command, options)
 
 
 @COMMANDS.register("charts")

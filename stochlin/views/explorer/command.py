@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stochlin.views.shared.screen import COMMANDS, bad_input
+from stochlin.views.shared.screen import COMMANDS, FILE, bad_input
 
 if TYPE_CHECKING:
     from stochlin.analyses.explorer.scene import Scene
 
-FILE = click.Path(dir_okay=False, path_type=Path)
 PORT = 8640
 
 
