@@ -35,6 +35,11 @@ class Building:
     height: float | None
     storeys: int | None
 
+    @property
+    def storey_height(self) -> float | None:
+        """Of a mean storey [m], where it is known."""
+        return self.height / self.storeys if self.height and self.storeys else None
+
 
 @dataclass(frozen=True)
 class StoreyBuilding:

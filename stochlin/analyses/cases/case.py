@@ -82,6 +82,12 @@ class Case:
         return first, second
 
     @property
+    def storey_heights_differ(self) -> bool:
+        """Whether those of the two buildings are known to differ, so that floors cannot all align."""
+        one, other = (building.storey_height for building in self.pair)
+        return one is not None and other is not None and abs(one - other) > 0.01 * one
+
+    @property
     def motions(self) -> Mapping[str, xr.DataArray]:
         """The records for the two buildings to ride on; an error if there are some and they cannot."""
         for number, building in enumerate(self.pair, start=1):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import difflib
 import re
 import tomllib
@@ -46,8 +45,7 @@ class Quantity(NamedTuple):
     @classmethod
     def declared(cls, kind: type[Model], name: str) -> Quantity:
         """That of a parameter, as the model declares it."""
-        field = next(field for field in dataclasses.fields(kind) if field.name == name)
-        return cls(field.metadata["units"], field.metadata["allowed"])
+        return cls(kind.units(name), kind.allowed(name))
 
     @property
     def spellings(self) -> Mapping[str, float]:
@@ -215,15 +213,7 @@ def _split(given: Any, quantity: Quantity) -> tuple[float, str]:
 
 
 def read_sections(path: Path) -> Section:
-    """The whole file, as one section.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be read.
-    ValueError
-        If it is no TOML, or no text in UTF-8.
-    """
+    """The whole file, as one section; an OSError if it cannot be read, a ValueError if it is no TOML."""
     name = path.name
     try:
         text = path.read_bytes().decode("utf-8-sig")

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.charts.charts import CHARTS, ChartSettings
+from stochlin.analyses.charts.charts import CHARTS, ChartSettings, check_points
 from stochlin.analyses.charts.design import ground_caption, ground_period
 from stochlin.analyses.charts.variables import VARIABLES
 from stochlin.analyses.correlation.correlation import rho_white_noise
@@ -157,8 +157,7 @@ def recorded_gap_chart(record: xr.DataArray, damping: float, points: int = 61) -
 
 
 def _periods(name: str, long_name: str, points: int) -> xr.DataArray:
-    if points < 2:
-        raise ValueError(f"points = {points}; allowed: at least 2")
+    check_points(points)
     return labels.axis(name, long_name, np.geomspace(*PERIODS, points), "s")
 
 

@@ -18,15 +18,6 @@ HEAD = """\
 def case_text(scene: Scene) -> str:
     """Text of the case file that describes a scene, every number to its last digit.
 
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    str
-        TOML.
-
     Examples
     --------
     >>> from stochlin.analyses.explorer.scene import Scene

@@ -175,19 +175,7 @@ def check_count(name: str, value: object) -> int:
 def scene_of(case: Case) -> tuple[Scene, list[str]]:
     """The scene of a case file, and in sentences what of the file it cannot hold.
 
-    Parameters
-    ----------
-    case : Case
-        As `read_case` gives it.
-
-    Returns
-    -------
-    tuple of Scene and list of str
-
-    Raises
-    ------
-    ValueError
-        If a number lies beyond what the explorer takes.
+    A ValueError if a number lies beyond what the explorer takes.
     """
     notes = []
     site, given = case.site, dict(_numbers(case.ground))

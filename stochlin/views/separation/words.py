@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from stochlin.analyses.separation.separation import UNSAFE
+from stochlin.views.shared.screen import paragraph
 from stochlin.views.shared.words import SPACE, centimetres, label, length, per_cent
 
 if TYPE_CHECKING:
@@ -69,6 +69,30 @@ def rows(answer: CaseAnswer) -> list[Row]:
         )
         for n, one in enumerate((table.isel(rule=i) for i in range(table.sizes["rule"])), start=1)
     ]
+
+
+def answer_lines(answer: CaseAnswer) -> list[str]:
+    """All that the screen shows: the answer in words, the table, and what a reader must know of it."""
+    lines = [answer.case.title, "", *paragraph(headline(answer))]
+    for sentence in summary(answer):
+        lines += paragraph(sentence)
+    allowed = allowances(answer)
+    if allowed:
+        lines += ["", *paragraph(allowed[0])]
+        lines += [line for text in allowed[1:] for line in paragraph(f"  {text}", "    ")]
+    shown = rows(answer)
+    wide = max(len(row.rule) for row in shown)
+    lines += ["", f"{'rule':{wide}}  gap [cm]  error    apart  {'verdict':13}  mark"]
+    lines += [
+        f"{row.rule:{wide}}  {row.gap:>8} {row.error:>6}  {row.probability:>7}  {row.verdict:13}  "
+        f"{row.mark}".rstrip()
+        for row in shown
+    ]
+    lines += [""]
+    for row in shown:
+        if row.missing:
+            lines += paragraph(f"{row.rule}: {row.missing}", "  ")
+    return [*lines, *paragraph(COLUMNS), *paragraph(MARKS)]
 
 
 def headline(answer: CaseAnswer) -> str:
@@ -153,7 +177,7 @@ def _verdicts(answer: CaseAnswer) -> str:
     sentence = f"Rules for the gap, {sum(count.get(w, 0) for w in words)} of them: {', '.join(parts)}."
     if not count.get("unsafe"):
         return sentence
-    worst = int(answer.separation.gap.where(answer.separation.verdict == UNSAFE).argmin("rule"))
+    worst = answer.worst()
     lacking = per_cent(-float(answer.separation.error[worst]))
     row = shown[worst - 1]
     return f"{sentence} The worst, {row.label}, gives {row.gap}{SPACE}cm, {lacking} less than needed."
