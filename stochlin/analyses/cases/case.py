@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 import xarray as xr
 
@@ -80,6 +81,12 @@ class Case:
                 "by its period, damping and strength; 'stochlin pound' takes storeys"
             )
         return first, second
+
+    @property
+    def motion(self) -> dict[str, Any]:
+        """What simulations are of, and how many, as the verbs take them."""
+        names = ("duration", "envelope", "confidence", "paths", "seed")
+        return {name: getattr(self, name) for name in names}
 
     @property
     def storey_heights_differ(self) -> bool:
@@ -182,7 +189,7 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     names = [building.name for building in buildings]
     return Case(
         file=path.name,
-        title=whole.text("title") if "title" in whole else f"{', '.join(names[:-1])} and {names[-1]}",
+        title=whole.text("title", default=f"{', '.join(names[:-1])} and {names[-1]}"),
         site=site.text("ground"),
         ground=ground,
         buildings=buildings,

@@ -65,11 +65,7 @@ def _measure(section: Section) -> Measure:
         raise section.error(
             "", f"does nothing; allowed: {', '.join(DAMPINGS)}, {', '.join(LINK)}, contact"
         )
-    values: dict[str, Any] = {
-        name: section.number(name, Quantity.declared(Measure, name))
-        for name in DAMPINGS
-        if name in section
-    }
+    values: dict[str, Any] = section.given(Measure, DAMPINGS)
     link = {
         own: section.number(key, Quantity.declared(Link, own))
         for key, own in LINK.items()

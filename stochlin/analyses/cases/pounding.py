@@ -14,6 +14,7 @@ from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Contact
+from stochlin.models.grounds import Ground
 from stochlin.models.structures import Structure
 
 # The input, and where it goes.
@@ -58,7 +59,7 @@ def pound_case(case: Case, progress: Progress | None = None) -> dict[str, xr.Dat
     ground of the case, whatever the record.
     """
     contact = _checked(case)
-    structures = [_structure(case, number) for number in range(len(case.buildings))]
+    structures = [_structure(building, case.ground) for building in case.buildings]
     tables: dict[str, xr.Dataset] = {}
     for name, record in case.records.items():
         try:
@@ -98,11 +99,10 @@ def _checked(case: Case) -> Contact:
     return case.contact
 
 
-def _structure(case: Case, number: int) -> Structure | ShearBuilding:
-    building = case.buildings[number]
+def _structure(building: Building | StoreyBuilding, ground: Ground) -> Structure | ShearBuilding:
     if isinstance(building, StoreyBuilding):
         return building.structure
-    structure: Structure = strength_in_metres(building.structure, case.ground)
+    structure: Structure = strength_in_metres(building.structure, ground)
     return structure
 
 
@@ -139,12 +139,12 @@ def _with_tallies(table: xr.Dataset) -> xr.Dataset:
         table[name] = ("contact", np.where(np.isfinite(most), most, np.nan))
     table["contact_energy"] = ("contact", hit @ table.energy_lost.values)
     table["gap"] = ("contact", np.array(table.attrs["gaps"])[table.left.values - 1])
-    left, right = (_side(table, side) for side in ("left", "right"))
+    left, right = (displacement_beside(table, side) for side in ("left", "right"))
     table["least_clearance"] = table.gap - (left - right).max("time")
     return table
 
 
-def _side(table: xr.Dataset, side: str) -> xr.DataArray:
+def displacement_beside(table: xr.Dataset, side: str) -> xr.DataArray:
     """Displacement of the floor on one side of each contact, over ``time`` and ``contact``."""
     at = {"structure": table[side].drop_vars(table[side].coords)}
     if "floor" in table.dims:

@@ -28,15 +28,7 @@ def judge_gap(case: Case, gap: float, progress: Progress | None = None) -> Proba
     """
     motions = case.motions
     asked = case.first.structure, case.second.structure, case.ground, gap
-    table = pounding_probability(
-        *asked,
-        envelope=case.envelope,
-        duration=case.duration,
-        confidence=case.confidence,
-        paths=case.paths,
-        seed=case.seed,
-        progress=progress,
-    )
+    table = pounding_probability(*asked, **case.motion, progress=progress)
     records = {
         name: pounding_probability(*asked, method="hybrid", record=record, confidence=case.confidence)
         for name, record in motions.items()

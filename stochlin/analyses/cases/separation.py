@@ -56,17 +56,10 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
             f"{case.file}: separation.existing = 0; allowed here: 0 < gap, so leave it out for "
             "buildings that touch"
         )
-    motion = {
-        "envelope": case.envelope,
-        "confidence": case.confidence,
-        "paths": case.paths,
-        "seed": case.seed,
-    }
     table = separation(
         *pair,
         case.ground,
-        case.duration,
-        **motion,  # type: ignore[arg-type]
+        **case.motion,
         height_1=case.first.height,
         height_2=case.second.height,
         floors_align=case.floors_align,
@@ -77,7 +70,7 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
     )
     existing = None
     if case.gap is not None:
-        existing = existing_gap(*pair, case.ground, case.duration, case.gap, **motion)  # type: ignore[arg-type]
+        existing = existing_gap(*pair, case.ground, gap=case.gap, **case.motion)
     return CaseAnswer(case, table, existing, _spectrum(case), rms_acceleration(case.ground))
 
 

@@ -136,6 +136,10 @@ class Section:
         values |= {name: self.numbers(name, Quantity.declared(kind, name)) for name in lists}
         return self.made(kind, values)
 
+    def given(self, kind: type[Model], names: Sequence[str]) -> dict[str, float]:
+        """Those of the parameters that the file gives."""
+        return {n: self.number(n, Quantity.declared(kind, n)) for n in names if n in self}
+
     def made(self, kind: type[Model], values: Mapping[str, Any]) -> Any:
         """The model with these parameters; an error if they do not fit one another."""
         try:
@@ -143,8 +147,10 @@ class Section:
         except ValueError as error:
             raise self.error("", f"does not fit: {error}") from error
 
-    def text(self, key: str, choices: Sequence[str] = ()) -> str:
-        """A line of text, one of the choices if there are any."""
+    def text(self, key: str, choices: Sequence[str] = (), default: str | None = None) -> str:
+        """A line of text, one of the choices if there are any; if none is given, what is usual."""
+        if key not in self and default is not None:
+            return default
         value = self.need(key, f'"{choices[0]}"' if choices else '"..."')
         if not isinstance(value, str) or not value.strip() or not value.isprintable():
             raise self.error(key, "is not a line of text; allowed: some words in quotation marks")

@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from stochlin.views.shared.screen import COMMANDS, FILE, bad_input
-
-if TYPE_CHECKING:
-    from stochlin.analyses.explorer.scene import Scene
 
 PORT = 8640
 
@@ -46,16 +42,9 @@ def explore(case: Path | None, port: int, host: str, show: bool) -> None:
             raise ImportError(
                 f"the explorer needs NiceGUI: pip install 'stochlin[app]' ({error})"
             ) from error
+        from stochlin.analyses.cases.case import read_case
+        from stochlin.analyses.explorer.scene import Scene, scene_of
+
         check_address(host, port)
-        serve(*_start(case), host=host, port=port, show=show)
-
-
-def _start(path: Path | None) -> tuple[Scene, list[str]]:
-    """The scene that the page begins with, and what of the case file it cannot hold."""
-    from stochlin.analyses.explorer.scene import Scene, scene_of
-
-    if path is None:
-        return Scene(), []
-    from stochlin.analyses.cases.case import read_case
-
-    return scene_of(read_case(path))
+        scene, notes = scene_of(read_case(case)) if case else (Scene(), [])
+        serve(scene, notes, host=host, port=port, show=show)

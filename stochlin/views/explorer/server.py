@@ -101,7 +101,7 @@ def serve(scene: Scene, notes: list[str], host: str, port: int, show: bool) -> N
             worker.ask(PROBABILITY, scene)  # so that its libraries are there when they are needed
         shown = f"[{host}]" if ":" in host else host
         click.echo(f"The explorer is at http://{shown}:{port} (Ctrl+C ends it)")
-        if names_of(host) is None or not _is_local(host):
+        if LOCAL not in (names_of(host) or ()):
             click.echo("Whoever reaches this machine over the network can open it.")
 
     def end() -> None:
@@ -125,10 +125,3 @@ def serve(scene: Scene, notes: list[str], host: str, port: int, show: bool) -> N
             reconnect_timeout=PATIENCE,
             favicon="\N{BAR CHART}",
         )
-
-
-def _is_local(host: str) -> bool:
-    try:
-        return ip_address(host).is_loopback
-    except ValueError:
-        return host == LOCAL

@@ -9,7 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.cases.pounding import ENERGIES, energy_of, hardest_contacts, hardness
+from stochlin.analyses.cases.pounding import (
+    ENERGIES,
+    displacement_beside,
+    energy_of,
+    hardest_contacts,
+    hardness,
+)
 from stochlin.views.shared.style import AS_GIVEN, CURVES, filled, styled
 
 if TYPE_CHECKING:
@@ -89,7 +95,8 @@ def _sides(axes: Axes, dataset: xr.Dataset, number: int) -> None:
     """Both sides of a gap in one frame: what is between the curves is open."""
     one = dataset.isel(contact=number)
     gap = float(one.gap)
-    left, right = (_displacement(dataset, one, side) for side in ("left", "right"))
+    beside = (displacement_beside(dataset, side) for side in ("left", "right"))
+    left, right = (side.isel(contact=number).values for side in beside)
     left, right = CENTIMETRES * left, CENTIMETRES * (right + gap)
     time = dataset.time.values
     axes.fill_between(time, left, np.maximum(left, right), color="0.9", lw=0, label="open")
@@ -120,13 +127,6 @@ def _names(dataset: xr.Dataset, one: xr.Dataset) -> list[str]:
     """Names of the buildings on both sides of a contact, as a legend can hold them."""
     names = dataset.building.values[[int(one[side]) - 1 for side in ("left", "right")]]
     return [textwrap.fill(str(name), NAME) for name in names]
-
-
-def _displacement(dataset: xr.Dataset, one: xr.Dataset, side: str) -> np.ndarray:
-    history = dataset.displacement.sel(structure=int(one[side]))
-    if "floor" in history.dims:
-        history = history.sel(floor=int(one[f"floor_{side}"]))
-    return history.values
 
 
 def _forces(axes: Axes, dataset: xr.Dataset, shown: list[int]) -> None:
