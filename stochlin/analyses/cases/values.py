@@ -176,11 +176,7 @@ class Section:
 
     def section(self, key: str) -> Section:
         """The table of this name."""
-        if key not in self:
-            raise self.error(
-                key, f"is missing; allowed: a line [{self.name(key)}] and its keys below it"
-            )
-        return self._inner(key, self.values[key], (*self.place, key))
+        return self._inner(key, self.values.get(key), (*self.place, key))
 
     def sections(self, key: str) -> list[Section]:
         """The tables of this name, in the order of the file; none if there is none."""
@@ -192,9 +188,8 @@ class Section:
 
     def _inner(self, key: str, values: Any, place: Place) -> Section:
         if not isinstance(values, dict):
-            raise self.error(
-                key, f"is no table; allowed: a line [{self.name(key)}] and its keys below it"
-            )
+            what = "is no table" if key in self else "is missing"
+            raise self.error(key, f"{what}; allowed: a line [{self.name(key)}] and its keys below it")
         return Section(self.file, place, values, self.lines)
 
 

@@ -128,8 +128,7 @@ def _curves(figure: Figure, dataset: xr.Dataset) -> None:
         if other in dataset:
             axes.plot(x, dataset[other], color=color, marker=marker, label=label, **THIN)
     label_axis(axes, "x", across)
-    axes.set_ylabel(name_of(table))
-    axes.set_xlim(x[0], x[-1])
+    axes.set(ylabel=name_of(table), xlim=(x[0], x[-1]))
     if table.name == "rho":
         low = min(float(dataset[v].min()) for v in dataset.data_vars if str(v).startswith("rho"))
         axes.set_ylim(min(0.0, np.floor(low * 10) / 10), 1.02)
@@ -163,6 +162,5 @@ def _spectra(figure: Figure, dataset: xr.Dataset) -> None:
     highest = max(float(dataset[name].max()) for name in ("psd_smoothed", "psd_ground"))
     axes.set_ylim(0, 1.1 * highest)
     axes.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3), useMathText=True)
-    axes.set_xlabel("circular frequency [rad/s]")
-    axes.set_ylabel(r"two-sided PSD [m$^2$/s$^3$]")
+    axes.set(xlabel="circular frequency [rad/s]", ylabel=r"two-sided PSD [m$^2$/s$^3$]")
     legend_beside(axes)

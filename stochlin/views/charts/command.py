@@ -18,7 +18,7 @@ from stochlin.views.shared.options import (
     simulation_options,
     together,
 )
-from stochlin.views.shared.screen import COMMANDS, bad_input
+from stochlin.views.shared.screen import COMMANDS, PICTURES, bad_input
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -42,7 +42,7 @@ def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
         click.option(
             "--format",
             "picture_format",
-            type=click.Choice(["png", "svg", "pdf"]),
+            type=click.Choice([ending[1:] for ending in PICTURES]),
             default="png",
             show_default=True,
         ),

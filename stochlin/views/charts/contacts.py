@@ -58,8 +58,7 @@ def draw_loops(figure: Figure, dataset: xr.Dataset) -> None:
     for axes, shown in ((left, linear), (right, others)):
         _curves(axes, dataset, shown, "scaled_deformation", "scaled_force")
         axes.axhline(0, color="0.4", lw=0.6)
-        axes.set_xlim(left=0)
-        axes.set_xlabel(DEFORMATION)
+        axes.set(xlim=(0, None), xlabel=DEFORMATION)
         axes.legend(loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=2, fontsize=8, columnspacing=1)
     left.set_ylabel(FORCE)
     right.tick_params(labelleft=False)
@@ -102,12 +101,9 @@ def draw_restitution(figure: Figure, dataset: xr.Dataset) -> None:
     above.plot(factor, dataset.restitution_hertz_damp, color=color, linestyle=dash)
     axes.plot([], [], color=color, linestyle=dash, label="Hertz-damp,\nupper axis")
     above.grid(visible=False)
-    above.set_xlim(factor[0], factor[-1])
-    above.set_xlabel("damping factor $a$ of Hertz-damp")
-    axes.set_xlim(float(dataset.damping_ratio[0]), float(dataset.damping_ratio[-1]))
-    axes.set_ylim(0, 1)
-    axes.set_xlabel(r"damping ratio $\xi$")
-    axes.set_ylabel("coefficient of restitution $e$")
+    above.set(xlim=(factor[0], factor[-1]), xlabel="damping factor $a$ of Hertz-damp")
+    axes.set(xlim=(float(dataset.damping_ratio[0]), float(dataset.damping_ratio[-1])), ylim=(0, 1))
+    axes.set(xlabel=r"damping ratio $\xi$", ylabel="coefficient of restitution $e$")
     legend_beside(axes)
 
 

@@ -28,16 +28,13 @@ def draw_portrait(figure: Figure, dataset: xr.Dataset) -> None:
     plane.plot(*(CENTIMETRES * dataset[name] for name in states), **trace)
     plane.plot(*(CENTIMETRES * dataset[f"circle_{name}"] for name in states), **circle)
     plane.set_aspect("equal", adjustable="datalim")
-    plane.set_xlabel("u [cm]")
-    plane.set_ylabel(r"$\dot u/\omega$ [cm]")
+    plane.set(xlabel="u [cm]", ylabel=r"$\dot u/\omega$ [cm]")
     largest = CENTIMETRES * float(dataset.pseudo_energy_radius)
     history.plot(dataset.time, CENTIMETRES * dataset.radius, **trace)
     history.axhline(largest, **circle)
     end = float(dataset.time[-1])
     history.text(end, 1.01 * largest, r"$r_{PER}$", color="#8c2d04", ha="right", va="bottom")
-    history.set_xlim(float(dataset.time[0]), end)
-    history.set_ylim(0, 1.12 * largest)
-    history.set_xlabel("time [s]")
+    history.set(xlim=(float(dataset.time[0]), end), ylim=(0, 1.12 * largest), xlabel="time [s]")
     history.set_ylabel("r [cm]")
 
 
@@ -53,10 +50,8 @@ def draw_per_spectrum(figure: Figure, dataset: xr.Dataset) -> None:
         axes.plot(dataset.period, CENTIMETRES * dataset[name], color=color, linestyle=dash, label=label)
     axes.set_xscale("log")
     plain_ticks(axes.xaxis, TICKS)
-    axes.set_xlim(float(dataset.period[0]), float(dataset.period[-1]))
-    axes.set_ylim(bottom=0)
-    axes.set_xlabel("period [s]")
-    axes.set_ylabel("radius, displacement [cm]")
+    axes.set(xlim=(float(dataset.period[0]), float(dataset.period[-1])), ylim=(0, None))
+    axes.set(xlabel="period [s]", ylabel="radius, displacement [cm]")
     legend_beside(axes)
 
 
@@ -83,8 +78,7 @@ def draw_critical_gap(figure: Figure, dataset: xr.Dataset) -> None:
         axes.set(xscale="log", yscale="log")
         plain_ticks(axes.xaxis, TICKS)
         plain_ticks(axes.yaxis, TICKS)
-        axes.set_xlabel("T1 [s]")
-        axes.set_ylabel("T2 [s]" if n == 0 else "")
+        axes.set(xlabel="T1 [s]", ylabel="T2 [s]" if n == 0 else "")
         axes.tick_params(labelleft=n == 0)
     bar = figure.colorbar(
         filled, cax=figure.add_axes((0.885, 0.27, 0.02, 0.58)), label="gap [cm]", format="%g"

@@ -8,7 +8,7 @@ from typing import Any
 from nicegui import ui
 
 from stochlin.analyses.explorer.scene import Scene
-from stochlin.views.explorer.controls import SCALES, Choice, Control, Switch
+from stochlin.views.explorer.controls import SCALES, Choice, Control
 
 PAUSE = 300  # ms after the last key, before an entry is read
 BETWEEN = 0.05  # s between two values of a slider that is dragged
@@ -83,11 +83,11 @@ class NumberEntry:
             self._text.classes(remove="bad").props(remove="aria-invalid")
 
 
-def choice_entry(choice: Choice | Switch, group: str, scene: Scene, changed: Changed) -> Any:
+def choice_entry(choice: Choice, group: str, scene: Scene, changed: Changed) -> Any:
     """A list to choose from, or yes or no."""
     value = getattr(scene, choice.name)
     with ui.element("div").classes("entry wide") as row:
-        if isinstance(choice, Choice):
+        if choice.options:
             entry: Any = ui.select(list(choice.options), label=choice.label, value=value)
             entry.props("outlined options-dense")
         else:

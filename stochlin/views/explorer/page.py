@@ -176,11 +176,8 @@ class Page:
                 self._draw(key, table, scene)
                 if scene is not self._scene:
                     self._panels[key].wait()
-        except REFUSED as error:
-            self._panels[key].fail(str(error))
-        except Exception as error:  # a fault of ours, or a process that died
-            LOG.exception("%s of %s", key, scene)
-            self._panels[key].fail(f"{type(error).__name__}: {error}")
+        except Exception as error:
+            self._panels[key].fail(_why(error, key, scene))
 
     def _draw(self, key: str, table: xr.Dataset, scene: Scene) -> None:
         """Draw a formula's table, with what was simulated of the present values."""
@@ -207,11 +204,8 @@ class Page:
             tables = await asyncio.wrap_future(job.answer)
         except (Stopped, asyncio.CancelledError):
             self._told.text = "Stopped."
-        except REFUSED as error:
-            self._told.text = f"Not simulated: {error}"
-        except Exception as error:  # as above
-            LOG.exception("simulations of %s", scene)
-            self._told.text = f"Not simulated: {type(error).__name__}: {error}"
+        except Exception as error:
+            self._told.text = f"Not simulated: {_why(error, SIMULATIONS, scene)}"
         else:
             self._keep(scene, tables)
         finally:
@@ -259,6 +253,14 @@ class Page:
     def _leave(self) -> None:
         self._closed = True
         self._interrupt()
+
+
+def _why(error: Exception, what: str, scene: Scene) -> str:
+    """What to say of an error; a fault of ours, or a process that died, is logged."""
+    if isinstance(error, REFUSED):
+        return str(error)
+    LOG.error("%s of %s", what, scene, exc_info=error)
+    return f"{type(error).__name__}: {error}"
 
 
 def _button(text: str, on_click: Callable[[], Any], props: str) -> ui.button:

@@ -77,8 +77,7 @@ def _gaps(axes: Axes, dataset: xr.Dataset) -> None:
         axes.text(0.02, row, "none found", transform=axes.get_yaxis_transform(), size=7, va="center")
     gap = 100 * float(dataset.attrs["gap_m"])
     axes.axvline(gap, color=CURVES[2][0], linestyle=CURVES[2][1], label="the gap there is")
-    axes.set_xlim(left=0)
-    axes.set_xlabel(f"needed gap [cm], {100 * float(dataset.attrs['confidence']):.4g} %")
+    axes.set(xlim=(0, None), xlabel=f"needed gap [cm], {100 * float(dataset.attrs['confidence']):.4g} %")
 
 
 def _amplifications(axes: Axes, dataset: xr.Dataset) -> None:

@@ -144,8 +144,7 @@ def _forces(axes: Axes, dataset: xr.Dataset, shown: list[int]) -> None:
         axes.vlines(time, 0, values, color=color, lw=0.8)
         label = " |\n".join(_names(dataset, dataset.isel(contact=number)))
         axes.plot(time, values, color=color, marker=marker, ls="", ms=3, label=label)
-    axes.set_ylim(bottom=0)
-    axes.set_ylabel("force [MN]" if forces else "approach [m/s]")
+    axes.set(ylim=(0, None), ylabel="force [MN]" if forces else "approach [m/s]")
 
 
 def _energies(axes: Axes, dataset: xr.Dataset) -> None:
@@ -154,8 +153,7 @@ def _energies(axes: Axes, dataset: xr.Dataset) -> None:
     for values, label, (color, dash) in zip(histories, LABELS, CURVES, strict=False):
         scaled = (MEGA if many else KILO) * values
         axes.plot(dataset.time, scaled, color=color, linestyle=dash, lw=1.2, label=label)
-    axes.set_ylim(bottom=0)
-    axes.set_ylabel("energy [MJ]" if many else "energy [kJ]")
+    axes.set(ylim=(0, None), ylabel="energy [MJ]" if many else "energy [kJ]")
 
 
 def _caption(dataset: xr.Dataset) -> str:

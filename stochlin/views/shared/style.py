@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.tables.storage import whole_file
+from stochlin.views.shared.screen import PICTURES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -140,16 +141,14 @@ def contour_levels(*tables: xr.DataArray, at_most: float = 0.0) -> np.ndarray:
     return np.round(np.arange(first, last + 0.05, 0.1), 10)
 
 
-FORMATS = ("png", "svg", "pdf")
-
-
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     """Write a picture whole or not at all; ``.png``, ``.svg`` or ``.pdf``."""
     import matplotlib as mpl
 
     suffix = os.path.splitext(path)[1][1:].lower()
-    if suffix not in FORMATS:
-        raise ValueError(f"path = {os.fspath(path)!r} ends in {suffix!r}; allowed: {', '.join(FORMATS)}")
+    if f".{suffix}" not in PICTURES:
+        allowed = ", ".join(ending[1:] for ending in PICTURES)
+        raise ValueError(f"path = {os.fspath(path)!r} ends in {suffix!r}; allowed: {allowed}")
     undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix)
     with mpl.rc_context(STYLE), whole_file(path) as temporary:
         figure.savefig(temporary, dpi=200, metadata=undated)
