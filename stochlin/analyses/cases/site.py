@@ -62,8 +62,7 @@ def read_ground(site: Section, records: Mapping[str, xr.DataArray]) -> Ground:
     site.only("ground", "records", *names)
     if name not in GROUNDS:
         return named_ground(name, site.model(WhiteNoise, names).intensity)
-    ground: Ground = site.model(GROUNDS[name], names)
-    return ground
+    return site.model(GROUNDS[name], names)
 
 
 def read_envelope(motion: Section) -> Envelope | None:
@@ -71,5 +70,4 @@ def read_envelope(motion: Section) -> Envelope | None:
     name = motion.text("envelope", (*ENVELOPES, NONE), NONE)
     names = () if name == NONE else ENVELOPES[name].parameter_names()
     motion.only("duration", "envelope", *names)
-    envelope: Envelope | None = None if name == NONE else motion.model(ENVELOPES[name], names)
-    return envelope
+    return None if name == NONE else motion.model(ENVELOPES[name], names)

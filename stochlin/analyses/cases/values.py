@@ -8,11 +8,12 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from stochlin.analyses.tables.checks import is_number, is_whole
 from stochlin.models.parameters import Model, Range
 
+One = TypeVar("One", bound=Model)
 Place = tuple[str | int, ...]
 """Names of the tables around a key, and the key; numbers count tables of one name."""
 
@@ -130,7 +131,7 @@ class Section:
             raise self.error(key, f"{which}is out of range; allowed: {quantity.allowed}{shown}")
         return value
 
-    def model(self, kind: type[Model], names: Sequence[str], lists: Sequence[str] = ()) -> Any:
+    def model(self, kind: type[One], names: Sequence[str], lists: Sequence[str] = ()) -> One:
         """A model from those of its parameters that the file has to give, some of them lists."""
         values: dict[str, Any] = {n: self.number(n, Quantity.declared(kind, n)) for n in names}
         values |= {name: self.numbers(name, Quantity.declared(kind, name)) for name in lists}
@@ -140,7 +141,7 @@ class Section:
         """Those of the parameters that the file gives."""
         return {n: self.number(n, Quantity.declared(kind, n)) for n in names if n in self}
 
-    def made(self, kind: type[Model], values: Mapping[str, Any]) -> Any:
+    def made(self, kind: type[One], values: Mapping[str, Any]) -> One:
         """The model with these parameters; an error if they do not fit one another."""
         try:
             return kind(**values)
@@ -167,16 +168,18 @@ class Section:
             raise self.error(key, "is neither true nor false; allowed: true, false")
         return value
 
-    def whole(self, key: str, lowest: int) -> int:
-        """A whole number, not below the lowest."""
+    def whole(self, key: str, lowest: int, default: int | None = None) -> int:
+        """A whole number, not below the lowest; if none is given, what is usual."""
+        if key not in self and default is not None:
+            return default
         value = self.need(key, str(lowest))
         if not is_whole(value) or value < lowest:
             raise self.error(key, f"is no whole number from {lowest} on; allowed: {lowest} or more")
         return value
 
-    def section(self, key: str) -> Section:
-        """The table of this name."""
-        return self._inner(key, self.values.get(key), (*self.place, key))
+    def section(self, key: str, needed: bool = True) -> Section:
+        """The table of this name; one without keys, if it is not there and not needed."""
+        return self._inner(key, self.values.get(key, None if needed else {}), (*self.place, key))
 
     def sections(self, key: str) -> list[Section]:
         """The tables of this name, in the order of the file; none if there is none."""

@@ -42,7 +42,6 @@ _EVEN = np.linspace(-1, 1, 49)
 RATIOS = 4.0 ** (np.sign(_EVEN) * np.abs(_EVEN) ** 1.5)  # of T2 to T1, closer around 1
 LINEARIZED_PEAKS = "peaks of linearization"
 DRIFTED_PEAKS = "peaks by standard deviations of the drift closure and peak factors of linearization"
-PSD = ("m^2 s", "two-sided PSD of the displacement")
 
 
 class _Pair(NamedTuple):
@@ -94,7 +93,8 @@ def spectra(scene: Scene) -> xr.Dataset:
     for number, side in enumerate(pair.single(pair.gaussian), start=1):
         system = EquivalentSystem(*(side[name].to_numpy() for name in INTERNAL[:5]))
         response = density * system.transfer_squared(frequency)
-        response.attrs = {"units": PSD[0], "long_name": f"{PSD[1]}, building {number}, linearized"}
+        told = f"two-sided PSD of the displacement, building {number}, linearized"
+        response.attrs = {"units": "m^2 s", "long_name": told}
         table[f"displacement_psd_{number}"] = response
     attrs = {"units": "s", "long_name": "period"}
     table = table.assign_coords(period=("frequency", period, attrs))

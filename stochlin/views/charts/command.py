@@ -96,7 +96,6 @@ def charts(
         if name is not None and name not in functions:
             raise ValueError(f"NAME = {name!r} is no chart; allowed: {', '.join(functions)}")
         chosen = functions if name is None else {name: functions[name]}
-        out.mkdir(parents=True, exist_ok=True)
         with click.progressbar(
             chosen.items(), label="charts", file=sys.stderr, item_show_func=lambda item: item and item[0]
         ) as bar:
@@ -122,7 +121,6 @@ def verify(name: str, out: Path, picture_format: str, **options: Any) -> None:
 
     with bad_input():
         dataset = verify_chart(name, chart_settings(options))
-        out.mkdir(parents=True, exist_ok=True)
         _write_chart(dataset, out / f"{name}_verified", picture_format)
     click.echo(dataset.attrs["comment"])
     click.echo(f"{name}_verified and its dataset in {out}")
@@ -143,5 +141,6 @@ def _write_chart(dataset: xr.Dataset, stem: Path, picture_format: str) -> None:
     from stochlin.views.charts.charts import draw
     from stochlin.views.shared.style import save
 
+    stem.parent.mkdir(parents=True, exist_ok=True)
     save_table(dataset, stem.with_name(f"{stem.name}.nc"))
     save(draw(dataset), stem.with_name(f"{stem.name}.{picture_format}"))

@@ -23,7 +23,6 @@ MARKS = (
     "Marks: S, formula seen in a copy of its source; C, derived and checked; P, printed in the paper; "
     "M, from memory, not compared with its source."
 )
-EXTREMES = ("any of those searched", "none of those searched")
 ALIKE, MUCH = 0.05, 10.0  # gap over peak of buildings that move alike; ductility that is doubtful
 
 
@@ -142,8 +141,8 @@ def allowances(answer: CaseAnswer) -> list[str]:
         if enough
         else "What would make the gap enough, one change alone:",
         *_strength(found, answer.separation),
-        "Shaking: " + _limit(intensity, f"S0 up to {intensity:.3g} m²/s³ (now {now:.3g})", *EXTREMES),
-        "Damping: " + _limit(damping, more, *EXTREMES),
+        "Shaking: " + _limit(intensity, f"S0 up to {intensity:.3g} m²/s³ (now {now:.3g})"),
+        "Damping: " + _limit(damping, more),
         f"Searched: {found.attrs['searched']}.",
     ]
 
@@ -207,9 +206,11 @@ def _strength(found: xr.Dataset, table: xr.Dataset) -> list[str]:
         return []
     largest = " and ".join(f"{value:.3g}" for value, _ in yielding)
     now = " and ".join(f"{value:.3g}" for _, value in yielding)
-    return ["Strength: " + _limit(yielding[0][0], f"R up to {largest} (now {now})", *EXTREMES)]
+    return ["Strength: " + _limit(yielding[0][0], f"R up to {largest} (now {now})")]
 
 
-def _limit(value: float, text: str, always: str, never: str) -> str:
+def _limit(value: float, text: str) -> str:
     """The text of a limit, or what an infinite one and one that is not there mean."""
-    return never if np.isnan(value) else always if np.isinf(value) else text
+    if np.isnan(value):
+        return "none of those searched"
+    return "any of those searched" if np.isinf(value) else text
