@@ -8,14 +8,12 @@ import click
 
 from stochlin.views.shared.screen import COMMANDS, FILE, bad_input
 
-PORT = 8640
-
 
 @COMMANDS.register("explore")
 @click.command()
 @click.option("--case", type=FILE, help="Start from a case file, as 'stochlin gap --example' prints.")
 @click.option(
-    "--port", type=click.IntRange(1, 65535), default=PORT, show_default=True, help="Port to listen on."
+    "--port", type=click.IntRange(1, 65535), default=8640, show_default=True, help="Port to listen on."
 )
 @click.option(
     "--host",

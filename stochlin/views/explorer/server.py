@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from stochlin.analyses.explorer.scene import Scene
 
 LOCAL = "localhost"
-FORBIDDEN = 403
 PATIENCE = 30.0  # s that a page may take to connect, on a machine that is busy
 
 
@@ -41,7 +40,7 @@ class OwnOrigin:
             if scope["type"] == "websocket":
                 await send({"type": "websocket.close", "code": 1008})
                 return
-            await send({"type": "http.response.start", "status": FORBIDDEN, "headers": []})
+            await send({"type": "http.response.start", "status": 403, "headers": []})
             await send({"type": "http.response.body", "body": b"This host is not served here.\n"})
             return
         await self._inner(scope, receive, send)

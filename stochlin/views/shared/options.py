@@ -277,10 +277,10 @@ def site(record: Path, options: dict[str, Any]) -> tuple[xr.DataArray, Ground]:
     return motion, fit_ground(motion, options["model"], options["estimator"])
 
 
-def parameter_of(name: str, values: list[float] | None) -> Any:
+def parameter_of(name: str, values: list[float]) -> Any:
     """One number as a scalar; more as a dimension called like the option."""
     import xarray as xr
 
-    if values is None or len(values) == 1:
-        return values and values[0]
+    if len(values) == 1:
+        return values[0]
     return xr.DataArray(values, dims=name, coords={name: values})
