@@ -67,6 +67,16 @@ def test_every_element_has_its_curve_with_a_name_and_a_look_of_its_own(name):
     assert "paper" in words
 
 
+@pytest.mark.parametrize("name", NAMES)
+def test_an_element_from_outside_is_drawn_too(name):
+    chart = saved(name)
+    other = chart.isel(element=[0]).assign_coords(element=["Cork"])
+    joined = xr.concat([chart, other], "element", data_vars="minimal")
+    lines = [line for axes in draw(joined).axes for line in axes.get_lines()]
+    looks = {str(line.get_label()): (line.get_color(), str(line._dash_pattern)) for line in lines}
+    assert list(looks.values()).count(looks["Cork"]) == 1
+
+
 def test_fig6_draws_both_elements_of_the_paper_and_their_laws():
     figure = draw(saved("fig6"))
     kelvin, impact, linear, hertzian = figure.axes

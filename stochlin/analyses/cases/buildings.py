@@ -35,6 +35,11 @@ class Building:
     height: float | None
     storeys: int | None
 
+    @property
+    def storey_height(self) -> float | None:
+        """Of a mean storey [m], where it is known."""
+        return self.height / self.storeys if self.height and self.storeys else None
+
 
 @dataclass(frozen=True)
 class StoreyBuilding:
@@ -106,7 +111,7 @@ def read_gaps(wanted: Section, count: int) -> tuple[float, ...]:
 
 def _single(one: Section, number: int, ground: Ground) -> Building:
     laws = laws_in_numbers()
-    law = laws[one.text("law", tuple(laws)) if "law" in one else "bilinear"]
+    law = laws[one.text("law", tuple(laws), "bilinear")]
     keys = ("name", "law", "period", "damping", "hardening", *law.own_parameters(), *STRENGTHS)
     one.only(*keys, "mass", "height", "storeys")
     strength = _strength(
@@ -129,7 +134,7 @@ def _single(one: Section, number: int, ground: Ground) -> Building:
             raise one.error("ductility", f"has no strength ({error}); give another one") from error
         structure = dataclasses.replace(structure, reduction_factor=float(found.reduction_factor))
     return Building(
-        name=_name(one, number),
+        name=one.text("name", default=f"Building {number}"),
         structure=structure,
         strength=strength,
         height=one.number("height", LENGTH) if "height" in one else None,
@@ -145,11 +150,7 @@ def _of_storeys(one: Section, number: int) -> StoreyBuilding:
         numbers.append("hardening")
         (lists if isinstance(one.values[strength], list) else numbers).append(strength)
     structure: ShearBuilding = one.model(ShearBuilding, numbers, lists)
-    return StoreyBuilding(_name(one, number), structure, strength)
-
-
-def _name(one: Section, number: int) -> str:
-    return one.text("name") if "name" in one else f"Building {number}"
+    return StoreyBuilding(one.text("name", default=f"Building {number}"), structure, strength)
 
 
 def _strength(one: Section, keys: Sequence[str], example: str) -> str:

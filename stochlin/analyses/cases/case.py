@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 import xarray as xr
 
@@ -19,7 +20,7 @@ from stochlin.analyses.cases.buildings import (
 )
 from stochlin.analyses.cases.contacts import read_amplification_limit, read_contact, read_measures
 from stochlin.analyses.cases.site import FITTED, TIME, read_envelope, read_ground, read_records
-from stochlin.analyses.cases.values import Quantity, Section, read_sections
+from stochlin.analyses.cases.values import Quantity, read_sections
 from stochlin.models.contacts import Contact
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
@@ -80,6 +81,18 @@ class Case:
                 "by its period, damping and strength; 'stochlin pound' takes storeys"
             )
         return first, second
+
+    @property
+    def motion(self) -> dict[str, Any]:
+        """What simulations are of, and how many, as the verbs take them."""
+        names = ("duration", "envelope", "confidence", "paths", "seed")
+        return {name: getattr(self, name) for name in names}
+
+    @property
+    def storey_heights_differ(self) -> bool:
+        """Whether those of the two buildings are known to differ, so that floors cannot all align."""
+        one, other = (building.storey_height for building in self.pair)
+        return one is not None and other is not None and abs(one - other) > 0.01 * one
 
     @property
     def motions(self) -> Mapping[str, xr.DataArray]:
@@ -172,11 +185,12 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     ground = read_ground(site, records)
     buildings = read_buildings(whole, ground)
     envelope = read_envelope(motion)
-    paths, seed = _simulation(whole)
+    simulated = whole.section("simulation", needed=False)
+    simulated.only("paths", "seed")
     names = [building.name for building in buildings]
     return Case(
         file=path.name,
-        title=whole.text("title") if "title" in whole else f"{', '.join(names[:-1])} and {names[-1]}",
+        title=whole.text("title", default=f"{', '.join(names[:-1])} and {names[-1]}"),
         site=site.text("ground"),
         ground=ground,
         buildings=buildings,
@@ -188,19 +202,9 @@ def read_case(path: str | os.PathLike[str]) -> Case:
         floors_align=wanted.truth("floors_align"),
         zone=wanted.text("zone", tuple(ZONES)) if "zone" in wanted else None,
         unverified=wanted.truth("unverified"),
-        paths=paths,
-        seed=seed,
+        paths=simulated.whole("paths", FEWEST_PATHS, 2048),
+        seed=simulated.whole("seed", 0, 0),
         contact=read_contact(whole.section("contact")) if "contact" in whole else None,
         measures=read_measures(whole),
         amplification_limit=read_amplification_limit(whole),
     )
-
-
-def _simulation(whole: Section) -> tuple[int, int]:
-    settings = {"paths": 2048, "seed": 0}
-    if "simulation" in whole:
-        given = whole.section("simulation")
-        given.only(*settings)
-        lowest = {"paths": FEWEST_PATHS, "seed": 0}
-        settings |= {key: given.whole(key, lowest[key]) for key in given.values}
-    return settings["paths"], settings["seed"]

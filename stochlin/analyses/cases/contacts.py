@@ -22,18 +22,13 @@ def read_contact(section: Section) -> Contact:
     names = inspect.signature(kind).parameters
     section.only("model", *names)
     needed = [name for name, one in names.items() if one.default is inspect.Parameter.empty]
-    values: dict[str, Any] = {}
-    for name in dict.fromkeys([*needed, *(key for key in section.values if key != "model")]):
-        values[name] = section.number(name, _quantity(section, kind, name))
-    contact: Contact = section.made(kind, values)
-    return contact
+    given = dict.fromkeys([*needed, *(key for key in section.values if key != "model")])
+    return section.made(kind, {n: section.number(n, _quantity(section, kind, n)) for n in given})
 
 
 def read_measures(whole: Section) -> dict[str, Measure]:
     """The measures by name, in the order of the file; none if there is no such table."""
-    if "measures" not in whole:
-        return {}
-    table = whole.section("measures")
+    table = whole.section("measures", needed=False)
     return {name: _measure(table.section(name)) for name in table.values}
 
 
@@ -65,11 +60,7 @@ def _measure(section: Section) -> Measure:
         raise section.error(
             "", f"does nothing; allowed: {', '.join(DAMPINGS)}, {', '.join(LINK)}, contact"
         )
-    values: dict[str, Any] = {
-        name: section.number(name, Quantity.declared(Measure, name))
-        for name in DAMPINGS
-        if name in section
-    }
+    values: dict[str, Any] = section.given(Measure, DAMPINGS)
     link = {
         own: section.number(key, Quantity.declared(Link, own))
         for key, own in LINK.items()
@@ -79,5 +70,4 @@ def _measure(section: Section) -> Measure:
         values["link"] = Link(**link)
     if "contact" in section:
         values["contact"] = read_contact(section.section("contact"))
-    measure: Measure = section.made(Measure, values)
-    return measure
+    return section.made(Measure, values)

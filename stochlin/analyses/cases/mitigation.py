@@ -10,25 +10,11 @@ from stochlin.kernels.basics.parallel import Progress
 
 
 def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
-    """The measures of a case compared, and the least that would do.
+    """The measures of a case compared, and the least that would do, as `stochlin.mitigate` returns them.
 
-    Parameters
-    ----------
-    case : Case
-        As `stochlin.read_case` gives it, of two buildings, with the gap there is. Pounding itself is
-        computed on its records, where it has some, a contact, and masses.
-    progress : callable, optional
-        Called with the share of the rows that is done.
-
-    Returns
-    -------
-    xarray.Dataset
-        As `stochlin.mitigate` returns it.
-
-    Raises
-    ------
-    ValueError, TypeError
-        If the case lacks something; the message names the file, and the cure.
+    The case needs two buildings and the gap there is; errors name its file, and the cure. Pounding is
+    computed on its records, where it has some, a contact, and masses. ``progress`` is called with the
+    share of the rows that is done.
     """
     first, second = case.pair
     if case.gap is None or case.gap <= 0:
@@ -36,25 +22,21 @@ def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
             f"{case.file}: measures are compared for the gap there is, and it has to be open; write "
             'existing = "5 cm" in [separation]'
         )
+    weighed = None not in (first.structure.mass, second.structure.mass)
     for name, measure in case.measures.items():
-        if measure.link is not None and None in (first.structure.mass, second.structure.mass):
+        if measure.link is not None and not weighed:
             raise ValueError(
                 f"{case.file}: {name} links the buildings, which takes their masses; write "
                 'mass = "1500 t" in [building_1] and [building_2]'
             )
-    pounding = bool(case.records) and case.contact is not None
-    pounding = pounding and None not in (first.structure.mass, second.structure.mass)
+    pounding = bool(case.records) and case.contact is not None and weighed
     table = mitigate(
         first.structure,
         second.structure,
         case.ground,
-        case.duration,
-        case.gap,
-        case.measures,
-        envelope=case.envelope,
-        confidence=case.confidence,
-        paths=case.paths,
-        seed=case.seed,
+        gap=case.gap,
+        measures=case.measures,
+        **case.motion,
         contact=case.contact,
         records=dict(case.records) if pounding else None,
         amplification_limit=case.amplification_limit if pounding else None,

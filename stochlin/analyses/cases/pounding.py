@@ -14,9 +14,17 @@ from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Contact
+from stochlin.models.grounds import Ground
 from stochlin.models.structures import Structure
 
-ENERGIES = ("viscous", "hysteretic", "contacts", "remaining")
+# The input, and where it goes.
+ENERGIES = {
+    "input": ("input_energy",),
+    "viscous": ("viscous_energy",),
+    "hysteretic": ("hysteretic_energy",),
+    "contacts": ("contact_lost_energy",),
+    "remaining": ("kinetic_energy", "elastic_energy", "contact_stored_energy"),
+}
 
 
 def pound_case(case: Case, progress: Progress | None = None) -> dict[str, xr.Dataset]:
@@ -51,7 +59,7 @@ def pound_case(case: Case, progress: Progress | None = None) -> dict[str, xr.Dat
     ground of the case, whatever the record.
     """
     contact = _checked(case)
-    structures = [_structure(case, number) for number in range(len(case.buildings))]
+    structures = [_structure(building, case.ground) for building in case.buildings]
     tables: dict[str, xr.Dataset] = {}
     for name, record in case.records.items():
         try:
@@ -91,11 +99,10 @@ def _checked(case: Case) -> Contact:
     return case.contact
 
 
-def _structure(case: Case, number: int) -> Structure | ShearBuilding:
-    building = case.buildings[number]
+def _structure(building: Building | StoreyBuilding, ground: Ground) -> Structure | ShearBuilding:
     if isinstance(building, StoreyBuilding):
         return building.structure
-    structure: Structure = strength_in_metres(building.structure, case.ground)
+    structure: Structure = strength_in_metres(building.structure, ground)
     return structure
 
 
@@ -132,12 +139,12 @@ def _with_tallies(table: xr.Dataset) -> xr.Dataset:
         table[name] = ("contact", np.where(np.isfinite(most), most, np.nan))
     table["contact_energy"] = ("contact", hit @ table.energy_lost.values)
     table["gap"] = ("contact", np.array(table.attrs["gaps"])[table.left.values - 1])
-    left, right = (_side(table, side) for side in ("left", "right"))
+    left, right = (displacement_beside(table, side) for side in ("left", "right"))
     table["least_clearance"] = table.gap - (left - right).max("time")
     return table
 
 
-def _side(table: xr.Dataset, side: str) -> xr.DataArray:
+def displacement_beside(table: xr.Dataset, side: str) -> xr.DataArray:
     """Displacement of the floor on one side of each contact, over ``time`` and ``contact``."""
     at = {"structure": table[side].drop_vars(table[side].coords)}
     if "floor" in table.dims:
@@ -150,11 +157,32 @@ def _side(table: xr.Dataset, side: str) -> xr.DataArray:
 def _with_energies(table: xr.Dataset) -> xr.Dataset:
     """Shares of what the ground has put in, at the end of the record."""
     last = table.isel(time=-1)
-    lost = [float(last[f"{name}_energy"].sum()) for name in ENERGIES[:2]] + [
-        float(last.contact_lost_energy)
-    ]
-    rest = [float(last[f"{name}_energy"].sum()) for name in ("kinetic", "elastic", "contact_stored")]
-    given = float(last.input_energy.sum())
-    shares = np.array([*lost, sum(rest)]) / (given if given > 0 else np.nan)
-    table = table.assign_coords(sink=("sink", list(ENERGIES), {"long_name": "where the energy is"}))
+    given, *kept = (float(energy_of(last, where)) for where in ENERGIES)
+    shares = np.array(kept) / (given if given > 0 else np.nan)
+    sinks = list(ENERGIES)[1:]
+    table = table.assign_coords(sink=("sink", sinks, {"long_name": "where the energy is"}))
     return table.assign(energy_share=("sink", shares))
+
+
+def energy_of(table: xr.Dataset, where: str) -> xr.DataArray:
+    """What of the energy is there, of all buildings together [J]."""
+    parts = [table[name] for name in ENERGIES[where]]
+    totals = [part.sum("structure") if "structure" in part.dims else part for part in parts]
+    return sum(totals[1:], totals[0])
+
+
+def hardest_contacts(table: xr.Dataset) -> list[int]:
+    """Of each gap the contact that is hit fastest, or that comes nearest."""
+    chosen = []
+    for left in np.unique(table.left.values):
+        there = np.flatnonzero(table.left.values == left)
+        speed = table.fastest_approach.values[there]
+        clearance = table.least_clearance.values[there]
+        best = np.nanargmax(speed) if np.isfinite(speed).any() else np.argmin(clearance)
+        chosen.append(int(there[best]))
+    return chosen
+
+
+def hardness(table: xr.Dataset) -> str:
+    """What impacts are compared by: their force, or, where velocities jump, their approach."""
+    return "largest_force" if bool(table.largest_force.notnull().all()) else "approach_velocity"

@@ -21,33 +21,14 @@ class ProbabilityAnswer(NamedTuple):
 
 
 def judge_gap(case: Case, gap: float, progress: Progress | None = None) -> ProbabilityAnswer:
-    """How likely the buildings of a case are to pound across this gap [m].
+    """How likely the buildings of a case are to pound across this gap [m], simulated and in its records.
 
-    Parameters
-    ----------
-    case : Case
-        As `stochlin.read_case` gives it.
-    gap : float
-        [m], positive.
-    progress : callable, optional
-        Called with the share of the simulation that is done.
-
-    Raises
-    ------
-    ValueError, TypeError
-        As in `stochlin.pounding_probability`.
+    ``progress`` is called with the share of the simulation that is done; errors are those of
+    `stochlin.pounding_probability`.
     """
     motions = case.motions
     asked = case.first.structure, case.second.structure, case.ground, gap
-    table = pounding_probability(
-        *asked,
-        envelope=case.envelope,
-        duration=case.duration,
-        confidence=case.confidence,
-        paths=case.paths,
-        seed=case.seed,
-        progress=progress,
-    )
+    table = pounding_probability(*asked, **case.motion, progress=progress)
     records = {
         name: pounding_probability(*asked, method="hybrid", record=record, confidence=case.confidence)
         for name, record in motions.items()

@@ -10,10 +10,10 @@ import xarray as xr
 from stochlin.analyses.cases.case import Case
 from stochlin.analyses.records.spectra import fit_spectra
 from stochlin.analyses.separation.existing_gap import existing_gap
-from stochlin.analyses.separation.separation import separation
+from stochlin.analyses.separation.separation import UNSAFE, separation
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.grounds import Ground, WhiteNoise
-from stochlin.models.parameters import expect
+from stochlin.models.parameters import Model, expect
 
 FREQUENCIES = np.geomspace(1e-4, 1e4, 16001)  # times 2 pi rad/s: four decades to either side
 POINTS = 401
@@ -39,25 +39,16 @@ class CaseAnswer:
         table = table.assign_attrs(title=f"{self.case.title}: {table.attrs['title']}")
         return table if samples else table.drop_dims(["path", "record"], errors="ignore")
 
+    def worst(self) -> int:
+        """Row of the smallest gap among those that are unsafe."""
+        return int(self.separation.gap.where(self.separation.verdict == UNSAFE).argmin("rule"))
+
 
 def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
     """Separation of the two buildings of a case, and what the existing gap allows.
 
-    Parameters
-    ----------
-    case : Case
-        As `read_case` gives it.
-    progress : callable, optional
-        Called with the share of the simulation that is done.
-
-    Returns
-    -------
-    CaseAnswer
-
-    Raises
-    ------
-    ValueError, ArithmeticError
-        As `separation` and `existing_gap`.
+    ``progress`` is called with the share of the simulation that is done; errors are those of
+    `separation` and `existing_gap`.
     """
     pair = case.first.structure, case.second.structure
     if case.gap == 0:
@@ -65,17 +56,10 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
             f"{case.file}: separation.existing = 0; allowed here: 0 < gap, so leave it out for "
             "buildings that touch"
         )
-    motion = {
-        "envelope": case.envelope,
-        "confidence": case.confidence,
-        "paths": case.paths,
-        "seed": case.seed,
-    }
     table = separation(
         *pair,
         case.ground,
-        case.duration,
-        **motion,  # type: ignore[arg-type]
+        **case.motion,
         height_1=case.first.height,
         height_2=case.second.height,
         floors_align=case.floors_align,
@@ -86,7 +70,7 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
     )
     existing = None
     if case.gap is not None:
-        existing = existing_gap(*pair, case.ground, case.duration, case.gap, **motion)  # type: ignore[arg-type]
+        existing = existing_gap(*pair, case.ground, gap=case.gap, **case.motion)
     return CaseAnswer(case, table, existing, _spectrum(case), rms_acceleration(case.ground))
 
 
@@ -103,10 +87,14 @@ def rms_acceleration(ground: Ground) -> float:
     return float(np.sqrt(2 * np.trapezoid(density, np.log(frequency))))
 
 
+def periods_of(*models: Model) -> list[float]:
+    """Periods of structures and ground [s]; white noise has none."""
+    return [float(model.arrays()["period"]) for model in models if "period" in model.arrays()]
+
+
 def _spectrum(case: Case) -> xr.Dataset:
     """PSD of the ground over period; beside that of the record it is fitted to."""
-    periods = [float(b.structure.arrays()["period"]) for b in case.pair]
-    periods += [float(p) for name, p in case.ground.arrays().items() if name == "period"]
+    periods = periods_of(*(building.structure for building in case.pair), case.ground)
     low, high = min(periods) / AROUND, max(periods) * AROUND
     if case.fitted:
         spectrum = fit_spectra(next(iter(case.records.values())), case.ground)[

@@ -27,7 +27,7 @@ def read_records(site: Section, folder: Path) -> dict[str, xr.DataArray]:
     for one in site.sections("records"):
         one.only("path", "name", "units", "dt", "column", "time_column")
         path = one.text("path")
-        name = one.text("name") if "name" in one else Path(path).name
+        name = one.text("name", default=Path(path).name)
         options: dict[str, Any] = {"units": one.text("units")} if "units" in one else {}
         if "dt" in one:
             options["dt"] = one.number("dt", TIME)
@@ -50,8 +50,8 @@ def read_ground(site: Section, records: Mapping[str, xr.DataArray]) -> Ground:
     name = site.text("ground", kinds)
     if name == FITTED:
         site.only("ground", "records", "model", "estimator")
-        model = site.text("model", tuple(fitted_grounds())) if "model" in site else "kanai_tajimi"
-        estimator = site.text("estimator", tuple(ESTIMATORS)) if "estimator" in site else "psd"
+        model = site.text("model", tuple(fitted_grounds()), "kanai_tajimi")
+        estimator = site.text("estimator", tuple(ESTIMATORS), "psd")
         if not records:
             raise site.error("ground", "needs a record to be fitted to; allowed: a [[site.records]]")
         try:
@@ -60,17 +60,14 @@ def read_ground(site: Section, records: Mapping[str, xr.DataArray]) -> Ground:
             raise site.error("ground", f"cannot be fitted to {next(iter(records))}: {error}") from error
     names = GROUNDS[name].parameter_names() if name in GROUNDS else ("intensity",)
     site.only("ground", "records", *names)
-    if name in GROUNDS:
-        ground: Ground = site.model(GROUNDS[name], names)
-        return ground
-    intensity = site.model(WhiteNoise, ("intensity",)).intensity
-    return named_ground(name, intensity)
+    if name not in GROUNDS:
+        return named_ground(name, site.model(WhiteNoise, names).intensity)
+    return site.model(GROUNDS[name], names)
 
 
 def read_envelope(motion: Section) -> Envelope | None:
     """How the shaking rises and falls, if it is said."""
-    name = motion.text("envelope", (*ENVELOPES, NONE)) if "envelope" in motion else NONE
+    name = motion.text("envelope", (*ENVELOPES, NONE), NONE)
     names = () if name == NONE else ENVELOPES[name].parameter_names()
     motion.only("duration", "envelope", *names)
-    envelope: Envelope | None = None if name == NONE else motion.model(ENVELOPES[name], names)
-    return envelope
+    return None if name == NONE else motion.model(ENVELOPES[name], names)

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import dataclasses
 import difflib
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from stochlin.analyses.tables.checks import is_number, is_whole
 from stochlin.models.parameters import Model, Range
 
+One = TypeVar("One", bound=Model)
 Place = tuple[str | int, ...]
 """Names of the tables around a key, and the key; numbers count tables of one name."""
 
@@ -46,8 +46,7 @@ class Quantity(NamedTuple):
     @classmethod
     def declared(cls, kind: type[Model], name: str) -> Quantity:
         """That of a parameter, as the model declares it."""
-        field = next(field for field in dataclasses.fields(kind) if field.name == name)
-        return cls(field.metadata["units"], field.metadata["allowed"])
+        return cls(kind.units(name), kind.allowed(name))
 
     @property
     def spellings(self) -> Mapping[str, float]:
@@ -132,21 +131,27 @@ class Section:
             raise self.error(key, f"{which}is out of range; allowed: {quantity.allowed}{shown}")
         return value
 
-    def model(self, kind: type[Model], names: Sequence[str], lists: Sequence[str] = ()) -> Any:
+    def model(self, kind: type[One], names: Sequence[str], lists: Sequence[str] = ()) -> One:
         """A model from those of its parameters that the file has to give, some of them lists."""
         values: dict[str, Any] = {n: self.number(n, Quantity.declared(kind, n)) for n in names}
         values |= {name: self.numbers(name, Quantity.declared(kind, name)) for name in lists}
         return self.made(kind, values)
 
-    def made(self, kind: type[Model], values: Mapping[str, Any]) -> Any:
+    def given(self, kind: type[Model], names: Sequence[str]) -> dict[str, float]:
+        """Those of the parameters that the file gives."""
+        return {n: self.number(n, Quantity.declared(kind, n)) for n in names if n in self}
+
+    def made(self, kind: type[One], values: Mapping[str, Any]) -> One:
         """The model with these parameters; an error if they do not fit one another."""
         try:
             return kind(**values)
         except ValueError as error:
             raise self.error("", f"does not fit: {error}") from error
 
-    def text(self, key: str, choices: Sequence[str] = ()) -> str:
-        """A line of text, one of the choices if there are any."""
+    def text(self, key: str, choices: Sequence[str] = (), default: str | None = None) -> str:
+        """A line of text, one of the choices if there are any; if none is given, what is usual."""
+        if key not in self and default is not None:
+            return default
         value = self.need(key, f'"{choices[0]}"' if choices else '"..."')
         if not isinstance(value, str) or not value.strip() or not value.isprintable():
             raise self.error(key, "is not a line of text; allowed: some words in quotation marks")
@@ -163,20 +168,18 @@ class Section:
             raise self.error(key, "is neither true nor false; allowed: true, false")
         return value
 
-    def whole(self, key: str, lowest: int) -> int:
-        """A whole number, not below the lowest."""
+    def whole(self, key: str, lowest: int, default: int | None = None) -> int:
+        """A whole number, not below the lowest; if none is given, what is usual."""
+        if key not in self and default is not None:
+            return default
         value = self.need(key, str(lowest))
         if not is_whole(value) or value < lowest:
             raise self.error(key, f"is no whole number from {lowest} on; allowed: {lowest} or more")
         return value
 
-    def section(self, key: str) -> Section:
-        """The table of this name."""
-        if key not in self:
-            raise self.error(
-                key, f"is missing; allowed: a line [{self.name(key)}] and its keys below it"
-            )
-        return self._inner(key, self.values[key], (*self.place, key))
+    def section(self, key: str, needed: bool = True) -> Section:
+        """The table of this name; one without keys, if it is not there and not needed."""
+        return self._inner(key, self.values.get(key, None if needed else {}), (*self.place, key))
 
     def sections(self, key: str) -> list[Section]:
         """The tables of this name, in the order of the file; none if there is none."""
@@ -188,9 +191,8 @@ class Section:
 
     def _inner(self, key: str, values: Any, place: Place) -> Section:
         if not isinstance(values, dict):
-            raise self.error(
-                key, f"is no table; allowed: a line [{self.name(key)}] and its keys below it"
-            )
+            what = "is no table" if key in self else "is missing"
+            raise self.error(key, f"{what}; allowed: a line [{self.name(key)}] and its keys below it")
         return Section(self.file, place, values, self.lines)
 
 
@@ -215,15 +217,7 @@ def _split(given: Any, quantity: Quantity) -> tuple[float, str]:
 
 
 def read_sections(path: Path) -> Section:
-    """The whole file, as one section.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be read.
-    ValueError
-        If it is no TOML, or no text in UTF-8.
-    """
+    """The whole file, as one section; an OSError if it cannot be read, a ValueError if it is no TOML."""
     name = path.name
     try:
         text = path.read_bytes().decode("utf-8-sig")

@@ -72,10 +72,15 @@ class ChartSettings:
         return 2 * self.points - 1
 
     def __post_init__(self) -> None:
-        if self.points < 2:
-            raise ValueError(f"points = {self.points}; allowed: at least 2")
+        check_points(self.points)
         if not self.reduction_factors:
             raise ValueError("reduction_factors is empty; allowed: at least one value")
+
+
+def check_points(points: int) -> None:
+    """Raise if they are too few for a curve."""
+    if points < 2:
+        raise ValueError(f"points = {points}; allowed: at least 2")
 
 
 def chart_functions(

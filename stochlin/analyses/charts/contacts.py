@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 from scipy.integrate import solve_ivp
 
-from stochlin.analyses.charts.charts import CHARTS, ChartSettings
+from stochlin.analyses.charts.charts import CHARTS, ChartSettings, check_points
 from stochlin.analyses.charts.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
@@ -111,7 +111,7 @@ def contact_history_chart(damping_ratio: float = 0.5, points: int = 201) -> xr.D
     Raises
     ------
     ValueError, TypeError
-        If the damping ratio is out of range or not a number, or points are too few.
+        As in `contact_loop_chart`.
 
     Examples
     --------
@@ -157,13 +157,12 @@ def restitution_chart(largest: float = 1.0, points: int = 201) -> xr.Dataset:
     >>> [round(float(e), 4) for e in chart.restitution.sel(damping_ratio=0.5)]
     [0.163, 0.2984, 0.5463, 0.5749]
     """
-    _check_points(points)
+    check_points(points)
     largest = _number("largest", largest, POSITIVE)
     classes = _kinds(WithRatio)
-    ratio = labels.axis("damping_ratio", "damping ratio of the contact", np.linspace(0, largest, points))
-    factor = labels.axis(
-        "damping_factor", "damping factor of the Hertz-damp contact", np.linspace(0, 2 * largest, points)
-    )
+    along = np.linspace(0, largest, points)
+    ratio = labels.axis("damping_ratio", "damping ratio of the contact", along)
+    factor = labels.axis("damping_factor", "damping factor of the Hertz-damp contact", 2 * along)
     rows = [kind.restitution(ratio) for kind in classes]
     chart = xr.Dataset(
         {
@@ -204,7 +203,7 @@ def _fig8(settings: ChartSettings) -> xr.Dataset:
 def _histories(
     picture: str, models: Sequence[Element], points: int, title: str, call: str
 ) -> xr.Dataset:
-    _check_points(points)
+    check_points(points)
     names = [type(model).__name__ for model in models]
     chart = xr.Dataset(coords={"element": _elements(names)})
     found = [
@@ -280,11 +279,6 @@ def _number(name: str, value: Any, allowed: Range) -> float:
     if not isinstance(number, float):
         raise TypeError(f"chart: {name} is an array; allowed: a number, {allowed}")
     return number
-
-
-def _check_points(points: int) -> None:
-    if points < 2:
-        raise ValueError(f"points = {points}; allowed: at least 2")
 
 
 def _elements(names: list[str]) -> xr.DataArray:

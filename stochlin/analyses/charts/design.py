@@ -74,7 +74,8 @@ def period_ratio_chart(settings: ChartSettings, ground: Ground, frequency_ratio:
     )
     chart.rho_elastic.attrs["long_name"] = "rho of elastic structures on this ground"
     chart.rho_white_noise.attrs["long_name"] = "rho of elastic structures under white noise, eq. (4)"
-    title = f"Correlation of bilinear structures, {_frequency_title(frequency_ratio)}"
+    times = "" if frequency_ratio == 1 else f"{frequency_ratio:g} "
+    title = f"Correlation of bilinear structures, ω2 = {times}ωg"
     where = f"{ground_caption(ground)}; T2 = {second_period:.3g} s"
     return _captioned(chart, "curves", title, where, settings, labels.CAUTION_RHO)
 
@@ -133,10 +134,6 @@ for _letter, _ratio in (("a", 0.5), ("b", 1.0), ("c", 2.0)):
 def _shown(table: xr.Dataset) -> list[str]:
     names = ("rho", "amplification", "rho_standard_error", "amplification_standard_error", "status")
     return [name for name in names if name in table]
-
-
-def _frequency_title(ratio: float) -> str:
-    return "ω2 = ωg" if ratio == 1 else f"ω2 = {ratio:g} ωg"
 
 
 def ground_period(ground: Ground) -> float:

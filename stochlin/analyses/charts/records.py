@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.charts.charts import CHARTS, ChartSettings
+from stochlin.analyses.charts.charts import CHARTS, ChartSettings, check_points
 from stochlin.analyses.charts.design import ground_caption, ground_period
 from stochlin.analyses.charts.variables import VARIABLES
 from stochlin.analyses.correlation.correlation import rho_white_noise
@@ -31,7 +31,7 @@ GAP_POINTS = 61  # at most, of Fig. 2: each cell follows the whole record
 @CHARTS.register("site_spectrum", place=10)
 def _site_spectrum(record: xr.DataArray, site: Ground) -> xr.Dataset:
     title, caption = f"Ground fitted to {_source(record)}", f"{ground_caption(site)}\n{site.source}"
-    return _captioned(fit_spectra(record, site), "spectra", title, caption)
+    return fit_spectra(record, site).assign_attrs(chart="spectra", title=title, caption=caption)
 
 
 @CHARTS.register("fig1", place=11)
@@ -83,11 +83,10 @@ def portrait_chart(record: xr.DataArray, period: float, damping: float) -> xr.Da
             units="m", long_name=f"{name.replace('_', ' ')} on the circle of r_PER"
         )
     chart = chart.assign_coords(angle=("angle", angle, {"units": "rad", "long_name": "angle"}))
-    return _captioned(
-        labels.label(chart, VARIABLES),
-        "portrait",
-        f"Pseudo energy radius of {_source(record)}",
-        f"Elastic structure: T = {period:.3g} s, ξ = {damping:.3g}; r_PER = {float(peak):.3g} m",
+    return labels.label(chart, VARIABLES).assign_attrs(
+        chart="portrait",
+        title=f"Pseudo energy radius of {_source(record)}",
+        caption=f"Elastic structure: T = {period:.3g} s, ξ = {damping:.3g}; r_PER = {float(peak):.3g} m",
     )
 
 
@@ -110,11 +109,10 @@ def per_spectrum_chart(records: Records, damping: float, points: int = 161) -> x
         several records, ``record``.
     """
     chart = pseudo_energy_radius(records, _periods("period", "period", points), damping)
-    return _captioned(
-        chart,
-        "per_spectrum",
-        "Spectrum of the pseudo energy radius",
-        f"Elastic structures: ξ = {damping:.3g}",
+    return chart.assign_attrs(
+        chart="per_spectrum",
+        title="Spectrum of the pseudo energy radius",
+        caption=f"Elastic structures: ξ = {damping:.3g}",
     )
 
 
@@ -148,23 +146,17 @@ def recorded_gap_chart(record: xr.DataArray, damping: float, points: int = 61) -
     chart.rho.attrs["long_name"] = "correlation over the recorded motion"
     chart.rho_white_noise.attrs["long_name"] = "rho under white noise, eq. (4)"
     chart.critical_gap.attrs.update(units="m", long_name="critical gap, eqs. (3) and (4)")
-    return _captioned(
-        chart,
-        "critical_gap",
-        f"Critical gap in {_source(record)}",
-        f"Elastic structures: ξ = {damping:.3g}; the largest u1 - u2, and eqs. (3) and (4)",
+    return chart.assign_attrs(
+        chart="critical_gap",
+        title=f"Critical gap in {_source(record)}",
+        caption=f"Elastic structures: ξ = {damping:.3g}; the largest u1 - u2, and eqs. (3) and (4)",
     )
 
 
 def _periods(name: str, long_name: str, points: int) -> xr.DataArray:
-    if points < 2:
-        raise ValueError(f"points = {points}; allowed: at least 2")
+    check_points(points)
     return labels.axis(name, long_name, np.geomspace(*PERIODS, points), "s")
 
 
 def _source(record: xr.DataArray) -> str:
     return str(record.attrs.get("source", "a record"))
-
-
-def _captioned(chart: xr.Dataset, picture: str, title: str, caption: str) -> xr.Dataset:
-    return chart.assign_attrs(chart=picture, title=title, caption=caption)

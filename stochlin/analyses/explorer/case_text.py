@@ -18,15 +18,6 @@ HEAD = """\
 def case_text(scene: Scene) -> str:
     """Text of the case file that describes a scene, every number to its last digit.
 
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    str
-        TOML.
-
     Examples
     --------
     >>> from stochlin.analyses.explorer.scene import Scene
@@ -34,22 +25,22 @@ def case_text(scene: Scene) -> str:
     ['ground = "soft"', 'intensity = "0.01 m^2/s^3"']
     """
     site = GROUNDS.get(scene.site, GROUNDS["white_noise"])  # a named ground has its intensity alone
-    lines = [f"title = {_text(scene.title)}", "", "[site]", f"ground = {_text(scene.site)}"]
+    lines = [f"title = {_written(scene.title)}", "", "[site]", f"ground = {_written(scene.site)}"]
     lines += _numbers(site, scene.site_parameters())
     lines += [
         "",
         "[motion]",
         f'duration = "{scene.duration!r} s"',
-        f"envelope = {_text(scene.envelope)}",
+        f"envelope = {_written(scene.envelope)}",
     ]
     if scene.envelope in ENVELOPES:
         lines += _numbers(ENVELOPES[scene.envelope], scene.envelope_parameters())
     for number in (1, 2):
         lines += ["", *_building(scene, number)]
     lines += ["", "[separation]", f"confidence = {scene.confidence!r}", f'existing = "{scene.gap!r} m"']
-    lines += [f"floors_align = {_truth(scene.floors_align)}"]
-    lines += [f"zone = {_text(scene.zone)}"] if scene.zone else []
-    lines += [f"unverified = {_truth(scene.unverified)}"]
+    lines += [f"floors_align = {_written(scene.floors_align)}"]
+    lines += [f"zone = {_written(scene.zone)}"] if scene.zone else []
+    lines += [f"unverified = {_written(scene.unverified)}"]
     lines += ["", "[simulation]", f"paths = {scene.paths}", f"seed = {scene.seed}", ""]
     return HEAD + "\n".join(lines)
 
@@ -58,7 +49,7 @@ def _building(scene: Scene, number: int) -> list[str]:
     structure = scene.structure(number)
     names = ("period", "damping", "hardening", "reduction_factor")
     values = {name: getattr(structure, name) for name in names}
-    lines = [f"[building_{number}]", f"name = {_text(scene.names[number - 1])}"]
+    lines = [f"[building_{number}]", f"name = {_written(scene.names[number - 1])}"]
     lines += _numbers(type(structure), {k: v for k, v in values.items() if v is not None})
     lines += [] if structure.yields else ["elastic = true"]
     height, storeys = scene.heights[number - 1], scene.storeys[number - 1]
@@ -74,10 +65,6 @@ def _numbers(kind: type[Model], values: dict[str, float]) -> list[str]:
     ]
 
 
-def _text(words: str) -> str:
-    """Quoted; quotation marks and backslashes escape in TOML as in JSON."""
-    return json.dumps(words, ensure_ascii=False)
-
-
-def _truth(value: bool) -> str:
-    return "true" if value else "false"
+def _written(value: str | bool) -> str:
+    """As TOML has it; texts and truth values are those of JSON."""
+    return json.dumps(value, ensure_ascii=False)

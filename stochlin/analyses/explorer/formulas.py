@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.cases.separation import AROUND, periods_of
 from stochlin.analyses.correlation.correlation import rho_white_noise
 from stochlin.analyses.correlation.drifting import correlation_with_drift
 from stochlin.analyses.correlation.linearized import pairs_of_solved
@@ -36,13 +37,11 @@ from stochlin.kernels.linearization.covariance import EquivalentSystem
 from stochlin.models.parameters import Model
 from stochlin.models.structures import DRIFT, Structure
 
-AROUND = 5.0  # how far spectra go beyond the periods of buildings and ground
 FREQUENCIES = 301
 _EVEN = np.linspace(-1, 1, 49)
 RATIOS = 4.0 ** (np.sign(_EVEN) * np.abs(_EVEN) ** 1.5)  # of T2 to T1, closer around 1
 LINEARIZED_PEAKS = "peaks of linearization"
 DRIFTED_PEAKS = "peaks by standard deviations of the drift closure and peak factors of linearization"
-PSD = ("m^2 s", "two-sided PSD of the displacement")
 
 
 class _Pair(NamedTuple):
@@ -83,8 +82,7 @@ def spectra(scene: Scene) -> xr.Dataset:
     ``displacement_psd_1`` and ``_2`` [m^2 s], two-sided.
     """
     ground = scene.ground()
-    periods = [scene.period_1, scene.period_2]
-    periods += [float(value) for name, value in ground.arrays().items() if name == "period"]
+    periods = periods_of(*scene.structures(), ground)
     low, high = min(periods) / AROUND, max(periods) * AROUND
     # The periods themselves belong to the grid: a resonance is narrow.
     period = np.unique(np.concatenate([np.geomspace(low, high, FREQUENCIES), periods]))[::-1]
@@ -95,7 +93,8 @@ def spectra(scene: Scene) -> xr.Dataset:
     for number, side in enumerate(pair.single(pair.gaussian), start=1):
         system = EquivalentSystem(*(side[name].to_numpy() for name in INTERNAL[:5]))
         response = density * system.transfer_squared(frequency)
-        response.attrs = {"units": PSD[0], "long_name": f"{PSD[1]}, building {number}, linearized"}
+        told = f"two-sided PSD of the displacement, building {number}, linearized"
+        response.attrs = {"units": "m^2 s", "long_name": told}
         table[f"displacement_psd_{number}"] = response
     attrs = {"units": "s", "long_name": "period"}
     table = table.assign_coords(period=("frequency", period, attrs))

@@ -175,22 +175,10 @@ def check_count(name: str, value: object) -> int:
 def scene_of(case: Case) -> tuple[Scene, list[str]]:
     """The scene of a case file, and in sentences what of the file it cannot hold.
 
-    Parameters
-    ----------
-    case : Case
-        As `read_case` gives it.
-
-    Returns
-    -------
-    tuple of Scene and list of str
-
-    Raises
-    ------
-    ValueError
-        If a number lies beyond what the explorer takes.
+    A ValueError if a number lies beyond what the explorer takes.
     """
     notes = []
-    site, given = case.site, dict(_numbers(case.ground))
+    site, given = case.site, _numbers(case.ground)
     if site == FITTED:
         site = next(name for name, kind in GROUNDS.items() if type(case.ground) is kind)
         notes.append(f"The ground is fitted to {next(iter(case.records))}: held by its parameters here.")
@@ -204,6 +192,7 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
         given = {"intensity": given["intensity"]}
     names = case.ground.beside_structures()
     values: dict[str, Any] = {name: given[own] for name, own in names.items() if own in given}
+    values["envelope"] = NONE
     for number, building in enumerate(case.pair, start=1):
         structure = _bilinear(case, building)
         if building.strength in ("yield_displacement", "ductility"):
@@ -215,15 +204,12 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
         if building.strength == "yield_displacement":
             factor = float(reduction_factor(structure, case.ground).reduction_factor)
             structure = dataclasses.replace(structure, yield_displacement=None, reduction_factor=factor)
-        values |= {f"{name}_{number}": value for name, value in _numbers(structure)}
+        shown = _numbers(structure).items()
+        values |= {f"{n}_{number}": value for n, value in shown if n not in ("peak_factor", "mass")}
         values[f"yields_{number}"] = structure.yields
-        for left_out in ("peak_factor", "mass"):
-            values.pop(f"{left_out}_{number}", None)
     if case.envelope is not None:
         values["envelope"] = next(n for n, kind in ENVELOPES.items() if type(case.envelope) is kind)
-        values |= dict(_numbers(case.envelope))
-    else:
-        values["envelope"] = NONE
+        values |= _numbers(case.envelope)
     if case.gap is None:
         notes.append(f"The file states no existing gap: {Scene.gap:g} m is shown, as a start.")
     else:
@@ -250,8 +236,8 @@ def _bilinear(case: Case, building: Building) -> Bilinear:
     return building.structure
 
 
-def _numbers(model: Model) -> list[tuple[str, float]]:
-    return [(name, float(value)) for name, value in model.arrays().items()]
+def _numbers(model: Model) -> dict[str, float]:
+    return {name: float(value) for name, value in model.arrays().items()}
 
 
 ALLOWED: Mapping[str, dataclasses.Field[Any]] = {

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -56,14 +55,9 @@ def together(scene: Scene, tables: Mapping[str, xr.Dataset]) -> xr.Dataset:
     whole = xr.Dataset()
     for name, table in tables.items():
         flat = table.reset_coords(set(table.coords) - set(table.dims))
-        flat = flat.rename({part: f"{name}_{part}" for part in [*flat.variables, *_bare(flat)]})
+        flat = flat.rename({part: f"{name}_{part}" for part in {*flat.variables, *flat.dims}})
         whole = whole.merge(flat)
         whole.attrs |= {f"{name}_{key}": value for key, value in table.attrs.items()}
     return labels.with_run_information(
         whole, f"Explored: {scene.title}", "explore", models_of(scene)
     ).assign_attrs(confidence=scene.confidence, duration_s=scene.duration, gap_m=scene.gap)
-
-
-def _bare(table: xr.Dataset) -> list[Any]:
-    """Dimensions without coordinate."""
-    return [name for name in table.dims if name not in table.variables]

@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import click
 
-from stochlin.views.shared.options import GroundCommand, numbers_option, parameter_of, shared_option
-from stochlin.views.shared.screen import COMMANDS, bad_input, on_screen, progress_bar
-
-
-class LookupCommand(GroundCommand):
-    """Without the strength of the ground, which an atlas does not depend on."""
-
-    left_out = ("intensity",)
+from stochlin.views.shared.options import (
+    Extended,
+    numbers_option,
+    options_of_grounds,
+    parameter_of,
+    shared_option,
+)
+from stochlin.views.shared.screen import COMMANDS, FILE, bad_input, on_screen, progress_bar
 
 
 @COMMANDS.register("atlas")
 @click.command()
-@click.argument("spec", type=click.Path(dir_okay=False, path_type=Path))
+@click.argument("spec", type=FILE)
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="The Zarr store, a folder.")
 @click.option(
     "--scheduler",
@@ -55,7 +56,11 @@ def atlas(spec: Path, out: Path, scheduler: str | None) -> None:
 
 
 @COMMANDS.register("lookup")
-@click.command(cls=LookupCommand)
+@click.command(
+    cls=Extended,
+    after="reduction_factor_2",
+    by=(partial(options_of_grounds, without="intensity"),),  # an atlas does not depend on it
+)
 @click.argument("atlas", type=click.Path(path_type=Path))
 @numbers_option("--period-1", "Of structure 1: [s] with --ground-period, else over the ground's.")
 @numbers_option("--period-2", "Of structure 2.")

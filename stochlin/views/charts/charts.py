@@ -30,6 +30,7 @@ PICTURES: Registry[Callable[[Figure, xr.Dataset], None]] = Registry("chart", "st
 SIZE = (7.2, 4.6)  # inches: the width of a printed page
 AXES = (0.1, 0.25, 0.64, 0.66)
 COMPARISONS = (("rho_elastic", "0.35", "x", "elastic"), ("rho_white_noise", "0.6", "o", "eq. (4)"))
+THIN: Any = {"lw": 0.8, "ms": 4, "mfc": "none", "markevery": 16}
 CAPTION_WIDTH, COMMENT_WIDTH = 110, 125  # characters
 # Files from before that attribute: the first of these whose names a dataset has.
 UNTOLD = (
@@ -125,20 +126,9 @@ def _curves(figure: Figure, dataset: xr.Dataset) -> None:
         axes.plot(x, table.sel(place), color=color, linestyle=dash, label=label)
     for other, color, marker, label in COMPARISONS:
         if other in dataset:
-            axes.plot(
-                x,
-                dataset[other],
-                color=color,
-                lw=0.8,
-                marker=marker,
-                ms=4,
-                mfc="none",
-                markevery=16,
-                label=label,
-            )
+            axes.plot(x, dataset[other], color=color, marker=marker, label=label, **THIN)
     label_axis(axes, "x", across)
-    axes.set_ylabel(name_of(table))
-    axes.set_xlim(x[0], x[-1])
+    axes.set(ylabel=name_of(table), xlim=(x[0], x[-1]))
     if table.name == "rho":
         low = min(float(dataset[v].min()) for v in dataset.data_vars if str(v).startswith("rho"))
         axes.set_ylim(min(0.0, np.floor(low * 10) / 10), 1.02)
@@ -172,6 +162,5 @@ def _spectra(figure: Figure, dataset: xr.Dataset) -> None:
     highest = max(float(dataset[name].max()) for name in ("psd_smoothed", "psd_ground"))
     axes.set_ylim(0, 1.1 * highest)
     axes.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3), useMathText=True)
-    axes.set_xlabel("circular frequency [rad/s]")
-    axes.set_ylabel(r"two-sided PSD [m$^2$/s$^3$]")
+    axes.set(xlabel="circular frequency [rad/s]", ylabel=r"two-sided PSD [m$^2$/s$^3$]")
     legend_beside(axes)

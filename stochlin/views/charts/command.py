@@ -13,12 +13,12 @@ import click
 from stochlin.views.shared import options as shared
 from stochlin.views.shared.options import (
     closure_option,
-    decorate,
     numbers_option,
     record_options,
     simulation_options,
+    together,
 )
-from stochlin.views.shared.screen import COMMANDS, bad_input
+from stochlin.views.shared.screen import COMMANDS, PICTURES, bad_input
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -35,14 +35,14 @@ def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
         ("--plane-reduction-factor", 4.0, "R of Fig. 5a."),
         ("--ground-period", 2.0, "Period of the model grounds [s]."),
     )
-    options = (
+    return together(
         click.option(
             "--out", type=folder, default="figures", show_default=True, help="Folder for the files."
         ),
         click.option(
             "--format",
             "picture_format",
-            type=click.Choice(["png", "svg", "pdf"]),
+            type=click.Choice([ending[1:] for ending in PICTURES]),
             default="png",
             show_default=True,
         ),
@@ -60,7 +60,6 @@ def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
             help="Periods along an axis.",
         ),
     )
-    return lambda command: decorate(command, options)
 
 
 @COMMANDS.register("charts")
@@ -97,7 +96,6 @@ def charts(
         if name is not None and name not in functions:
             raise ValueError(f"NAME = {name!r} is no chart; allowed: {', '.join(functions)}")
         chosen = functions if name is None else {name: functions[name]}
-        out.mkdir(parents=True, exist_ok=True)
         with click.progressbar(
             chosen.items(), label="charts", file=sys.stderr, item_show_func=lambda item: item and item[0]
         ) as bar:
@@ -123,7 +121,6 @@ def verify(name: str, out: Path, picture_format: str, **options: Any) -> None:
 
     with bad_input():
         dataset = verify_chart(name, chart_settings(options))
-        out.mkdir(parents=True, exist_ok=True)
         _write_chart(dataset, out / f"{name}_verified", picture_format)
     click.echo(dataset.attrs["comment"])
     click.echo(f"{name}_verified and its dataset in {out}")
@@ -144,5 +141,6 @@ def _write_chart(dataset: xr.Dataset, stem: Path, picture_format: str) -> None:
     from stochlin.views.charts.charts import draw
     from stochlin.views.shared.style import save
 
+    stem.parent.mkdir(parents=True, exist_ok=True)
     save_table(dataset, stem.with_name(f"{stem.name}.nc"))
     save(draw(dataset), stem.with_name(f"{stem.name}.{picture_format}"))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import cycle
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -14,6 +14,7 @@ from stochlin.views.shared.style import CURVES, contour_levels, label_axis, lege
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+POINTS: Any = {"linestyle": "none", "marker": "o", "ms": 3, "lw": 1}
 TWICE = 1.96  # standard errors of a 95 % interval
 
 
@@ -56,17 +57,9 @@ def _curves(figure: Figure, dataset: xr.Dataset) -> None:
     for (color, dash), (label, place) in zip(cycle(CURVES), family(dataset[name]), strict=False):
         one = dataset.sel(place)
         upper.plot(x, one[name], color=color, linestyle=dash, label=f"{label}, linearized")
-        upper.errorbar(
-            x,
-            one[f"{name}_simulated"],
-            yerr=TWICE * one[f"{name}_standard_error"],
-            color=color,
-            linestyle="none",
-            marker="o",
-            ms=3,
-            lw=1,
-            label=f"{label}, simulated",
-        )
+        error = TWICE * one[f"{name}_standard_error"]
+        points = f"{label}, simulated"
+        upper.errorbar(x, one[f"{name}_simulated"], error, color=color, label=points, **POINTS)
         lower.plot(x, one[f"{name}_difference"], color=color, linestyle=dash)
     lower.axhline(0, color="0.5", lw=0.8)
     label_axis(lower, "x", across)

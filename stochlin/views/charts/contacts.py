@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 LINEAR = ("LinearSpring", "Kelvin", "NoTensionKelvin", "ImpactKelvin")
-HERTZIAN = ("Hertz", "HertzDamp", "Jankowski")
 # One look for each element in all three figures.
 LOOKS = {
     "Kelvin": CURVES[0],
@@ -27,6 +26,7 @@ LOOKS = {
     "HertzDamp": CURVES[3],
     "Jankowski": CURVES[4],
 }
+OTHER_DASH = (0, (8, 1, 1, 1, 1, 1))  # of elements from outside, in the same colours
 LABELS = {
     "LinearSpring": "linear spring",
     "NoTensionKelvin": "Kelvin, no tension",
@@ -52,11 +52,13 @@ def draw_loops(figure: Figure, dataset: xr.Dataset) -> None:
     figure.text(0.1, 0.637, SYMBOLS, size=8.5)
     left = figure.add_axes((0.1, 0.22, 0.4, 0.33))
     right = figure.add_axes((0.55, 0.22, 0.4, 0.33), sharey=left)
-    for axes, names in ((left, LINEAR), (right, HERTZIAN)):
-        _curves(axes, dataset, names, "scaled_deformation", "scaled_force")
+    looks = _looks(dataset)
+    linear = {name: looks[name] for name in LINEAR if name in looks}
+    others = {name: look for name, look in looks.items() if name not in LINEAR}
+    for axes, shown in ((left, linear), (right, others)):
+        _curves(axes, dataset, shown, "scaled_deformation", "scaled_force")
         axes.axhline(0, color="0.4", lw=0.6)
-        axes.set_xlim(left=0)
-        axes.set_xlabel(DEFORMATION)
+        axes.set(xlim=(0, None), xlabel=DEFORMATION)
         axes.legend(loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=2, fontsize=8, columnspacing=1)
     left.set_ylabel(FORCE)
     right.tick_params(labelleft=False)
@@ -67,15 +69,15 @@ def draw_histories(figure: Figure, dataset: xr.Dataset) -> None:
     """Fig. 7: deformation and force over time, from the first touch to the end of each contact."""
     upper = figure.add_axes((0.1, 0.595, 0.64, 0.315))
     lower = figure.add_axes((0.1, 0.255, 0.64, 0.315), sharex=upper)
-    names = [name for name in LOOKS if name in dataset.element.values]
+    looks = _looks(dataset)
     for axes, variable, word in (
         (upper, "scaled_deformation", DEFORMATION),
         (lower, "scaled_force", FORCE),
     ):
-        _curves(axes, dataset, names, "scaled_time", variable)
-        for name in names:
+        _curves(axes, dataset, looks, "scaled_time", variable)
+        for name, (color, _) in looks.items():
             end = dataset.sel(element=name).isel(point=-1)
-            axes.plot(end.scaled_time, end[variable], color=LOOKS[name][0], marker="o", ms=3.5, ls="")
+            axes.plot(end.scaled_time, end[variable], color=color, marker="o", ms=3.5, ls="")
         axes.axhline(0, color="0.4", lw=0.6)
         axes.set_ylabel(word)
     lower.plot([], [], color="0.3", marker="o", ms=3.5, ls="", label="end of the contact")
@@ -91,8 +93,7 @@ def draw_restitution(figure: Figure, dataset: xr.Dataset) -> None:
     """Fig. 8: coefficient of restitution over the damping ratio; over its own factor for Hertz-damp."""
     axes = figure.add_axes((0.1, 0.25, 0.64, 0.54))
     above = axes.twiny()
-    for name in (name for name in LOOKS if name in dataset.element.values):
-        color, dash = LOOKS[name]
+    for name, (color, dash) in _looks(dataset).items():
         row = dataset.restitution.sel(element=name)
         axes.plot(dataset.damping_ratio, row, color=color, linestyle=dash, label=LABELS.get(name, name))
     color, dash = LOOKS["HertzDamp"]
@@ -100,19 +101,24 @@ def draw_restitution(figure: Figure, dataset: xr.Dataset) -> None:
     above.plot(factor, dataset.restitution_hertz_damp, color=color, linestyle=dash)
     axes.plot([], [], color=color, linestyle=dash, label="Hertz-damp,\nupper axis")
     above.grid(visible=False)
-    above.set_xlim(factor[0], factor[-1])
-    above.set_xlabel("damping factor $a$ of Hertz-damp")
-    axes.set_xlim(float(dataset.damping_ratio[0]), float(dataset.damping_ratio[-1]))
-    axes.set_ylim(0, 1)
-    axes.set_xlabel(r"damping ratio $\xi$")
-    axes.set_ylabel("coefficient of restitution $e$")
+    above.set(xlim=(factor[0], factor[-1]), xlabel="damping factor $a$ of Hertz-damp")
+    axes.set(xlim=(float(dataset.damping_ratio[0]), float(dataset.damping_ratio[-1])), ylim=(0, 1))
+    axes.set(xlabel=r"damping ratio $\xi$", ylabel="coefficient of restitution $e$")
     legend_beside(axes)
 
 
-def _curves(axes: Axes, dataset: xr.Dataset, names: Sequence[str], x: str, y: str) -> None:
-    for name in names:
+def _looks(dataset: xr.Dataset) -> dict[str, tuple[str, Any]]:
+    """Colour and dash of every element that the dataset has, those of ours first."""
+    names = dataset.element.values.tolist()
+    looks = {name: look for name, look in LOOKS.items() if name in names}
+    others = [name for name in names if name not in LOOKS]
+    colors = cycle(color for color, _ in CURVES)
+    return looks | {name: (color, OTHER_DASH) for name, color in zip(others, colors, strict=False)}
+
+
+def _curves(axes: Axes, dataset: xr.Dataset, looks: dict[str, tuple[str, Any]], x: str, y: str) -> None:
+    for name, (color, dash) in looks.items():
         one = dataset.sel(element=name)
-        color, dash = LOOKS[name]
         axes.plot(one[x], one[y], color=color, linestyle=dash, label=LABELS.get(name, name))
 
 

@@ -8,10 +8,9 @@ import numpy as np
 import xarray as xr
 
 from stochlin.views.charts.charts import AXES, PICTURES
-from stochlin.views.shared.style import CURVES, legend_beside
+from stochlin.views.shared.style import CURVES, legend_beside, plain_ticks, shades
 
 if TYPE_CHECKING:
-    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
 TICKS = (0.1, 0.2, 0.5, 1, 2, 5)  # s
@@ -29,16 +28,13 @@ def draw_portrait(figure: Figure, dataset: xr.Dataset) -> None:
     plane.plot(*(CENTIMETRES * dataset[name] for name in states), **trace)
     plane.plot(*(CENTIMETRES * dataset[f"circle_{name}"] for name in states), **circle)
     plane.set_aspect("equal", adjustable="datalim")
-    plane.set_xlabel("u [cm]")
-    plane.set_ylabel(r"$\dot u/\omega$ [cm]")
+    plane.set(xlabel="u [cm]", ylabel=r"$\dot u/\omega$ [cm]")
     largest = CENTIMETRES * float(dataset.pseudo_energy_radius)
     history.plot(dataset.time, CENTIMETRES * dataset.radius, **trace)
     history.axhline(largest, **circle)
     end = float(dataset.time[-1])
     history.text(end, 1.01 * largest, r"$r_{PER}$", color="#8c2d04", ha="right", va="bottom")
-    history.set_xlim(float(dataset.time[0]), end)
-    history.set_ylim(0, 1.12 * largest)
-    history.set_xlabel("time [s]")
+    history.set(xlim=(float(dataset.time[0]), end), ylim=(0, 1.12 * largest), xlabel="time [s]")
     history.set_ylabel("r [cm]")
 
 
@@ -53,29 +49,25 @@ def draw_per_spectrum(figure: Figure, dataset: xr.Dataset) -> None:
     for (name, label), (color, dash) in zip(shown, CURVES, strict=False):
         axes.plot(dataset.period, CENTIMETRES * dataset[name], color=color, linestyle=dash, label=label)
     axes.set_xscale("log")
-    _period_axis(axes.xaxis)
-    axes.set_xlim(float(dataset.period[0]), float(dataset.period[-1]))
-    axes.set_ylim(bottom=0)
-    axes.set_xlabel("period [s]")
-    axes.set_ylabel("radius, displacement [cm]")
+    plain_ticks(axes.xaxis, TICKS)
+    axes.set(xlim=(float(dataset.period[0]), float(dataset.period[-1])), ylim=(0, None))
+    axes.set(xlabel="period [s]", ylabel="radius, displacement [cm]")
     legend_beside(axes)
 
 
 @PICTURES.register("critical_gap")
 def draw_critical_gap(figure: Figure, dataset: xr.Dataset) -> None:
     """Fig. 2: the gap that the record takes, and eqs. (3) and (4), over the periods."""
-    from matplotlib import colormaps
-    from matplotlib.colors import BoundaryNorm, ListedColormap
+    from matplotlib.colors import BoundaryNorm
 
     panels = (("separation", "largest u1 - u2"), ("critical_gap", "eqs. (3) and (4)"))
     highest = CENTIMETRES * max(float(dataset[name].max()) for name, _ in panels)
     levels = _one_two_five(highest)
-    shades = ListedColormap(colormaps["cividis"](np.linspace(0.35, 1, 256)))
     for n, (name, title) in enumerate(panels):
         axes = figure.add_axes((0.1 + 0.4 * n, 0.27, 0.36, 0.58))
         x, y = dataset.period_1.values, dataset.period_2.values
         gap = CENTIMETRES * dataset[name].transpose("period_2", "period_1").values
-        filled = axes.contourf(x, y, gap, levels=levels, cmap=shades, norm=BoundaryNorm(levels, 256))
+        filled = axes.contourf(x, y, gap, levels=levels, cmap=shades(), norm=BoundaryNorm(levels, 256))
         lines = axes.contour(x, y, gap, levels=levels[1:], colors="0.1", linewidths=0.5)
         axes.clabel(
             lines, manual=_first_crossings(x, y, gap, levels), fontsize=7, fmt="%g", inline_spacing=2
@@ -84,10 +76,9 @@ def draw_critical_gap(figure: Figure, dataset: xr.Dataset) -> None:
         axes.grid(visible=False)
         axes.set_box_aspect(1)
         axes.set(xscale="log", yscale="log")
-        _period_axis(axes.xaxis)
-        _period_axis(axes.yaxis)
-        axes.set_xlabel("T1 [s]")
-        axes.set_ylabel("T2 [s]" if n == 0 else "")
+        plain_ticks(axes.xaxis, TICKS)
+        plain_ticks(axes.yaxis, TICKS)
+        axes.set(xlabel="T1 [s]", ylabel="T2 [s]" if n == 0 else "")
         axes.tick_params(labelleft=n == 0)
     bar = figure.colorbar(
         filled, cax=figure.add_axes((0.885, 0.27, 0.02, 0.58)), label="gap [cm]", format="%g"
@@ -110,12 +101,3 @@ def _one_two_five(highest: float) -> list[float]:
     series = [m * 10.0 ** (decade + n) for n in (-2, -1, 0, 1) for m in (1, 2, 5)]
     end = next(n for n, value in enumerate(series) if value >= highest)
     return [0.0, *(value for value in series[: end + 1] if value >= highest / 100)]
-
-
-def _period_axis(axis: Axis) -> None:
-    """Plain numbers on an axis that is logarithmic already."""
-    from matplotlib.ticker import FixedLocator, NullLocator, StrMethodFormatter
-
-    axis.set_major_locator(FixedLocator(TICKS))
-    axis.set_minor_locator(NullLocator())
-    axis.set_major_formatter(StrMethodFormatter("{x:g}"))

@@ -9,27 +9,28 @@ import click
 
 from stochlin.views.shared import options as shared
 from stochlin.views.shared.options import (
-    GroundOption,
+    Extended,
     Names,
-    RhoCommand,
     closure_option,
+    ground_option,
     law_options,
+    options_of_grounds,
+    options_of_laws,
     record_options,
     shared_option,
     simulation_options,
 )
-from stochlin.views.shared.screen import COMMANDS, bad_input, on_screen
+from stochlin.views.shared.screen import COMMANDS, FILE, bad_input, on_screen
 
 
 @COMMANDS.register("rho")
-@click.command(cls=RhoCommand)
+@click.command(cls=Extended, after="law_2", by=(options_of_laws, ground_option, options_of_grounds))
 @shared_option("period", "Period [s].")
 @shared_option("damping", "Damping ratio.", "0.05")
 @shared_option("hardening", "Hardening ratio.")
 @shared_option("reduction-factor", "R = 3 sigma_el/uy; without a strength: elastic.")
 @shared_option("yield-displacement", "uy [m], instead of R.")
 @law_options
-@click.option("--ground", cls=GroundOption, default="white-noise", show_default=True)
 @click.option(
     "--method",
     type=Names("stochlin.analyses.correlation.correlation", "METHODS"),
@@ -45,9 +46,7 @@ from stochlin.views.shared.screen import COMMANDS, bad_input, on_screen
 )
 @simulation_options
 @closure_option
-@click.option(
-    "--out", type=click.Path(dir_okay=False, path_type=Path), help="Save the table, .nc or .csv."
-)
+@click.option("--out", type=FILE, help="Save the table, .nc or .csv.")
 @record_options
 def rho(record: Path | None, out: Path | None, **options: Any) -> None:
     """Correlation coefficient of a pair of structures, or a table over any parameters.

@@ -3,24 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
-from stochlin.views.shared.screen import COMMANDS, bad_input
-
-if TYPE_CHECKING:
-    from stochlin.analyses.explorer.scene import Scene
-
-FILE = click.Path(dir_okay=False, path_type=Path)
-PORT = 8640
+from stochlin.views.shared.screen import COMMANDS, FILE, bad_input
 
 
 @COMMANDS.register("explore")
 @click.command()
 @click.option("--case", type=FILE, help="Start from a case file, as 'stochlin gap --example' prints.")
 @click.option(
-    "--port", type=click.IntRange(1, 65535), default=PORT, show_default=True, help="Port to listen on."
+    "--port", type=click.IntRange(1, 65535), default=8640, show_default=True, help="Port to listen on."
 )
 @click.option(
     "--host",
@@ -47,16 +40,9 @@ def explore(case: Path | None, port: int, host: str, show: bool) -> None:
             raise ImportError(
                 f"the explorer needs NiceGUI: pip install 'stochlin[app]' ({error})"
             ) from error
+        from stochlin.analyses.cases.case import read_case
+        from stochlin.analyses.explorer.scene import Scene, scene_of
+
         check_address(host, port)
-        serve(*_start(case), host=host, port=port, show=show)
-
-
-def _start(path: Path | None) -> tuple[Scene, list[str]]:
-    """The scene that the page begins with, and what of the case file it cannot hold."""
-    from stochlin.analyses.explorer.scene import Scene, scene_of
-
-    if path is None:
-        return Scene(), []
-    from stochlin.analyses.cases.case import read_case
-
-    return scene_of(read_case(path))
+        scene, notes = scene_of(read_case(case)) if case else (Scene(), [])
+        serve(scene, notes, host=host, port=port, show=show)

@@ -59,25 +59,18 @@ class Control(NamedTuple):
 
 
 class Choice(NamedTuple):
-    """A text of a list."""
+    """A text of a list; yes or no, if there is none."""
 
     name: str
     label: str
-    options: Sequence[str]
-
-
-class Switch(NamedTuple):
-    """Yes or no."""
-
-    name: str
-    label: str
+    options: Sequence[str] = ()
 
 
 class Group(NamedTuple):
     """Controls that belong together."""
 
     title: str
-    controls: Sequence[Control | Choice | Switch]
+    controls: Sequence[Control | Choice]
 
 
 def _building(number: int, side: str) -> Group:
@@ -86,7 +79,7 @@ def _building(number: int, side: str) -> Group:
         (
             Control(f"period_{number}", "Period", 0.1, 4.0, 0.01, "s"),
             Control(f"damping_{number}", "Damping ratio", 0.005, 0.3, 0.005),
-            Switch(f"yields_{number}", "Yields (off: elastic)"),
+            Choice(f"yields_{number}", "Yields (off: elastic)"),
             Control(f"reduction_factor_{number}", "Reduction factor R", 0.5, 10.0, 0.1),
             Control(f"hardening_{number}", "Hardening ratio", 0.01, 1.0, 0.01),
         ),

@@ -8,7 +8,7 @@ from typing import Any
 from nicegui import ui
 
 from stochlin.analyses.explorer.scene import Scene
-from stochlin.views.explorer.controls import SCALES, Choice, Control, Switch
+from stochlin.views.explorer.controls import SCALES, Choice, Control
 
 PAUSE = 300  # ms after the last key, before an entry is read
 BETWEEN = 0.05  # s between two values of a slider that is dragged
@@ -84,20 +84,14 @@ class NumberEntry:
 
 
 def choice_entry(choice: Choice, group: str, scene: Scene, changed: Changed) -> Any:
-    """A list to choose from."""
-    name = f"{group}: {choice.label}"
+    """A list to choose from, or yes or no."""
+    value = getattr(scene, choice.name)
     with ui.element("div").classes("entry wide") as row:
-        options, value = list(choice.options), getattr(scene, choice.name)
-        entry = ui.select(options, label=choice.label, value=value)
-        entry.props(f'outlined options-dense dense aria-label="{name}" data-control={choice.name}')
+        if choice.options:
+            entry: Any = ui.select(list(choice.options), label=choice.label, value=value)
+            entry.props("outlined options-dense")
+        else:
+            entry = ui.switch(choice.label, value=value)
+        entry.props(f'dense aria-label="{group}: {choice.label}" data-control={choice.name}')
         entry.on_value_change(lambda event: changed(choice.name, event.value, ""))
-    return row
-
-
-def switch_entry(switch: Switch, group: str, scene: Scene, changed: Changed) -> Any:
-    """Yes or no."""
-    with ui.element("div").classes("entry wide") as row:
-        entry = ui.switch(switch.label, value=getattr(scene, switch.name))
-        entry.props(f'dense aria-label="{group}: {switch.label}" data-control={switch.name}')
-        entry.on_value_change(lambda event: changed(switch.name, bool(event.value), ""))
     return row

@@ -16,8 +16,8 @@ from stochlin.analyses.explorer.simulations import together
 from stochlin.analyses.tables.storage import as_netcdf
 from stochlin.views.explorer import pictures as charts
 from stochlin.views.explorer import words
-from stochlin.views.explorer.controls import GROUPS, Choice, Control, counts
-from stochlin.views.explorer.entries import NumberEntry, choice_entry, switch_entry
+from stochlin.views.explorer.controls import GROUPS, Control, counts
+from stochlin.views.explorer.entries import NumberEntry, choice_entry
 from stochlin.views.explorer.panels import Panel
 from stochlin.views.explorer.workers import PROBABILITY, SIMULATIONS, Stopped
 
@@ -94,10 +94,8 @@ class Page:
             for control in controls:
                 if isinstance(control, Control):
                     row = NumberEntry(control, title, self._scene, self._change).row
-                elif isinstance(control, Choice):
-                    row = choice_entry(control, title, self._scene, self._change)
                 else:
-                    row = switch_entry(control, title, self._scene, self._change)
+                    row = choice_entry(control, title, self._scene, self._change)
                 self._rows[control.name] = row
 
     def _words(self, notes: list[str]) -> None:
@@ -108,19 +106,11 @@ class Page:
             self._caution = ui.label().classes("caution").props("role=status data-caution")
             self._why = ui.label().classes("why")
             with ui.element("div").classes("buttons"):
-                self._start = ui.button("Simulate", on_click=self._simulate).props(
-                    "no-caps data-simulate"
-                )
-                self._stop = ui.button("Stop", on_click=self._interrupt).props(
-                    "outline no-caps data-stop"
-                )
+                self._start = _button("Simulate", self._simulate, "data-simulate")
+                self._stop = _button("Stop", self._interrupt, "outline data-stop")
                 self._bar = ui.element("progress").props('max=1 value=0 aria-label="Simulation"')
-                ui.button("Save case file", on_click=self._save_case).props(
-                    "outline no-caps data-save-case"
-                )
-                ui.button("Save dataset", on_click=self._save_data).props(
-                    "outline no-caps data-save-data"
-                )
+                _button("Save case file", self._save_case, "outline data-save-case")
+                _button("Save dataset", self._save_data, "outline data-save-data")
             self._told = ui.label(words.START).props("role=status data-told")
         self._running(False)
 
@@ -135,19 +125,17 @@ class Page:
         messages = list(self._wrong.values())
         if not messages:
             try:
-                scene = dataclasses.replace(self._scene, **self._own_values())
+                shown = {name: self._values[name] for name in self._rows}
+                scene = dataclasses.replace(self._scene, **shown)
             except (ValueError, TypeError) as error:
                 messages = [f"These values do not fit: {error}."]
         self._alert.text = " ".join([*messages, KEPT] if messages else [])
-        if messages:
-            return
-        if scene != self._scene:
+        if not messages and scene != self._scene:
             self._scene = scene
-            self._forget_simulation()
+            self._interrupt()
+            self._simulated = {}
+            self._told.text = words.START
             background_tasks.create(self._refresh())
-
-    def _own_values(self) -> dict[str, Any]:
-        return {name: self._values[name] for name in self._rows}
 
     def _hide(self) -> None:
         for name, row in self._rows.items():
@@ -188,15 +176,13 @@ class Page:
                 self._draw(key, table, scene)
                 if scene is not self._scene:
                     self._panels[key].wait()
-        except REFUSED as error:
-            self._panels[key].fail(str(error))
-        except Exception as error:  # a fault of ours, or a process that died
-            LOG.exception("%s of %s", key, scene)
-            self._panels[key].fail(f"{type(error).__name__}: {error}")
+        except Exception as error:
+            self._panels[key].fail(_why(error, key, scene))
 
     def _draw(self, key: str, table: xr.Dataset, scene: Scene) -> None:
         """Draw a formula's table, with what was simulated of the present values."""
         simulated = self._simulated.get(key) if scene is self._scene else None
+        shown = table if simulated is None else simulated
         panel = self._panels[key]
         if key == "spectra":
             panel.show(table, charts.spectra_figure(table, (scene.period_1, scene.period_2)), "")
@@ -204,10 +190,8 @@ class Page:
             self._caution.text, self._why.text = words.caution(table)
             panel.show(table, charts.correlation_figure(table, simulated), words.CORRELATION)
         elif key == "gaps":
-            shown = table if simulated is None else simulated
             panel.show(shown, charts.gaps_figure(shown), words.gaps(shown))
         else:
-            shown = table if simulated is None else simulated
             panel.show(shown, charts.probability_figure(shown), words.probability(shown))
 
     async def _simulate(self) -> None:
@@ -220,11 +204,8 @@ class Page:
             tables = await asyncio.wrap_future(job.answer)
         except (Stopped, asyncio.CancelledError):
             self._told.text = "Stopped."
-        except REFUSED as error:
-            self._told.text = f"Not simulated: {error}"
-        except Exception as error:  # as above
-            LOG.exception("simulations of %s", scene)
-            self._told.text = f"Not simulated: {type(error).__name__}: {error}"
+        except Exception as error:
+            self._told.text = f"Not simulated: {_why(error, SIMULATIONS, scene)}"
         else:
             self._keep(scene, tables)
         finally:
@@ -242,11 +223,6 @@ class Page:
             table = self._panels[key].table
             if table is not None:
                 self._draw(key, table, scene)
-
-    def _forget_simulation(self) -> None:
-        self._interrupt()
-        self._simulated = {}
-        self._told.text = words.START
 
     def _interrupt(self) -> None:
         if self._job is not None:
@@ -277,3 +253,15 @@ class Page:
     def _leave(self) -> None:
         self._closed = True
         self._interrupt()
+
+
+def _why(error: Exception, what: str, scene: Scene) -> str:
+    """What to say of an error; a fault of ours, or a process that died, is logged."""
+    if isinstance(error, REFUSED):
+        return str(error)
+    LOG.error("%s of %s", what, scene, exc_info=error)
+    return f"{type(error).__name__}: {error}"
+
+
+def _button(text: str, on_click: Callable[[], Any], props: str) -> ui.button:
+    return ui.button(text, on_click=on_click).props(f"no-caps {props}")

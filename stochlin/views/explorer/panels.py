@@ -27,17 +27,15 @@ class Panel:
             self._chart.classes("chart").props(f'role=img aria-label="{what}"')
             self._words = ui.label().classes("about")
 
-    def wait(self) -> None:
-        """Say that the chart is behind the controls."""
+    def wait(self, why: str = COMPUTING) -> None:
+        """Say why the chart is behind the controls; the last one stays, pale."""
         self.table = None
-        self._state.text = COMPUTING
+        self._state.text = why
         self._chart.classes("stale")
 
     def fail(self, why: str) -> None:
-        """Say why these values have no chart; the last one stays, pale."""
-        self.table = None
-        self._state.text = f"These values have no chart: {why}"
-        self._chart.classes("stale")
+        """Say why these values have no chart."""
+        self.wait(f"These values have no chart: {why}")
 
     def show(self, table: xr.Dataset, figure: Figure, text: str) -> None:
         """Show what was computed."""

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.views.probability.pictures import ESTIMATES
+from stochlin.views.probability.pictures import ESTIMATES, known
 from stochlin.views.shared.style import CURVES
 from stochlin.views.shared.words import label
 
@@ -70,10 +70,8 @@ def correlation_figure(table: xr.Dataset, simulated: xr.Dataset | None = None) -
                 "name": "simulation, 95 %",
             }
         )
-    values = [table[name].values for name, _, _ in RHO]
-    if simulated is not None:
-        values.append(simulated.rho.values)
-    low = min(float(np.nanmin(v)) for v in values)
+    values = [table[name] for name, _, _ in RHO] + ([] if simulated is None else [simulated.rho])
+    low = min(float(v.min()) for v in values)
     layout = _layout("ratio of periods T2/T1", "correlation coefficient ρ")
     layout["xaxis"] |= {"type": "log", "range": _log_range(ratio), "tickvals": list(RATIO_TICKS)}
     layout["yaxis"] |= {"range": [min(-0.05, np.floor(low * 10) / 10), 1.03]}
@@ -115,9 +113,8 @@ def probability_figure(table: xr.Dataset) -> Figure:
         band: Figure = {"fill": "tonexty", "fillcolor": "#cfcfcf", "name": "simulation, 95 %"}
         curves.append(edge | band | {"x": _plain(time), "y": _plain(high)})
     for number, (ending, text) in enumerate(ESTIMATES):
-        values = table.get(stem + ending)
-        if values is not None and bool(values.notnull().any()):
-            curves.append(_curve(time, values.values, (0, 3, 1, 2)[number], text))
+        if known(table, stem + ending):
+            curves.append(_curve(time, table[stem + ending].values, (0, 3, 1, 2)[number], text))
     layout = _layout("time [s]", "probability of no pounding")
     layout["xaxis"] |= {"range": [0, float(time[-1])]}
     layout["yaxis"] |= {"range": [-0.02, 1.03]}

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from stochlin.analyses.explorer.scene import Scene
 
 LOCAL = "localhost"
-FORBIDDEN = 403
 PATIENCE = 30.0  # s that a page may take to connect, on a machine that is busy
 
 
@@ -41,7 +40,7 @@ class OwnOrigin:
             if scope["type"] == "websocket":
                 await send({"type": "websocket.close", "code": 1008})
                 return
-            await send({"type": "http.response.start", "status": FORBIDDEN, "headers": []})
+            await send({"type": "http.response.start", "status": 403, "headers": []})
             await send({"type": "http.response.body", "body": b"This host is not served here.\n"})
             return
         await self._inner(scope, receive, send)
@@ -101,7 +100,7 @@ def serve(scene: Scene, notes: list[str], host: str, port: int, show: bool) -> N
             worker.ask(PROBABILITY, scene)  # so that its libraries are there when they are needed
         shown = f"[{host}]" if ":" in host else host
         click.echo(f"The explorer is at http://{shown}:{port} (Ctrl+C ends it)")
-        if names_of(host) is None or not _is_local(host):
+        if LOCAL not in (names_of(host) or ()):
             click.echo("Whoever reaches this machine over the network can open it.")
 
     def end() -> None:
@@ -125,10 +124,3 @@ def serve(scene: Scene, notes: list[str], host: str, port: int, show: bool) -> N
             reconnect_timeout=PATIENCE,
             favicon="\N{BAR CHART}",
         )
-
-
-def _is_local(host: str) -> bool:
-    try:
-        return ip_address(host).is_loopback
-    except ValueError:
-        return host == LOCAL

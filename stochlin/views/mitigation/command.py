@@ -14,6 +14,7 @@ from stochlin.views.shared.screen import (
     check_target,
     progress_bar,
     show,
+    write,
 )
 
 
@@ -36,23 +37,15 @@ def mitigate(case: Path, out: Path | None, picture: Path | None) -> None:
     with bad_input():
         from stochlin.analyses.cases.case import read_case
         from stochlin.analyses.cases.mitigation import mitigate_case
-        from stochlin.analyses.tables.storage import FORMATS, save_table
+        from stochlin.analyses.tables.storage import FORMATS
+        from stochlin.views.mitigation.pictures import draw_measures
+        from stochlin.views.mitigation.words import answer_lines
 
         check_target("--out", out, FORMATS)
         check_target("--picture", picture, PICTURES)
         described = read_case(case)
         with progress_bar("measures") as progress:
             table = mitigate_case(described, progress)
-        from stochlin.views.mitigation.words import answer_lines
-
         show(answer_lines(table, described.title))
         data = out if out or not picture else picture.with_suffix(".nc")
-        if data is not None:
-            save_table(table, data)
-            click.echo(f"saved {data}")
-        if picture is not None:
-            from stochlin.views.mitigation.pictures import draw_measures
-            from stochlin.views.shared.style import save
-
-            save(draw_measures(table), picture)
-            click.echo(f"saved {picture}")
+        write(table, data, picture, draw_measures)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -68,24 +68,16 @@ def _gaps(axes: Axes, dataset: xr.Dataset) -> None:
     for group, face, label in ((~least, CURVES[0][0], "as built, given"), (least, "white", "least")):
         shown = group & np.isfinite(needed)
         if shown.any():
+            ends = [(needed - low)[shown], (high - needed)[shown]]
+            style: Any = {"fmt": "o", "color": CURVES[0][0], "ms": 5, "lw": 1, "capsize": 2}
             axes.errorbar(
-                needed[shown],
-                place[shown],
-                xerr=[(needed - low)[shown], (high - needed)[shown]],
-                fmt="o",
-                color=CURVES[0][0],
-                markerfacecolor=face,
-                ms=5,
-                lw=1,
-                capsize=2,
-                label=label,
+                needed[shown], place[shown], xerr=ends, markerfacecolor=face, label=label, **style
             )
     for row in place[~np.isfinite(needed)]:
         axes.text(0.02, row, "none found", transform=axes.get_yaxis_transform(), size=7, va="center")
     gap = 100 * float(dataset.attrs["gap_m"])
     axes.axvline(gap, color=CURVES[2][0], linestyle=CURVES[2][1], label="the gap there is")
-    axes.set_xlim(left=0)
-    axes.set_xlabel(f"needed gap [cm], {100 * float(dataset.attrs['confidence']):.4g} %")
+    axes.set(xlim=(0, None), xlabel=f"needed gap [cm], {100 * float(dataset.attrs['confidence']):.4g} %")
 
 
 def _amplifications(axes: Axes, dataset: xr.Dataset) -> None:
@@ -94,16 +86,9 @@ def _amplifications(axes: Axes, dataset: xr.Dataset) -> None:
         one = dataset.sel(record=record)
         marker = MARKERS[number % len(MARKERS)]
         for n, face in ((1, CURVES[1][0]), (2, "white")):
-            axes.plot(
-                one[f"amplification_{n}"],
-                place + 0.12 * (2 * n - 3),
-                linestyle="none",
-                marker=marker,
-                ms=5,
-                color=CURVES[1][0],
-                markerfacecolor=face,
-                label=f"{textwrap.shorten(str(record), 20)}, building {n}",
-            )
+            at, label = place + 0.12 * (2 * n - 3), f"{textwrap.shorten(str(record), 20)}, building {n}"
+            style: Any = {"linestyle": "none", "ms": 5, "color": CURVES[1][0], "markerfacecolor": face}
+            axes.plot(one[f"amplification_{n}"], at, marker=marker, label=label, **style)
     axes.axvline(1, color="0.5", lw=0.8)
     axes.set_xlabel("peak / as built, alone")
 

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
@@ -17,12 +15,8 @@ from stochlin.views.shared.screen import (
     check_target,
     progress_bar,
     show,
+    write,
 )
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from stochlin.analyses.cases.case import Case
 
 TABLES = (".nc",)
 
@@ -51,15 +45,19 @@ def pound(case: Path, out: Path | None, picture: Path | None) -> None:
         check_target("--out", out, TABLES)
         check_target("--picture", picture, PICTURES)
         from stochlin.analyses.cases.case import read_case
+        from stochlin.analyses.cases.pounding import pound_case
+        from stochlin.views.pounding.pictures import draw_pound
         from stochlin.views.pounding.words import answer_lines
 
         described = read_case(case)
         records = tuple(described.records)
         data = out if out or not picture else picture.with_suffix(TABLES[0])
         saved, drawn = _by_record(data, records), _by_record(picture, records)
-        tables = _pounded(described)
+        with progress_bar("pounding") as progress:
+            tables = pound_case(described, progress)
         show(answer_lines(described, tables))
-        _write(tables, saved, drawn)
+        for record, table in tables.items():
+            write(table, saved.get(record), drawn.get(record), draw_pound)
 
 
 def _by_record(path: Path | None, records: tuple[str, ...]) -> dict[str, Path]:
@@ -78,26 +76,3 @@ def _by_record(path: Path | None, records: tuple[str, ...]) -> dict[str, Path]:
             "files; allowed: names that differ in letters or digits"
         )
     return named
-
-
-def _pounded(case: Case) -> dict[str, xr.Dataset]:
-    from stochlin.analyses.cases.pounding import pound_case
-
-    with progress_bar("pounding") as progress:
-        return pound_case(case, progress)
-
-
-def _write(
-    tables: Mapping[str, xr.Dataset], saved: Mapping[str, Path], drawn: Mapping[str, Path]
-) -> None:
-    from stochlin.analyses.tables.storage import save_table
-    from stochlin.views.pounding.pictures import draw_pound
-    from stochlin.views.shared.style import save
-
-    for record, table in tables.items():
-        if record in saved:
-            save_table(table, saved[record])
-            click.echo(f"saved {saved[record]}")
-        if record in drawn:
-            save(draw_pound(table), drawn[record])
-            click.echo(f"saved {drawn[record]}")

@@ -9,6 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.cases.pounding import (
+    ENERGIES,
+    displacement_beside,
+    energy_of,
+    hardest_contacts,
+    hardness,
+)
 from stochlin.views.shared.style import AS_GIVEN, CURVES, filled, styled
 
 if TYPE_CHECKING:
@@ -24,13 +31,7 @@ NAME = 22  # characters of a line in a legend
 AROUND = 1.5  # s: of the close-up, to both sides of the hardest impact
 CENTIMETRES, MEGA, KILO = 100.0, 1e-6, 1e-3
 MANY = 1e7  # J: from there on in MJ
-ENERGIES = (
-    (("input_energy",), "from the ground"),
-    (("viscous_energy",), "damping"),
-    (("hysteretic_energy",), "yielding"),
-    (("contact_lost_energy",), "contacts"),
-    (("kinetic_energy", "elastic_energy", "contact_stored_energy"), "motion, springs"),
-)
+LABELS = ("from the ground", "damping", "yielding", "contacts", "motion, springs")  # of ENERGIES
 
 
 @styled(AS_GIVEN)
@@ -59,7 +60,7 @@ def draw_pound(dataset: xr.Dataset) -> Figure:
         raise ValueError(
             f"dataset has dimensions {tuple(dataset.dims)}; allowed: one that 'stochlin pound' saves"
         )
-    shown = _hardest(dataset)
+    shown = hardest_contacts(dataset)
     hits = bool(dataset.sizes["impact"])
     heights = [*[GAP] * len(shown), FORCE, ENERGY, *[CLOSE_UP] * hits]
     caption = _caption(dataset)
@@ -90,28 +91,12 @@ def draw_pound(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _hardest(dataset: xr.Dataset) -> list[int]:
-    """Of each gap the contact that is hit fastest, or that comes nearest."""
-    chosen = []
-    for left in np.unique(dataset.left.values):
-        there = np.flatnonzero(dataset.left.values == left)
-        speed = dataset.fastest_approach.values[there]
-        clearance = dataset.least_clearance.values[there]
-        best = np.nanargmax(speed) if np.isfinite(speed).any() else np.argmin(clearance)
-        chosen.append(int(there[best]))
-    return chosen
-
-
-def _hardness(dataset: xr.Dataset) -> str:
-    """What impacts are compared by: their force, or, where velocities jump, their approach."""
-    return "largest_force" if bool(dataset.largest_force.notnull().all()) else "approach_velocity"
-
-
 def _sides(axes: Axes, dataset: xr.Dataset, number: int) -> None:
     """Both sides of a gap in one frame: what is between the curves is open."""
     one = dataset.isel(contact=number)
     gap = float(one.gap)
-    left, right = (_displacement(dataset, one, side) for side in ("left", "right"))
+    beside = (displacement_beside(dataset, side) for side in ("left", "right"))
+    left, right = (side.isel(contact=number).values for side in beside)
     left, right = CENTIMETRES * left, CENTIMETRES * (right + gap)
     time = dataset.time.values
     axes.fill_between(time, left, np.maximum(left, right), color="0.9", lw=0, label="open")
@@ -130,7 +115,7 @@ def _sides(axes: Axes, dataset: xr.Dataset, number: int) -> None:
 
 def _close_up(axes: Axes, dataset: xr.Dataset) -> None:
     """Both sides of the gap around the impact that is hardest, or fastest where there are no forces."""
-    hardest = dataset.isel(impact=int(dataset[_hardness(dataset)].argmax("impact")))
+    hardest = dataset.isel(impact=int(dataset[hardness(dataset)].argmax("impact")))
     at = float(hardest.impact_time)
     window = dataset.isel(time=np.abs(dataset.time.values - at) <= AROUND)
     _sides(axes, window, int(hardest.impact_contact) - 1)
@@ -144,20 +129,13 @@ def _names(dataset: xr.Dataset, one: xr.Dataset) -> list[str]:
     return [textwrap.fill(str(name), NAME) for name in names]
 
 
-def _displacement(dataset: xr.Dataset, one: xr.Dataset, side: str) -> np.ndarray:
-    history = dataset.displacement.sel(structure=int(one[side]))
-    if "floor" in history.dims:
-        history = history.sel(floor=int(one[f"floor_{side}"]))
-    return history.values
-
-
 def _forces(axes: Axes, dataset: xr.Dataset, shown: list[int]) -> None:
     """The largest force of every impact; of impacts without a force the velocity of approach."""
     if not dataset.sizes["impact"]:
         axes.text(0.5, 0.5, "no impact", transform=axes.transAxes, ha="center", va="center")
         axes.set(yticks=[], ylabel="force")
         return
-    name = _hardness(dataset)
+    name = hardness(dataset)
     forces = name == "largest_force"
     scale = MEGA if forces else 1.0
     for number, (color, _), marker in zip(shown, cycle(CURVES), cycle("osD^v"), strict=False):
@@ -166,26 +144,16 @@ def _forces(axes: Axes, dataset: xr.Dataset, shown: list[int]) -> None:
         axes.vlines(time, 0, values, color=color, lw=0.8)
         label = " |\n".join(_names(dataset, dataset.isel(contact=number)))
         axes.plot(time, values, color=color, marker=marker, ls="", ms=3, label=label)
-    axes.set_ylim(bottom=0)
-    axes.set_ylabel("force [MN]" if forces else "approach [m/s]")
+    axes.set(ylim=(0, None), ylabel="force [MN]" if forces else "approach [m/s]")
 
 
 def _energies(axes: Axes, dataset: xr.Dataset) -> None:
-    histories = [
-        sum((_of_all(dataset[name]) for name in names), np.zeros(dataset.sizes["time"]))
-        for names, _ in ENERGIES
-    ]
+    histories = [energy_of(dataset, where).values for where in ENERGIES]
     many = histories[0].max() >= MANY
-    for values, (_, label), (color, dash) in zip(histories, ENERGIES, CURVES, strict=False):
+    for values, label, (color, dash) in zip(histories, LABELS, CURVES, strict=False):
         scaled = (MEGA if many else KILO) * values
         axes.plot(dataset.time, scaled, color=color, linestyle=dash, lw=1.2, label=label)
-    axes.set_ylim(bottom=0)
-    axes.set_ylabel("energy [MJ]" if many else "energy [kJ]")
-
-
-def _of_all(energy: xr.DataArray) -> np.ndarray:
-    """Energy of all buildings together."""
-    return (energy.sum("structure") if "structure" in energy.dims else energy).values
+    axes.set(ylim=(0, None), ylabel="energy [MJ]" if many else "energy [kJ]")
 
 
 def _caption(dataset: xr.Dataset) -> str:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stochlin.analyses.cases.pounding import energy_of
 from stochlin.views.shared.screen import columns, cut, paragraph
 from stochlin.views.shared.words import MISSING, centimetres, length, per_cent, short
 
@@ -60,7 +61,7 @@ def headline(table: xr.Dataset) -> str:
 
 def energies(table: xr.Dataset) -> str:
     """Where the energy has gone, and how well it is accounted for."""
-    given = short(float(table.input_energy.isel(time=-1).sum()) / 1e3)
+    given = short(float(energy_of(table.isel(time=-1), "input")) / 1e3)
     share = {str(name): float(table.energy_share.sel(sink=name)) for name in table.sink.values}
     parts = [f"{word} {per_cent(share[name], 1)}" for name, word in SINKS.items()]
     return (

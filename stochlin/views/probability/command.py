@@ -6,7 +6,15 @@ from pathlib import Path
 
 import click
 
-from stochlin.views.shared.screen import COMMANDS, FILE, PICTURES, bad_input, check_target, progress_bar
+from stochlin.views.shared.screen import (
+    COMMANDS,
+    FILE,
+    PICTURES,
+    bad_input,
+    check_target,
+    progress_bar,
+    write,
+)
 
 
 @COMMANDS.register("probability")
@@ -28,7 +36,8 @@ def probability(case: Path, gap: float | None, out: Path | None, picture: Path |
     """
     from stochlin.analyses.cases.case import read_case
     from stochlin.analyses.cases.probability import judge_gap
-    from stochlin.analyses.tables.storage import FORMATS, save_table
+    from stochlin.analyses.tables.storage import FORMATS
+    from stochlin.views.probability.pictures import draw_pounding
     from stochlin.views.probability.words import answer_lines
 
     with bad_input():
@@ -44,12 +53,4 @@ def probability(case: Path, gap: float | None, out: Path | None, picture: Path |
             answer = judge_gap(described, chosen, progress)
         for line in answer_lines(answer):
             click.echo(line)
-        if out is not None:
-            save_table(answer.table, out)
-            click.echo(f"saved {out}")
-        if picture is not None:
-            from stochlin.views.probability.pictures import draw_pounding
-            from stochlin.views.shared.style import save
-
-            save(draw_pounding(answer.table), picture)
-            click.echo(f"saved {picture}")
+        write(answer.table, out, picture, draw_pounding)

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SIZE = (7.2, 5.4)  # inches
-NOTHING = xr.DataArray(np.nan)
 WIDTH = 105  # characters of the caption
 CURVES_AT_MOST = 6
 ESTIMATES = (
@@ -49,14 +48,12 @@ def draw_pounding(dataset: xr.Dataset) -> Figure:
     upper, lower = figure.add_axes((0.1, 0.55, 0.6, 0.38)), figure.add_axes((0.1, 0.25, 0.6, 0.26))
     time = dataset.time.values
     _estimates(upper, dataset, stem, time)
-    upper.set_ylim(-0.02, 1.02)
-    upper.set_ylabel("confidence of no pounding")
+    upper.set(ylim=(-0.02, 1.02), ylabel="confidence of no pounding")
     upper.tick_params(labelbottom=False)
     for (color, dash), (name, label) in zip(CURVES, SIZES, strict=False):
-        if name in dataset and bool(dataset[name].notnull().any()):
+        if known(dataset, name):
             lower.plot(time, dataset[name], color=color, linestyle=dash, label=label)
-    lower.set_ylabel("[m]")
-    lower.set_xlabel("time [s]")
+    lower.set(ylabel="[m]", xlabel="time [s]")
     if "permanent_set" in dataset and bool(dataset.permanent_set.any()):
         for axes in (upper, lower):
             axes.axvline(dataset.attrs["strong_shaking_end_s"], color="0.5", lw=0.8)
@@ -84,17 +81,15 @@ def draw_fragility(dataset: xr.Dataset) -> Figure:
         one = dataset.isel(gap=int(index))
         label = f"gap {float(one.gap):.3g} m"
         axes.plot(one.intensity, one[name], color=color, linestyle=dash, label=label)
-        if bool(one.get(corrected, NOTHING).notnull().any()):
+        if known(one, corrected):
             axes.plot(one.intensity, one[corrected], color=color, linestyle=dash, lw=0.6)
         if simulated in one:
             axes.plot(one.intensity, one[simulated], color=color, linestyle="none", marker="o", ms=3)
-    if bool(dataset.get(corrected, NOTHING).notnull().any()):
+    if known(dataset, corrected):
         axes.plot([], [], color="0.3", lw=0.6, label="thin: bias corrected")
     if simulated in dataset:
         axes.plot([], [], color="0.3", linestyle="none", marker="o", ms=3, label="simulated")
-    axes.set_xscale("log")
-    axes.set_ylim(-0.02, 1.02)
-    axes.set_xlabel(r"intensity $S_0$ [m$^2$/s$^3$]")
+    axes.set(xscale="log", ylim=(-0.02, 1.02), xlabel=r"intensity $S_0$ [m$^2$/s$^3$]")
     axes.set_ylabel("probability of pounding")
     legend_beside(axes)
     return figure
@@ -112,11 +107,15 @@ def draw_evolutionary_psd(density: xr.DataArray) -> Figure:
     axes = figure.add_axes((0.1, 0.25, 0.62, 0.66))
     values = density.transpose("frequency", "time")
     shades = axes.contourf(density.time, density.frequency, values, levels=12, cmap=colormaps["Greys"])
-    axes.set_xlabel("time [s]")
-    axes.set_ylabel("circular frequency [rad/s]")
+    axes.set(xlabel="time [s]", ylabel="circular frequency [rad/s]")
     bar = figure.colorbar(shades, cax=figure.add_axes((0.75, 0.25, 0.025, 0.66)))
     bar.set_label(r"two-sided PSD [m$^2$/s$^3$]")
     return figure
+
+
+def known(dataset: xr.Dataset, name: str) -> bool:
+    """Whether there is anything to draw under this name."""
+    return name in dataset and bool(dataset[name].notnull().any())
 
 
 def _captioned(dataset: xr.Dataset) -> Figure:
@@ -134,11 +133,7 @@ def _captioned(dataset: xr.Dataset) -> Figure:
 
 
 def _estimates(axes: Axes, dataset: xr.Dataset, stem: str, x: np.ndarray) -> None:
-    present = [
-        (ending, label)
-        for ending, label in ESTIMATES
-        if bool(dataset.get(stem + ending, NOTHING).notnull().any())
-    ]
+    present = [one for one in ESTIMATES if known(dataset, stem + one[0])]
     for (color, dash), (ending, label) in zip(CURVES, present, strict=False):
         axes.plot(x, dataset[stem + ending], color=color, linestyle=dash, label=label)
     simulated = f"{stem}_simulated"

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stochlin.analyses.records.files import METRES
 from stochlin.views.separation.words import ductilities, rows
 from stochlin.views.shared.words import length, per_cent
 
@@ -15,8 +16,6 @@ if TYPE_CHECKING:
 
     from stochlin.analyses.cases.buildings import Building
     from stochlin.analyses.cases.separation import CaseAnswer
-
-GRAVITY = 9.80665
 
 
 def uncertainties(answer: CaseAnswer) -> list[str]:
@@ -46,10 +45,10 @@ def uncertainties(answer: CaseAnswer) -> list[str]:
     doubtful = [row.label for row in rows(answer) if "M" in row.mark]
     if doubtful:
         sentences.append(f"From memory, not compared with their sources: {', '.join(doubtful)}.")
-    heights = [b.height / b.storeys for b in case.pair if b.height and b.storeys]
-    if case.floors_align and len(heights) == 2 and abs(heights[0] - heights[1]) > 0.01 * heights[0]:
+    if case.floors_align and case.storey_heights_differ:
+        one, other = (building.storey_height for building in case.pair)
         sentences.append(
-            f"Floors: said to align, but storeys are {heights[0]:.2f} m and {heights[1]:.2f} m high. "
+            f"Floors: said to align, but storeys are {one:.2f} m and {other:.2f} m high. "
             "Where they do not, floors hit columns."
         )
     return sentences
@@ -58,7 +57,7 @@ def uncertainties(answer: CaseAnswer) -> list[str]:
 def facts(answer: CaseAnswer) -> list[tuple[str, str, str]]:
     """The case as it was read: group, name, value with units."""
     case = answer.case
-    acceleration = answer.rms_acceleration / GRAVITY
+    acceleration = answer.rms_acceleration / METRES["g"]
     rms = f"{acceleration:.2g} g" if np.isfinite(acceleration) else "unbounded (white noise)"
     ground = [("Site", "ground", f"{case.site}, {case.ground.name}")]
     ground += [("Site", *fact) for fact in _parameters(case.ground)]

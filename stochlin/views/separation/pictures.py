@@ -43,9 +43,7 @@ def rules_figure(answer: CaseAnswer) -> Figure:
     axes.tick_params(axis="y", length=0)
     axes.grid(visible=False, axis="y")
     axes.invert_yaxis()
-    axes.set_ylim(len(shown) - 0.4, -0.6)
-    axes.set_xlim(0, 1.04 * max(gaps) or 1)
-    axes.set_xlabel("gap [cm]")
+    axes.set(ylim=(len(shown) - 0.4, -0.6), xlim=(0, 1.04 * max(gaps) or 1), xlabel="gap [cm]")
     _verdict_legend(axes, {row.verdict for row in shown})
     return figure
 
@@ -65,8 +63,7 @@ def distribution_figure(answer: CaseAnswer) -> Figure:
         right = max(right, 1.3 * now)
         axes.axvline(now, ymax=1 / TOP, color="#2166ac", lw=1.2, ls=(0, (6, 1.5, 1, 1.5)))
         axes.text(now + 0.01 * right, 0.02, "existing gap", size=9, color="#1d4f86")
-    axes.set_xlim(0, right)
-    axes.set_ylim(0, TOP)
+    axes.set(xlim=(0, right), ylim=(0, TOP))
     for row in shown:
         face, hatch = VERDICTS[row.verdict]
         chance = float(table.no_pounding_probability[row.number - 1])
@@ -77,8 +74,7 @@ def distribution_figure(answer: CaseAnswer) -> Figure:
     axes.axhline(confidence, color="0.3", lw=0.9, ls=(0, (4, 2)))
     axes.text(0.01 * right, confidence + 0.015, f"{100 * confidence:g} %", size=9, color="0.2")
     axes.set_yticks(np.arange(0, 1.01, 0.2), [f"{p:.0f} %" for p in np.arange(0, 101, 20)])
-    axes.set_xlabel("gap [cm]")
-    axes.set_ylabel("motions without pounding")
+    axes.set(xlabel="gap [cm]", ylabel="motions without pounding")
     return figure
 
 
@@ -99,11 +95,9 @@ def spectrum_figure(answer: CaseAnswer) -> Figure:
     axes.set_xscale("log")
     axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axes.xaxis.set_minor_formatter(NullFormatter())
-    axes.set_xlim(period.min(), period.max())
-    axes.set_ylim(bottom=0)
+    axes.set(xlim=(period.min(), period.max()), ylim=(0, None))
     axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-    axes.set_xlabel("period [s]")
-    axes.set_ylabel("two-sided PSD [m$^2$/s$^3$]")
+    axes.set(xlabel="period [s]", ylabel="two-sided PSD [m$^2$/s$^3$]")
     _legend_above(axes)
     return figure
 
@@ -118,8 +112,7 @@ def records_figure(answer: CaseAnswer) -> Figure:
     axes.set_yticks(place, [f"record {n}" for n in place + 1])
     axes.grid(visible=False, axis="y")
     axes.set_ylim(len(gaps) - 0.4, -0.6)
-    axes.set_xlim(0, 1.04 * max(*gaps, 100 * float(answer.separation.gap[0])) or 1)
-    axes.set_xlabel("gap [cm]")
+    axes.set(xlim=(0, 1.04 * max(*gaps, 100 * float(answer.separation.gap[0])) or 1), xlabel="gap [cm]")
     _legend_above(axes)
     return figure
 

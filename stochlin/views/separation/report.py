@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
     from stochlin.analyses.cases.separation import CaseAnswer
 
-TEMPLATE = "report.html"
 KINDS = {
     "simulation": "simulation",
     "equation_3": "eq. (3) with a correlation coefficient",
@@ -48,7 +47,7 @@ def report_page(answer: CaseAnswer) -> str:
     )
     table = answer.separation
     shown = words.rows(answer)
-    return environment.get_template(TEMPLATE).render(
+    return environment.get_template("report.html").render(
         case=answer.case,
         headline=words.headline(answer),
         summary=words.summary(answer),

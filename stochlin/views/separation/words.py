@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from stochlin.analyses.separation.separation import UNSAFE
+from stochlin.views.shared.screen import paragraph
 from stochlin.views.shared.words import SPACE, centimetres, label, length, per_cent
 
 if TYPE_CHECKING:
@@ -23,7 +23,6 @@ MARKS = (
     "Marks: S, formula seen in a copy of its source; C, derived and checked; P, printed in the paper; "
     "M, from memory, not compared with its source."
 )
-EXTREMES = ("any of those searched", "none of those searched")
 ALIKE, MUCH = 0.05, 10.0  # gap over peak of buildings that move alike; ductility that is doubtful
 
 
@@ -69,6 +68,30 @@ def rows(answer: CaseAnswer) -> list[Row]:
         )
         for n, one in enumerate((table.isel(rule=i) for i in range(table.sizes["rule"])), start=1)
     ]
+
+
+def answer_lines(answer: CaseAnswer) -> list[str]:
+    """All that the screen shows: the answer in words, the table, and what a reader must know of it."""
+    lines = [answer.case.title, "", *paragraph(headline(answer))]
+    for sentence in summary(answer):
+        lines += paragraph(sentence)
+    allowed = allowances(answer)
+    if allowed:
+        lines += ["", *paragraph(allowed[0])]
+        lines += [line for text in allowed[1:] for line in paragraph(f"  {text}", "    ")]
+    shown = rows(answer)
+    wide = max(len(row.rule) for row in shown)
+    lines += ["", f"{'rule':{wide}}  gap [cm]  error    apart  {'verdict':13}  mark"]
+    lines += [
+        f"{row.rule:{wide}}  {row.gap:>8} {row.error:>6}  {row.probability:>7}  {row.verdict:13}  "
+        f"{row.mark}".rstrip()
+        for row in shown
+    ]
+    lines += [""]
+    for row in shown:
+        if row.missing:
+            lines += paragraph(f"{row.rule}: {row.missing}", "  ")
+    return [*lines, *paragraph(COLUMNS), *paragraph(MARKS)]
 
 
 def headline(answer: CaseAnswer) -> str:
@@ -118,8 +141,8 @@ def allowances(answer: CaseAnswer) -> list[str]:
         if enough
         else "What would make the gap enough, one change alone:",
         *_strength(found, answer.separation),
-        "Shaking: " + _limit(intensity, f"S0 up to {intensity:.3g} m²/s³ (now {now:.3g})", *EXTREMES),
-        "Damping: " + _limit(damping, more, *EXTREMES),
+        "Shaking: " + _limit(intensity, f"S0 up to {intensity:.3g} m²/s³ (now {now:.3g})"),
+        "Damping: " + _limit(damping, more),
         f"Searched: {found.attrs['searched']}.",
     ]
 
@@ -153,7 +176,7 @@ def _verdicts(answer: CaseAnswer) -> str:
     sentence = f"Rules for the gap, {sum(count.get(w, 0) for w in words)} of them: {', '.join(parts)}."
     if not count.get("unsafe"):
         return sentence
-    worst = int(answer.separation.gap.where(answer.separation.verdict == UNSAFE).argmin("rule"))
+    worst = answer.worst()
     lacking = per_cent(-float(answer.separation.error[worst]))
     row = shown[worst - 1]
     return f"{sentence} The worst, {row.label}, gives {row.gap}{SPACE}cm, {lacking} less than needed."
@@ -183,9 +206,11 @@ def _strength(found: xr.Dataset, table: xr.Dataset) -> list[str]:
         return []
     largest = " and ".join(f"{value:.3g}" for value, _ in yielding)
     now = " and ".join(f"{value:.3g}" for _, value in yielding)
-    return ["Strength: " + _limit(yielding[0][0], f"R up to {largest} (now {now})", *EXTREMES)]
+    return ["Strength: " + _limit(yielding[0][0], f"R up to {largest} (now {now})")]
 
 
-def _limit(value: float, text: str, always: str, never: str) -> str:
+def _limit(value: float, text: str) -> str:
     """The text of a limit, or what an infinite one and one that is not there mean."""
-    return never if np.isnan(value) else always if np.isinf(value) else text
+    if np.isnan(value):
+        return "none of those searched"
+    return "any of those searched" if np.isinf(value) else text

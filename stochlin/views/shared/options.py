@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterable, Sequence
-from functools import cache
+from functools import reduce
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from stochlin.views.shared.screen import bad_input
+from stochlin.views.shared.screen import FILE, bad_input
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,6 +33,33 @@ class Names(click.Choice[str]):
         """The names: of a mapping, or what a function returns."""
         names = getattr(import_module(self.module), self.listed)
         return tuple(names() if callable(names) else names)
+
+
+def together(*options: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """One decorator for several options, in their order."""
+    return lambda command: reduce(lambda so_far, option: option(so_far), reversed(options), command)
+
+
+class Extended(click.Command):
+    """A command with further options after one of its own, for what is registered.
+
+    They are made when the command is asked for: the list of all commands does not wait for them.
+    """
+
+    def __init__(
+        self, *args: Any, after: str, by: Sequence[Callable[[], Iterable[Any]]], **attrs: Any
+    ) -> None:
+        super().__init__(*args, **attrs)
+        self._after, self._by = after, by
+
+    def get_params(self, ctx: click.Context) -> list[click.Parameter]:
+        """All of them."""
+        with bad_input():
+            made = together(*(option for make in self._by for option in make()))
+        further = click.command("further")(made(lambda: None)).params
+        own = super().get_params(ctx)
+        place = 1 + next(n for n, option in enumerate(own) if option.name == self._after)
+        return [*own[:place], *further, *own[place:]]
 
 
 closure_option = click.option(
@@ -71,36 +98,6 @@ def numbers_option(name: str, help_text: str, default: str | None = None) -> Cal
     )
 
 
-class GroundOption(click.Option):
-    """The option that says which ground."""
-
-    def get_help_record(self, context: click.Context) -> tuple[str, str] | None:
-        """With the kinds of ground that there are now."""
-        from stochlin.models.grounds import GROUNDS
-
-        kinds = ", ".join(name.replace("_", "-") for name in GROUNDS)
-        self.help = f"{kinds}, or a named ground such as firm or sct_1985_ns."
-        return super().get_help_record(context)
-
-
-class GroundCommand(click.Command):
-    """A command with an option for every parameter of the grounds that are registered.
-
-    They are asked for when the command is: the list of all commands does not wait for them.
-    """
-
-    left_out: Sequence[str] = ()
-
-    def get_params(self, context: click.Context) -> list[click.Parameter]:
-        """With those of grounds before the others that follow `--ground`, or last."""
-        with bad_input():
-            given = [ground_option(name) for name in ground_options() if name not in self.left_out]
-        own = super().get_params(context)
-        names = [parameter.name for parameter in own]
-        place = names.index("ground") + 1 if "ground" in names else len(self.params)
-        return [*own[:place], *given, *own[place:]]
-
-
 def ground_options() -> dict[str, list[str]]:
     """Parameters of grounds as options name them, and the names of the grounds that have them."""
     from stochlin.models.grounds import GROUNDS
@@ -112,61 +109,49 @@ def ground_options() -> dict[str, list[str]]:
     return {option: found[option] for option in sorted(found, key=lambda name: name == "intensity")}
 
 
-@cache
-def ground_option(name: str) -> click.Option:
-    """An option that takes the numbers of a ground's parameter."""
+def ground_option() -> Iterable[Any]:
+    """``--ground``, with the kinds that there are."""
     from stochlin.models.grounds import GROUNDS
 
-    kinds = ground_options()[name]
-    kind = GROUNDS.named(kinds[0])
-    field = kind.__dataclass_fields__[kind.beside_structures()[name]]
-    about, default = field.metadata, field.default
-    text = about["long_name"][0].upper() + about["long_name"][1:]
-    text += "" if about["units"] == "1" else f" [{about['units']}]"
-    text += f"; {default:g} if not given" if isinstance(default, float) else ""
-    text += "." if len(kinds) == len(GROUNDS) else f"; of {', '.join(kinds)}."
-    return click.Option([f"--{name.replace('_', '-')}"], callback=_numbers, metavar="NUMBERS", help=text)
+    kinds = ", ".join(name.replace("_", "-") for name in GROUNDS)
+    told = f"{kinds}, or a named ground such as firm or sct_1985_ns."
+    yield click.option("--ground", default="white-noise", show_default=True, help=told)
+
+
+def options_of_grounds(without: str = "") -> Iterable[Any]:
+    """An option for the numbers of every parameter that a ground has."""
+    from stochlin.models.grounds import GROUNDS
+
+    for name, kinds in ground_options().items():
+        kind = GROUNDS.named(kinds[0])
+        field = kind.__dataclass_fields__[kind.beside_structures()[name]]
+        about, default = field.metadata, field.default
+        text = about["long_name"][0].upper() + about["long_name"][1:]
+        text += "" if about["units"] == "1" else f" [{about['units']}]"
+        text += f"; {default:g} if not given" if isinstance(default, float) else ""
+        text += "." if len(kinds) == len(GROUNDS) else f"; of {', '.join(kinds)}."
+        if name != without:
+            yield numbers_option(_flags([name]), text)
 
 
 def shared_option(name: str, help_text: str, default: str | None = None) -> Callable[[Any], Any]:
     """``--name`` for both structures, and ``--name-1``, ``--name-2`` for one."""
-    return lambda command: decorate(
-        command,
-        (
-            numbers_option(f"--{name}", help_text, default),
-            *(numbers_option(f"--{name}-{n}", f"Of structure {n}.") for n in (1, 2)),
-        ),
+    return together(
+        numbers_option(f"--{name}", help_text, default),
+        *(numbers_option(f"--{name}-{n}", f"Of structure {n}.") for n in (1, 2)),
     )
 
 
-def law_options(command: Any) -> Any:
-    """``--law``, ``--law-1``, ``--law-2``; of a `LawCommand`, which adds the laws' own parameters."""
-    kind = Names("stochlin.models.laws", "laws_in_numbers")
-    options = (
-        click.option("--law", type=kind, default="bilinear", show_default=True, help="Hysteresis law."),
-        *(click.option(f"--law-{n}", type=kind, help=f"Of structure {n}.") for n in (1, 2)),
-    )
-    return decorate(command, options)
+_LAWS = Names("stochlin.models.laws", "laws_in_numbers")
+law_options = together(
+    click.option("--law", type=_LAWS, default="bilinear", show_default=True, help="Hysteresis law."),
+    *(click.option(f"--law-{n}", type=_LAWS, help=f"Of structure {n}.") for n in (1, 2)),
+)
 
 
-class LawCommand(click.Command):
-    """A command with an option for every parameter that a law has of its own."""
-
-    def get_params(self, ctx: click.Context) -> list[click.Parameter]:
-        """All of them; those of the laws after ``--law-2``."""
-
-        def holder() -> None: ...
-
-        for name, told in reversed(own_parameters().items()):
-            shared_option(name.replace("_", "-"), told)(holder)
-        own: list[click.Parameter] = getattr(holder, "__click_params__", [])
-        given = super().get_params(ctx)
-        place = 1 + next(n for n, option in enumerate(given) if option.name == "law_2")
-        return [*given[:place], *reversed(own), *given[place:]]
-
-
-class RhoCommand(LawCommand, GroundCommand):
-    """A command with the options of laws and of grounds."""
+def options_of_laws() -> Iterable[Any]:
+    """Options for every parameter that a law has of its own."""
+    return (shared_option(name.replace("_", "-"), told) for name, told in own_parameters().items())
 
 
 def own_parameters() -> dict[str, str]:
@@ -184,57 +169,37 @@ def own_parameters() -> dict[str, str]:
     return {name: f"{'; '.join(texts)}." for name, texts in told.items()}
 
 
-def simulation_options(command: Any) -> Any:
-    """How to simulate."""
-    options = (
-        click.option(
-            "--paths",
-            type=click.IntRange(min=2),
-            default=256,
-            show_default=True,
-            help="Simulated motions, where the method is simulation.",
-        ),
-        click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True),
-    )
-    return decorate(command, options)
+simulation_options = together(
+    click.option(
+        "--paths",
+        type=click.IntRange(min=2),
+        default=256,
+        show_default=True,
+        help="Simulated motions, where the method is simulation.",
+    ),
+    click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True),
+)
 
-
-def decorate(command: Any, options: Sequence[Callable[[Any], Any]]) -> Any:
-    """The command with these options, in their order."""
-    for option in reversed(options):
-        command = option(command)
-    return command
-
-
-def record_options(command: Any) -> Any:
-    """Options of a record and the ground fitted to it."""
-    options = (
-        click.option(
-            "--record",
-            type=click.Path(dir_okay=False, path_type=Path),
-            help="Strong-motion record; the ground is fitted to it.",
-        ),
-        click.option(
-            "--dt", type=float, help="Time step of the record [s], where the file does not say."
-        ),
-        click.option("--units", help="Units of the record: g, m/s^2, cm/s^2 or mm/s^2."),
-        click.option("--column", help="Column of the record, by number from 0 or by name."),
-        click.option("--time-column", help="Column of the time, likewise."),
-        click.option(
-            "--model",
-            type=Names("stochlin.analyses.records.ground_fit", "fitted_grounds"),
-            default="kanai_tajimi",
-            show_default=True,
-            help="Ground to fit.",
-        ),
-        click.option(
-            "--estimator",
-            default="psd",
-            show_default=True,
-            help="How it is fitted: psd, log_psd, whittle.",
-        ),
-    )
-    return decorate(command, options)
+record_options = together(
+    click.option("--record", type=FILE, help="Strong-motion record; the ground is fitted to it."),
+    click.option("--dt", type=float, help="Time step of the record [s], where the file does not say."),
+    click.option("--units", help="Units of the record: g, m/s^2, cm/s^2 or mm/s^2."),
+    click.option("--column", help="Column of the record, by number from 0 or by name."),
+    click.option("--time-column", help="Column of the time, likewise."),
+    click.option(
+        "--model",
+        type=Names("stochlin.analyses.records.ground_fit", "fitted_grounds"),
+        default="kanai_tajimi",
+        show_default=True,
+        help="Ground to fit.",
+    ),
+    click.option(
+        "--estimator",
+        default="psd",
+        show_default=True,
+        help="How it is fitted: psd, log_psd, whittle.",
+    ),
+)
 
 
 def structures(options: dict[str, Any]) -> tuple[Structure, Structure]:
@@ -312,10 +277,10 @@ def site(record: Path, options: dict[str, Any]) -> tuple[xr.DataArray, Ground]:
     return motion, fit_ground(motion, options["model"], options["estimator"])
 
 
-def parameter_of(name: str, values: list[float] | None) -> Any:
+def parameter_of(name: str, values: list[float]) -> Any:
     """One number as a scalar; more as a dimension called like the option."""
     import xarray as xr
 
-    if values is None or len(values) == 1:
-        return values and values[0]
+    if len(values) == 1:
+        return values[0]
     return xr.DataArray(values, dims=name, coords={name: values})

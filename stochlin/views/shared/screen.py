@@ -15,6 +15,7 @@ from stochlin.registry import Registry
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
 
 COMMANDS: Registry[click.Command] = Registry("command", "stochlin.views", "command")
 SCREEN_ROWS, WIDTH = 40, 100
@@ -54,6 +55,21 @@ def check_target(option: str, path: Path | None, allowed: Sequence[str]) -> None
         raise ValueError(f"{option} {path} ends in {path.suffix!r}; allowed: {' or '.join(allowed)}")
     if not path.parent.is_dir():
         raise ValueError(f"{option} {path}: there is no folder {path.parent}; make it first")
+
+
+def write(
+    table: xr.Dataset, out: Path | None, picture: Path | None, draw: Callable[[xr.Dataset], Figure]
+) -> None:
+    """Save the table, and the picture drawn of it, each where it is asked for."""
+    from stochlin.analyses.tables.storage import save_table
+    from stochlin.views.shared.style import save
+
+    if out is not None:
+        save_table(table, out)
+        click.echo(f"saved {out}")
+    if picture is not None:
+        save(draw(table), picture)
+        click.echo(f"saved {picture}")
 
 
 def paragraph(text: str, hang: str = "") -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import textwrap
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import wraps
 from typing import TYPE_CHECKING, Any, Literal, ParamSpec
 
@@ -12,10 +12,12 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.tables.storage import whole_file
+from stochlin.views.shared.screen import PICTURES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
+    from matplotlib.colors import ListedColormap
     from matplotlib.contour import QuadContourSet
     from matplotlib.figure import Figure
 
@@ -74,9 +76,13 @@ def filled(lines: Iterable[str], width: int, hang: str = "") -> str:
 
 def ratio_ticks(axis: Axis, values: np.ndarray) -> None:
     """Label a logarithmic axis of period ratios with plain numbers."""
+    plain_ticks(axis, [t for t in TICKS if values[0] / 1.001 <= t <= values[-1] * 1.001])
+
+
+def plain_ticks(axis: Axis, ticks: Sequence[float]) -> None:
+    """Plain numbers on an axis that is logarithmic already."""
     from matplotlib.ticker import FixedLocator, NullLocator, StrMethodFormatter
 
-    ticks = [t for t in TICKS if values[0] / 1.001 <= t <= values[-1] * 1.001]
     axis.set_major_locator(FixedLocator(ticks))
     axis.set_minor_locator(NullLocator())
     axis.set_major_formatter(StrMethodFormatter("{x:g}"))
@@ -101,16 +107,19 @@ def legend_beside(axes: Axes) -> None:
     axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1), borderaxespad=0)
 
 
-def plane(axes: Axes, table: xr.DataArray, levels: np.ndarray) -> QuadContourSet:
-    """Filled contours of a table over its two dimensions, with labelled lines."""
+def shades() -> ListedColormap:
+    """The upper part of cividis: lightness grows with the value, black lines stay legible on it."""
     from matplotlib import colormaps
     from matplotlib.colors import ListedColormap
 
+    return ListedColormap(colormaps["cividis"](np.linspace(0.35, 1, 256)))
+
+
+def plane(axes: Axes, table: xr.DataArray, levels: np.ndarray) -> QuadContourSet:
+    """Filled contours of a table over its two dimensions, with labelled lines."""
     across, up = (table[name] for name in table.dims)
     place = across.values, up.values, table.values.T
-    # The upper part of cividis: lightness grows with the value, black lines stay legible on it.
-    shades = ListedColormap(colormaps["cividis"](np.linspace(0.35, 1, 256)))
-    filled = axes.contourf(*place, levels=levels, cmap=shades)
+    filled = axes.contourf(*place, levels=levels, cmap=shades())
     lines = axes.contour(*place, levels=levels, colors="0.1", linewidths=0.6)
     digits = "%.1f" if str(table.name).startswith("rho") else "%g"
     axes.clabel(lines, levels=levels[::2], fontsize=7, fmt=digits)
@@ -132,16 +141,14 @@ def contour_levels(*tables: xr.DataArray, at_most: float = 0.0) -> np.ndarray:
     return np.round(np.arange(first, last + 0.05, 0.1), 10)
 
 
-FORMATS = ("png", "svg", "pdf")
-
-
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     """Write a picture whole or not at all; ``.png``, ``.svg`` or ``.pdf``."""
     import matplotlib as mpl
 
     suffix = os.path.splitext(path)[1][1:].lower()
-    if suffix not in FORMATS:
-        raise ValueError(f"path = {os.fspath(path)!r} ends in {suffix!r}; allowed: {', '.join(FORMATS)}")
+    if f".{suffix}" not in PICTURES:
+        allowed = ", ".join(ending[1:] for ending in PICTURES)
+        raise ValueError(f"path = {os.fspath(path)!r} ends in {suffix!r}; allowed: {allowed}")
     undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix)
     with mpl.rc_context(STYLE), whole_file(path) as temporary:
         figure.savefig(temporary, dpi=200, metadata=undated)
