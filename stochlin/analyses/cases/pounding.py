@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.cases.buildings import Building, StoreyBuilding
+from stochlin.analyses.cases.buildings import Building
 from stochlin.analyses.cases.case import Case
 from stochlin.analyses.cases.variables import VARIABLES
 from stochlin.analyses.linearization.strength import strength_in_metres
@@ -14,7 +14,6 @@ from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Contact
-from stochlin.models.grounds import Ground
 from stochlin.models.structures import Structure
 
 # The input, and where it goes.
@@ -59,7 +58,12 @@ def pound_case(case: Case, progress: Progress | None = None) -> dict[str, xr.Dat
     ground of the case, whatever the record.
     """
     contact = _checked(case)
-    structures = [_structure(building, case.ground) for building in case.buildings]
+    structures: list[Structure | ShearBuilding] = [
+        strength_in_metres(building.structure, case.ground)
+        if isinstance(building, Building)
+        else building.structure
+        for building in case.buildings
+    ]
     tables: dict[str, xr.Dataset] = {}
     for name, record in case.records.items():
         try:
@@ -97,13 +101,6 @@ def _checked(case: Case) -> Contact:
             'stiffness = "2000 MN/m" and restitution = 0.65'
         )
     return case.contact
-
-
-def _structure(building: Building | StoreyBuilding, ground: Ground) -> Structure | ShearBuilding:
-    if isinstance(building, StoreyBuilding):
-        return building.structure
-    structure: Structure = strength_in_metres(building.structure, ground)
-    return structure
 
 
 def _described(table: xr.Dataset, case: Case, structures: list[Structure | ShearBuilding]) -> xr.Dataset:
