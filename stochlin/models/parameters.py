@@ -108,7 +108,7 @@ class Model:
             if value is not None
         }
 
-    def isel(self, indexers: Mapping[str, slice]) -> Self:
+    def isel(self, indexers: Mapping[Any, int | slice]) -> Self:
         """The model with only these cells along the dimensions that it has."""
         parts = {
             name: array.isel(indexers, missing_dims="ignore")

@@ -59,11 +59,6 @@ class AtlasSpecification:
         return {name: value for name, value in self.parameters.items() if isinstance(value, tuple)}
 
     @property
-    def held(self) -> dict[str, float]:
-        """The parameters that are not."""
-        return {name: value for name, value in self.parameters.items() if isinstance(value, float)}
-
-    @property
     def cells(self) -> int:
         """Size of the table."""
         return math.prod(len(values) for values in self.axes.values())
@@ -99,15 +94,7 @@ class AtlasSpecification:
 
 
 def read_specification(path: str | os.PathLike[str]) -> AtlasSpecification:
-    """Read a TOML file.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be read.
-    ValueError
-        If it is no TOML, or not a specification: what is wrong, what is allowed.
-    """
+    """Read a TOML file; a ValueError says what is wrong with it and what is allowed."""
     try:
         data = tomllib.loads(Path(path).read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:

@@ -154,7 +154,8 @@ def create(path: Path, specification: AtlasSpecification) -> None:
                 dimension_names=dims,
                 fill_value=np.nan if variable.dtype.kind == "f" else 0,
             )
-            array.attrs.update({k: _plain(value) for k, value in variable.attrs.items()})
+            plain = {k: v.tolist() if hasattr(v, "tolist") else v for k, v in variable.attrs.items()}
+            array.attrs.update(plain)
         counts = [-(-len(axes[dim]) // shape[dim]) for dim in axes]
         done = group.create_array(
             DONE,
@@ -222,7 +223,3 @@ def long_name(axis: str, ground: str) -> str:
         return f"{field['long_name']}{' over that of the ground' if field['units'] == 's' else ''}"
     stem, _, number = axis.rpartition("_")
     return f"{LONG_NAMES[stem]}, structure {number}" if stem in LONG_NAMES else LONG_NAMES[axis]
-
-
-def _plain(value: Any) -> Any:
-    return value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value

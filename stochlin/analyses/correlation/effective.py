@@ -74,22 +74,14 @@ def rho_effective(
     """
     chosen = effective_rule(rule)
     pair = YieldingPair(
-        period_1,
-        period_2,
-        damping_1,
-        damping_2,
-        hardening_1,
-        hardening_2,
-        ductility_1,
-        ductility_2,
+        period_1, period_2, damping_1, damping_2, hardening_1, hardening_2, ductility_1, ductility_2
     )
     valid = pair.valid()
     values = {name: array.where(valid) for name, array in pair.arrays().items()}
     effective = effective_properties(values, chosen)
     (rho,) = cellwise(white_noise_correlation, *effective.values())
-    table = xr.Dataset({"rho": rho, **effective})
-    status = xr.full_like(valid, labels.CONVERGED, np.int8).where(valid, labels.INVALID_INPUT)
-    table = labels.label(table.assign(status=status.astype(np.int8)), VARIABLES)
+    table = xr.Dataset({"rho": rho, **effective, "status": labels.status_where(valid)})
+    table = labels.label(table, VARIABLES)
     return labels.with_run_information(
         table.assign_attrs(rule=chosen.describe()),
         f"Correlation of two yielding structures by eq. (4) and the rule {chosen.name}",

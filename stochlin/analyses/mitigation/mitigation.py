@@ -240,11 +240,7 @@ def _table(rows: Sequence[Row], columns: Sequence[Mapping[str, Any]], site: Miti
     known = table.required_gap.notnull()
     verdict = verdict_of(table.data_vars, site.confidence).where(known, NOT_AVAILABLE)
     table["verdict"] = verdict.astype(np.int8)
-    table["status"] = (
-        xr.full_like(verdict, labels.CONVERGED, np.int8)
-        .where(known, labels.NOT_CONVERGED)
-        .astype(np.int8)
-    )
+    table["status"] = labels.status_where(known, labels.NOT_CONVERGED)
     table = labels.label(table, VARIABLES)
     table.verdict.attrs = VERDICT_ATTRS
     for name, text in TEXTS.items():

@@ -40,7 +40,7 @@ class Contact(Model):
         """Coefficient of restitution [-] of two free masses."""
         raise NotImplementedError
 
-    def isel(self, indexers: Mapping[str, slice]) -> Self:
+    def isel(self, indexers: Mapping[Any, int | slice]) -> Self:
         """The contact with only these cells along the dimensions that it has."""
         part = copy.copy(self)
         for name, array in self.arrays().items():
