@@ -19,6 +19,7 @@
 from __future__ import annotations
 
 import itertools
+import json
 import math
 import os
 import tomllib
@@ -63,11 +64,9 @@ class AtlasSpecification:
         """Size of the table."""
         return math.prod(len(values) for values in self.axes.values())
 
-    def as_data(self) -> dict[str, Any]:
+    def as_json(self) -> str:
         """All that decides the numbers and their layout, for comparison and for the manifest."""
-        parameters = {k: list(v) if isinstance(v, tuple) else v for k, v in self.parameters.items()}
-        kinds = {"ground": self.ground, "closure": self.closure, "block_cells": self.block_cells}
-        return {"title": self.title, **kinds, "parameters": parameters}
+        return json.dumps(vars(self), sort_keys=True)
 
     def models(self) -> tuple[Bilinear, Bilinear, Ground]:
         """The two structures and the ground, whose period is 1 s and intensity 1 m^2/s^3."""

@@ -98,7 +98,7 @@ def effective_properties(
 
     ``values`` by the names of `YieldingPair`.
     """
-    found = {}
+    found = dict.fromkeys(EQ_4, xr.DataArray())
 
     @np.errstate(invalid="ignore")  # invalid cells are blanked by their status
     def effective(mu: Array, alpha: Array, period: Array, xi: Array) -> tuple[Array, Array]:
@@ -109,7 +109,7 @@ def effective_properties(
         found[f"period_eq_{n}"], found[f"damping_eq_{n}"] = cellwise(
             effective, *given, kinds=(float, float)
         )
-    return {name: found[name] for name in EQ_4}
+    return found
 
 
 def effective_pair(
