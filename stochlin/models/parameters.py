@@ -111,7 +111,7 @@ class Model:
             if value is not None
         }
 
-    def isel(self, indexers: Mapping[str, slice]) -> Self:
+    def isel(self, indexers: Mapping[Any, int | slice]) -> Self:
         """The model with only these cells along the dimensions that it has."""
         part = copy.copy(self)
         for name, array in self.arrays().items():

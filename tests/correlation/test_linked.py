@@ -165,6 +165,17 @@ def test_what_cannot_be_linked_is_refused(pair, error, message):
         sl.simulate(pair, GROUND, link=LINKS[0])
 
 
+@pytest.mark.parametrize(
+    ("closure", "reason"), [("narrow_band", "has no z"), ("drift", "adds the drift")]
+)
+def test_closures_of_one_structure_alone_are_refused(closure, reason):
+    pair = yielding(0.6, 1e6), yielding(1.0, 3e6)
+    with pytest.raises(
+        ValueError, match=f"closure = '{closure}' {reason}.*allowed.*: gaussian, clipped"
+    ):
+        sl.correlate_linked(*pair, GROUND, NOTHING, closure=closure)
+
+
 def test_a_link_joins_two():
     three = [elastic(period, 1e6) for period in (0.5, 0.7, 1.0)]
     with pytest.raises(ValueError, match="link is given with 3 structures; allowed: two"):

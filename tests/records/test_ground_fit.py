@@ -256,6 +256,11 @@ def test_refuses_what_is_not_a_record():
         sl.fit_ground(history([2.0] * 100))
 
 
+def test_spectra_refuse_what_is_no_ground():
+    with pytest.raises(TypeError, match=r"ground = 3 is of the wrong kind; allowed: .*KanaiTajimi"):
+        sl.fit_spectra(history([0.0, 1.0, 2.0, 1.0] * 10), 3)
+
+
 # --- Spectra ------------------------------------------------------------------------------------------
 
 

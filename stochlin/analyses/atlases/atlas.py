@@ -89,13 +89,12 @@ def write_atlas(
         run = _on_this_machine(target, chosen, todo)
     else:
         run = _on_cluster(scheduler, target, chosen, todo)
+    report: Progress = progress or (lambda share: None)
     try:
-        if progress is not None:
-            progress(written / total)
+        report(written / total)
         for _ in run:
             written += 1
-            if progress is not None:
-                progress(written / total)
+            report(written / total)
     except (OSError, _ClusterLostError) as error:
         raise RuntimeError(
             f"{target} is not finished: {_reason(error)}; {written} of {total} blocks are written and "

@@ -19,6 +19,7 @@
 from __future__ import annotations
 
 import itertools
+import json
 import math
 import os
 import tomllib
@@ -59,20 +60,13 @@ class AtlasSpecification:
         return {name: value for name, value in self.parameters.items() if isinstance(value, tuple)}
 
     @property
-    def held(self) -> dict[str, float]:
-        """The parameters that are not."""
-        return {name: value for name, value in self.parameters.items() if isinstance(value, float)}
-
-    @property
     def cells(self) -> int:
         """Size of the table."""
         return math.prod(len(values) for values in self.axes.values())
 
-    def as_data(self) -> dict[str, Any]:
+    def as_json(self) -> str:
         """All that decides the numbers and their layout, for comparison and for the manifest."""
-        parameters = {k: list(v) if isinstance(v, tuple) else v for k, v in self.parameters.items()}
-        kinds = {"ground": self.ground, "closure": self.closure, "block_cells": self.block_cells}
-        return {"title": self.title, **kinds, "parameters": parameters}
+        return json.dumps(vars(self), sort_keys=True)
 
     def models(self) -> tuple[Bilinear, Bilinear, Ground]:
         """The two structures and the ground, whose period is 1 s and intensity 1 m^2/s^3."""
@@ -99,15 +93,7 @@ class AtlasSpecification:
 
 
 def read_specification(path: str | os.PathLike[str]) -> AtlasSpecification:
-    """Read a TOML file.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be read.
-    ValueError
-        If it is no TOML, or not a specification: what is wrong, what is allowed.
-    """
+    """Read a TOML file; a ValueError says what is wrong with it and what is allowed."""
     try:
         data = tomllib.loads(Path(path).read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:

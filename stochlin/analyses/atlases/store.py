@@ -87,7 +87,11 @@ def compute_block(specification: AtlasSpecification, block: Block) -> xr.Dataset
 
 def write_block(path: str, specification: AtlasSpecification, number: tuple[int, ...]) -> None:
     """Compute a block and write it, its flag last. Side by side with others, in threads or processes."""
-    cells = cells_of_block(specification, number)
+    shape = block_shape(specification)
+    cells = {
+        axis: slice(n * shape[axis], min((n + 1) * shape[axis], len(values)))
+        for n, (axis, values) in zip(number, specification.axes.items(), strict=True)
+    }
     table = compute_block(specification, cells)
     group = zarr_module().open_group(path, mode="r+", use_consolidated=False)
     at = dict(zip(specification.axes, number, strict=True))
@@ -96,15 +100,6 @@ def write_block(path: str, specification: AtlasSpecification, number: tuple[int,
             continue  # the same numbers as in the first block along this axis
         group[name][tuple(cells[str(dim)] for dim in variable.dims)] = variable.values
     group[DONE][number] = 1
-
-
-def cells_of_block(specification: AtlasSpecification, number: tuple[int, ...]) -> Block:
-    """The cells of one block."""
-    shape = block_shape(specification)
-    return {
-        axis: slice(n * shape[axis], min((n + 1) * shape[axis], len(values)))
-        for n, (axis, values) in zip(number, specification.axes.items(), strict=True)
-    }
 
 
 def largest_bytes(specification: AtlasSpecification) -> int:
@@ -136,7 +131,9 @@ def create(path: Path, specification: AtlasSpecification) -> None:
     temporary = Path(tempfile.mkdtemp(prefix=f".{path.name}-", dir=path.absolute().parent))
     try:
         group = zarr.open_group(str(temporary), mode="w")
-        group.attrs.update(attributes(specification, cell))
+        kept = {k: v for k, v in cell.attrs.items() if k not in ("first", "second", "ground")}
+        own = {"title": specification.title, "specification": specification.as_json()}
+        group.attrs.update(kept | own | {"code": code_version()})
         for name, values in axes.items():
             array = group.create_array(
                 name, shape=(len(values),), dtype="f8", chunks=(len(values),), dimension_names=(name,)
@@ -154,7 +151,8 @@ def create(path: Path, specification: AtlasSpecification) -> None:
                 dimension_names=dims,
                 fill_value=np.nan if variable.dtype.kind == "f" else 0,
             )
-            array.attrs.update({k: _plain(value) for k, value in variable.attrs.items()})
+            plain = {k: v.tolist() if hasattr(v, "tolist") else v for k, v in variable.attrs.items()}
+            array.attrs.update(plain)
         counts = [-(-len(axes[dim]) // shape[dim]) for dim in axes]
         done = group.create_array(
             DONE,
@@ -171,21 +169,11 @@ def create(path: Path, specification: AtlasSpecification) -> None:
         shutil.rmtree(temporary, ignore_errors=True)
 
 
-def attributes(specification: AtlasSpecification, cell: xr.Dataset) -> dict[str, Any]:
-    """What made the atlas; with it a run knows its own."""
-    kept = {key: value for key, value in cell.attrs.items() if key not in ("first", "second", "ground")}
-    return kept | {
-        "title": specification.title,
-        "specification": json.dumps(specification.as_data(), sort_keys=True),
-        "code": code_version(),
-    }
-
-
 def check_same(path: Path, specification: AtlasSpecification) -> None:
     """Raise a ValueError unless what lies there is of this specification and code."""
     found = read_attributes(path)
     cure = "write to another path, or remove what is there"
-    wanted = json.dumps(specification.as_data(), sort_keys=True)
+    wanted = specification.as_json()
     if found["specification"] != wanted:
         old, new = json.loads(found["specification"]), json.loads(wanted)
         old, new = old | old.pop("parameters"), new | new.pop("parameters")
@@ -222,7 +210,3 @@ def long_name(axis: str, ground: str) -> str:
         return f"{field['long_name']}{' over that of the ground' if field['units'] == 's' else ''}"
     stem, _, number = axis.rpartition("_")
     return f"{LONG_NAMES[stem]}, structure {number}" if stem in LONG_NAMES else LONG_NAMES[axis]
-
-
-def _plain(value: Any) -> Any:
-    return value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value

@@ -176,7 +176,7 @@ def _by_linearization(asked: Question) -> Answer:
 def _by_white_noise(asked: Question) -> Answer:
     sides = [solve_elastic(structure, asked.ground) for structure in asked.pair]
     inputs = [s.arrays()[name] for name in ("period", "damping") for s in asked.pair]
-    return _table(_combine(_white_noise, *inputs), sides), "eq. (4)"
+    return _table(_white_noise(*inputs), sides), "eq. (4)"
 
 
 def _by_effective_properties(asked: Question) -> Answer:
@@ -184,7 +184,7 @@ def _by_effective_properties(asked: Question) -> Answer:
     solved = (asked.ground, asked.closure, asked.tolerance)
     sides = [solve_structure(structure, *solved) for structure in asked.pair]
     effective = effective_pair(*asked.pair, sides, rule)
-    rho = _combine(_white_noise, *(effective[name] for name in EQ_4))
+    rho = _white_noise(*(effective[name] for name in EQ_4))
     table = _table(rho, sides).assign(effective)
     if asked.yields:
         table.attrs["comment"] = f"Peak ductilities are linearized. {labels.CAUTION_SIGMA}"
@@ -208,7 +208,7 @@ METHODS: Mapping[str, Callable[[Question], Answer]] = {
 
 def _table(rho: xr.DataArray, sides: list[xr.Dataset]) -> xr.Dataset:
     """``rho`` beside the two responses, blank where one of them failed."""
-    status = _combine(np.maximum, sides[0].status, sides[1].status)
+    (status,) = cellwise_pair(np.maximum, *(side.status for side in sides), kinds=(np.int8,))
     wrong = (status < labels.NOT_CONVERGED) & ~(np.abs(rho) <= 1 + ROUNDING)
     status = status.where(~wrong, labels.NOT_PHYSICAL)
     table = xr.Dataset({"rho": rho.where(status < labels.NOT_CONVERGED).clip(-1, 1)})
@@ -254,9 +254,8 @@ def rho_white_noise(
     """
     pair = LinearPair(period_1, period_2, damping_1, damping_2)
     valid = pair.valid()
-    rho = _combine(_white_noise, *pair.arrays().values())
-    status = xr.full_like(valid, labels.CONVERGED, np.int8).where(valid, labels.INVALID_INPUT)
-    table = xr.Dataset({"rho": rho.where(valid), "status": status})
+    rho = _white_noise(*pair.arrays().values())
+    table = xr.Dataset({"rho": rho.where(valid), "status": labels.status_where(valid)})
     return labels.with_run_information(
         labels.label(table, VARIABLES),
         "Correlation of two linear structures under white noise, eq. (4)",
@@ -265,11 +264,11 @@ def rho_white_noise(
     )
 
 
-def _combine(function: Callable[..., Array], *inputs: xr.DataArray) -> xr.DataArray:
-    (result,) = cellwise_pair(function, *inputs)
-    return result
-
-
 @np.errstate(invalid="ignore", divide="ignore")  # invalid cells are blanked by their status
-def _white_noise(*inputs: Array) -> Array:
+def _quietly(*inputs: Array) -> Array:
     return white_noise_correlation(*inputs)
+
+
+def _white_noise(*inputs: xr.DataArray) -> xr.DataArray:
+    (rho,) = cellwise_pair(_quietly, *inputs)
+    return rho

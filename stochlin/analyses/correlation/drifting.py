@@ -56,9 +56,8 @@ def correlation_with_drift(
 ) -> xr.DataArray:
     """``rho`` of structures solved with the drift closure, eq. (11) of ``docs/drift.md``."""
     inputs = [[side[name] for name in OF_A_SIDE] for side in sides]
-    known = insights(structures, sides, ground, tolerance) or [[], []]
-    arrays = [array for pair in zip(inputs, known, strict=True) for part in pair for array in part]
-    (rho,) = cellwise(_cells, *arrays)
+    known = insights(structures, sides, ground, tolerance)
+    (rho,) = cellwise(_cells, *inputs[0], *known[0], *inputs[1], *known[1])
     return rho
 
 

@@ -59,10 +59,10 @@ def insights(
     solved: list[xr.Dataset],
     ground: Ground,
     tolerance: Tolerance,
-) -> list[list[xr.DataArray]] | None:
-    """Arrays of the `Insight` of both structures, flat; None where the map does not know the ground."""
+) -> list[list[xr.DataArray]]:
+    """Arrays of the `Insight` of both structures, flat; none where the map does not know the ground."""
     if type(ground) is not KanaiTajimi or not any(structure.yields for structure in structures):
-        return None
+        return [[], []]
     known = solve_derived(references(ground), ground, DRIFT, tolerance)
     both = []
     derived = derived_signatures(solved, known)

@@ -74,22 +74,14 @@ def rho_effective(
     """
     chosen = effective_rule(rule)
     pair = YieldingPair(
-        period_1,
-        period_2,
-        damping_1,
-        damping_2,
-        hardening_1,
-        hardening_2,
-        ductility_1,
-        ductility_2,
+        period_1, period_2, damping_1, damping_2, hardening_1, hardening_2, ductility_1, ductility_2
     )
     valid = pair.valid()
     values = {name: array.where(valid) for name, array in pair.arrays().items()}
     effective = effective_properties(values, chosen)
     (rho,) = cellwise(white_noise_correlation, *effective.values())
-    table = xr.Dataset({"rho": rho, **effective})
-    status = xr.full_like(valid, labels.CONVERGED, np.int8).where(valid, labels.INVALID_INPUT)
-    table = labels.label(table.assign(status=status.astype(np.int8)), VARIABLES)
+    table = xr.Dataset({"rho": rho, **effective, "status": labels.status_where(valid)})
+    table = labels.label(table, VARIABLES)
     return labels.with_run_information(
         table.assign_attrs(rule=chosen.describe()),
         f"Correlation of two yielding structures by eq. (4) and the rule {chosen.name}",
@@ -106,7 +98,7 @@ def effective_properties(
 
     ``values`` by the names of `YieldingPair`.
     """
-    found = {}
+    found = dict.fromkeys(EQ_4, xr.DataArray())
 
     @np.errstate(invalid="ignore")  # invalid cells are blanked by their status
     def effective(mu: Array, alpha: Array, period: Array, xi: Array) -> tuple[Array, Array]:
@@ -117,7 +109,7 @@ def effective_properties(
         found[f"period_eq_{n}"], found[f"damping_eq_{n}"] = cellwise(
             effective, *given, kinds=(float, float)
         )
-    return {name: found[name] for name in EQ_4}
+    return found
 
 
 def effective_pair(

@@ -19,8 +19,11 @@ from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.links import Link, check_linked
 from stochlin.models.parameters import expect
+from stochlin.models.structures import DRIFT, NARROW_BAND
 
 MISMATCH = 1e-8  # of logarithms of standard deviations and of the correlation
+# Closures of a structure alone, and why they are no closures of the augmented system.
+LACKING = {NARROW_BAND: "has no z", DRIFT: "adds the drift of a structure that stands alone"}
 
 
 def correlate_linked(
@@ -44,7 +47,7 @@ def correlate_linked(
     link : Link
         All parameters but the masses broadcast by dimension name.
     closure : str
-        As in `linearize`, without ``"narrow_band"``.
+        ``"gaussian"`` or ``"clipped"``, as in `linearize`.
 
     Returns
     -------
@@ -85,9 +88,9 @@ def correlate_linked(
     check_linked(first, second)
     for structure in (first, second):
         check_closure(structure, closure)
-    if closure == "narrow_band":
+    if closure in LACKING:
         raise ValueError(
-            "closure = 'narrow_band' has no z; allowed for linked structures: gaussian, clipped"
+            f"closure = {closure!r} {LACKING[closure]}; allowed for linked structures: gaussian, clipped"
         )
 
     def of_cell(first: Bilinear, second: Bilinear, ground: Ground, link: Link) -> xr.Dataset:
@@ -118,36 +121,28 @@ class _Linked(NamedTuple):
 
     def solve(self) -> xr.Dataset:
         """Find the moments that a closure assumes and that it leads to: log, log and atanh."""
-        yields = [int(side.status) == labels.CONVERGED for side in self.alone]
-        start = [self._latent(side) for side, own in zip(self.alone, yields, strict=True) if own]
-        status = labels.CONVERGED if any(yields) else labels.ELASTIC_LIMIT
-        if not start:
-            return self._table(np.empty(0), yields, status)
-        found = scipy.optimize.root(self._mismatch, np.concatenate(start), args=(yields,), tol=1e-12)
-        if not np.abs(found.fun).max() < MISMATCH:
-            status = labels.NOT_CONVERGED
-        return self._table(found.x, yields, status)
+        yields = [n for n, side in enumerate(self.alone) if int(side.status) == labels.CONVERGED]
+        if not yields:
+            return self._table(np.empty(0), yields, labels.ELASTIC_LIMIT)
+        start = np.concatenate([self._latent(self.alone[n]) for n in yields])
+        found = scipy.optimize.root(self._mismatch, start, args=(yields,), tol=1e-12)
+        solved = np.abs(found.fun).max() < MISMATCH
+        return self._table(found.x, yields, labels.CONVERGED if solved else labels.NOT_CONVERGED)
 
     def _latent(self, side: xr.Dataset) -> Array:
-        z, r = float(side.z_std), float(side.velocity_z_corr)
-        v = float(side.velocity_std / side.yield_displacement)
-        return np.array([np.log(v), np.log(z), np.arctanh(r)])
+        v = side.velocity_std / side.yield_displacement
+        return np.array([np.log(v), np.log(side.z_std), np.arctanh(side.velocity_z_corr)])
 
     def _coefficients(
-        self, unknown: Array, yields: list[bool]
+        self, unknown: Array, yields: list[int]
     ) -> tuple[list[float], list[float], list[Array]]:
-        c_eq, k_eq, covariances = [], [], []
-        rows = list(unknown.reshape(-1, 3))
-        for structure, own in zip(self.structures, yields, strict=True):
-            if not own:
-                c_eq.append(-1.0)
-                k_eq.append(0.0)
-                continue
-            log_v, log_z, atanh_r = rows.pop(0)
+        """``c_eq`` and ``k_eq`` of both, and of those that yield the covariances of v and z assumed."""
+        c_eq, k_eq, covariances = [-1.0, -1.0], [0.0, 0.0], []
+        for n, (log_v, log_z, atanh_r) in zip(yields, unknown.reshape(-1, 3), strict=True):
             latent = np.array([[np.exp(log_v)], [np.exp(log_z)], [np.tanh(atanh_r)]])
-            value = structure.closure(self.closure)(latent, np.empty((0, 1)))
-            c_eq.append(float(value.coefficients[0, 0]) - 1)
-            k_eq.append(float(value.coefficients[1, 0]))
+            value = self.structures[n].closure(self.closure)(latent, np.empty((0, 1)))
+            slip, k_eq[n] = (float(coefficient) for (coefficient,) in value.coefficients)
+            c_eq[n] = slip - 1
             covariances.append(value.covariance[:, 0])
         return c_eq, k_eq, covariances
 
@@ -155,26 +150,21 @@ class _Linked(NamedTuple):
         space = statespace(self.structures, self.ground, c_eq, k_eq, links=[self.link])
         return stationary_covariance(space)
 
-    def _mismatch(self, unknown: Array, yields: list[bool]) -> Array:
+    def _mismatch(self, unknown: Array, yields: list[int]) -> Array:
         c_eq, k_eq, assumed = self._coefficients(unknown, yields)
         try:
             x = self._moments(c_eq, k_eq)
         except ArithmeticError:
             return np.full(unknown.size, 1e3)
-        off, rest = [], list(assumed)
-        for n, own in enumerate(yields):
-            if own:
-                uy = float(self.alone[n].yield_displacement)
-                names = (f"v_{n + 1}", f"z_{n + 1}")
-                vv, zz, vz = (
-                    float(x.loc[a, b]) / uy**2 for a, b in ((names[0],) * 2, (names[1],) * 2, names)
-                )
-                av, az, avz = rest.pop(0)
-                off += [0.5 * np.log(vv / av), 0.5 * np.log(zz / az)]
-                off.append(vz / np.sqrt(vv * zz) - avz / np.sqrt(av * az))
+        off = []
+        for n, (av, az, avz) in zip(yields, assumed, strict=True):
+            uy, v, z = float(self.alone[n].yield_displacement), f"v_{n + 1}", f"z_{n + 1}"
+            vv, zz, vz = (float(x.loc[a, b]) / uy**2 for a, b in ((v, v), (z, z), (v, z)))
+            off += [0.5 * np.log(vv / av), 0.5 * np.log(zz / az)]
+            off.append(vz / np.sqrt(vv * zz) - avz / np.sqrt(av * az))
         return np.array(off)
 
-    def _table(self, unknown: Array, yields: list[bool], status: int) -> xr.Dataset:
+    def _table(self, unknown: Array, yields: list[int], status: int) -> xr.Dataset:
         c_eq, k_eq, _ = self._coefficients(unknown, yields)
         x = self._moments(c_eq, k_eq)
 

@@ -35,11 +35,10 @@ def simulate_pairs(
     first: Structure, second: Structure, ground: Ground, settings: SimulationSettings
 ) -> xr.Dataset:
     """Table of ``rho``, standard deviations and their errors; one ensemble a ground."""
-    dims = [dim for array in ground.arrays().values() for dim in array.dims if array.sizes[dim] > 1]
-    if not dims:
+    sizes = {dim: n for array in ground.arrays().values() for dim, n in array.sizes.items() if n > 1}
+    if not sizes:
         return _on_one_ground(first, second, ground, settings)
-    (dim, *_) = dims
-    size = next(array.sizes[dim] for array in ground.arrays().values() if dim in array.dims)
+    dim, size = next(iter(sizes.items()))
     parts = []
     for n in range(size):
         part = {str(dim): slice(n, n + 1)}

@@ -7,6 +7,7 @@ its parameters. Of ``rho`` it knows pairs of equal damping, hardening and streng
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from importlib.resources import files
 
@@ -46,7 +47,7 @@ def displacement_bias(structure: Structure, ground: Ground, solved: xr.Dataset) 
     """Relative bias of the Gaussian closure's ``displacement_std``; 0 if elastic, NaN if unknown."""
     elastic = np.isinf(solved.yield_displacement)
     if type(ground) not in KNOWN_GROUNDS or not isinstance(structure, Bilinear):
-        return _nothing_but(elastic)
+        return xr.zeros_like(elastic, float).where(elastic)
     (value,) = cellwise(_at_point, *point_of(structure, ground, solved), name=map_name(ground))
     return value.where(~elastic, 0.0)
 
@@ -119,17 +120,17 @@ def caution_of(bias: xr.DataArray) -> xr.DataArray:
     return flag.astype(np.int8)
 
 
-def _nothing_but(elastic: xr.DataArray) -> xr.DataArray:
-    return xr.zeros_like(elastic, float).where(elastic)
-
-
 def _property(structure: Structure, name: str) -> xr.DataArray:
     return structure.arrays().get(name, xr.DataArray(1.0))
 
 
 @np.errstate(divide="ignore", invalid="ignore")  # invalid cells are NaN and stay so
 def _at_point(*point: Array, name: str) -> Array:
-    arrays = np.broadcast_arrays(*(np.log(array) for array in point))
-    out = np.empty(arrays[0].size)
-    interpolate(*_grid(name), np.stack([array.ravel() for array in arrays]), out)
-    return np.expm1(out).reshape(arrays[0].shape)
+    return np.expm1(between_points(_grid(name), np.broadcast_arrays(*map(np.log, point))))
+
+
+def between_points(grid: Grid, place: Sequence[Array]) -> Array:
+    """The value of a map at this place, axis by axis, in arrays of one shape; NaN outside."""
+    out = np.empty(place[0].size)
+    interpolate(*grid, np.stack([array.ravel() for array in place]), out)
+    return out.reshape(place[0].shape)

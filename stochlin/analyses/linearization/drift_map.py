@@ -15,10 +15,10 @@ from importlib.resources import files
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.linearization.bias_map import KNOWN_GROUNDS, point_of
+from stochlin.analyses.linearization.bias_map import KNOWN_GROUNDS, between_points, point_of
 from stochlin.analyses.tables.cellwise import cellwise
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.interpolation import Grid, interpolate
+from stochlin.kernels.basics.interpolation import Grid
 from stochlin.models.grounds import Ground, WhiteNoise
 from stochlin.models.structures import Structure
 
@@ -69,10 +69,6 @@ def _held(*point: Array, name: str) -> Array | tuple[Array, ...]:
     arrays = np.broadcast_arrays(*(np.log(array) for array in point))
     grids = _grids(name)
     ends = [axis[[0, size - 1]] for axis, size in zip(grids[0].axes, grids[0].sizes, strict=True)]
-    inside = np.stack([np.clip(array.ravel(), *end) for array, end in zip(arrays, ends, strict=True)])
-    found = []
-    for grid in grids:
-        out = np.empty(arrays[0].size)
-        interpolate(*grid, inside, out)
-        found.append(out.reshape(arrays[0].shape))
-    return tuple(found) if len(found) > 1 else found[0]
+    inside = [np.clip(array, *end) for array, end in zip(arrays, ends, strict=True)]
+    found = tuple(between_points(grid, inside) for grid in grids)
+    return found if len(found) > 1 else found[0]

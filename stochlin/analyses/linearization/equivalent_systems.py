@@ -38,7 +38,6 @@ INTERNAL = (
 # Of the drift closure only: the drift as a pair needs it.
 SHARES = tuple(f"drift_share_{j}" for j in range(1, ORDERS + 2))
 OF_DRIFT = ("drift_std", "drift_rate", *SHARES)
-FilterOf = Callable[[Iterable[Array]], Filter]
 STRENGTH_RATIO = "elastic_ductility_std"  # of the elastic structure's displacement to uy: R/p
 PUBLIC = (
     "displacement_std",
@@ -134,12 +133,12 @@ class _Cells(NamedTuple):
 
     laws: int  # parameters of the law
     by_factor: bool  # whether strength is a reduction factor
-    filter_of: FilterOf
+    filter_of: Callable[[Iterable[Array]], Filter]
     intensity: int  # row of the ground parameters
     closure: str | None  # None: elastic
     law: Closure | None
     tolerance: Tolerance | None
-    drifts: bool
+    drifts: bool  # with zeros where elastic
 
     @property
     def names(self) -> tuple[str, ...]:

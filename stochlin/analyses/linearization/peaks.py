@@ -17,7 +17,6 @@ from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import cellwise
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
 from stochlin.kernels.linearization.spectral_moments import (
     SpectralMoments,
     difference_moments,
@@ -168,16 +167,16 @@ def peak_table(
 
 def response_moments(solved: xr.Dataset, ground: Ground) -> tuple[xr.DataArray, ...]:
     """Spectral moments of the displacement [m]; ``solved`` as `solve_structure` returns it."""
-    return _moments(displacement_moments, [solved], ground)
+    return _moments(displacement_moments, ground, solved)
 
 
 def relative_moments(first: xr.Dataset, second: xr.Dataset, ground: Ground) -> tuple[xr.DataArray, ...]:
     """Spectral moments of ``u_1 - u_2`` [m]; arguments as in `response_moments`."""
-    return _moments(difference_moments, [first, second], ground)
+    return _moments(difference_moments, ground, first, second)
 
 
 def _moments(
-    function: Callable[..., SpectralMoments], sides: list[xr.Dataset], ground: Ground
+    function: Callable[..., SpectralMoments], ground: Ground, *sides: xr.Dataset
 ) -> tuple[xr.DataArray, ...]:
     """Cells in one row for the kernel; a cell without a response stays NaN."""
 
@@ -185,10 +184,7 @@ def _moments(
     def flat(*arrays: Array) -> tuple[Array, ...]:
         shape = np.broadcast_shapes(*(np.shape(array) for array in arrays))
         rows = [np.broadcast_to(array, shape).ravel() for array in arrays]
-        systems: list[EquivalentSystem | Forcing] = []
-        for _ in sides:
-            systems += system_and_forcing(rows[: len(INTERNAL)])
-            del rows[: len(INTERNAL)]
+        systems = [part for _ in sides for part in system_and_forcing([rows.pop(0) for _ in INTERNAL])]
         return tuple(moment.reshape(shape) for moment in function(*systems, ground.filter_of(rows)))
 
     inputs = [side[name] for side in sides for name in INTERNAL]

@@ -188,11 +188,8 @@ def _structure_matrix(structure: Structure, c_eq: float, k_eq: float) -> tuple[F
     if c_eq == -1 and k_eq == 0:
         return np.array([[0, 1], [-(w**2), -damping]]), ["u", "v"]
     alpha = _scalar(structure, "hardening")
-    return np.array([[0, 1, 0], [-alpha * w**2, -damping, -(1 - alpha) * w**2], [0, -c_eq, -k_eq]]), [
-        "u",
-        "v",
-        "z",
-    ]
+    motion = [-alpha * w**2, -damping, -(1 - alpha) * w**2]
+    return np.array([[0, 1, 0], motion, [0, -c_eq, -k_eq]]), ["u", "v", "z"]
 
 
 def _scalar(model: Structure | Ground, name: str) -> float:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -109,12 +108,10 @@ def strength_for_ductility(
             "its hardening ratio"
         )
     factor = structure.peak_factor if peak_factor is None else peak_factor
-    strong = dataclasses.replace(
-        structure, yield_displacement=None, reduction_factor=1.0, peak_factor=factor
-    )
+    strong = replace(structure, yield_displacement=None, reduction_factor=1.0, peak_factor=factor)
     target = DuctilityTarget(ductility)
     reduction = _search(strong, ground, target, closure)
-    found = dataclasses.replace(strong, reduction_factor=reduction)
+    found = replace(strong, reduction_factor=reduction)
     solved = solve_structure(found, ground, closure, TOLERANCE)
     valid = strong.valid() & ground.valid() & target.valid()
     peak = found.arrays()["peak_factor"] * solved.ductility_std
@@ -224,8 +221,7 @@ def _search(structure: Structure, ground: Ground, target: DuctilityTarget, closu
             return {n: xr.DataArray(v[cells], dims=CELL) for (r, n), v in flat.items() if r == role}
 
         weaker = some("structure") | {"reduction_factor": xr.DataArray(np.exp(log_r), dims=CELL)}
-        one = dataclasses.replace(structure, **weaker)
-        shaken = dataclasses.replace(ground, **some("ground"))
+        one, shaken = replace(structure, **weaker), replace(ground, **some("ground"))
         solved = solve_structure(one, shaken, closure, TOLERANCE)
         ratio: Array = (
             flat["structure", "peak_factor"][cells] * solved.ductility_std.values / wanted[cells]
@@ -252,8 +248,4 @@ def strength_in_metres(structure: Structure, ground: Ground) -> Any:
     if structure.reduction_factor is None:
         return structure
     uy = solve_elastic(structure, ground).yield_displacement
-    strength: dict[str, Any] = {
-        "reduction_factor": None,
-        "yield_displacement": uy if uy.ndim else float(uy),
-    }
-    return replace(structure, **strength)
+    return replace(structure, reduction_factor=None, yield_displacement=uy)

@@ -9,11 +9,10 @@ from stochlin.analyses.linearization.transient_systems import (
     POINTS,
     check_course,
     course_of,
-    flags,
+    over_time,
     side_of,
     solve_course,
     spread_over,
-    time_axis,
 )
 from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
@@ -86,12 +85,12 @@ def transient_response(
     expect(structure, Structure, "structure")
     expect(ground, Ground, "ground")
     check_whole("points", points, 2)
-    check_course(duration, envelope)
-    side = side_of(structure, ground, float(duration), "structure", 0)
+    seconds = check_course(duration, envelope)
+    side = side_of(structure, ground, seconds, "structure", 0)
     labels.raise_if_lone_failure(xr.Dataset({"status": side.status}), "transient_response")
     if not side.cells.period.size:
         raise ValueError("no structure has valid parameters; correct those that are out of range")
-    course = course_of(envelope, float(duration), float(side.cells.period.min()), points)
+    course = course_of(envelope, seconds, float(side.cells.period.min()), points)
     own = solve_course([side], ground, np.zeros((2, 0), int), course).own
     shown = course.shown
     uy = side.cells.yield_displacement
@@ -103,18 +102,9 @@ def transient_response(
         "k_eq": own.relaxation[shown],
         "yield_displacement": uy,
     }
-    time = time_axis(course)
     table = xr.Dataset({name: spread_over(row, side.position) for name, row in values.items()})
-    table = table.assign(
-        envelope=("time", np.array([course.value(instant) for instant in time.values])),
-        permanent_set=flags(course, time),
-        status=side.status.astype(np.int8),
-    ).assign_coords(time=time)
-    table = labels.label(table, VARIABLES).assign_attrs(
-        duration_s=float(duration),
-        envelope_model="none" if envelope is None else envelope.describe(),
-        strong_shaking_end_s=course.strong_end,
-    )
+    table = over_time(table, course).assign(status=side.status.astype(np.int8))
+    table = labels.label(table, VARIABLES)
     if structure.yields:
         table = table.assign_attrs(comment=labels.CAUTION_SIGMA)
     return labels.with_run_information(

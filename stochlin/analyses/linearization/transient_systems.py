@@ -12,9 +12,11 @@ import xarray as xr
 
 from stochlin.analyses.linearization.equivalent_systems import solve_elastic
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.cellwise import row_of
 from stochlin.analyses.tables.checks import check_duration
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.filters import Matrices
+from stochlin.kernels.linearization.fixed_point import Closure
 from stochlin.kernels.linearization.transient import (
     Coefficients,
     Difference,
@@ -79,11 +81,11 @@ class Moments(NamedTuple):
     course: Course
 
 
-def check_course(duration: float | None, envelope: Envelope | None) -> None:
-    """Raise for what is no finite motion; to be called before any work."""
-    seconds = check_duration(duration)
+def check_course(duration: float | None, envelope: Envelope | None) -> float:
+    """The duration; raises for what is no finite motion. To be called before any work."""
+    seconds = float(check_duration(duration))
     if envelope is None:
-        return
+        return seconds
     expect(envelope, Envelope, "envelope")
     values = np.asarray(envelope.at(np.linspace(0, seconds, SCANNED)), float)
     if not np.isfinite(values).all() or values.min() < 0:
@@ -96,6 +98,7 @@ def check_course(duration: float | None, envelope: Envelope | None) -> None:
             f"envelope = {envelope.describe()} is 0 all through duration = {seconds:g}; allowed: some "
             "motion within the duration"
         )
+    return seconds
 
 
 def side_of(structure: Structure, ground: Ground, duration: float, role: str, first: int) -> Side:
@@ -118,22 +121,33 @@ def side_of(structure: Structure, ground: Ground, duration: float, role: str, fi
     )
     status = elastic.status.where(elastic.status >= labels.NOT_CONVERGED, labels.CONVERGED)
     status = status.where(period <= duration, labels.INVALID_INPUT)
-    valid = status.to_numpy().ravel() < labels.NOT_CONVERGED
-    place = np.where(valid, first + np.cumsum(valid) - 1, -1).reshape(like.shape)
+    valid = status < labels.NOT_CONVERGED
+    position = numbered(valid, first)
 
     def row(array: xr.DataArray) -> Array:
-        wide = array.broadcast_like(like).transpose(*like.dims).to_numpy()
-        return wide.ravel()[valid].astype(float)
+        return of_cells(array, position).astype(float)
 
     law = [row(array) for array in structure.law_parameters()]
     return Side(
         structure,
         Oscillators(*map(row, own)),
-        np.array(law).reshape(len(law), valid.sum()),
+        np.array(law).reshape(len(law), int(valid.sum())),
         {name: row(array) for name, array in ground.arrays().items()},
         status,
-        xr.full_like(like, 0, int).copy(data=place),
+        position,
     )
+
+
+def numbered(valid: xr.DataArray, first: int = 0) -> xr.DataArray:
+    """Numbers of the cells that are valid, in their order; -1 where they are not."""
+    flat = valid.to_numpy().ravel()
+    number = np.where(flat, first + np.cumsum(flat) - 1, -1)
+    return xr.DataArray(number.reshape(valid.shape), dims=valid.dims, coords=valid.coords)
+
+
+def of_cells(array: xr.DataArray, at: xr.DataArray) -> Array:
+    """The values of the cells that have a number in ``at``, in their order."""
+    return row_of(array, at)[at.to_numpy().ravel() >= 0]
 
 
 def oscillators_of(sides: Sequence[Side]) -> Oscillators:
@@ -180,44 +194,45 @@ def solve_course(sides: Sequence[Side], ground: Ground, pairs: Array, course: Co
     return Moments(*transient.solve(course.times, kinks), tuple(sides), course)
 
 
-def flags(course: Course, time: xr.DataArray) -> xr.DataArray:
-    """Whether strong shaking is over at each instant."""
-    flag = (time > course.strong_end).astype(np.int8)
-    flag.attrs = {
+def over_time(table: xr.Dataset, course: Course) -> xr.Dataset:
+    """The table with its instants, the envelope there, and whether strong shaking is over."""
+    time = labels.axis("time", "time", course.times[course.shown], "s")
+    flag = {
         "long_name": f"whether the envelope has fallen for good below {STRONG:g} of its largest value",
         "flag_values": np.arange(2, dtype=np.int8),
         "flag_meanings": "strong_shaking permanent_set_not_represented",
     }
-    return flag.drop_vars("time")
-
-
-def time_axis(course: Course) -> xr.DataArray:
-    """The instants of the result as a coordinate [s]."""
-    values = course.times[course.shown]
-    return xr.DataArray(
-        values, dims="time", coords={"time": ("time", values, {"units": "s", "long_name": "time"})}
+    return (
+        table.assign(
+            envelope=("time", np.array([course.value(instant) for instant in time.values])),
+            permanent_set=("time", (time.values > course.strong_end).astype(np.int8), flag),
+        )
+        .assign_coords(time=time)
+        .assign_attrs(
+            duration_s=course.duration,
+            envelope_model="none" if course.envelope is None else course.envelope.describe(),
+            strong_shaking_end_s=course.strong_end,
+        )
     )
 
 
 def _coefficients(sides: Sequence[Side]) -> Coefficients:
     """Equivalent coefficients of all cells, each by the closure of its law; neighbours alike at once."""
-    closures = [s.structure.closure("gaussian") if s.structure.yields else None for s in sides]
-    groups = [
-        (closure, np.concatenate([side.law for _, side in members], axis=1))
-        for closure, members in (
-            (closure, list(group))
-            for closure, group in groupby(zip(closures, sides, strict=True), key=lambda pair: pair[0])
-        )
-    ]
+
+    def closure_of(side: Side) -> Closure | None:
+        return side.structure.closure("gaussian") if side.structure.yields else None
+
+    alike = [(closure, [s.law for s in members]) for closure, members in groupby(sides, closure_of)]
+    groups = [(closure, np.concatenate(laws, axis=1)) for closure, laws in alike]
+    ends = np.cumsum([law.shape[1] for _, law in groups])[:-1]
 
     def coefficients(latent: Array) -> Array:
-        parts, begin = [], 0
-        for closure, law in groups:
-            end = begin + law.shape[1]
-            part = latent[:, begin:end]
-            parts.append(closure(part, law).coefficients if closure else np.zeros((2, end - begin)))
-            begin = end
-        return np.concatenate(parts, axis=1)
+        parts = zip(groups, np.split(latent, ends, axis=1), strict=True)
+        found = [
+            closure(part, law).coefficients if closure else np.zeros((2, law.shape[1]))
+            for (closure, law), part in parts
+        ]
+        return np.concatenate(found, axis=1)
 
     return coefficients
 

@@ -14,7 +14,7 @@ from stochlin.analyses.correlation.correlation import correlate
 from stochlin.analyses.correlation.linked import correlate_linked
 from stochlin.analyses.pounding.pounding import pound
 from stochlin.analyses.separation.critical_gap import double_difference
-from stochlin.analyses.simulation.finite_motions import keeping_apart, pair_separation
+from stochlin.analyses.simulation.finite_motions import keeping_apart, pair_separation, required_gaps
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.contacts import Contact
@@ -58,11 +58,9 @@ class MitigatedPair:
         """What random motions say: the required gap, how probable no pounding is, mean peaks."""
         motions = self._motions(measure)
         apart = keeping_apart(pair_separation(motions), self.gap)
-        quantile = motions.separation_quantile[0, 0, 1]
+        names = ("required_gap", "required_gap_lower", "required_gap_upper")
         row = {
-            "required_gap": float(quantile),
-            "required_gap_lower": float(motions.separation_quantile_lower[0, 0, 1]),
-            "required_gap_upper": float(motions.separation_quantile_upper[0, 0, 1]),
+            **dict(zip(names, required_gaps(motions), strict=True)),
             **{name: float(share) for name, share in apart.items()},
         }
         for n in (0, 1):
@@ -72,7 +70,8 @@ class MitigatedPair:
 
     def required_gap(self, measure: Measure) -> float:
         """The gap that keeps the confidence [m]."""
-        return float(self._motions(measure).separation_quantile[0, 0, 1])
+        required, *_ = required_gaps(self._motions(measure))
+        return required
 
     def linearized(self, measure: Measure) -> dict[str, float]:
         """Correlation and standard deviation of ``u_1 - u_2`` by linearization; NaN if not solved."""
@@ -84,8 +83,7 @@ class MitigatedPair:
             table = correlate(*pair, self.ground)
         except ArithmeticError:
             return {"rho": np.nan, "relative_displacement_std": np.nan}
-        values = (table[n].values for n in ("displacement_std_1", "displacement_std_2", "rho"))
-        apart = float(double_difference(*values))
+        apart = float(double_difference(table.displacement_std_1, table.displacement_std_2, table.rho))
         return {"rho": float(table.rho), "relative_displacement_std": apart}
 
     def recorded(self, measure: Measure) -> dict[str, Array]:

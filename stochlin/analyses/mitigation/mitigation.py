@@ -122,10 +122,10 @@ def mitigate(
     >>> table.measure.values[-1].item()
     'least dashpot between'
     """
-    pair = _checked(first, second, ground, gap, measures, contact, records, amplification_limit)
+    one, two = _checked(first, second, ground, gap, measures, contact, records, amplification_limit)
     check_confidence(confidence)
     site = MitigatedPair(
-        structures=(pair[0], pair[1]),
+        structures=(one, two),
         ground=ground,
         gap=float(gap),
         duration=duration,
@@ -137,11 +137,14 @@ def mitigate(
         records=records or {},
     )
     given = [Row(AS_BUILT, AS_BUILT, Measure())]
-    given += [_given(name, measure, bool(records)) for name, measure in measures.items()]
+    for name, measure in measures.items():
+        unseen = measure.contact is not None and not records
+        told = "what a contact does shows on records, and none is given" if unseen else ""
+        given.append(Row(name, "given", measure, missing=told))
     wanted: list[Row | Search] = [*given, *searches(site, amplification_limit)]
     rows, columns = [], []
-    for done, one in enumerate(wanted, start=1):
-        row = one.result() if isinstance(one, Search) else one
+    for done, each in enumerate(wanted, start=1):
+        row = each.result() if isinstance(each, Search) else each
         rows.append(row)
         columns.append(_column(site, row))
         if progress is not None:
@@ -155,12 +158,6 @@ def mitigate(
         f"mitigate(gap={gap:g}, duration={duration:g}, confidence={confidence:g}, seed={seed})",
         models if contact is None else models | {"contact": contact},
     )
-
-
-def _given(name: str, measure: Measure, recorded: bool) -> Row:
-    unseen = measure.contact is not None and not recorded
-    told = "what a contact does shows on records, and none is given" if unseen else ""
-    return Row(name, "given", measure, missing=told)
 
 
 def _checked(
@@ -240,11 +237,7 @@ def _table(rows: Sequence[Row], columns: Sequence[Mapping[str, Any]], site: Miti
     known = table.required_gap.notnull()
     verdict = verdict_of(table.data_vars, site.confidence).where(known, NOT_AVAILABLE)
     table["verdict"] = verdict.astype(np.int8)
-    table["status"] = (
-        xr.full_like(verdict, labels.CONVERGED, np.int8)
-        .where(known, labels.NOT_CONVERGED)
-        .astype(np.int8)
-    )
+    table["status"] = labels.status_where(known, labels.NOT_CONVERGED)
     table = labels.label(table, VARIABLES)
     table.verdict.attrs = VERDICT_ATTRS
     for name, text in TEXTS.items():

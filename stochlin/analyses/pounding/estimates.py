@@ -120,8 +120,7 @@ def pounding_estimate(
         table[f"largest_radius_amplification_{n}"] = largest.where(valid)
     loss = impact_loss(mass[0], mass[1], contact.e) * (v[0] - v[1]) ** 2
     table["energy_lost"] = loss.where(approach)
-    status = xr.full_like(valid, labels.CONVERGED, np.int8)
-    table["status"] = status.where(valid, labels.INVALID_INPUT).astype(np.int8)
+    table["status"] = labels.status_where(valid)
     return labels.with_run_information(
         labels.label(table, VARIABLES),
         "Energy estimate of a hit",

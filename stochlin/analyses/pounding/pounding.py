@@ -151,9 +151,7 @@ def pound(
     table.attrs.update(
         gaps=spaces.tolist(), steps=done.steps, motion=f"{ground.size} samples at {dt:g} s"
     )
-    models: dict[str, Model] = {
-        f"structure_{n}": structure for n, structure in enumerate(row_of, start=1)
-    }
+    models: dict[str, Model] = {f"structure_{n}": each for n, each in enumerate(row_of, start=1)}
     models |= {f"link_{n}": each for n, each in enumerate(links, start=1) if each is not None}
     call = f"pound(output_step={output_step})"
     return labels.with_run_information(

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 import scipy.linalg
-import xarray as xr
 
+from stochlin.analyses.tables.checks import check_scalars
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding.contact import ForceLaw, law_table, reduced_mass
 from stochlin.kernels.pounding.rows import BILINEAR, BOUC_WEN, ELASTIC, Row
@@ -18,7 +18,7 @@ from stochlin.models.contacts import Contact, Element
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.laws.bouc_wen import BoucWen
 from stochlin.models.links import Link
-from stochlin.models.parameters import Model, expect
+from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
 
 Building = Structure | ShearBuilding
@@ -26,6 +26,8 @@ Building = Structure | ShearBuilding
 # Laws of storeys that yield. One of a kind that is derived from these may be any other.
 LAWS: Mapping[type, int] = {Bilinear: BILINEAR, BoucWen: BOUC_WEN, ShearBuilding: BILINEAR}
 
+UNUSED = (0.0, 0.0, 1.0)  # shape of a law that has none
+NUMBERS = "numbers, since a history is of one row"
 ALIGNED = 0.05  # [m]: floors whose levels differ by less meet
 SLOW = 1e-3  # of the velocity that the motion can give the stiffest structure in a quarter period
 
@@ -47,7 +49,7 @@ class Stack(NamedTuple):
     hardening: float
     strength: Array
     law: int
-    shape: tuple[float, float, float]
+    shape: tuple[float, float, float]  # beta, gamma and exponent
     damping: Array
 
 
@@ -65,7 +67,7 @@ def checked_buildings(structures: Sequence[Building]) -> list[Building]:
             )
         if isinstance(structure, ShearBuilding):
             continue
-        _only_numbers(structure, role)
+        check_scalars(structure, role, NUMBERS)
         if structure.mass is None:
             raise ValueError(f"{role}: mass is not given; pounding needs it, in kg")
         if structure.reduction_factor is not None:
@@ -110,7 +112,7 @@ def checked_links(link: Link | Sequence[Link | None] | None, count: int) -> list
     for each in links:
         if each is not None:
             expect(each, Link, "link")
-            _only_numbers(each, "link")
+            check_scalars(each, "link", NUMBERS)
     return links
 
 
@@ -143,7 +145,7 @@ def build_row(
     A link ties the highest floors at which two neighbours meet.
     """
     expect(contact, Contact, "contact")
-    _only_numbers(contact, "contact")
+    check_scalars(contact, "contact", NUMBERS)
     stacks = [_stack(structure) for structure in structures]
     first = np.concatenate([[0], np.cumsum([stack.mass.size for stack in stacks])])
     below = np.concatenate([np.arange(s.mass.size) + f - 1 for s, f in zip(stacks, first, strict=False)])
@@ -152,9 +154,8 @@ def build_row(
         np.concatenate([getattr(stack, name) for stack in stacks])
         for name in ("mass", "stiffness", "strength")
     )
-    sizes = [stack.mass.size for stack in stacks]
     hardening, law, shape = (
-        np.repeat([getattr(stack, name) for stack in stacks], sizes, axis=0)
+        np.repeat([getattr(stack, name) for stack in stacks], np.diff(first), axis=0)
         for name in ("hardening", "law", "shape")
     )
     places = meetings(structures)
@@ -228,24 +229,13 @@ def _stack(structure: Building) -> Stack:
         law = LAWS[type(structure)] if "yield_drifts" in values else ELASTIC
         damping = structure.damping_matrix()
         stiffness = values["stiffnesses"]
-        return Stack(values["masses"], stiffness, hardening, strength, law, (0.0, 0.0, 1.0), damping)
+        return Stack(values["masses"], stiffness, hardening, strength, law, UNUSED, damping)
     mass, w = values["mass"].reshape(1), 2 * np.pi / values["period"]
     strength = np.atleast_1d(values.get("yield_displacement", np.inf)).astype(float)
-    law = LAWS[type(structure)] if structure.yields else ELASTIC
-    shape = (0.0, 0.0, 1.0)
+    damping = (2 * values["damping"] * w * mass).reshape(1, 1)
+    if not structure.yields:
+        return Stack(mass, mass * w**2, 1.0, strength, ELASTIC, UNUSED, damping)
+    law, shape = LAWS[type(structure)], UNUSED
     if law == BOUC_WEN:
         shape = (float(values["beta"]), float(values["gamma"]), float(values["exponent"]))
-    damping = (2 * values["damping"] * w * mass).reshape(1, 1)
-    return Stack(
-        mass, mass * w**2, hardening if structure.yields else 1.0, strength, law, shape, damping
-    )
-
-
-def _only_numbers(model: Model, role: str) -> None:
-    arrays = [
-        name for name, value in model.arrays().items() if isinstance(value, xr.DataArray) and value.ndim
-    ]
-    if arrays:
-        raise ValueError(
-            f"{role}: {', '.join(arrays)} is an array; allowed: numbers, since a history is of one row"
-        )
+    return Stack(mass, mass * w**2, hardening, strength, law, shape, damping)

@@ -5,16 +5,15 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import scipy.stats
 import xarray as xr
 
 from stochlin.analyses.correlation.correlation import correlate
 from stochlin.analyses.linearization.linearization import linearize
 from stochlin.analyses.linearization.transient_systems import (
-    Course,
     Moments,
-    Side,
     course_of,
+    numbered,
+    of_cells,
     oscillators_of,
     side_of,
     solve_course,
@@ -22,7 +21,7 @@ from stochlin.analyses.linearization.transient_systems import (
 )
 from stochlin.analyses.probability.crossings import bandwidths, chances, gap_for
 from stochlin.analyses.probability.simulated import simulate_course
-from stochlin.analyses.simulation.finite_motions import CONFIDENCE
+from stochlin.analyses.simulation.finite_motions import quantile_intervals, share_interval
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
@@ -35,7 +34,6 @@ from stochlin.models.structures import Gap, Structure
 class Pair(NamedTuple):
     """Cells, moments, and where each pair and gap is."""
 
-    sides: tuple[Side, ...]
     pairs: Array  # (2, p)
     moments: Moments
     pair_at: xr.DataArray  # number of the pair, -1 where invalid
@@ -68,45 +66,32 @@ class Pair(NamedTuple):
             ) from error
         left, right = xr.broadcast(one.position, two.position)
         both = (left >= 0) & (right >= 0)
-        pair_at = _numbered(both)
+        pair_at = numbered(both)
         spread, wide = xr.broadcast(pair_at, gap)
         good = (spread >= 0) & (wide > 0) & np.isfinite(wide)
         status = xr.apply_ufunc(np.maximum, one.status, two.status)
         status = status.broadcast_like(good).where((spread < 0) | good, labels.INVALID_INPUT)
-        chosen = both.to_numpy().ravel()
-        pairs = np.stack([side.to_numpy().ravel()[chosen] for side in (left, right)])
-        usable = good.to_numpy().ravel()
-        if not usable.any():
+        pairs = np.stack([of_cells(side, pair_at) for side in (left, right)])
+        cell_at = numbered(good)
+        if not good.any():
             raise ValueError("no pair has valid parameters; correct those that are out of range")
         sides = (one, two)
         shortest = float(oscillators_of(sides).period.min())
         course = course_of(envelope, duration, shortest, points)
         return cls(
-            sides,
             pairs,
             solve_course(sides, ground, pairs, course),
             pair_at,
-            _numbered(good),
-            wide.to_numpy().ravel()[usable].astype(float),
-            spread.to_numpy().ravel()[usable],
+            cell_at,
+            of_cells(wide, cell_at).astype(float),
+            of_cells(spread, cell_at),
             status.transpose(*good.dims).astype(np.int8),
         )
-
-    @property
-    def course(self) -> Course:
-        """The instants."""
-        return self.moments.course
-
-
-def _numbered(where: xr.DataArray) -> xr.DataArray:
-    flat = where.to_numpy().ravel()
-    number = np.where(flat, np.cumsum(flat) - 1, -1)
-    return xr.DataArray(number.reshape(where.shape), dims=where.dims, coords=where.coords)
 
 
 def by_formula(pair: Pair, ground: Ground, confidence: float) -> xr.Dataset:
     """What linearization says, and what it says with the drift put back."""
-    moments, course = pair.moments, pair.course
+    moments, course = pair.moments, pair.moments.course
     bandwidth = bandwidths(moments, pair.pairs, ground)
     both = moments.difference
     table, required = xr.Dataset(), None
@@ -120,7 +105,7 @@ def by_formula(pair: Pair, ground: Ground, confidence: float) -> xr.Dataset:
         if not ending:
             table["confidence_of_no_pounding_poisson"] = spread_over(found.poisson, pair.cell_at)
         shown = np.sqrt(np.maximum((moments.own.displacement + own)[course.shown], 0))
-        for number, side in enumerate(pair.sides, start=1):
+        for number, side in enumerate(moments.sides, start=1):
             table[f"displacement_std{ending}_{number}"] = spread_over(shown, side.position)
         spread = np.sqrt((both.d_d + apart)[course.shown])
         table[f"difference_std{ending}"] = spread_over(spread, pair.pair_at)
@@ -140,13 +125,13 @@ def by_simulation(
 ) -> xr.Dataset:
     """What simulated motions say, with errors; ``counts`` are paths and seed."""
     paths, seed = counts
-    cells = (pair.gap, pair.pair)
-    found = simulate_course(pair.sides, pair.pairs, cells, ground, pair.course, paths, seed, progress)
+    cells, moments = (pair.gap, pair.pair), pair.moments
+    found = simulate_course(
+        moments.sides, pair.pairs, cells, ground, moments.course, paths, seed, progress
+    )
     n = len(found.largest)
-    tail = (1 - CONFIDENCE) / 2
     alive = found.survivors
-    lower = np.nan_to_num(scipy.stats.beta.ppf(tail, alive, n - alive + 1), nan=0.0)
-    upper = np.nan_to_num(scipy.stats.beta.ppf(1 - tail, alive + 1, n - alive), nan=1.0)
+    lower, upper = share_interval(alive, n)
     stem = "confidence_of_no_pounding_simulated"
     table = xr.Dataset(
         {
@@ -164,34 +149,17 @@ def by_simulation(
     for row, name in enumerate(names):
         table[name] = spread_over(np.sqrt(mean[:, row]), pair.pair_at)
     table["difference_std_simulated_standard_error"] = spread_over(error[:, 2], pair.pair_at)
-    ordered = np.sort(found.largest, axis=0)
-    low = int(scipy.stats.binom.ppf(tail, n, confidence)) - 1
-    high = int(scipy.stats.binom.ppf(1 - tail, n, confidence))
-    gaps = {
-        "": np.quantile(found.largest, confidence, axis=0),
-        "_lower": ordered[low] if low >= 0 else np.zeros_like(ordered[0]),
-        "_upper": ordered[high] if high < n else np.full_like(ordered[0], np.inf),
-    }
-    for ending, values in gaps.items():
+    gaps = quantile_intervals(found.largest, np.array([confidence]))
+    for ending, (values,) in zip(("", "_lower", "_upper"), gaps, strict=True):
         table[f"required_gap_simulated{ending}"] = spread_over(values, pair.pair_at)
     return table.assign_attrs(paths=n, seed=seed)
 
 
 def _drift(pair: Pair, ground: Ground) -> tuple[Array, Array]:
     """Variances of the drift; NaN where the map of the bias does not reach."""
-    structures = [side.structure for side in pair.sides]
-    known = [
-        linearize(structure, ground).bias.broadcast_like(side.position)
-        for structure, side in zip(structures, pair.sides, strict=True)
-    ]
-    bias = np.concatenate(
-        [
-            one.transpose(*side.position.dims).to_numpy()[side.position.to_numpy() >= 0]
-            for one, side in zip(known, pair.sides, strict=True)
-        ]
-    )
-    shared = correlate(structures[0], structures[1], ground).bias.broadcast_like(pair.pair_at)
-    shared_row = shared.transpose(*pair.pair_at.dims).to_numpy()[pair.pair_at.to_numpy() >= 0]
-    hardening = oscillators_of(pair.sides).hardening
-    own, both = pair.moments.own, pair.moments.difference
-    return drift_variances(own, both, pair.pairs, pair.course.times, hardening, bias, shared_row)
+    own, both, sides, course = pair.moments
+    first, second = (side.structure for side in sides)
+    biases = [of_cells(linearize(side.structure, ground).bias, side.position) for side in sides]
+    shared = of_cells(correlate(first, second, ground).bias, pair.pair_at)
+    hardening, bias = oscillators_of(sides).hardening, np.concatenate(biases)
+    return drift_variances(own, both, pair.pairs, course.times, hardening, bias, shared)

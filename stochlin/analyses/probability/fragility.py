@@ -18,9 +18,8 @@ from stochlin.models.parameters import Parameter, expect
 from stochlin.models.structures import Gap, Structure
 
 POINTS = 11  # instants at which a simulation is looked at; only the last is reported
-ENDINGS = ("", "_poisson", "_corrected", "_simulated")
-BOUNDS = (("_simulated_lower", "_simulated_upper"), ("_simulated_upper", "_simulated_lower"))
-GAPS = ("", "_corrected", "_simulated", "_simulated_lower", "_simulated_upper")
+OPPOSITE = {"_simulated_lower": "_simulated_upper", "_simulated_upper": "_simulated_lower"}
+ENDINGS = ("", "_poisson", "_corrected", "_simulated", *OPPOSITE)
 
 
 def pounding_fragility(
@@ -102,14 +101,11 @@ def pounding_fragility(
         progress=progress,
     ).isel(time=-1, drop=True)
     table = xr.Dataset()
-    stem, source = "pounding_probability", "confidence_of_no_pounding"
     for ending in ENDINGS:
-        if source + ending in found:
-            table[stem + ending] = 1 - found[source + ending]
-    for ending, opposite in BOUNDS:
-        if source + opposite in found:
-            table[stem + ending] = 1 - found[source + opposite]
-    for ending in GAPS:
+        confident = f"confidence_of_no_pounding{OPPOSITE.get(ending, ending)}"
+        if confident in found:
+            table[f"pounding_probability{ending}"] = 1 - found[confident]
+    for ending in ENDINGS:
         if f"required_gap{ending}" in found:
             table[f"required_gap{ending}"] = found[f"required_gap{ending}"]
     table = labels.label(table.assign(status=found.status), VARIABLES).assign_attrs(found.attrs)
@@ -127,6 +123,4 @@ def _named(value: Any, name: str, units: str, long_name: str) -> Any:
     """A plain array as an axis of its own."""
     if not isinstance(value, xr.DataArray) or value.dims != ("case",) or "case" in value.coords:
         return value
-    attrs = {"units": units, "long_name": long_name}
-    values = value.to_numpy()
-    return xr.DataArray(values, dims=name, coords={name: (name, values, attrs)}, attrs=attrs)
+    return labels.axis(name, long_name, value.to_numpy(), units)

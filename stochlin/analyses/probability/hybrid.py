@@ -8,11 +8,12 @@ import xarray as xr
 from stochlin.analyses.correlation.correlation import correlate
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.probability.variables import VARIABLES
-from stochlin.analyses.records.cells import check_structure, only_scalars
+from stochlin.analyses.records.cells import SCALARS, check_structure
 from stochlin.analyses.records.gaps import recorded_gap
 from stochlin.analyses.records.ground_fit import fit_ground
 from stochlin.analyses.records.response import respond
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.checks import check_scalars
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.probability.phases import beyond_phase, concentration, exceeding, least_phase
 from stochlin.models.grounds import Ground
@@ -42,7 +43,7 @@ def hybrid_pounding(
         raise ValueError("record is missing; method='hybrid' needs one, as read_record gives it")
     for role, structure in (("first", first), ("second", second)):
         expect(structure, Bilinear, role)
-        only_scalars(structure, role)  # type: ignore[arg-type]
+        check_scalars(structure, role, SCALARS)
     if ground is None:
         ground = fit_ground(record)
     expect(ground, Ground, "ground")
@@ -76,7 +77,7 @@ def hybrid_pounding(
         separation=recorded_gap(one, two, record).separation,
         required_gap=_required(radius_1, radius_2, k, confidence),
         rho=rho,
-        status=xr.where(valid, labels.CONVERGED, labels.INVALID_INPUT).astype(np.int8),  # type: ignore[no-untyped-call]
+        status=labels.status_where(valid),
     )
     table = labels.label(table.drop_attrs(deep=False), VARIABLES).assign_attrs(
         confidence=confidence,

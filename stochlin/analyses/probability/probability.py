@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
 import xarray as xr
 
 from stochlin.analyses.linearization.transient_systems import (
     POINTS,
     check_course,
-    flags,
-    time_axis,
+    over_time,
 )
 from stochlin.analyses.probability.cells import Pair, by_formula, by_simulation
 from stochlin.analyses.probability.hybrid import hybrid_pounding
@@ -142,25 +140,18 @@ def pounding_probability(
     expect(ground, Ground, "ground")
     assert ground is not None
     check_whole("points", points, 2)
-    _check_counts(paths, seed)
-    check_course(duration, envelope)
-    assert duration is not None
-    pair = Pair.of(first, second, ground, wanted, float(duration), envelope, points)
+    check_whole("seed", seed, 0)
+    check_whole("paths", paths, 0)
+    if paths == 1:
+        raise ValueError("paths = 1; allowed: 0 for no simulation, or a whole number from 2")
+    seconds = check_course(duration, envelope)
+    pair = Pair.of(first, second, ground, wanted, seconds, envelope, points)
     table = by_formula(pair, ground, confidence)
     if paths:
         simulated = by_simulation(pair, ground, confidence, (paths, seed), progress)
         table = table.assign(simulated.data_vars).assign_attrs(simulated.attrs)
-    time = time_axis(pair.course)
-    shape = [pair.course.value(instant) for instant in time.values]
-    table = table.assign(
-        envelope=("time", np.array(shape)), permanent_set=flags(pair.course, time), status=pair.status
-    ).assign_coords(time=time)
-    table = labels.label(table, VARIABLES).assign_attrs(
-        confidence=confidence,
-        duration_s=float(duration),
-        envelope_model="none" if envelope is None else envelope.describe(),
-        strong_shaking_end_s=pair.course.strong_end,
-    )
+    table = over_time(table.assign_attrs(confidence=confidence), pair.moments.course)
+    table = labels.label(table.assign(status=pair.status), VARIABLES)
     labels.raise_if_lone_failure(table, "pounding_probability")
     if first.yields or second.yields:
         table = table.assign_attrs(comment=labels.CAUTION_SIGMA)
@@ -172,10 +163,3 @@ def pounding_probability(
         {"first": first, "second": second, "ground": ground, "distance": wanted},
         REFERENCES,
     )
-
-
-def _check_counts(paths: int, seed: int) -> None:
-    for name, value, lowest in (("seed", seed, 0), ("paths", paths, 0)):
-        check_whole(name, value, lowest)
-    if paths == 1:
-        raise ValueError("paths = 1; allowed: 0 for no simulation, or a whole number from 2")

@@ -40,7 +40,8 @@ def simulate_course(
         )
     amplitude = np.sqrt(below["intensity"] / below["intensity"][0])
     period, damping, hardening, uy, _ = oscillators_of(sides)
-    lone = ground.isel({name: slice(0, 1) for name in _dimensions(ground)})
+    dims = [array.dims for array in ground.arrays().values()]
+    lone = ground.isel({name: slice(0, 1) for name in set().union(*dims)})
     cells = Cells(
         period,
         damping,
@@ -70,7 +71,3 @@ def simulate_course(
 def motions(paths: int) -> int:
     """How many motions are run for so many paths: whole groups of them."""
     return int(np.ceil(paths / LANES)) * LANES
-
-
-def _dimensions(ground: Ground) -> set[str]:
-    return {str(dim) for array in ground.arrays().values() for dim in array.dims}

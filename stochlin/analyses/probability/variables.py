@@ -17,10 +17,7 @@ VARIABLES: Variables = {
     "instantaneous_probability_simulated": ("1", "share of the simulated motions beyond the gap"),
     "confidence_of_no_pounding": ("1", "probability of no pounding so far, crossings in clumps"),
     "confidence_of_no_pounding_poisson": ("1", "probability of no pounding so far, Poisson crossings"),
-    "confidence_of_no_pounding_corrected": (
-        "1",
-        f"probability of no pounding so far, {CORRECTED}",
-    ),
+    "confidence_of_no_pounding_corrected": ("1", f"probability of no pounding so far, {CORRECTED}"),
     "confidence_of_no_pounding_simulated": (
         "1",
         "share of the simulated motions without pounding so far",
@@ -31,10 +28,7 @@ VARIABLES: Variables = {
     ),
     "pounding_probability": ("1", "probability of pounding in the motion, crossings in clumps"),
     "pounding_probability_poisson": ("1", "probability of pounding in the motion, Poisson crossings"),
-    "pounding_probability_corrected": (
-        "1",
-        f"probability of pounding in the motion, {CORRECTED}",
-    ),
+    "pounding_probability_corrected": ("1", f"probability of pounding in the motion, {CORRECTED}"),
     "pounding_probability_simulated": ("1", "share of the simulated motions with pounding"),
     "displacement_std_corrected": ("m", "standard deviation of the displacement, bias corrected"),
     "displacement_std_simulated": ("m", "standard deviation of the displacement, simulated"),

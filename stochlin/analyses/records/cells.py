@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -11,16 +11,18 @@ import xarray as xr
 
 from stochlin.analyses.records.records import checked_record
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.cellwise import row_of
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.records.runs import Ground
 from stochlin.models.laws.bilinear import Bilinear
-from stochlin.models.parameters import Parameter, expect
+from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
 
 Records = xr.DataArray | Sequence[xr.DataArray] | Mapping[str, xr.DataArray]
 """One record, as `read_record` gives it, or several: a list, or a mapping with their names."""
 
 RECORD = "record"
+SCALARS = "scalars, since histories are of one structure; response_spectrum takes arrays"
 SHORTEST = 0.1  # of the record's step: shorter periods would follow its straight lines, no ground
 
 
@@ -78,18 +80,6 @@ def checked_motions(record: Records) -> Motions:
     return Motions(grounds, names)
 
 
-def elastic_or_bilinear(
-    period: Parameter,
-    damping: Parameter,
-    hardening: Parameter | None,
-    yield_displacement: Parameter | None,
-) -> Bilinear:
-    """The structure of these parameters; one number, infinity, for the strength: elastic."""
-    if yield_displacement is not None and np.ndim(yield_displacement) == 0:
-        yield_displacement = None if yield_displacement == np.inf else yield_displacement
-    return Bilinear(period, damping, hardening, yield_displacement)
-
-
 def check_structure(structure: Structure, role: str) -> None:
     """Raise for a structure that cannot follow a record."""
     expect(structure, Structure, role)
@@ -144,16 +134,24 @@ def cells_of(structure: Bilinear, like: xr.DataArray, motions: Motions) -> Cells
     valid = structure.valid() & (values["period"] >= shortest)
     hardening = values.get("hardening", xr.DataArray(1.0))
     columns = [2 * np.pi / values["period"].where(valid, 1.0), values["damping"], hardening, uy, valid]
-    flat = [column.broadcast_like(like).transpose(*like.dims).to_numpy().ravel() for column in columns]
-    return Cells(np.stack(flat[:4], axis=1).astype(float), flat[4].astype(bool))
+    *parameters, usable = (row_of(column, like) for column in columns)
+    return Cells(np.stack(parameters, axis=1).astype(float), usable.astype(bool))
 
 
 def table_over(
-    columns: Mapping[str, Array], like: xr.DataArray, motions: Motions, valid: Array
+    columns: Mapping[str, Array],
+    elastic: Array,
+    like: xr.DataArray,
+    motions: Motions,
+    valid: Array,
 ) -> xr.Dataset:
-    """Columns (records, valid cells) as a labelled table over the records and the cells' dimensions."""
+    """Columns (records, valid cells) as a labelled table over the records and the cells' dimensions.
+
+    The status of a cell is the elastic limit where it stayed ``elastic``, invalid input where it is NaN.
+    """
     table = xr.Dataset(coords=like.coords)
-    for name, values in columns.items():
+    status = np.where(elastic, labels.ELASTIC_LIMIT, labels.CONVERGED)
+    for name, values in {**columns, "status": status}.items():
         filled = np.full((len(motions.grounds), valid.size), np.nan)
         filled[:, valid] = values
         if motions.names is None:
@@ -162,22 +160,5 @@ def table_over(
             table[name] = ((RECORD, *like.dims), filled.reshape((-1, *like.shape)))
     if motions.names is not None:
         table = table.assign_coords({RECORD: (RECORD, motions.names, {"long_name": "record"})})
-    return table
-
-
-def with_status(table: xr.Dataset, stayed_elastic: xr.DataArray) -> xr.Dataset:
-    """Add the status: elastic limit where yield was not reached, invalid input where NaN."""
-    status = xr.full_like(stayed_elastic, labels.CONVERGED, np.int8)
-    status = status.where(~stayed_elastic, labels.ELASTIC_LIMIT)
-    invalid = next(iter(table.data_vars.values())).isnull()
-    return table.assign(status=status.where(~invalid, labels.INVALID_INPUT).astype(np.int8))
-
-
-def only_scalars(structure: Bilinear, role: str) -> None:
-    """Raise for a structure with arrays."""
-    arrays: Iterable[str] = [name for name, value in structure.arrays().items() if value.ndim]
-    if arrays:
-        raise ValueError(
-            f"{role}: {', '.join(arrays)} is an array; allowed: scalars, since histories are of one "
-            "structure; response_spectrum takes arrays"
-        )
+    known = table[next(iter(columns))].notnull()
+    return table.assign(status=table.status.where(known, labels.INVALID_INPUT).astype(np.int8))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -21,31 +22,28 @@ FEWEST = 1e-3  # of the record's length: shortest time that is sought
 LONGEST = 20.0  # times the record's length
 
 
-def _amin_ang(values: Array) -> Envelope:
-    rise, strong, decay = values
-    return AminAng(float(rise), float(rise + strong), float(1 / decay))
+class _Unknown(NamedTuple):
+    """A positive number that is sought."""
+
+    is_time: bool  # as a share of the record's length
+    starts: tuple[float, ...]
 
 
-def _shinozuka_sato(values: Array) -> Envelope:
-    long, share = values
-    return ShinozukaSato(float(1 / long), float((1 + share) / long))
-
-
-def _gamma(values: Array) -> Envelope:
-    power, time = values
-    return GammaEnvelope(float(power), float(power / time))
-
-
-def _hsu_bernard(values: Array) -> Envelope:
-    return HsuBernard(float(values[0]))
-
-
-# By positive numbers: how to make the envelope, and for each whether it is a time, and where to start.
-_MODELS: dict[str, tuple[Callable[[Array], Envelope], tuple[tuple[bool, tuple[float, ...]], ...]]] = {
-    "amin_ang": (_amin_ang, ((True, (0.05, 0.3)), (True, (0.1, 0.4)), (True, (0.05, 0.3)))),
-    "shinozuka_sato": (_shinozuka_sato, ((True, (0.1, 0.5)), (False, (0.5, 5.0)))),
-    "gamma": (_gamma, ((False, (1.0, 4.0)), (True, (0.1, 0.3)))),
-    "hsu_bernard": (_hsu_bernard, ((True, (0.05, 0.2, 0.5)),)),
+# How to make an envelope of the numbers that are sought.
+_MODELS: dict[str, tuple[Callable[..., Envelope], tuple[_Unknown, ...]]] = {
+    "amin_ang": (
+        lambda rise, strong, decay: AminAng(rise, rise + strong, 1 / decay),
+        (_Unknown(True, (0.05, 0.3)), _Unknown(True, (0.1, 0.4)), _Unknown(True, (0.05, 0.3))),
+    ),
+    "shinozuka_sato": (
+        lambda long, share: ShinozukaSato(1 / long, (1 + share) / long),
+        (_Unknown(True, (0.1, 0.5)), _Unknown(False, (0.5, 5.0))),
+    ),
+    "gamma": (
+        lambda power, time: GammaEnvelope(power, power / time),
+        (_Unknown(False, (1.0, 4.0)), _Unknown(True, (0.1, 0.3))),
+    ),
+    "hsu_bernard": (HsuBernard, (_Unknown(True, (0.05, 0.2, 0.5)),)),
 }
 
 
@@ -95,22 +93,19 @@ def fit_envelope(record: xr.DataArray, model: str = "amin_ang") -> Envelope:
     time = dt * np.arange(values.size)
     chosen = np.unique(np.linspace(0, values.size - 1, POINTS).astype(int))
     target = _build_up(values, dt)[chosen]
-    unit = np.array([time[-1] if is_time else 1.0 for is_time, _ in unknowns])
+    unit = np.array([time[-1] if unknown.is_time else 1.0 for unknown in unknowns])
+    bounds = np.log(FEWEST), np.log(LONGEST)
 
     def residual(logs: Array) -> Array:
-        envelope = make(np.exp(logs) * unit)
+        envelope = make(*np.exp(logs) * unit)
         return _build_up(envelope.at(time), dt)[chosen] - target
 
-    best = None
-    for start in product(*(starts for _, starts in unknowns)):
-        found = optimize.least_squares(
-            residual, np.log(start), bounds=(np.log(FEWEST), np.log(LONGEST)), x_scale=1.0
-        )
-        if found.success and (best is None or found.cost < best.cost):
-            best = found
-    if best is None:
+    starts = product(*(unknown.starts for unknown in unknowns))
+    found = [optimize.least_squares(residual, np.log(start), bounds=bounds) for start in starts]
+    fits = [fit for fit in found if fit.success]
+    if not fits:
         raise ArithmeticError(f"no {model} fits the energy of the record; give another model")
-    return make(np.exp(best.x) * unit)
+    return make(*np.exp(min(fits, key=lambda fit: float(fit.cost)).x) * unit)
 
 
 def energy_build_up(record: xr.DataArray, envelope: Envelope) -> xr.Dataset:

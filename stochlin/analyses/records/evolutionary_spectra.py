@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.tables import labels
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Parameter, expect
@@ -53,9 +54,7 @@ def evolutionary_psd(
     expect(envelope, Envelope, "envelope")
     if not isinstance(time, xr.DataArray):
         values = np.asarray(time, float)
-        dims = ["time"][: values.ndim]
-        coords = {"time": ("time", values, {"units": "s", "long_name": "time"})} if dims else None
-        time = xr.DataArray(values, dims=dims, coords=coords)
+        time = labels.axis("time", "time", values, "s") if values.ndim else xr.DataArray(values)
     wrong = time.to_numpy()[~((time.to_numpy() >= 0) & np.isfinite(time.to_numpy()))]
     if wrong.size:
         raise ValueError(f"time = {wrong[0]:g} is out of range; allowed: 0 <= time, finite, in seconds")

@@ -16,15 +16,9 @@ Line = tuple[int, str]
 
 METRES = {"g": 9.80665, "m/s^2": 1.0, "cm/s^2": 0.01, "mm/s^2": 0.001}
 _SPELLINGS = {"gal": "cm/s^2"} | {
-    spelling: f"{length}/s^2"
+    f"{length}/{spelling}": f"{length}/s^2"
     for length in ("m", "cm", "mm")
-    for spelling in (
-        f"{length}/s2",
-        f"{length}/s/s",
-        f"{length}/s**2",
-        f"{length}/sec/sec",
-        f"{length}/sec^2",
-    )
+    for spelling in ("s2", "s/s", "s**2", "sec/sec", "sec^2")
 }
 _SECONDS = {"s", "sec", "second", "seconds"}
 

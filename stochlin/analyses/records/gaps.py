@@ -12,7 +12,6 @@ from stochlin.analyses.records.cells import (
     checked_motions,
     table_over,
     template,
-    with_status,
 )
 from stochlin.analyses.records.variables import VARIABLES
 from stochlin.analyses.tables import labels
@@ -78,18 +77,18 @@ def recorded_gap(first: Bilinear, second: Bilinear, record: Records) -> xr.Datas
     valid = one.valid & two.valid
     pairs = one.parameters[valid], two.parameters[valid]
     found = gaps_on_records(motions.grounds, *pairs)
-    columns = {"separation": found[..., -2], "rho": found[..., -1]}
-    stayed = np.ones(found.shape[:2], bool)
-    for number, parameters in enumerate(pairs, start=1):
-        peaks = found[..., (number - 1) * recorded.PEAKS :]
+    *both, together = np.split(found, [recorded.PEAKS, 2 * recorded.PEAKS], axis=-1)
+    separation, rho = np.moveaxis(together, -1, 0)
+    columns = {"separation": separation, "rho": rho}
+    stayed = np.ones(rho.shape, bool)
+    for number, (peaks, parameters) in enumerate(zip(both, pairs, strict=True), start=1):
         peak = np.maximum(peaks[..., recorded.HIGHEST], peaks[..., recorded.LOWEST])
         columns[f"peak_{number}"] = peak
         columns[f"pseudo_energy_radius_{number}"] = peaks[..., recorded.RADIUS]
         stayed &= peak <= parameters[:, 3]
     columns["srss"] = np.hypot(columns["peak_1"], columns["peak_2"])
     columns["separation_over_srss"] = columns["separation"] / columns["srss"]
-    elastic = table_over({"stayed": stayed}, like, motions, valid).stayed == 1
-    table = with_status(table_over(columns, like, motions, valid), elastic)
+    table = table_over(columns, stayed, like, motions, valid)
     return labels.with_run_information(
         labels.label(table.assign_attrs(records=motions.describe()), VARIABLES),
         "Gap of two structures in recorded motions",

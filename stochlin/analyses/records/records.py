@@ -141,20 +141,8 @@ def strong_part(record: xr.DataArray, start: float = 0.05, end: float = 0.95) ->
 def checked_record(record: xr.DataArray) -> tuple[npt.NDArray[np.float64], float]:
     """Values [m/s^2] and time step [s] of a record, once it is one.
 
-    Parameters
-    ----------
-    record : xarray.DataArray
-        Ground acceleration [m/s^2] with the dimension ``time`` [s].
-
-    Returns
-    -------
-    tuple of numpy.ndarray and float
-
-    Raises
-    ------
-    TypeError, ValueError
-        If it is not a DataArray over an even ``time``, has other units, values that are not
-        finite, fewer than 16 samples, or only zeros.
+    It is a DataArray over an even ``time`` [s], in these units or none, with 16 finite samples at least
+    that are not all zero; otherwise a TypeError or ValueError says what is wrong.
     """
     if not isinstance(record, xr.DataArray):
         raise TypeError(

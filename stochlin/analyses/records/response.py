@@ -6,19 +6,17 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.records.cells import (
+    SCALARS,
     Records,
     cells_of,
     check_structure,
     checked_motions,
-    elastic_or_bilinear,
-    only_scalars,
     table_over,
     template,
-    with_status,
 )
 from stochlin.analyses.records.variables import VARIABLES
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_whole
+from stochlin.analyses.tables.checks import check_scalars, check_whole
 from stochlin.kernels.records import oscillator as recorded
 from stochlin.kernels.records.runs import history, peaks_on_records
 from stochlin.models.laws.bilinear import Bilinear
@@ -72,9 +70,11 @@ def pseudo_energy_radius(
     >>> bool((table.pseudo_energy_radius >= table.displacement_max).all())
     True
     """
-    structure = elastic_or_bilinear(period, damping, hardening, yield_displacement)
-    table = _spectrum(record, structure)[["pseudo_energy_radius", "displacement_max", "status"]]
-    return _with_information(table, "Pseudo energy radius", "pseudo_energy_radius()", structure)
+    strength = {"hardening": hardening, "yield_displacement": yield_displacement}
+    spectrum = response_spectrum(record, period, damping, **strength)
+    table = spectrum[["pseudo_energy_radius", "displacement_max", "status"]]
+    call = "pseudo_energy_radius()"
+    return labels.with_run_information(table, "Pseudo energy radius", call, {}, REFERENCES)
 
 
 def response_spectrum(
@@ -138,8 +138,30 @@ def response_spectrum(
     >>> float(yields.acceleration_max) < float(table.acceleration_max[1])
     True
     """
-    structure = elastic_or_bilinear(period, damping, hardening, yield_displacement)
-    table = _spectrum(record, structure)
+    if yield_displacement is not None and np.ndim(yield_displacement) == 0:
+        yield_displacement = None if yield_displacement == np.inf else yield_displacement
+    structure = Bilinear(period, damping, hardening, yield_displacement)
+    motions = checked_motions(record)
+    like = template(structure)
+    cells = cells_of(structure, like, motions)
+    parameters = cells.parameters[cells.valid]
+    peaks = peaks_on_records(motions.grounds, parameters)
+    w, _, hardening_ratio, uy = parameters.T
+    displacement = np.maximum(peaks[..., recorded.HIGHEST], peaks[..., recorded.LOWEST])
+    columns = {
+        "displacement_max": displacement,
+        "velocity_max": peaks[..., recorded.VELOCITY],
+        "acceleration_max": peaks[..., recorded.ACCELERATION],
+        "pseudo_velocity": w * displacement,
+        "pseudo_acceleration": w**2 * displacement,
+        "pseudo_energy_radius": peaks[..., recorded.RADIUS],
+    }
+    if structure.yields:
+        # At rest alpha u + (1 - alpha) y = 0, while u - y stays as it is.
+        slip = peaks[..., recorded.LAST] - peaks[..., recorded.LAST_Y]
+        columns["permanent_set"] = (1 - hardening_ratio) * slip
+    table = table_over(columns, displacement <= uy, like, motions, cells.valid)
+    table = table.assign_attrs(records=motions.describe())
     return _with_information(table, "Response spectrum", "response_spectrum()", structure)
 
 
@@ -184,7 +206,7 @@ def respond(structure: Bilinear, record: xr.DataArray, *, refine: int = 1) -> xr
     (1997, 1.0)
     """
     check_structure(structure, "structure")
-    only_scalars(structure, "structure")
+    check_scalars(structure, "structure", SCALARS)
     check_whole("refine", refine, 1)
     if not isinstance(record, xr.DataArray):
         raise TypeError(f"record is a {type(record).__name__}; allowed: one xarray.DataArray")
@@ -208,32 +230,6 @@ def respond(structure: Bilinear, record: xr.DataArray, *, refine: int = 1) -> xr
     title = "Response to a record"
     table = table.assign_attrs(records=motions.describe())
     return _with_information(table, title, f"respond(refine={refine})", structure)
-
-
-def _spectrum(record: Records, structure: Bilinear) -> xr.Dataset:
-    """Every variable of the spectra, without labels."""
-    motions = checked_motions(record)
-    like = template(structure)
-    cells = cells_of(structure, like, motions)
-    parameters = cells.parameters[cells.valid]
-    peaks = peaks_on_records(motions.grounds, parameters)
-    w, _, hardening, uy = parameters.T
-    displacement = np.maximum(peaks[..., recorded.HIGHEST], peaks[..., recorded.LOWEST])
-    columns = {
-        "displacement_max": displacement,
-        "velocity_max": peaks[..., recorded.VELOCITY],
-        "acceleration_max": peaks[..., recorded.ACCELERATION],
-        "pseudo_velocity": w * displacement,
-        "pseudo_acceleration": w**2 * displacement,
-        "pseudo_energy_radius": peaks[..., recorded.RADIUS],
-    }
-    if structure.yields:
-        # At rest alpha u + (1 - alpha) y = 0, while u - y stays as it is.
-        slip = peaks[..., recorded.LAST] - peaks[..., recorded.LAST_Y]
-        columns["permanent_set"] = (1 - hardening) * slip
-    stayed = table_over({"stayed": displacement <= uy}, like, motions, cells.valid).stayed == 1
-    table = with_status(table_over(columns, like, motions, cells.valid), stayed)
-    return table.assign_attrs(records=motions.describe())
 
 
 def _with_information(table: xr.Dataset, title: str, call: str, structure: Bilinear) -> xr.Dataset:

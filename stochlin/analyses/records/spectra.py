@@ -11,8 +11,9 @@ import xarray as xr
 from scipy import fft, signal
 
 from stochlin.analyses.records.records import checked_record, strong_part
-from stochlin.analyses.tables.labels import with_run_information
+from stochlin.analyses.tables import labels
 from stochlin.models.grounds import Ground
+from stochlin.models.parameters import expect
 
 Vector = npt.NDArray[np.float64]
 Part = tuple[float, float]
@@ -85,7 +86,7 @@ def fit_spectra(record: xr.DataArray, ground: Ground, *, part: Part = STRONG_PAR
     Raises
     ------
     TypeError, ValueError
-        If the record is not one, or the fractions are out of range.
+        If the record or the ground is not one, or the fractions are out of range.
 
     References
     ----------
@@ -101,12 +102,9 @@ def fit_spectra(record: xr.DataArray, ground: Ground, *, part: Part = STRONG_PAR
     >>> round(float(spectra.psd_record.idxmax("frequency")), 1)
     10.0
     """
-    strong = strong_part(record, *part)
-    frequency, density, duration = periodogram(strong)
-    axis = xr.DataArray(
-        frequency[1:], dims="frequency", attrs={"units": "rad/s", "long_name": "circular frequency"}
-    )
-    axis = axis.assign_coords(frequency=axis)
+    expect(ground, Ground, "ground")
+    frequency, density, duration = periodogram(strong_part(record, *part))
+    axis = labels.axis("frequency", "circular frequency", frequency[1:], "rad/s")
     spectra = xr.Dataset(
         {
             "psd_record": axis.copy(data=density[1:]),
@@ -121,7 +119,7 @@ def fit_spectra(record: xr.DataArray, ground: Ground, *, part: Part = STRONG_PAR
     ):
         spectra[variable].attrs = {"units": "m^2/s^3", "long_name": long_name}
     text = described(record, part, duration)
-    with_run_information(
+    labels.with_run_information(
         spectra, f"Spectrum beside {ground.name} ground: {text}", "fit_spectra", {"ground": ground}
     )
     spectra.attrs |= {"record": text, "ground_source": ground.source}

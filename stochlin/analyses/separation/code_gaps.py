@@ -94,8 +94,7 @@ def code_gaps(
         [xr.broadcast(g, valid)[0] for g in gaps], dim=dimension, coords="minimal", compat="override"
     )
     usable = valid & xr.DataArray([not lacks for lacks in missing], dims="rule")
-    status = xr.full_like(usable, labels.CONVERGED, np.int8).where(usable, labels.INVALID_INPUT)
-    table = xr.Dataset({"gap": gap, "status": status.transpose(*gap.dims).astype(np.int8)})
+    table = xr.Dataset({"gap": gap, "status": labels.status_where(usable).transpose(*gap.dims)})
     for name, text in TEXTS.items():
         told = missing if name == "missing" else [getattr(rule, name) for rule in rules]
         table = table.assign_coords({name: ("rule", told, {"long_name": text})})

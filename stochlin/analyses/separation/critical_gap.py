@@ -64,9 +64,9 @@ def critical_gap(peak_1: Parameter, peak_2: Parameter, rho: Parameter) -> xr.Dat
     valid = pair.valid()
     values = [array.where(valid) for array in pair.arrays().values()]
     gap = xr.apply_ufunc(double_difference, *values, join="exact")
-    status = xr.full_like(valid, labels.CONVERGED, np.int8).where(valid, labels.INVALID_INPUT)
+    table = xr.Dataset({"gap": gap, "status": labels.status_where(valid)})
     return labels.with_run_information(
-        labels.label(xr.Dataset({"gap": gap, "status": status.astype(np.int8)}), VARIABLES),
+        labels.label(table, VARIABLES),
         "Critical gap by the double difference combination, eq. (3)",
         "critical_gap()",
         {"pair": pair},

@@ -97,8 +97,9 @@ def strong_seconds(duration: float, envelope: Envelope | None) -> float:
 
 def all_rules(pair: PairInMotion, floors_align: bool, zone: str | None, unverified: bool) -> list[Rule]:
     """Every rule that there is, those that lack something too."""
-    return [
-        _with_simulated_rho(pair),
+    both = pair.structures, pair.ground
+    return [  # simulation is refused for structures so rarely yielding that it would take hours
+        _with_solved_rho(pair, "simulated", "stationary simulation", lambda: simulate(*both).rho[0, 1]),
         _with_linearized_rho(pair, "linearized", GAUSSIAN, "linearization"),
         _with_linearized_rho(pair, "drift", DRIFT, "linearization with plastic drift"),
         *(_with_effective_rho(pair, name) for name in effective_rule_names(unverified)),
@@ -111,13 +112,6 @@ def equation_3_rule(peaks: Array, name: str, rho: float, **texts: str) -> Rule:
     """Eq. (3) with these peaks [m] and this correlation."""
     gap = float(double_difference(peaks[0], peaks[1], np.clip(rho, -1, 1)))
     return Rule(name, "equation_3", gap, rho, **texts)
-
-
-def _with_simulated_rho(pair: PairInMotion) -> Rule:
-    def solve() -> xr.DataArray:  # refused for a structure so rarely yielding that it would take hours
-        return simulate(pair.structures, pair.ground).rho[0, 1]
-
-    return _with_solved_rho(pair, "simulated", "stationary simulation", solve)
 
 
 def _with_linearized_rho(pair: PairInMotion, name: str, closure: str, source: str) -> Rule:
@@ -192,18 +186,12 @@ def code_rules(
     peaks: Array, heights: tuple[float | None, float | None], floors_align: bool, zone: str | None
 ) -> list[Rule]:
     """The rules of building codes, fed with these peaks [m]."""
-    table = code_gaps(
-        peaks[0],
-        peaks[1],
-        height_1=heights[0],
-        height_2=heights[1],
-        floors_align=floors_align,
-        zone=zone,
-    )
+    height_1, height_2 = heights
+    table = code_gaps(*peaks, height_1=height_1, height_2=height_2, floors_align=floors_align, zone=zone)
     rules = []
     for name in table.rule.values:
         row = table.sel(rule=name)
         texts: dict[str, Any] = {n: str(row[n].values) for n in ("reference", "mark", "assumptions")}
-        texts["missing"] = f"needs {row.missing.values}" if row.missing.values else ""
-        rules.append(Rule(str(name), "code", float(row.gap), **texts))
+        missing = f"needs {row.missing.values}" if row.missing.values else ""
+        rules.append(Rule(str(name), "code", float(row.gap), **texts, missing=missing))
     return rules

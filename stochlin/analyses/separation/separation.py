@@ -12,7 +12,7 @@ from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.records.gaps import recorded_gap
 from stochlin.analyses.separation.rules import PairInMotion, Rule, all_rules, strong_seconds
 from stochlin.analyses.separation.variables import VARIABLES
-from stochlin.analyses.simulation.finite_motions import keeping_apart, pair_separation
+from stochlin.analyses.simulation.finite_motions import keeping_apart, pair_separation, required_gaps
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import over_cells
@@ -191,28 +191,26 @@ def verdict_of(apart: Mapping[Any, xr.DataArray], confidence: float) -> xr.DataA
 def _judged(rules: list[Rule], motions: xr.Dataset, confidence: float) -> xr.Dataset:
     """Gaps of the rules beside the simulated answer, and what the motions say of each."""
     samples = pair_separation(motions)
-    quantile = [float(motions[f"separation_quantile{end}"][0, 0, 1]) for end in ("", "_lower", "_upper")]
-    answer = Rule("simulation", "simulation", quantile[0], assumptions="exact laws, no model error")
+    required, lower, upper = required_gaps(motions)
+    answer = Rule("simulation", "simulation", required, assumptions="exact laws, no model error")
+    unknown = np.full(len(rules), np.nan)
     rules = [answer, *rules]
     gap = xr.DataArray([rule.gap for rule in rules], dims="rule")
     apart = keeping_apart(samples, gap)
     known = gap.notnull()
     verdict = verdict_of(apart, confidence).where(known, NOT_AVAILABLE)
     verdict[0] = ANSWER
-    only_answer = xr.DataArray(np.arange(len(rules)) == 0, dims="rule")
     columns = {name: ("rule", [getattr(rule, name) for rule in rules]) for name in TEXTS}
     return xr.Dataset(
         {
             "gap": gap,
-            "gap_lower": xr.where(only_answer, quantile[1], np.nan),  # type: ignore[no-untyped-call]
-            "gap_upper": xr.where(only_answer, quantile[2], np.nan),  # type: ignore[no-untyped-call]
+            "gap_lower": ("rule", [lower, *unknown]),
+            "gap_upper": ("rule", [upper, *unknown]),
             "error": gap / gap[0].where(gap[0] > 0) - 1,
             **{name: share.where(known) for name, share in apart.items()},
             "rho": ("rule", [rule.rho for rule in rules]),
             "verdict": verdict.astype(np.int8),
-            "status": xr.full_like(verdict, labels.CONVERGED, np.int8).where(
-                known, labels.INVALID_INPUT
-            ),
+            "status": labels.status_where(known),
             "separation_samples": samples,
         },
         coords={"rule": ("rule", [rule.name for rule in rules]), **columns},

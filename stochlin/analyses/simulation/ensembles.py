@@ -15,6 +15,7 @@ import xarray as xr
 from stochlin.analyses.linearization.equivalent_systems import solve_elastic, solve_structure
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.cellwise import row_of
 from stochlin.analyses.tables.checks import check_whole, is_number
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.ensemble import Crowd, Plan
@@ -94,16 +95,15 @@ def cells_of(
     k_eq = xr.zeros_like(like)
     if stationary:
         k_eq = solve_structure(structure, ground, "gaussian", Tolerance(1e-6, 1e-9, 200)).k_eq
-    columns = [
+    columns = (
         values["period"],
         values["damping"],
         values.get("hardening", xr.DataArray(1.0)),
         like,
         k_eq,
         *structure.law_parameters(),
-    ]
-    arrays = [array.broadcast_like(like).transpose(*like.dims).values.ravel() for array in columns]
-    period, damping, hardening, uy, pace, *rest = (np.asarray(a, float) for a in arrays)
+    )
+    period, damping, hardening, uy, pace, *rest = (row_of(a, like).astype(float) for a in columns)
     w = 2 * np.pi / period
     with np.errstate(divide="ignore", invalid="ignore"):
         slow = np.where(pace > 0, 1 / (hardening * pace), 0)
@@ -194,12 +194,9 @@ def prepare(
 
 def check_settings(paths: int, seed: int, steps_per_period: int, relaxation_times: float) -> None:
     """Raise a ValueError for settings out of range; to be called before any work."""
-    for name, value, lowest in (
-        ("paths", paths, 2),
-        ("seed", seed, 0),
-        ("steps_per_period", steps_per_period, 8),
-    ):
-        check_whole(name, value, lowest)
+    check_whole("paths", paths, 2)
+    check_whole("seed", seed, 0)
+    check_whole("steps_per_period", steps_per_period, 8)
     if not is_number(relaxation_times) or not 1 <= relaxation_times < np.inf:
         raise ValueError(f"relaxation_times = {relaxation_times!r}; allowed: at least 1, finite")
 

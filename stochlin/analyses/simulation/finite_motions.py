@@ -19,7 +19,7 @@ from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.envelopes import Envelope
 from stochlin.models.parameters import expect
 
-CONFIDENCE = 0.95
+TAIL = (1 - 0.95) / 2  # outside of an interval, on each side
 BLOCK = 256  # steps
 MOST_STEPS = 1e12  # of all pairs on all paths: minutes on two cores
 
@@ -75,7 +75,7 @@ def simulate_finite(
         table[f"{name}_mean"] = (over, samples.mean(axis=0))
         error = samples.std(axis=0, ddof=1) / np.sqrt(len(samples))
         table[f"{name}_mean_standard_error"] = (over, error)
-    estimate, lower, upper = _quantiles(apart, levels)
+    estimate, lower, upper = quantile_intervals(apart, levels)
     over = ("quantile", "structure", "structure_2")
     table = table.assign_coords(quantile=("quantile", levels, {"units": "1", "long_name": "quantile"}))
     table["separation_quantile"] = (over, estimate)
@@ -127,14 +127,12 @@ def exceedance(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Dataset:
         raise ValueError(f"samples has the dimensions {samples.dims}; allowed: one of them is 'path'")
     paths = samples.sizes["path"]
     count = (samples > gap).sum("path")
-    tail = (1 - CONFIDENCE) / 2
-    lower = scipy.stats.beta.ppf(tail, count, paths - count + 1)
-    upper = scipy.stats.beta.ppf(1 - tail, count + 1, paths - count)
+    lower, upper = share_interval(count.to_numpy(), paths)
     table = xr.Dataset(
         {
             "probability": count / paths,
-            "probability_lower": count.copy(data=np.nan_to_num(lower, nan=0.0)),
-            "probability_upper": count.copy(data=np.nan_to_num(upper, nan=1.0)),
+            "probability_lower": count.copy(data=lower),
+            "probability_upper": count.copy(data=upper),
         }
     )
     return labels.label(table, VARIABLES)
@@ -142,7 +140,18 @@ def exceedance(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Dataset:
 
 def pair_separation(motions: xr.Dataset) -> xr.DataArray:
     """The largest ``u_1 - u_2`` [m] in each motion, of what `simulate` returns for two structures."""
-    return motions.separation[:, 0, 1].drop_vars(["structure", "structure_2"])
+    return _of_pair(motions.separation)
+
+
+def required_gaps(motions: xr.Dataset) -> tuple[float, float, float]:
+    """The first quantile of `pair_separation`, and both ends of its 95 % interval."""
+    names = (f"separation_quantile{end}" for end in ("", "_lower", "_upper"))
+    required, lower, upper = (float(_of_pair(motions[name])[0]) for name in names)
+    return required, lower, upper
+
+
+def _of_pair(separation: xr.DataArray) -> xr.DataArray:
+    return separation.isel(structure=0, structure_2=1, drop=True)
 
 
 def keeping_apart(separation: xr.DataArray, gap: float | xr.DataArray) -> dict[str, xr.DataArray]:
@@ -155,18 +164,21 @@ def keeping_apart(separation: xr.DataArray, gap: float | xr.DataArray) -> dict[s
     }
 
 
-def _quantiles(samples: Array, levels: Array) -> tuple[Array, Array, Array]:
+def share_interval(count: Array, motions: int) -> tuple[Array, Array]:
+    """95 % interval of a probability, from the number of motions in which it came true."""
+    lower = scipy.stats.beta.ppf(TAIL, count, motions - count + 1)
+    upper = scipy.stats.beta.ppf(1 - TAIL, count + 1, motions - count)
+    return np.nan_to_num(lower, nan=0.0), np.nan_to_num(upper, nan=1.0)
+
+
+def quantile_intervals(samples: Array, levels: Array) -> tuple[Array, Array, Array]:
     """Quantiles along the first axis and their distribution-free 95 % intervals (order statistics)."""
     ordered = np.sort(samples, axis=0)
     n = len(ordered)
-    tail = (1 - CONFIDENCE) / 2
-    low = scipy.stats.binom.ppf(tail, n, levels).astype(int) - 1
-    high = scipy.stats.binom.ppf(1 - tail, n, levels).astype(int)
+    each = (-1,) + (1,) * (samples.ndim - 1)
+    low = scipy.stats.binom.ppf(TAIL, n, levels).astype(int) - 1
+    high = scipy.stats.binom.ppf(1 - TAIL, n, levels).astype(int)
     estimate: Array = np.quantile(samples, levels, axis=0)
-    lower = np.where(_open(low >= 0, samples), ordered[np.maximum(low, 0)], 0.0)
-    upper = np.where(_open(high < n, samples), ordered[np.minimum(high, n - 1)], np.inf)
+    lower = np.where((low >= 0).reshape(each), ordered[np.maximum(low, 0)], 0.0)
+    upper = np.where((high < n).reshape(each), ordered[np.minimum(high, n - 1)], np.inf)
     return estimate, lower, upper
-
-
-def _open(inside: Array, samples: Array) -> Array:
-    return inside.reshape((-1,) + (1,) * (samples.ndim - 1))

@@ -21,6 +21,7 @@ from stochlin.analyses.simulation.finite_motions import check_motion, simulate_f
 from stochlin.analyses.simulation.run_lengths import with_length
 from stochlin.analyses.simulation.variables import VARIABLES
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.checks import check_scalars
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.ensemble import Sums, stationary_sums
@@ -31,6 +32,7 @@ from stochlin.models.links import Link
 from stochlin.models.parameters import Model, expect
 from stochlin.models.structures import Structure
 
+SCALARS = "scalars, one structure an entry; correlate(method='simulation') takes arrays"
 NOT_STATIONARY = 5.0  # standard errors between the variances of the two halves of a run
 
 
@@ -140,8 +142,8 @@ def simulate(
         raise ValueError("structures is empty; allowed: at least one")
     for number, structure in enumerate(structures):
         expect(structure, Structure, f"structures[{number}]")
-        _refuse_arrays(structure, f"structures[{number}]")
-    _refuse_arrays(ground, "ground")
+        check_scalars(structure, f"structures[{number}]", SCALARS)
+    check_scalars(ground, "ground", SCALARS)
     check_memory(len(structures), paths)
     pair = None if link is None else linked_pair(structures, link)
     cells = cells_of_all(structures, ground, stationary=duration is None)
@@ -186,15 +188,6 @@ def simulate(
         f"simulate(paths={paths}, seed={seed})",
         models | {"ground": ground},
     )
-
-
-def _refuse_arrays(model: Model, role: str) -> None:
-    arrays = [name for name, value in model.arrays().items() if value.ndim]
-    if arrays:
-        raise ValueError(
-            f"{role}: {', '.join(arrays)} is an array; allowed: scalars, one structure an entry; "
-            "correlate(method='simulation') takes arrays"
-        )
 
 
 def simulate_moments(cells: Cells, run: Run, progress: Progress | None) -> Moments:

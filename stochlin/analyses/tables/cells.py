@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -28,7 +26,7 @@ def over_cells(function: Callable[..., xr.Dataset], models: Mapping[str, Model])
     for place in places:
         where = dict(zip(shape.dims, place, strict=True))
         valid = all(bool(model.valid().isel(where, missing_dims="ignore")) for model in models.values())
-        cell = {role: _scalar(model, where) for role, model in models.items()} if valid else {}
+        cell = {role: model.isel(where) for role, model in models.items()} if valid else {}
         done.append(function(**cell) if valid else None)
     known = next((table for table in done if table is not None), None)
     if known is None:
@@ -48,13 +46,6 @@ def over_cells(function: Callable[..., xr.Dataset], models: Mapping[str, Model])
     table = stacked.assign_coords(coordinates).unstack("cell").drop_vars(list(map(str, shape.dims)))
     table = table.assign_coords({name: shape.coords[name] for name in shape.coords})
     return table.assign_attrs({role: model.describe() for role, model in models.items()})
-
-
-def _scalar(model: Model, where: Mapping[Any, int]) -> Model:
-    values: dict[str, Any] = {
-        name: float(array.isel(where, missing_dims="ignore")) for name, array in model.arrays().items()
-    }
-    return replace(model, **values)
 
 
 def _blank(table: xr.Dataset) -> xr.Dataset:

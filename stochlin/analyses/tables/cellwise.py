@@ -15,6 +15,13 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from stochlin.kernels.basics.arrays import Array
+
+
+def row_of(array: xr.DataArray, like: xr.DataArray) -> Array:
+    """The values in the order of the cells of ``like``, over all of its dimensions."""
+    return array.broadcast_like(like).transpose(*like.dims).to_numpy().ravel()
+
 
 def is_lazy(*arrays: xr.DataArray) -> bool:
     """Whether dask holds one of them."""
@@ -32,12 +39,7 @@ def cellwise(
     """``function`` of arrays that broadcast, with a result of each of these kinds.
 
     ``core`` lists the dimensions of each array that come last and belong to a cell, ``result`` those of
-    the results.
-
-    Raises
-    ------
-    xarray.AlignmentError
-        If arrays share a dimension, not its coordinates or length.
+    the results. An AlignmentError is raised for dimensions that differ in coordinates or length.
     """
     with warnings.catch_warnings():
         # A table has more chunks than its axes: dask warns of what is wanted here.

@@ -7,6 +7,8 @@ from typing import TypeGuard
 
 import numpy as np
 
+from stochlin.models.parameters import Model
+
 
 def is_number(value: object) -> TypeGuard[float]:
     """Whether it is a real number; a truth value is none."""
@@ -23,6 +25,13 @@ def check_whole(name: str, value: object, lowest: int, highest: int | None = Non
     if not is_whole(value) or not lowest <= value <= (math.inf if highest is None else highest):
         to = "" if highest is None else f" to {highest}"
         raise ValueError(f"{name} = {value!r}; allowed: a whole number from {lowest}{to}")
+
+
+def check_scalars(model: Model, role: str, allowed: str) -> None:
+    """Raise a ValueError if a parameter is an array."""
+    arrays = [name for name, value in model.arrays().items() if value.ndim]
+    if arrays:
+        raise ValueError(f"{role}: {', '.join(arrays)} is an array; allowed: {allowed}")
 
 
 def check_duration(duration: object) -> float:

@@ -93,6 +93,11 @@ def with_run_information(
     return dataset
 
 
+def status_where(good: xr.DataArray, otherwise: int = INVALID_INPUT) -> xr.DataArray:
+    """Converged where this is true."""
+    return xr.full_like(good, CONVERGED, np.int8).where(good, otherwise).astype(np.int8)
+
+
 def raise_if_lone_failure(dataset: xr.Dataset, what: str) -> None:
     """A single case that failed has no neighbours to go on for: say so."""
     status = dataset["status"]

@@ -15,13 +15,7 @@ FORMATS = (".nc", ".csv")
 
 @contextmanager
 def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """A temporary path beside ``path``, renamed to it if the block ends well, removed if not.
-
-    Raises
-    ------
-    FileNotFoundError
-        If the folder does not exist.
-    """
+    """A temporary path beside ``path``, renamed to it if the block ends well, removed if not."""
     target = Path(path)
     handle, name = tempfile.mkstemp(prefix=f".{target.stem}-", suffix=target.suffix, dir=target.parent)
     os.close(handle)
@@ -42,19 +36,7 @@ def as_netcdf(dataset: xr.Dataset) -> bytes:
 
 
 def save_table(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
-    """Save a dataset as ``.nc`` (netCDF, with all metadata) or ``.csv`` (one row a cell).
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-    path : path
-        Ends in ``.nc`` or ``.csv``.
-
-    Raises
-    ------
-    ValueError
-        If the ending is another one.
-    """
+    """Save as ``.nc`` (netCDF, with all metadata) or ``.csv`` (one row a cell)."""
     suffix = Path(path).suffix.lower()
     if suffix not in FORMATS:
         raise ValueError(f"path = {str(path)!r} ends in {suffix!r}; allowed: {' or '.join(FORMATS)}")
@@ -62,7 +44,5 @@ def save_table(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
         if suffix == ".nc":
             dataset.to_netcdf(temporary, engine="scipy", format="NETCDF3_64BIT")
         else:
-            frame = (
-                dataset.to_dataframe() if dataset.sizes else dataset.expand_dims("case").to_dataframe()
-            )
-            frame.reset_index().to_csv(temporary, index=False)
+            table = dataset if dataset.sizes else dataset.expand_dims("case")
+            table.to_dataframe().reset_index().to_csv(temporary, index=False)
