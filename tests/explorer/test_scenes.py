@@ -13,7 +13,7 @@ import stochlin as sl
 from stochlin.analyses.explorer.case_text import case_text
 from stochlin.analyses.explorer.formulas import correlation, gap_rules, probability, spectra
 from stochlin.analyses.explorer.scene import ALLOWED, SHAPES, SITES, Scene, scene_of
-from stochlin.analyses.explorer.simulations import simulations, together
+from stochlin.analyses.explorer.simulations import merge_tables, simulations
 from stochlin.analyses.linearization.equivalent_systems import INTERNAL, solve_structure
 from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.tables.storage import as_netcdf
@@ -256,7 +256,7 @@ def test_what_progress_raises_stops_a_simulation():
 
 def test_all_that_is_shown_becomes_one_file(simulated, tmp_path):
     scene, (tables, _) = Scene(paths=128), simulated
-    whole = together(
+    whole = merge_tables(
         scene,
         {
             "spectra": spectra(scene),

@@ -10,7 +10,7 @@ import xarray as xr
 from cases import augmented_system
 
 import stochlin as sl
-from stochlin.analyses.probability.cells import Pair
+from stochlin.analyses.probability.cells import PairTable
 from stochlin.models.structures import Gap
 
 pytestmark = pytest.mark.oracle
@@ -69,7 +69,7 @@ def direct(pair, ground, times):
 @pytest.mark.parametrize("ground", GROUNDS.values(), ids=list(GROUNDS))
 def test_linear_pair_follows_the_lyapunov_differential_equation(ground):
     pair = sl.Bilinear(1.0, 0.05), sl.Bilinear(0.6, 0.02)
-    solved = Pair.of(*pair, ground, Gap(1.0), DURATION, QUAKE, 11)
+    solved = PairTable.of(*pair, ground, Gap(1.0), DURATION, QUAKE, 11)
     x = direct(pair, ground, solved.moments.course.times)
     own, both = solved.moments.own, solved.moments.difference
     d = np.array([1.0, 0.0, -1.0, 0.0])

@@ -161,6 +161,6 @@ def test_cells_out_of_range_are_left_out_of_an_estimate():
 
 def test_compiled_code_refuses_a_law_that_it_does_not_know():
     row, _ = build_row([ONE, TWO], np.array([0.01]), CONTACT, MOTION.to_numpy(), [None])
-    motion = kernel.Motion(MOTION.to_numpy(), 0.02, np.array([0]), np.array([0.0]))
+    motion = kernel.SampledMotion(MOTION.to_numpy(), 0.02, np.array([0]), np.array([0.0]))
     with pytest.raises(ValueError, match=r"law = \[0 3\] .* allowed: \[0, 1, 2\]"):
         kernel.run(row._replace(law=np.array([0, 3])), motion)

@@ -62,7 +62,7 @@ def fly(masses, velocities, contact, duration, gap=0.0, samples=17, push=0.0):
     start = np.zeros(3 * n + 3 * n + n - 1)
     start[n : 2 * n] = velocities
     ends = np.arange(samples - 1)
-    motion = kernel.Motion(np.full(samples, push), dt, ends, np.full(samples - 1, dt))
+    motion = kernel.SampledMotion(np.full(samples, push), dt, ends, np.full(samples - 1, dt))
     return kernel.run(row, motion, start)
 
 

@@ -9,7 +9,7 @@ import scipy.stats
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.simulation.ensembles import cells_of, joined, prepare
+from stochlin.analyses.simulation.ensembles import cells_of, join_cells, prepare
 from stochlin.kernels.simulation.ensemble import Motion
 
 pytestmark = pytest.mark.oracle
@@ -51,7 +51,7 @@ def test_variance_under_an_envelope_follows_the_lyapunov_equation():
     """Displacement of an elastic structure at the end of a rise, over 4096 motions."""
     w, xi, intensity, steps, period = 2 * np.pi, 0.05, 0.01, 96, 1.0
     run = prepare(
-        joined([cells_of(elastic(period), sl.WhiteNoise(intensity))[0]]),
+        join_cells([cells_of(elastic(period), sl.WhiteNoise(intensity))[0]]),
         sl.WhiteNoise(intensity),
         paths=4096,
         seed=3,

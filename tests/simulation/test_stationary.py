@@ -8,7 +8,7 @@ import pytest
 import scipy.stats
 
 import stochlin as sl
-from stochlin.analyses.simulation.ensembles import cells_of, joined, prepare
+from stochlin.analyses.simulation.ensembles import cells_of, join_cells, prepare
 from stochlin.analyses.simulation.run_lengths import with_length
 from stochlin.analyses.simulation.simulation import NOT_STATIONARY, simulate_moments
 from stochlin.kernels.simulation.stepping import LANES, bilinear_block, filter_steps, ground_block
@@ -28,7 +28,7 @@ def yielding(period, strength_ratio, hardening=0.05, model=sl.Bilinear):
 
 def ensemble(structures, ground, **options):
     """Cells and run of some structures, ready for `simulate_moments` with any seed."""
-    cells = joined([cells_of(structure, ground)[0] for structure in structures])
+    cells = join_cells([cells_of(structure, ground)[0] for structure in structures])
     relaxation_times = options.pop("relaxation_times")
     return cells, with_length(prepare(cells, ground, **options), cells, relaxation_times)
 

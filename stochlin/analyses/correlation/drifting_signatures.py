@@ -13,7 +13,7 @@ import xarray as xr
 
 from stochlin.analyses.correlation.derived_pairs import derived_correlation
 from stochlin.analyses.linearization.bias_map import point_of
-from stochlin.analyses.linearization.drift_map import REFERENCE, SIGNATURE, drift_map, held
+from stochlin.analyses.linearization.drift_map import REFERENCE, SIGNATURE, drift_map, hold_at_ends
 from stochlin.analyses.linearization.equivalent_systems import solve_derived
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables.cellwise import cellwise
@@ -68,7 +68,7 @@ def insights(
     derived = derived_signatures(solved, known)
     for structure, side, own in zip(structures, solved, derived, strict=True):
         parts = [own.isel({REFERENCE: n}, drop=True) for n in range(own.sizes[REFERENCE])]
-        correction = held(SIGNATURE, point_of(structure, ground, side))
+        correction = hold_at_ends(SIGNATURE, point_of(structure, ground, side))
         both.append(list(cellwise(_insight, *parts, *correction, kinds=(float,) * (2 * len(parts) + 1))))
     return both
 

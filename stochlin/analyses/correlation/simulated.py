@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.simulation.ensembles import cells_of, check_settings, joined, prepare
+from stochlin.analyses.simulation.ensembles import cells_of, check_settings, join_cells, prepare
 from stochlin.analyses.simulation.run_lengths import with_length
 from stochlin.analyses.simulation.simulation import run_attributes, simulate_moments
 from stochlin.analyses.tables import labels
@@ -58,7 +58,7 @@ def _on_one_ground(
     first: Structure, second: Structure, ground: Ground, settings: SimulationSettings
 ) -> xr.Dataset:
     (cells_1, index_1), (cells_2, index_2) = cells_of(first, ground), cells_of(second, ground)
-    cells = joined([cells_1, cells_2])
+    cells = join_cells([cells_1, cells_2])
     index_2 = index_2 + cells_1.valid.size
     run = prepare(
         cells,

@@ -44,7 +44,7 @@ LINEARIZED_PEAKS = "peaks of linearization"
 DRIFTED_PEAKS = "peaks by standard deviations of the drift closure and peak factors of linearization"
 
 
-class _Pair(NamedTuple):
+class _SolvedScene(NamedTuple):
     """Both buildings as solved, the second with every period, and where its own is."""
 
     structures: tuple[Structure, Structure]
@@ -58,7 +58,7 @@ class _Pair(NamedTuple):
 
 
 @lru_cache(maxsize=8)  # three views of one scene share it
-def _solved(scene: Scene) -> _Pair:
+def _solved(scene: Scene) -> _SolvedScene:
     ratio = scene.period_2 / scene.period_1
     ratios = np.union1d(RATIOS, ratio)
     own = int(np.searchsorted(ratios, ratio))
@@ -69,7 +69,7 @@ def _solved(scene: Scene) -> _Pair:
         for closure in ("gaussian", DRIFT)
         for structure in structures
     )
-    pair = _Pair(structures, (one, other), (one_drifting, other_drifting), own)
+    pair = _SolvedScene(structures, (one, other), (one_drifting, other_drifting), own)
     for structure, side in zip(scene.structures(), pair.single(pair.gaussian), strict=True):
         labels.raise_if_lone_failure(side, structure.describe())
     return pair

@@ -47,7 +47,7 @@ def simulations(scene: Scene, progress: Progress | None = None) -> dict[str, xr.
     }
 
 
-def together(scene: Scene, tables: Mapping[str, xr.Dataset]) -> xr.Dataset:
+def merge_tables(scene: Scene, tables: Mapping[str, xr.Dataset]) -> xr.Dataset:
     """One dataset of all that is shown, for a file, from datasets by the name of what they show.
 
     Variables, coordinates and dimensions have the name of their table before their own.

@@ -36,18 +36,18 @@ def drift_map() -> xr.Dataset:
         return xr.load_dataset(stream, engine="scipy")
 
 
-def corrected(structure: Structure, ground: Ground, derived: xr.Dataset) -> xr.Dataset:
+def with_correction(structure: Structure, ground: Ground, derived: xr.Dataset) -> xr.Dataset:
     """The derived table with its displacements corrected, where the map knows the kind of ground."""
     if type(ground) not in KNOWN_GROUNDS or not structure.yields:
         return derived
     name = DISPLACEMENT_WHITE if isinstance(ground, WhiteNoise) else DISPLACEMENT
-    (logarithm,) = held(name, point_of(structure, ground, derived))
+    (logarithm,) = hold_at_ends(name, point_of(structure, ground, derived))
     factor = np.exp(logarithm)
     shown = ("displacement_std", "ductility_std")
     return derived.assign({variable: derived[variable] * factor for variable in shown})
 
 
-def held(name: str, point: list[xr.DataArray]) -> tuple[xr.DataArray, ...]:
+def hold_at_ends(name: str, point: list[xr.DataArray]) -> tuple[xr.DataArray, ...]:
     """The values of a variable of the map, one a reference, at a point of `point_of`."""
     return cellwise(_held, *point, name=name, kinds=(float,) * len(_grids(name)))
 

@@ -77,9 +77,11 @@ def solve_structure(
     solved = solve_derived(structure, ground, closure, tolerance)
     if closure != DRIFT:
         return solved
-    from stochlin.analyses.linearization.drift_map import corrected  # it solves the grid of its map
+    from stochlin.analyses.linearization.drift_map import (
+        with_correction,  # it solves the grid of its map
+    )
 
-    return corrected(structure, ground, solved)
+    return with_correction(structure, ground, solved)
 
 
 def solve_elastic(structure: Structure, ground: Ground) -> xr.Dataset:
@@ -93,7 +95,7 @@ def solve_derived(
     """The same as its equations have it, without what simulation adds to the drift closure."""
     values, law = structure.arrays(), structure.law_parameters()
     elastic = closure is None or not structure.yields
-    cells = _Cells(
+    cells = _Solver(
         len(law),
         structure.reduction_factor is not None,
         ground.filter_of,
@@ -128,7 +130,7 @@ def solve_derived(
     return xr.Dataset(dict(zip(names, outputs, strict=True)))
 
 
-class _Cells(NamedTuple):
+class _Solver(NamedTuple):
     """The array side of `solve_structure`: flattens, leaves out invalid cells, fills NaN."""
 
     laws: int  # parameters of the law

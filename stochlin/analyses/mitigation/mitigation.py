@@ -10,7 +10,7 @@ import xarray as xr
 
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.mitigation.mitigated_pair import RECORDED, MitigatedPair
-from stochlin.analyses.mitigation.searches import Row, Search, searches
+from stochlin.analyses.mitigation.searches import MeasureLine, Search, searches
 from stochlin.analyses.mitigation.variables import VARIABLES
 from stochlin.analyses.records.records import checked_record
 from stochlin.analyses.separation.separation import NOT_AVAILABLE, VERDICT_ATTRS, verdict_of
@@ -136,12 +136,12 @@ def mitigate(
         contact=contact,
         records=records or {},
     )
-    given = [Row(AS_BUILT, AS_BUILT, Measure())]
+    given = [MeasureLine(AS_BUILT, AS_BUILT, Measure())]
     for name, measure in measures.items():
         unseen = measure.contact is not None and not records
         told = "what a contact does shows on records, and none is given" if unseen else ""
-        given.append(Row(name, "given", measure, missing=told))
-    wanted: list[Row | Search] = [*given, *searches(site, amplification_limit)]
+        given.append(MeasureLine(name, "given", measure, missing=told))
+    wanted: list[MeasureLine | Search] = [*given, *searches(site, amplification_limit)]
     rows, columns = [], []
     for done, each in enumerate(wanted, start=1):
         row = each.result() if isinstance(each, Search) else each
@@ -195,7 +195,7 @@ def _checked(
     return [strength_in_metres(structure, ground) for structure in (first, second)]
 
 
-def _column(site: MitigatedPair, row: Row) -> dict[str, Any]:
+def _column(site: MitigatedPair, row: MeasureLine) -> dict[str, Any]:
     """All numbers of a row."""
     measure = row.measure
     if measure is None:
@@ -212,7 +212,9 @@ def _column(site: MitigatedPair, row: Row) -> dict[str, Any]:
     return column | (site.recorded(measure) if site.records else {})
 
 
-def _table(rows: Sequence[Row], columns: Sequence[Mapping[str, Any]], site: MitigatedPair) -> xr.Dataset:
+def _table(
+    rows: Sequence[MeasureLine], columns: Sequence[Mapping[str, Any]], site: MitigatedPair
+) -> xr.Dataset:
     def texts(name: str) -> list[str]:
         return [getattr(row, name) for row in rows]
 

@@ -24,7 +24,7 @@ SIDES: Mapping[str, tuple[float, float]] = {
 }
 
 
-class Row(NamedTuple):
+class MeasureLine(NamedTuple):
     """A row of the table; without a measure, none was found."""
 
     name: str
@@ -45,13 +45,13 @@ class Search(NamedTuple):
     values: Array
     unit: str
 
-    def result(self) -> Row:
+    def result(self) -> MeasureLine:
         """The least measure, or why there is none."""
         value = first_below(lambda x: self.outcome(self.build(x)), self.values, self.most)
         if np.isfinite(value):
-            return Row(self.name, "least", self.build(value), self.aim)
+            return MeasureLine(self.name, "least", self.build(value), self.aim)
         tried = f"nothing up to {self.values[-1]:.3g}{self.unit} meets the aim"
-        return Row(self.name, "least", None, self.aim, tried)
+        return MeasureLine(self.name, "least", None, self.aim, tried)
 
 
 def searches(site: MitigatedPair, limit: float | None) -> list[Search]:

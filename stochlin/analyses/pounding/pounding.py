@@ -135,7 +135,9 @@ def pound(
     asked = _intervals(times, dt, ground.size - 1)
     never = np.empty(0, np.int64), np.empty(0)
     runs = (row, asked), (kernel.standing_alone(row), never)
-    done, alone = in_order(lambda i: _completed(runs[i][0], kernel.Motion(ground, dt, *runs[i][1])), 2)
+    done, alone = in_order(
+        lambda i: _completed(runs[i][0], kernel.SampledMotion(ground, dt, *runs[i][1])), 2
+    )
     start = float(motion["time"][0])
     time = motion["time"].to_numpy().astype(float) if output_step is None else start + times
     table = histories(row, row_of, done, start, time)
@@ -203,7 +205,7 @@ def _estimates(
     return worst
 
 
-def _completed(row: Row, motion: kernel.Motion) -> kernel.Run:
+def _completed(row: Row, motion: kernel.SampledMotion) -> kernel.Run:
     run = kernel.run(row, motion)
     if run.completed:
         return run

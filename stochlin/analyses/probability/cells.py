@@ -31,15 +31,15 @@ from stochlin.models.grounds import Ground
 from stochlin.models.structures import Gap, Structure
 
 
-class Pair(NamedTuple):
+class PairTable(NamedTuple):
     """Cells, moments, and where each pair and gap is."""
 
-    pairs: Array  # (2, p)
+    structures_of_pair: Array  # (2, p): numbers of both
     moments: Moments
-    pair_at: xr.DataArray  # number of the pair, -1 where invalid
-    cell_at: xr.DataArray  # number of the (pair, gap), likewise
+    pair_number: xr.DataArray  # number of the pair, -1 where invalid
+    cell_number: xr.DataArray  # number of the (pair, gap), likewise
     gap: Array  # (c,)
-    pair: Array  # (c,)
+    pair_of_cell: Array  # (c,)
     status: xr.DataArray
 
     @classmethod
@@ -48,15 +48,15 @@ class Pair(NamedTuple):
         first: Structure,
         second: Structure,
         ground: Ground,
-        wanted: Gap,
+        distance: Gap,
         duration: float,
         envelope: Envelope | None,
         points: int,
-    ) -> Pair:
+    ) -> PairTable:
         """Check, number and solve the cells."""
         one = side_of(first, ground, duration, "first", 0)
         two = side_of(second, ground, duration, "second", one.cells.period.size)
-        gap = wanted.arrays()["gap"]
+        gap = distance.arrays()["gap"]
         try:
             xr.align(one.position, two.position, gap, join="exact", copy=False)
         except (xr.AlignmentError, ValueError) as error:
@@ -66,58 +66,60 @@ class Pair(NamedTuple):
             ) from error
         left, right = xr.broadcast(one.position, two.position)
         both = (left >= 0) & (right >= 0)
-        pair_at = numbered(both)
-        spread, wide = xr.broadcast(pair_at, gap)
+        pair_number = numbered(both)
+        spread, wide = xr.broadcast(pair_number, gap)
         good = (spread >= 0) & (wide > 0) & np.isfinite(wide)
         status = xr.apply_ufunc(np.maximum, one.status, two.status)
         status = status.broadcast_like(good).where((spread < 0) | good, labels.INVALID_INPUT)
-        pairs = np.stack([of_cells(side, pair_at) for side in (left, right)])
-        cell_at = numbered(good)
+        structures = np.stack([of_cells(side, pair_number) for side in (left, right)])
+        cell_number = numbered(good)
         if not good.any():
             raise ValueError("no pair has valid parameters; correct those that are out of range")
         sides = (one, two)
         shortest = float(oscillators_of(sides).period.min())
         course = course_of(envelope, duration, shortest, points)
         return cls(
-            pairs,
-            solve_course(sides, ground, pairs, course),
-            pair_at,
-            cell_at,
-            of_cells(wide, cell_at).astype(float),
-            of_cells(spread, cell_at),
+            structures,
+            solve_course(sides, ground, structures, course),
+            pair_number,
+            cell_number,
+            of_cells(wide, cell_number).astype(float),
+            of_cells(spread, cell_number),
             status.transpose(*good.dims).astype(np.int8),
         )
 
 
-def by_formula(pair: Pair, ground: Ground, confidence: float) -> xr.Dataset:
+def by_formula(pairs: PairTable, ground: Ground, confidence: float) -> xr.Dataset:
     """What linearization says, and what it says with the drift put back."""
-    moments, course = pair.moments, pair.moments.course
-    bandwidth = bandwidths(moments, pair.pairs, ground)
+    moments, course = pairs.moments, pairs.moments.course
+    bandwidth = bandwidths(moments, pairs.structures_of_pair, ground)
     both = moments.difference
     table, required = xr.Dataset(), None
     nothing = np.zeros_like(moments.own.displacement), np.zeros_like(both.d_d)
-    for ending, (own, apart) in (("", nothing), ("_corrected", _drift(pair, ground))):
+    for ending, (own, apart) in (("", nothing), ("_corrected", _drift(pairs, ground))):
         if required is None or np.isnan(apart).any() or apart.any():
-            found = chances(both, bandwidth, apart, pair.gap, pair.pair, course)
+            found = chances(both, bandwidth, apart, pairs.gap, pairs.pair_of_cell, course)
             required = gap_for(both, bandwidth, apart, confidence, course)
-        table[f"instantaneous_probability{ending}"] = spread_over(found.now, pair.cell_at)
-        table[f"confidence_of_no_pounding{ending}"] = spread_over(found.vanmarcke, pair.cell_at)
+        table[f"instantaneous_probability{ending}"] = spread_over(found.now, pairs.cell_number)
+        table[f"confidence_of_no_pounding{ending}"] = spread_over(found.vanmarcke, pairs.cell_number)
         if not ending:
-            table["confidence_of_no_pounding_poisson"] = spread_over(found.poisson, pair.cell_at)
+            table["confidence_of_no_pounding_poisson"] = spread_over(found.poisson, pairs.cell_number)
         shown = np.sqrt(np.maximum((moments.own.displacement + own)[course.shown], 0))
         for number, side in enumerate(moments.sides, start=1):
             table[f"displacement_std{ending}_{number}"] = spread_over(shown, side.position)
         spread = np.sqrt((both.d_d + apart)[course.shown])
-        table[f"difference_std{ending}"] = spread_over(spread, pair.pair_at)
-        table[f"required_gap{ending}"] = spread_over(required, pair.pair_at)
-    one, two = (np.sqrt(moments.own.displacement[course.shown][:, side]) for side in pair.pairs)
+        table[f"difference_std{ending}"] = spread_over(spread, pairs.pair_number)
+        table[f"required_gap{ending}"] = spread_over(required, pairs.pair_number)
+    one, two = (
+        np.sqrt(moments.own.displacement[course.shown][:, side]) for side in pairs.structures_of_pair
+    )
     with np.errstate(invalid="ignore", divide="ignore"):
         rho = moments.difference.product[course.shown] / (one * two)
-    return table.assign(rho=spread_over(np.where(one * two > 0, rho, np.nan), pair.pair_at))
+    return table.assign(rho=spread_over(np.where(one * two > 0, rho, np.nan), pairs.pair_number))
 
 
 def by_simulation(
-    pair: Pair,
+    pairs: PairTable,
     ground: Ground,
     confidence: float,
     counts: tuple[int, int],
@@ -125,9 +127,9 @@ def by_simulation(
 ) -> xr.Dataset:
     """What simulated motions say, with errors; ``counts`` are paths and seed."""
     paths, seed = counts
-    cells, moments = (pair.gap, pair.pair), pair.moments
+    cells, moments = (pairs.gap, pairs.pair_of_cell), pairs.moments
     found = simulate_course(
-        moments.sides, pair.pairs, cells, ground, moments.course, paths, seed, progress
+        moments.sides, pairs.structures_of_pair, cells, ground, moments.course, paths, seed, progress
     )
     n = len(found.largest)
     alive = found.survivors
@@ -135,10 +137,10 @@ def by_simulation(
     stem = "confidence_of_no_pounding_simulated"
     table = xr.Dataset(
         {
-            "instantaneous_probability_simulated": spread_over(found.beyond / n, pair.cell_at),
-            stem: spread_over(alive / n, pair.cell_at),
-            f"{stem}_lower": spread_over(lower, pair.cell_at),
-            f"{stem}_upper": spread_over(upper, pair.cell_at),
+            "instantaneous_probability_simulated": spread_over(found.beyond / n, pairs.cell_number),
+            stem: spread_over(alive / n, pairs.cell_number),
+            f"{stem}_lower": spread_over(lower, pairs.cell_number),
+            f"{stem}_upper": spread_over(upper, pairs.cell_number),
         }
     )
     mean = found.squares / n
@@ -147,19 +149,19 @@ def by_simulation(
     )
     names = ("displacement_std_simulated_1", "displacement_std_simulated_2", "difference_std_simulated")
     for row, name in enumerate(names):
-        table[name] = spread_over(np.sqrt(mean[:, row]), pair.pair_at)
-    table["difference_std_simulated_standard_error"] = spread_over(error[:, 2], pair.pair_at)
+        table[name] = spread_over(np.sqrt(mean[:, row]), pairs.pair_number)
+    table["difference_std_simulated_standard_error"] = spread_over(error[:, 2], pairs.pair_number)
     gaps = quantile_intervals(found.largest, np.array([confidence]))
     for ending, (values,) in zip(("", "_lower", "_upper"), gaps, strict=True):
-        table[f"required_gap_simulated{ending}"] = spread_over(values, pair.pair_at)
+        table[f"required_gap_simulated{ending}"] = spread_over(values, pairs.pair_number)
     return table.assign_attrs(paths=n, seed=seed)
 
 
-def _drift(pair: Pair, ground: Ground) -> tuple[Array, Array]:
+def _drift(pairs: PairTable, ground: Ground) -> tuple[Array, Array]:
     """Variances of the drift; NaN where the map of the bias does not reach."""
-    own, both, sides, course = pair.moments
+    own, both, sides, course = pairs.moments
     first, second = (side.structure for side in sides)
     biases = [of_cells(linearize(side.structure, ground).bias, side.position) for side in sides]
-    shared = of_cells(correlate(first, second, ground).bias, pair.pair_at)
+    shared = of_cells(correlate(first, second, ground).bias, pairs.pair_number)
     hardening, bias = oscillators_of(sides).hardening, np.concatenate(biases)
-    return drift_variances(own, both, pair.pairs, course.times, hardening, bias, shared)
+    return drift_variances(own, both, pairs.structures_of_pair, course.times, hardening, bias, shared)

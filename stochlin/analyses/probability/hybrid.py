@@ -29,7 +29,7 @@ def hybrid_pounding(
     first: Structure,
     second: Structure,
     ground: Ground | None,
-    wanted: Gap,
+    distance: Gap,
     record: xr.DataArray | None,
     confidence: float,
 ) -> xr.Dataset:
@@ -55,8 +55,8 @@ def hybrid_pounding(
     motions = [respond(structure, record, refine=refine) for structure in (one, two)]
     radius_1, radius_2 = (motion.radius.to_numpy() for motion in motions)
     k = concentration(min(max(rho, -1.0), 1.0))
-    gap = wanted.arrays()["gap"]
-    valid = wanted.valid()
+    gap = distance.arrays()["gap"]
+    valid = distance.valid()
     cells = gap.where(valid, 1.0).to_numpy().ravel()
     seconds = np.gradient(motions[0].time.to_numpy())
     cycles = seconds * 0.5 * sum(1 / float(s.arrays()["period"]) for s in (one, two))
@@ -88,7 +88,7 @@ def hybrid_pounding(
         table,
         "Probability of pounding in a recorded motion, random phase",
         f"pounding_probability(method='hybrid', confidence={confidence:g})",
-        {"first": one, "second": two, "ground": ground, "distance": wanted},
+        {"first": one, "second": two, "ground": ground, "gap": distance},
     )
 
 

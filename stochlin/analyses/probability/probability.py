@@ -9,7 +9,7 @@ from stochlin.analyses.linearization.transient_systems import (
     check_course,
     over_time,
 )
-from stochlin.analyses.probability.cells import Pair, by_formula, by_simulation
+from stochlin.analyses.probability.cells import PairTable, by_formula, by_simulation
 from stochlin.analyses.probability.hybrid import hybrid_pounding
 from stochlin.analyses.probability.variables import VARIABLES
 from stochlin.analyses.tables import labels
@@ -130,11 +130,11 @@ def pounding_probability(
     check_confidence(confidence)
     if method not in METHODS:
         raise ValueError(f"method = {method!r}; allowed: {', '.join(METHODS)}")
-    wanted = Gap(gap)
+    distance = Gap(gap)
     if method == "hybrid":
         if envelope is not None or duration is not None:
             raise ValueError("envelope and duration do not go with method='hybrid': the record has both")
-        return hybrid_pounding(first, second, ground, wanted, record, confidence)
+        return hybrid_pounding(first, second, ground, distance, record, confidence)
     if record is not None:
         raise ValueError("record goes with method='hybrid'; allowed here: envelope and duration")
     expect(ground, Ground, "ground")
@@ -145,13 +145,13 @@ def pounding_probability(
     if paths == 1:
         raise ValueError("paths = 1; allowed: 0 for no simulation, or a whole number from 2")
     seconds = check_course(duration, envelope)
-    pair = Pair.of(first, second, ground, wanted, seconds, envelope, points)
-    table = by_formula(pair, ground, confidence)
+    pairs = PairTable.of(first, second, ground, distance, seconds, envelope, points)
+    table = by_formula(pairs, ground, confidence)
     if paths:
-        simulated = by_simulation(pair, ground, confidence, (paths, seed), progress)
+        simulated = by_simulation(pairs, ground, confidence, (paths, seed), progress)
         table = table.assign(simulated.data_vars).assign_attrs(simulated.attrs)
-    table = over_time(table.assign_attrs(confidence=confidence), pair.moments.course)
-    table = labels.label(table.assign(status=pair.status), VARIABLES)
+    table = over_time(table.assign_attrs(confidence=confidence), pairs.moments.course)
+    table = labels.label(table.assign(status=pairs.status), VARIABLES)
     labels.raise_if_lone_failure(table, "pounding_probability")
     if first.yields or second.yields:
         table = table.assign_attrs(comment=labels.CAUTION_SIGMA)
@@ -160,6 +160,6 @@ def pounding_probability(
         f"Probability of pounding in a finite motion, {ground.name} ground",
         f"pounding_probability(duration={duration:g}, confidence={confidence:g}, paths={paths}, "
         f"seed={seed})",
-        {"first": first, "second": second, "ground": ground, "distance": wanted},
+        {"first": first, "second": second, "ground": ground, "gap": distance},
         REFERENCES,
     )

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from stochlin.analyses.linearization.transient_systems import Course, Side, grounds_of, oscillators_of
-from stochlin.analyses.simulation.ensembles import Cells, joined_laws, prepare
+from stochlin.analyses.simulation.ensembles import SimulationCells, joined_laws, prepare
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.separation_histories import Histories, Watched, separation_histories
@@ -42,7 +42,7 @@ def simulate_course(
     period, damping, hardening, uy, _ = oscillators_of(sides)
     dims = [array.dims for array in ground.arrays().values()]
     lone = ground.isel({name: slice(0, 1) for name in set().union(*dims)})
-    cells = Cells(
+    cells = SimulationCells(
         period,
         damping,
         hardening,
@@ -68,6 +68,6 @@ def simulate_course(
     return separation_histories(run.crowd, steps, run.root, plan, shape, watched, progress)
 
 
-def motions(paths: int) -> int:
+def whole_groups(paths: int) -> int:
     """How many motions are run for so many paths: whole groups of them."""
     return int(np.ceil(paths / LANES)) * LANES

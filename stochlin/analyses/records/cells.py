@@ -13,7 +13,7 @@ from stochlin.analyses.records.records import checked_record
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import row_of
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.records.runs import Ground
+from stochlin.kernels.records.runs import SampledGround
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
@@ -29,7 +29,7 @@ SHORTEST = 0.1  # of the record's step: shorter periods would follow its straigh
 class Motions(NamedTuple):
     """Records ready to run."""
 
-    grounds: list[Ground]
+    grounds: list[SampledGround]
     names: list[str] | None  # None for a lone record, which has no dimension
 
     @property
@@ -46,7 +46,7 @@ class Motions(NamedTuple):
         )
 
 
-class Cells(NamedTuple):
+class RecordCells(NamedTuple):
     """Every cell of a structure, one after the other."""
 
     parameters: Array  # (n, 4): w, damping, hardening, yield displacement; infinite where elastic
@@ -56,7 +56,7 @@ class Cells(NamedTuple):
 def checked_motions(record: Records) -> Motions:
     """The records, checked; a list takes its names from their sources where these are distinct."""
     if isinstance(record, xr.DataArray):
-        return Motions([Ground(*checked_record(record))], None)
+        return Motions([SampledGround(*checked_record(record))], None)
     if isinstance(record, Mapping):
         names, records = [str(name) for name in record], list(record.values())
     elif isinstance(record, (list, tuple)):
@@ -74,7 +74,7 @@ def checked_motions(record: Records) -> Motions:
     grounds = []
     for name, each in zip(names, records, strict=True):
         try:
-            grounds.append(Ground(*checked_record(each)))
+            grounds.append(SampledGround(*checked_record(each)))
         except (TypeError, ValueError) as error:
             raise type(error)(f"record {name}: {error}") from error
     return Motions(grounds, names)
@@ -96,7 +96,7 @@ def check_structure(structure: Structure, role: str) -> None:
         )
 
 
-def template(*structures: Bilinear) -> xr.DataArray:
+def dims_of(*structures: Bilinear) -> xr.DataArray:
     """False over all dimensions of the structures, by name, with their coordinates."""
     arrays = [array for structure in structures for array in structure.arrays().values()]
     try:
@@ -114,7 +114,7 @@ def template(*structures: Bilinear) -> xr.DataArray:
     return like
 
 
-def cells_of(structure: Bilinear, like: xr.DataArray, motions: Motions) -> Cells:
+def cells_of(structure: Bilinear, like: xr.DataArray, motions: Motions) -> RecordCells:
     """The cells of a structure over the dimensions of ``like``, in their order.
 
     A cell without a finite strength is elastic; one so short that the record says nothing of it,
@@ -135,7 +135,7 @@ def cells_of(structure: Bilinear, like: xr.DataArray, motions: Motions) -> Cells
     hardening = values.get("hardening", xr.DataArray(1.0))
     columns = [2 * np.pi / values["period"].where(valid, 1.0), values["damping"], hardening, uy, valid]
     *parameters, usable = (row_of(column, like) for column in columns)
-    return Cells(np.stack(parameters, axis=1).astype(float), usable.astype(bool))
+    return RecordCells(np.stack(parameters, axis=1).astype(float), usable.astype(bool))
 
 
 def table_over(

@@ -10,8 +10,8 @@ from stochlin.analyses.records.cells import (
     cells_of,
     check_structure,
     checked_motions,
+    dims_of,
     table_over,
-    template,
 )
 from stochlin.analyses.records.variables import VARIABLES
 from stochlin.analyses.tables import labels
@@ -72,7 +72,7 @@ def recorded_gap(first: Bilinear, second: Bilinear, record: Records) -> xr.Datas
     for role, structure in (("first", first), ("second", second)):
         check_structure(structure, role)
     motions = checked_motions(record)
-    like = template(first, second)
+    like = dims_of(first, second)
     one, two = (cells_of(structure, like, motions) for structure in (first, second))
     valid = one.valid & two.valid
     pairs = one.parameters[valid], two.parameters[valid]

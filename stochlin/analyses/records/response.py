@@ -11,8 +11,8 @@ from stochlin.analyses.records.cells import (
     cells_of,
     check_structure,
     checked_motions,
+    dims_of,
     table_over,
-    template,
 )
 from stochlin.analyses.records.variables import VARIABLES
 from stochlin.analyses.tables import labels
@@ -142,7 +142,7 @@ def response_spectrum(
         yield_displacement = None if yield_displacement == np.inf else yield_displacement
     structure = Bilinear(period, damping, hardening, yield_displacement)
     motions = checked_motions(record)
-    like = template(structure)
+    like = dims_of(structure)
     cells = cells_of(structure, like, motions)
     parameters = cells.parameters[cells.valid]
     peaks = peaks_on_records(motions.grounds, parameters)
@@ -212,7 +212,7 @@ def respond(structure: Bilinear, record: xr.DataArray, *, refine: int = 1) -> xr
         raise TypeError(f"record is a {type(record).__name__}; allowed: one xarray.DataArray")
     motions = checked_motions(record)
     [ground] = motions.grounds
-    parameters = cells_of(structure, template(structure), motions).parameters[0]
+    parameters = cells_of(structure, dims_of(structure), motions).parameters[0]
     displacement, velocity, strain = history(ground, parameters, int(refine))
     start = float(record["time"][0])
     time = start + ground.dt / refine * np.arange(displacement.size)

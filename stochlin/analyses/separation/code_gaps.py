@@ -10,7 +10,7 @@ import xarray as xr
 from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.models.parameters import Parameter
-from stochlin.models.rules.codes import PeakPair, check_zone, code_rule, code_rule_names
+from stochlin.models.rules.codes import BuildingPeaks, check_zone, code_rule, code_rule_names
 
 TEXTS: Mapping[str, str] = {
     "reference": "source of the rule",
@@ -77,7 +77,7 @@ def code_gaps(
     check_zone(zone)
     if not isinstance(floors_align, (bool, np.bool_)):
         raise TypeError(f"floors_align = {floors_align!r}; allowed: True or False")
-    pair = PeakPair(peak_1, peak_2, height_1, height_2)
+    pair = BuildingPeaks(peak_1, peak_2, height_1, height_2)
     valid = pair.valid()
     values = {name: array.where(valid) for name, array in pair.arrays().items()}
     given = {*values, *(() if zone is None else ("zone",))}

@@ -96,7 +96,7 @@ def existing_gap(
         return float(np.quantile(separations(pair, ground), confidence))
 
     samples = separations([first, second], ground)
-    case = _Case.of((first, second), ground)
+    case = _ExistingPair.of((first, second), ground)
     strength = first_above(lambda s: required(case.weaker(s), ground), STRENGTHS, gap)
     amplitude = first_above(lambda a: required(case.pair, case.stronger(a)), AMPLITUDES, gap)
     damping = first_below(lambda x: required(case.damped(x), ground), DAMPINGS, gap)
@@ -123,7 +123,7 @@ def existing_gap(
     )
 
 
-class _Case(NamedTuple):
+class _ExistingPair(NamedTuple):
     """The pair by its yield displacements, and how to change it."""
 
     pair: tuple[Any, Any]
@@ -131,7 +131,7 @@ class _Case(NamedTuple):
     factors: tuple[float, float]  # reduction factors, NaN where elastic
 
     @classmethod
-    def of(cls, structures: tuple[Structure, Structure], ground: Ground) -> _Case:
+    def of(cls, structures: tuple[Structure, Structure], ground: Ground) -> _ExistingPair:
         one, other = (strength_in_metres(structure, ground) for structure in structures)
         solved = [solve_structure(structure, ground, "gaussian", USUAL) for structure in structures]
         first, second = (solved_reduction_factor(*both) for both in zip(structures, solved, strict=True))

@@ -22,7 +22,7 @@ from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import expect
-from stochlin.models.rules.codes import PeakPair, check_zone
+from stochlin.models.rules.codes import BuildingPeaks, check_zone
 from stochlin.models.structures import Structure
 
 VERDICTS = ("answer", "safe", "unsafe", "within_error", "not_available")
@@ -133,7 +133,7 @@ def separation(
     """
     check_confidence(confidence)
     check_zone(zone)
-    PeakPair(0.0, 0.0, height_1, height_2)
+    BuildingPeaks(0.0, 0.0, height_1, height_2)
     for role, structure in (("first", first), ("second", second)):
         expect(structure, Structure, role)
         if records is not None and not isinstance(structure, Bilinear):

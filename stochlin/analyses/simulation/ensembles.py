@@ -30,7 +30,7 @@ SAMPLES_PER_PERIOD = 2  # of the shortest period; more would say little new of i
 MEMORY = 4e9  # bytes that a run may ask for
 
 
-class Cells(NamedTuple):
+class SimulationCells(NamedTuple):
     """Every cell of some structures, one after the other; NaN where invalid."""
 
     period: Array
@@ -56,7 +56,7 @@ class Run(NamedTuple):
     memory: float  # [s], of the slowest vibration or, where that is longer, of the plastic drift
 
 
-class LinkedPair(NamedTuple):
+class LinkConstants(NamedTuple):
     """What links the two structures of a run: constants of the link over both masses."""
 
     stiffness: tuple[float, float]  # [1/s^2]
@@ -84,7 +84,7 @@ class LinkedPair(NamedTuple):
 
 def cells_of(
     structure: Structure, ground: Ground, stationary: bool = True
-) -> tuple[Cells, xr.DataArray]:
+) -> tuple[SimulationCells, xr.DataArray]:
     """The cells of a structure, and their positions as an array over its dimensions.
 
     How slowly a structure drifts, by linearization, a run has to know that is to be stationary.
@@ -108,7 +108,7 @@ def cells_of(
     with np.errstate(divide="ignore", invalid="ignore"):
         slow = np.where(pace > 0, 1 / (hardening * pace), 0)
     status = elastic.status.values.ravel()
-    cells = Cells(
+    cells = SimulationCells(
         period,
         damping,
         hardening,
@@ -122,7 +122,9 @@ def cells_of(
     return cells, xr.full_like(like, 0, dtype=int).copy(data=np.arange(period.size).reshape(like.shape))
 
 
-def cells_of_all(structures: Sequence[Structure], ground: Ground, stationary: bool = True) -> Cells:
+def cells_of_all(
+    structures: Sequence[Structure], ground: Ground, stationary: bool = True
+) -> SimulationCells:
     """The cells of structures with scalar parameters, in their order; those alike are solved as one."""
     alike: dict[tuple[object, ...], list[int]] = {}
     for number, structure in enumerate(structures):
@@ -135,14 +137,16 @@ def cells_of_all(structures: Sequence[Structure], ground: Ground, stationary: bo
         }
         parts.append(cells_of(replace(first, **columns), ground, stationary)[0])
     order = np.argsort([number for numbers in alike.values() for number in numbers])
-    return Cells(*(column[order] for column in joined(parts)))
+    return SimulationCells(*(column[order] for column in join_cells(parts)))
 
 
-def joined(parts: Sequence[Cells]) -> Cells:
+def join_cells(parts: Sequence[SimulationCells]) -> SimulationCells:
     """Cells of several structures in one row."""
-    columns = dict(zip(Cells._fields, zip(*parts, strict=True), strict=True))
+    columns = dict(zip(SimulationCells._fields, zip(*parts, strict=True), strict=True))
     laws = joined_laws(columns.pop("law"))
-    return Cells(law=laws, **{name: np.concatenate(column) for name, column in columns.items()})
+    return SimulationCells(
+        law=laws, **{name: np.concatenate(column) for name, column in columns.items()}
+    )
 
 
 def joined_laws(laws: Sequence[Array]) -> Array:
@@ -153,13 +157,13 @@ def joined_laws(laws: Sequence[Array]) -> Array:
 
 
 def prepare(
-    cells: Cells,
+    cells: SimulationCells,
     ground: Ground,
     *,
     paths: int,
     seed: int,
     steps_per_period: int,
-    link: LinkedPair | None = None,
+    link: LinkConstants | None = None,
 ) -> Run:
     """Choose the step from cells and ground and lay out the ensemble; it has no length yet."""
     valid = cells.valid
@@ -212,7 +216,7 @@ def check_memory(structures: int, paths: int) -> None:
         )
 
 
-def _crowd(cells: Cells, valid: Array) -> tuple[Crowd, Array, Array]:
+def _crowd(cells: SimulationCells, valid: Array) -> tuple[Crowd, Array, Array]:
     """Structures by law, each in units of its yield displacement, elastic ones in metres."""
     w = 2 * np.pi / cells.period[valid]
     yields = np.isfinite(cells.yield_displacement[valid])
@@ -242,11 +246,11 @@ def _root(matrix: Array, noise: Array, intensity: float) -> Array:
     return root
 
 
-def linked_pair(structures: Sequence[Structure], link: Link) -> LinkedPair:
+def link_constants(structures: Sequence[Structure], link: Link) -> LinkConstants:
     """Constants of the link over the masses; an error says what is missing."""
     expect(link, Link, "link")
     if len(structures) != 2:
         raise ValueError(f"link is given with {len(structures)} structures; allowed: two")
     masses = check_linked(*structures)
     k, c = (float(link.arrays()[name]) for name in ("stiffness", "damping_constant"))
-    return LinkedPair((k / masses[0], k / masses[1]), (c / masses[0], c / masses[1]))
+    return LinkConstants((k / masses[0], k / masses[1]), (c / masses[0], c / masses[1]))

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stochlin.analyses.simulation.ensembles import Cells, Run
+from stochlin.analyses.simulation.ensembles import Run, SimulationCells
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.ensemble import plastic_displacements
 from stochlin.kernels.simulation.stepping import LANES
@@ -32,7 +32,7 @@ class _Drift(NamedTuple):
     period: float  # [s], of the structure
 
 
-def with_length(run: Run, cells: Cells, relaxation_times: float) -> Run:
+def with_length(run: Run, cells: SimulationCells, relaxation_times: float) -> Run:
     """The run with burn-in and length, in multiples of its memory, measured where drift decides.
 
     Raises a ValueError before any work if by linearization it would take too long.
@@ -52,7 +52,7 @@ def with_length(run: Run, cells: Cells, relaxation_times: float) -> Run:
     return run._replace(plan=plan, memory=memory)
 
 
-def _slowest(times: Array, cells: Cells) -> _Drift:
+def _slowest(times: Array, cells: SimulationCells) -> _Drift:
     worst = int(np.argmax(times))
     return _Drift(float(times[worst]), float(cells.period[cells.valid][worst]))
 

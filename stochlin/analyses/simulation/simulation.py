@@ -9,12 +9,12 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.simulation.ensembles import (
-    Cells,
     Run,
+    SimulationCells,
     cells_of_all,
     check_memory,
     check_settings,
-    linked_pair,
+    link_constants,
     prepare,
 )
 from stochlin.analyses.simulation.finite_motions import check_motion, simulate_finite
@@ -36,7 +36,7 @@ SCALARS = "scalars, one structure an entry; correlate(method='simulation') takes
 NOT_STATIONARY = 5.0  # standard errors between the variances of the two halves of a run
 
 
-class Moments(NamedTuple):
+class MomentEstimates(NamedTuple):
     """What an ensemble tells of its valid cells, in the order of the cells."""
 
     displacement_std: Array  # (n,) [m]
@@ -145,7 +145,7 @@ def simulate(
         check_scalars(structure, f"structures[{number}]", SCALARS)
     check_scalars(ground, "ground", SCALARS)
     check_memory(len(structures), paths)
-    pair = None if link is None else linked_pair(structures, link)
+    pair = None if link is None else link_constants(structures, link)
     cells = cells_of_all(structures, ground, stationary=duration is None)
     run = prepare(
         cells,
@@ -190,7 +190,7 @@ def simulate(
     )
 
 
-def simulate_moments(cells: Cells, run: Run, progress: Progress | None) -> Moments:
+def simulate_moments(cells: SimulationCells, run: Run, progress: Progress | None) -> MomentEstimates:
     """Second moments of all cells and their errors; NaN for invalid cells."""
     sums = stationary_sums(run.crowd, run.ground, run.root, run.plan, progress)
     variance, variance_error, rho, rho_error, drift = _estimates(sums, run.plan.groups * LANES)
@@ -209,7 +209,7 @@ def simulate_moments(cells: Cells, run: Run, progress: Progress | None) -> Momen
     drift = spread(drift)
     status = np.where(np.abs(drift) <= NOT_STATIONARY, labels.CONVERGED, labels.NOT_CONVERGED)
     status = np.where(cells.valid, status, labels.INVALID_INPUT).astype(np.int8)
-    return Moments(spread(sigma) * scale, error, spread(rho), spread(rho_error), drift, status)
+    return MomentEstimates(spread(sigma) * scale, error, spread(rho), spread(rho_error), drift, status)
 
 
 def _estimates(sums: Sums, paths: int) -> tuple[Array, Array, Array, Array, Array]:

@@ -47,7 +47,7 @@ class Codes(NamedTuple):
     not_physical: int
 
 
-class PairTable(NamedTuple):
+class RhoTable(NamedTuple):
     """Results, flat."""
 
     rho: Array
@@ -80,7 +80,7 @@ def pair_table(
     codes: Codes,
     *,
     threads: bool,
-) -> PairTable:
+) -> RhoTable:
     """All cells of a table; on all cores if ``threads``. No cell depends on another.
 
     ``grid`` has the bias of ``rho`` over logarithms: of the SHARED axes, of the longer period over the
@@ -88,7 +88,7 @@ def pair_table(
     """
     count = math.prod(shape)
     kinds = (float, np.int8, float, np.int8)
-    result = PairTable(*(np.empty(count, kind) for kind in kinds))
+    result = RhoTable(*(np.empty(count, kind) for kind in kinds))
     other_closure = first.gaussian is not first.parameters or second.gaussian is not second.parameters
     fixed: tuple[Any, ...] = (np.array(shape, int), *(grid or NOWHERE), other_closure, *codes)
 

@@ -18,7 +18,7 @@ import numpy as np
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, linear_system
 
-Pair = tuple[Array, Array]
+RingElement = tuple[Array, Array]
 Entry = Any  # a number, or an array of cells
 Transform = Callable[[Array], Array]
 AT_ONCE = 4096  # cells for which systems of equations are solved
@@ -219,11 +219,11 @@ class FilterOscillator(NamedTuple):
     stiffness: Array
     damping: Array
 
-    def apply(self, u: Pair) -> Pair:
+    def apply(self, u: RingElement) -> RingElement:
         """``F u``."""
         return u[1], -self.stiffness * u[0] - self.damping * u[1]
 
-    def solve(self, a: Array, b: Array, u: Pair) -> Pair:
+    def solve(self, a: Array, b: Array, u: RingElement) -> RingElement:
         """``(a + b F)^-1 u``, by the conjugate ``a - b e - b F``."""
         norm = a * a - a * b * self.damping + b * b * self.stiffness
         fu = self.apply(u)
@@ -241,10 +241,10 @@ _NOTHING = (np.zeros(()), np.zeros(()))
 def _sylvester(
     system: EquivalentSystem,
     oscillator: FilterOscillator,
-    r_v: Pair,
-    r_mu: Pair = _NOTHING,
-    r_y: Pair = _NOTHING,
-) -> tuple[Pair, Pair, Pair]:
+    r_v: RingElement,
+    r_mu: RingElement = _NOTHING,
+    r_y: RingElement = _NOTHING,
+) -> tuple[RingElement, RingElement, RingElement]:
     """Rows of ``C`` in ``A C + C F' + R = 0`` for a structure and one filter oscillator."""
     _, d, h, p, k = system
     a2, a1, a0 = system.characteristic
@@ -334,7 +334,7 @@ class CloughPenzienFilter(Filter):
     def _layer(self) -> FilterOscillator:
         return FilterOscillator(self.frequency**2, 2 * self.damping * self.frequency)
 
-    def _rows(self, system: EquivalentSystem) -> tuple[tuple[Array, ...], tuple[Pair, ...]]:
+    def _rows(self, system: EquivalentSystem) -> tuple[tuple[Array, ...], tuple[RingElement, ...]]:
         """Correlations of ``(mu, mu', y)`` with the soil's signal, and with the oscillator it drives.
 
         That oscillator is itself a linear structure on Kanai-Tajimi ground, and the filter cascade is

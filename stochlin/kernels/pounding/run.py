@@ -50,7 +50,7 @@ ON_CONTACT = 0.3  # first step in contact, of the contact's own time
 ON_HERTZ = 1e-4  # where the force begins with a fractional power
 
 
-class Motion(NamedTuple):
+class SampledMotion(NamedTuple):
     """A ground motion, and when the state is asked for."""
 
     acceleration: Array  # (samples,) [m/s^2]
@@ -60,7 +60,7 @@ class Motion(NamedTuple):
 
 
 class Asked(NamedTuple):
-    """What is asked for: times as in `Motion`, and room for the states and forces at them."""
+    """What is asked for: times as in `SampledMotion`, and room for the states and forces at them."""
 
     interval: Array
     since: Array
@@ -226,7 +226,7 @@ def _run(owned, acceleration, dt, wanted, x, version):
     return table[:used], steps, completed, time, (own_space, own_branch, after)
 
 
-def run(row: Row, motion: Motion, start: Array | None = None) -> Run:
+def run(row: Row, motion: SampledMotion, start: Array | None = None) -> Run:
     """A row of buildings through a motion, from rest or from the state ``start`` (k,).
 
     A step that cannot be completed ends it: then ``completed`` is false, and ``time`` and ``last`` say

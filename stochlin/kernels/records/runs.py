@@ -20,7 +20,7 @@ PARTS = 16  # into which the structures of a record are dealt out to the cores
 PAIR = 2.0  # sub-steps of a pair per those that its stiffer structure alone would need
 
 
-class Ground(NamedTuple):
+class SampledGround(NamedTuple):
     """A record."""
 
     acceleration: Array  # [m/s^2], finite
@@ -63,12 +63,12 @@ def _history(ground, dt, parameters, refine, out, version):
     run(parameters, ground, dt, each * refine, np.empty(PEAKS), each, out, workspace())
 
 
-def peaks_on_records(grounds: Sequence[Ground], parameters: Array) -> Array:
+def peaks_on_records(grounds: Sequence[SampledGround], parameters: Array) -> Array:
     """Peaks (records, n, PEAKS) of structures ``parameters`` (n, 4) on each ground."""
     return _spread(_all_peaks, PEAKS, grounds, parameters)
 
 
-def gaps_on_records(grounds: Sequence[Ground], first: Array, second: Array) -> Array:
+def gaps_on_records(grounds: Sequence[SampledGround], first: Array, second: Array) -> Array:
     """Pairs on each ground, (records, n, 2 PEAKS + 2): peaks of both, largest ``u1 - u2``, correlation.
 
     Both structures of a pair take the same sub-steps.
@@ -76,7 +76,7 @@ def gaps_on_records(grounds: Sequence[Ground], first: Array, second: Array) -> A
     return _spread(_all_gaps, 2 * PEAKS + 2, grounds, first, second)
 
 
-def history(ground: Ground, parameters: Array, refine: int) -> Array:
+def history(ground: SampledGround, parameters: Array, refine: int) -> Array:
     """``u``, ``u'`` and ``y = uy z`` (3, samples) of one structure, ``refine`` to an interval."""
     out = np.empty((3, refine * (len(ground.acceleration) - 1) + 1))
     _history(*ground, parameters, refine, out, VERSION)
@@ -84,7 +84,7 @@ def history(ground: Ground, parameters: Array, refine: int) -> Array:
 
 
 def _spread(
-    fill: Callable[..., None], columns: int, grounds: Sequence[Ground], *structures: Array
+    fill: Callable[..., None], columns: int, grounds: Sequence[SampledGround], *structures: Array
 ) -> Array:
     """The columns that ``fill`` finds; each part of the structures has short and long periods."""
     count = len(structures[0])

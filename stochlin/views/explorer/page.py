@@ -12,7 +12,7 @@ from nicegui import background_tasks, ui
 
 from stochlin.analyses.explorer import formulas as exploration
 from stochlin.analyses.explorer.case_text import case_text
-from stochlin.analyses.explorer.simulations import together
+from stochlin.analyses.explorer.simulations import merge_tables
 from stochlin.analyses.tables.storage import as_netcdf
 from stochlin.views.explorer import pictures as charts
 from stochlin.views.explorer import words
@@ -247,7 +247,7 @@ class Page:
         missing = [PANELS[key][0] for key in self._panels if key not in tables]
         if missing:
             self._told.text = f"Saved without what is not computed yet: {', '.join(missing)}."
-        data = as_netcdf(together(self._scene, tables))
+        data = as_netcdf(merge_tables(self._scene, tables))
         ui.download.content(data, "explored.nc", "application/x-netcdf")
 
     def _leave(self) -> None:

@@ -124,7 +124,7 @@ def _captioned(dataset: xr.Dataset) -> Figure:
 
     figure = Figure(figsize=SIZE)
     figure.text(0.1, 0.95, dataset.attrs["title"], size=10)
-    roles = ("first", "second", "ground", "envelope", "envelope_model", "distance", "record")
+    roles = ("first", "second", "ground", "envelope", "envelope_model", "gap", "record")
     caption = filled(
         (f"{role}: {dataset.attrs[role]}" for role in roles if role in dataset.attrs), WIDTH
     )

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stochlin.views.separation.words import Row, rows
+from stochlin.views.separation.words import RuleLine, rows
 from stochlin.views.shared.style import CURVES, STYLE
 
 if TYPE_CHECKING:
@@ -158,7 +158,7 @@ def _legend_above(axes: Axes) -> None:
     )  # fmt: skip
 
 
-def _rule_numbers(axes: Axes, shown: list[Row], gaps: dict[int, float], right: float) -> None:
+def _rule_numbers(axes: Axes, shown: list[RuleLine], gaps: dict[int, float], right: float) -> None:
     """Numbers of the rules above the curve, those at one gap together, neighbours on other heights."""
     groups: list[list[int]] = []
     for row in sorted(shown, key=lambda row: gaps[row.number]):

@@ -26,7 +26,7 @@ MARKS = (
 ALIKE, MUCH = 0.05, 10.0  # gap over peak of buildings that move alike; ductility that is doubtful
 
 
-class Row(NamedTuple):
+class RuleLine(NamedTuple):
     """One rule as it is shown."""
 
     number: int
@@ -50,12 +50,12 @@ def ductilities(table: xr.Dataset) -> str:
     return " and ".join(texts)
 
 
-def rows(answer: CaseAnswer) -> list[Row]:
+def rows(answer: CaseAnswer) -> list[RuleLine]:
     """The table of rules, the answer first."""
     table = answer.separation
     meanings = table.verdict.attrs["flag_meanings"].split()
     return [
-        Row(
+        RuleLine(
             number=n,
             rule=str(one.rule.item()),
             label=label(str(one.rule.item())),

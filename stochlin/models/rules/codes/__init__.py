@@ -22,7 +22,7 @@ CODE_RULES: Registry[type[CodeRule]] = Registry("code rule", "stochlin.models.ru
 
 
 @dataclass(frozen=True)
-class PeakPair(Model):
+class BuildingPeaks(Model):
     """Peak displacements of two buildings, and their heights where a rule needs them."""
 
     peak_1: Parameter = parameter("m", "peak displacement, structure 1", NOT_NEGATIVE)
