@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import click
 import numpy as np
 import pytest
 import xarray as xr
@@ -69,6 +70,13 @@ def test_csv_has_a_row_a_cell(tmp_path: Path) -> None:
     lines = out.read_text().splitlines()
     assert lines[0].startswith("period_1,rho,")
     assert len(lines) == 4
+
+
+def test_names_are_taken_with_either_dash() -> None:
+    shared = ("--period", "0.7", "--period-2", "1", "--hardening", "0.1", "--reduction-factor", "4")
+    dashed, plain = (run("rho", *shared, "--law", name) for name in ("bouc-wen", "bouc_wen"))
+    assert dashed.exit_code == 0
+    assert dashed.output == plain.output
 
 
 @pytest.mark.parametrize("closure", closure_names())
@@ -209,7 +217,9 @@ def test_help_has_examples(command: str) -> None:
 def test_a_command_that_is_not_there_brings_the_nearest_to_mind() -> None:
     result = run("gaps")
     assert result.exit_code == 2
-    assert "Did you mean 'gap'?" in result.output
+    assert "No such command 'gaps'." in result.output
+    if hasattr(click.exceptions, "NoSuchCommand"):  # older ones suggest nothing
+        assert "Did you mean 'gap'?" in result.output
 
 
 def test_a_failed_write_leaves_nothing(tmp_path: Path) -> None:

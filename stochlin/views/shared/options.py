@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 STRUCTURE_OPTIONS = ("period", "damping", "hardening", "reduction_factor", "yield_displacement")
 
 
-class Names(click.Choice[str]):
+class Names(click.Choice):  # type: ignore[type-arg]  # no generic type before click 8.2
     """One of the names that a module lists: it is asked when they are needed, so that no start waits."""
 
     def __init__(self, module: str, listed: str) -> None:
@@ -33,6 +33,10 @@ class Names(click.Choice[str]):
         """The names: of a mapping, or what a function returns."""
         names = getattr(import_module(self.module), self.listed)
         return tuple(names() if callable(names) else names)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """The name; ``-`` stands for ``_``, as in the names of options."""
+        return super().convert(str(value).replace("-", "_"), param, ctx)
 
 
 def together(*options: Callable[[Any], Any]) -> Callable[[Any], Any]:
