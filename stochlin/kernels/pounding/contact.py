@@ -15,7 +15,7 @@ import numpy as np
 from numba.extending import register_jitable
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import compiled, entry
+from stochlin.kernels.basics.compiled import called_often, compiled, entry
 
 OPEN, CLOSED, OPENING, PARTED, TOGETHER = range(5)  # branches of a contact
 
@@ -43,7 +43,7 @@ def law_table(laws: Iterable[ForceLaw]) -> Array:
     return np.array([tuple(law) for law in laws], LAW)
 
 
-@compiled
+@called_often
 def branch_force(law, branch, d, v, v0):
     """Force of an element on one of its branches, and its elastic part [N]; smooth beyond its ends."""
     if branch == OPEN:
