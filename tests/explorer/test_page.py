@@ -121,12 +121,18 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     try:
         wait(lambda: "Ctrl+C" in log.read_text() or server.poll() is not None)
         assert server.poll() is None, log.read_text()
+        wait(lambda: listens(port))  # it says where it is just before it listens
         yield f"127.0.0.1:{port}"
     finally:
         server.terminate()
         server.wait(PATIENCE)
     said = log.read_text().splitlines()
     assert said == [f"The explorer is at http://127.0.0.1:{port} (Ctrl+C ends it)"]
+
+
+def listens(port: int) -> bool:
+    with socket.socket() as probe:
+        return probe.connect_ex(("127.0.0.1", port)) == 0
 
 
 def wait(done: Any, seconds: float = PATIENCE) -> None:
