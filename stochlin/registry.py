@@ -60,7 +60,7 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
 
     def named(self, name: object, parameter: str = "name") -> Thing:
         """The extension of this name, in any case, with ``-`` or ``_``; a ValueError lists all names."""
-        key = str(name).strip().lower().replace("-", "_")
+        key = as_key(name)
         if key not in self:
             allowed = ", ".join(self)
             raise ValueError(f"{parameter} = {name!r} is not a known {self.kind}; allowed: {allowed}")
@@ -79,9 +79,13 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
         with self._lock:
             if not self._asked:
                 self._asked = True  # a module that asks while it is imported sees what is there so far
-                for name in self._modules():
-                    importlib.import_module(name)
-                import_extensions()
+                try:
+                    for name in self._modules():
+                        importlib.import_module(name)
+                    import_extensions()
+                except BaseException:
+                    self._asked = False  # whoever asks next is told, too
+                    raise
         return self._things
 
     def _modules(self) -> Iterator[str]:
@@ -91,6 +95,11 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
                 yield name
             elif found.ispkg and find_spec(f"{name}.{self.module}"):
                 yield f"{name}.{self.module}"
+
+
+def as_key(name: object) -> str:
+    """A name as registries keep it, from what a user writes."""
+    return str(name).strip().lower().replace("-", "_")
 
 
 @cache

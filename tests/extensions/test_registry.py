@@ -54,3 +54,11 @@ def test_an_unknown_name_lists_those_that_are_known():
     assert registry.named("ONE-thing") == 1
     with pytest.raises(ValueError, match=r"kind = 'other' is not a known thing; allowed: one_thing$"):
         registry.named("other", "kind")
+
+
+def test_what_cannot_be_imported_is_told_each_time_that_it_is_asked_for(folder):
+    (folder / "broken.py").write_text("import nowhere_to_be_found\n")
+    registry = Registry("thing", "some_kind")
+    for _ in range(2):
+        with pytest.raises(ModuleNotFoundError, match="nowhere_to_be_found"):
+            list(registry)

@@ -243,9 +243,10 @@ def ground(options: dict[str, Any]) -> Ground:
 
     from stochlin.models.grounds import GROUNDS
     from stochlin.models.grounds.named import ground_names, named_ground
+    from stochlin.registry import as_key
 
     chosen = options["ground"]
-    kind = GROUNDS.get(chosen.strip().lower().replace("-", "_"))
+    kind = GROUNDS.get(as_key(chosen))
     own = {"intensity": "intensity"} if kind is None else kind.beside_structures()
     given = {name: options[name] for name in ground_options() if options[name] is not None}
     wrong = [name for name in given if name not in own]
