@@ -145,25 +145,30 @@ def _solve(problem: _Problem, start: Array, max_iterations: int) -> FixedPoint:
     """Each way to the solution for the cells that the one before has lost."""
     elastic = _unknowns(start)
     bold = max(1, int(BOLD_SHARE * max_iterations))
+    with_care, any_law = max_iterations - bold, np.ones(start.shape[1], bool)
+    ways = (
+        (_at_once, bold, problem.one_solution),
+        (_relax, with_care, problem.one_solution),
+        (_follow, with_care, any_law),
+    )
     solution = _nothing(start.shape[1])
-    for way, more in (
-        (_at_once, bold),
-        (_follow, max_iterations - bold),
-        (_relax, max_iterations - bold),
-    ):
-        lost = ~solution.converged if way is _follow else ~solution.converged & problem.one_solution
-        cells = np.flatnonzero(lost)
-        if cells.size and more > 0:
-            found = way(problem.of(cells), elastic[:, cells], more)
-            _put(
-                solution, cells, found._replace(iterations=found.iterations + solution.iterations[cells])
-            )
+    for way, most, allowed in ways:
+        cells = np.flatnonzero(~solution.converged & allowed)
+        if cells.size and most > 0:
+            found = way(problem.of(cells), elastic[:, cells], most)
+            spent = found.iterations + solution.iterations[cells]
+            _put(solution, cells, found._replace(iterations=spent))
     return solution
 
 
 def _at_once(problem: _Problem, elastic: Array, max_iterations: int) -> FixedPoint:
     """Boldly from the elastic response."""
     return _evolve(problem, _yielding(elastic), max_iterations, BOLD)
+
+
+def _relax(problem: _Problem, elastic: Array, max_iterations: int) -> FixedPoint:
+    """From the elastic response with care, also over a jump at which a branch ends."""
+    return _evolve(problem, _yielding(elastic), max_iterations, CAREFUL)
 
 
 def _follow(problem: _Problem, elastic: Array, most_levels: int) -> FixedPoint:
@@ -194,11 +199,6 @@ def _follow(problem: _Problem, elastic: Array, most_levels: int) -> FixedPoint:
         if not cells.size:
             break
     return solution
-
-
-def _relax(problem: _Problem, elastic: Array, max_iterations: int) -> FixedPoint:
-    """With care from the elastic response: over a jump, at which the branch from there ends."""
-    return _evolve(problem, _yielding(elastic), max_iterations, CAREFUL)
 
 
 def _nothing(n: int) -> FixedPoint:
