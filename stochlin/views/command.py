@@ -5,12 +5,24 @@ Libraries are imported inside the commands: ``stochlin --help`` should not wait 
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 import click
 
 from stochlin._version import __version__
 from stochlin.views.shared.screen import COMMANDS, bad_input
 
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
+
+
+@contextmanager
+def warnings_as_sentences() -> Iterator[None]:
+    """On the error stream, without the place in the code."""
+    with warnings.catch_warnings():
+        warnings.showwarning = lambda message, *_, **__: click.echo(f"Warning: {message}", err=True)
+        yield
 
 
 class Commands(click.Group):
@@ -31,3 +43,4 @@ class Commands(click.Group):
 @click.version_option(__version__, prog_name="stochlin")
 def main() -> None:
     """Correlation and separation of neighbouring yielding buildings."""
+    click.get_current_context().with_resource(warnings_as_sentences())

@@ -5,9 +5,9 @@ from __future__ import annotations
 import sys
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -42,9 +42,17 @@ def bad_input() -> Iterator[None]:
 
 @contextmanager
 def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
-    """A bar on the error stream; to be called with the share of the work that is done."""
-    with click.progressbar(length=STEPS, label=label, file=sys.stderr) as bar:
-        yield lambda share: bar.update(int(STEPS * share) - bar.pos)
+    """A bar on the error stream, from its first call on; with the share of the work that is done."""
+    with ExitStack() as stack:
+        bars: list[Any] = []
+
+        def show_share(share: float) -> None:
+            if not bars:
+                bar = click.progressbar(length=STEPS, label=label, file=sys.stderr)
+                bars.append(stack.enter_context(bar))
+            bars[0].update(int(STEPS * share) - bars[0].pos)
+
+        yield show_share
 
 
 def check_target(option: str, path: Path | None, allowed: Sequence[str]) -> None:
