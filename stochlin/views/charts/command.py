@@ -18,7 +18,7 @@ from stochlin.views.shared.options import (
     simulation_options,
     together,
 )
-from stochlin.views.shared.screen import COMMANDS, PICTURES, bad_input
+from stochlin.views.shared.screen import COMMANDS, PICTURES, bad_input, check_target
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -96,11 +96,12 @@ def charts(
         if name is not None and name not in functions:
             raise ValueError(f"NAME = {name!r} is no chart; allowed: {', '.join(functions)}")
         chosen = functions if name is None else {name: functions[name]}
+        files = {one: _chart_files(out / one, picture_format, record) for one in chosen}
         with click.progressbar(
             chosen.items(), label="charts", file=sys.stderr, item_show_func=lambda item: item and item[0]
         ) as bar:
             for chart, compute in bar:
-                _write_chart(compute(), out / chart, picture_format)
+                _write_chart(compute(), *files[chart])
     click.echo(f"{len(chosen)} charts and their datasets in {out}")
 
 
@@ -120,8 +121,9 @@ def verify(name: str, out: Path, picture_format: str, **options: Any) -> None:
     from stochlin.analyses.charts.verification import verify_chart
 
     with bad_input():
+        files = _chart_files(out / f"{name}_verified", picture_format)
         dataset = verify_chart(name, chart_settings(options))
-        _write_chart(dataset, out / f"{name}_verified", picture_format)
+        _write_chart(dataset, *files)
     click.echo(dataset.attrs["comment"])
     click.echo(f"{name}_verified and its dataset in {out}")
 
@@ -135,12 +137,22 @@ def chart_settings(options: dict[str, Any]) -> ChartSettings:
     return ChartSettings(**chosen | {"reduction_factors": tuple(options["reduction_factors"])})
 
 
-def _write_chart(dataset: xr.Dataset, stem: Path, picture_format: str) -> None:
+def _chart_files(stem: Path, picture_format: str, record: Path | None = None) -> tuple[Path, Path]:
+    """Where the dataset of a chart and its picture go, once both can be written."""
+    data, picture = (stem.with_name(f"{stem.name}.{ending}") for ending in ("nc", picture_format))
+    there = next(folder for folder in (stem.parent, *stem.parent.parents) if folder.exists())
+    for path in (data, picture):  # in a folder that is yet to be made nothing can be in the way
+        tried = path if there == stem.parent else there / f".{path.name}"
+        check_target("--out", tried, (path.suffix,), [record] if record else [])
+    return data, picture
+
+
+def _write_chart(dataset: xr.Dataset, data: Path, picture: Path) -> None:
     """The dataset, and the picture drawn from it beside it."""
     from stochlin.analyses.tables.storage import save_table
     from stochlin.views.charts.charts import draw
     from stochlin.views.shared.style import save
 
-    stem.parent.mkdir(parents=True, exist_ok=True)
-    save_table(dataset, stem.with_name(f"{stem.name}.nc"))
-    save(draw(dataset), stem.with_name(f"{stem.name}.{picture_format}"))
+    data.parent.mkdir(parents=True, exist_ok=True)
+    save_table(dataset, data)
+    save(draw(dataset), picture)

@@ -20,7 +20,7 @@ from stochlin.views.shared.options import (
     shared_option,
     simulation_options,
 )
-from stochlin.views.shared.screen import COMMANDS, FILE, bad_input, on_screen
+from stochlin.views.shared.screen import COMMANDS, FILE, bad_input, check_target, on_screen
 
 
 @COMMANDS.register("rho")
@@ -64,9 +64,10 @@ def rho(record: Path | None, out: Path | None, **options: Any) -> None:
           --law bouc_wen --exponent 2
     """
     from stochlin.analyses.correlation.correlation import correlate
-    from stochlin.analyses.tables.storage import save_table
+    from stochlin.analyses.tables.storage import FORMATS, save_table
 
     with bad_input():
+        check_target("--out", out, FORMATS, [record] if record else [])
         first, second = shared.structures(options)
         ground = shared.site(record, options)[1] if record else shared.ground(options)
         chosen = {key: options[key] for key in ("closure", "rule", "paths", "seed")}

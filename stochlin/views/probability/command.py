@@ -41,9 +41,9 @@ def probability(case: Path, gap: float | None, out: Path | None, picture: Path |
     from stochlin.views.probability.words import answer_lines
 
     with bad_input():
-        check_target("--out", out, FORMATS)
-        check_target("--picture", picture, PICTURES)
         described = read_case(case)
+        check_target("--out", out, FORMATS, described.inputs)
+        check_target("--picture", picture, PICTURES, described.inputs)
         chosen = described.gap if gap is None else gap
         if chosen is None:
             raise ValueError(

@@ -47,14 +47,23 @@ def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
         yield lambda share: bar.update(int(STEPS * share) - bar.pos)
 
 
-def check_target(option: str, path: Path | None, allowed: Sequence[str]) -> None:
-    """Raise before the work for a file that could not be written after it."""
+def check_target(
+    option: str, path: Path | None, allowed: Sequence[str], inputs: Iterable[Path] = ()
+) -> None:
+    """Raise before the work for a file that could not be written after it, or that is an input."""
+    from stochlin.analyses.tables.storage import written_file
+
     if path is None:
         return
     if path.suffix.lower() not in allowed:
         raise ValueError(f"{option} {path} ends in {path.suffix!r}; allowed: {' or '.join(allowed)}")
-    if not path.parent.is_dir():
-        raise ValueError(f"{option} {path}: there is no folder {path.parent}; make it first")
+    try:
+        target = written_file(path)
+    except OSError as error:
+        raise ValueError(f"{option} {error}") from error
+    for one in inputs:
+        if one.exists() and target.exists() and target.samefile(one):
+            raise ValueError(f"{option} {path} would write over {one}, which is read; give another name")
 
 
 def write(
