@@ -83,7 +83,7 @@ class Moments(NamedTuple):
 
 def check_course(duration: float | None, envelope: Envelope | None) -> float:
     """The duration; raises for what is no finite motion. To be called before any work."""
-    seconds = float(check_duration(duration))
+    seconds = check_duration(duration)
     if envelope is None:
         return seconds
     expect(envelope, Envelope, "envelope")
@@ -104,11 +104,7 @@ def check_course(duration: float | None, envelope: Envelope | None) -> float:
 def side_of(structure: Structure, ground: Ground, duration: float, role: str, first: int) -> Side:
     """The cells of a structure, numbered from ``first``; those longer than the motion are invalid."""
     period = structure.arrays()["period"]
-    if period.ndim == 0 and float(period) > duration:
-        raise ValueError(
-            f"duration = {duration:g} s is shorter than the period of {role}, {float(period):g} s; "
-            "allowed: a period and more"
-        )
+    check_duration(duration, {role: structure})
     elastic = solve_elastic(structure, ground)
     values = structure.arrays()
     like = elastic.yield_displacement

@@ -15,7 +15,7 @@ from stochlin.analyses.mitigation.variables import VARIABLES
 from stochlin.analyses.records.records import checked_record
 from stochlin.analyses.separation.separation import NOT_AVAILABLE, VERDICT_ATTRS, verdict_of
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_confidence, check_gap
+from stochlin.analyses.tables.checks import check_confidence, check_existing, is_number
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.contacts import Contact
 from stochlin.models.envelopes import Envelope
@@ -122,7 +122,8 @@ def mitigate(
     >>> table.measure.values[-1].item()
     'least dashpot between'
     """
-    one, two = _checked(first, second, ground, gap, measures, contact, records, amplification_limit)
+    one, two = _checked(first, second, ground, measures, contact, records, amplification_limit)
+    check_existing(gap, duration, {"first": first, "second": second})
     check_confidence(confidence)
     site = MitigatedPair(
         structures=(one, two),
@@ -164,7 +165,6 @@ def _checked(
     first: Structure,
     second: Structure,
     ground: Ground,
-    gap: float,
     measures: Mapping[str, Measure],
     contact: Contact | None,
     records: Mapping[str, xr.DataArray] | None,
@@ -172,7 +172,6 @@ def _checked(
 ) -> list[Any]:
     """The structures by their yield displacements, once all that is given fits together."""
     expect(ground, Ground, "ground")
-    check_gap(gap)
     for name, measure in measures.items():
         expect(measure, Measure, f"measures[{name!r}]")
         if measure.link is not None:
@@ -188,7 +187,7 @@ def _checked(
         expect(structure, Structure, role)
         if records and (not isinstance(structure, (Bilinear, BoucWen)) or structure.mass is None):
             raise ValueError(f"{role} cannot pound; allowed: Bilinear or BoucWen with a mass, in kg")
-    if limit is not None and (not records or not 0 < limit < np.inf):
+    if limit is not None and not (records and is_number(limit) and 0 < limit < np.inf):
         raise ValueError(
             f"amplification_limit = {limit!r}; allowed: a positive number, with contact and records"
         )

@@ -17,7 +17,7 @@ from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.simulation.finite_motions import keeping_apart, pair_separation
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_confidence, check_gap
+from stochlin.analyses.tables.checks import check_confidence, check_existing
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
@@ -83,9 +83,9 @@ def existing_gap(
     (True, True)
     """
     check_confidence(confidence)
-    check_gap(gap)
     for role, structure in (("first", first), ("second", second)):
         expect(structure, Structure, role)
+    check_existing(gap, duration, {"first": first, "second": second})
 
     def separations(pair: Sequence[Structure], ground: Ground) -> xr.DataArray:
         options: dict[str, Any] = {"paths": paths, "seed": seed, "envelope": envelope}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import scipy.stats
@@ -18,19 +18,25 @@ from stochlin.kernels.simulation.ensemble import finite_extremes
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.envelopes import Envelope
 from stochlin.models.parameters import expect
+from stochlin.models.structures import Structure
 
 TAIL = (1 - 0.95) / 2  # outside of an interval, on each side
 BLOCK = 256  # steps
 MOST_STEPS = 1e12  # of all pairs on all paths: minutes on two cores
 
 
-def check_motion(duration: float | None, envelope: Envelope | None, quantiles: Sequence[float]) -> None:
+def check_motion(
+    duration: float | None,
+    envelope: Envelope | None,
+    quantiles: Sequence[float],
+    structures: Mapping[str, Structure],
+) -> None:
     """Raise for what is no finite motion; to be called before any work."""
     if duration is None:
         if envelope is not None:
             raise ValueError("envelope is given without a duration; allowed: both, or neither")
         return
-    check_duration(duration)
+    check_duration(duration, structures)
     levels = np.asarray(quantiles, float)
     if levels.ndim != 1 or not levels.size or not ((levels > 0) & (levels < 1)).all():
         raise ValueError(f"quantiles = {quantiles!r}; allowed: numbers between 0 and 1")

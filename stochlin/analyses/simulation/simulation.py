@@ -83,7 +83,7 @@ def simulate(
         ground: ``1/(xi w)``, or the correlation time of the plastic drift, which a short run
         measures. Burn-in takes five of them.
     duration : float, optional
-        Length of each motion [s]; without it, the stationary response.
+        Length of each motion [s], at least a period; without it, the stationary response.
     envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
         Of a finite motion; without it, the motion is stationary from its start.
     quantiles : sequence of float
@@ -134,15 +134,16 @@ def simulate(
     True
     """
     check_settings(paths, seed, steps_per_period, relaxation_times)
-    check_motion(duration, envelope, quantiles)
     expect(ground, Ground, "ground")
     if not isinstance(structures, Sequence):
         raise TypeError(f"structures = {structures!r}; allowed: a list of structures")
     if not structures:
         raise ValueError("structures is empty; allowed: at least one")
-    for number, structure in enumerate(structures):
-        expect(structure, Structure, f"structures[{number}]")
-        check_scalars(structure, f"structures[{number}]", SCALARS)
+    roles = {f"structures[{number}]": structure for number, structure in enumerate(structures)}
+    for role, structure in roles.items():
+        expect(structure, Structure, role)
+        check_scalars(structure, role, SCALARS)
+    check_motion(duration, envelope, quantiles, roles)
     check_scalars(ground, "ground", SCALARS)
     check_memory(len(structures), paths)
     pair = None if link is None else link_constants(structures, link)
