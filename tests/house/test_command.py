@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import click
@@ -244,3 +246,49 @@ def test_help_keeps_its_lines(name):
     assert "\\b" not in text
     examples = [line for line in text.splitlines() if line.startswith("    stochlin ")]
     assert examples
+
+
+@pytest.mark.parametrize("encoding", ["cp1252", "ascii"])
+def test_what_an_output_cannot_encode_is_spelled_out(encoding: str, tmp_path: Path) -> None:
+    """As when Windows writes to a file; names are the user's."""
+    case = tmp_path / "case.toml"
+    case.write_text(sl.example_case().replace("Office block and", "Łódź, ρ and"), encoding="utf-8")
+    pair = ("rho", "--period-1", "0.7", "--period-2", "1", "--hardening", "0.05")
+    for arguments in ((*pair, "--reduction-factor", "4"), ("mitigate", str(case)), ("rho", "--help")):
+        done = subprocess.run(
+            [sys.executable, "-c", "from stochlin.views.command import main; main()", *arguments],
+            capture_output=True,
+            env=os.environ | {"PYTHONIOENCODING": encoding},
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr
+        if encoding == "cp1252" and arguments[-1] == "4":
+            assert b"linearized rho is off" in done.stdout
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGINT for another process")
+@pytest.mark.parametrize("seconds", [3.0, 5.0])
+def test_an_interrupted_command_ends_at_once(seconds: float, tmp_path: Path) -> None:
+    """Also while threads compute, and with nothing half written."""
+    pair = ("--period-1", "0.7", "--period-2", "1", "--hardening", "0.05", "--reduction-factor", "0.72")
+    command = ("rho", *pair, "--method", "simulation", "--out", str(tmp_path / "table.nc"))
+    running = subprocess.Popen(
+        [sys.executable, "-c", "from stochlin.views.command import main; main()", *command],
+        stderr=subprocess.PIPE,
+    )
+    time.sleep(seconds)
+    begin = time.perf_counter()
+    running.send_signal(signal.SIGINT)
+    _, told = running.communicate(timeout=60)
+    assert running.returncode == 130, told
+    assert time.perf_counter() - begin < 1
+    assert b"Traceback" not in told
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_strength_in_metres_asks_for_the_strength_of_the_shaking() -> None:
+    given = ("rho", "--period", "1", "--hardening", "0.05", "--yield-displacement", "0.02")
+    result = run(*given)
+    assert result.exit_code == 2
+    assert "--yield-displacement needs the strength of the shaking" in result.output
+    assert run(*given, "--intensity", "0.01").exit_code == 0

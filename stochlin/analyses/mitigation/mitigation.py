@@ -14,6 +14,7 @@ from stochlin.analyses.mitigation.searches import MeasureLine, Search, searches
 from stochlin.analyses.mitigation.variables import VARIABLES
 from stochlin.analyses.records.records import checked_record
 from stochlin.analyses.separation.separation import NOT_AVAILABLE, VERDICT_ATTRS, verdict_of
+from stochlin.analyses.simulation.simulation import check_repeated
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_confidence, check_existing, is_number
 from stochlin.kernels.basics.parallel import Progress
@@ -28,6 +29,7 @@ from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
 
 AS_BUILT = "as built"
+SIMULATIONS = 60  # that the searches take together, as a rule
 TEXTS: Mapping[str, str] = {
     "kind": "as built, given, or the least that meets an aim",
     "aim": "what the least meets: the confidence, or the limit of amplification on the records",
@@ -123,8 +125,11 @@ def mitigate(
     'least dashpot between'
     """
     one, two = _checked(first, second, ground, measures, contact, records, amplification_limit)
-    check_existing(gap, duration, {"first": first, "second": second})
     check_confidence(confidence)
+    check_existing(gap, duration, {"first": first, "second": second})
+    check_repeated([one, two], ground, duration, paths, seed, len(measures) + SIMULATIONS)
+    if progress is not None:
+        progress(0.0)
     site = MitigatedPair(
         structures=(one, two),
         ground=ground,

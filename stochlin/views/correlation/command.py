@@ -20,7 +20,7 @@ from stochlin.views.shared.options import (
     shared_option,
     simulation_options,
 )
-from stochlin.views.shared.screen import COMMANDS, FILE, bad_input, check_target, on_screen
+from stochlin.views.shared.screen import COMMANDS, FILE, bad_input, check_target, on_screen, progress_bar
 
 
 @COMMANDS.register("rho")
@@ -69,9 +69,16 @@ def rho(record: Path | None, out: Path | None, **options: Any) -> None:
     with bad_input():
         check_target("--out", out, FORMATS, [record] if record else [])
         first, second = shared.structures(options)
+        strengths = [options[f"yield_displacement{number}"] for number in ("", "_1", "_2")]
+        if record is None and options["intensity"] is None and any(strengths):
+            raise click.UsageError(
+                "--yield-displacement needs the strength of the shaking beside it: give --intensity, or "
+                "--reduction-factor in its place"
+            )
         ground = shared.site(record, options)[1] if record else shared.ground(options)
         chosen = {key: options[key] for key in ("closure", "rule", "paths", "seed")}
-        table = correlate(first, second, ground, options["method"], **chosen)
+        with progress_bar("simulating") as progress:
+            table = correlate(first, second, ground, options["method"], **chosen, progress=progress)
         click.echo(f"# {table.attrs['title']}")
         for role in ("first", "second", "ground"):
             click.echo(f"# {role}: {table.attrs[role]}")
