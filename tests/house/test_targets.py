@@ -60,8 +60,8 @@ def test_the_record_of_a_case_is_not_written_over_by_histories(option: str, case
 
 def test_the_record_of_a_table_or_chart_is_not_written_over(case: Path) -> None:
     record = case.with_name("taft.csv")
-    given = ("--record", record, "--dt", 0.01, "--units", "g")
-    assert SAYS in run("rho", "--period", 1, *given, "--out", record).output
+    given = ("--record", record, "--dt", "0.01s", "--units", "g")
+    assert SAYS in run("rho", "--period", "1s", *given, "--out", record).output
     record = record.rename(case.with_name("fig2.nc"))
     given = ("--record", record, *given[2:])
     result = run("charts", *given, "--points", 5, "--out", record.parent)
@@ -75,7 +75,7 @@ def test_a_link_stays_and_what_it_leads_to_is_written(tmp_path: Path) -> None:
     link, real = tmp_path / "link.csv", tmp_path / "folder" / "real.csv"
     link.symlink_to(real)
     for _ in range(2):  # of a file that is not there yet, and of one that is
-        assert run("rho", "--period", 1, "--out", link).exit_code == 0
+        assert run("rho", "--period", "1s", "--out", link).exit_code == 0
         assert link.is_symlink()
         assert real.read_text().startswith("case,rho")
         real.write_text("before")
@@ -88,7 +88,7 @@ def test_a_file_that_is_read_only_is_kept(tmp_path: Path) -> None:
     path = tmp_path / "kept.csv"
     path.write_text("before")
     path.chmod(0o444)
-    result = run("rho", "--period", 1, "--out", path)
+    result = run("rho", "--period", "1s", "--out", path)
     assert result.exit_code == 2
     assert "is read-only; make it writable" in result.output
     with pytest.raises(PermissionError, match="read-only"), whole_file(path):
@@ -109,7 +109,7 @@ def test_a_file_that_is_read_only_is_kept(tmp_path: Path) -> None:
 def test_what_cannot_be_written_is_refused_before_the_work(name: str, says: str, tmp_path: Path) -> None:
     (tmp_path / "round.csv").symlink_to("round.csv")
     (tmp_path / "folder.csv").mkdir()
-    long = ("--period", "0.1:2:100", "--hardening", 0.05, "--reduction-factor", 4)
+    long = ("--period", "0.1s:2s:100", "--hardening", 0.05, "--reduction-factor", 4)
     begin = time.perf_counter()
     result = run("rho", *long, "--method", "simulation", "--paths", 8192, "--out", tmp_path / name)
     assert result.exit_code == 2

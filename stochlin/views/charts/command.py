@@ -12,6 +12,7 @@ import click
 
 from stochlin.views.shared import options as shared
 from stochlin.views.shared.options import (
+    Measured,
     closure_option,
     numbers_option,
     record_options,
@@ -30,10 +31,10 @@ def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
     """Where charts go and what they take as given."""
     folder = click.Path(file_okay=False, path_type=Path)
     numbers = (
-        ("--damping", 0.05, "Damping ratio of the structures."),
-        ("--hardening", 0.05, "Hardening ratio."),
-        ("--plane-reduction-factor", 4.0, "R of Fig. 5a."),
-        ("--ground-period", 2.0, "Period of the model grounds [s]."),
+        ("--damping", "0.05", "1", "Damping ratio of the structures."),
+        ("--hardening", "0.05", "1", "Hardening ratio."),
+        ("--plane-reduction-factor", "4", "1", "R of Fig. 5a."),
+        ("--ground-period", "2s", "s", "Period of the model grounds [s]."),
     )
     return together(
         click.option(
@@ -47,8 +48,8 @@ def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
             show_default=True,
         ),
         *(
-            click.option(name, type=float, default=default, show_default=True, help=text)
-            for name, default, text in numbers
+            click.option(name, type=Measured(units), default=default, show_default=True, help=text)
+            for name, default, units, text in numbers
         ),
         numbers_option("--reduction-factors", "R of the curves in Figs. 4 and 5b.", reduction_factors),
         closure_option,
@@ -85,7 +86,7 @@ def charts(
     Examples:
       stochlin charts
       stochlin charts fig5a --damping .02 --hardening .1 --format pdf --out out
-      stochlin charts --record taft.txt --dt .01 --units g
+      stochlin charts --record taft.txt --dt .01s --units g
     """
     from stochlin.analyses.charts.charts import chart_functions
 
