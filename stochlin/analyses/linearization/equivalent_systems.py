@@ -14,6 +14,7 @@ import xarray as xr
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import cellwise
+from stochlin.analyses.tables.work import check_work, count_cells
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.amplitude_averaging import solve_amplitude_average
 from stochlin.kernels.linearization.covariance import (
@@ -28,6 +29,7 @@ from stochlin.kernels.linearization.fixed_point import Closure, solve_fixed_poin
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import DRIFT, NARROW_BAND, Structure
 
+SOLVED, DRIFTING = 700, 10_000  # bytes that a cell takes, roughly, and with the drift closure
 ROUNDING = 1e-9  # by which a correlation may exceed 1
 # Below this slip and relaxation (over w) the third state changes nothing in double precision.
 ELASTIC = 1e-18
@@ -75,6 +77,11 @@ def solve_structure(
 ) -> xr.Dataset:
     """What `linearize` returns, and the equivalent system and forcing that a pair needs."""
     check_closure(structure, closure)
+    check_work(
+        "the table would take",
+        "take fewer cells at a time, or arrays in chunks of dask",
+        memory=(DRIFTING if closure == DRIFT else SOLVED) * count_cells(structure, ground),
+    )
     solved = solve_derived(structure, ground, closure, tolerance)
     if closure != DRIFT:
         return solved
