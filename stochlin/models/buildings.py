@@ -10,6 +10,7 @@ import scipy.linalg
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import brief
 from stochlin.models.parameters import POSITIVE, Model, Parameter, parameter
 from stochlin.models.structures import DAMPING, HARDENING
 
@@ -130,6 +131,6 @@ def _over_storeys(label: str, value: Any) -> xr.DataArray:
     array = np.asarray(value)
     if array.ndim != 1 or not array.size:
         raise ValueError(
-            f"{label} = {value!r}; allowed: a list or 1-D array with one number for each storey"
+            f"{label} = {brief(value)}; allowed: a list or 1-D array with one number for each storey"
         )
     return xr.DataArray(array, dims=STOREY)

@@ -11,6 +11,8 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from stochlin.messages import brief, sentence
+
 Parameter = float | xr.DataArray | npt.ArrayLike
 """A number, a DataArray (broadcast by dimension name) or a 1-D array (dimension ``case``)."""
 
@@ -75,7 +77,8 @@ class Model:
         except (xr.AlignmentError, ValueError) as error:
             raise ValueError(
                 f"{type(self).__name__}: parameters share a dimension, not its coordinates or length: "
-                f"{error}; give them different dimension names for a table, or equal coordinates"
+                f"{sentence(error)}; "
+                "give them different dimension names for a table, or equal coordinates"
             ) from error
 
     @classmethod
@@ -137,7 +140,7 @@ def expect(value: object, kind: type[Model], role: str) -> None:
     """Raise a TypeError unless the argument called ``role`` is a ``kind``."""
     if not isinstance(value, kind):
         names = sorted(c.__name__ for c in kind.kinds())
-        raise TypeError(f"{role} = {value!r} is of the wrong kind; allowed: {', '.join(names)}")
+        raise TypeError(f"{role} = {brief(value)} is of the wrong kind; allowed: {', '.join(names)}")
 
 
 def check(model: str, name: str, value: Any, declared: Mapping[str, Any]) -> float | xr.DataArray:
@@ -146,9 +149,11 @@ def check(model: str, name: str, value: Any, declared: Mapping[str, Any]) -> flo
     try:
         array = value.copy(deep=False) if isinstance(value, xr.DataArray) else np.asarray(value)
     except ValueError as error:
-        raise ValueError(f"{label} = {value!r} is no array ({error}); allowed: {allowed}") from error
+        raise ValueError(
+            f"{label} = {brief(value)} is no array ({error}); allowed: {allowed}"
+        ) from error
     if array.dtype.kind not in "iuf":
-        raise TypeError(f"{label} = {value!r} is not a real number; allowed: {allowed}")
+        raise TypeError(f"{label} = {brief(value)} is not a real number; allowed: {allowed}")
     if array.ndim == 0:
         number = float(array)
         if not allowed.contains(number):

@@ -222,6 +222,25 @@ WRONG = {
     "no words": ('name = "Annex"', 'name = " "', 'name = " "', ["some words"]),
     "control sign": ('name = "Annex"', r'name = "A\u001b[2J"', 'name = "A', ["some words"]),
     "unquoted unit": ('"0.6 s"', "0.6 s", "period = 0.6 s", ["no TOML", 'period = "0.6 s"']),
+    "whole number beyond all": (
+        'damping = "5 %"',
+        f"damping = 1{400 * '0'}",
+        "damping = 1",
+        ["about 1e400 is out of range"],
+    ),
+    "more storeys than a file holds": ("storeys = 8", f"storeys = {2**63}", "storeys", ["is no whole"]),
+    "more digits than Python reads": ("seed = 0", f"seed = 1{5000 * '0'}", "seed = 1", ["is no TOML"]),
+    "number beyond all": ('"0.6 s"', '"1e999 s"', 'period = "1e999 s"', ["is out of range"]),
+    "infinity": ('damping = "5 %"', "damping = -inf", "damping = -inf", ["-inf is out of range"]),
+    "long value": ('"0.6 s"', f'"{"6" * 200_000} km"', 'period = "666', ["has the unknown unit 'km'"]),
+    "long name": ('"Annex"', f'"{"A" * 200_000}"', 'name = "AAA', ["200 characters at most"]),
+    "long key": ("storeys = 8", f"{'s' * 200_000} = 8", "sss", ["is not a key"]),
+    "measure without a name": (
+        '"Rubber bumpers"',
+        '" "',
+        '[measures." "]',
+        ["name that cannot be shown"],
+    ),
     "nothing to fit to": (GROUND, 'ground = "fitted"', "intensity", ["site.intensity", "estimator"]),
 }
 
@@ -239,6 +258,15 @@ def test_what_is_wrong_is_said_with_file_line_and_key(what: str, tmp_path: Path)
     assert message.startswith(f"case.toml, line {skipped + line_of(text[start:], at)}: "), message
     for part in says:
         assert part in message
+    assert message.isprintable()
+    assert len(message) < 500
+
+
+def test_a_name_that_clears_the_screen_is_refused(tmp_path: Path) -> None:
+    for table in ("measures.", "site.", ""):
+        with pytest.raises(ValueError, match=rf"{table}.*\\x1b\[2J") as caught:
+            read(tmp_path, changed('[measures."Rubber bumpers"]', rf'[{table}"\u001b[2J"]'))
+        assert str(caught.value).isprintable()
 
 
 @pytest.mark.parametrize(

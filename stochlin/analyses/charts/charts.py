@@ -11,6 +11,7 @@ from typing import Any
 
 import xarray as xr
 
+from stochlin.messages import brief
 from stochlin.models.grounds import Ground, KanaiTajimi
 from stochlin.registry import Registry
 
@@ -126,7 +127,7 @@ def _asked(name: str) -> set[str]:
     asked = {parameter.name for parameter in parameters if parameter.default is parameter.empty}
     if not asked <= GIVEN:
         wrong, allowed = ", ".join(sorted(asked - GIVEN)), ", ".join(sorted(GIVEN))
-        raise TypeError(f"chart {name!r} asks for {wrong}; allowed: {allowed}")
+        raise TypeError(f"chart {brief(name)} asks for {wrong}; allowed: {allowed}")
     return asked
 
 

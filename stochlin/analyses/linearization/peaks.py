@@ -22,6 +22,7 @@ from stochlin.kernels.linearization.spectral_moments import (
     difference_moments,
     displacement_moments,
 )
+from stochlin.messages import brief
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Parameter, expect
 from stochlin.models.rules.peak_factors import PeakFactor, StationaryMotion, peak_factor_model
@@ -105,7 +106,8 @@ def peak_response(
     domain = chosen.domain(sides)
     if closure == DRIFT:
         raise ValueError(
-            f"closure = {closure!r} is not available for peaks, for a drift in kicks has no spectral "
+            f"closure = {brief(closure)} is not available for peaks, for a drift in kicks "
+            "has no spectral "
             "moments; allowed: the other closures, or simulate"
         )
     motion = StationaryMotion(duration)

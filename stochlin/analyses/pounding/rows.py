@@ -13,6 +13,7 @@ from stochlin.analyses.tables.checks import check_scalars
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding.contact import ForceLaw, law_table, reduced_mass
 from stochlin.kernels.pounding.rows import BILINEAR, BOUC_WEN, ELASTIC, Row
+from stochlin.messages import brief
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Contact, Element
 from stochlin.models.laws.bilinear import Bilinear
@@ -56,12 +57,14 @@ class Stack(NamedTuple):
 def checked_buildings(structures: Sequence[Building]) -> list[Building]:
     """The structures, once each of them can pound against the others."""
     if not isinstance(structures, Sequence) or len(structures) < 2:
-        raise ValueError(f"structures = {structures!r}; allowed: a list of at least two, left to right")
+        raise ValueError(
+            f"structures = {brief(structures)}; allowed: a list of at least two, left to right"
+        )
     for number, structure in enumerate(structures, start=1):
         role = f"structures, number {number}"
         if type(structure) not in LAWS:
             raise TypeError(
-                f"{role} = {structure!r} is of the wrong kind; allowed: "
+                f"{role} = {brief(structure)} is of the wrong kind; allowed: "
                 f"{', '.join(kind.__name__ for kind in LAWS)}; for structures of another law there are "
                 "separation and simulate"
             )
@@ -88,7 +91,7 @@ def checked_gaps(gaps: npt.ArrayLike, count: int) -> Array:
     values = np.atleast_1d(np.asarray(gaps))
     if values.dtype.kind not in "iuf" or values.ndim != 1 or values.size != count - 1:
         raise ValueError(
-            f"gaps = {gaps!r}; allowed: one number between each two neighbours, {count - 1} in all"
+            f"gaps = {brief(gaps)}; allowed: one number between each two neighbours, {count - 1} in all"
         )
     bad = np.flatnonzero(~(np.isfinite(values) & (values >= 0)))
     if bad.size:

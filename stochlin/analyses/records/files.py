@@ -10,6 +10,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from stochlin.messages import brief
+
 Column = int | str
 Line = tuple[int, str]
 """Line number in the file, from 1, and its text."""
@@ -67,7 +69,7 @@ def _read_at2(lines: Sequence[Line], header: int, name: str) -> Series:
     dt = _float(match[2]) if match else None
     if match is None or dt is None or dt <= 0:
         raise ValueError(
-            f"{name}, line {number}: {text!r} is not the header of an AT2 file; "
+            f"{name}, line {number}: {brief(text)} is not the header of an AT2 file; "
             "allowed: 'NPTS= 5372, DT= .0100 SEC' or '4096 0.0100 NPTS, DT'"
         )
     units = next((found[1] for _, line in lines[:header] if (found := _AT2_UNITS.search(line))), None)
@@ -101,7 +103,8 @@ def _read_columns(
     stated = _bracketed(names[index]) if names else None
     if time_index is not None and names and (_bracketed(names[time_index]) or "s") not in _SECONDS:
         raise ValueError(
-            f"time_column = {time_column!r} is named {names[time_index]!r}; allowed: time in seconds"
+            f"time_column = {brief(time_column)} is named {brief(names[time_index])}; "
+            "allowed: time in seconds"
         )
     return Series(
         _numbers([(number, fields[index]) for number, fields in rows], name),
@@ -134,7 +137,9 @@ def _data_index(
         return left[0]
     index = _index("column", column, names, width, name)
     if index == time_index:
-        raise ValueError(f"column and time_column are both {column!r}; allowed: two different columns")
+        raise ValueError(
+            f"column and time_column are both {brief(column)}; allowed: two different columns"
+        )
     return index
 
 
@@ -144,7 +149,7 @@ def _index(parameter: str, column: Column, names: Sequence[str], width: int, nam
     if isinstance(column, int | np.integer) and 0 <= column < width:
         return column
     raise ValueError(
-        f"{parameter} = {column!r} is not in {name}, which has {_allowed_columns(names, width)}"
+        f"{parameter} = {brief(column)} is not in {name}, which has {_allowed_columns(names, width)}"
     )
 
 
@@ -158,11 +163,12 @@ def _numbers(fields: Sequence[Line], name: str) -> npt.NDArray[np.float64]:
         value = _float(text)
         if value is None:
             raise ValueError(
-                f"{name}, line {number}: {text[:40]!r} is not a number; allowed: such as -0.5E-3"
+                f"{name}, line {number}: {brief(text)} is not a number; allowed: such as -0.5E-3"
             )
         if not np.isfinite(value):
             raise ValueError(
-                f"{name}, line {number}: {text!r} is not finite; fill the gap, or cut the record there"
+                f"{name}, line {number}: {brief(text)} is not finite; "
+                "fill the gap, or cut the record there"
             )
         values[i] = value
     return values

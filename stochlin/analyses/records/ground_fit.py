@@ -21,6 +21,7 @@ from stochlin.analyses.records.spectra import (
     energy_band,
     periodogram,
 )
+from stochlin.messages import brief
 from stochlin.models.grounds import GROUNDS, Ground
 from stochlin.models.parameters import Parameter
 
@@ -194,7 +195,7 @@ def fit_ground(
 
 def _check_name(parameter: str, value: str, allowed: dict[str, Any]) -> None:
     if value not in allowed:
-        raise ValueError(f"{parameter} = {value!r} is unknown; allowed: {', '.join(allowed)}")
+        raise ValueError(f"{parameter} = {brief(value)} is unknown; allowed: {', '.join(allowed)}")
 
 
 def _minimize(frequency: Vector, density: Vector, problem: _Problem, estimator: Estimator) -> Vector:

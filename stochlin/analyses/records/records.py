@@ -19,6 +19,7 @@ from stochlin.analyses.records.files import (
     read_series,
     spelled,
 )
+from stochlin.messages import brief
 
 MINIMUM_SAMPLES = 16
 
@@ -85,7 +86,7 @@ def read_record(
     """
     path = Path(path)
     if dt is not None and not (isinstance(dt, numbers.Real) and 0 < dt < np.inf):
-        raise ValueError(f"dt = {dt!r} is out of range; allowed: 0 < dt, finite, in seconds")
+        raise ValueError(f"dt = {brief(dt)} is out of range; allowed: 0 < dt, finite, in seconds")
     units = None if units is None else acceleration_units(units, "units")
     series = read_series(path, column, time_column)
     return _labelled(series, path.name, dt, units)
@@ -129,7 +130,8 @@ def strong_part(record: xr.DataArray, start: float = 0.05, end: float = 0.95) ->
     values, _ = checked_record(record)
     if not 0 <= start < end <= 1:
         raise ValueError(
-            f"start = {start!r}, end = {end!r} are out of range; allowed: 0 <= start < end <= 1"
+            f"start = {brief(start)}, end = {brief(end)} are out of range; "
+            "allowed: 0 <= start < end <= 1"
         )
     energy = np.cumsum(values**2)
     first, last = np.searchsorted(energy, np.array([start, end]) * energy[-1])
@@ -154,7 +156,7 @@ def checked_record(record: xr.DataArray) -> tuple[npt.NDArray[np.float64], float
         )
     units = record.attrs.get("units", "m/s^2")
     if spelled(units) != "m/s^2":
-        raise ValueError(f"record has units {units!r}; allowed: m/s^2, so convert it first")
+        raise ValueError(f"record has units {brief(units)}; allowed: m/s^2, so convert it first")
     kinds = {record.dtype.kind, record["time"].dtype.kind}
     if not kinds <= set("iuf"):
         raise TypeError(
@@ -176,7 +178,9 @@ def checked_record(record: xr.DataArray) -> tuple[npt.NDArray[np.float64], float
 
 def _labelled(series: Series, name: str, dt: float | None, units: str | None) -> xr.DataArray:
     if units and series.units and units != series.units:
-        raise ValueError(f"units = {units!r} contradicts {name}, which states {series.units!r}; {_CURE}")
+        raise ValueError(
+            f"units = {brief(units)} contradicts {name}, which states {brief(series.units)}; {_CURE}"
+        )
     stated = units or series.units
     if stated is None:
         raise ValueError(f"units is missing and {name} does not state it; allowed: {allowed_units()}")

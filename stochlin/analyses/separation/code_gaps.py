@@ -9,6 +9,7 @@ import xarray as xr
 
 from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.tables import labels
+from stochlin.messages import brief
 from stochlin.models.parameters import Parameter
 from stochlin.models.rules.codes import BuildingPeaks, check_zone, code_rule, code_rule_names
 
@@ -76,7 +77,7 @@ def code_gaps(
     """
     check_zone(zone)
     if not isinstance(floors_align, (bool, np.bool_)):
-        raise TypeError(f"floors_align = {floors_align!r}; allowed: True or False")
+        raise TypeError(f"floors_align = {brief(floors_align)}; allowed: True or False")
     pair = BuildingPeaks(peak_1, peak_2, height_1, height_2)
     valid = pair.valid()
     values = {name: array.where(valid) for name, array in pair.arrays().items()}

@@ -21,6 +21,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.ensemble import Crowd, Plan
 from stochlin.kernels.simulation.linked_stepping import linked_block
 from stochlin.kernels.simulation.stepping import LANES, FilterSteps, filter_steps
+from stochlin.messages import brief
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link, check_linked
 from stochlin.models.parameters import expect
@@ -202,7 +203,7 @@ def check_settings(paths: int, seed: int, steps_per_period: int, relaxation_time
     check_whole("seed", seed, 0)
     check_whole("steps_per_period", steps_per_period, 8)
     if not is_number(relaxation_times) or not 1 <= relaxation_times < np.inf:
-        raise ValueError(f"relaxation_times = {relaxation_times!r}; allowed: at least 1, finite")
+        raise ValueError(f"relaxation_times = {brief(relaxation_times)}; allowed: at least 1, finite")
 
 
 def check_memory(structures: int, paths: int) -> None:

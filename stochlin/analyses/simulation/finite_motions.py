@@ -16,6 +16,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.ensemble import finite_extremes
 from stochlin.kernels.simulation.stepping import LANES
+from stochlin.messages import brief
 from stochlin.models.envelopes import Envelope
 from stochlin.models.parameters import expect
 
@@ -33,7 +34,7 @@ def check_motion(duration: float | None, envelope: Envelope | None, quantiles: S
     check_duration(duration)
     levels = np.asarray(quantiles, float)
     if levels.ndim != 1 or not levels.size or not ((levels > 0) & (levels < 1)).all():
-        raise ValueError(f"quantiles = {quantiles!r}; allowed: numbers between 0 and 1")
+        raise ValueError(f"quantiles = {brief(quantiles)}; allowed: numbers between 0 and 1")
     if envelope is not None:
         expect(envelope, Envelope, "envelope")
 

@@ -7,12 +7,19 @@ from typing import TypeGuard
 
 import numpy as np
 
+from stochlin.messages import brief
 from stochlin.models.parameters import Model
+
+LONGEST_LABEL = 200
+A_LABEL = f"some words on one line, {LONGEST_LABEL} characters at most, no control characters"
+LARGEST = int(np.finfo(float).max)
+LARGEST_WHOLE = 2**63 - 1  # what files and compiled code can hold
 
 
 def is_number(value: object) -> TypeGuard[float]:
-    """Whether it is a real number; a truth value is none."""
-    return isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+    """Whether it is a real number that a float can hold, or NaN; a truth value is none."""
+    known = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+    return known and not (isinstance(value, int) and abs(value) > LARGEST)
 
 
 def is_whole(value: object) -> TypeGuard[int]:
@@ -20,11 +27,24 @@ def is_whole(value: object) -> TypeGuard[int]:
     return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
 
 
+def is_label(value: object) -> TypeGuard[str]:
+    """Whether it is a line of text that a table and a picture can show."""
+    if not isinstance(value, str) or not value.isprintable():
+        return False
+    return bool(value.strip()) and len(value) <= LONGEST_LABEL
+
+
+def check_label(name: str, value: object) -> None:
+    """Raise a ValueError unless it is a name that a table and a picture can show."""
+    if not is_label(value):
+        raise ValueError(f"{name} = {brief(value)}; allowed: {A_LABEL}")
+
+
 def check_whole(name: str, value: object, lowest: int, highest: int | None = None) -> None:
     """Raise a ValueError unless it is a whole number of this range."""
-    if not is_whole(value) or not lowest <= value <= (math.inf if highest is None else highest):
+    if not is_whole(value) or not lowest <= value <= (LARGEST_WHOLE if highest is None else highest):
         to = "" if highest is None else f" to {highest}"
-        raise ValueError(f"{name} = {value!r}; allowed: a whole number from {lowest}{to}")
+        raise ValueError(f"{name} = {brief(value)}; allowed: a whole number from {lowest}{to}")
 
 
 def check_scalars(model: Model, role: str, allowed: str) -> None:
@@ -39,17 +59,17 @@ def check_duration(duration: object) -> float:
     if duration is None:
         raise ValueError("duration is missing; give the length of the motion in seconds")
     if not is_number(duration) or not 0 < duration < math.inf:
-        raise ValueError(f"duration = {duration!r}; allowed: a positive number of seconds")
+        raise ValueError(f"duration = {brief(duration)}; allowed: a positive number of seconds")
     return duration
 
 
 def check_confidence(confidence: object) -> None:
     """Raise a ValueError unless it is a probability between 0 and 1."""
     if not is_number(confidence) or not 0 < confidence < 1:
-        raise ValueError(f"confidence = {confidence!r}; allowed: a probability between 0 and 1")
+        raise ValueError(f"confidence = {brief(confidence)}; allowed: a probability between 0 and 1")
 
 
 def check_gap(gap: object) -> None:
     """Raise a ValueError unless the existing gap is open."""
     if not is_number(gap) or not 0 < gap < math.inf:
-        raise ValueError(f"gap = {gap!r}; allowed: a positive number of metres")
+        raise ValueError(f"gap = {brief(gap)}; allowed: a positive number of metres")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from stochlin.messages import brief
 from stochlin.views.shared import options as shared
 from stochlin.views.shared.options import (
     closure_option,
@@ -94,7 +95,7 @@ def charts(
         motion, site = shared.site(record, options) if record else (None, None)
         functions = chart_functions(settings, motion, site)
         if name is not None and name not in functions:
-            raise ValueError(f"NAME = {name!r} is no chart; allowed: {', '.join(functions)}")
+            raise ValueError(f"NAME = {brief(name)} is no chart; allowed: {', '.join(functions)}")
         chosen = functions if name is None else {name: functions[name]}
         with click.progressbar(
             chosen.items(), label="charts", file=sys.stderr, item_show_func=lambda item: item and item[0]

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from stochlin.messages import brief
 from stochlin.views.shared.screen import FILE, bad_input
 
 if TYPE_CHECKING:
@@ -90,7 +91,7 @@ def _numbers(context: click.Context, option: click.Parameter, text: str | None) 
         return [float(x) for x in spread(float(start), float(stop), int(count))]
     except ValueError as error:
         raise click.BadParameter(
-            f"{text!r} is not a number; allowed: 0.5, a list 0.5,1,2, or a sweep start:stop:count "
+            f"{brief(text)} is not a number; allowed: 0.5, a list 0.5,1,2, or a sweep start:stop:count "
             "with count >= 2, as 0.2:2:19, or geometric as 0.2:4:81:log"
         ) from error
 
@@ -252,7 +253,7 @@ def ground(options: dict[str, Any]) -> Ground:
     wrong = [name for name in given if name not in own]
     if kind is None and chosen.strip().lower() not in ground_names():
         allowed = [*(name.replace("_", "-") for name in GROUNDS), *ground_names()]
-        raise ValueError(f"--ground {chosen!r} is not known; allowed: {', '.join(allowed)}")
+        raise ValueError(f"--ground {brief(chosen)} is not known; allowed: {', '.join(allowed)}")
     if wrong:
         raise click.UsageError(f"{_flags(wrong)} does not apply to --ground {chosen}.")
     values = {own[name]: parameter_of(name, numbers) for name, numbers in given.items()}

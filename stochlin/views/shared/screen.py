@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from stochlin.messages import LONGEST_MESSAGE, brief, sentence
 from stochlin.registry import Registry
 
 if TYPE_CHECKING:
@@ -35,9 +36,9 @@ def bad_input() -> Iterator[None]:
     except BrokenPipeError:
         raise  # whoever reads has seen enough; click ends quietly
     except (ValueError, TypeError, OSError) as error:
-        raise click.UsageError(str(error)) from error
+        raise click.UsageError(sentence(error, LONGEST_MESSAGE)) from error
     except (ArithmeticError, RuntimeError, ImportError) as error:
-        raise click.ClickException(str(error)) from error
+        raise click.ClickException(sentence(error, LONGEST_MESSAGE)) from error
 
 
 @contextmanager
@@ -52,7 +53,9 @@ def check_target(option: str, path: Path | None, allowed: Sequence[str]) -> None
     if path is None:
         return
     if path.suffix.lower() not in allowed:
-        raise ValueError(f"{option} {path} ends in {path.suffix!r}; allowed: {' or '.join(allowed)}")
+        raise ValueError(
+            f"{option} {path} ends in {brief(path.suffix)}; allowed: {' or '.join(allowed)}"
+        )
     if not path.parent.is_dir():
         raise ValueError(f"{option} {path}: there is no folder {path.parent}; make it first")
 
