@@ -42,6 +42,10 @@ class SymbolicLaw:
         self.slip_rate = self.slip_rate._replace(rate_independent=self._is_rate_independent(probes))
         self._good: set[bytes] = set()
 
+    def __reduce__(self) -> tuple[Callable[..., SymbolicLaw], tuple[sympy.Expr, tuple[str, ...]]]:
+        """Compiled functions cannot be sent to another process; what they are made of can."""
+        return compiled, (self.expression, self.parameters)
+
     def gaussian(self, latent: Array, parameters: Array) -> ClosureValue:
         """Gaussian closure by quadrature, with derivatives."""
         slip, slip_jacobian = slip_expectations(self.slip_rate, latent, parameters, ORDER)
