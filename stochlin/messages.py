@@ -11,6 +11,10 @@ LONGEST_MESSAGE = 2000  # on a terminal, with all names that are allowed
 _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]")
 
 
+class DoubtfulInput(UserWarning):
+    """What is allowed, but looks like a mistake."""
+
+
 class _Short(reprlib.Repr):
     """The ``repr`` of anything, cut while it is made: a list of a million numbers is not written out."""
 

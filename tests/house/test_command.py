@@ -11,6 +11,7 @@ import click
 import numpy as np
 import pytest
 import xarray as xr
+from cases import recorded_example
 from click.testing import CliRunner, Result
 
 import stochlin as sl
@@ -244,3 +245,13 @@ def test_help_keeps_its_lines(name):
     assert "\\b" not in text
     examples = [line for line in text.splitlines() if line.startswith("    stochlin ")]
     assert examples
+
+
+def test_what_is_doubtful_is_shown_on_a_line(tmp_path: Path) -> None:
+    case = recorded_example().replace('existing = "5 cm"', "#")
+    (tmp_path / "case.toml").write_text(case, encoding="utf-8")
+    np.savetxt(tmp_path / "taft.txt", 10 * np.sin(np.arange(400)))
+    result = run("pound", tmp_path / "case.toml")
+    assert result.exit_code == 2
+    (line,) = [line for line in result.output.splitlines() if "10 g" in line]
+    assert line.startswith("Warning: taft.txt: its peak is 10 g, and more than 3 g has hardly")

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import sys
 import textwrap
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from stochlin.messages import LONGEST_MESSAGE, brief, sentence
+from stochlin.messages import LONGEST_MESSAGE, DoubtfulInput, brief, plain, sentence
 from stochlin.registry import Registry
 
 if TYPE_CHECKING:
@@ -30,15 +31,25 @@ PLAIN |= {ord("²"): "^2", ord("³"): "^3"}
 
 @contextmanager
 def bad_input() -> Iterator[None]:
-    """Show what is wrong with the input in one sentence, exit status 2; failed work, status 1."""
+    """Show what is wrong with the input in one sentence, exit status 2; failed work, status 1.
+
+    What is doubtful is shown on a line of its own.
+    """
     try:
-        yield
+        with warnings.catch_warnings():
+            warnings.simplefilter("always", DoubtfulInput)
+            warnings.showwarning = _show_warning
+            yield
     except BrokenPipeError:
         raise  # whoever reads has seen enough; click ends quietly
     except (ValueError, TypeError, OSError) as error:
         raise click.UsageError(sentence(error, LONGEST_MESSAGE)) from error
     except (ArithmeticError, RuntimeError, ImportError) as error:
         raise click.ClickException(sentence(error, LONGEST_MESSAGE)) from error
+
+
+def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
+    click.echo(f"Warning: {plain(message, LONGEST_MESSAGE)}", err=True)
 
 
 @contextmanager
