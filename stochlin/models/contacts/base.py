@@ -139,7 +139,7 @@ class Undamped(Element):
 def checked(model: str, name: str, value: Any, units: str, allowed: Range) -> float | xr.DataArray:
     """The value of an argument, checked and labelled as a declared parameter of a model would be."""
     declared = {"units": units, "long_name": name.replace("_", " "), "allowed": allowed}
-    return check(model, name, value, declared)
+    return check(f"{model}: ", name, value, declared)
 
 
 def elementwise(model: str, name: str, value: Any, allowed: Range, form: Form) -> Any:

@@ -142,6 +142,7 @@ def _write_chart(dataset: xr.Dataset, stem: Path, picture_format: str) -> None:
     from stochlin.views.charts.charts import draw
     from stochlin.views.shared.style import save
 
+    picture = draw(dataset)
     stem.parent.mkdir(parents=True, exist_ok=True)
     save_table(dataset, stem.with_name(f"{stem.name}.nc"))
-    save(draw(dataset), stem.with_name(f"{stem.name}.{picture_format}"))
+    save(picture, stem.with_name(f"{stem.name}.{picture_format}"))

@@ -26,6 +26,8 @@ CODE_RULES: Registry[type[CodeRule]] = Registry("code rule", "stochlin.models.ru
 class BuildingPeaks(Model):
     """Peak displacements of two buildings, and their heights where a rule needs them."""
 
+    of_arguments = True
+
     peak_1: Parameter = parameter("m", "peak displacement, structure 1", NOT_NEGATIVE)
     peak_2: Parameter = parameter("m", "peak displacement, structure 2", NOT_NEGATIVE)
     height_1: Parameter | None = parameter("m", "height, structure 1", POSITIVE, None)

@@ -117,4 +117,6 @@ def peak_factor_model(name: str) -> PeakFactor:
 class StationaryMotion(Model):
     """How long a stationary motion lasts: ``duration`` [s], positive."""
 
+    of_arguments = True
+
     duration: Parameter = parameter("s", "duration of the motion", POSITIVE)
