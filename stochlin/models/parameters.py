@@ -151,10 +151,8 @@ def check(prefix: str, name: str, value: Any, declared: Mapping[str, Any]) -> fl
     label, allowed = f"{prefix}{name}", declared["allowed"]
     try:
         array = value.copy(deep=False) if isinstance(value, xr.DataArray) else np.asarray(value)
-    except ValueError as error:
-        raise ValueError(
-            f"{label} = {brief(value)} is no array ({error}); allowed: {allowed}"
-        ) from error
+    except (ValueError, TypeError) as error:  # ragged lists; a dataset
+        raise TypeError(f"{label} = {brief(value)} is not a real number; allowed: {allowed}") from error
     if array.dtype.kind not in "iuf":
         raise TypeError(f"{label} = {brief(value)} is not a real number; allowed: {allowed}")
     if array.ndim == 0:

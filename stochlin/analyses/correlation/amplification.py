@@ -68,6 +68,8 @@ def amplification(
     """
     expect(structure, Structure, "structure")
     expect(ground, Ground, "ground")
+    if not isinstance(method, str):
+        raise ValueError(f"method = {brief(method)} is not known; allowed: linearization, simulation")
     elastic = solve_elastic(structure, ground).displacement_std
     if method == "linearization":
         inelastic = linearize(structure, ground, closure)

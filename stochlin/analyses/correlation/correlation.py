@@ -122,7 +122,7 @@ def correlate(
     >>> [round(float(rho), 6) for rho in table.rho]
     [-0.033778, 1.0]
     """
-    if method not in METHODS:
+    if not isinstance(method, str) or method not in METHODS:
         raise ValueError(f"method = {brief(method)} is not known; allowed: {', '.join(METHODS)}")
     tolerance = Tolerance(rtol, atol, max_iterations)
     for role, structure in (("first", first), ("second", second)):

@@ -63,7 +63,7 @@ def system_and_forcing(arrays: Sequence[Array]) -> tuple[EquivalentSystem, Forci
 
 def check_closure(structure: Structure, closure: str) -> None:
     """Raise a ValueError unless the law of the structure has this closure."""
-    if closure not in structure.closure_names():
+    if not isinstance(closure, str) or closure not in structure.closure_names():
         raise ValueError(
             f"closure = {brief(closure)} is not available for {type(structure).__name__}; allowed: "
             f"{', '.join(structure.closure_names())}"

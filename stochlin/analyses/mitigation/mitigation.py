@@ -15,7 +15,7 @@ from stochlin.analyses.mitigation.variables import VARIABLES
 from stochlin.analyses.records.records import checked_record
 from stochlin.analyses.separation.separation import NOT_AVAILABLE, VERDICT_ATTRS, verdict_of
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_confidence, check_gap, check_label
+from stochlin.analyses.tables.checks import check_confidence, check_duration, check_gap, check_label
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import brief
 from stochlin.models.contacts import Contact
@@ -125,6 +125,7 @@ def mitigate(
     """
     one, two = _checked(first, second, ground, gap, measures, contact, records, amplification_limit)
     check_confidence(confidence)
+    check_duration(duration)
     site = MitigatedPair(
         structures=(one, two),
         ground=ground,
@@ -174,6 +175,11 @@ def _checked(
     """The structures by their yield displacements, once all that is given fits together."""
     expect(ground, Ground, "ground")
     check_gap(gap)
+    if contact is not None:
+        expect(contact, Contact, "contact")
+    for name, given in (("measures", measures), ("records", records)):
+        if not isinstance(given, Mapping) and (given is not None or name == "measures"):
+            raise TypeError(f"{name} = {brief(given)}; allowed: a mapping of them by name")
     for name, measure in measures.items():
         check_label("the name of a measure", name)
         expect(measure, Measure, f"measures[{brief(name)}]")

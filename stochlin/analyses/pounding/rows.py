@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.linalg
 
-from stochlin.analyses.tables.checks import check_scalars
+from stochlin.analyses.tables.checks import as_numbers, check_scalars
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding.contact import ForceLaw, law_table, reduced_mass
 from stochlin.kernels.pounding.rows import BILINEAR, BOUC_WEN, ELASTIC, Row
@@ -88,11 +88,10 @@ def checked_buildings(structures: Sequence[Building]) -> list[Building]:
 
 def checked_gaps(gaps: npt.ArrayLike, count: int) -> Array:
     """Gaps [m] between ``count`` structures; a number will do for two."""
-    values = np.atleast_1d(np.asarray(gaps))
-    if values.dtype.kind not in "iuf" or values.ndim != 1 or values.size != count - 1:
-        raise ValueError(
-            f"gaps = {brief(gaps)}; allowed: one number between each two neighbours, {count - 1} in all"
-        )
+    allowed = f"one number between each two neighbours, {count - 1} in all"
+    values = np.atleast_1d(as_numbers("gaps", gaps, allowed))
+    if values.ndim != 1 or values.size != count - 1:
+        raise ValueError(f"gaps = {brief(gaps)}; allowed: {allowed}")
     bad = np.flatnonzero(~(np.isfinite(values) & (values >= 0)))
     if bad.size:
         raise ValueError(
@@ -105,6 +104,8 @@ def checked_gaps(gaps: npt.ArrayLike, count: int) -> Array:
 def checked_links(link: Link | Sequence[Link | None] | None, count: int) -> list[Link | None]:
     """Links between ``count`` structures; one will do for two."""
     links: list[Link | None] = [None] * (count - 1)
+    if link is not None and not isinstance(link, (Link, list, tuple)):
+        raise TypeError(f"link = {brief(link)}; allowed: a Link, or a list of Link and None")
     if link is not None:
         links = [link] if isinstance(link, Link) else list(link)
     if len(links) != count - 1:

@@ -129,7 +129,7 @@ def pounding_probability(
     expect(first, Structure, "first")
     expect(second, Structure, "second")
     check_confidence(confidence)
-    if method not in METHODS:
+    if not isinstance(method, str) or method not in METHODS:
         raise ValueError(f"method = {brief(method)}; allowed: {', '.join(METHODS)}")
     distance = Gap(gap)
     if method == "hybrid":

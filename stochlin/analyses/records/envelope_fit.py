@@ -88,7 +88,7 @@ def fit_envelope(record: xr.DataArray, model: str = "amin_ang") -> Envelope:
     6.0
     """
     values, dt = checked_record(record)
-    if model not in _MODELS:
+    if not isinstance(model, str) or model not in _MODELS:
         raise ValueError(f"model = {brief(model)} is no envelope; allowed: {', '.join(_MODELS)}")
     make, unknowns = _MODELS[model]
     time = dt * np.arange(values.size)

@@ -261,7 +261,7 @@ def acceleration_units(units: str, parameter: str) -> str:
     known = spelled(units)
     if known not in METRES:
         raise ValueError(
-            f"{parameter} = {units!r} is not a unit of acceleration; allowed: {allowed_units()}"
+            f"{parameter} = {brief(units)} is not a unit of acceleration; allowed: {allowed_units()}"
         )
     return known
 

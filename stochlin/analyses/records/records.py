@@ -6,7 +6,6 @@ import os
 import re
 import warnings
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
@@ -21,7 +20,7 @@ from stochlin.analyses.records.files import (
     read_series,
     spelled,
 )
-from stochlin.analyses.tables.checks import is_number
+from stochlin.analyses.tables.checks import as_path, is_number
 from stochlin.messages import DoubtfulInput, brief, plain
 
 MINIMUM_SAMPLES = 16
@@ -96,7 +95,7 @@ def read_record(
     >>> record.sizes["time"], record.attrs["dt"], float(record.max())
     (100, 0.02, 0.01)
     """
-    path = Path(path)
+    path = as_path("path", path)
     if dt is not None and not (is_number(dt) and 0 < dt < np.inf):
         raise ValueError(f"dt = {brief(dt)} is out of range; allowed: 0 < dt, finite, in seconds")
     units = None if units is None else acceleration_units(units, "units")
@@ -159,7 +158,7 @@ def strong_part(record: xr.DataArray, start: float = 0.05, end: float = 0.95) ->
     (5.4, 7.4)
     """
     values, _ = checked_record(record)
-    if not 0 <= start < end <= 1:
+    if not (is_number(start) and is_number(end) and 0 <= start < end <= 1):
         raise ValueError(
             f"start = {brief(start)}, end = {brief(end)} are out of range; "
             "allowed: 0 <= start < end <= 1"

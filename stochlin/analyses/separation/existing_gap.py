@@ -17,7 +17,7 @@ from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.simulation.finite_motions import keeping_apart, pair_separation
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_confidence, check_gap
+from stochlin.analyses.tables.checks import check_confidence, check_duration, check_gap
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
@@ -84,6 +84,7 @@ def existing_gap(
     """
     check_confidence(confidence)
     check_gap(gap)
+    check_duration(duration)
     for role, structure in (("first", first), ("second", second)):
         expect(structure, Structure, role)
 

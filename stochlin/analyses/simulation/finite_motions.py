@@ -11,7 +11,7 @@ import xarray as xr
 from stochlin.analyses.simulation.ensembles import Run
 from stochlin.analyses.simulation.variables import VARIABLES
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_duration
+from stochlin.analyses.tables.checks import check_duration, is_number
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.ensemble import finite_extremes
@@ -124,8 +124,12 @@ def exceedance(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Dataset:
     >>> float(table.probability)
     0.5
     """
+    if not isinstance(samples, xr.DataArray) or samples.dtype.kind not in "iuf":
+        raise TypeError(f"samples = {brief(samples)}; allowed: an xarray.DataArray of numbers")
     if "path" not in samples.dims:
         raise ValueError(f"samples has the dimensions {samples.dims}; allowed: one of them is 'path'")
+    if not is_number(gap) and not (isinstance(gap, xr.DataArray) and gap.dtype.kind in "iuf"):
+        raise TypeError(f"gap = {brief(gap)}; allowed: a number or an xarray.DataArray, in metres")
     paths = samples.sizes["path"]
     count = (samples > gap).sum("path")
     lower, upper = share_interval(count.to_numpy(), paths)

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import TypeGuard
+import os
+from pathlib import Path
+from typing import Any, TypeGuard
 
 import numpy as np
+import numpy.typing as npt
 
 from stochlin.messages import brief
 from stochlin.models.parameters import Model
 
-LONGEST_LABEL = 200
+LONGEST_LABEL, LONGEST_PATH = 200, 4096
 A_LABEL = f"some words on one line, {LONGEST_LABEL} characters at most, no control characters"
 LARGEST = int(np.finfo(float).max)
 LARGEST_WHOLE = 2**63 - 1  # what files and compiled code can hold
@@ -45,6 +48,39 @@ def check_whole(name: str, value: object, lowest: int, highest: int | None = Non
     if not is_whole(value) or not lowest <= value <= (LARGEST_WHOLE if highest is None else highest):
         to = "" if highest is None else f" to {highest}"
         raise ValueError(f"{name} = {brief(value)}; allowed: a whole number from {lowest}{to}")
+
+
+def check_truth(name: str, value: object) -> None:
+    """Raise a TypeError unless it is true or false."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise TypeError(f"{name} = {brief(value)}; allowed: True or False")
+
+
+def check_two_numbers(name: str, value: object) -> None:
+    """Raise a TypeError unless it is two numbers."""
+    two = isinstance(value, (tuple, list, np.ndarray)) and len(value) == 2
+    if not two or not all(is_number(one) for one in value):  # type: ignore[attr-defined]
+        raise TypeError(f"{name} = {brief(value)}; allowed: two numbers")
+
+
+def as_path(name: str, value: object) -> Path:
+    """The path that is given; a TypeError or ValueError unless it can be one."""
+    if not isinstance(value, (str, os.PathLike)):
+        raise TypeError(f"{name} = {brief(value)}; allowed: the name of a file, as text or a path")
+    if len(os.fspath(value)) > LONGEST_PATH:
+        raise ValueError(f"{name} = {brief(value)} is too long; allowed: {LONGEST_PATH} characters")
+    return Path(value)
+
+
+def as_numbers(name: str, value: object, allowed: str) -> npt.NDArray[Any]:
+    """The array of what is given; a TypeError unless that is real numbers."""
+    try:
+        array = np.asarray(value)
+    except (ValueError, TypeError):  # ragged lists; a dataset
+        array = np.empty((), object)
+    if array.dtype.kind not in "iuf":
+        raise TypeError(f"{name} = {brief(value)}; allowed: {allowed}")
+    return array
 
 
 def check_scalars(model: Model, role: str, allowed: str) -> None:

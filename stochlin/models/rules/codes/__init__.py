@@ -104,7 +104,7 @@ class Site:
 
 def check_zone(zone: str | None) -> None:
     """Raise a ValueError for a zone that is not one."""
-    if zone is not None and zone not in ZONES:
+    if zone is not None and (not isinstance(zone, str) or zone not in ZONES):
         raise ValueError(f"zone = {brief(zone)} is not known; allowed: {', '.join(ZONES)}")
 
 
