@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import re
 import reprlib
 from collections.abc import Iterable
 
 LONGEST = 80  # of a value that is shown
 LONGEST_MESSAGE = 2000  # on a terminal, with all names that are allowed
-_CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]")
 
 
 class DoubtfulInput(UserWarning):
@@ -41,16 +39,18 @@ _short = _Short()
 
 def brief(value: object) -> str:
     """A value as it would be written in Python, cut."""
-    text = " ".join(_CONTROL.sub(" ", _short.repr(value)).split())
-    return text if len(text) <= LONGEST else f"{text[: LONGEST - 3]}..."
+    return plain(" ".join(_short.repr(value).split()))
 
 
 def plain(text: object, longest: int = LONGEST) -> str:
     """A text that stands without quotation marks, such as a name or another's message, cut.
 
-    Control characters are written as Python writes them, for a terminal would obey them.
+    What cannot be printed is written as Python writes it, for a terminal would obey it.
     """
-    line = _CONTROL.sub(lambda found: repr(found[0])[1:-1], str(text))
+    line = str(text)
+    line = line if len(line) <= longest else f"{line[:longest]} "  # to be cut below
+    if not line.isprintable():
+        line = "".join(sign if sign.isprintable() else repr(sign)[1:-1] for sign in line)
     return line if len(line) <= longest else f"{line[: longest - 3]}..."
 
 
