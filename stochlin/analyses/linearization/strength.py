@@ -33,6 +33,8 @@ SHOWN = ("displacement_std", "ductility_std", "yield_displacement")
 class DuctilityTarget(Model):
     """The mean peak ductility that is wanted."""
 
+    of_arguments = True
+
     ductility: Parameter = parameter("1", "mean peak ductility", POSITIVE)
 
 

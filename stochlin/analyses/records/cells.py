@@ -12,8 +12,10 @@ import xarray as xr
 from stochlin.analyses.records.records import checked_record
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import row_of
+from stochlin.analyses.tables.checks import check_label
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.records.runs import SampledGround
+from stochlin.messages import sentence
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
@@ -73,6 +75,7 @@ def checked_motions(record: Records) -> Motions:
         raise ValueError("record is empty; allowed: at least one record")
     grounds = []
     for name, each in zip(names, records, strict=True):
+        check_label("the name of a record", name)
         try:
             grounds.append(SampledGround(*checked_record(each)))
         except (TypeError, ValueError) as error:
@@ -103,7 +106,8 @@ def dims_of(*structures: Bilinear) -> xr.DataArray:
         aligned = xr.align(*arrays, join="exact", copy=False)
     except (xr.AlignmentError, ValueError) as error:
         raise ValueError(
-            f"first and second share a dimension whose coordinates or lengths differ: {error}; give the "
+            f"first and second share a dimension whose coordinates or lengths differ: "
+            f"{sentence(error)}; give the "
             "structures different dimension names for a table, or equal coordinates for pairs"
         ) from error
     like = xr.zeros_like(xr.broadcast(*aligned)[0], dtype=bool).drop_attrs(deep=False)
