@@ -135,14 +135,9 @@ OWN: dict[str, dict[str, Any]] = {
 }
 
 
-# Atlases want a store, and the least measures a search: their own tests have what is wrong with them.
+# Atlases want a store: their own tests have what is wrong with them.
 STORED = {"write_atlas", "open_atlas", "lookup"}
-SEARCHED = {"mitigate", "existing_gap"}
-NAMES = [
-    pytest.param(name, marks=[pytest.mark.slow] if name in SEARCHED else [])
-    for name in sl.__all__
-    if callable(getattr(sl, name)) and name not in STORED
-]
+NAMES = [name for name in sl.__all__ if callable(getattr(sl, name)) and name not in STORED]
 ALSO = {"name": "name_rule_model", "yield_displacement": "yield_strength_hardening"}  # said in its place
 ALSO |= {"reduction_factor": "reduction_strength_hardening", "structure": "structure_strength"}
 
