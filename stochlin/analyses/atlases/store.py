@@ -228,8 +228,7 @@ def _fill(folder: Path, specification: AtlasSpecification) -> None:
     kept = {k: v for k, v in cell.attrs.items() if k not in ("first", "second", "ground")}
     own = {"title": specification.title, "specification": specification.as_json()}
     group.attrs.update(kept | own | {"code": code_version()})
-    checked = zarr.codecs.Crc32cCodec()
-    packed = [zarr.codecs.ZstdCodec(level=0), checked]
+    packed = [zarr.codecs.ZstdCodec(level=0), zarr.codecs.Crc32cCodec()]
     for name, values in axes.items():
         array = group.create_array(
             name,
@@ -264,7 +263,7 @@ def _fill(folder: Path, specification: AtlasSpecification) -> None:
         chunks=[*([1] * len(counts)), rows, 2],
         dimension_names=[*(f"{dim}_block" for dim in axes), "file", "check"],
         fill_value=NONE,
-        compressors=[checked],
+        compressors=None,  # as they are in memory: they check themselves
         attributes={
             "units": "1",
             "long_name": "bytes and checksums of the chunks of a block",
