@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import os
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
@@ -13,7 +14,9 @@ from stochlin.analyses.records.records import checked_record
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import row_of
 from stochlin.analyses.tables.checks import check_label
+from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.linear_branch import LONGEST
 from stochlin.kernels.records.runs import SampledGround
 from stochlin.messages import sentence
 from stochlin.models.laws.bilinear import Bilinear
@@ -26,6 +29,7 @@ Records = xr.DataArray | Sequence[xr.DataArray] | Mapping[str, xr.DataArray]
 RECORD = "record"
 SCALARS = "scalars, since histories are of one structure; response_spectrum takes arrays"
 SHORTEST = 0.1  # of the record's step: shorter periods would follow its straight lines, no ground
+SUB_STEP = 3e-8  # [s] of a core, roughly, that a structure takes
 
 
 class Motions(NamedTuple):
@@ -140,6 +144,22 @@ def cells_of(structure: Bilinear, like: xr.DataArray, motions: Motions) -> Recor
     columns = [2 * np.pi / values["period"].where(valid, 1.0), values["damping"], hardening, uy, valid]
     *parameters, usable = (row_of(column, like) for column in columns)
     return RecordCells(np.stack(parameters, axis=1).astype(float), usable.astype(bool))
+
+
+def check_run(motions: Motions, frequencies: Array, kept: int = 0) -> None:
+    """Raise a ValueError if structures of these frequencies [rad/s] are too much on these records.
+
+    ``kept`` numbers are held of every sub-step of those that run at once.
+    """
+    cores = os.cpu_count() or 1
+    dt, samples = np.array([(ground.dt, len(ground.acceleration)) for ground in motions.grounds]).T
+    steps = samples[:, None] * np.maximum(1.0, dt[:, None] * frequencies / LONGEST)
+    check_work(
+        "structures on records would take",
+        "take longer periods, or fewer structures or records at a time",
+        memory=8.0 * kept * cores * float(steps.max(initial=0.0)),
+        seconds=SUB_STEP * float(steps.sum()) / cores,
+    )
 
 
 def table_over(

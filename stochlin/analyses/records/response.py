@@ -9,6 +9,7 @@ from stochlin.analyses.records.cells import (
     SCALARS,
     Records,
     cells_of,
+    check_run,
     check_structure,
     checked_motions,
     dims_of,
@@ -145,6 +146,7 @@ def response_spectrum(
     like = dims_of(structure)
     cells = cells_of(structure, like, motions)
     parameters = cells.parameters[cells.valid]
+    check_run(motions, parameters[:, 0])
     peaks = peaks_on_records(motions.grounds, parameters)
     w, _, hardening_ratio, uy = parameters.T
     displacement = np.maximum(peaks[..., recorded.HIGHEST], peaks[..., recorded.LOWEST])
