@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: charts test check bench bias docs links oldest clean
+.PHONY: charts test check answers bench bias docs links oldest clean
 
 charts: $(VENV)/.run
 	$(BIN)/stochlin charts --out figures
@@ -16,6 +16,11 @@ check: $(VENV)/.dev
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/python -m pytest
+
+# Reruns the frozen answers in tests/answers, rewrites those that have moved, with the verification manual,
+# and shows what moved.
+answers: $(VENV)/.dev
+	PYTHONPATH=tests MPLBACKEND=agg $(BIN)/python -m answers.rewrite
 
 bench: $(VENV)/.dev
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[bench]"
