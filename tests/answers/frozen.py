@@ -85,10 +85,12 @@ class Case:
         """The one that is stated for it, or the case's."""
         return next((one for one in self.others if variable in one.variables), self.tolerance)
 
-    def tolerance_of_line(self, line: str) -> Tolerance:
-        """The one that is stated for words in it, or the case's."""
-        stated = (one for one in self.others if any(words in line for words in one.variables))
-        return next(stated, self.tolerance)
+    def tolerance_of_text(self, number: str, line: str) -> Tolerance:
+        """The one that is stated for words of the line; counts exactly; else the case's."""
+        for one in self.others:
+            if any(re.search(rf"(?<!\w){re.escape(words)}(?!\w)", line) for words in one.variables):
+                return one
+        return Tolerance("a count") if re.fullmatch(r"[-+]?\d+", number) else self.tolerance
 
 
 @dataclass(frozen=True)
@@ -215,9 +217,7 @@ def _of_texts(case: Case, place: str, old: str, new: str) -> Iterator[Difference
             yield Difference(at, a.strip(), b.strip())
             return  # what follows is moved by it
         for one, other in zip(numbers_a, numbers_b, strict=True):
-            tolerance = (
-                Tolerance("a count") if re.fullmatch(r"[-+]?\d+", one) else case.tolerance_of_line(a)
-            )
+            tolerance = case.tolerance_of_text(one, f"{place} {a}")
             yield from _of_numbers(at, np.array([float(one)]), np.array([float(other)]), tolerance)
 
 

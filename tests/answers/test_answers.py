@@ -158,9 +158,14 @@ def test_what_is_within_the_tolerance_has_not_moved(
 
 
 @pytest.mark.invariant
-def test_a_variable_may_have_a_tolerance_of_its_own(case: Case, tmp_path: Path) -> None:
-    other = replace(case, others=(Tolerance("", absolute=0.5, variables=("a",)),))
-    assert after(other, "3.0]", "3.4]", tmp_path / "again") == []
+def test_a_variable_or_line_may_have_a_tolerance_of_its_own(case: Case, tmp_path: Path) -> None:
+    own = (
+        Tolerance("", absolute=0.5, variables=("a",)),
+        Tolerance("", absolute=1, variables=("impacts",)),
+    )
+    case = replace(case, others=own)
+    assert after(case, "3.0]", "3.4]", tmp_path / "first again") == []
+    assert after(case, "7 impacts", "8 impacts", tmp_path / "second again") == []
 
 
 @pytest.mark.invariant
