@@ -398,6 +398,58 @@ def test_rows_that_touch_do_not_chatter_without_end(periods, masses, e, seed):
         assert float(overlap) < 1e-8 * float(table.peak.max())
 
 
+def moved(record, structures=None, gap=0.005, name="kelvin"):
+    return sl.pound(structures or [soft(), stiff()], gap, CONTACTS[name], record)
+
+
+@pytest.mark.parametrize("silent", [1, 2, 300])
+@pytest.mark.parametrize("name", CONTACTS)
+def test_silence_before_a_motion_only_delays_it(name, silent):
+    record = motion(np.r_[0.0, synthetic(300).values])
+    plain = moved(record, name=name)
+    padded = moved(motion(np.r_[np.zeros(silent), record.values]), name=name)
+    assert plain.sizes["impact"] == padded.sizes["impact"] > 0
+    for variable in HISTORY:
+        later = padded[variable].values[silent:]
+        size = np.abs(plain[variable]).max()
+        np.testing.assert_allclose(later, plain[variable].values, rtol=0, atol=1e-8 * float(size))
+        assert np.all(padded[variable].values[:silent] == 0.0)
+
+
+def test_silence_in_the_middle_and_at_the_end_is_free_vibration():
+    """Zeros within a record are a motion like any other: sampled twice as densely it is the same."""
+    record = synthetic(200, size=3.0).values
+    quiet = np.r_[record, np.zeros(300), record[::-1], np.zeros(300)]
+    fine = np.interp(np.arange(2 * quiet.size - 1) / 2, np.arange(quiet.size), quiet)
+    coarse, dense = moved(motion(quiet)), moved(motion(fine, 0.01))
+    check_energy(coarse)
+    assert coarse.sizes["impact"] == dense.sizes["impact"] > 0
+    np.testing.assert_allclose(coarse.displacement, dense.displacement[::2], rtol=0, atol=1e-8)
+
+
+@pytest.mark.parametrize("name", CONTACTS)
+@pytest.mark.parametrize(
+    "values",
+    [
+        np.r_[np.zeros(40), 20.0, np.zeros(300)],
+        np.full(300, 2.0),
+        np.r_[0.0, 5e-324, 0.0, synthetic(200).values],
+        np.r_[np.zeros(9), np.full(90, -3.0), np.zeros(200)],
+    ],
+    ids=["spike", "constant", "least number", "block"],
+)
+def test_energy_balances_on_motions_that_no_ground_makes(values, name):
+    check_energy(moved(motion(values), name=name))
+
+
+def test_rows_storeys_and_links_may_begin_in_silence():
+    record = motion(np.r_[np.zeros(50), synthetic(300, size=4.0).values])
+    towers = [tower(2), tower(4, stiffness=1.5e8), tower(2, stiffness=6e8)]
+    check_energy(sl.pound(towers, [0.0, 0.01], CONTACTS["hertz"], record))
+    linked = sl.pound([soft(), stiff()], 0.005, CONTACTS["kelvin"], record, link=sl.Link(1e6, 1e4))
+    assert float(np.abs(linked.link_force).max()) > 0
+
+
 def test_a_motion_that_overflows_is_named():
     with pytest.raises(ArithmeticError, match=r"the step from .* could not be completed.*displacements"):
         sl.pound([soft(), stiff()], 0.01, CONTACTS["kelvin"], synthetic(60) * 1e180)

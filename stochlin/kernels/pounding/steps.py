@@ -36,7 +36,7 @@ FROM_NODES = np.ascontiguousarray(np.linalg.inv(np.vander(np.linspace(0, 1, NODE
 
 TOLERANCE = 1e-10  # of a step, over the largest displacement, velocity and energy so far
 ROUGH = 1e-2  # of that in a contact whose force ends with a fractional power, as no polynomial does
-TINY = 1e-200
+TINY = 1e-150  # for a building that was never moved; its inverse squared is still a number
 REACH = 3
 
 
