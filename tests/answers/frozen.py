@@ -10,8 +10,8 @@ other files         what it reads: case files, specifications, records made for 
 ``independent.json``, ``manual.md``  the numbers that gave, and the words of the manual
 
 Pictures are drawn, and not compared. The oldest and latest versions that reasons of tolerances speak of
-are numpy 2.1.0, scipy 1.15.0, numba 0.61.0 and xarray 2025.11.0 on Python 3.11, and 2.5.5, 1.18.1, 0.68.1
-and 2026.9.0 on Python 3.13, both on one x86-64 processor.
+are numpy 2.1.0, scipy 1.15.0, numba 0.61.0 and xarray 2025.11.0 on Python 3.11, and 2.5.5, 1.18.1,
+0.68.1 and 2026.9.0 on Python 3.13, both on one x86-64 processor.
 """
 
 from __future__ import annotations
@@ -236,11 +236,13 @@ def independent(case: Case) -> dict[str, Any]:
         raise ImportError(str(error)) from error
     return {
         "program": found["PROGRAM"],
-        "answers": {
-            name: np.asarray(value, dtype=float).tolist() for name, value in found["ANSWERS"].items()
-        },
-        "numbers": {name: float(value) for name, value in found.get("NUMBERS", {}).items()},
+        "answers": _as_lists(found["ANSWERS"]),
+        "numbers": _as_lists(found["NUMBERS"]),
     }
+
+
+def _as_lists(numbers: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: np.asarray(value, dtype=float).tolist() for name, value in numbers.items()}
 
 
 def kept_independent(case: Case) -> dict[str, Any]:

@@ -74,6 +74,17 @@ def test_the_manual_is_made_of_the_frozen_answers() -> None:
     assert not [name for name in VERIFIED if f"`tests/answers/{name}`" not in page]
 
 
+@pytest.mark.cli
+@pytest.mark.parametrize("name", VERIFIED)
+def test_a_problem_of_the_manual_has_the_numbers_that_were_solved(name: str) -> None:
+    """They are put in from what is frozen; left are formulas, numbers of equations and years."""
+    words = (HERE / name / "manual.md").read_text(encoding="utf-8")
+    (problem,) = re.findall(r"\*Problem\.\*(.*?)\n\n", words, re.DOTALL)
+    assert not re.findall(
+        r"\d", re.sub(r"<<.*?>>|\$.*?\$|\(\d+\)|\b(18|19|20)\d\d\b|`.*?`", "", problem)
+    )
+
+
 @pytest.mark.invariant
 def test_whatever_a_user_can_do_is_asked_for_in_some_case() -> None:
     scripts = "\n".join(path.read_text(encoding="utf-8") for path in HERE.glob(f"*/{SCRIPT}"))

@@ -79,4 +79,5 @@ NUMBERS = {
     "gap": 100 * gap,
     "e": e,
     "end": end,
+    "m": m / 1000,
 }

@@ -30,10 +30,11 @@ for n in range(1, round(20 / STEP) + 1):
     times.append(n * STEP)
     stds.append(sqrt(dd))
 sums = np.concatenate([[0], np.cumsum((np.array(rates[1:]) + rates[:-1]) / 2 * STEP)])
-at = [round(t / STEP) for t in (2.0, 5.0, 20.0)]
+shown = (2.0, 5.0, 20.0)
+at = [round(t / STEP) for t in shown]
 ANSWERS = {
     "difference_std": [stds[n] for n in at],
     "instantaneous_probability": [erfc(gap / stds[n] / sqrt(2)) / 2 for n in at],
     "confidence_of_no_pounding_poisson": [np.exp(-sums[n]) for n in at],
 }
-NUMBERS = {"T1": T[0], "T2": T[1], "xi1": xi[0], "xi2": xi[1], "S0": S0, "gap": 100 * gap}
+NUMBERS = {"T": T, "xi": xi, "S0": S0, "gap": 100 * gap, "shown": shown}

@@ -24,4 +24,4 @@ ANSWERS = {
     "relative_displacement_std": sqrt(d @ X @ d),
     "link_force_std": sqrt(f @ X @ f),
 }
-NUMBERS = {"T1": T[0], "T2": T[1], "xi1": xi[0], "xi2": xi[1], "S0": S0}
+NUMBERS = {"T": T, "xi": xi, "S0": S0, "m": np.array(m) / 1000, "k": k / 1e6, "c": c / 1e6}

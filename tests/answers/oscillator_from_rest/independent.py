@@ -24,4 +24,4 @@ ANSWERS = {
     "displacement_std": [sqrt(variances(t)[0]) for t in times],
     "velocity_std": [sqrt(variances(t)[1]) for t in times],
 }
-NUMBERS = {"T": T, "xi": xi, "S0": S0, "final": sqrt(final)}
+NUMBERS = {"T": T, "xi": xi, "S0": S0, "final": sqrt(final), "times": times}

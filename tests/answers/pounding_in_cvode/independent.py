@@ -82,4 +82,7 @@ for end in samples[1:]:
             impacts[-1][2] = max(impacts[-1][2], force(u, v))
 names = ("impact_time", "approach_velocity", "largest_force", "impact_duration", "energy_lost")
 ANSWERS = dict(zip(names, np.transpose(impacts), strict=True)) | {"peak": peak}
-NUMBERS = {"gap": 100 * gap, "a": a}
+NUMBERS = {
+    **{"T": T, "xi": xi, "alpha": alpha, "uy": 100 * uy, "m": m / 1000, "gap": 100 * gap, "a": a},
+    **{"k": k / 1e9, "end": samples[-1], "dt": samples[1]},
+}

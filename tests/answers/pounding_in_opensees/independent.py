@@ -73,4 +73,8 @@ def shaken(meet):
 peak, times = shaken(meet=True)
 alone, _ = shaken(meet=False)
 ANSWERS = {"impact_time": times, "peak": peak, "peak_alone": alone}
-NUMBERS = {"gap": 100 * GAP}
+NUMBERS = {
+    **{"gap": 100 * GAP, "spring": SPRING / 1e6, "mass": MASS / 1000, "xi": xi, "alpha": alpha},
+    **{"tower": np.array(BUILDINGS[0][0]) / 1e6, "annex": np.array(BUILDINGS[1][0]) / 1e6},
+    **{"yields": [100 * uy for _, uy in BUILDINGS], "end": samples[-1], "step": 1e6 * STEP},
+}

@@ -38,3 +38,7 @@ for _ in range(round(samples[-1] / STEP)):
     u = np.array([ops.nodeDisp(11, 1), ops.nodeDisp(21, 1)])
     peak, apart = np.maximum(peak, abs(u)), max(apart, u[0] - u[1])
 ANSWERS = {"separation": apart, "peak_1": peak[0], "peak_2": peak[1]}
+NUMBERS = {
+    **{"T": T, "xi": xi, "alpha": alpha, "uy": [100 * one for one in uy], "end": samples[-1]},
+    **{"dt": DT, "step": 1000 * STEP},
+}
