@@ -11,7 +11,11 @@ for name in sl.effective_rule_names(unverified=True):
     rule = sl.effective_rule(name)
     print(name, f"{float(rule.period_ratio(4.0, 0.05)):.9g} {float(rule.damping(4.0, 0.05, 0.05)):.9g}")
 for name in sl.code_rule_names():
-    print(name, sl.code_rule(name))
+    rule = sl.code_rule(name)
+    level, other = (float(rule.gap(0.12, 0.09, 24.0, 15.0, align, "III")) for align in (True, False))
+    print(name, rule.mark, f"{level:.9g} {other:.9g}")
+for name, value in (("share_of_sum", 0.8), ("share_of_height", 0.01), ("fixed_distance", 0.05)):
+    print(name, value, sl.code_rule(name, value).gap(0.12, 0.09, 24.0, 15.0))
 for name in sl.peak_factor_names():
     model = sl.peak_factor_model(name)
     print(name, f"{float(model.mean(40, 0.25)):.9g} {float(model.std(40, 0.25)):.9g}")
