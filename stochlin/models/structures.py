@@ -104,6 +104,14 @@ class Structure(Model):
         """The closure ``name`` of this law: latent moments to equivalent coefficients."""
         return self.closures.get(name) or self._compiled.gaussian
 
+    def has_one_solution(self) -> xr.DataArray:
+        """Where linearization is known to have one solution.
+
+        Elsewhere the one that grows out of the elastic response is followed as shaking grows, which
+        takes several times as long.
+        """
+        return xr.DataArray(False)
+
     def block(self) -> Block:
         """Time steps of this law."""
         return self._compiled.block

@@ -5,16 +5,58 @@ Libraries are imported inside the commands: ``stochlin --help`` should not wait 
 
 from __future__ import annotations
 
+import io
+import os
+import sys
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
 import click
 
 from stochlin._version import __version__
-from stochlin.views.shared.screen import COMMANDS, bad_input
+from stochlin.views.shared.screen import COMMANDS, SPELLED, bad_input
 
+INTERRUPTED = 130  # as shells have it: 128 and the number of the signal
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
+
+
+@contextmanager
+def warnings_as_sentences() -> Iterator[None]:
+    """On the error stream, without the place in the code."""
+    with warnings.catch_warnings():
+        warnings.showwarning = lambda message, *_, **__: click.echo(f"Warning: {message}", err=True)
+        yield
 
 
 class Commands(click.Group):
     """They are looked for when one is asked for."""
+
+    def main(self, *args: Any, **kwargs: Any) -> Any:
+        """Run it, with signs that the output does not know spelled out."""
+        for stream in (sys.stdout, sys.stderr):
+            if isinstance(stream, io.TextIOWrapper):
+                stream.reconfigure(errors=SPELLED)
+        return super().main(*args, **kwargs)
+
+    def __call__(self, *args: Any, **kwargs: Any) -> Any:
+        """The program: one that is interrupted does not wait for what its threads still compute."""
+        try:
+            return super().__call__(*args, **kwargs)
+        except SystemExit as end:
+            if end.code == INTERRUPTED:
+                sys.stdout.flush()
+                os._exit(INTERRUPTED)
+            raise
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """The command; Ctrl-C ends it with the exit status that shells know."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            click.echo("\ninterrupted", err=True)
+            ctx.exit(INTERRUPTED)
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """All by name."""
@@ -31,3 +73,4 @@ class Commands(click.Group):
 @click.version_option(__version__, prog_name="stochlin")
 def main() -> None:
     """Correlation and separation of neighbouring yielding buildings."""
+    click.get_current_context().with_resource(warnings_as_sentences())

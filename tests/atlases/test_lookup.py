@@ -132,7 +132,7 @@ def test_what_is_held_may_be_said(atlas):
 
 
 def test_on_the_command_line(path):
-    case = ("--period-1", "1.4", "--period-2", "2,2.2", "--ground-period", "2")
+    case = ("--period-1", "1.4s", "--period-2", "2s,2.2s", "--ground-period", "2s")
     options = ("--ground-damping", ".1", "--hardening", ".07")
     done = CliRunner().invoke(main, ["lookup", str(path), *case, *options])
     assert done.exit_code == 0, done.output

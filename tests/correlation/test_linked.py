@@ -37,6 +37,41 @@ def test_link_without_constants_is_no_link(make):
     np.testing.assert_allclose(tables[0].rho, tables[1].rho, rtol=0, atol=1e-9)
 
 
+@pytest.mark.parametrize("closure", ["gaussian", "clipped"])
+@pytest.mark.parametrize("ground", [sl.WhiteNoise(0.01), sl.KanaiTajimi(0.5, 0.6, 0.01)])
+def test_from_hardly_yielding_to_far_beyond_without_a_link(ground, closure):
+    """Where slip is rare the Lyapunov equation is nearly singular."""
+    nothing = sl.Link(stiffness=0.0)
+    for factor in (0.2, 0.4, 0.5, 0.7, 1.0, 30.0):
+        pair = [yielding(period, 1e6, factor) for period in (0.6, 1.0)]
+        linked = sl.correlate_linked(*pair, ground, nothing, closure=closure)
+        alone = sl.correlate(*pair, ground, closure=closure)
+        assert float(linked.rho) == pytest.approx(float(alone.rho), abs=1e-8)
+        for name in ("displacement_std_1", "displacement_std_2"):
+            assert float(linked[name]) == pytest.approx(float(alone[name]), rel=1e-8)
+
+
+def test_a_structure_that_only_its_neighbour_makes_yield():
+    """Tied to a heavy one by a rigid link it moves, and yields, as that does."""
+    light = sl.Bilinear(0.1, 0.05, 0.05, yield_displacement=0.02, mass=1e3)
+    heavy = sl.Bilinear(2.0, 0.05, mass=1e8)
+    ground = sl.WhiteNoise(0.01)
+    assert float(sl.linearize(light, ground).ductility_std) < 0.06
+    table = sl.correlate_linked(light, heavy, ground, sl.Link(stiffness=1e9))
+    assert float(table.ductility_std_1) > 2
+    assert float(table.c_eq_1) > -0.9
+
+
+def test_a_structure_that_is_not_solved_alone_is_not_taken_for_elastic():
+    weak = [sl.Bilinear(period, 0.05, 0.05, yield_displacement=1e-30, mass=1e6) for period in (0.6, 1.0)]
+    with pytest.raises(ArithmeticError, match="check the units"):
+        sl.correlate_linked(*weak, sl.WhiteNoise(0.01), sl.Link(stiffness=1e6))
+    strengths = sl.Bilinear(0.6, 0.05, 0.05, yield_displacement=[1e-30, 0.02], mass=1e6)
+    table = sl.correlate_linked(strengths, elastic(1.0, 1e6), sl.WhiteNoise(0.01), sl.Link(1e6))
+    assert np.isnan(table.rho[0])
+    assert float(table.rho[1]) > 0
+
+
 def test_rigid_link_makes_one_structure_of_two():
     w, masses = 2 * np.pi / np.array([0.6, 1.0]), np.array([1e6, 3e6])
     tied = sl.correlate_linked(elastic(0.6, 1e6), elastic(1.0, 3e6), GROUND, sl.Link(stiffness=1e13))

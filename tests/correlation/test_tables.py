@@ -76,6 +76,16 @@ def test_far_apart(ratio, slip):
     check(draw(rng, 1.0, slip), draw(rng, ratio, slip), (2 * np.pi, 0.3))
 
 
+@pytest.mark.parametrize("fast", [20.0, 1e2, 1e3, 1e4])
+def test_fast_relaxation_keeps_its_digits(fast):
+    """Far beyond yield, of one or of both."""
+    rng = np.random.default_rng(45)
+    for other in (0.2, 0.5 * fast):
+        one, two = draw(rng, 10 ** rng.uniform(-1, 1), 0.2), draw(rng, 10 ** rng.uniform(-1, 1), 0.8)
+        paces = fast * np.sqrt(one.stiffness), other * np.sqrt(two.stiffness)
+        check(one._replace(relaxation=paces[0]), two._replace(relaxation=paces[1]), (4.0, 0.2))
+
+
 @pytest.mark.parametrize("slip", [1e-18, 1e-12, 1e-6, 1e-2])
 def test_tuned_to_the_ground_and_to_each_other(slip):
     """Near-defective: the soil's own period and damping, and twins that differ in the ninth digit."""

@@ -61,7 +61,7 @@ def test_curves_and_planes_need_no_drawing_code_and_are_found_by_what_they_ask_f
     assert done.returncode == 2
     assert "levels_broad_band" in done.stderr
     (tmp_path / "motion.txt").write_text("\n".join(str((7 * n) % 11 - 5) for n in range(400)))
-    options = ("--record", "motion.txt", "--dt", 0.02, "--units", "cm/s^2")
+    options = ("--record", "motion.txt", "--dt", "0.02s", "--units", "cm/s^2")
     done = stochlin("charts", "of_record", *options, "--out", ".")
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "of_record.png").exists()

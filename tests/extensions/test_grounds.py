@@ -14,10 +14,10 @@ import xarray as xr
 pytestmark = pytest.mark.cli
 
 SOIL = {"period": 0.4, "damping": 0.6, "layer_period": 1.1, "layer_damping": 0.2}
-GROUND = ("--ground", "two-layers", "--ground-period", 0.4, "--ground-damping", 0.6)
-GROUND += ("--layer-period", 1.1, "--layer-damping", 0.2)
+GROUND = ("--ground", "two-layers", "--ground-period", "0.4s", "--ground-damping", 0.6)
+GROUND += ("--layer-period", "1.1s", "--layer-damping", 0.2)
 PERIODS = (0.7, 1.0)
-PAIR = ("--period-1", PERIODS[0], "--period-2", PERIODS[1])
+PAIR = ("--period-1", f"{PERIODS[0]}s", "--period-2", f"{PERIODS[1]}s")
 
 
 def covariance(period_1, period_2, damping, soil):
@@ -142,12 +142,13 @@ def test_an_atlas(toy, tmp_path):
     (tmp_path / "spec.toml").write_text(spec, encoding="utf-8")
     done(toy("atlas", "spec.toml", "--out", "atlas.zarr"))
     # Periods over the ground's, here 0.4 s
-    given = ("--period-1", 0.4, "--period-2", 1.2, "--ground-period", 0.4, "--ground-damping", 0.6)
-    text = done(toy("lookup", "atlas.zarr", *given, "--layer-period", 1.1))
+    given = ("--period-1", "0.4s", "--period-2", "1.2s", "--ground-period", "0.4s")
+    given += ("--ground-damping", 0.6)
+    text = done(toy("lookup", "atlas.zarr", *given, "--layer-period", "1.1s"))
     assert f"{rho(0.4, 1.2):.5g}"[:6] in text
     with xr.open_zarr(tmp_path / "atlas.zarr", consolidated=False) as atlas:
         assert atlas.ground_damping.attrs["long_name"] == "ground damping ratio"
-    other = toy("lookup", "atlas.zarr", *given, "--layer-period", 1.0)
+    other = toy("lookup", "atlas.zarr", *given, "--layer-period", "1.0s")
     assert other.returncode == 2
     assert "layer_period is held at 2.75" in other.stderr
 

@@ -43,8 +43,8 @@ def options(**values):
 def test_rho_of_a_law_from_outside(toy, tmp_path, method):
     done = toy(
         "rho",
-        *options(period_1=0.7, period_2="1,1.3", law="pinched", **SITE, **TOLD, method=method),
-        *options(paths=32, seed=3, ground="firm", intensity=0.01, out=tmp_path / "table.nc"),
+        *options(period_1="0.7s", period_2="1s,1.3s", law="pinched", **SITE, **TOLD, method=method),
+        *options(paths=32, seed=3, ground="firm", intensity="0.01 m^2/s^3", out=tmp_path / "table.nc"),
     )
     assert done.returncode == 0, done.stderr
     first, second = (the_same(period=period, **SITE) for period in (0.7, [1.0, 1.3]))
@@ -129,7 +129,7 @@ def test_a_case_that_says_it_wrong(toy, tmp_path, before, after, says):
     ids=str,
 )
 def test_options_of_a_law_are_those_of_the_law(toy, arguments, says):
-    said = toy("rho", *options(period_1=0.7, period_2=1.0, **SITE), *arguments)
+    said = toy("rho", *options(period_1="0.7s", period_2="1s", **SITE), *arguments)
     assert said.returncode == (0 if "--help" in arguments else 2)
     assert says in " ".join((said.stdout + said.stderr).split())
 

@@ -72,7 +72,7 @@ def eq_4(period_1, period_2, damping_1, damping_2):
 
 def test_rho_takes_the_rule(toy, tmp_path):
     given = "--hardening .1 --reduction-factor 4 --method effective --rule root --out table.nc"
-    done = toy("rho", "--period-1", 0.7, "--period-2", 1.1, *given.split())
+    done = toy("rho", "--period-1", "0.7s", "--period-2", "1.1s", *given.split())
     assert done.returncode == 0, done.stderr
     with xr.open_dataset(tmp_path / "table.nc") as table:
         mu = [float(table[f"ductility_peak_{n}"]) for n in (1, 2)]
@@ -85,7 +85,7 @@ def test_rho_takes_the_rule(toy, tmp_path):
         assert float(table.rho) == pytest.approx(eq_4(*periods, *dampings), rel=1e-12)
         assert table.attrs["rule"] == "root: Some author (2031), Some journal 4 [M]"
     assert "root" in toy("rho", "--help").stdout
-    unknown = toy("rho", "--period", 1, "--rule", "rot")
+    unknown = toy("rho", "--period", "1s", "--rule", "rot")
     assert unknown.returncode == 2
     assert "'root'" in unknown.stderr
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import click
@@ -21,6 +23,7 @@ from stochlin.views.command import main
 pytestmark = pytest.mark.cli
 
 FORMULAS = ("fig3a", "fig3b", "fig6", "fig7", "fig8")  # of no ground
+YIELDING = ("--hardening", 0.05, "--reduction-factor", 4)
 FIGURES = (*FORMULAS, "fig4a", "fig4b", "fig4c", "fig5a", "fig5b")
 RECORDED = ("site_spectrum", "fig1", "per_spectrum", "fig2")
 
@@ -30,7 +33,9 @@ def run(*arguments: object) -> Result:
 
 
 def test_rho_of_a_pair_is_the_librarys() -> None:
-    result = run("rho", "--period-1", 0.7, "--period-2", 1, "--hardening", 0.05, "--reduction-factor", 4)
+    result = run(
+        "rho", "--period-1", "0.7s", "--period-2", "1s", "--hardening", 0.05, "--reduction-factor", 4
+    )
     assert result.exit_code == 0, result.output
     first, second = (sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.7, 1.0))
     rho = float(sl.correlate(first, second, sl.WhiteNoise()).rho)
@@ -40,7 +45,7 @@ def test_rho_of_a_pair_is_the_librarys() -> None:
 
 
 def test_rho_of_elastic_structures_needs_no_caution() -> None:
-    result = run("rho", "--period-1", 0.7, "--period-2", 1)
+    result = run("rho", "--period-1", "0.7s", "--period-2", "1s")
     assert result.exit_code == 0
     assert "Caution" not in result.output
 
@@ -48,8 +53,8 @@ def test_rho_of_elastic_structures_needs_no_caution() -> None:
 def test_sweeps_become_dimensions_of_the_saved_table(tmp_path: Path) -> None:
     out = tmp_path / "table.nc"
     result = run(
-        *("rho", "--period-1", "0.2:2:4", "--period-2", "0.5:2:3:log", "--hardening", "0.02,0.1"),
-        *("--reduction-factor", 4, "--ground", "kanai-tajimi", "--ground-period", 2),
+        *("rho", "--period-1", "0.2s:2s:4", "--period-2", "0.5s:2s:3:log", "--hardening", "0.02,0.1"),
+        *("--reduction-factor", 4, "--ground", "kanai-tajimi", "--ground-period", "2s"),
         *("--ground-damping", "0.05,0.3", "--out", out),
     )
     assert result.exit_code == 0, result.output
@@ -66,14 +71,14 @@ def test_sweeps_become_dimensions_of_the_saved_table(tmp_path: Path) -> None:
 
 def test_csv_has_a_row_a_cell(tmp_path: Path) -> None:
     out = tmp_path / "table.csv"
-    assert run("rho", "--period-1", "0.5,1,2", "--period-2", 1, "--out", out).exit_code == 0
+    assert run("rho", "--period-1", "0.5s,1s,2s", "--period-2", "1s", "--out", out).exit_code == 0
     lines = out.read_text().splitlines()
     assert lines[0].startswith("period_1,rho,")
     assert len(lines) == 4
 
 
 def test_names_are_taken_with_either_dash() -> None:
-    shared = ("--period", "0.7", "--period-2", "1", "--hardening", "0.1", "--reduction-factor", "4")
+    shared = ("--period", "0.7s", "--period-2", "1s", "--hardening", "0.1", "--reduction-factor", "4")
     dashed, plain = (run("rho", *shared, "--law", name) for name in ("bouc-wen", "bouc_wen"))
     assert dashed.exit_code == 0
     assert dashed.output == plain.output
@@ -82,7 +87,7 @@ def test_names_are_taken_with_either_dash() -> None:
 @pytest.mark.parametrize("closure", closure_names())
 def test_every_closure_is_an_option_of_rho(closure: str, tmp_path: Path) -> None:
     options = ("--hardening", 0.05, "--reduction-factor", 4, "--closure", closure)
-    periods = ("--period-1", "0.5,0.9", "--period-2", 0.7)
+    periods = ("--period-1", "0.5s,0.9s", "--period-2", "0.7s")
     out = tmp_path / "table.nc"
     result = run("rho", *periods, *options, "--out", out)
     assert result.exit_code == 0, result.output
@@ -95,7 +100,17 @@ def test_every_closure_is_an_option_of_rho(closure: str, tmp_path: Path) -> None
 
 
 def test_effective_properties_by_a_rule_of_ones_own_choice() -> None:
-    given = ("rho", "--period-1", 0.7, "--period-2", 1, "--hardening", 0.05, "--reduction-factor", 4)
+    given = (
+        "rho",
+        "--period-1",
+        "0.7s",
+        "--period-2",
+        "1s",
+        "--hardening",
+        0.05,
+        "--reduction-factor",
+        4,
+    )
     given += ("--method", "effective", "--rule", "secant")
     result = run(*given)
     assert result.exit_code == 0, result.output
@@ -109,7 +124,7 @@ def test_effective_properties_by_a_rule_of_ones_own_choice() -> None:
 
 def test_a_reader_that_has_seen_enough_is_no_error() -> None:
     code = "import sys; from stochlin.views.command import main; main(sys.argv[1:])"
-    command = [sys.executable, "-c", code, "rho", "--period-1", ".2:2:30", "--period-2", "1"]
+    command = [sys.executable, "-c", code, "rho", "--period-1", ".2s:2s:30", "--period-2", "1s"]
     reader, writer = os.pipe()
     os.close(reader)
     done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, text=True, check=False)
@@ -120,7 +135,7 @@ def test_a_reader_that_has_seen_enough_is_no_error() -> None:
 
 def test_named_ground_and_white_noise_method() -> None:
     result = run(
-        "rho", "--period-1", 1, "--period-2", 1.5, "--ground", "firm", "--method", "white_noise"
+        "rho", "--period-1", "1s", "--period-2", "1.5s", "--ground", "firm", "--method", "white_noise"
     )
     assert result.exit_code == 0
     assert "CloughPenzien" in result.output
@@ -129,22 +144,22 @@ def test_named_ground_and_white_noise_method() -> None:
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (("--period-2", "1"), "--period-1"),
-        (("--period", "-1"), "period = -1"),
-        (("--period", "nan"), "period = nan"),
-        (("--period", "one"), "'one' is not a number"),
-        (("--period", "1:2"), "start:stop:count"),
-        (("--period", "1:2:1"), "count >= 2"),
-        (("--period", "1", "--damping", "5"), "damping = 5"),
-        (("--period", "1", "--hardening", "0", "--reduction-factor", "4"), "stationary displacement"),
-        (("--period", "1", "--reduction-factor", "4"), "hardening is not given"),
-        (("--period", "1", "--ground", "moon"), "firm"),
-        (("--period", "1", "--ground", "kanai-tajimi"), "--ground-period, --ground-damping"),
-        (("--period", "1", "--ground-period", "2"), "does not apply"),
-        (("--period", "1", "--out", "table.xlsx"), "allowed: .nc or .csv"),
-        (("--period", "1", "--out", "no/such/folder/t.nc"), "no/such/folder"),
-        (("--period", "1", "--closure", "drifting"), "drifting"),
-        (("--period", "1", "--record", "nowhere.txt"), "nowhere.txt"),
+        (("--period-2", "1s"), "--period-1"),
+        (("--period", "-1s"), "period = -1"),
+        (("--period", "nan"), "has no unit"),
+        (("--period", "one"), "'one' is no number"),
+        (("--period", "1s:2s"), "start:stop:count"),
+        (("--period", "1s:2s:1"), "count >= 2"),
+        (("--period", "1s", "--damping", "5"), "damping = 5"),
+        (("--period", "1s", "--hardening", "0", "--reduction-factor", "4"), "stationary displacement"),
+        (("--period", "1s", "--reduction-factor", "4"), "hardening is not given"),
+        (("--period", "1s", "--ground", "moon"), "firm"),
+        (("--period", "1s", "--ground", "kanai-tajimi"), "--ground-period, --ground-damping"),
+        (("--period", "1s", "--ground-period", "2s"), "does not apply"),
+        (("--period", "1s", "--out", "table.xlsx"), "allowed: .nc or .csv"),
+        (("--period", "1s", "--out", "no/such/folder/t.nc"), "no/such/folder"),
+        (("--period", "1s", "--closure", "drifting"), "drifting"),
+        (("--period", "1s", "--record", "nowhere.txt"), "nowhere.txt"),
     ],
 )
 def test_bad_input_exits_with_2_and_says_what(arguments: tuple[str, ...], says: str) -> None:
@@ -191,7 +206,7 @@ def test_charts_of_a_site(tmp_path: Path) -> None:
     motion = np.convolve(rng.normal(size=time.size), np.exp(-time * 2) * np.sin(6 * time), "full")
     np.savetxt(record, motion[: time.size])
     out = tmp_path / "out"
-    options = ("--record", record, "--dt", 0.01, "--units", "cm/s^2", "--points", 9)
+    options = ("--record", record, "--dt", "0.01s", "--units", "cm/s^2", "--points", 9)
     result = run("charts", *options, "--out", out)
     assert result.exit_code == 0, result.output
     names = {f"{name}_site" for name in FIGURES if name not in FORMULAS} | set(RECORDED)
@@ -244,3 +259,93 @@ def test_help_keeps_its_lines(name):
     assert "\\b" not in text
     examples = [line for line in text.splitlines() if line.startswith("    stochlin ")]
     assert examples
+
+
+@pytest.mark.parametrize("encoding", ["cp1252", "ascii"])
+def test_what_an_output_cannot_encode_is_spelled_out(encoding: str, tmp_path: Path) -> None:
+    """As when Windows writes to a file; names are the user's."""
+    case = tmp_path / "case.toml"
+    case.write_text(sl.example_case().replace("Office block and", "Łódź, ρ and"), encoding="utf-8")
+    pair = ("rho", "--period-1", "0.7s", "--period-2", "1s", "--hardening", "0.05")
+    for arguments in ((*pair, "--reduction-factor", "4"), ("mitigate", str(case)), ("rho", "--help")):
+        done = subprocess.run(
+            [sys.executable, "-c", "from stochlin.views.command import main; main()", *arguments],
+            capture_output=True,
+            env=os.environ | {"PYTHONIOENCODING": encoding},
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr
+        if encoding == "cp1252" and arguments[-1] == "4":
+            assert b"linearized rho is off" in done.stdout
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGINT for another process")
+@pytest.mark.parametrize("seconds", [3.0, 5.0])
+def test_an_interrupted_command_ends_at_once(seconds: float, tmp_path: Path) -> None:
+    """Also while threads compute, and with nothing half written."""
+    pair = (
+        "--period-1",
+        "0.7s",
+        "--period-2",
+        "1s",
+        "--hardening",
+        "0.05",
+        "--reduction-factor",
+        "0.72",
+    )
+    command = ("rho", *pair, "--method", "simulation", "--out", str(tmp_path / "table.nc"))
+    running = subprocess.Popen(
+        [sys.executable, "-c", "from stochlin.views.command import main; main()", *command],
+        stderr=subprocess.PIPE,
+    )
+    time.sleep(seconds)
+    begin = time.perf_counter()
+    running.send_signal(signal.SIGINT)
+    _, told = running.communicate(timeout=60)
+    assert running.returncode == 130, told
+    assert time.perf_counter() - begin < 1
+    assert b"Traceback" not in told
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("rho", "--period", "0.7"), ["'0.7' has no unit", '"0.7 s"', '"0.7 ms"']),
+        (("rho", "--period", "0.7 cm"), ["unknown unit 'cm'; allowed: s, ms"]),
+        (("rho", "--period", "1s", "--yield-displacement", "5"), ["'5' has no unit", '"5 cm"']),
+        (("rho", "--period", "1s", "--intensity", ".01"), ['"0.01 m^2/s^3"', '"0.01 cm^2/s^3"']),
+        (("rho", "--period", "1s", "--damping", "5 s"), ["unknown unit 's'; allowed: %"]),
+        (("rho", "--period", "0.2:2s:5"), ["'0.2' has no unit"]),
+        (("rho", "--period", "0s:2s:5:log"), ["passes 0"]),
+        (("rho", "--period", "1s:2s:99999999999999"), ["GB; allowed", "take fewer points"]),
+        (("rho", "--period", "1s", "--ground", "kanai-tajimi", "--ground-period", "2"), ['"2 s"']),
+        (("rho", "--period", "1s", "--record", "r", "--dt", ".01"), ["has no unit", '"0.01 s"']),
+        (("charts", "--ground-period", "2"), ["'2' has no unit", '"2 s"']),
+        (("probability", "case.toml", "--gap", "5"), ["'5' has no unit", '"5 cm"']),
+    ],
+)
+def test_a_number_without_its_unit_is_refused(arguments: tuple[str, ...], says: list[str]) -> None:
+    """On the command line as in case files."""
+    result = run(*arguments)
+    assert result.exit_code == 2
+    assert all(text in result.output for text in says), result.output
+
+
+def test_units_are_those_of_case_files() -> None:
+    plain = run("rho", "--period-1", "0.7s", "--period-2", "1 s", *YIELDING, "--damping", 0.02).output
+    other = run("rho", "--period-1", "700ms", "--period-2", "1000 ms", *YIELDING, "--damping", "2%")
+    assert other.output == plain
+    strong = ("rho", "--period", "1s,1200ms", "--hardening", "0.05")
+    metres = run(*strong, "--yield-displacement", "0.02m", "--intensity", "0.01 m²/s³")
+    assert metres.exit_code == 0, metres.output
+    centimetres = run(*strong, "--yield-displacement", "2cm", "--intensity", "100cm^2/s^3")
+    assert centimetres.output == metres.output
+
+
+def test_a_strength_in_metres_asks_for_the_strength_of_the_shaking() -> None:
+    given = ("rho", "--period", "1s", "--hardening", "0.05", "--yield-displacement", "2cm")
+    result = run(*given)
+    assert result.exit_code == 2
+    assert "--yield-displacement needs the strength of the shaking" in result.output
+    assert run(*given, "--intensity", "0.01 m^2/s^3").exit_code == 0

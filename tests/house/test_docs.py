@@ -130,7 +130,7 @@ def test_files_that_a_page_links_to_exist(page: str) -> None:
 
 @pytest.mark.parametrize("page", PAGES)
 def test_tests_that_a_page_names_exist(page: str) -> None:
-    for name in re.findall(r"`(\w+/test_\w+[^`]*)`", PAGES[page]):
+    for name in re.findall(r"`(?:tests/)?(\w+/test_\w+[^`]*)`", PAGES[page]):
         assert (DOCS.parent / "tests" / name).exists(), name
 
 

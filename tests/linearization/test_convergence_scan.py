@@ -16,6 +16,7 @@ from stochlin.models.laws import bilinear
 pytestmark = pytest.mark.invariant
 
 DOMAINS = {"practice": cases.PRACTICE, "beyond": cases.BEYOND}
+LIMITS = [1e3, 1e4, 1e5]
 SOLVED = 1e-7  # mismatch of log sigma and atanh r before the last step: rtol = 1e-10 of a stiff equation
 every_domain = pytest.mark.parametrize("domain", DOMAINS.values(), ids=list(DOMAINS))
 
@@ -34,6 +35,28 @@ def check(table, label, capsys, seconds, allowed=0.0):
     unsolved = int((table.residual.where(table.status == 0, 0) > SOLVED).sum())
     assert unsolved == 0, f"{unsolved} cells are called converged and are not"
     assert int((table.displacement_std > 0).sum()) == iterations.size - failed
+
+
+def slowest_pole(structure, table):
+    """Largest real part of the eigenvalues of the equivalent systems, over w; NaN where not solved."""
+    w, d, alpha, c, k = (
+        np.broadcast_to(x, table.status.shape)
+        for x in (
+            2 * np.pi / structure.period,
+            structure.damping,
+            structure.hardening,
+            table.c_eq,
+            table.k_eq / (2 * np.pi / structure.period),
+        )
+    )
+    matrix = np.zeros((w.size, 3, 3))
+    matrix[:, 0, 1] = 1.0
+    matrix[:, 1] = np.stack([-alpha, -2 * d, alpha - 1.0], axis=-1)
+    matrix[:, 2, 1], matrix[:, 2, 2] = -c, -k
+    solved = np.flatnonzero(table.status.values == 0)
+    poles = np.full(w.size, np.nan)
+    poles[solved] = np.linalg.eigvals(matrix[solved]).real.max(axis=-1)
+    return poles
 
 
 @pytest.mark.slow
@@ -70,20 +93,63 @@ def test_every_bilinear_structure_is_solved_under_the_other_closures(closure, do
 @pytest.mark.slow
 @every_domain
 def test_every_bouc_wen_structure_is_solved(domain, capsys):
-    """Hardening loops (gamma near -beta) to slim ones (gamma = beta), from smooth to sharp."""
+    """Hardening loops (gamma near -beta) to ones that slip as they unload, from smooth to sharp."""
     count, rng = 20_000, np.random.default_rng(92)
     beta = rng.uniform(0.05, 1, count)
     law = {
         "beta": beta,
-        "gamma": beta * rng.uniform(-1, 1, count),
+        "gamma": beta * rng.uniform(-0.99, 3, count),
         "exponent": rng.uniform(1, 5, count),
     }
     structure = sl.BoucWen(**cases.draw_structure(rng, domain, count), **law)
     ground = sl.KanaiTajimi(**cases.draw_ground(rng, domain, count))
     begin = time.perf_counter()
     table = sl.linearize(structure, ground)
-    # The law lets z outgrow its bound where v and z are nearly one: a few such cells are given up.
-    check(table, "Bouc-Wen law", capsys, time.perf_counter() - begin, 2e-3)
+    # Beyond practice a few branches of solutions end in a fold.
+    rare = 1e-3 if domain is cases.BEYOND else 0.0
+    check(table, "Bouc-Wen law", capsys, time.perf_counter() - begin, rare)
+    assert np.nanmax(slowest_pole(structure, table)) < 0
+
+
+def test_a_law_that_slips_as_it_unloads_keeps_to_the_branch_of_the_elastic_response():
+    """Other fixed points, of an unstable system too, have a hundred times its ductility."""
+    law = {"beta": 0.5, "gamma": 1.0, "exponent": 3.0}
+    ground = sl.named_ground("firm")
+    factors = np.geomspace(0.1, 20.0, 400)
+    structure = sl.BoucWen(0.2, 0.05, 0.01, reduction_factor=factors, **law)
+    table = sl.linearize(structure, ground)
+    assert (table.status == 0).all()
+    assert np.diff(np.log(table.ductility_std)).max() < 0.1
+    assert slowest_pole(structure, table).max() < 0
+    weak = table.ductility_std[0] * 3 / factors[0]
+    assert float(weak) == pytest.approx(1.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("ground", [sl.WhiteNoise(0.01), sl.KanaiTajimi(2.5, 0.05, 0.01)])
+@pytest.mark.parametrize("law", [sl.Bilinear, sl.BoucWen])
+def test_the_strongest_shaking_leaves_the_stiffness_after_yielding(law, ground):
+    """Far beyond yield ``z`` is nothing beside ``mu``: an elastic oscillator of stiffness alpha w^2."""
+    alpha, uy = 0.05, 1e-5
+    soft = sl.Bilinear(1.0 / np.sqrt(alpha), 0.05 / np.sqrt(alpha))
+    limit = float(sl.linearize(soft, ground).displacement_std)
+    factors = float(sl.linearize(sl.Bilinear(1.0, 0.05), ground).displacement_std) * 3 / uy
+    structures = law(1.0, 0.05, alpha, yield_displacement=uy * factors / np.array(LIMITS))
+    table = sl.linearize(structures, ground)
+    assert (table.status == 0).all()
+    off = np.abs(table.displacement_std.values / limit - 1)
+    assert (np.diff(off) < 0).all()
+    assert off[-1] < 0.02
+
+
+def test_shaking_beyond_reach_says_so_and_leaves_the_neighbours_alone():
+    table = sl.linearize(
+        sl.Bilinear(1.0, 0.05, 0.05, yield_displacement=[1e-30, 0.02]), sl.WhiteNoise(0.01)
+    )
+    meanings = table.status.attrs["flag_meanings"].split()
+    assert [meanings[code] for code in table.status.values] == ["shaking_too_strong", "converged"]
+    assert np.isnan(table.displacement_std[0])
+    with pytest.raises(ArithmeticError, match="check the units"):
+        sl.linearize(sl.Bilinear(1.0, 0.05, 0.05, yield_displacement=1e-30), sl.WhiteNoise(0.01))
 
 
 def solve_from(start, structure, ground, uy):
@@ -97,6 +163,7 @@ def solve_from(start, structure, ground, uy):
         np.empty((0, w.size)),
         soil,
         start * np.stack([w, np.ones_like(w), np.ones_like(w)]),
+        np.full(w.size, True),
         bilinear.gaussian,
         lambda system, parameters: KanaiTajimiFilter.of(*parameters).forcing(system),
         1e-10,

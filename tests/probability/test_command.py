@@ -25,7 +25,7 @@ def run(*arguments):
 
 def test_prints_saves_and_draws(case, tmp_path):
     out, picture = tmp_path / "p.nc", tmp_path / "p.png"
-    done = run(case, "--gap", 0.08, "--out", out, "--picture", picture)
+    done = run(case, "--gap", "8cm", "--out", out, "--picture", picture)
     assert done.exit_code == 0, done.output
     assert "Confidence of no pounding so far" in done.output
     assert "Gap for a confidence of" in done.output
@@ -38,7 +38,7 @@ def test_prints_saves_and_draws(case, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("--gap", -1), "gap = -1"),
+        (("--gap", "-1m"), "gap = -1"),
         (("--out", "p.xls"), "ends in '.xls'"),
         (("--picture", "nowhere/p.png"), "no folder nowhere"),
     ],

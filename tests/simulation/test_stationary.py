@@ -344,6 +344,7 @@ def test_run_that_does_not_fit_into_memory_is_refused_before_it_starts(monkeypat
 
     monkeypatch.setattr("stochlin.analyses.simulation.simulation.stationary_sums", never)
     monkeypatch.setattr("stochlin.analyses.simulation.simulation.cells_of_all", never)
+    monkeypatch.setattr("stochlin.analyses.tables.work._installed", lambda: 16e9)
     with pytest.raises(
         ValueError, match=r"3000 structures on one ground need [\d.]+ GB; allowed: \d+ GB"
     ):
@@ -356,7 +357,9 @@ def test_structure_that_hardly_ever_yields_is_refused_by_the_time_that_its_drift
 
     monkeypatch.setattr("stochlin.analyses.simulation.simulation.stationary_sums", never)
     rare = yielding(0.7, 0.15, 0.01)
-    with pytest.raises(ValueError, match=r"structure-steps, allowed: .*period 0\.7 s yields so rarely"):
+    with pytest.raises(
+        ValueError, match=r"would take .*; allowed: 15 minutes .*period 0\.7 s yields so rarely"
+    ):
         sl.simulate([PLAIN, rare], NOISE)
 
 

@@ -5,21 +5,26 @@ from __future__ import annotations
 import importlib
 import os
 import time
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError, ThreadPoolExecutor, as_completed
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from stochlin.analyses.atlases import store as atlas_store
+from stochlin.analyses.atlases.checksums import CHECKSUM, CHECKSUMS, Checks, Number
 from stochlin.analyses.atlases.specification import AtlasSpecification, read_specification, specification
 from stochlin.kernels.basics.parallel import Progress
 
-Number = tuple[int, ...]
-
 PATIENCE = 20.0  # seconds without any worker
 POLL = 1.0  # seconds between looks at the cluster
+UNCHECKED = (
+    "{} was written before atlases had checksums: it is read as it is, and numbers that were lost or "
+    "damaged since may read as good ones; write it anew where that matters"
+)
 
 
 def write_atlas(
@@ -32,8 +37,9 @@ def write_atlas(
     """Compute a design atlas into a Zarr store, or go on with one that was stopped.
 
     A table of linearized `correlate` over any parameters, in blocks. A block that is written stays
-    written: a process that was killed loses its current blocks, and the same call carries on. The
-    result is the same, to the last bit, as that of a run without interruption.
+    written: a process that was killed loses its current blocks, and the same call carries on. What is
+    there is read and compared with its checksums; what is damaged is computed again. The result is the
+    same, to the last bit, as that of a run without interruption.
 
     Parameters
     ----------
@@ -46,7 +52,7 @@ def write_atlas(
         Address of a dask scheduler, whose workers then compute and write; they must see the same file
         system. The cores of this machine, if not given.
     progress : callable, optional
-        Called with the share of blocks that are written.
+        Called with the share of blocks that are written and good.
 
     Returns
     -------
@@ -56,12 +62,13 @@ def write_atlas(
     Raises
     ------
     ValueError
-        If the specification is wrong, might not fit on the disk, or differs from that of the store, as
-        may its version.
+        If the specification is wrong, might not fit on the disk or in memory, or differs from that of
+        the store, as may its version.
     OSError
         If the specification cannot be read or there is no folder for the store.
     RuntimeError
-        If the disk is full or workers are lost: what is written is kept.
+        If the disk is full or workers are lost: what is written is kept. If another process is writing
+        the same atlas.
     ImportError
         Without the extra ``scale``.
 
@@ -78,29 +85,48 @@ def write_atlas(
     chosen = specification(spec) if isinstance(spec, Mapping) else read_specification(spec)
     target = Path(path).absolute()
     atlas_store.zarr_module()
-    if target.exists():
-        atlas_store.check_same(target, chosen)
-    else:
-        atlas_store.check_room(chosen, target)
-        atlas_store.create(target, chosen)
-    todo, total = atlas_store.undone(target)
-    written = total - len(todo)
     if scheduler is None:
-        run = _on_this_machine(target, chosen, todo)
-    else:
-        run = _on_cluster(scheduler, target, chosen, todo)
-    report: Progress = progress or (lambda share: None)
+        atlas_store.check_memory(chosen)
+    told = "none of it is written"
+    if not target.exists():
+        atlas_store.check_room(chosen, target)
     try:
-        report(written / total)
-        for _ in run:
-            written += 1
-            report(written / total)
-    except (OSError, _ClusterLostError) as error:
+        if not target.exists():
+            atlas_store.create(target, chosen)
+        with atlas_store.held(target):
+            checks = atlas_store.mend(target, chosen)
+            for written, total in _blocks(checks, chosen, scheduler):
+                told = f"{written} of {total} blocks are written and stay"
+                if progress is not None:
+                    progress(written / total)
+    except (OSError, MemoryError, _ClusterLostError) as error:
         raise RuntimeError(
-            f"{target} is not finished: {_reason(error)}; {written} of {total} blocks are written and "
-            "stay; the same call goes on from there"
+            f"{target} is not finished: {_reason(error)}; {told}; the same call goes on from there"
         ) from error
     return open_atlas(target)
+
+
+def _blocks(
+    checks: Checks, chosen: AtlasSpecification, scheduler: str | None
+) -> Iterator[tuple[int, int]]:
+    """Look all blocks over and write those that are not good; how many are, and the number of all."""
+    path, numbers = checks.root, list(np.ndindex(checks.counts))
+    good, todo = 0, []
+    yield good, len(numbers)
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        for number, is_good in zip(numbers, pool.map(checks.is_good, numbers), strict=True):
+            if is_good:
+                good += 1
+                yield good, len(numbers)
+            else:
+                todo.append(number)
+    if scheduler is None:
+        run = _on_this_machine(path, chosen, todo)
+    else:
+        run = _on_cluster(scheduler, path, chosen, todo)
+    for _ in run:
+        good += 1
+        yield good, len(numbers)
 
 
 def open_atlas(path: str | os.PathLike[str]) -> xr.Dataset:
@@ -121,9 +147,15 @@ def open_atlas(path: str | os.PathLike[str]) -> xr.Dataset:
     Raises
     ------
     ValueError
-        If there is no atlas, or an unfinished one.
+        If there is no atlas, an unfinished one, or one of whose files some are missing, too short or too
+        long. Bytes are compared with their checksums when they are read, by `lookup` or any other.
     ImportError
         Without the extra ``scale``.
+
+    Warns
+    -----
+    UserWarning
+        If the atlas was written before there were checksums: it is read as it is.
 
     Examples
     --------
@@ -133,13 +165,23 @@ def open_atlas(path: str | os.PathLike[str]) -> xr.Dataset:
     ...
     ValueError: nowhere.zarr is no atlas: no Zarr group is there
     """
-    atlas_store.read_attributes(path)
-    missing, total = atlas_store.undone(Path(path))
-    if missing:
+    atlas_store.zarr_module()
+    root = Path(path)
+    checks = atlas_store.checks_of(root)
+    done = atlas_store.done(root, checks)
+    if not done.all():
         raise ValueError(
-            f"{path} is not finished, {len(missing)} of {total} blocks are missing; write_atlas goes on"
+            f"{path} is not finished, {done.size - done.sum()} of {done.size} blocks are missing; "
+            "write_atlas goes on"
         )
-    atlas = xr.open_zarr(str(path), consolidated=False, chunks=None)
+    if checks is None:
+        warnings.warn(UNCHECKED.format(path), stacklevel=2)
+        files: Any = str(path)
+    else:
+        checks.check_presence()
+        files = importlib.import_module("stochlin.analyses.atlases.reading").CheckedFiles.of(checks)
+    atlas = xr.open_zarr(files, consolidated=False, chunks=None)
+    atlas.attrs = {k: v for k, v in atlas.attrs.items() if k not in (CHECKSUM, CHECKSUMS)}
     return atlas[[*atlas_store.TABLES, *atlas_store.SIDES]]
 
 
@@ -149,8 +191,10 @@ class _ClusterLostError(Exception):
 
 def _reason(error: BaseException) -> str:
     if isinstance(error, OSError) and error.errno is not None:
-        return f"{os.strerror(error.errno)} ({error})"
-    return str(error) or type(error).__name__
+        file = error.filename2 or error.filename
+        return os.strerror(error.errno) + (f" ({file})" if file else "")
+    told = str(error) or type(error).__name__
+    return f"not enough memory ({told})" if isinstance(error, MemoryError) else told
 
 
 def _on_this_machine(path: Path, chosen: AtlasSpecification, todo: Sequence[Number]) -> Iterator[None]:

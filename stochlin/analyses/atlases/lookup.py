@@ -49,7 +49,8 @@ def lookup(atlas: xr.Dataset, ground_period: Parameter = 1.0, **parameters: Para
     Raises
     ------
     ValueError, TypeError
-        If a parameter is missing or unknown, is held at another value, or is no number.
+        If a parameter is missing or unknown, is held at another value, or is no number; if a chunk that
+        is read is damaged: the message names it and the cure.
 
     Examples
     --------
@@ -71,6 +72,11 @@ def lookup(atlas: xr.Dataset, ground_period: Parameter = 1.0, **parameters: Para
     outside = xr.zeros_like(result.rho, bool)
     for _, share in corners.values():
         outside = outside | share.isnull()
+    if bool((result.rho.isnull() & (result.status <= labels.ELASTIC_LIMIT) & ~outside).any()):
+        raise ValueError(
+            "rho is missing where status says that it was found: chunks of this atlas are gone; "
+            "write it anew"
+        )
     result["status"] = result.status.where(~outside, labels.INVALID_INPUT)
     result["caution"] = result.caution.where(~outside, UNKNOWN)
     for name in result.data_vars:

@@ -1,7 +1,8 @@
 """An atlas on disk: a Zarr group that knows its specification, its version and which blocks are done.
 
 It appears whole, empty, under its name; then blocks are written one by one, each array in a chunk of its
-own and last a flag. A chunk is whole or absent, so that a process may die at any moment.
+own and last their `checksums`. A chunk is whole or absent, so that a process may die at any moment. All
+chunks of a finished atlas are there; one that is not would read as NaN with the worst of its flags.
 """
 
 from __future__ import annotations
@@ -13,7 +14,9 @@ import math
 import os
 import shutil
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -23,13 +26,32 @@ import numpy as np
 import xarray as xr
 
 from stochlin._version import __version__
+from stochlin.analyses.atlases.checksums import (
+    CHECKS,
+    CHECKSUM,
+    CHECKSUMS,
+    FILES,
+    METADATA,
+    NONE,
+    Checks,
+    DamagedError,
+    Number,
+    checksum_of_metadata,
+    chunk_key,
+    facts,
+    rows_of_block,
+    seed_of,
+)
 from stochlin.analyses.atlases.specification import AtlasSpecification
 from stochlin.analyses.correlation.correlation import correlate
+from stochlin.kernels.basics.arrays import Array
 from stochlin.models.grounds import GROUNDS
 
 TABLES = ("rho", "status", "bias", "caution")
 SIDES = ("ductility_std_1", "ductility_std_2", "bias_1", "bias_2")
-DONE = "block_done"
+DONE_BEFORE = "block_done"  # in place of the checks, in atlases that were written before there were any
+PAGE_BYTES = 4096  # of the disk, that a file may leave unused
+WORKING_BYTES = 100  # of memory for a cell of a block while it is computed
 LONG_NAMES = {
     "period": "period over that of the ground",
     "damping": "damping ratio",
@@ -85,8 +107,8 @@ def compute_block(specification: AtlasSpecification, block: Block) -> xr.Dataset
     return table[[*TABLES, *SIDES]].transpose(*specification.axes)
 
 
-def write_block(path: str, specification: AtlasSpecification, number: tuple[int, ...]) -> None:
-    """Compute a block and write it, its flag last. Side by side with others, in threads or processes."""
+def write_block(path: str, specification: AtlasSpecification, number: Number) -> None:
+    """Compute a block and write it, its checks last; others at the same time, in threads or workers."""
     shape = block_shape(specification)
     cells = {
         axis: slice(n * shape[axis], min((n + 1) * shape[axis], len(values)))
@@ -95,11 +117,17 @@ def write_block(path: str, specification: AtlasSpecification, number: tuple[int,
     table = compute_block(specification, cells)
     group = zarr_module().open_group(path, mode="r+", use_consolidated=False)
     at = dict(zip(specification.axes, number, strict=True))
+    seed = seed_of(specification.as_json(), code_version())
+    found = []
     for name, variable in table.data_vars.items():
         if any(at[axis] for axis in at if axis not in variable.dims):
-            continue  # the same numbers as in the first block along this axis
-        group[name][tuple(cells[str(dim)] for dim in variable.dims)] = variable.values
-    group[DONE][number] = 1
+            found.append((NONE, NONE))  # the same numbers as in the first block along this axis
+            continue
+        array = group[name].with_config({"write_empty_chunks": True})
+        array[tuple(cells[str(dim)] for dim in variable.dims)] = variable.values
+        key = chunk_key(str(name), [at[str(dim)] for dim in variable.dims])
+        found.append(facts(seed, key, (Path(path) / key).read_bytes()))
+    group[CHECKS][number] = rows_of_block(seed, number, found)
 
 
 def largest_bytes(specification: AtlasSpecification) -> int:
@@ -115,62 +143,149 @@ def check_room(specification: AtlasSpecification, path: Path) -> None:
     folder = path.absolute().parent
     if not folder.is_dir():
         raise FileNotFoundError(f"{folder} is no folder: the atlas cannot be put there")
-    need, free = largest_bytes(specification), shutil.disk_usage(folder).free
+    files = (len(TABLES) + 1) * math.prod(_counts(specification))
+    need = largest_bytes(specification) + PAGE_BYTES * files
+    free = shutil.disk_usage(folder).free
     if need > free:
         raise ValueError(
-            f"{specification.cells:.3g} cells need up to {need / 1e9:.3g} GB, and {folder} has "
-            f"{free / 1e9:.3g} GB free; take shorter axes or another disk"
+            f"{specification.cells:.3g} cells in {files:.3g} files need up to {need / 1e9:.3g} GB, and "
+            f"{folder} has {free / 1e9:.3g} GB free; take shorter axes or another disk"
+        )
+
+
+def check_memory(specification: AtlasSpecification) -> None:
+    """Raise a ValueError if the blocks that are computed at a time need more memory than there is."""
+    if not hasattr(os, "sysconf"):
+        return  # Windows tells no sizes
+    there = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    at_a_time = min(os.cpu_count() or 1, math.prod(_counts(specification)))
+    block = math.prod(block_shape(specification).values())
+    need = WORKING_BYTES * block * at_a_time
+    if need > there:
+        raise ValueError(
+            f"block_cells = {specification.block_cells}: {at_a_time} blocks of {block:.3g} cells at a "
+            f"time need some {need / 1e9:.3g} GB of memory, and this machine has {there / 1e9:.3g} GB; "
+            f"allowed here: up to {there // (WORKING_BYTES * (os.cpu_count() or 1))}"
         )
 
 
 def create(path: Path, specification: AtlasSpecification) -> None:
-    """The empty atlas, under its name when it is complete."""
-    zarr = zarr_module()
-    axes, shape = specification.axes, block_shape(specification)
-    cell = compute_block(specification, {name: slice(0, 1) for name in axes})
+    """The empty atlas, under its name when it is complete; none, if another writer was faster."""
+    with _empty(path, specification) as made:
+        try:
+            made.rename(path)
+        except OSError:
+            if not path.exists():
+                raise
+
+
+@contextmanager
+def held(path: Path) -> Iterator[None]:
+    """Hold an atlas against other writers; a process that ends, however it ends, lets go.
+
+    Where a folder cannot be held, as on Windows and some network disks, two writers do the same work
+    twice, and write the same bits.
+    """
+    try:
+        import fcntl
+    except ImportError:
+        yield
+        return
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as error:
+        os.close(handle)
+        raise RuntimeError(
+            f"{path} is being written by another process; wait for its end, or write to another path"
+        ) from error
+    except OSError:
+        pass
+    try:
+        yield
+    finally:
+        os.close(handle)
+
+
+@contextmanager
+def _empty(path: Path, specification: AtlasSpecification) -> Iterator[Path]:
+    """An atlas without blocks, in a folder beside its place, which is gone afterwards."""
     temporary = Path(tempfile.mkdtemp(prefix=f".{path.name}-", dir=path.absolute().parent))
     try:
-        group = zarr.open_group(str(temporary), mode="w")
-        kept = {k: v for k, v in cell.attrs.items() if k not in ("first", "second", "ground")}
-        own = {"title": specification.title, "specification": specification.as_json()}
-        group.attrs.update(kept | own | {"code": code_version()})
-        for name, values in axes.items():
-            array = group.create_array(
-                name, shape=(len(values),), dtype="f8", chunks=(len(values),), dimension_names=(name,)
-            )
-            array[:] = np.array(values)
-            array.attrs.update(units="1", long_name=long_name(name, specification.ground))
-        for key, variable in cell.data_vars.items():
-            name = str(key)
-            dims = [str(dim) for dim in variable.dims]
-            array = group.create_array(
-                name,
-                shape=[len(axes[dim]) for dim in dims],
-                dtype=variable.dtype,
-                chunks=[shape[dim] for dim in dims],
-                dimension_names=dims,
-                fill_value=np.nan if variable.dtype.kind == "f" else 0,
-            )
-            plain = {k: v.tolist() if hasattr(v, "tolist") else v for k, v in variable.attrs.items()}
-            array.attrs.update(plain)
-        counts = [-(-len(axes[dim]) // shape[dim]) for dim in axes]
-        done = group.create_array(
-            DONE,
-            shape=counts,
-            dtype="i1",
-            chunks=[1] * len(counts),
-            dimension_names=[f"{dim}_block" for dim in axes],
-            fill_value=0,
-        )
-        done.attrs.update(units="1", long_name="1 where the block is written")
+        _fill(temporary, specification)
         temporary.chmod(0o755)
-        temporary.rename(path)
+        yield temporary
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
 
 
-def check_same(path: Path, specification: AtlasSpecification) -> None:
-    """Raise a ValueError unless what lies there is of this specification and code."""
+def _fill(folder: Path, specification: AtlasSpecification) -> None:
+    """Metadata and axes of an atlas."""
+    zarr = zarr_module()
+    axes, shape = specification.axes, block_shape(specification)
+    cell = compute_block(specification, {name: slice(0, 1) for name in axes})
+    group = zarr.open_group(str(folder), mode="w", zarr_format=3)
+    kept = {k: v for k, v in cell.attrs.items() if k not in ("first", "second", "ground")}
+    own = {"title": specification.title, "specification": specification.as_json()}
+    group.attrs.update(kept | own | {"code": code_version()})
+    checked = zarr.codecs.Crc32cCodec()
+    packed = [zarr.codecs.ZstdCodec(level=0), checked]
+    for name, values in axes.items():
+        array = group.create_array(
+            name,
+            shape=(len(values),),
+            dtype="f8",
+            chunks=(len(values),),
+            dimension_names=(name,),
+            compressors=packed,
+        )
+        array[:] = np.array(values)
+        array.attrs.update(units="1", long_name=long_name(name, specification.ground))
+    for key, variable in cell.data_vars.items():
+        name = str(key)
+        dims = [str(dim) for dim in variable.dims]
+        plain = {k: v.tolist() if hasattr(v, "tolist") else v for k, v in variable.attrs.items()}
+        group.create_array(
+            name,
+            shape=[len(axes[dim]) for dim in dims],
+            dtype=variable.dtype,
+            chunks=[shape[dim] for dim in dims],
+            dimension_names=dims,
+            fill_value=np.nan if variable.dtype.kind == "f" else max(plain["flag_values"]),
+            compressors=packed,
+            attributes=plain,
+        )
+    rows = len(cell.data_vars) + 1
+    counts = _counts(specification)
+    group.create_array(
+        CHECKS,
+        shape=[*counts, rows, 2],
+        dtype="i8",
+        chunks=[*([1] * len(counts)), rows, 2],
+        dimension_names=[*(f"{dim}_block" for dim in axes), "file", "check"],
+        fill_value=NONE,
+        compressors=[checked],
+        attributes={
+            "units": "1",
+            "long_name": "bytes and checksums of the chunks of a block",
+            FILES: list(cell.data_vars),
+        },
+    )
+    seed = seed_of(specification.as_json(), code_version())
+    names = sorted(file.relative_to(folder).as_posix() for file in folder.rglob("*") if file.is_file())
+    found = {name: facts(seed, name, (folder / name).read_bytes()) for name in names if name != METADATA}
+    group.attrs[CHECKSUMS] = json.dumps(found)
+    group.attrs[CHECKSUM] = checksum_of_metadata(json.loads((folder / METADATA).read_bytes()))
+
+
+def _counts(specification: AtlasSpecification) -> Number:
+    """Blocks along each axis."""
+    shape = block_shape(specification)
+    return tuple(-(-len(values) // shape[axis]) for axis, values in specification.axes.items())
+
+
+def check_same(path: Path, specification: AtlasSpecification) -> Mapping[str, Any]:
+    """The attributes of what lies there; a ValueError unless it is of this specification and code."""
     found = read_attributes(path)
     cure = "write to another path, or remove what is there"
     wanted = specification.as_json()
@@ -181,25 +296,72 @@ def check_same(path: Path, specification: AtlasSpecification) -> None:
         raise ValueError(f"{path} has another specification ({', '.join(changed)} differ); {cure}")
     if found["code"] != code_version():
         raise ValueError(f"{path} was begun by {found['code']}, this is {code_version()}; {cure}")
-
-
-def read_attributes(path: str | os.PathLike[str]) -> Mapping[str, Any]:
-    """Attributes of an atlas; a ValueError where there is none."""
-    try:
-        group = zarr_module().open_group(str(path), mode="r", use_consolidated=False)
-    except (FileNotFoundError, NotADirectoryError) as error:
-        raise ValueError(f"{path} is no atlas: no Zarr group is there") from error
-    found: Mapping[str, Any] = group.attrs.asdict()
-    if "specification" not in found:
-        raise ValueError(f"{path} is no atlas: it has no specification")
     return found
 
 
-def undone(path: Path) -> tuple[list[tuple[int, ...]], int]:
-    """Numbers of the blocks that are not yet written, and the number of all."""
+def mend(path: Path, specification: AtlasSpecification) -> Checks:
+    """Put back metadata and axes that are damaged; the checks of the atlas.
+
+    Raises as `check_same`. If that cannot be told, since the metadata of the group are gone, the checks
+    of one block have to show it: they begin with the specification and the code.
+    """
+    try:
+        return Checks.of(path, check_same(path, specification))
+    except DamagedError as error:
+        damage = error
+    with _empty(path, specification) as fresh:
+        checks = replace(Checks.of(fresh, read_attributes(fresh)), root=path)
+        if damage.key == METADATA and not checks.any_block():
+            raise ValueError(
+                f"{damage.what}, and no block shows that it is an atlas of this specification and "
+                "version; write to another path, or remove what is there"
+            ) from damage
+        for name in [*checks.fixed, METADATA]:
+            (path / name).parent.mkdir(parents=True, exist_ok=True)
+            (fresh / name).replace(path / name)
+    return checks
+
+
+def read_attributes(path: str | os.PathLike[str]) -> Mapping[str, Any]:
+    """Attributes of an atlas; a ValueError where there is none, or they are damaged."""
+    root, metadata, why = Path(path), {}, ""
+    try:
+        metadata = json.loads((root / METADATA).read_bytes())
+    except (FileNotFoundError, NotADirectoryError, IsADirectoryError):
+        why = "no Zarr group is there"
+    except (ValueError, RecursionError):
+        why = "it is no JSON"
+    found = metadata.get("attributes") if isinstance(metadata, dict) else None
+    if not isinstance(found, dict) or "specification" not in found:
+        why = why or "it has no specification"
+        if (root / CHECKS).is_dir():
+            raise DamagedError(root, METADATA, why)
+        raise ValueError(f"{path} is no atlas: {why}")
+    if not is_unchecked(root) and found.get(CHECKSUM) != checksum_of_metadata(metadata):
+        raise DamagedError(root, METADATA, "its checksum is wrong")
+    return found
+
+
+def is_unchecked(path: Path) -> bool:
+    """Whether the atlas was written before there were checksums."""
+    return (path / DONE_BEFORE).is_dir() and not (path / CHECKS).is_dir()
+
+
+def checks_of(path: Path) -> Checks | None:
+    """The checks of an atlas, None if it has none.
+
+    Raises as `read_attributes`, and a `DamagedError` if other metadata or an axis are damaged.
+    """
+    attributes = read_attributes(path)
+    return None if is_unchecked(path) else Checks.of(path, attributes)
+
+
+def done(path: Path, checks: Checks | None) -> Array:
+    """Whether each block is written."""
+    if checks is not None:
+        return checks.done
     group = zarr_module().open_group(str(path), mode="r", use_consolidated=False)
-    flags = np.asarray(group[DONE][...])
-    return [tuple(int(n) for n in number) for number in np.argwhere(flags == 0)], flags.size
+    return np.asarray(group[DONE_BEFORE][...]) != 0
 
 
 def long_name(axis: str, ground: str) -> str:

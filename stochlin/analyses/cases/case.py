@@ -38,11 +38,14 @@ TABLES = ("site", "motion", "separation", "simulation", "contact", "measures", "
 class Case:
     """What a case file describes, in SI; ``file`` is its name, ``gaps`` [m] are those that exist.
 
+    ``inputs`` are the file itself and those of its records: nothing may be written over them.
+
     ``buildings`` stand in a row from left to right. What is about two oscillators asks for ``pair``,
     ``first``, ``second`` and ``gap``.
     """
 
     file: str
+    inputs: tuple[Path, ...]
     title: str
     site: str  # the file's word for the ground
     ground: Ground
@@ -190,6 +193,7 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     names = [building.name for building in buildings]
     return Case(
         file=path.name,
+        inputs=(path, *(path.parent / one.text("path") for one in site.sections("records"))),
         title=whole.text("title", default=f"{', '.join(names[:-1])} and {names[-1]}"),
         site=site.text("ground"),
         ground=ground,

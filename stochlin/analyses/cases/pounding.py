@@ -34,7 +34,7 @@ def pound_case(case: Case, progress: Progress | None = None) -> dict[str, xr.Dat
     case : Case
         As `stochlin.read_case` gives it, with records, a contact, gaps, and the mass of every building.
     progress : callable, optional
-        Called with the share of the records that is done.
+        Called with the share of the work that is done.
 
     Returns
     -------
@@ -65,16 +65,19 @@ def pound_case(case: Case, progress: Progress | None = None) -> dict[str, xr.Dat
         for building in case.buildings
     ]
     tables: dict[str, xr.Dataset] = {}
+
+    def of_all(share: float) -> None:
+        if progress is not None:
+            progress((len(tables) + share) / len(case.records))
+
     for name, record in case.records.items():
         try:
-            table = pound(structures, list(case.gaps), contact, record)
+            table = pound(structures, list(case.gaps), contact, record, progress=of_all)
         except (ValueError, TypeError, ArithmeticError) as error:
             raise type(error)(f"{case.file}, record {name}: {error}") from error
         tables[name] = _described(table, case, structures).assign_attrs(
             title=f"{case.title}: pounding in {name}", record=name, case=case.title
         )
-        if progress is not None:
-            progress(len(tables) / len(case.records))
     return tables
 
 

@@ -17,6 +17,7 @@ from stochlin.models.parameters import Model, expect
 
 FREQUENCIES = np.geomspace(1e-4, 1e4, 16001)  # times 2 pi rad/s: four decades to either side
 POINTS = 401
+SEARCHES = 0.95  # share of the work that an existing gap takes, where there is one
 AROUND = 5.0  # how far the spectrum goes beyond the periods of buildings and ground
 
 
@@ -47,7 +48,7 @@ class CaseAnswer:
 def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
     """Separation of the two buildings of a case, and what the existing gap allows.
 
-    ``progress`` is called with the share of the simulation that is done; errors are those of
+    ``progress`` is called with the share of the work that is done; errors are those of
     `separation` and `existing_gap`.
     """
     pair = case.first.structure, case.second.structure
@@ -56,6 +57,14 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
             f"{case.file}: separation.existing = 0; allowed here: 0 < gap, so leave it out for "
             "buildings that touch"
         )
+
+    def part(begin: float, end: float) -> Progress | None:
+        return None if progress is None else lambda share: progress(begin + (end - begin) * share)
+
+    existing = None
+    if case.gap is not None:
+        options = {**case.motion, "progress": part(0.0, SEARCHES)}
+        existing = existing_gap(*pair, case.ground, gap=case.gap, **options)
     table = separation(
         *pair,
         case.ground,
@@ -66,11 +75,8 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
         zone=case.zone,
         unverified=case.unverified,
         records=dict(case.motions) or None,
-        progress=progress,
+        progress=part(0.0 if case.gap is None else SEARCHES, 1.0),
     )
-    existing = None
-    if case.gap is not None:
-        existing = existing_gap(*pair, case.ground, gap=case.gap, **case.motion)
     return CaseAnswer(case, table, existing, _spectrum(case), rms_acceleration(case.ground))
 
 

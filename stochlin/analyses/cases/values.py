@@ -53,7 +53,7 @@ class Quantity(NamedTuple):
         """Allowed units, and what one of each is in SI."""
         if self.units.startswith(_OF_POWER):
             return {self.units: 1.0, f"k{self.units}": 1e3, f"M{self.units}": 1e6}
-        return UNITS[self.units]
+        return UNITS.get(self.units, {self.units: 1.0})
 
     @property
     def example(self) -> str:
@@ -118,14 +118,10 @@ class Section:
         ]
 
     def _number(self, key: str, given: Any, quantity: Quantity, which: str = "") -> float:
-        known = quantity.spellings
         try:
-            value, unit = _split(given, quantity)
+            value = in_si(given, quantity)
         except ValueError as error:
             raise self.error(key, f"{which}{error}") from error
-        if unit and unit not in known:
-            raise self.error(key, f"{which}has the unknown unit {unit!r}; allowed: {', '.join(known)}")
-        value *= known[unit] if unit else 1.0
         if not quantity.allowed.contains(value):
             shown = "" if quantity.units == "1" else f", in {quantity.units}"
             raise self.error(key, f"{which}is out of range; allowed: {quantity.allowed}{shown}")
@@ -194,6 +190,15 @@ class Section:
             what = "is no table" if key in self else "is missing"
             raise self.error(key, f"{what}; allowed: a line [{self.name(key)}] and its keys below it")
         return Section(self.file, place, values, self.lines)
+
+
+def in_si(given: Any, quantity: Quantity) -> float:
+    """A number as a file or an option gives it, in SI; a ValueError says what is wrong with it."""
+    value, unit = _split(given, quantity)
+    known = quantity.spellings
+    if unit and unit not in known:
+        raise ValueError(f"has the unknown unit {unit!r}; allowed: {', '.join(known)}")
+    return value * known[unit] if unit else value
 
 
 def _split(given: Any, quantity: Quantity) -> tuple[float, str]:

@@ -22,6 +22,7 @@ from stochlin.analyses.linearization.equivalent_systems import (
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import cellwise_pair
+from stochlin.analyses.tables.work import check_work, count_cells
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.correlation.tables import ROUNDING
@@ -128,6 +129,11 @@ def correlate(
         expect(structure, Structure, role)
         check_closure(structure, closure)
     expect(ground, Ground, "ground")
+    check_work(
+        "the table would take",
+        "take fewer cells at a time, or arrays in chunks of dask",
+        memory=(DRIFTING if closure == DRIFT else BYTES[method]) * count_cells(first, second, ground),
+    )
     settings = partial(SimulationSettings, paths, seed, steps_per_period, relaxation_times, progress)
     asked = Question((first, second), ground, closure, tolerance, rule, settings)
     table, details = METHODS[method](asked)
@@ -198,6 +204,8 @@ def _by_simulation(asked: Question) -> Answer:
     return table, f"paths={settings.paths}, seed={settings.seed}"
 
 
+DRIFTING, WHITE_NOISE = 100, 80  # bytes that a cell takes, roughly
+BYTES = {"linearization": 20, "white_noise": WHITE_NOISE, "effective": 80, "simulation": 40}
 METHODS: Mapping[str, Callable[[Question], Answer]] = {
     "linearization": _by_linearization,
     "white_noise": _by_white_noise,
@@ -253,6 +261,11 @@ def rho_white_noise(
     0.473028
     """
     pair = LinearPair(period_1, period_2, damping_1, damping_2)
+    check_work(
+        "the table would take",
+        "take fewer cells at a time, or arrays in chunks of dask",
+        memory=WHITE_NOISE * count_cells(pair),
+    )
     valid = pair.valid()
     rho = _white_noise(*pair.arrays().values())
     table = xr.Dataset({"rho": rho.where(valid), "status": labels.status_where(valid)})

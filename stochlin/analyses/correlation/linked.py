@@ -10,7 +10,7 @@ import xarray as xr
 
 from stochlin.analyses.correlation.variables import VARIABLES
 from stochlin.analyses.linearization.equivalent_systems import check_closure, solve_structure
-from stochlin.analyses.linearization.state_space import statespace, stationary_covariance
+from stochlin.analyses.linearization.state_space import covariance_by_slip, statespace
 from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import over_cells
@@ -121,17 +121,28 @@ class _Linked(NamedTuple):
 
     def solve(self) -> xr.Dataset:
         """Find the moments that a closure assumes and that it leads to: log, log and atanh."""
-        yields = [n for n, side in enumerate(self.alone) if int(side.status) == labels.CONVERGED]
+        lost = max(int(side.status) for side in self.alone)
+        if lost >= labels.NOT_CONVERGED:
+            return self._table(None, [], lost)
+        yields = [n for n, structure in enumerate(self.structures) if structure.yields]
         if not yields:
-            return self._table(np.empty(0), yields, labels.ELASTIC_LIMIT)
-        start = np.concatenate([self._latent(self.alone[n]) for n in yields])
+            return self._table(np.empty(0), yields)
+        start = np.concatenate([self._latent(n) for n in yields])
         found = scipy.optimize.root(self._mismatch, start, args=(yields,), tol=1e-12)
-        solved = np.abs(found.fun).max() < MISMATCH
-        return self._table(found.x, yields, labels.CONVERGED if solved else labels.NOT_CONVERGED)
+        if not np.abs(found.fun).max() < MISMATCH:
+            return self._table(None, yields, labels.NOT_CONVERGED)
+        return self._table(found.x, yields)
 
-    def _latent(self, side: xr.Dataset) -> Array:
-        v = side.velocity_std / side.yield_displacement
-        return np.array([np.log(v), np.log(side.z_std), np.arctanh(side.velocity_z_corr)])
+    def _latent(self, n: int) -> Array:
+        """Where to begin: as the structure moves alone, or linked if it hardly yields alone."""
+        side = self.alone[n]
+        if int(side.status) == labels.CONVERGED:
+            v = side.velocity_std / side.yield_displacement
+            return np.array([np.log(v), np.log(side.z_std), np.arctanh(side.velocity_z_corr)])
+        x = self._moments([-1.0, -1.0], [0.0, 0.0])
+        uy = float(side.yield_displacement)
+        v, u = (float(np.sqrt(x.loc[name, name])) / uy for name in (f"v_{n + 1}", f"u_{n + 1}"))
+        return np.array([np.log(v), np.log(min(u, 1.0)), 0.0])
 
     def _coefficients(
         self, unknown: Array, yields: list[int]
@@ -148,7 +159,7 @@ class _Linked(NamedTuple):
 
     def _moments(self, c_eq: list[float], k_eq: list[float]) -> xr.DataArray:
         space = statespace(self.structures, self.ground, c_eq, k_eq, links=[self.link])
-        return stationary_covariance(space)
+        return covariance_by_slip(space)
 
     def _mismatch(self, unknown: Array, yields: list[int]) -> Array:
         c_eq, k_eq, assumed = self._coefficients(unknown, yields)
@@ -159,13 +170,21 @@ class _Linked(NamedTuple):
         off = []
         for n, (av, az, avz) in zip(yields, assumed, strict=True):
             uy, v, z = float(self.alone[n].yield_displacement), f"v_{n + 1}", f"z_{n + 1}"
+            z = z if z in x.state else f"u_{n + 1}"  # no slip at all
             vv, zz, vz = (float(x.loc[a, b]) / uy**2 for a, b in ((v, v), (z, z), (v, z)))
             off += [0.5 * np.log(vv / av), 0.5 * np.log(zz / az)]
             off.append(vz / np.sqrt(vv * zz) - avz / np.sqrt(av * az))
         return np.array(off)
 
-    def _table(self, unknown: Array, yields: list[int], status: int) -> xr.Dataset:
-        c_eq, k_eq, _ = self._coefficients(unknown, yields)
+    def _table(
+        self, unknown: Array | None, yields: list[int], status: int = labels.CONVERGED
+    ) -> xr.Dataset:
+        """What is shown, NaN without a solution."""
+        c_eq, k_eq = [-1.0, -1.0], [0.0, 0.0]
+        if unknown is not None:
+            c_eq, k_eq, _ = self._coefficients(unknown, yields)
+            still = c_eq == [-1.0, -1.0] and k_eq == [0.0, 0.0]
+            status = labels.ELASTIC_LIMIT if still else labels.CONVERGED
         x = self._moments(c_eq, k_eq)
 
         def std(weights: dict[str, float]) -> float:
@@ -189,6 +208,6 @@ class _Linked(NamedTuple):
                 f"c_eq_{n + 1}": c_eq[n],
                 f"k_eq_{n + 1}": k_eq[n],
             }
-        if status == labels.NOT_CONVERGED:
+        if unknown is None:
             table = dict.fromkeys(table, np.nan)
         return xr.Dataset({**table, "status": np.int8(status)})

@@ -12,7 +12,7 @@ from stochlin.analyses.cases.case import FEWEST_PATHS, Case
 from stochlin.analyses.cases.site import FITTED, NONE
 from stochlin.analyses.linearization.strength import reduction_factor
 from stochlin.analyses.linearization.transient_systems import check_course
-from stochlin.analyses.tables.checks import check_confidence, check_whole
+from stochlin.analyses.tables.checks import check_confidence, check_duration, check_whole
 from stochlin.models.envelopes import ENVELOPES, AminAng, Envelope, GammaEnvelope, ShinozukaSato
 from stochlin.models.grounds import GROUNDS, Ground, KanaiTajimi
 from stochlin.models.grounds.named import ground_names, named_ground
@@ -107,13 +107,8 @@ class Scene(Model):
         check_count("paths", self.paths)
         check_confidence(self.confidence)
         check_course(self.duration, self.motion_envelope())
-        for number in (1, 2):
-            period = getattr(self, f"period_{number}")
-            if period > self.duration:
-                raise ValueError(
-                    f"duration = {self.duration:g} s is shorter than the period of building {number}, "
-                    f"{period:g} s; allowed: a period and more"
-                )
+        one, two = self.structures()
+        check_duration(self.duration, {"building 1": one, "building 2": two})
 
     def ground(self) -> Ground:
         """The ground of the site, at this intensity."""

@@ -14,6 +14,7 @@ import xarray as xr
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import cellwise
+from stochlin.analyses.tables.work import check_work, count_cells
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.amplitude_averaging import solve_amplitude_average
 from stochlin.kernels.linearization.covariance import (
@@ -28,6 +29,7 @@ from stochlin.kernels.linearization.fixed_point import Closure, solve_fixed_poin
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import DRIFT, NARROW_BAND, Structure
 
+SOLVED, DRIFTING = 700, 10_000  # bytes that a cell takes, roughly, and with the drift closure
 ROUNDING = 1e-9  # by which a correlation may exceed 1
 # Below this slip and relaxation (over w) the third state changes nothing in double precision.
 ELASTIC = 1e-18
@@ -38,6 +40,7 @@ INTERNAL = (
 # Of the drift closure only: the drift as a pair needs it.
 SHARES = tuple(f"drift_share_{j}" for j in range(1, ORDERS + 2))
 OF_DRIFT = ("drift_std", "drift_rate", *SHARES)
+STRONG = 1e3  # of that, from which a cell is lost because shaking is too strong
 STRENGTH_RATIO = "elastic_ductility_std"  # of the elastic structure's displacement to uy: R/p
 PUBLIC = (
     "displacement_std",
@@ -74,6 +77,11 @@ def solve_structure(
 ) -> xr.Dataset:
     """What `linearize` returns, and the equivalent system and forcing that a pair needs."""
     check_closure(structure, closure)
+    check_work(
+        "the table would take",
+        "take fewer cells at a time, or arrays in chunks of dask",
+        memory=(DRIFTING if closure == DRIFT else SOLVED) * count_cells(structure, ground),
+    )
     solved = solve_derived(structure, ground, closure, tolerance)
     if closure != DRIFT:
         return solved
@@ -117,6 +125,7 @@ def solve_derived(
         values.get("hardening", xr.DataArray(1.0)),
         strength,
         values["peak_factor"],
+        structure.has_one_solution(),
         *law,
         *ground.arrays().values(),
     ]
@@ -167,34 +176,35 @@ class _Solver(NamedTuple):
         return self.filter_of(ground).forcing(system)
 
     def _solve_valid(self, columns: Array) -> dict[str, Array]:
-        period, damping, hardening, strength, peak_factor = columns[:5]
-        law, ground = columns[5 : 5 + self.laws], columns[5 + self.laws :]
+        period, damping, hardening, strength, peak_factor, one_solution = columns[:6]
+        law, ground = columns[6 : 6 + self.laws], columns[6 + self.laws :]
         w = 2 * np.pi / period
         elastic = linear_system(w, damping)
         own = own_covariance(elastic, self.forcing(elastic, ground))
         uy = peak_factor * np.sqrt(own.mu_mu) / strength if self.by_factor else strength
         # Without rounding where it is given: equal structures are then seen to be equal.
-        ratio = {STRENGTH_RATIO: strength / peak_factor if self.by_factor else np.sqrt(own.mu_mu) / uy}
+        ratio = strength / peak_factor if self.by_factor else np.sqrt(own.mu_mu) / uy
         if self.closure is None or self.tolerance is None:
-            return self._report(_Solution.elastic(elastic), ground, uy) | ratio
+            return self._report(_Solution.elastic(elastic), ground, uy, ratio)
         scaled = ground.copy()
         scaled[self.intensity] /= uy**2  # the forcing of ductility, f / uy
         start = np.sqrt(np.stack([own.mu_mu, own.v_v])) / uy
         solve = self._amplitude_average if self.closure == NARROW_BAND else self._fixed_point
-        batch = _Batch(w, damping, hardening, law, scaled, start)
-        return self._report(solve(batch, self.tolerance), ground, uy) | ratio
+        batch = _Batch(w, damping, hardening, law, one_solution > 0, scaled, start)
+        return self._report(solve(batch, self.tolerance), ground, uy, ratio)
 
     def _fixed_point(self, batch: _Batch, tolerance: Tolerance) -> _Solution:
-        w, damping, hardening, law, ground, start = batch
+        w, damping, hardening, law, one_solution, ground, start = batch
         elastic = linear_system(w, damping)
         oscillator = np.stack([w**2, elastic.damping, (1 - hardening) * w**2])
-        latent = np.stack([start[1], np.minimum(start[0], 1), np.full_like(w, 0.1)])
+        latent = np.stack([start[1], start[0], np.full_like(w, 0.1)])
         assert self.law is not None
         solved = solve_fixed_point(
             oscillator,
             law,
             ground,
             latent,
+            one_solution,
             self.law,
             self.forcing,
             tolerance.rtol,
@@ -209,7 +219,7 @@ class _Solver(NamedTuple):
         return _Solution(system, *counts, still, solved.latent)
 
     def _amplitude_average(self, batch: _Batch, tolerance: Tolerance) -> _Solution:
-        w, damping, hardening, _, ground, start = batch
+        w, damping, hardening, _, _, ground, start = batch
 
         def sigma_of(system: EquivalentSystem, cells: Array) -> Array:
             forcing = self.forcing(system, ground[:, cells])
@@ -232,7 +242,7 @@ class _Solver(NamedTuple):
             for name, value in zip(OF_DRIFT, found, strict=True)
         }
 
-    def _report(self, solution: _Solution, ground: Array, uy: Array) -> dict[str, Array]:
+    def _report(self, solution: _Solution, ground: Array, uy: Array, ratio: Array) -> dict[str, Array]:
         system, elastic = solution.system, solution.still
         forcing = self.forcing(system, ground)
         own = own_covariance(system, forcing)
@@ -251,7 +261,8 @@ class _Solver(NamedTuple):
             physical &= elastic | ((z > 0) & (correlated <= 1 + ROUNDING))
         status = np.where(elastic, labels.ELASTIC_LIMIT, labels.CONVERGED)
         status = np.where(physical, status, labels.NOT_PHYSICAL)
-        status = np.where(solution.converged, status, labels.NOT_CONVERGED)
+        lost = np.where(ratio > STRONG, labels.TOO_STRONG, labels.NOT_CONVERGED)
+        status = np.where(solution.converged, status, lost)
         values = {
             "displacement_std": total,
             "velocity_std": velocity,
@@ -267,6 +278,7 @@ class _Solver(NamedTuple):
         usable = status < labels.NOT_CONVERGED
         return {
             **{name: np.where(usable, value, np.nan) for name, value in values.items()},
+            STRENGTH_RATIO: ratio,
             "iterations": solution.iterations,
             "residual": solution.residual,
             "status": status,
@@ -280,6 +292,7 @@ class _Batch(NamedTuple):
     damping: Array
     hardening: Array
     law: Array  # (m, n)
+    one_solution: Array
     ground: Array  # (k, n)
     start: Array  # (2, n): elastic standard deviations of mu and mu'
 

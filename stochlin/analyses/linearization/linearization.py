@@ -28,7 +28,9 @@ def linearize(
 
     The covariance of the linear system with coefficients ``(c_e, k_e)`` and the coefficients
     that the closure finds for this covariance are iterated, by a damped Newton's method, until they
-    agree.
+    agree. Where a law may have several solutions (Bouc-Wen with ``gamma > beta``, laws in symbols), the
+    one that grows out of the elastic response is followed from weak shaking on. Unstable systems are no
+    solutions.
 
     Parameters
     ----------
@@ -45,7 +47,8 @@ def linearize(
         A cell is done when ``|dy| <= atol + rtol |y|`` for ``y`` the moments ``sigma_v``, ``sigma_z``
         (``rtol`` alone) and their correlation.
     max_iterations : int
-        Cells that need more are NaN with status ``not_converged``.
+        Of a search, and levels of shaking on the way to it. Cells that need more are NaN with status
+        ``not_converged``, or ``shaking_too_strong`` beyond a thousand times yield.
 
     Returns
     -------

@@ -20,6 +20,9 @@ from stochlin.models.structures import Structure
 
 FloatArray = npt.NDArray[np.float64]
 
+UNSTABLE = "state_matrix is not stable; allowed: eigenvalues with negative real parts"
+ROUNDING = 1e-12  # share of the largest coefficient that an eigenvalue may miss 0 by
+
 
 def statespace(
     structures: Sequence[Structure],
@@ -166,14 +169,45 @@ def stationary_covariance(space: xr.Dataset) -> xr.DataArray:
     1.0
     """
     matrix = space.state_matrix.values
-    noise = space.noise_vector.values
+    drive = _drive(space)
     if np.linalg.eigvals(matrix).real.max() >= 0:
-        raise ArithmeticError(
-            "state_matrix is not stable; allowed: eigenvalues with negative real parts"
-        )
-    drive = float(space.noise_intensity) * np.outer(noise, noise)
-    covariance = scipy.linalg.solve_continuous_lyapunov(matrix, -drive)
-    covariance = 0.5 * (covariance + covariance.T)
+        raise ArithmeticError(UNSTABLE)
+    return _as_covariance(scipy.linalg.solve_continuous_lyapunov(matrix, -drive), space)
+
+
+def covariance_by_slip(space: xr.Dataset) -> xr.DataArray:
+    """The same to all digits where yielding dies out and the Lyapunov equation turns singular.
+
+    In the slip ``y = u - z`` what is nearly singular stands in equations of its own, which are scaled:
+    elimination then loses nothing. The equations are as many as states squared.
+    """
+    names = list(space.state.values)
+    turn = np.eye(len(names))  # from z to y, and back
+    for n, name in enumerate(names):
+        if str(name).startswith("z_"):
+            turn[n, n], turn[n, names.index(f"u{name[1:]}")] = -1.0, 1.0
+    matrix = turn @ space.state_matrix.values @ turn
+    fastest = np.abs(matrix).max()
+    if np.linalg.eigvals(matrix).real.max() > ROUNDING * fastest:
+        raise ArithmeticError(UNSTABLE)
+    identity = np.eye(len(names))
+    equations = np.kron(matrix, identity) + np.kron(identity, matrix)
+    right = -(turn @ _drive(space) @ turn.T).ravel()
+    scale = np.abs(equations).max(axis=1)
+    try:
+        moments = np.linalg.solve(equations / scale[:, None], right / scale)
+    except np.linalg.LinAlgError as error:
+        raise ArithmeticError(UNSTABLE) from error
+    return _as_covariance(turn @ moments.reshape(matrix.shape) @ turn.T, space)
+
+
+def _drive(space: xr.Dataset) -> FloatArray:
+    noise = space.noise_vector.values
+    return float(space.noise_intensity) * np.outer(noise, noise)
+
+
+def _as_covariance(moments: FloatArray, space: xr.Dataset) -> xr.DataArray:
+    covariance = 0.5 * (moments + moments.T)
     scale = np.sqrt(np.abs(np.diag(covariance)))
     if np.linalg.eigvalsh(covariance / np.outer(scale, scale)).min() < -1e-8:
         raise ArithmeticError(

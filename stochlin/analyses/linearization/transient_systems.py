@@ -14,6 +14,7 @@ from stochlin.analyses.linearization.equivalent_systems import solve_elastic
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import row_of
 from stochlin.analyses.tables.checks import check_duration
+from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.filters import Matrices
 from stochlin.kernels.linearization.fixed_point import Closure
@@ -33,7 +34,8 @@ from stochlin.models.structures import Structure
 STEPS_PER_PERIOD = 16  # of the shortest period, for integrals over time
 STRONG = 0.5  # of the envelope's largest value: shaking is strong until it falls below for good
 SCANNED = 4096  # instants at which an envelope is looked at
-MEMORY = 4e9  # bytes that a run may ask for
+COLUMNS = 8  # numbers that are held of each structure and pair at an instant
+INSTANT = 6e-4  # [s] of integration, roughly
 POINTS = 101  # instants of a result
 
 
@@ -83,7 +85,7 @@ class Moments(NamedTuple):
 
 def check_course(duration: float | None, envelope: Envelope | None) -> float:
     """The duration; raises for what is no finite motion. To be called before any work."""
-    seconds = float(check_duration(duration))
+    seconds = check_duration(duration)
     if envelope is None:
         return seconds
     expect(envelope, Envelope, "envelope")
@@ -104,11 +106,7 @@ def check_course(duration: float | None, envelope: Envelope | None) -> float:
 def side_of(structure: Structure, ground: Ground, duration: float, role: str, first: int) -> Side:
     """The cells of a structure, numbered from ``first``; those longer than the motion are invalid."""
     period = structure.arrays()["period"]
-    if period.ndim == 0 and float(period) > duration:
-        raise ValueError(
-            f"duration = {duration:g} s is shorter than the period of {role}, {float(period):g} s; "
-            "allowed: a period and more"
-        )
+    check_duration(duration, {role: structure})
     elastic = solve_elastic(structure, ground)
     values = structure.arrays()
     like = elastic.yield_displacement
@@ -163,7 +161,14 @@ def grounds_of(sides: Sequence[Side]) -> dict[str, Array]:
 def course_of(envelope: Envelope | None, duration: float, shortest: float, points: int) -> Course:
     """Instants so dense that integrals over time are right for the shortest period."""
     stretches = points - 1
-    each = max(1, int(np.ceil(duration * STEPS_PER_PERIOD / shortest / stretches)))
+    instants = duration * STEPS_PER_PERIOD / shortest
+    check_work(
+        f"duration = {duration:g} s, with a shortest period of {shortest:.3g} s, would take",
+        "shorten it, or leave out the shortest period",
+        memory=8 * COLUMNS * instants,
+        seconds=INSTANT * instants,
+    )
+    each = max(1, int(np.ceil(instants / stretches)))
     times = np.linspace(0, duration, stretches * each + 1)
     shown = np.arange(points) * each
     scan = np.linspace(0, duration, SCANNED)
@@ -176,12 +181,11 @@ def course_of(envelope: Envelope | None, duration: float, shortest: float, point
 def solve_course(sides: Sequence[Side], ground: Ground, pairs: Array, course: Course) -> Moments:
     """Second moments of all structures and pairs (2, p) of them, from rest."""
     period, damping, hardening, uy, scale = oscillators_of(sides)
-    needed = 8.0 * course.times.size * (5 * period.size + 8 * pairs.shape[1])
-    if needed > MEMORY:
-        raise ValueError(
-            f"{pairs.shape[1]} pairs at {course.times.size} instants need {needed / 1e9:.1f} GB; "
-            f"allowed: {MEMORY / 1e9:.0f} GB; take fewer cells at a time"
-        )
+    check_work(
+        f"{pairs.shape[1]} pairs at {course.times.size} instants need",
+        "take fewer cells at a time",
+        memory=8 * COLUMNS * course.times.size * (period.size + pairs.shape[1]),
+    )
     w = 2 * np.pi / period
     elastic = np.isinf(uy)
     structures = Structures(

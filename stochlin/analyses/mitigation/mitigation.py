@@ -14,8 +14,9 @@ from stochlin.analyses.mitigation.searches import MeasureLine, Search, searches
 from stochlin.analyses.mitigation.variables import VARIABLES
 from stochlin.analyses.records.records import checked_record
 from stochlin.analyses.separation.separation import NOT_AVAILABLE, VERDICT_ATTRS, verdict_of
+from stochlin.analyses.simulation.simulation import check_repeated
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_confidence, check_gap
+from stochlin.analyses.tables.checks import check_confidence, check_existing, is_number
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.contacts import Contact
 from stochlin.models.envelopes import Envelope
@@ -28,6 +29,7 @@ from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
 
 AS_BUILT = "as built"
+SIMULATIONS = 60  # that the searches take together, as a rule
 TEXTS: Mapping[str, str] = {
     "kind": "as built, given, or the least that meets an aim",
     "aim": "what the least meets: the confidence, or the limit of amplification on the records",
@@ -122,8 +124,12 @@ def mitigate(
     >>> table.measure.values[-1].item()
     'least dashpot between'
     """
-    one, two = _checked(first, second, ground, gap, measures, contact, records, amplification_limit)
+    one, two = _checked(first, second, ground, measures, contact, records, amplification_limit)
     check_confidence(confidence)
+    check_existing(gap, duration, {"first": first, "second": second})
+    check_repeated([one, two], ground, duration, paths, seed, len(measures) + SIMULATIONS)
+    if progress is not None:
+        progress(0.0)
     site = MitigatedPair(
         structures=(one, two),
         ground=ground,
@@ -164,7 +170,6 @@ def _checked(
     first: Structure,
     second: Structure,
     ground: Ground,
-    gap: float,
     measures: Mapping[str, Measure],
     contact: Contact | None,
     records: Mapping[str, xr.DataArray] | None,
@@ -172,7 +177,6 @@ def _checked(
 ) -> list[Any]:
     """The structures by their yield displacements, once all that is given fits together."""
     expect(ground, Ground, "ground")
-    check_gap(gap)
     for name, measure in measures.items():
         expect(measure, Measure, f"measures[{name!r}]")
         if measure.link is not None:
@@ -188,7 +192,7 @@ def _checked(
         expect(structure, Structure, role)
         if records and (not isinstance(structure, (Bilinear, BoucWen)) or structure.mass is None):
             raise ValueError(f"{role} cannot pound; allowed: Bilinear or BoucWen with a mass, in kg")
-    if limit is not None and (not records or not 0 < limit < np.inf):
+    if limit is not None and not (records and is_number(limit) and 0 < limit < np.inf):
         raise ValueError(
             f"amplification_limit = {limit!r}; allowed: a positive number, with contact and records"
         )

@@ -22,10 +22,12 @@ from stochlin.analyses.records.records import checked_record
 from stochlin.analyses.records.response import pseudo_energy_radius
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import is_number
+from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.parallel import in_order
+from stochlin.kernels.basics.parallel import Progress, in_order
 from stochlin.kernels.pounding import run as kernel
 from stochlin.kernels.pounding.rows import Row
+from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Contact
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.links import Link
@@ -35,6 +37,7 @@ REFERENCES = (
     f"{labels.PAPER} Hairer, E., Norsett, S. P. and Wanner, G. (1993), Solving Ordinary Differential "
     "Equations I, section II.10."
 )
+STEP, STEPS_PER_PERIOD = 2.5e-6, 10.0  # [s] of a floor, and of the shortest period, roughly
 ON_GRID = 1e-9  # of a step: times this close to a sample of the record are that
 
 
@@ -46,6 +49,7 @@ def pound(
     *,
     link: Link | Sequence[Link | None] | None = None,
     output_step: float | None = None,
+    progress: Progress | None = None,
 ) -> xr.Dataset:
     """Buildings in a row through a motion, from rest, with all their impacts.
 
@@ -65,6 +69,8 @@ def pound(
     output_step : float, optional
         Time from output to output [s]; the record's own if left out. The response does not depend on
         it.
+    progress : callable, optional
+        Called with the share of the two runs, in the row and alone, that is done.
 
     Returns
     -------
@@ -131,12 +137,18 @@ def pound(
         raise type(error)(f"motion: {error}") from error
     links = checked_links(link, len(row_of))
     row, places = build_row(row_of, spaces, contact, ground, links)
+    _check_work(row_of, dt * (ground.size - 1))
     times = _output_times(output_step, ground.size - 1, dt)
     asked = _intervals(times, dt, ground.size - 1)
+    oscillators = [structure for structure in row_of if isinstance(structure, Bilinear)]
+    estimated = len(oscillators) == len(row_of) and not any(links)
+    worst = _estimates(oscillators, spaces, contact, motion) if estimated else None
+    if progress is not None:
+        progress(0.0)
     never = np.empty(0, np.int64), np.empty(0)
     runs = (row, asked), (kernel.standing_alone(row), never)
     done, alone = in_order(
-        lambda i: _completed(runs[i][0], kernel.SampledMotion(ground, dt, *runs[i][1])), 2
+        lambda i: _completed(runs[i][0], kernel.SampledMotion(ground, dt, *runs[i][1])), 2, progress
     )
     start = float(motion["time"][0])
     time = motion["time"].to_numpy().astype(float) if output_step is None else start + times
@@ -145,9 +157,7 @@ def pound(
     peaks = [by_floor(np.abs(run.peaks).max(axis=0), row, row_of) for run in (done, alone)]
     table["peak"], table["peak_alone"] = peaks
     table["amplification"] = peaks[0] / peaks[1].where(peaks[1] > 0)
-    oscillators = [structure for structure in row_of if isinstance(structure, Bilinear)]
-    if len(oscillators) == len(row_of) and not any(links):
-        worst = _estimates(oscillators, spaces, contact, motion)
+    if worst is not None:
         table["largest_radius_amplification"] = ("structure", worst)
     table = labels.label(table, VARIABLES)
     table.attrs.update(
@@ -158,6 +168,20 @@ def pound(
     call = f"pound(output_step={output_step})"
     return labels.with_run_information(
         table, "Pounding of buildings in a row", call, models | {"contact": contact}, REFERENCES
+    )
+
+
+def _check_work(structures: Sequence[Building], seconds: float) -> None:
+    """Raise a ValueError if steps for the shortest periods take too long; before the work."""
+    modes = [
+        structure.periods() if isinstance(structure, ShearBuilding) else structure.arrays()["period"]
+        for structure in structures
+    ]
+    shortest = min(float(periods.min()) for periods in modes)
+    check_work(
+        f"{seconds:g} s of motion, with a shortest period of {shortest:.3g} s, would take",
+        "take softer structures, or a shorter record",
+        seconds=STEP * sum(periods.size for periods in modes) * STEPS_PER_PERIOD * seconds / shortest,
     )
 
 

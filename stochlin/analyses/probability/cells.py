@@ -41,6 +41,7 @@ class PairTable(NamedTuple):
     gap: Array  # (c,)
     pair_of_cell: Array  # (c,)
     status: xr.DataArray
+    solved: tuple[xr.Dataset, xr.Dataset]  # both, linearized in the stationary motion
 
     @classmethod
     def of(
@@ -54,6 +55,7 @@ class PairTable(NamedTuple):
         points: int,
     ) -> PairTable:
         """Check, number and solve the cells."""
+        solved = linearize(first, ground), linearize(second, ground)
         one = side_of(first, ground, duration, "first", 0)
         two = side_of(second, ground, duration, "second", one.cells.period.size)
         gap = distance.arrays()["gap"]
@@ -86,6 +88,7 @@ class PairTable(NamedTuple):
             of_cells(wide, cell_number).astype(float),
             of_cells(spread, cell_number),
             status.transpose(*good.dims).astype(np.int8),
+            solved,
         )
 
 
@@ -161,7 +164,8 @@ def _drift(pairs: PairTable, ground: Ground) -> tuple[Array, Array]:
     """Variances of the drift; NaN where the map of the bias does not reach."""
     own, both, sides, course = pairs.moments
     first, second = (side.structure for side in sides)
-    biases = [of_cells(linearize(side.structure, ground).bias, side.position) for side in sides]
+    solved = zip(pairs.solved, sides, strict=True)
+    biases = [of_cells(table.bias, side.position) for table, side in solved]
     shared = of_cells(correlate(first, second, ground).bias, pairs.pair_number)
     hardening, bias = oscillators_of(sides).hardening, np.concatenate(biases)
     return drift_variances(own, both, pairs.structures_of_pair, course.times, hardening, bias, shared)

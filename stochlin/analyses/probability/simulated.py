@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from stochlin.analyses.linearization.transient_systems import Course, Side, grounds_of, oscillators_of
-from stochlin.analyses.simulation.ensembles import SimulationCells, joined_laws, prepare
+from stochlin.analyses.simulation.ensembles import SimulationCells, joined_laws, prepare, seconds_of
+from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.separation_histories import Histories, Watched, separation_histories
@@ -15,6 +16,8 @@ from stochlin.kernels.simulation.stepping import LANES, filter_steps
 from stochlin.models.grounds import Ground
 
 STEPS_PER_PERIOD = 32
+ENVELOPES, RESULTS = 6, 6  # numbers that are held at once, of each step and of each motion of a pair
+WATCHED = 200.0  # to watch a pair, over the time that its difference alone takes
 
 
 def simulate_course(
@@ -54,6 +57,14 @@ def simulate_course(
         np.ones(period.size, bool),
     )
     run = prepare(cells, lone, paths=paths, seed=seed, steps_per_period=STEPS_PER_PERIOD)
+    pairs_in_all, instants = pairs.shape[1], course.duration / run.plan.dt
+    check_work(
+        f"duration = {course.duration:g} s, in steps of {run.plan.dt:.2g} s and on "
+        f"{whole_groups(paths)} paths, would take",
+        "shorten it, lower paths, or leave out the shortest period",
+        memory=8 * (ENVELOPES * instants + RESULTS * float(whole_groups(paths)) * pairs_in_all),
+        seconds=seconds_of(run, instants, WATCHED * pairs_in_all),
+    )
     blocks = course.shown.size - 1
     samples = int(np.ceil(course.duration / blocks / run.plan.dt))
     dt = course.duration / blocks / samples

@@ -84,7 +84,7 @@ def read_record(
     (100, 0.02, 0.01)
     """
     path = Path(path)
-    if dt is not None and not (isinstance(dt, numbers.Real) and 0 < dt < np.inf):
+    if dt is not None and not (isinstance(dt, numbers.Real) and dt is not True and 0 < dt < np.inf):
         raise ValueError(f"dt = {dt!r} is out of range; allowed: 0 < dt, finite, in seconds")
     units = None if units is None else acceleration_units(units, "units")
     series = read_series(path, column, time_column)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -15,9 +16,10 @@ from stochlin.analyses.linearization.strength import solved_reduction_factor, st
 from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.simulation.finite_motions import keeping_apart, pair_separation
-from stochlin.analyses.simulation.simulation import simulate
+from stochlin.analyses.simulation.simulation import check_repeated, simulate
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_confidence, check_gap
+from stochlin.analyses.tables.checks import check_confidence, check_existing
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
@@ -27,6 +29,7 @@ STRENGTHS = np.geomspace(1 / 8, 8, 13)  # factors on both reduction factors
 AMPLITUDES = np.geomspace(1 / 16, 16, 17)  # factors on the motion
 DAMPINGS = np.linspace(0, 0.4, 9)  # added to both
 CLOSE = 1e-3  # relative, of what is searched
+SIMULATIONS = 60  # that the three searches take together, as a rule
 
 
 def existing_gap(
@@ -40,6 +43,7 @@ def existing_gap(
     confidence: float = 0.9,
     paths: int = 2048,
     seed: int = 0,
+    progress: Progress | None = None,
 ) -> xr.Dataset:
     """What two buildings may be, or may be hit by, where the gap between them is given.
 
@@ -53,6 +57,8 @@ def existing_gap(
         The existing gap [m], positive.
     envelope, confidence, paths, seed
         As in `separation`.
+    progress : callable, optional
+        Called with the share of the work that is done, by a guess.
 
     Returns
     -------
@@ -83,13 +89,20 @@ def existing_gap(
     (True, True)
     """
     check_confidence(confidence)
-    check_gap(gap)
     for role, structure in (("first", first), ("second", second)):
         expect(structure, Structure, role)
+    check_existing(gap, duration, {"first": first, "second": second})
+
+    check_repeated([first, second], ground, duration, paths, seed, SIMULATIONS)
+    if progress is not None:
+        progress(0.0)
+    done = itertools.count(1)
 
     def separations(pair: Sequence[Structure], ground: Ground) -> xr.DataArray:
         options: dict[str, Any] = {"paths": paths, "seed": seed, "envelope": envelope}
         motions = simulate(list(pair), ground, duration=duration, quantiles=[confidence], **options)
+        if progress is not None:
+            progress(min(next(done) / SIMULATIONS, 1.0))
         return pair_separation(motions)
 
     def required(pair: Sequence[Structure], ground: Ground) -> float:

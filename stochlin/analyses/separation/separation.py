@@ -16,7 +16,7 @@ from stochlin.analyses.simulation.finite_motions import keeping_apart, pair_sepa
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import over_cells
-from stochlin.analyses.tables.checks import check_confidence
+from stochlin.analyses.tables.checks import check_confidence, check_duration
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
@@ -75,7 +75,7 @@ def separation(
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
         All parameters broadcast by dimension name; each cell is a simulation of its own.
     duration : float
-        Of each motion [s], positive.
+        Of each motion [s], at least a period of the structures.
     envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
         Of the motions; without it they are stationary from their start.
     confidence : float
@@ -111,7 +111,8 @@ def separation(
     Raises
     ------
     ValueError, TypeError
-        If a number is out of range, or the run would not fit into memory: before any work is done.
+        If a number is out of range, the duration is shorter than a period, or the run would not fit into
+        memory: before any work is done.
 
     Notes
     -----
@@ -143,6 +144,8 @@ def separation(
             )
     expect(ground, Ground, "ground")
 
+    check_duration(duration, {"first": first, "second": second})
+
     def of_cell(first: Structure, second: Structure, ground: Ground) -> xr.Dataset:
         motions = simulate(
             [first, second],
@@ -167,7 +170,8 @@ def separation(
         return table.assign({f"record_{name}": recorded[name] for name in recorded.data_vars})
 
     models = {"first": first, "second": second, "ground": ground}
-    table = over_cells(of_cell, models)
+    long_enough = (first.arrays()["period"] <= duration) & (second.arrays()["period"] <= duration)
+    table = over_cells(of_cell, models, long_enough)
     table = labels.label(table, VARIABLES)
     table.verdict.attrs = VERDICT_ATTRS
     for name, text in TEXTS.items():

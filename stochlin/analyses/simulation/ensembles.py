@@ -17,17 +17,20 @@ from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import row_of
 from stochlin.analyses.tables.checks import check_whole, is_number
+from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.ensemble import Crowd, Plan
 from stochlin.kernels.simulation.linked_stepping import linked_block
-from stochlin.kernels.simulation.stepping import LANES, FilterSteps, filter_steps
+from stochlin.kernels.simulation.stepping import LANES, FilterSteps, bilinear_block, filter_steps
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link, check_linked
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
 
 SAMPLES_PER_PERIOD = 2  # of the shortest period; more would say little new of its variance
-MEMORY = 4e9  # bytes that a run may ask for
+# Rough times, for a question that asks for too much to be refused before the work.
+STEP = 4e-9  # [s] of a core: one step of one bilinear structure
+GROUND, OTHER_LAW, PAIR = 4.0, 15.0, 0.25  # over that: of the ground, of another law, of a difference
 
 
 class SimulationCells(NamedTuple):
@@ -196,7 +199,9 @@ def prepare(
     )
 
 
-def check_settings(paths: int, seed: int, steps_per_period: int, relaxation_times: float) -> None:
+def check_settings(
+    paths: int, seed: int, steps_per_period: int = 8, relaxation_times: float = 1.0
+) -> None:
     """Raise a ValueError for settings out of range; to be called before any work."""
     check_whole("paths", paths, 2)
     check_whole("seed", seed, 0)
@@ -209,11 +214,18 @@ def check_memory(structures: int, paths: int) -> None:
     """Raise a ValueError if so many structures on one ground would not fit into memory."""
     at_once = min(os.cpu_count() or 1, -(-paths // LANES))
     needed = 8.0 * structures**2 * (4 * LANES * at_once + 12)
-    if needed > MEMORY:
-        raise ValueError(
-            f"{structures} structures on one ground need {needed / 1e9:.1f} GB; allowed: "
-            f"{MEMORY / 1e9:.0f} GB; simulate fewer structures at a time"
-        )
+    check_work(
+        f"{structures} structures on one ground need",
+        "simulate fewer structures at a time",
+        memory=needed,
+    )
+
+
+def seconds_of(run: Run, steps: float, pairs: float) -> float:
+    """How long so many steps of all paths take, roughly, with so many differences at each [s]."""
+    parts = ((len(own), 1.0 if block is bilinear_block else OTHER_LAW) for block, own in run.crowd.parts)
+    each = GROUND + PAIR * pairs + sum(count * weight for count, weight in parts)
+    return STEP * each * steps * run.plan.groups * LANES / (os.cpu_count() or 1)
 
 
 def _crowd(cells: SimulationCells, valid: Array) -> tuple[Crowd, Array, Array]:

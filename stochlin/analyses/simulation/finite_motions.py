@@ -2,40 +2,59 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import scipy.stats
 import xarray as xr
 
-from stochlin.analyses.simulation.ensembles import Run
+from stochlin.analyses.simulation.ensembles import Run, seconds_of
 from stochlin.analyses.simulation.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_duration
+from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.ensemble import finite_extremes
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.envelopes import Envelope
 from stochlin.models.parameters import expect
+from stochlin.models.structures import Structure
 
 TAIL = (1 - 0.95) / 2  # outside of an interval, on each side
 BLOCK = 256  # steps
-MOST_STEPS = 1e12  # of all pairs on all paths: minutes on two cores
+ENVELOPES, RESULTS = 6, 6  # numbers that are held at once, of each step and of each peak
 
 
-def check_motion(duration: float | None, envelope: Envelope | None, quantiles: Sequence[float]) -> None:
+def check_motion(
+    duration: float | None,
+    envelope: Envelope | None,
+    quantiles: Sequence[float],
+    structures: Mapping[str, Structure],
+) -> None:
     """Raise for what is no finite motion; to be called before any work."""
     if duration is None:
         if envelope is not None:
             raise ValueError("envelope is given without a duration; allowed: both, or neither")
         return
-    check_duration(duration)
+    check_duration(duration, structures)
     levels = np.asarray(quantiles, float)
     if levels.ndim != 1 or not levels.size or not ((levels > 0) & (levels < 1)).all():
         raise ValueError(f"quantiles = {quantiles!r}; allowed: numbers between 0 and 1")
     if envelope is not None:
         expect(envelope, Envelope, "envelope")
+
+
+def check_finite(run: Run, duration: float, times: int = 1) -> None:
+    """Raise a ValueError if this, or so many of the kind, is too much; to be called before the work."""
+    structures, steps = run.crowd.size, duration / run.plan.dt
+    paths = run.plan.groups * LANES
+    check_work(
+        f"duration = {duration:g} s, in steps of {run.plan.dt:.2g} s and on {paths} paths, would take",
+        "shorten it, lower paths, or leave out the shortest period",
+        memory=8 * (ENVELOPES * steps + RESULTS * paths * structures * (structures + 2.0)),
+        seconds=times * seconds_of(run, steps, structures**2),
+    )
 
 
 def simulate_finite(
@@ -47,13 +66,8 @@ def simulate_finite(
 ) -> xr.Dataset:
     """What `simulate` returns for a duration, over numbered structures."""
     levels = np.asarray(quantiles, float)
+    check_finite(run, duration)
     plan = run.plan._replace(every=1, samples=BLOCK)
-    steps = duration / plan.dt * plan.groups * LANES * run.crowd.size**2
-    if steps > MOST_STEPS:
-        raise ValueError(
-            f"duration = {duration:g} would take {steps:.1e} steps of all pairs on all paths, allowed: "
-            f"{MOST_STEPS:.0e}; shorten it, or lower paths"
-        )
     middle = plan.dt * (np.arange(int(np.ceil(duration / plan.dt))) + 0.5)
     shape = np.ones_like(middle) if envelope is None else envelope.at(middle)
     scale = np.empty(run.crowd.size)

@@ -11,13 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stochlin.analyses.simulation.ensembles import Run, SimulationCells
+from stochlin.analyses.simulation.ensembles import Run, SimulationCells, seconds_of
+from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.ensemble import plastic_displacements
-from stochlin.kernels.simulation.stepping import LANES
 
 BURN_IN = 5.0  # times the memory
-MOST_STEPS = 2e12  # of all structures on all paths: about half an hour on two cores
 GROUPS = 4  # of motions, in the measuring run
 SETTLING, LENGTH = 1.0, 2.0  # of the measuring run, in linearized relaxation times
 INSTANTS = 256  # at which it looks at the plastic displacements
@@ -40,7 +39,16 @@ def with_length(run: Run, cells: SimulationCells, relaxation_times: float) -> Ru
     expected = cells.drift_time[cells.valid]
     slowest = _slowest(expected, cells)
     longest = max(run.memory, slowest.time)
-    _check_steps(run, (BURN_IN + relaxation_times) * longest, slowest)
+    steps = (BURN_IN + relaxation_times) * longest / run.plan.dt
+    check_work(
+        "the run would take",
+        f"the structure of period {slowest.period:.3g} s yields so rarely that its drift relaxes in "
+        f"{slowest.time:.3g} s: leave it out, or lower paths or relaxation_times"
+        if slowest.time > run.memory
+        else f"it lasts {steps * run.plan.dt:.3g} s in steps of {run.plan.dt:.3g} s: lower paths or "
+        "relaxation_times, or leave out the shortest or the longest period",
+        seconds=seconds_of(run, steps, run.crowd.size**2 / (2 * run.plan.every)),
+    )
     if slowest.time > run.memory:
         measured = _measure(run, slowest.time)[run.order]
         slowest = _slowest(np.minimum(measured, expected), cells)
@@ -55,16 +63,6 @@ def with_length(run: Run, cells: SimulationCells, relaxation_times: float) -> Ru
 def _slowest(times: Array, cells: SimulationCells) -> _Drift:
     worst = int(np.argmax(times))
     return _Drift(float(times[worst]), float(cells.period[cells.valid][worst]))
-
-
-def _check_steps(run: Run, seconds: float, slowest: _Drift) -> None:
-    steps = float(run.crowd.size * run.plan.groups * LANES) * seconds / run.plan.dt
-    if steps > MOST_STEPS:
-        raise ValueError(
-            f"the run would take {steps:.1e} structure-steps, allowed: {MOST_STEPS:.0e}; the structure "
-            f"of period {slowest.period:.3g} s yields so rarely that its drift relaxes in "
-            f"{slowest.time:.3g} s: leave it out, or lower paths or relaxation_times"
-        )
 
 
 def _measure(run: Run, expected: float) -> Array:

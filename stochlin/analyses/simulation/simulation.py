@@ -17,7 +17,7 @@ from stochlin.analyses.simulation.ensembles import (
     link_constants,
     prepare,
 )
-from stochlin.analyses.simulation.finite_motions import check_motion, simulate_finite
+from stochlin.analyses.simulation.finite_motions import check_finite, check_motion, simulate_finite
 from stochlin.analyses.simulation.run_lengths import with_length
 from stochlin.analyses.simulation.variables import VARIABLES
 from stochlin.analyses.tables import labels
@@ -33,6 +33,7 @@ from stochlin.models.parameters import Model, expect
 from stochlin.models.structures import Structure
 
 SCALARS = "scalars, one structure an entry; correlate(method='simulation') takes arrays"
+STEPS_PER_PERIOD = 32
 NOT_STATIONARY = 5.0  # standard errors between the variances of the two halves of a run
 
 
@@ -53,7 +54,7 @@ def simulate(
     *,
     paths: int = 256,
     seed: int = 0,
-    steps_per_period: int = 32,
+    steps_per_period: int = STEPS_PER_PERIOD,
     relaxation_times: float = 20.0,
     duration: float | None = None,
     envelope: Envelope | None = None,
@@ -83,7 +84,7 @@ def simulate(
         ground: ``1/(xi w)``, or the correlation time of the plastic drift, which a short run
         measures. Burn-in takes five of them.
     duration : float, optional
-        Length of each motion [s]; without it, the stationary response.
+        Length of each motion [s], at least a period; without it, the stationary response.
     envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
         Of a finite motion; without it, the motion is stationary from its start.
     quantiles : sequence of float
@@ -134,16 +135,7 @@ def simulate(
     True
     """
     check_settings(paths, seed, steps_per_period, relaxation_times)
-    check_motion(duration, envelope, quantiles)
-    expect(ground, Ground, "ground")
-    if not isinstance(structures, Sequence):
-        raise TypeError(f"structures = {structures!r}; allowed: a list of structures")
-    if not structures:
-        raise ValueError("structures is empty; allowed: at least one")
-    for number, structure in enumerate(structures):
-        expect(structure, Structure, f"structures[{number}]")
-        check_scalars(structure, f"structures[{number}]", SCALARS)
-    check_scalars(ground, "ground", SCALARS)
+    check_motion(duration, envelope, quantiles, _checked(structures, ground))
     check_memory(len(structures), paths)
     pair = None if link is None else link_constants(structures, link)
     cells = cells_of_all(structures, ground, stationary=duration is None)
@@ -188,6 +180,32 @@ def simulate(
         f"simulate(paths={paths}, seed={seed})",
         models | {"ground": ground},
     )
+
+
+def check_repeated(
+    structures: Sequence[Structure], ground: Ground, duration: float, paths: int, seed: int, times: int
+) -> None:
+    """Raise for what `simulate` refuses, and if so many simulations of the kind are too much."""
+    check_settings(paths, seed)
+    _checked(structures, ground)
+    cells = cells_of_all(structures, ground, stationary=False)
+    run = prepare(cells, ground, paths=paths, seed=seed, steps_per_period=STEPS_PER_PERIOD)
+    check_finite(run, duration, times)
+
+
+def _checked(structures: Sequence[Structure], ground: Ground) -> dict[str, Structure]:
+    """The structures by their roles, once they and the ground are what `simulate` takes."""
+    expect(ground, Ground, "ground")
+    if not isinstance(structures, Sequence):
+        raise TypeError(f"structures = {structures!r}; allowed: a list of structures")
+    if not structures:
+        raise ValueError("structures is empty; allowed: at least one")
+    roles = {f"structures[{number}]": structure for number, structure in enumerate(structures)}
+    for role, structure in roles.items():
+        expect(structure, Structure, role)
+        check_scalars(structure, role, SCALARS)
+    check_scalars(ground, "ground", SCALARS)
+    return roles
 
 
 def simulate_moments(cells: SimulationCells, run: Run, progress: Progress | None) -> MomentEstimates:

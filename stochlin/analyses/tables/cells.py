@@ -12,10 +12,15 @@ from stochlin.analyses.tables import labels
 from stochlin.models.parameters import Model
 
 
-def over_cells(function: Callable[..., xr.Dataset], models: Mapping[str, Model]) -> xr.Dataset:
+def over_cells(
+    function: Callable[..., xr.Dataset],
+    models: Mapping[str, Model],
+    usable: xr.DataArray | None = None,
+) -> xr.Dataset:
     """``function`` of scalar models, for every cell of models whose arrays broadcast by name.
 
-    A cell whose parameters are out of range is NaN, with the status of invalid input.
+    A cell whose parameters are out of range, or that is not ``usable``, is NaN, with the status of
+    invalid input.
     """
     arrays = [array for model in models.values() for array in model.arrays().values()]
     if not any(array.ndim for array in arrays):
@@ -25,7 +30,9 @@ def over_cells(function: Callable[..., xr.Dataset], models: Mapping[str, Model])
     done: list[xr.Dataset | None] = []
     for place in places:
         where = dict(zip(shape.dims, place, strict=True))
-        valid = all(bool(model.valid().isel(where, missing_dims="ignore")) for model in models.values())
+        good = [model.valid() for model in models.values()]
+        good += [] if usable is None else [usable]
+        valid = all(bool(one.isel(where, missing_dims="ignore")) for one in good)
         cell = {role: model.isel(where) for role, model in models.items()} if valid else {}
         done.append(function(**cell) if valid else None)
     known = next((table for table in done if table is not None), None)

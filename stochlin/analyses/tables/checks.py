@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import TypeGuard
 
 import numpy as np
@@ -34,13 +35,24 @@ def check_scalars(model: Model, role: str, allowed: str) -> None:
         raise ValueError(f"{role}: {', '.join(arrays)} is an array; allowed: {allowed}")
 
 
-def check_duration(duration: object) -> float:
-    """The duration; a ValueError unless it is a time that a motion can last."""
+def check_duration(duration: object, structures: Mapping[str, Model] | None = None) -> float:
+    """The duration; a ValueError unless it is a time that a motion of these structures can last.
+
+    ``structures`` go by their roles. One swings a period at least; of arrays of periods the cells that
+    do not are left to the caller.
+    """
     if duration is None:
         raise ValueError("duration is missing; give the length of the motion in seconds")
     if not is_number(duration) or not 0 < duration < math.inf:
         raise ValueError(f"duration = {duration!r}; allowed: a positive number of seconds")
-    return duration
+    for role, structure in (structures or {}).items():
+        period = structure.arrays()["period"]
+        if period.ndim == 0 and float(period) > duration:
+            raise ValueError(
+                f"duration = {duration:g} s is shorter than the period of {role}, {float(period):g} s; "
+                "allowed: a period and more"
+            )
+    return float(duration)
 
 
 def check_confidence(confidence: object) -> None:
@@ -49,7 +61,13 @@ def check_confidence(confidence: object) -> None:
         raise ValueError(f"confidence = {confidence!r}; allowed: a probability between 0 and 1")
 
 
-def check_gap(gap: object) -> None:
-    """Raise a ValueError unless the existing gap is open."""
+def check_existing(gap: object, duration: object, structures: Mapping[str, Model]) -> None:
+    """Raise a ValueError unless the existing gap is open, and the motion as `check_duration` asks."""
     if not is_number(gap) or not 0 < gap < math.inf:
         raise ValueError(f"gap = {gap!r}; allowed: a positive number of metres")
+    try:
+        check_duration(duration, structures)
+    except ValueError as error:
+        exchanged = is_number(duration) and 0 < duration < 1 <= gap
+        told = f"; gap = {gap:g} m: are the two exchanged?" if exchanged else ""
+        raise ValueError(f"{error}{told}") from error

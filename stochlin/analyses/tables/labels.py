@@ -29,17 +29,20 @@ CAUTION_SIGMA = (
     "and up to 30 times for structures much stiffer than a narrow-band ground; see 'stochlin verify'."
 )
 
-CONVERGED, ELASTIC_LIMIT, NOT_CONVERGED, INVALID_INPUT, NOT_PHYSICAL = range(5)
+CONVERGED, ELASTIC_LIMIT, NOT_CONVERGED, INVALID_INPUT, NOT_PHYSICAL, TOO_STRONG = range(6)
 STATUS_MEANINGS = (
     "converged",
     "elastic_limit",
     "not_converged",
     "invalid_input",
     "not_a_covariance",
+    "shaking_too_strong",
 )
 CURES = {
     NOT_CONVERGED: "raise max_iterations; in a simulation, relaxation_times",
     INVALID_INPUT: "correct the parameters that are out of range",
+    TOO_STRONG: "elastic, it would reach more than a thousand times its yield displacement, which is "
+    "beyond this method: check the units of the strength and of the intensity",
     NOT_PHYSICAL: "rounding has spoiled the covariance: use less extreme parameters, or another closure",
 }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import stat
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,18 +14,45 @@ import xarray as xr
 FORMATS = (".nc", ".csv")
 
 
+def written_file(path: str | os.PathLike[str]) -> Path:
+    """The file that writing to ``path`` would write: of a link, what it leads to.
+
+    An OSError says why it could not be written, before any work is done for it.
+    """
+    target = Path(os.path.realpath(path) if os.path.islink(path) else path)
+    try:
+        mode = target.stat().st_mode
+    except FileNotFoundError:
+        mode = None
+    except OSError as error:
+        raise OSError(f"{path}: {error.strerror}; give another name") from error
+    if mode is not None and not stat.S_ISREG(mode):
+        raise OSError(f"{path} is no ordinary file; give the name of a file")
+    if mode is not None and not (mode & 0o222 and os.access(target, os.W_OK)):
+        raise PermissionError(f"{path} is read-only; make it writable, or give another name")
+    if not target.parent.is_dir():
+        raise FileNotFoundError(f"{path}: there is no folder {target.parent}; make it first")
+    try:
+        with tempfile.TemporaryFile(dir=target.parent):
+            pass
+    except OSError as error:
+        raise OSError(f"{path}: cannot write in {target.parent}: {error.strerror}") from error
+    return target
+
+
 @contextmanager
 def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """A temporary path beside ``path``, renamed to it if the block ends well, removed if not."""
-    target = Path(path)
-    handle, name = tempfile.mkstemp(prefix=f".{target.stem}-", suffix=target.suffix, dir=target.parent)
+    """A temporary path beside the file, renamed to it if the block ends well, removed if not."""
+    target = written_file(path)
+    umask = os.umask(0)
+    os.umask(umask)
+    mode = target.stat().st_mode if target.exists() else 0o666 & ~umask  # mkstemp keeps others out
+    handle, name = tempfile.mkstemp(prefix=".writing-", suffix=target.suffix, dir=target.parent)
     os.close(handle)
     temporary = Path(name)
     try:
         yield temporary
-        umask = os.umask(0)
-        os.umask(umask)
-        temporary.chmod(0o666 & ~umask)  # mkstemp keeps others out
+        temporary.chmod(stat.S_IMODE(mode))
         temporary.replace(target)
     finally:
         temporary.unlink(missing_ok=True)

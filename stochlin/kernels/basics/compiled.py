@@ -1,8 +1,9 @@
 """How code is compiled: the decorators of all kernels, and what they need.
 
 ================  ==================================================================================
-`entry`           called from Python; kept in numba's cache, see `version_of`
+`entry`           called from Python; `kept` on the disk, see `version_of`
 `entry_of_sums`   an entry whose sums may be taken in any order, in vector registers
+`elementwise`     called from Python, over arrays that broadcast; kept likewise
 `compiled`        called from compiled code
 `called_often`    so short that handing over its arguments takes longer than the work: LLVM inlines it
 `inlined`         called in one place only: numba inlines it, and LLVM need not go over it at each level
@@ -27,11 +28,31 @@ import numpy as np
 from numba.extending import intrinsic
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.kept import kept
 
 OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 
-entry = nb.njit(cache=True, **OPTIONS)
-entry_of_sums = nb.njit(cache=True, fastmath={"reassoc"}, **OPTIONS)
+
+def entry(function: Any, **more: Any) -> Any:
+    """The decorator of what is called from Python."""
+    made = nb.njit(**OPTIONS, **more)(function)
+    if made is not function:  # as it is under NUMBA_DISABLE_JIT
+        made._cache = kept(function)
+    return made
+
+
+def entry_of_sums(function: Any) -> Any:
+    """The same, for sums in any order."""
+    return entry(function, fastmath={"reassoc"})
+
+
+def elementwise(function: Any) -> Any:
+    """The same, for arrays that broadcast."""
+    made = nb.vectorize(function)  # type: ignore[no-untyped-call]
+    made._dispatcher.cache = kept(function)
+    return made
+
+
 compiled = nb.njit(**OPTIONS)
 called_often = nb.njit(forceinline=True, **OPTIONS)
 inlined = nb.njit(inline="always", **OPTIONS)

@@ -16,8 +16,11 @@ def in_order(
     task: Callable[[int], Result], count: int, progress: Progress | None = None
 ) -> Iterator[Result]:
     """Results of ``task(0), task(1), ...`` in this order, from all cores."""
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
+    pool = ThreadPoolExecutor(os.cpu_count())
+    try:
         for done, result in enumerate(pool.map(task, range(count)), start=1):
             yield result
             if progress is not None:
                 progress(done / count)
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)  # who interrupts does not wait for the rest

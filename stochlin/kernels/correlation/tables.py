@@ -20,7 +20,7 @@ from stochlin.kernels.correlation.tiles import (
     new_memory,
     rho_of_tile,
 )
-from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
+from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, coordinates
 
 VERSION = version_of(pair_steps)
 
@@ -58,17 +58,19 @@ class RhoTable(NamedTuple):
 
 def pair_parameters(system: EquivalentSystem, forcing: Forcing, displacement_std: Array) -> Array:
     """What a table needs of each structure, (PARAMETERS, n): see `pair_steps`."""
-    w, d, h, p, k = system
+    (_, (soft, _, h), (back, p, _)), third, _ = coordinates(system, forcing)
+    w, d, k = -soft, system.damping, system.relaxation
     square = (  # lower rows of A^2
-        d * w + h * k,
+        d * w + h * back,
         d * d + h * p - w,
         -h * (d + k),
-        -(p * w + k * k),
-        k - p * (d + k),
+        -(p * w + k * back),
+        back - p * (d + k),
         p * h + k * k,
     )
-    kick = h * (forcing.slip - p * forcing.mu)
-    columns = (*system, *forcing, *system.characteristic, *square, kick, displacement_std)
+    kick = system.coupling * (forcing.slip - system.slip * forcing.mu)
+    as_second = (w, d, h, p, k, forcing.mu, forcing.velocity, third, *system.characteristic, *square)
+    columns = (*as_second, back, system.stiffness, kick, displacement_std)
     return np.stack([column.ravel() for column in np.broadcast_arrays(*columns)])
 
 

@@ -16,7 +16,8 @@ import numpy as np
 from stochlin.kernels.basics.compiled import compiled
 
 LANES = 128  # cells of a tile: both structures of each then fit the first-level cache
-PARAMETERS = 19  # of a structure, as `pair_tables.pair_parameters` lists them
+PARAMETERS = 21  # of a structure, as `pair_tables.pair_parameters` lists them
+BACK, STIFFNESS, KICK, STD = 17, 18, 19, 20  # of these
 SHARED = 4  # axes of the map of the bias that the two structures share
 ROUNDING = 1e-9  # by which a point may miss the end of an axis
 EQUAL = 1e-6  # relative difference of properties that count as equal
@@ -72,7 +73,7 @@ def _load(parameters, cells, tile, loaded):
 def _put_stiffer_first(stiff, soft):
     """Exchange the two structures of a lane where the second is the stiffer."""
     for lane in range(LANES):
-        if stiff[lane] < soft[lane]:
+        if stiff[STIFFNESS * LANES + lane] < soft[STIFFNESS * LANES + lane]:
             for n in range(lane, PARAMETERS * LANES, LANES):
                 stiff[n], soft[n] = soft[n], stiff[n]
 
@@ -82,7 +83,7 @@ def _correlations(stiff, soft, out):
     """``rho`` of all lanes, from the parameters of the stiffer structure of each and of the softer."""
     for n in range(LANES):
         w, d, h = soft[n], soft[LANES + n], soft[2 * LANES + n]
-        p, k = soft[3 * LANES + n], soft[4 * LANES + n]
+        p, k, back = soft[3 * LANES + n], soft[4 * LANES + n], soft[BACK * LANES + n]
         stiff_d, stiff_k = stiff[LANES + n], stiff[4 * LANES + n]
         stiff_mu = stiff[5 * LANES + n]
         e = stiff[8 * LANES + n] + soft[8 * LANES + n]
@@ -92,17 +93,17 @@ def _correlations(stiff, soft, out):
         m10 = e * soft[11 * LANES + n] - f * w
         m11 = e * soft[12 * LANES + n] - f * d + g
         m12 = e * soft[13 * LANES + n] + f * h
-        m20 = e * soft[14 * LANES + n] + f * k
+        m20 = e * soft[14 * LANES + n] + f * back
         m21 = e * soft[15 * LANES + n] + f * p
         m22 = e * soft[16 * LANES + n] - f * k + g
         u0 = soft[5 * LANES + n] - stiff_mu
         u1 = soft[6 * LANES + n] + stiff[6 * LANES + n] + (d + stiff_d) * stiff_mu
         u2 = soft[7 * LANES + n] - p * stiff_mu
         r0 = stiff_k * u0 - u1
-        r1 = stiff_k * u1 + w * u0 + d * u1 - h * u2 + stiff[17 * LANES + n]
-        r2 = stiff_k * u2 - k * u0 - p * u1 + k * u2
+        r1 = stiff_k * u1 + w * u0 + d * u1 - h * u2 + stiff[KICK * LANES + n]
+        r2 = stiff_k * u2 - back * u0 - p * u1 + k * u2
         c0, c1, c2 = m11 * m22 - m12 * m21, m02 * m21 - m01 * m22, m01 * m12 - m02 * m11
-        scale = stiff[18 * LANES + n] * soft[18 * LANES + n]
+        scale = stiff[STD * LANES + n] * soft[STD * LANES + n]
         out[n] = (c0 * r0 + c1 * r1 + c2 * r2) / ((c0 * m00 + c1 * m10 + c2 * m20) * scale)
 
 
@@ -116,7 +117,7 @@ def rho_of_tile(one, two, cells_1, cells_2, a, b, loaded, out):
     _load(two, cells_2, b, loaded[1])
     stiffer = 0
     for lane in range(LANES):
-        stiffer += a[lane] >= b[lane]
+        stiffer += a[STIFFNESS * LANES + lane] >= b[STIFFNESS * LANES + lane]
     if stiffer == 0:
         _correlations(b, a, out)
         return

@@ -22,6 +22,11 @@ import numpy as np
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.small_systems import solve_3x3
 
+MEMORYLESS = 1e-12  # least pole over w that counts
+FAST = 30.0  # relaxation over w from which z is followed in place of y
+
+Rows3 = tuple[tuple[Array, Array, Array], ...]
+
 
 class EquivalentSystem(NamedTuple):
     """Coefficients of one linearized oscillator (module docstring); units s^-2, s^-1, s^-2, 1, s^-1."""
@@ -37,6 +42,23 @@ class EquivalentSystem(NamedTuple):
         """Coefficients ``(a2, a1, a0)`` of ``det(sI - A) = s^3 + a2 s^2 + a1 s + a0``."""
         w2, d, h, p, k = self
         return d + k, w2 + d * k - h * p, (w2 - h) * k
+
+    @property
+    def hurwitz(self) -> Array:
+        """``a2 a1 - a0``, without the cancellation of that."""
+        w2, d, h, p, k = self
+        return d * (w2 + d * k + k * k - h * p) + (1 - p) * h * k
+
+    @property
+    def stable(self) -> Array:
+        """Whether motion dies out (Routh and Hurwitz).
+
+        A pole that rounding does not tell from 0 is that of a ``z`` without memory, which loses no
+        energy and follows ``mu``; nothing moves it.
+        """
+        a2, a1, a0 = self.characteristic
+        memory = a0 + MEMORYLESS * np.sqrt(self.stiffness) * a1
+        return (a2 > 0) & (a1 > 0) & (memory > 0) & (self.hurwitz > 0)
 
     def transfer_squared(self, frequency: Array) -> Array:
         """``|mu/f|^2 = (w^2 + k^2)/|det(i w I - A)|^2`` at circular frequencies [rad/s], in s^4."""
@@ -89,7 +111,7 @@ def own_covariance(system: EquivalentSystem, forcing: Forcing) -> OwnCovariance:
     w2, d, h, p, k = system
     c = 1 - p
     f_z = forcing.mu - forcing.slip
-    mu_z = (c * forcing.velocity + d * f_z) / (d * (w2 + d * k + k * k - h * p) + c * h * k)
+    mu_z = (c * forcing.velocity + d * f_z) / system.hurwitz
     v_v = (forcing.velocity - h * k * mu_z) / d
     mu_mu = (v_v - h * mu_z + forcing.mu) / (w2 - h)
     return OwnCovariance(mu_mu, v_v, c * mu_z, k * mu_z, mu_z)
@@ -119,6 +141,38 @@ def pair_covariance(
     return pair_row(stiff, force_stiff, choose(second, first), choose(forcing_2, forcing_1))[0]
 
 
+def coordinates(system: EquivalentSystem, forcing: Forcing) -> tuple[Rows3, Array, Array]:
+    """``A`` and ``E[f x]`` of the state ``(mu, mu', x)``, and where ``x`` is ``z`` in place of ``y``.
+
+    With fast relaxation ``y`` is ``mu`` but for a little, and the difference is lost by subtraction.
+    """
+    w2, d, h, p, k = system
+    fast = np.asarray(k > FAST * np.sqrt(w2))
+    zero, one = np.zeros_like(w2), np.ones_like(w2)
+    rows = (
+        (zero, one, zero),
+        (np.where(fast, h - w2, -w2), -d, np.where(fast, -h, h)),
+        (np.where(fast, 0, k), np.where(fast, 1 - p, p), -k),
+    )
+    return rows, np.where(fast, forcing.mu - forcing.slip, forcing.slip), fast
+
+
+def at_poles(first: EquivalentSystem, rows: Rows3) -> list[list[Array]]:
+    """``D1(-A)``: the characteristic polynomial of the first structure at the other one's matrix."""
+    a2, a1, a0 = first.characteristic
+    columns = tuple(zip(*rows, strict=True))
+    squares = [_times(rows, column) for column in columns]
+    cubes = [_times(rows, column) for column in squares]
+    return [
+        [a2 * squares[j][i] - cubes[j][i] - a1 * rows[i][j] + (a0 if i == j else 0) for j in range(3)]
+        for i in range(3)
+    ]
+
+
+def _times(rows: Rows3, column: Sequence[Array]) -> tuple[Array, ...]:
+    return tuple(row[0] * column[0] + row[1] * column[1] + row[2] * column[2] for row in rows)
+
+
 def pair_row(
     first: EquivalentSystem, forcing_1: Forcing, second: EquivalentSystem, forcing_2: Forcing
 ) -> tuple[Array, ...]:
@@ -128,29 +182,15 @@ def pair_row(
     ``D1(-A2) x = r``, where ``D1`` is the characteristic polynomial of ``A1``: a 3 x 3
     system solved by Cramer's rule. No eigenvalue is computed, so nothing can be defective.
     """
-    w2, d, h, p, k = second
+    rows, third, fast = coordinates(second, forcing_2)
     p1, k1, h1, d1 = first.slip, first.relaxation, first.coupling, first.damping
-    a2, a1, a0 = first.characteristic
-    one = np.ones_like(w2)
-    rows = ((0 * one, one, 0 * one), (-w2, -d, h), (k, p, -k))
-
-    def times(column: Sequence[Array]) -> tuple[Array, ...]:
-        return tuple(row[0] * column[0] + row[1] * column[1] + row[2] * column[2] for row in rows)
-
-    columns = tuple(zip(*rows, strict=True))
-    squares = [times(column) for column in columns]
-    cubes = [times(column) for column in squares]
-    matrix = [
-        [a2 * squares[j][i] - cubes[j][i] - a1 * rows[i][j] + (a0 if i == j else 0) for j in range(3)]
-        for i in range(3)
-    ]
-
     # r = (k1 - A2) [C2 f + e_v E(f v1) - (A2 - d1) e_v E(f mu1)] + h1 (E(f y1) - p1 E(f mu1)) e_v
     inner = (
         forcing_2.mu - forcing_1.mu,
-        forcing_2.velocity + forcing_1.velocity + (d + d1) * forcing_1.mu,
-        forcing_2.slip - p * forcing_1.mu,
+        forcing_2.velocity + forcing_1.velocity + (second.damping + d1) * forcing_1.mu,
+        third - rows[2][1] * forcing_1.mu,
     )
-    right = [k1 * u - v for u, v in zip(inner, times(inner), strict=True)]
+    right = [k1 * u - v for u, v in zip(inner, _times(rows, inner), strict=True)]
     right[1] = right[1] + h1 * (forcing_1.slip - p1 * forcing_1.mu)
-    return solve_3x3(matrix, right)
+    displacement, velocity, last = solve_3x3(at_poles(first, rows), right)
+    return displacement, velocity, np.where(fast, displacement - last, last)

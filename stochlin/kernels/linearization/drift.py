@@ -16,7 +16,13 @@ from scipy.special import erf
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.small_systems import solve_3x3
-from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, own_covariance
+from stochlin.kernels.linearization.covariance import (
+    EquivalentSystem,
+    Forcing,
+    at_poles,
+    coordinates,
+    own_covariance,
+)
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.gaussian import SlipQuadrant, slip_quadrant
 
@@ -171,18 +177,11 @@ def innovation_coherence(first: EquivalentSystem, second: EquivalentSystem) -> A
 
     On white noise it is the correlation of the velocities themselves.
     """
-    w, d, h, p, k = first
-    own, other = first.characteristic, second.characteristic
-    # As `covariance.pair_row`, of a unit of noise on both; A^3 by the theorem of Cayley and Hamilton.
-    e, f, g = own[0] + other[0], own[1] - other[1], own[2] + other[2]
-    matrix = (
-        (g - e * w, f - e * d, e * h),
-        (e * (d * w + h * k) - f * w, e * (d * d + h * p - w) - f * d + g, f * h - e * (h * (d + k))),
-        (f * k - e * (p * w + k * k), f * p + e * (k - p * (d + k)), e * (p * h + k * k) - f * k + g),
-    )
-    both, velocity, slip = solve_3x3(matrix, (-np.ones_like(w), second.relaxation + d, -p))
-    joint = 2 * (w * both + d * velocity - h * slip)
     noise = Forcing(np.zeros(()), np.ones(()), np.zeros(()))
+    rows, _, _ = coordinates(first, noise)
+    right = (-rows[0][1], second.relaxation + first.damping, -rows[2][1])  # as in `pair_row`
+    row = solve_3x3(at_poles(second, rows), right)
+    joint = -2 * (rows[1][0] * row[0] + rows[1][1] * row[1] + rows[1][2] * row[2])
     unit = own_covariance(first, noise).v_v * own_covariance(second, noise).v_v
     return np.clip(joint / np.sqrt(unit), -1, 1)
 

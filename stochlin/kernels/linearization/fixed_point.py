@@ -38,6 +38,10 @@ class Pace(NamedTuple):
 
 BOLD = Pace(first=30.0, restart=1.0, shorter=0.25, longer=3.0, longest=100.0)  # nearly Newton
 CAREFUL = Pace(first=0.5, restart=0.5, shorter=0.5, longer=1.1, longest=1.5)
+WEAK = 0.3  # elastic ductility, as standard deviation: hardly anything yields
+FIRST_RISE, LONGER, SHORTER, LEAST_RISE = 0.5, 2.0, 0.5, 1e-4  # of the rise from level to level
+AT_LEVEL = 12  # iterations
+NEAR = 0.05  # how far from where it was sought a solution is still of the same branch
 BOLD_SHARE = 0.15  # of max_iterations: 13 do for the bilinear law, a cell that needs 30 is lost
 
 
@@ -81,6 +85,7 @@ def solve_fixed_point(
     law: Array,
     ground: Array,
     start: Array,
+    one_solution: Array,
     closure: Closure,
     forcing_of: ForcingOf,
     rtol: float,
@@ -90,11 +95,15 @@ def solve_fixed_point(
     """Solve every cell, in chunks.
 
     ``structure`` (3, n) has stiffness, damping and coupling of the equivalent system, ``start`` (3, n)
-    the first guess of the latent moments; ``law`` and ``ground`` (m, n) are handed through to closure
-    and ``forcing_of``. A cell is done when ``|dy| <= atol + rtol |y|`` for each latent moment ``y``;
-    ``atol`` counts for the correlation only, since the other two are positive scales.
+    the latent moments of the elastic response; ``law`` and ``ground`` (m, n) are handed through to
+    closure and ``forcing_of``. Where ``one_solution`` (n,) says that there is one at most, it is sought
+    from the elastic response at once; elsewhere the branch that begins there is followed. A cell is
+    done when ``|dy| <= atol + rtol |y|`` for each latent moment ``y``; ``atol`` counts for the
+    correlation only, since the other two are positive scales. ``max_iterations`` are the steps of a
+    search, or the levels of a branch.
     """
-    whole = _Problem(structure, law, ground, closure, forcing_of, rtol, atol)
+    level = np.zeros(start.shape[1])
+    whole = _Problem(structure, law, ground, one_solution, level, closure, forcing_of, rtol, atol)
     parts = []
     for begin in range(0, max(1, start.shape[1]), CHUNK):
         cells = slice(begin, begin + CHUNK)
@@ -106,6 +115,8 @@ class _Problem(NamedTuple):
     structure: Array
     law: Array
     ground: Array
+    one_solution: Array
+    level: Array  # logarithm of the share of the shaking
     closure: Closure
     forcing_of: ForcingOf
     rtol: float
@@ -113,7 +124,11 @@ class _Problem(NamedTuple):
 
     def of(self, cells: Array | slice) -> _Problem:
         return self._replace(
-            structure=self.structure[:, cells], law=self.law[:, cells], ground=self.ground[:, cells]
+            structure=self.structure[:, cells],
+            law=self.law[:, cells],
+            ground=self.ground[:, cells],
+            one_solution=self.one_solution[cells],
+            level=self.level[cells],
         )
 
 
@@ -127,22 +142,88 @@ class _State(NamedTuple):
 
 
 def _solve(problem: _Problem, start: Array, max_iterations: int) -> FixedPoint:
-    """Boldly first; a cell that ran away begins again with care."""
+    """Each way to the solution for the cells that the one before has lost."""
+    elastic = _unknowns(start)
     bold = max(1, int(BOLD_SHARE * max_iterations))
-    solution = _evolve(problem, start, bold, BOLD)
-    lost = np.flatnonzero(~solution.converged)
-    if lost.size and max_iterations > bold:
-        again = _evolve(problem.of(lost), start[:, lost], max_iterations - bold, CAREFUL)
-        again.iterations[:] += bold
-        for field, better in zip(solution, again, strict=True):
-            field[..., lost] = better
+    with_care, any_law = max_iterations - bold, np.ones(start.shape[1], bool)
+    ways = (
+        (_at_once, bold, problem.one_solution),
+        (_relax, with_care, problem.one_solution),
+        (_follow, with_care, any_law),
+    )
+    solution = _nothing(start.shape[1])
+    for way, most, allowed in ways:
+        cells = np.flatnonzero(~solution.converged & allowed)
+        if cells.size and most > 0:
+            found = way(problem.of(cells), elastic[:, cells], most)
+            spent = found.iterations + solution.iterations[cells]
+            _put(solution, cells, found._replace(iterations=spent))
     return solution
 
 
-def _evolve(problem: _Problem, start: Array, max_iterations: int, pace: Pace) -> FixedPoint:
-    n = start.shape[1]
-    y = np.stack([np.log(start[0]), np.log(start[1]), np.arctanh(start[2])])
-    state = _State(y, np.full(n, np.inf), np.zeros_like(y), np.full(n, pace.first))
+def _at_once(problem: _Problem, elastic: Array, max_iterations: int) -> FixedPoint:
+    """Boldly from the elastic response."""
+    return _evolve(problem, _yielding(elastic), max_iterations, BOLD)
+
+
+def _relax(problem: _Problem, elastic: Array, max_iterations: int) -> FixedPoint:
+    """From the elastic response with care, also over a jump at which a branch ends."""
+    return _evolve(problem, _yielding(elastic), max_iterations, CAREFUL)
+
+
+def _follow(problem: _Problem, elastic: Array, most_levels: int) -> FixedPoint:
+    """From shaking so weak that hardly anything yields up to the full, level by level.
+
+    A level is the logarithm of the share of the shaking. Two solutions tell where the next is sought:
+    one far from there belongs to another branch, and is sought again at a lower level.
+    """
+    n = elastic.shape[1]
+    slope = np.stack([np.ones(n), np.ones(n), np.zeros(n)])
+    level = np.minimum(0, np.log(WEAK) - elastic[1]) - FIRST_RISE
+    y, rise, near = elastic + slope * level, np.full(n, FIRST_RISE), np.full(n, np.inf)
+    solution, cells = _nothing(n), np.arange(n)
+    for _ in range(most_levels):
+        at = np.minimum(0, level[cells] + rise[cells])
+        guess = y[:, cells] + slope[:, cells] * (at - level[cells])
+        found = _evolve(problem.of(cells)._replace(level=at), guess, AT_LEVEL, BOLD)
+        reached = _unknowns(found.latent)
+        good = found.converged & (np.abs(reached - guess).max(axis=0) <= near[cells])
+        spent = found.iterations + solution.iterations[cells]
+        _put(solution, cells, found._replace(iterations=spent, converged=good & (at == 0)))
+        on, known = cells[good], np.isfinite(near[cells[good]])
+        found_slope = (reached[:, good] - y[:, on]) / (at[good] - level[on])
+        slope[:, on] = np.where(known, found_slope, slope[:, on])
+        y[:, on], level[on], near[on] = reached[:, good], at[good], NEAR
+        rise[cells] *= np.where(good, LONGER, SHORTER)
+        cells = np.flatnonzero(~solution.converged & (rise > LEAST_RISE))
+        if not cells.size:
+            break
+    return solution
+
+
+def _nothing(n: int) -> FixedPoint:
+    """Of cells not yet solved."""
+    none = np.full(n, np.nan)
+    return FixedPoint(np.stack([none] * 2), np.stack([none] * 3), np.zeros(n, np.int32), none, none > 0)
+
+
+def _put(solution: FixedPoint, cells: Array, found: FixedPoint) -> None:
+    for field, value in zip(solution, found, strict=True):
+        field[..., cells] = value
+
+
+def _yielding(elastic: Array) -> Array:
+    """The elastic response as a start: ``z`` does not go far beyond 1."""
+    return np.stack([elastic[0], np.minimum(elastic[1], 0), elastic[2]])
+
+
+def _unknowns(latent: Array) -> Array:
+    return np.stack([np.log(latent[0]), np.log(latent[1]), np.arctanh(latent[2])])
+
+
+def _evolve(problem: _Problem, y: Array, max_iterations: int, pace: Pace) -> FixedPoint:
+    n = y.shape[1]
+    state = _State(y.copy(), np.full(n, np.inf), np.zeros_like(y), np.full(n, pace.first))
     iterations, converged = np.zeros(n, np.int32), np.zeros(n, bool)
     for _ in range(max_iterations):
         active = np.flatnonzero(~converged)
@@ -205,6 +286,7 @@ def _mismatch(problem: _Problem, y: Array) -> tuple[Array, Array]:
         value = problem.closure(np.stack([sv, sz, r]), problem.law)
         response, by_coefficients = _response(problem, value.coefficients)
         reached, d_reached = _to_unknowns(response)
+        reached[:2] += problem.level
         assumed, d_assumed = _to_unknowns(value.covariance)
         scale = np.stack([sv, sz, 1 - r * r])
         jacobian = np.einsum("ijn,jkn,kln->iln", d_reached, by_coefficients, value.coefficients_jacobian)
@@ -215,7 +297,8 @@ def _mismatch(problem: _Problem, y: Array) -> tuple[Array, Array]:
 def _response(problem: _Problem, coefficients: Array) -> tuple[Array, Array]:
     """``(Var v, Var z, Cov(v, z))`` of the linear system, and its derivatives by (slip, relaxation).
 
-    NaN where the moments are no covariance, for then the system is unstable.
+    NaN where the system is unstable. The moments do not tell: on coloured ground they may look like a
+    covariance then.
     """
     derivatives = []
     for which in range(2):
@@ -225,8 +308,8 @@ def _response(problem: _Problem, coefficients: Array) -> tuple[Array, Array]:
         own = own_covariance(system, problem.forcing_of(system, problem.ground))
         response = np.stack([own.v_v, own.z_z, own.v_z])
         derivatives.append(response.imag / COMPLEX_STEP)
-    stable = (own.mu_mu.real > 0) & (own.mu_mu.real * own.z_z.real > (1 - 1e-9) * own.mu_z.real**2)
-    return np.where(stable, response.real, np.nan), np.stack(derivatives, axis=1)
+    stationary = EquivalentSystem(*problem.structure, *coefficients).stable & (own.mu_mu.real > 0)
+    return np.where(stationary, response.real, np.nan), np.stack(derivatives, axis=1)
 
 
 def _to_unknowns(covariance: Array) -> tuple[Array, Array]:

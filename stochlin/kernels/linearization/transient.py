@@ -28,6 +28,7 @@ RTOL, ATOL = 1e-9, 1e-12  # of covariances in units of the elastic stationary re
 RTOL_YIELDING = 1e-7  # where the equations are themselves an approximation
 LEAST_Z = 0.04  # over yield; below, slip is rarer than 1e-130
 LARGEST_CORRELATION = 1 - 1e-12
+WINDOW, MOST_STEPS = 200, 1e6  # steps between looks at their length; steps of a run
 ROUNDING = 1e-9  # a relative variance of the difference below is none
 
 
@@ -105,8 +106,18 @@ class Transient:
         rows, begin = [self._moments(state)], 0.0
         for end in (*sorted({kink for kink in kinks if 0 < kink < times[-1]}), times[-1]):
             solver = DOP853(self._rate, begin, state, end, rtol=rtol, atol=ATOL)
+            taken, mark = 0, begin
             while solver.status == "running":
                 message = solver.step()
+                taken += 1
+                if taken % WINDOW == 0:
+                    if (end - solver.t) / (solver.t - mark) * WINDOW > MOST_STEPS + times.size:
+                        raise ArithmeticError(
+                            f"the covariance equations need steps of {solver.step_size:.2g} s at "
+                            f"{solver.t:.3g} s: a structure is so weak that its plastic displacement "
+                            "follows at once; give it more strength, or simulate"
+                        )
+                    mark = solver.t
                 if solver.status == "failed":
                     raise ArithmeticError(f"the covariance equations were not integrated: {message}")
                 until = int(np.searchsorted(times, solver.t, side="right"))

@@ -10,12 +10,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
-import numba as nb
 import numpy as np
 from numba.extending import register_jitable
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import called_often, compiled, entry
+from stochlin.kernels.basics.compiled import called_often, compiled, elementwise, entry
 
 OPEN, CLOSED, OPENING, PARTED, TOGETHER = range(5)  # branches of a contact
 
@@ -76,7 +75,7 @@ def force(law, d, v, v0):
     return total if law.tension else max(total, 0.0)
 
 
-@nb.vectorize(cache=True)  # type: ignore[no-untyped-call]
+@elementwise
 def forces(k, n, c, p, approach_only, over_approach, tension, d, v, v0):
     """`force` over arrays that broadcast: the fields of a `ForceLaw`, then the motion."""
     return force(ForceLaw(k, n, c, p, approach_only, over_approach, tension), d, v, v0)

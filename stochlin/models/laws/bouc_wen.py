@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
+import xarray as xr
 from scipy.special import beta as beta_function
 from scipy.special import betainc, gamma
 
@@ -108,6 +109,11 @@ class BoucWen(Structure):
 
     closures: ClassVar[Mapping[str, Closure | None]] = {GAUSSIAN: gaussian}
     symbolic = staticmethod(symbolic)
+
+    def has_one_solution(self) -> xr.DataArray:
+        """Up to ``gamma = beta``, by experience; beyond, unloading slips and there may be three."""
+        values = self.arrays()
+        return values["gamma"] <= values["beta"]
 
     def block(self) -> Block:
         """Time steps of this law."""

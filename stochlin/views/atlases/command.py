@@ -10,7 +10,7 @@ import click
 
 from stochlin.views.shared.options import (
     Extended,
-    numbers_option,
+    Numbers,
     options_of_grounds,
     parameter_of,
     shared_option,
@@ -62,8 +62,12 @@ def atlas(spec: Path, out: Path, scheduler: str | None) -> None:
     by=(partial(options_of_grounds, without="intensity"),),  # an atlas does not depend on it
 )
 @click.argument("atlas", type=click.Path(path_type=Path))
-@numbers_option("--period-1", "Of structure 1: [s] with --ground-period, else over the ground's.")
-@numbers_option("--period-2", "Of structure 2.")
+@click.option(
+    "--period-1",
+    metavar="NUMBERS",
+    help="Of structure 1: [s] with --ground-period, else over the ground's.",
+)
+@click.option("--period-2", metavar="NUMBERS", help="Of structure 2.")
 @shared_option("damping", "Damping ratio.")
 @shared_option("hardening", "Hardening ratio.")
 @shared_option("reduction-factor", "R = 3 sigma_el/uy.")
@@ -72,13 +76,16 @@ def lookup(atlas: Path, **options: Any) -> None:
 
     \b
     Examples:
-      stochlin lookup atlas.zarr --period-1 1.4 --period-2 2 --ground-period 2 --ground-damping .1 \\
+      stochlin lookup atlas.zarr --period-1 1.4s --period-2 2s --ground-period 2s --ground-damping .1 \\
           --hardening .05 --reduction-factor 4
     """
     from stochlin.analyses.atlases.atlas import open_atlas
     from stochlin.analyses.atlases.lookup import lookup as look
 
     with bad_input():
+        periods = Numbers("1" if options["ground_period"] is None else "s")
+        for name in ("period_1", "period_2"):
+            options[name] = periods.convert(options[name], None, None)
         given = {name: parameter_of(name, value) for name, value in options.items() if value is not None}
         found = look(open_atlas(atlas), **given)
     click.echo(f"# {found.attrs['title']}")

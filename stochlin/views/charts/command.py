@@ -12,13 +12,14 @@ import click
 
 from stochlin.views.shared import options as shared
 from stochlin.views.shared.options import (
+    Measured,
     closure_option,
     numbers_option,
     record_options,
     simulation_options,
     together,
 )
-from stochlin.views.shared.screen import COMMANDS, PICTURES, bad_input
+from stochlin.views.shared.screen import COMMANDS, PICTURES, bad_input, check_target
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,10 +31,10 @@ def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
     """Where charts go and what they take as given."""
     folder = click.Path(file_okay=False, path_type=Path)
     numbers = (
-        ("--damping", 0.05, "Damping ratio of the structures."),
-        ("--hardening", 0.05, "Hardening ratio."),
-        ("--plane-reduction-factor", 4.0, "R of Fig. 5a."),
-        ("--ground-period", 2.0, "Period of the model grounds [s]."),
+        ("--damping", "0.05", "1", "Damping ratio of the structures."),
+        ("--hardening", "0.05", "1", "Hardening ratio."),
+        ("--plane-reduction-factor", "4", "1", "R of Fig. 5a."),
+        ("--ground-period", "2s", "s", "Period of the model grounds [s]."),
     )
     return together(
         click.option(
@@ -47,8 +48,8 @@ def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
             show_default=True,
         ),
         *(
-            click.option(name, type=float, default=default, show_default=True, help=text)
-            for name, default, text in numbers
+            click.option(name, type=Measured(units), default=default, show_default=True, help=text)
+            for name, default, units, text in numbers
         ),
         numbers_option("--reduction-factors", "R of the curves in Figs. 4 and 5b.", reduction_factors),
         closure_option,
@@ -85,7 +86,7 @@ def charts(
     Examples:
       stochlin charts
       stochlin charts fig5a --damping .02 --hardening .1 --format pdf --out out
-      stochlin charts --record taft.txt --dt .01 --units g
+      stochlin charts --record taft.txt --dt .01s --units g
     """
     from stochlin.analyses.charts.charts import chart_functions
 
@@ -96,11 +97,12 @@ def charts(
         if name is not None and name not in functions:
             raise ValueError(f"NAME = {name!r} is no chart; allowed: {', '.join(functions)}")
         chosen = functions if name is None else {name: functions[name]}
+        files = {one: _chart_files(out / one, picture_format, record) for one in chosen}
         with click.progressbar(
             chosen.items(), label="charts", file=sys.stderr, item_show_func=lambda item: item and item[0]
         ) as bar:
             for chart, compute in bar:
-                _write_chart(compute(), out / chart, picture_format)
+                _write_chart(compute(), *files[chart])
     click.echo(f"{len(chosen)} charts and their datasets in {out}")
 
 
@@ -120,8 +122,9 @@ def verify(name: str, out: Path, picture_format: str, **options: Any) -> None:
     from stochlin.analyses.charts.verification import verify_chart
 
     with bad_input():
+        files = _chart_files(out / f"{name}_verified", picture_format)
         dataset = verify_chart(name, chart_settings(options))
-        _write_chart(dataset, out / f"{name}_verified", picture_format)
+        _write_chart(dataset, *files)
     click.echo(dataset.attrs["comment"])
     click.echo(f"{name}_verified and its dataset in {out}")
 
@@ -135,12 +138,22 @@ def chart_settings(options: dict[str, Any]) -> ChartSettings:
     return ChartSettings(**chosen | {"reduction_factors": tuple(options["reduction_factors"])})
 
 
-def _write_chart(dataset: xr.Dataset, stem: Path, picture_format: str) -> None:
+def _chart_files(stem: Path, picture_format: str, record: Path | None = None) -> tuple[Path, Path]:
+    """Where the dataset of a chart and its picture go, once both can be written."""
+    data, picture = (stem.with_name(f"{stem.name}.{ending}") for ending in ("nc", picture_format))
+    there = next(folder for folder in (stem.parent, *stem.parent.parents) if folder.exists())
+    for path in (data, picture):  # in a folder that is yet to be made nothing can be in the way
+        tried = path if there == stem.parent else there / f".{path.name}"
+        check_target("--out", tried, (path.suffix,), [record] if record else [])
+    return data, picture
+
+
+def _write_chart(dataset: xr.Dataset, data: Path, picture: Path) -> None:
     """The dataset, and the picture drawn from it beside it."""
     from stochlin.analyses.tables.storage import save_table
     from stochlin.views.charts.charts import draw
     from stochlin.views.shared.style import save
 
-    stem.parent.mkdir(parents=True, exist_ok=True)
-    save_table(dataset, stem.with_name(f"{stem.name}.nc"))
-    save(draw(dataset), stem.with_name(f"{stem.name}.{picture_format}"))
+    data.parent.mkdir(parents=True, exist_ok=True)
+    save_table(dataset, data)
+    save(draw(dataset), picture)

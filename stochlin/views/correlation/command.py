@@ -20,16 +20,16 @@ from stochlin.views.shared.options import (
     shared_option,
     simulation_options,
 )
-from stochlin.views.shared.screen import COMMANDS, FILE, bad_input, on_screen
+from stochlin.views.shared.screen import COMMANDS, FILE, bad_input, check_target, on_screen, progress_bar
 
 
 @COMMANDS.register("rho")
 @click.command(cls=Extended, after="law_2", by=(options_of_laws, ground_option, options_of_grounds))
-@shared_option("period", "Period [s].")
+@shared_option("period", "Period [s].", units="s")
 @shared_option("damping", "Damping ratio.", "0.05")
 @shared_option("hardening", "Hardening ratio.")
 @shared_option("reduction-factor", "R = 3 sigma_el/uy; without a strength: elastic.")
-@shared_option("yield-displacement", "uy [m], instead of R.")
+@shared_option("yield-displacement", "uy [m], instead of R.", units="m")
 @law_options
 @click.option(
     "--method",
@@ -51,26 +51,35 @@ from stochlin.views.shared.screen import COMMANDS, FILE, bad_input, on_screen
 def rho(record: Path | None, out: Path | None, **options: Any) -> None:
     """Correlation coefficient of a pair of structures, or a table over any parameters.
 
-    A number is a value (0.5), a list (0.5,1,2) or a sweep start:stop:count, with :log for a
-    geometric one (0.2:4:81:log). Options without a number in the name hold for both structures.
+    A number is a value (0.5s), a list (0.5s,1s,2s) or a sweep start:stop:count, with :log for a
+    geometric one (0.2s:4s:81:log). Each has its unit, as in case files: 3cm, 700ms, 0.01m^2/s^3;
+    ratios have none. Options without a number in the name hold for both structures.
 
     \b
     Examples:
-      stochlin rho --period-1 .7 --period-2 1
-      stochlin rho --period-1 .2:2:19 --period-2 1 --hardening .05 --reduction-factor 2,4,6 \\
-          --ground kanai-tajimi --ground-period 2 --ground-damping .05 --out table.nc
-      stochlin rho --period 1 --period-2 1.2 --record taft.txt --dt .01 --units g
-      stochlin rho --period .7 --period-2 1 --hardening .05 --reduction-factor 4 \\
+      stochlin rho --period-1 .7s --period-2 1s
+      stochlin rho --period-1 .2s:2s:19 --period-2 1s --hardening .05 --reduction-factor 2,4,6 \\
+          --ground kanai-tajimi --ground-period 2s --ground-damping .05 --out table.nc
+      stochlin rho --period 1s --period-2 1.2s --record taft.txt --dt .01s --units g
+      stochlin rho --period .7s --period-2 1s --hardening .05 --reduction-factor 4 \\
           --law bouc_wen --exponent 2
     """
     from stochlin.analyses.correlation.correlation import correlate
-    from stochlin.analyses.tables.storage import save_table
+    from stochlin.analyses.tables.storage import FORMATS, save_table
 
     with bad_input():
+        check_target("--out", out, FORMATS, [record] if record else [])
         first, second = shared.structures(options)
+        strengths = [options[f"yield_displacement{number}"] for number in ("", "_1", "_2")]
+        if record is None and options["intensity"] is None and any(strengths):
+            raise click.UsageError(
+                "--yield-displacement needs the strength of the shaking beside it: give --intensity, or "
+                "--reduction-factor in its place"
+            )
         ground = shared.site(record, options)[1] if record else shared.ground(options)
         chosen = {key: options[key] for key in ("closure", "rule", "paths", "seed")}
-        table = correlate(first, second, ground, options["method"], **chosen)
+        with progress_bar("simulating") as progress:
+            table = correlate(first, second, ground, options["method"], **chosen, progress=progress)
         click.echo(f"# {table.attrs['title']}")
         for role in ("first", "second", "ground"):
             click.echo(f"# {role}: {table.attrs[role]}")

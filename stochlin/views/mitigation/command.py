@@ -41,11 +41,11 @@ def mitigate(case: Path, out: Path | None, picture: Path | None) -> None:
         from stochlin.views.mitigation.pictures import draw_measures
         from stochlin.views.mitigation.words import answer_lines
 
-        check_target("--out", out, FORMATS)
-        check_target("--picture", picture, PICTURES)
         described = read_case(case)
+        data = out if out or not picture else picture.with_suffix(".nc")
+        check_target("--out" if out else "--picture", data, FORMATS, described.inputs)
+        check_target("--picture", picture, PICTURES, described.inputs)
         with progress_bar("measures") as progress:
             table = mitigate_case(described, progress)
         show(answer_lines(table, described.title))
-        data = out if out or not picture else picture.with_suffix(".nc")
         write(table, data, picture, draw_measures)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -17,6 +19,9 @@ from stochlin.views.shared.screen import (
     show,
     write,
 )
+
+if TYPE_CHECKING:
+    from stochlin.analyses.cases.case import Case
 
 TABLES = (".nc",)
 
@@ -42,17 +47,15 @@ def pound(case: Path, out: Path | None, picture: Path | None) -> None:
       stochlin pound case.toml --out pound.nc
     """
     with bad_input():
-        check_target("--out", out, TABLES)
-        check_target("--picture", picture, PICTURES)
         from stochlin.analyses.cases.case import read_case
         from stochlin.analyses.cases.pounding import pound_case
         from stochlin.views.pounding.pictures import draw_pound
         from stochlin.views.pounding.words import answer_lines
 
         described = read_case(case)
-        records = tuple(described.records)
         data = out if out or not picture else picture.with_suffix(TABLES[0])
-        saved, drawn = _by_record(data, records), _by_record(picture, records)
+        drawn = _by_record("--picture", picture, PICTURES, described)
+        saved = _by_record("--out" if out else "--picture", data, TABLES, described)
         with progress_bar("pounding") as progress:
             tables = pound_case(described, progress)
         show(answer_lines(described, tables))
@@ -60,19 +63,19 @@ def pound(case: Path, out: Path | None, picture: Path | None) -> None:
             write(table, saved.get(record), drawn.get(record), draw_pound)
 
 
-def _by_record(path: Path | None, records: tuple[str, ...]) -> dict[str, Path]:
+def _by_record(option: str, path: Path | None, allowed: Sequence[str], case: Case) -> dict[str, Path]:
     """The file of each record: the one that is asked for, or, of several, one with its name in it."""
     if path is None:
         return {}
-    if len(records) < 2:
-        return dict.fromkeys(records, path)
-    named = {}
-    for record in records:
-        word = re.sub(r"[^\w.]+", "_", record)
-        named[record] = path.with_name(f"{path.stem}-{word}{path.suffix}")
+    named = dict.fromkeys(case.records, path)
+    if len(named) > 1:
+        words = {record: re.sub(r"[^\w.]+", "_", record) for record in named}
+        named = {r: path.with_name(f"{path.stem}-{word}{path.suffix}") for r, word in words.items()}
+    for one in named.values():
+        check_target(option, one, allowed, case.inputs)
     if len(set(named.values())) < len(named):
         raise ValueError(
-            f"{path} for each record: the names {', '.join(map(repr, records))} are too much alike for "
+            f"{path} for each record: the names {', '.join(map(repr, named))} are too much alike for "
             "files; allowed: names that differ in letters or digits"
         )
     return named

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from stochlin.views.shared.options import Measured
 from stochlin.views.shared.screen import (
     COMMANDS,
     FILE,
@@ -20,7 +21,7 @@ from stochlin.views.shared.screen import (
 @COMMANDS.register("probability")
 @click.command()
 @click.argument("case", type=FILE)
-@click.option("--gap", type=float, help="Gap [m], instead of the existing one of the file.")
+@click.option("--gap", type=Measured("m"), help="Gap, as 8cm, instead of the existing one of the file.")
 @click.option("--out", type=FILE, help="Save the table, .nc or .csv.")
 @click.option("--picture", type=FILE, help="Draw it: .png, .svg or .pdf.")
 def probability(case: Path, gap: float | None, out: Path | None, picture: Path | None) -> None:
@@ -32,7 +33,7 @@ def probability(case: Path, gap: float | None, out: Path | None, picture: Path |
     \b
     Examples:
       stochlin probability case.toml
-      stochlin probability case.toml --gap .08 --picture probability.png --out probability.nc
+      stochlin probability case.toml --gap 8cm --picture probability.png --out probability.nc
     """
     from stochlin.analyses.cases.case import read_case
     from stochlin.analyses.cases.probability import judge_gap
@@ -41,14 +42,12 @@ def probability(case: Path, gap: float | None, out: Path | None, picture: Path |
     from stochlin.views.probability.words import answer_lines
 
     with bad_input():
-        check_target("--out", out, FORMATS)
-        check_target("--picture", picture, PICTURES)
         described = read_case(case)
+        check_target("--out", out, FORMATS, described.inputs)
+        check_target("--picture", picture, PICTURES, described.inputs)
         chosen = described.gap if gap is None else gap
         if chosen is None:
-            raise ValueError(
-                f"{described.file} states no existing gap; give it there, or --gap in metres"
-            )
+            raise ValueError(f"{described.file} states no existing gap; give it there, or --gap 5cm")
         with progress_bar("simulating") as progress:
             answer = judge_gap(described, chosen, progress)
         for line in answer_lines(answer):

@@ -44,9 +44,9 @@ def gap(case: Path | None, report: Path | None, out: Path | None, example: bool)
         from stochlin.views.separation.report import report_page
         from stochlin.views.separation.words import answer_lines
 
-        check_target("--report", report, REPORTS)
-        check_target("--out", out, FORMATS)
         described = read_case(case)
+        check_target("--report", report, REPORTS, described.inputs)
+        check_target("--out", out, FORMATS, described.inputs)
         with progress_bar("simulating") as progress:
             answer = answer_case(described, progress)
         page = report_page(answer) if report else ""

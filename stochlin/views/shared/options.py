@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Callable, Iterable, Sequence
 from functools import reduce
 from importlib import import_module
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from stochlin.models.grounds import Ground
     from stochlin.models.structures import Structure
 
+BYTES = 100  # of a number of a sweep, while it is made
 STRUCTURE_OPTIONS = ("period", "damping", "hardening", "reduction_factor", "yield_displacement")
 
 
@@ -74,31 +76,74 @@ closure_option = click.option(
 )
 
 
-def _numbers(context: click.Context, option: click.Parameter, text: str | None) -> list[float] | None:
-    """A value ``0.5``, a list ``0.5,1,2``, or a sweep ``start:stop:count[:log]``."""
-    if text is None:
-        return None
-    import numpy as np
+class Measured(click.ParamType):  # type: ignore[type-arg]  # no generic type before click 8.2
+    """A number with its unit, as case files have it: ``5cm`` or ``"5 cm"``; ratios have none."""
 
-    try:
-        if ":" not in text:
-            return [float(item) for item in text.split(",")]
-        start, stop, count, *kind = text.split(":")
-        if kind not in ([], ["log"]) or int(count) < 2:
-            raise ValueError
-        spread = np.geomspace if kind else np.linspace
-        return [float(x) for x in spread(float(start), float(stop), int(count))]
-    except ValueError as error:
-        raise click.BadParameter(
-            f"{text!r} is not a number; allowed: 0.5, a list 0.5,1,2, or a sweep start:stop:count "
-            "with count >= 2, as 0.2:2:19, or geometric as 0.2:4:81:log"
-        ) from error
+    name = "quantity"
+
+    def __init__(self, units: str) -> None:
+        self.units = units
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """In SI."""
+        return self.one(value, param, ctx) if isinstance(value, str) else value
+
+    def one(self, text: str, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """The number that a text stands for."""
+        from stochlin.analyses.cases.values import Quantity, in_si
+        from stochlin.models.parameters import POSITIVE
+
+        try:
+            given: float | str = float(text)
+        except ValueError:
+            given = text
+        try:
+            return in_si(given, Quantity(self.units, POSITIVE))  # models know the range
+        except ValueError as error:
+            self.fail(f"{text!r} {error}", param, ctx)
 
 
-def numbers_option(name: str, help_text: str, default: str | None = None) -> Callable[[Any], Any]:
-    """An option that takes a number, a list or a sweep."""
+class Numbers(Measured):
+    """A value ``0.5s``, a list ``0.5s,1s,2s``, or a sweep ``start:stop:count[:log]``."""
+
+    name = "numbers"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """A list of numbers in SI."""
+        import numpy as np
+
+        from stochlin.analyses.tables.work import check_work
+
+        if not isinstance(value, str):
+            return value
+        if ":" not in value:
+            return [self.one(item, param, ctx) for item in value.split(",")]
+        start, stop, *rest = value.split(":")
+        if not re.fullmatch(r"\d+(:log)?", ":".join(rest)) or int(rest[0]) < 2:
+            unit = "" if self.units == "1" else "s"
+            self.fail(
+                f"{value!r} is no sweep; allowed: start:stop:count with count >= 2, as "
+                f"0.2{unit}:2{unit}:19, or geometric as 0.2{unit}:4{unit}:81:log",
+                param,
+                ctx,
+            )
+        try:
+            check_work(f"{value!r} takes", "take fewer points", memory=BYTES * float(rest[0]))
+        except ValueError as error:
+            self.fail(str(error), param, ctx)
+        low, high = self.one(start, param, ctx), self.one(stop, param, ctx)
+        if rest[1:] and not low * high > 0:
+            self.fail(f"{value!r} is geometric and passes 0; allowed: both ends above 0", param, ctx)
+        spread = np.geomspace if rest[1:] else np.linspace
+        return [float(x) for x in spread(low, high, int(rest[0]))]
+
+
+def numbers_option(
+    name: str, help_text: str, default: str | None = None, units: str = "1"
+) -> Callable[[Any], Any]:
+    """An option that takes a number, a list or a sweep, with these units."""
     return click.option(
-        name, callback=_numbers, metavar="NUMBERS", default=default, show_default=True, help=help_text
+        name, type=Numbers(units), metavar="NUMBERS", default=default, show_default=True, help=help_text
     )
 
 
@@ -135,14 +180,16 @@ def options_of_grounds(without: str = "") -> Iterable[Any]:
         text += f"; {default:g} if not given" if isinstance(default, float) else ""
         text += "." if len(kinds) == len(GROUNDS) else f"; of {', '.join(kinds)}."
         if name != without:
-            yield numbers_option(_flags([name]), text)
+            yield numbers_option(_flags([name]), text, units=about["units"])
 
 
-def shared_option(name: str, help_text: str, default: str | None = None) -> Callable[[Any], Any]:
+def shared_option(
+    name: str, help_text: str, default: str | None = None, units: str = "1"
+) -> Callable[[Any], Any]:
     """``--name`` for both structures, and ``--name-1``, ``--name-2`` for one."""
     return together(
-        numbers_option(f"--{name}", help_text, default),
-        *(numbers_option(f"--{name}-{n}", f"Of structure {n}.") for n in (1, 2)),
+        numbers_option(f"--{name}", help_text, default, units),
+        *(numbers_option(f"--{name}-{n}", f"Of structure {n}.", units=units) for n in (1, 2)),
     )
 
 
@@ -155,14 +202,18 @@ law_options = together(
 
 def options_of_laws() -> Iterable[Any]:
     """Options for every parameter that a law has of its own."""
-    return (shared_option(name.replace("_", "-"), told) for name, told in own_parameters().items())
+    return (
+        shared_option(name.replace("_", "-"), told, units=units)
+        for name, (told, units) in own_parameters().items()
+    )
 
 
-def own_parameters() -> dict[str, str]:
-    """Parameters that one law has and not every structure, and what they are."""
+def own_parameters() -> dict[str, tuple[str, str]]:
+    """Parameters that one law has and not every structure, what they are, and their units."""
     from stochlin.models.laws import laws_in_numbers
 
     told: dict[str, list[str]] = {}
+    units: dict[str, str] = {}
     for name, law in laws_in_numbers().items():
         for field in dataclasses.fields(law):
             if field.name in law.own_parameters():
@@ -170,7 +221,8 @@ def own_parameters() -> dict[str, str]:
                 usual = "" if usual is None else f", {usual:g} if not given"
                 what = f"{field.metadata['long_name']}, of {name}{usual}"
                 told.setdefault(field.name, []).append(what)
-    return {name: f"{'; '.join(texts)}." for name, texts in told.items()}
+                units[field.name] = field.metadata["units"]
+    return {name: (f"{'; '.join(texts)}.", units[name]) for name, texts in told.items()}
 
 
 simulation_options = together(
@@ -186,7 +238,9 @@ simulation_options = together(
 
 record_options = together(
     click.option("--record", type=FILE, help="Strong-motion record; the ground is fitted to it."),
-    click.option("--dt", type=float, help="Time step of the record [s], where the file does not say."),
+    click.option(
+        "--dt", type=Measured("s"), help="Time step of the record, as .01s, where the file does not say."
+    ),
     click.option("--units", help="Units of the record: g, m/s^2, cm/s^2 or mm/s^2."),
     click.option("--column", help="Column of the record, by number from 0 or by name."),
     click.option("--time-column", help="Column of the time, likewise."),

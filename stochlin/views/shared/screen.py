@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import codecs
+import math
 import sys
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -26,6 +28,20 @@ FILE = click.Path(dir_okay=False, path_type=Path)
 PLAIN = {ord("\N{MINUS SIGN}"): "-", ord("\N{EN DASH}"): "-", ord("\N{NO-BREAK SPACE}"): " "}
 PLAIN |= {ord("²"): "^2", ord("³"): "^3"}
 
+LETTERS = {"α": "alpha", "β": "beta", "ξ": "xi", "ρ": "rho", "σ": "sigma", "ω": "omega"}
+SPELLED = "spelled out"  # what a stream does with signs that its encoding does not have
+
+
+def _spelled(error: UnicodeError) -> tuple[str, int]:
+    """Words for signs that cannot be encoded, as `codecs.register_error` asks for it."""
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    signs = error.object[error.start : error.end]
+    return "".join(PLAIN.get(ord(sign), LETTERS.get(sign, "?")) for sign in signs), error.end
+
+
+codecs.register_error(SPELLED, _spelled)
+
 
 @contextmanager
 def bad_input() -> Iterator[None]:
@@ -36,25 +52,47 @@ def bad_input() -> Iterator[None]:
         raise  # whoever reads has seen enough; click ends quietly
     except (ValueError, TypeError, OSError) as error:
         raise click.UsageError(str(error)) from error
+    except MemoryError as error:
+        raise click.UsageError(
+            f"the memory of this machine is not enough ({error or 'no more of it'}); take fewer cells "
+            "or paths, or a shorter motion"
+        ) from error
     except (ArithmeticError, RuntimeError, ImportError) as error:
         raise click.ClickException(str(error)) from error
 
 
 @contextmanager
 def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
-    """A bar on the error stream; to be called with the share of the work that is done."""
-    with click.progressbar(length=STEPS, label=label, file=sys.stderr) as bar:
-        yield lambda share: bar.update(int(STEPS * share) - bar.pos)
+    """A bar on the error stream, from the first call on with the share of the work that is done."""
+    with ExitStack() as shown:
+        bar = click.progressbar(length=STEPS, label=label, file=sys.stderr)
+        begun: list[object] = []  # what is refused before the work has no bar
+
+        def progress(share: float) -> None:
+            if not begun:
+                begun.append(shown.enter_context(bar))
+            bar.update(int(STEPS * share) - bar.pos)
+
+        yield progress
 
 
-def check_target(option: str, path: Path | None, allowed: Sequence[str]) -> None:
-    """Raise before the work for a file that could not be written after it."""
+def check_target(
+    option: str, path: Path | None, allowed: Sequence[str], inputs: Iterable[Path] = ()
+) -> None:
+    """Raise before the work for a file that could not be written after it, or that is an input."""
+    from stochlin.analyses.tables.storage import written_file
+
     if path is None:
         return
     if path.suffix.lower() not in allowed:
         raise ValueError(f"{option} {path} ends in {path.suffix!r}; allowed: {' or '.join(allowed)}")
-    if not path.parent.is_dir():
-        raise ValueError(f"{option} {path}: there is no folder {path.parent}; make it first")
+    try:
+        target = written_file(path)
+    except OSError as error:
+        raise ValueError(f"{option} {error}") from error
+    for one in inputs:
+        if one.exists() and target.exists() and target.samefile(one):
+            raise ValueError(f"{option} {path} would write over {one}, which is read; give another name")
 
 
 def write(
@@ -103,11 +141,16 @@ def on_screen(table: xr.Dataset) -> str:
     shown = table[[name for name in table.data_vars if not str(name).startswith("yield")]]
     if not shown.sizes:
         shown = shown.expand_dims("case")
+    rows, first = 1, {}
+    for name, size in reversed(list(shown.sizes.items())):  # the last changes fastest
+        first[name] = slice(min(size, -(-SCREEN_ROWS // rows)))
+        rows *= first[name].stop
+    more = math.prod(shown.sizes.values()) - SCREEN_ROWS
+    shown = shown.isel(first)
     frame = shown.to_dataframe().reset_index().drop(columns="case", errors="ignore")
     for name in set(frame.columns) & set(table.data_vars):
         if "flag_meanings" in table[name].attrs:
             meanings = table[name].attrs["flag_meanings"].split()
             frame[name] = [meanings[code] for code in frame[name]]
     text = frame.head(SCREEN_ROWS).to_string(index=False, float_format=lambda x: f"{x:.6g}")
-    more = len(frame) - SCREEN_ROWS
     return text if more <= 0 else f"{text}\n# ... {more} more rows; --out saves all"

@@ -1,0 +1,82 @@
+"""Compiled functions kept on the disk, whatever becomes of the disk.
+
+numba's cache raises where no folder can be written, where a file is cut and where the disk is full. Its
+files are numbered by an index: two processes that begin at once may give one number to code for
+different arguments, and a flipped bit runs. Here every file is named after what it is for, tells that
+again inside, below its digest; whatever is not right is compiled anew, and replaced if that is possible.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import pickle
+import warnings
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from numba.core.caching import FunctionCache, IndexDataCacheFile, NullCache
+
+DIGEST = hashlib.sha256
+NOT_KEPT = (
+    "compiled code cannot be kept: neither stochlin's own folder nor the user's cache folder can be "
+    "written, or the disk is full. Every process compiles anew what it uses, which takes seconds to a "
+    "minute; set the environment variable NUMBA_CACHE_DIR to a folder that can be written"
+)
+
+
+@cache
+def say_that_it_is_slow() -> None:
+    """A warning, once in a process."""
+    warnings.warn(NOT_KEPT, stacklevel=2)
+
+
+def kept(function: Any) -> FunctionCache | NullCache:
+    """Where the compiled forms of a function are kept; nowhere, where no folder can be written."""
+    try:
+        return _Cache(function)
+    except (RuntimeError, OSError):  # numba's "no locator available"
+        say_that_it_is_slow()
+        return NullCache()
+
+
+class _Cache(FunctionCache):
+    """numba's, with other files."""
+
+    def __init__(self, function: Any) -> None:
+        super().__init__(function)  # type: ignore[no-untyped-call]
+        stamp = self._impl.locator.get_source_stamp()
+        self._cache_file = _Files(self._cache_path, self._impl.filename_base, stamp)  # type: ignore[no-untyped-call]
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep one compiled form, if there is room."""
+        try:
+            super().save_overload(sig, data)  # type: ignore[no-untyped-call]
+        except OSError:
+            say_that_it_is_slow()
+
+
+class _Files(IndexDataCacheFile):
+    """A file for each compiled form, without an index."""
+
+    def save(self, key: Any, data: Any) -> None:
+        """Write the file of this key, whole."""
+        content = self._dump((self._source_stamp, key, data))  # type: ignore[no-untyped-call]
+        with self._open_for_write(self._path(key)) as file:
+            file.write(DIGEST(content).digest() + content)
+
+    def load(self, key: Any) -> Any:
+        """What the file of this key holds; None if there is none, or it is not right."""
+        try:
+            whole = Path(self._path(key)).read_bytes()
+            size = DIGEST().digest_size
+            if DIGEST(whole[size:]).digest() != whole[:size]:
+                return None
+            stamp, of, data = pickle.loads(whole[size:])
+        except Exception:  # of the disk; or names that an older version wrote and this one has not
+            return None
+        return data if (stamp, of) == (self._source_stamp, key) else None
+
+    def _path(self, key: Any) -> str:
+        name = DIGEST(repr((self._version, key)).encode()).hexdigest()[:16]
+        return f"{self._index_path.removesuffix('.nbi')}.{name}.nbc"

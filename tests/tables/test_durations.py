@@ -1,0 +1,70 @@
+"""A motion lasts a period of its structures at least, whoever asks for it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import stochlin as sl
+
+pytestmark = pytest.mark.invariant
+
+ONE, TWO = (sl.Bilinear(T, 0.05, 0.05, reduction_factor=3) for T in (0.6, 1.0))
+GROUND = sl.named_ground("firm", intensity=0.01)
+VERBS: dict[str, Callable[[Any], xr.Dataset]] = {
+    "simulate": lambda d: sl.simulate([ONE, TWO], GROUND, duration=d),
+    "separation": lambda d: sl.separation(ONE, TWO, GROUND, d),
+    "existing_gap": lambda d: sl.existing_gap(ONE, TWO, GROUND, d, 0.05),
+    "mitigate": lambda d: sl.mitigate(ONE, TWO, GROUND, d, 0.05, {}),
+    "probability": lambda d: sl.pounding_probability(ONE, TWO, GROUND, 0.05, duration=d),
+    "fragility": lambda d: sl.pounding_fragility(ONE, TWO, GROUND, 0.05, 0.01, duration=d),
+    "transient": lambda d: sl.transient_response(TWO, GROUND, d),
+}
+
+
+@pytest.mark.parametrize("verb", VERBS)
+@pytest.mark.parametrize("duration", [0.001, 0.05, 0.9])
+def test_shorter_than_a_period_is_refused(verb: str, duration: float) -> None:
+    """With the same words, in every verb: nothing is known of structures that have not swung once."""
+    with pytest.raises(ValueError, match=f"duration = {duration:g} s is shorter than the period"):
+        VERBS[verb](duration)
+
+
+@pytest.mark.parametrize("verb", VERBS)
+@pytest.mark.parametrize("duration", [True, np.True_, "20", np.nan, np.inf, -1.0, 0, [20.0]])
+def test_what_is_no_time_is_refused(verb: str, duration: Any) -> None:
+    with pytest.raises(ValueError, match=r"duration = .*; allowed: a positive number of seconds"):
+        VERBS[verb](duration)
+
+
+@pytest.mark.parametrize("verb", sorted(set(VERBS) - {"simulate"}))
+def test_a_duration_that_is_missing_is_asked_for(verb: str) -> None:
+    with pytest.raises(ValueError, match="duration is missing; give the length of the motion"):
+        VERBS[verb](None)
+
+
+@pytest.mark.parametrize("exchanged", [(0.05, 15.0), (0.2, 20.0)])
+def test_gap_and_duration_that_are_exchanged_are_questioned(exchanged: tuple[float, float]) -> None:
+    for verb in (sl.existing_gap, lambda *given: sl.mitigate(*given, {})):
+        with pytest.raises(ValueError, match="are the two exchanged"):
+            verb(ONE, TWO, GROUND, *exchanged)
+
+
+def test_in_a_table_only_the_cells_with_long_periods_fail() -> None:
+    period = xr.DataArray([0.6, 30.0], dims="period")
+    table = sl.separation(sl.Bilinear(period, 0.05), TWO, GROUND, 12.0, paths=128)
+    alone = sl.separation(sl.Bilinear(0.6, 0.05), TWO, GROUND, 12.0, paths=128)
+    np.testing.assert_array_equal(table.gap.isel(period=0), alone.gap)
+    assert table.gap.isel(period=1).isnull().all()
+    assert (table.status.isel(period=1) == 3).all()
+
+
+def test_a_truth_value_is_no_number() -> None:
+    with pytest.raises(ValueError, match="dt = True is out of range"):
+        sl.read_record("record.txt", dt=True, units="g")
+    with pytest.raises(ValueError, match="amplification_limit = True"):
+        sl.mitigate(ONE, TWO, GROUND, 12.0, 0.05, {}, amplification_limit=True)

@@ -1,0 +1,135 @@
+"""What asks for too much memory or time is refused before the work, with the number and the cure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+
+import stochlin as sl
+from stochlin.analyses.tables import work
+from stochlin.analyses.tables.work import check_work
+from stochlin.views.command import main
+from stochlin.views.shared.screen import on_screen
+
+pytestmark = pytest.mark.invariant
+
+ONE, TWO = (sl.Bilinear(T, 0.05, 0.05, reduction_factor=3, mass=1e6) for T in (0.6, 1.0))
+TINY = sl.Bilinear(1e-6, 0.05, 0.05, reduction_factor=3, mass=1e6)
+GROUND = sl.named_ground("firm", intensity=0.01)
+STIFF = [sl.BoucWen(T, 0.05, 0.05, yield_displacement=0.01, mass=1e6, exponent=1.0) for T in (1.0, 1e-7)]
+TIME = 0.01 * np.arange(2000)
+RECORD = xr.DataArray(np.sin(TIME), dims="time", coords={"time": TIME})
+
+
+def axis(name: str, count: int) -> xr.DataArray:
+    return xr.DataArray(np.linspace(0.2, 4, count), dims=name)
+
+
+def table(method: str) -> xr.Dataset:
+    first, second = (sl.Bilinear(axis(name, 40_000), 0.05) for name in ("one", "two"))
+    return sl.correlate(first, second, GROUND, method)
+
+
+ASKED: dict[str, Callable[[], xr.Dataset]] = {
+    "pairs": lambda: table("linearization"),
+    "pairs_white_noise": lambda: table("white_noise"),
+    "rho_white_noise": lambda: sl.rho_white_noise(axis("one", 40_000), axis("two", 40_000), 0.05, 0.05),
+    "cells": lambda: sl.linearize(sl.Bilinear(axis("one", 40_000), axis("two", 40_000) / 5), GROUND),
+    "structures": lambda: sl.simulate([ONE] * 30_000, GROUND),
+    "stationary_paths": lambda: sl.simulate([ONE], GROUND, paths=10**9),
+    "finite_paths": lambda: sl.simulate([ONE], GROUND, paths=10**9, duration=20),
+    "finite_duration": lambda: sl.simulate([ONE], GROUND, duration=1e12),
+    "period": lambda: sl.separation(TINY, TWO, GROUND, 20.0),
+    "duration": lambda: sl.existing_gap(ONE, TWO, GROUND, 1e5, 0.05),
+    "paths": lambda: sl.existing_gap(ONE, TWO, GROUND, 20.0, 0.05, paths=10**9),
+    "mitigated": lambda: sl.mitigate(ONE, TWO, GROUND, 1e5, 0.05, {}),
+    "probability_paths": lambda: sl.pounding_probability(
+        ONE, TWO, GROUND, 0.05, duration=20, paths=10**9
+    ),
+    "probability_duration": lambda: sl.pounding_probability(ONE, TWO, GROUND, 0.05, duration=1e6),
+    "probability_period": lambda: sl.pounding_probability(TINY, TWO, GROUND, 0.05, duration=20),
+    "transient": lambda: sl.transient_response(ONE, GROUND, 1e7),
+    "pound": lambda: sl.pound(STIFF, 0.05, sl.Kelvin(2e9, restitution=0.65), RECORD),
+}
+
+
+@pytest.mark.parametrize("asked", ASKED)
+def test_too_much_is_refused_before_the_work(asked: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(work, "_installed", lambda: 16e9)
+    monkeypatch.setattr("os.cpu_count", lambda: 2)
+    with pytest.raises(ValueError, match=r"(GB; allowed: 8 GB|; allowed: 15 minutes on this machine); "):
+        ASKED[asked]()
+
+
+def test_the_limit_is_half_of_the_machines_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("os.sysconf", lambda name: {"SC_PAGE_SIZE": 4096, "SC_PHYS_PAGES": 10**6}[name])
+    check_work("this takes", "take less", memory=2.04e9, seconds=899.0)
+    with pytest.raises(ValueError, match=r"^this takes 2\.1 GB; allowed: 2 GB; take less$"):
+        check_work("this takes", "take less", memory=2.06e9)
+
+    def unknown(name: str) -> int:
+        raise ValueError(name)
+
+    monkeypatch.setattr("os.sysconf", unknown)  # as on Windows, where it is not there at all
+    check_work("this takes", "take less", memory=3.9e9)
+    with pytest.raises(ValueError, match="allowed: 4 GB"):
+        check_work("this takes", "take less", memory=np.inf)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "told"), [(960, "16 minutes"), (7200, "1.2e.02 minutes|2 hours"), (1e9, "32 years")]
+)
+def test_time_is_told_in_words(seconds: float, told: str) -> None:
+    with pytest.raises(ValueError, match=f"this takes about ({told}); allowed: 15 minutes"):
+        check_work("this takes", "take less", seconds=seconds)
+    with pytest.raises(ValueError, match="allowed: 15 minutes"):
+        check_work("this takes", "take less", seconds=np.nan)
+
+
+def test_tables_in_chunks_are_not_refused() -> None:
+    dask = pytest.importorskip("dask")
+    assert dask
+    first, second = (sl.Bilinear(axis(n, 40_000).chunk(1000), 0.05) for n in ("one", "two"))
+    assert sl.correlate(first, second, GROUND).rho.size == 40_000**2
+
+
+@pytest.mark.parametrize("sizes", [(3,), (41,), (5, 7), (5, 8), (2, 50), (3, 4, 5), (50, 1)])
+def test_the_screen_shows_the_first_rows_of_a_table(sizes: tuple[int, ...]) -> None:
+    """As those of all its rows, of which a large table has more than fit into memory."""
+    count = int(np.prod(sizes))
+    shown = xr.Dataset(
+        {"rho": (tuple("abc"[: len(sizes)]), np.arange(count, dtype=float).reshape(sizes))},
+        coords={name: np.arange(size) / 8 for name, size in zip("abc", sizes, strict=False)},
+    )
+    lines = on_screen(shown).splitlines()
+    expected = shown.to_dataframe().reset_index().head(40)
+    assert (
+        lines[: len(expected) + 1]
+        == expected.to_string(index=False, float_format=lambda x: f"{x:.6g}").splitlines()
+    )
+    rest = [f"# ... {count - 40} more rows; --out saves all"] if count > 40 else []
+    assert lines[len(expected) + 1 :] == rest
+
+
+def test_memory_that_is_not_there_is_said_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise MemoryError("Unable to allocate 74 GiB")
+
+    monkeypatch.setattr("stochlin.analyses.correlation.correlation.correlate", full)
+    result = CliRunner().invoke(main, ["rho", "--period", "1s"])
+    assert result.exit_code == 2
+    assert "memory of this machine is not enough (Unable to allocate 74 GiB); take" in result.output
+
+
+def test_nothing_is_drawn_of_what_is_refused(tmp_path) -> None:
+    """No label of a bar before the message."""
+    case = tmp_path / "case.toml"
+    case.write_text(sl.example_case().replace("20 s", "0.01 s"), encoding="utf-8")
+    for command, label in (("gap", "simulating"), ("mitigate", "measures"), ("pound", "pounding")):
+        result = CliRunner().invoke(main, [command, str(case)])
+        assert result.exit_code == 2
+        assert label not in result.output.splitlines()
