@@ -217,7 +217,9 @@ def _of_texts(case: Case, place: str, old: str, new: str) -> Iterator[Difference
         (words_a, numbers_a), (words_b, numbers_b) = _taken_apart(a), _taken_apart(b)
         if words_a != words_b:
             yield Difference(at, a.strip(), b.strip())
-            return  # what follows is moved by it
+            if len(before) != len(now):
+                return  # what follows has another place
+            continue
         for one, other in zip(numbers_a, numbers_b, strict=True):
             tolerance = case.tolerance_of_text(one, f"{place} {a}")
             yield from _of_numbers(at, np.array([float(one)]), np.array([float(other)]), tolerance)
