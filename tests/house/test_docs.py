@@ -128,6 +128,12 @@ def test_files_that_a_page_links_to_exist(page: str) -> None:
         assert (DOCS / target).exists(), target
 
 
+@pytest.mark.parametrize("page", PAGES)
+def test_tests_that_a_page_names_exist(page: str) -> None:
+    for name in re.findall(r"`(?:tests/)?(\w+/test_\w+[^`]*)`", PAGES[page]):
+        assert (DOCS.parent / "tests" / name).exists(), name
+
+
 def test_pages_show_pictures_of_the_gallery() -> None:
     stems = {path.stem for path in SCRIPTS}
     shown = re.findall(r"sphx_glr_(plot_\w+)_001\.png", "".join(PAGES.values()))

@@ -1,0 +1,266 @@
+"""Frozen answers: what a case gives now beside what it gave before, number by number.
+
+Every folder here with an ``about.toml`` is a case, as a user would have it:
+
+``about.toml``      why it is kept; the ``commands``, if it has some; the tolerance and its reason
+``case.py``         otherwise: a script, through public names only
+other files         what it reads: case files, specifications, records made for it
+``expected/``       what it wrote, and in ``screen.txt`` what it printed
+``independent.py``  for the verification manual: the same by hand or by another program
+``independent.json``, ``manual.md``  the numbers that gave, and the words of the manual
+
+Pictures are drawn, and not compared. The oldest and latest versions that reasons of tolerances speak of
+are numpy 2.1.0, scipy 1.15.0, numba 0.61.0 and xarray 2025.11.0 on Python 3.11, and 2.5.5, 1.18.1,
+0.68.1 and 2026.9.0 on Python 3.13, both on one x86-64 processor.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import re
+import runpy
+import shlex
+import shutil
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from click.testing import CliRunner
+
+from stochlin.views.command import main
+
+HERE = Path(__file__).parent
+CASES = sorted(path.parent.name for path in HERE.glob("*/about.toml"))
+EXPECTED, SCREEN = "expected", "screen.txt"
+SCRIPT, INDEPENDENT, FROZEN = "case.py", "independent.py", "independent.json"
+OWN = (EXPECTED, INDEPENDENT, FROZEN, "about.toml", "manual.md", "__pycache__")
+COMPARED = {".nc", ".csv", ".txt"}
+CHANGING = {"stochlin_version", "code"}  # attributes that change with the library's own text
+NUMBER = re.compile(r"(?<![\w.])([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)")
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """How far numbers may move: by a share of themselves, of the variable's largest, or by so much."""
+
+    reason: str
+    relative: float = 0.0
+    of_largest: float = 0.0
+    absolute: float = 0.0
+    variables: tuple[str, ...] = ()  # that it is for, or words of a line; none: all others
+
+    def allowed(self, old: Any) -> Any:
+        """For each number of a variable."""
+        sizes = np.abs(old, dtype=float)
+        largest = np.max(sizes[np.isfinite(sizes)], initial=0.0)
+        return self.absolute + self.relative * sizes + self.of_largest * largest
+
+
+@dataclass(frozen=True)
+class Case:
+    """What ``about.toml`` says."""
+
+    folder: Path
+    why: str
+    tolerance: Tolerance
+    others: tuple[Tolerance, ...] = ()
+    commands: tuple[str, ...] = ()
+    verified: Mapping[str, Any] = field(default_factory=dict)
+
+    @classmethod
+    def named(cls, name: str) -> Case:
+        """The case in the folder of this name."""
+        about = tomllib.loads((HERE / name / "about.toml").read_text(encoding="utf-8"))
+        others = tuple(
+            Tolerance(**one | {"variables": tuple(one["variables"])}) for one in about.pop("others", ())
+        )
+        about["tolerance"] = Tolerance(**about["tolerance"])
+        return cls(HERE / name, **about | {"others": others})
+
+    def tolerance_of(self, variable: str) -> Tolerance:
+        """The one that is stated for it, or the case's."""
+        return next((one for one in self.others if variable in one.variables), self.tolerance)
+
+    def tolerance_of_text(self, number: str, line: str) -> Tolerance:
+        """The one that is stated for words of the line; counts exactly; else the case's."""
+        for one in self.others:
+            if any(re.search(rf"(?<!\w){re.escape(words)}(?!\w)", line) for words in one.variables):
+                return one
+        return Tolerance("a count") if re.fullmatch(r"[-+]?\d+", number) else self.tolerance
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Between the old and the new of one variable, line or attribute, where it is largest."""
+
+    place: str
+    old: str
+    new: str
+    relative: float = np.inf
+    share: float = np.inf  # of what is allowed
+
+    @property
+    def moved(self) -> bool:
+        """Whether it is more than the tolerance."""
+        return not self.share <= 1
+
+    def __str__(self) -> str:
+        change = f"{self.relative:.1e}" if np.isfinite(self.relative) else "other"
+        return f"{self.place}: {change}, {self.old} -> {self.new}"
+
+
+def run(case: Case, scratch: Path) -> Path:
+    """Do what the user does, in a copy of the folder; where the results are."""
+    work, results = scratch / case.folder.name, scratch / f"{case.folder.name} results"
+    shutil.copytree(case.folder, work, ignore=shutil.ignore_patterns(*OWN))
+    given = {path.name for path in work.iterdir()}
+    with contextlib.chdir(work):
+        screen = "".join(map(_told, case.commands)) if case.commands else _printed(Path(SCRIPT))
+    results.mkdir()
+    for path in work.iterdir():
+        if path.suffix in COMPARED and path.name not in given:
+            shutil.copy(path, results)
+    if screen:
+        (results / SCREEN).write_text(screen, encoding="utf-8")
+    return results
+
+
+def _told(line: str) -> str:
+    """A command and what the screen says."""
+    program, *arguments = shlex.split(line)
+    assert program == "stochlin", line
+    done = CliRunner().invoke(main, arguments)
+    if done.exception and not isinstance(done.exception, SystemExit):
+        raise done.exception
+    status = f"exit status {done.exit_code}\n" if done.exit_code else ""
+    return f"$ {line}\n{done.output}{status}\n"
+
+
+def _printed(script: Path) -> str:
+    with contextlib.redirect_stdout(io.StringIO()) as screen:
+        runpy.run_path(str(script), run_name="__main__")
+    return screen.getvalue()
+
+
+def differences(case: Case, results: Path) -> Iterator[Difference]:
+    """Of all files, between those that are kept and these; none where they are the same."""
+    old, new = (
+        {path.name: path for path in folder.glob("*")} for folder in (case.folder / EXPECTED, results)
+    )
+    for name in sorted(old | new):
+        if name not in old or name not in new:
+            yield Difference(name, *("there" if name in side else "missing" for side in (old, new)))
+        elif name.endswith(".nc"):
+            before, now = (xr.load_dataset(side[name]) for side in (old, new))
+            yield from _of_datasets(case, name, before, now)
+        else:
+            before, now = (side[name].read_text(encoding="utf-8") for side in (old, new))
+            yield from _of_texts(case, name, before, now)
+
+
+def _of_datasets(case: Case, name: str, old: xr.Dataset, new: xr.Dataset) -> Iterator[Difference]:
+    yield from _of_attributes(case, name, old.attrs, new.attrs)
+    for variable in sorted({*old.variables, *new.variables}, key=str):
+        place = f"{name} {variable}"
+        if variable not in old.variables or variable not in new.variables:
+            yield Difference(
+                place, *("there" if variable in d.variables else "missing" for d in (old, new))
+            )
+            continue
+        before, now = old[variable], new[variable]
+        yield from _of_attributes(case, place, before.attrs, now.attrs)
+        if dict(before.sizes) != dict(now.sizes) or before.dtype.kind != now.dtype.kind:
+            yield Difference(place, *(f"{v.dtype} {dict(v.sizes)}" for v in (before, now)))
+        elif before.dtype.kind == "f":
+            yield from _of_numbers(place, before.values, now.values, case.tolerance_of(str(variable)))
+        else:  # flags, counts, names
+            for a, b in zip(before.values.ravel(), now.values.ravel(), strict=True):
+                if a != b:
+                    yield Difference(place, str(a), str(b))
+                    break
+
+
+def _of_attributes(
+    case: Case, place: str, old: Mapping[Any, Any], new: Mapping[Any, Any]
+) -> Iterator[Difference]:
+    for key in sorted({*old, *new} - CHANGING):
+        before, now = (str(side.get(key, "missing")) for side in (old, new))
+        yield from _of_texts(case, f"{place}, {key}", before, now)
+
+
+def _of_numbers(place: str, old: Any, new: Any, tolerance: Tolerance) -> Iterator[Difference]:
+    with np.errstate(invalid="ignore", divide="ignore"):
+        apart = np.where((old == new) | (np.isnan(old) & np.isnan(new)), 0.0, np.abs(new - old))
+        share = np.where(apart == 0, 0.0, apart / tolerance.allowed(old))
+        share[np.isnan(share)] = np.inf  # one of them is no number
+        relative = apart / np.abs(old)
+    if share.size and share.max() > 0:
+        at = np.unravel_index(np.argmax(share), share.shape)
+        values = (f"{side[at]:.10g}" for side in (old, new))
+        yield Difference(place, *values, float(relative[at]), float(share[at]))
+
+
+def _of_texts(case: Case, place: str, old: str, new: str) -> Iterator[Difference]:
+    """Words exactly, numbers by the tolerance; the width of columns is left to other tests."""
+    before, now = old.splitlines(), new.splitlines()
+    for number in range(max(len(before), len(now))):
+        a, b = (side[number] if number < len(side) else "no line" for side in (before, now))
+        if a.split() == b.split():
+            continue
+        at = f"{place}, line {number + 1}" if len(before) > 1 else place
+        (words_a, numbers_a), (words_b, numbers_b) = _taken_apart(a), _taken_apart(b)
+        if words_a != words_b:
+            yield Difference(at, a.strip(), b.strip())
+            if len(before) != len(now):
+                return  # what follows has another place
+            continue
+        for one, other in zip(numbers_a, numbers_b, strict=True):
+            tolerance = case.tolerance_of_text(one, f"{place} {a}")
+            yield from _of_numbers(at, np.array([float(one)]), np.array([float(other)]), tolerance)
+
+
+def _taken_apart(line: str) -> tuple[list[str], list[str]]:
+    parts = NUMBER.split(line)
+    return "\0".join(parts[::2]).split(), parts[1::2]
+
+
+def independent(case: Case) -> dict[str, Any]:
+    """What ``independent.py`` of a case finds now; ImportError where its program is not installed."""
+    try:
+        found = runpy.run_path(str(case.folder / INDEPENDENT))
+    except RuntimeError as error:  # OpenSeesPy without its libraries
+        raise ImportError(str(error)) from error
+    return {
+        "program": found["PROGRAM"],
+        "answers": _as_lists(found["ANSWERS"]),
+        "numbers": _as_lists(found["NUMBERS"]),
+    }
+
+
+def _as_lists(numbers: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: np.asarray(value, dtype=float).tolist() for name, value in numbers.items()}
+
+
+def kept_independent(case: Case) -> dict[str, Any]:
+    """What it found when it was frozen."""
+    return json.loads((case.folder / FROZEN).read_text(encoding="utf-8"))
+
+
+def verified_answers(case: Case) -> xr.Dataset:
+    """The frozen answer that the manual is about."""
+    return xr.load_dataset(case.folder / EXPECTED / "answer.nc")
+
+
+def largest(values: Any, others: Any) -> float:
+    """Largest relative difference; none where both are no numbers, NaN where one is or shapes differ."""
+    values, others = np.asarray(values, dtype=float), np.asarray(others, dtype=float)
+    if values.shape != others.shape:
+        return np.nan
+    apart = np.where(np.isnan(values) & np.isnan(others), 0.0, np.abs(values - others) / np.abs(others))
+    return float(np.max(apart))

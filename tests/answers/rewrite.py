@@ -1,0 +1,76 @@
+"""`make answers`: rerun the cases, or those that are named, write down what moved and show it."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from answers.frozen import (
+    CASES,
+    EXPECTED,
+    FROZEN,
+    INDEPENDENT,
+    Case,
+    differences,
+    independent,
+    kept_independent,
+    largest,
+    run,
+)
+from answers.manual import PAGE, page
+
+
+def main(names: list[str]) -> None:
+    """Files of cases that have not moved stay untouched, whatever their rounding."""
+    lines = [line for name in names or CASES for line in rewritten(Case.named(name))]
+    text = page()
+    if not PAGE.exists() or PAGE.read_text(encoding="utf-8") != text:
+        PAGE.write_text(text, encoding="utf-8")
+        lines.append(f"{PAGE.name}: written")
+    print("\n".join(lines or ["Nothing moved: no file was written."]))
+
+
+def rewritten(case: Case) -> Iterator[str]:
+    """What moved in a case, after it is written; what did not is counted on standard error."""
+    with tempfile.TemporaryDirectory() as scratch:
+        results = run(case, Path(scratch))
+        found = list(differences(case, results))
+        moved = [one for one in found if one.moved]
+        most = max((one.relative for one in found), default=0.0)
+        print(f"{case.folder.name}: {len(moved)} moved, largest change {most:.1e}", file=sys.stderr)
+        if moved:
+            shutil.rmtree(case.folder / EXPECTED, ignore_errors=True)
+            shutil.copytree(results, case.folder / EXPECTED)
+            yield from (f"{case.folder.name}: {one}" for one in moved)
+    if (case.folder / INDEPENDENT).exists():
+        yield from _independently(case)
+
+
+def _independently(case: Case) -> Iterator[str]:
+    try:
+        now = independent(case)
+    except ImportError as error:
+        print(f"{case.folder.name}: not recalculated, {error}", file=sys.stderr)
+        return
+    if (case.folder / FROZEN).exists():
+        before = kept_independent(case)
+        same = (
+            before["answers"].keys() == now["answers"].keys()
+            and before["numbers"].keys() == now["numbers"].keys()
+        )
+        if same and all(
+            largest(now[kind][name], value) <= case.verified["within"] / 10
+            for kind in ("answers", "numbers")
+            for name, value in before[kind].items()
+        ):
+            return
+    (case.folder / FROZEN).write_text(json.dumps(now, indent=1) + "\n", encoding="utf-8")
+    yield f"{case.folder.name}: the independent answer is written"
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
