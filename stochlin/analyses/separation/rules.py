@@ -12,7 +12,7 @@ import xarray as xr
 
 from stochlin.analyses.correlation.correlation import correlate
 from stochlin.analyses.correlation.effective import rho_effective
-from stochlin.analyses.linearization.equivalent_systems import solve_structure
+from stochlin.analyses.linearization.equivalent_systems import solve_elastic, solve_structure
 from stochlin.analyses.linearization.peaks import peak_table, relative_moments
 from stochlin.analyses.linearization.strength import solved_reduction_factor
 from stochlin.analyses.linearization.tolerance import USUAL
@@ -61,6 +61,11 @@ class PairInMotion:
         """Both structures, linearized."""
         return [solve_structure(s, self.ground, "gaussian", USUAL) for s in self.structures]
 
+    @cached_property
+    def yield_displacements(self) -> list[float]:
+        """Of both [m], known whether linearization succeeds or not."""
+        return [float(solve_elastic(s, self.ground).yield_displacement) for s in self.structures]
+
     @property
     def peaks(self) -> Array:
         """Largest ``|u|`` of both [m], not exceeded with the probability ``confidence``."""
@@ -70,7 +75,7 @@ class PairInMotion:
     @property
     def ductilities(self) -> Array:
         """Mean peak ductility of both; 0 where elastic."""
-        return self.motions.peak_mean.values / [float(side.yield_displacement) for side in self.solved]
+        return self.motions.peak_mean.values / np.array(self.yield_displacements)
 
     def quantities(self) -> dict[str, float]:
         """What the table says of the structures."""
@@ -80,7 +85,7 @@ class PairInMotion:
             table |= {f"{name}_{n + 1}": float(self.motions[name][n]) for name in mean}
             table[f"peak_{n + 1}"] = float(self.peaks[n])
             table[f"ductility_{n + 1}"] = float(self.ductilities[n]) if structure.yields else np.nan
-            table[f"yield_displacement_{n + 1}"] = float(side.yield_displacement)
+            table[f"yield_displacement_{n + 1}"] = self.yield_displacements[n]
             table[f"reduction_factor_{n + 1}"] = solved_reduction_factor(structure, side)
         for name in ("separation_mean", "separation_mean_standard_error"):
             table[name] = float(self.motions[name][0, 1])

@@ -133,7 +133,6 @@ def separation(
     True
     """
     check_confidence(confidence)
-    check_duration(duration)
     check_zone(zone)
     check_truth("floors_align", floors_align)
     check_truth("unverified", unverified)
@@ -147,7 +146,6 @@ def separation(
                 "no records"
             )
     expect(ground, Ground, "ground")
-
     check_duration(duration, {"first": first, "second": second})
 
     def of_cell(first: Structure, second: Structure, ground: Ground) -> xr.Dataset:
