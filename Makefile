@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: charts test check answers bench bias docs links oldest clean
+.PHONY: charts test check fuzz answers bench bias docs links oldest clean
 
 charts: $(VENV)/.run
 	$(BIN)/stochlin charts --out figures
@@ -16,6 +16,10 @@ check: $(VENV)/.dev
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/python -m pytest
+
+# Mutated case files, records and specifications for an hour or so; the suite has a minute of it.
+fuzz: $(VENV)/.dev
+	FUZZ_TIMES=60 $(BIN)/python -m pytest tests/fuzz
 
 # Reruns the frozen answers in tests/answers, rewrites those that have moved, with the verification manual,
 # and shows what moved.

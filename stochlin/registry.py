@@ -16,6 +16,8 @@ from importlib.util import find_spec
 from threading import RLock
 from typing import Generic, TypeVar
 
+from stochlin.messages import brief
+
 Thing = TypeVar("Thing")
 Defined = TypeVar("Defined")
 GROUP = "stochlin.extensions"
@@ -63,7 +65,9 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
         key = as_key(name)
         if key not in self:
             allowed = ", ".join(self)
-            raise ValueError(f"{parameter} = {name!r} is not a known {self.kind}; allowed: {allowed}")
+            raise ValueError(
+                f"{parameter} = {brief(name)} is not a known {self.kind}; allowed: {allowed}"
+            )
         return self[key]
 
     def __getitem__(self, name: str) -> Thing:

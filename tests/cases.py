@@ -6,6 +6,7 @@ expectations are integrated numerically.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any
@@ -47,11 +48,21 @@ duration = "12 s"
 """  # of a case file
 
 
-def recorded_example() -> str:
-    """The example of a case file with the lines of its record, ``taft.txt``, taken in."""
+def blocks_to_uncomment(start: str) -> list[str]:
+    """Those of the example of a case file whose first line starts so."""
+    blocks = re.findall(r"(?:^#   .*\n)+", sl.example_case(), re.MULTILINE)
+    return [block for block in blocks if block.startswith(f"#   {start}")]
+
+
+def uncommented(block: str) -> str:
+    """The example of a case file with the lines of a block taken in."""
     text = sl.example_case()
-    start, end = text.index("#   [[site.records]]"), text.index("#   column")
-    return text.replace(text[start:end], text[start:end].replace("#   ", ""))
+    return text.replace(block, block.replace("#   ", ""))
+
+
+def recorded_example() -> str:
+    """The example of a case file with the lines of its first record, ``taft.txt``, taken in."""
+    return uncommented(blocks_to_uncomment("[[site.records]]")[0])
 
 
 def log_uniform(rng: np.random.Generator, limits: tuple[float, float], size: int | None = None) -> Any:

@@ -10,6 +10,7 @@ import scipy.linalg
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import brief
 from stochlin.models.parameters import POSITIVE, Model, Parameter, parameter
 from stochlin.models.structures import DAMPING, HARDENING
 
@@ -71,9 +72,10 @@ class ShearBuilding(Model):
         name = type(self).__name__
         for field in ("masses", "stiffnesses", "heights", "yield_drifts"):
             value = getattr(self, field)
-            if value is not None and (field != "yield_drifts" or np.ndim(value)):
+            if value is not None and (field != "yield_drifts" or not np.isscalar(value)):
                 object.__setattr__(self, field, _over_storeys(f"{name}: {field}", value))
-        arrays = {key: value for key, value in self.arrays().items() if STOREY in value.dims}
+        given = {key: getattr(self, key) for key in ("masses", "stiffnesses", "heights", "yield_drifts")}
+        arrays = {key: value for key, value in given.items() if isinstance(value, xr.DataArray)}
         if len({array.sizes[STOREY] for array in arrays.values()}) > 1:
             told = ", ".join(f"{key} has {array.sizes[STOREY]}" for key, array in arrays.items())
             raise ValueError(f"{name}: {told} values; allowed: one for each storey in all of them")
@@ -127,9 +129,12 @@ class ShearBuilding(Model):
 
 
 def _over_storeys(label: str, value: Any) -> xr.DataArray:
-    array = np.asarray(value)
+    try:
+        array = np.asarray(value)
+    except (ValueError, TypeError):  # ragged lists; a dataset
+        array = np.empty(())
     if array.ndim != 1 or not array.size:
         raise ValueError(
-            f"{label} = {value!r}; allowed: a list or 1-D array with one number for each storey"
+            f"{label} = {brief(value)}; allowed: a list or 1-D array with one number for each storey"
         )
     return xr.DataArray(array, dims=STOREY)

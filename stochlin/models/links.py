@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from stochlin.messages import brief
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import NOT_NEGATIVE, Model, Parameter, parameter
 
@@ -47,7 +48,9 @@ def check_linked(first: object, second: object) -> tuple[float, float]:
     masses = []
     for role, structure in (("first", first), ("second", second)):
         if not isinstance(structure, Bilinear):
-            raise TypeError(f"{role} = {structure!r} cannot be linked; allowed: Bilinear, or no link")
+            raise TypeError(
+                f"{role} = {brief(structure)} cannot be linked; allowed: Bilinear, or no link"
+            )
         if structure.mass is None:
             raise ValueError(
                 f"{role}: mass is not given; a link acts on masses, allowed: 0 < value, in kg"

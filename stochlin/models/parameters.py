@@ -5,11 +5,13 @@ from __future__ import annotations
 import copy
 import dataclasses
 from collections.abc import Collection, Iterator, Mapping
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
+
+from stochlin.messages import brief, sentence
 
 Parameter = float | xr.DataArray | npt.ArrayLike
 """A number, a DataArray (broadcast by dimension name) or a 1-D array (dimension ``case``)."""
@@ -64,18 +66,22 @@ class Model:
     analyses, which mark them in ``status`` and go on with the others.
     """
 
+    of_arguments: ClassVar[bool] = False  # of a function, whose messages name the argument alone
+
     def __post_init__(self) -> None:
+        prefix = "" if self.of_arguments else f"{type(self).__name__}: "
         for field in self._declared():
             value = getattr(self, field.name)
             if value is not None or field.default is not None:
-                checked = check(type(self).__name__, field.name, value, field.metadata)
+                checked = check(prefix, field.name, value, field.metadata)
                 object.__setattr__(self, field.name, checked)
         try:
             xr.align(*self.arrays().values(), join="exact", copy=False)
         except (xr.AlignmentError, ValueError) as error:
             raise ValueError(
-                f"{type(self).__name__}: parameters share a dimension, not its coordinates or length: "
-                f"{error}; give them different dimension names for a table, or equal coordinates"
+                f"{prefix}parameters share a dimension, not its coordinates or length: "
+                f"{sentence(error)}; "
+                "give them different dimension names for a table, or equal coordinates"
             ) from error
 
     @classmethod
@@ -137,18 +143,18 @@ def expect(value: object, kind: type[Model], role: str) -> None:
     """Raise a TypeError unless the argument called ``role`` is a ``kind``."""
     if not isinstance(value, kind):
         names = sorted(c.__name__ for c in kind.kinds())
-        raise TypeError(f"{role} = {value!r} is of the wrong kind; allowed: {', '.join(names)}")
+        raise TypeError(f"{role} = {brief(value)} is of the wrong kind; allowed: {', '.join(names)}")
 
 
-def check(model: str, name: str, value: Any, declared: Mapping[str, Any]) -> float | xr.DataArray:
+def check(prefix: str, name: str, value: Any, declared: Mapping[str, Any]) -> float | xr.DataArray:
     """The value of a parameter, checked and labelled with what is ``declared`` of it."""
-    label, allowed = f"{model}: {name}", declared["allowed"]
+    label, allowed = f"{prefix}{name}", declared["allowed"]
     try:
         array = value.copy(deep=False) if isinstance(value, xr.DataArray) else np.asarray(value)
-    except ValueError as error:
-        raise ValueError(f"{label} = {value!r} is no array ({error}); allowed: {allowed}") from error
+    except (ValueError, TypeError) as error:  # ragged lists; a dataset
+        raise TypeError(f"{label} = {brief(value)} is not a real number; allowed: {allowed}") from error
     if array.dtype.kind not in "iuf":
-        raise TypeError(f"{label} = {value!r} is not a real number; allowed: {allowed}")
+        raise TypeError(f"{label} = {brief(value)} is not a real number; allowed: {allowed}")
     if array.ndim == 0:
         number = float(array)
         if not allowed.contains(number):

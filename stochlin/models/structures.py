@@ -138,6 +138,8 @@ class Structure(Model):
 class LinearPair(Model):
     """Two linear oscillators: what eq. (4) asks for. Periods in s, damping ratios."""
 
+    of_arguments = True
+
     period_1: Parameter = parameter("s", "period, structure 1", POSITIVE)
     period_2: Parameter = parameter("s", "period, structure 2", POSITIVE)
     damping_1: Parameter = parameter("1", "damping ratio, structure 1", DAMPING)
@@ -147,5 +149,7 @@ class LinearPair(Model):
 @dataclass(frozen=True)
 class Gap(Model):
     """The distance between two structures at rest: ``gap`` [m], positive."""
+
+    of_arguments = True
 
     gap: Parameter = parameter("m", "gap between the structures", POSITIVE)

@@ -13,6 +13,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.fixed_point import ClosureValue, gaussian_covariance
 from stochlin.kernels.linearization.gaussian import regress_slip
 from stochlin.kernels.linearization.quadrature import SlipRate, slip_expectations
+from stochlin.messages import brief
 
 if TYPE_CHECKING:
     from stochlin.kernels.simulation.ensemble import Block
@@ -40,6 +41,10 @@ class SymbolicLaw:
         probes = np.random.default_rng(4).uniform(0.3, 1.7, (len(parameters), _PROBES.shape[1]))
         self.slip_rate = self.slip_rate._replace(rate_independent=self._is_rate_independent(probes))
         self._good: set[bytes] = set()
+
+    def __reduce__(self) -> tuple[Callable[..., SymbolicLaw], tuple[sympy.Expr, tuple[str, ...]]]:
+        """Compiled functions cannot be sent to another process; what they are made of can."""
+        return compiled, (self.expression, self.parameters)
 
     def gaussian(self, latent: Array, parameters: Array) -> ClosureValue:
         """Gaussian closure by quadrature, with derivatives."""
@@ -143,7 +148,7 @@ def compiled(expression: sympy.Expr, parameters: tuple[str, ...]) -> SymbolicLaw
 def _with_plain_symbols(expression: sympy.Expr, parameters: tuple[str, ...]) -> sympy.Expr:
     """Replace the user's symbols, found by name, by real ones."""
     if not isinstance(expression, sympy.Expr):
-        raise TypeError(f"law = {expression!r} is not allowed; give a sympy expression")
+        raise TypeError(f"law = {brief(expression)} is not allowed; give a sympy expression")
     names = {symbol.name for symbol in expression.free_symbols}
     if "v" not in names or not names <= {"v", "z", *parameters}:
         allowed = "'v' and 'z' only, with numbers in place of any parameter"

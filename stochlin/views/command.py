@@ -8,26 +8,15 @@ from __future__ import annotations
 import io
 import os
 import sys
-import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any
 
 import click
 
 from stochlin._version import __version__
-from stochlin.views.shared.screen import COMMANDS, SPELLED, bad_input
+from stochlin.views.shared.screen import COMMANDS, SPELLED, bad_input, warnings_as_sentences
 
 INTERRUPTED = 130  # as shells have it: 128 and the number of the signal
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
-
-
-@contextmanager
-def warnings_as_sentences() -> Iterator[None]:
-    """On the error stream, without the place in the code."""
-    with warnings.catch_warnings():
-        warnings.showwarning = lambda message, *_, **__: click.echo(f"Warning: {message}", err=True)
-        yield
 
 
 class Commands(click.Group):

@@ -8,8 +8,11 @@ import json
 import os
 import pickle
 import shutil
+import subprocess
+import sys
 import threading
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -253,6 +256,19 @@ def test_lookup_checks_what_it_reads(path, kept):
     xr.testing.assert_identical(pickle.loads(pickle.dumps(atlas.bias)).load(), kept[1].bias)
 
 
+def test_one_message_and_no_more(tmp_path):
+    """Reads that are under way when one fails are not complained of when the process ends."""
+    path = tmp_path / "a.zarr"
+    sl.write_atlas({**SPEC, "block_cells": 4}, path)
+    for file in (path / "rho").rglob("c/*/*/*/*"):
+        flip(file)
+    program = f"import stochlin as sl\ntry: sl.open_atlas({str(path)!r}).load()\nexcept ValueError: pass"
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    command = [sys.executable, "-c", program]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    assert done.stdout + done.stderr == ""
+
+
 def test_whoever_does_not_know_the_checks_sees_the_worst(path):
     """Read by xarray alone: flags that are gone are the worst ones, and broken chunks are refused."""
     for name in ("status", "caution", "rho"):
@@ -293,11 +309,11 @@ def test_an_atlas_without_checksums_is_read_and_says_so(kept, tmp_path):
         warnings.simplefilter("default")
         done = CliRunner().invoke(main, ["lookup", str(path), *OPTIONS])
         assert done.exit_code == 0
-        assert done.stderr.startswith(f"Warning: {path} was written before")
+        assert done.output.startswith(f"Warning: {path} was written before")
         shutil.rmtree(path / "rho/c/0/0")
         done = CliRunner().invoke(main, ["lookup", str(path), *OPTIONS])
     assert done.exit_code == 2
-    assert "rho is missing where status says that it was found" in done.stderr
+    assert "rho is missing where status says that it was found" in done.output
 
 
 def test_one_writer_at_a_time(path, kept, tmp_path):
@@ -334,13 +350,38 @@ def test_what_does_not_fit_is_refused(tmp_path, monkeypatch):
         sl.write_atlas(many, tmp_path / "a.zarr")
     sizes = {"SC_PAGE_SIZE": 4096, "SC_PHYS_PAGES": 1000}
     monkeypatch.setattr(os, "sysconf", sizes.get)
-    with pytest.raises(ValueError, match=r"block_cells = 99999: .* of memory.*allowed here: up to \d+"):
+    with pytest.raises(ValueError, match=r"block_cells = 99999: .* GB; allowed: \d+ GB; take smaller blocks"):
         sl.write_atlas({**many, "block_cells": 99_999}, tmp_path / "a.zarr")
     monkeypatch.undo()
     monkeypatch.setattr(atlas_store, "_fill", full)
     with pytest.raises(RuntimeError, match=r"not finished: No space left on device; none of it"):
         sl.write_atlas(SPEC, tmp_path / "a.zarr")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_bad_sector_is_damage(path, kept, computed, monkeypatch):
+    read, bad = Path.read_bytes, [path / "rho" / LAST]
+
+    def from_disk(file):
+        if file in bad and not computed:
+            raise OSError(errno.EIO, os.strerror(errno.EIO))
+        return read(file)
+
+    monkeypatch.setattr(Path, "read_bytes", from_disk)
+    with pytest.raises(ValueError, match=f"{LAST} of rho is damaged: it cannot be read, Input/output"):
+        sl.open_atlas(path).load()
+    xr.testing.assert_identical(sl.write_atlas(SPEC, path).load(), kept[1])
+    assert computed == [(1, 0, 1, 1)]
+
+
+def test_too_little_memory_is_said(path, monkeypatch):
+    def hungry(*_):
+        raise MemoryError("Unable to allocate 7 GiB")
+
+    (path / "rho" / FIRST).unlink()
+    monkeypatch.setattr(atlas_store, "write_block", hungry)
+    with pytest.raises(RuntimeError, match=r"not enough memory \(Unable to allocate 7 GiB\); 7 of 8"):
+        sl.write_atlas(SPEC, path)
 
 
 def test_refusals_on_the_command_line_stand_alone(path, tmp_path):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cases import recorded_example
+from cases import blocks_to_uncomment, recorded_example, uncommented
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -72,12 +72,11 @@ def test_example_is_what_its_comments_say(tmp_path: Path) -> None:
 def test_every_commented_choice_of_the_example_can_be_taken(tmp_path: Path) -> None:
     wave(tmp_path, "taft.txt")
     filtered = 'ground = "kanai_tajimi"\nperiod = "2 s"\ndamping = 0.05\nintensity = "0.001 m^2/s^3"\n'
-    text = recorded_example()
-    start, end = text.index("[[site"), text.index("#   column")
-    case = read(tmp_path, with_site(filtered + text[start:end]))
+    record = blocks_to_uncomment("[[site.records]]")[0].replace("#   ", "")
+    case = read(tmp_path, with_site(filtered + record))
     assert case.ground == sl.KanaiTajimi(2.0, 0.05, 0.001)
     assert list(case.records) == ["Taft 1952"]
-    assert list(read(tmp_path, text).records) == ["Taft 1952"]
+    assert list(read(tmp_path, recorded_example()).records) == ["Taft 1952"]
     for strength in ('yield_displacement = "3 cm"', "ductility = 4", "elastic = true"):
         one = read(tmp_path, changed("\nreduction_factor = 4\nheight", f"\n{strength}\nheight"))
         assert one.first.strength == strength.split(" ")[0]
@@ -90,6 +89,35 @@ def test_every_commented_choice_of_the_example_can_be_taken(tmp_path: Path) -> N
     case = read(tmp_path, EXAMPLE[:start] + both + EXAMPLE[end:])
     assert [building.storeys for building in case.buildings] == [3, 3]
     assert [building.height for building in case.buildings] == [10.0, 10.0]
+
+
+def at2(values: np.ndarray) -> str:
+    rows = "\n".join(" ".join(f"{value:.6E}" for value in row) for row in values.reshape(-1, 5))
+    return f"PEER NGA\nSomewhere\nACCELERATION IN UNITS OF G\nNPTS= {values.size}, DT= .02 SEC\n{rows}\n"
+
+
+def test_each_form_of_a_record_is_uncommented_as_a_block_and_runs(tmp_path: Path) -> None:
+    values = np.loadtxt(wave(tmp_path, "taft.txt"))
+    np.savetxt(tmp_path / "sct.txt", np.column_stack([0.02 * np.arange(values.size), 981 * values]))
+    (tmp_path / "elcentro.at2").write_text(at2(values))
+    blocks = blocks_to_uncomment("[[site.records]]")
+    assert len(blocks) == 3
+    for block in blocks:
+        case = read(tmp_path, uncommented(block))
+        (record,) = case.records.values()
+        assert float(abs(record).max()) == pytest.approx(9.81 * abs(values).max(), rel=1e-3)
+        (table,) = pound_case(case).values()
+        assert float(table.peak.min()) > 0
+
+
+@pytest.mark.parametrize("name", ["kanai_tajimi", "fitted"])
+def test_a_ground_is_uncommented_in_place_of_the_two_lines_above(name: str, tmp_path: Path) -> None:
+    (block,) = blocks_to_uncomment(f'ground = "{name}"')
+    wave(tmp_path, "taft.txt")
+    record = blocks_to_uncomment("[[site.records]]")[0]
+    lines = uncommented(block).replace(record, record.replace("#   ", ""))
+    text = lines.replace('\nground = "firm"', "").replace('\nintensity = "0.01 m^2/s^3"', "")
+    assert isinstance(read(tmp_path, text).ground, sl.KanaiTajimi)
 
 
 @given(
@@ -222,6 +250,25 @@ WRONG = {
     "no words": ('name = "Annex"', 'name = " "', 'name = " "', ["some words"]),
     "control sign": ('name = "Annex"', r'name = "A\u001b[2J"', 'name = "A', ["some words"]),
     "unquoted unit": ('"0.6 s"', "0.6 s", "period = 0.6 s", ["no TOML", 'period = "0.6 s"']),
+    "whole number beyond all": (
+        'damping = "5 %"',
+        f"damping = 1{400 * '0'}",
+        "damping = 1",
+        ["about 1e400 is out of range"],
+    ),
+    "more storeys than a file holds": ("storeys = 8", f"storeys = {2**63}", "storeys", ["is no whole"]),
+    "more digits than Python reads": ("seed = 0", f"seed = 1{5000 * '0'}", "seed = 1", ["is no TOML"]),
+    "number beyond all": ('"0.6 s"', '"1e999 s"', 'period = "1e999 s"', ["is out of range"]),
+    "infinity": ('damping = "5 %"', "damping = -inf", "damping = -inf", ["-inf is out of range"]),
+    "long value": ('"0.6 s"', f'"{"6" * 200_000} km"', 'period = "666', ["has the unknown unit 'km'"]),
+    "long name": ('"Annex"', f'"{"A" * 200_000}"', 'name = "AAA', ["200 characters at most"]),
+    "long key": ("storeys = 8", f"{'s' * 200_000} = 8", "sss", ["is not a key"]),
+    "measure without a name": (
+        '"Rubber bumpers"',
+        '" "',
+        '[measures." "]',
+        ["name that cannot be shown"],
+    ),
     "nothing to fit to": (GROUND, 'ground = "fitted"', "intensity", ["site.intensity", "estimator"]),
 }
 
@@ -239,6 +286,15 @@ def test_what_is_wrong_is_said_with_file_line_and_key(what: str, tmp_path: Path)
     assert message.startswith(f"case.toml, line {skipped + line_of(text[start:], at)}: "), message
     for part in says:
         assert part in message
+    assert message.isprintable()
+    assert len(message) < 500
+
+
+def test_a_name_that_clears_the_screen_is_refused(tmp_path: Path) -> None:
+    for table in ("measures.", "site.", ""):
+        with pytest.raises(ValueError, match=rf"{table}.*\\x1b\[2J") as caught:
+            read(tmp_path, changed('[measures."Rubber bumpers"]', rf'[{table}"\u001b[2J"]'))
+        assert str(caught.value).isprintable()
 
 
 @pytest.mark.parametrize(

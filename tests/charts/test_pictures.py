@@ -64,3 +64,20 @@ def test_a_chart_without_simulation_is_not_verified(name):
     ) as found:
         sl.charts.verify_chart(name, SETTINGS)
     assert "fig8" not in str(found.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("reduction_factors", (4.0, -1.0)),
+        ("reduction_factors", (float("nan"),)),
+        ("plane_reduction_factor", 0),
+        ("damping", 5),
+        ("hardening", "stiff"),
+        ("ground_period", None),
+        ("ductility", True),
+    ],
+)
+def test_settings_out_of_range_are_refused_before_any_work(name, value):
+    with pytest.raises(ValueError, match=f"{name} = .* is out of range; allowed: 0 < value"):
+        sl.charts.ChartSettings(**{name: value})

@@ -67,6 +67,24 @@ def test_curves_and_planes_need_no_drawing_code_and_are_found_by_what_they_ask_f
     assert (tmp_path / "of_record.png").exists()
 
 
+NOTHING = """
+import xarray as xr
+from stochlin.charts import CHARTS
+
+@CHARTS.register("nothing")
+def nothing_chart(settings):
+    rho = xr.DataArray([float("nan")] * 4, coords={"period": [1.0, 2, 3, 4]}, dims="period")
+    return xr.Dataset({"rho": rho}, attrs={"chart": "curves"})
+"""
+
+
+def test_a_chart_without_a_number_is_not_drawn(install, tmp_path):
+    done = install(NOTHING)("charts", "nothing", "--out", ".")
+    assert done.returncode == 2
+    assert "the chart holds no finite number" in done.stderr
+    assert not list(tmp_path.glob("nothing.*"))
+
+
 def test_a_chart_that_asks_for_what_there_is_not_is_told_what_there_is(install):
     source = "from stochlin.charts import CHARTS\n@CHARTS.register('odd')\ndef odd(moon): ...\n"
     done = install(source)("charts", "odd", "--out", ".")

@@ -13,6 +13,7 @@ import click
 import numpy as np
 import pytest
 import xarray as xr
+from cases import recorded_example
 from click.testing import CliRunner, Result
 
 import stochlin as sl
@@ -349,3 +350,13 @@ def test_a_strength_in_metres_asks_for_the_strength_of_the_shaking() -> None:
     assert result.exit_code == 2
     assert "--yield-displacement needs the strength of the shaking" in result.output
     assert run(*given, "--intensity", "0.01 m^2/s^3").exit_code == 0
+
+
+def test_what_is_doubtful_is_shown_on_a_line(tmp_path: Path) -> None:
+    case = recorded_example().replace('existing = "5 cm"', "#")
+    (tmp_path / "case.toml").write_text(case, encoding="utf-8")
+    np.savetxt(tmp_path / "taft.txt", 10 * np.sin(np.arange(400)))
+    result = run("pound", tmp_path / "case.toml")
+    assert result.exit_code == 2
+    (line,) = [line for line in result.output.splitlines() if "10 g" in line]
+    assert line.startswith("Warning: taft.txt: its peak is 10 g, and more than 3 g has hardly")

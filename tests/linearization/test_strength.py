@@ -9,6 +9,7 @@ import scipy.optimize
 import xarray as xr
 
 import stochlin as sl
+from stochlin.analyses.linearization.strength import strength_in_metres
 
 pytestmark = pytest.mark.oracle
 
@@ -159,3 +160,15 @@ def test_reduction_factor_and_yield_displacement_are_inverse():
 def test_reduction_factor_needs_a_strength():
     with pytest.raises(ValueError, match="has no strength"):
         sl.reduction_factor(sl.Bilinear(1.0, 0.05, 0.1), GROUND)
+
+
+@pytest.mark.parametrize("intensity", [1e-320, 1e308])
+def test_what_is_too_extreme_is_said_in_terms_of_what_was_given(intensity):
+    structure = sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=4)
+    ground = sl.named_ground("firm", intensity=intensity)
+    with pytest.raises(ArithmeticError, match=r"Bilinear\(period=1.*ductility.4") as caught:
+        sl.strength_for_ductility(structure, ground, 4.0)
+    assert "DuctilityTarget" not in str(caught.value)
+    if intensity > 1:
+        with pytest.raises(ArithmeticError, match=r"elastic response of Bilinear\(.*cannot|beyond"):
+            strength_in_metres(structure, ground)

@@ -168,7 +168,7 @@ def test_columns_by_name(tmp_path):
 def test_unused_columns_may_hold_text(tmp_path):
     text = lines(["2000-01-01"] * 40, WAVE, separator=",")
     np.testing.assert_array_equal(
-        sl.read_record(write(tmp_path, text), units="m/s^2", column=1, dt=1), WAVE
+        sl.read_record(write(tmp_path, text), units="m/s^2", column=1, dt=0.5), WAVE
     )
 
 
@@ -307,6 +307,37 @@ REFUSALS = {
     "dt nearly": (lines(times(), WAVE), {**BOTH, "dt": 0.0201}, r"dt = 0\.0201 contradicts the time"),
     "short": (lines(WAVE[:15]), READY, "record has 15 samples; allowed: at least 16"),
     "zeros": ("0.0\n" * 40, READY, "record holds only zeros"),
+    "velocity": (
+        "t,vel [cm/s]\n" + lines(times(), WAVE, separator=","),
+        BOTH,
+        r"column 'vel \[cm/s\]' of record.txt is in cm/s, which is no acceleration",
+    ),
+    "acceleration that is not known": (
+        "t,acc (ft/s2)\n" + lines(times(), WAVE, separator=","),
+        BOTH,
+        r"is in ft/s2, which is no acceleration that is known; allowed: 'g'",
+    ),
+    "decimal commas": ("0,012\n-0,034\n" * 20, READY, "decimal commas, as in '0,012'; write"),
+    "decimal commas, columns": ("0,02;0,012\n" * 20, BOTH, "'0,02' is not a number.*decimal point"),
+    "UTF-16": (lines(WAVE).encode("utf-16"), READY, "record.txt is text in UTF-16; allowed: UTF-8"),
+    "binary": (np.array(WAVE).tobytes(), READY, "record.txt is no text; allowed: PEER AT2"),
+    "tiny step": (
+        SINGLE,
+        {"dt": 1e-300, "units": "g"},
+        r"record.txt is 1e-300 s; allowed: 1e-06",
+    ),
+    "tiny step of AT2": (at2("NPTS= 40, DT= 1E-300 SEC"), {}, r"step of record.txt is 1e-300 s"),
+    "huge step": (at2("NPTS= 40, DT= 1E999 SEC"), {}, "is not the header of an AT2 file"),
+    "constant time": (lines([0.5] * 40, WAVE), BOTH, "time does not increase"),
+    "times twice": (changed(7, "0.12", first=True), BOTH, "time does not increase: 0.12 s"),
+    "two records": (
+        lines(times(), WAVE) * 2,
+        BOTH,
+        "0.78 s is followed by 0 s",
+    ),
+    "two AT2 records": (at2("NPTS= 40, DT= .01 SEC") * 2, {}, r"'PEER' is not a number"),
+    "truth for a column": (TABLE, {**BOTH, "column": True}, "column = True is not in"),
+    "truth for a step": (SINGLE, {"dt": True, "units": "g"}, "dt = True is out of range"),
     "AT2 dt": (at2("NPTS= 40, DT= .01 SEC"), {"dt": 0.02}, r"dt = 0\.02 contradicts .*states 0\.01"),
     "AT2 units": (
         at2("NPTS= 40, DT= .01 SEC"),
@@ -336,6 +367,27 @@ def test_refusals_say_what_and_where(tmp_path, case):
     text, options, message = REFUSALS[case]
     with pytest.raises(ValueError, match=message):
         sl.read_record(write(tmp_path, text), **options)
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "message"),
+    [
+        (lines([i * 10 for i in range(40)], WAVE), BOTH, "its time step is 10 s.*is time in seconds"),
+        (lines([100 * value for value in WAVE]), READY, "its peak is 10 g.*are the units right"),
+        (
+            "t,vel\n" + lines(times(), WAVE, separator=","),
+            BOTH,
+            "its column is named 'vel'; is that an acceleration",
+        ),
+        (TABLE, {**READY, "column": 0}, "its values increase throughout.*the right column"),
+    ],
+)
+def test_what_is_hardly_meant_is_asked_about(tmp_path, text, options, message):
+    with pytest.warns(UserWarning, match=f"^record.txt: {message}") as caught:
+        record = sl.read_record(write(tmp_path, text), **options)
+    assert len(caught) == 1
+    assert caught[0].filename == __file__
+    assert record.sizes == {"time": 40}
 
 
 def test_missing_file(tmp_path):

@@ -53,6 +53,10 @@ ASKED: dict[str, Callable[[], xr.Dataset]] = {
     "probability_duration": lambda: sl.pounding_probability(ONE, TWO, GROUND, 0.05, duration=1e6),
     "probability_period": lambda: sl.pounding_probability(TINY, TWO, GROUND, 0.05, duration=20),
     "transient": lambda: sl.transient_response(ONE, GROUND, 1e7),
+    "records": lambda: sl.response_spectrum(RECORD, np.full(300_000, 1e-3), 0.05),
+    "recorded_gap": lambda: sl.recorded_gap(
+        sl.Bilinear(np.full(200_000, 1e-3), 0.05), sl.Bilinear(1.0, 0.05), RECORD
+    ),
     "pound": lambda: sl.pound(STIFF, 0.05, sl.Kelvin(2e9, restitution=0.65), RECORD),
 }
 

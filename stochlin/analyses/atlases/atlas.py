@@ -8,6 +8,7 @@ import time
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError, ThreadPoolExecutor, as_completed
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -113,7 +114,7 @@ def _blocks(
     path, numbers = checks.root, list(np.ndindex(checks.counts))
     good, todo = 0, []
     yield good, len(numbers)
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
+    with _threads() as pool:
         for number, is_good in zip(numbers, pool.map(checks.is_good, numbers), strict=True):
             if is_good:
                 good += 1
@@ -197,16 +198,23 @@ def _reason(error: BaseException) -> str:
     return f"not enough memory ({told})" if isinstance(error, MemoryError) else told
 
 
-def _on_this_machine(path: Path, chosen: AtlasSpecification, todo: Sequence[Number]) -> Iterator[None]:
-    """Write blocks in threads: one computes while another writes."""
+@contextmanager
+def _threads() -> Iterator[ThreadPoolExecutor]:
+    """One a core; what they have not begun when the block ends is left."""
     pool = ThreadPoolExecutor(os.cpu_count())
     try:
+        yield pool
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _on_this_machine(path: Path, chosen: AtlasSpecification, todo: Sequence[Number]) -> Iterator[None]:
+    """Write blocks in threads: one computes while another writes."""
+    with _threads() as pool:
         futures = [pool.submit(atlas_store.write_block, str(path), chosen, n) for n in todo]
         for future in as_completed(futures):
             future.result()
             yield
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
 
 
 def _on_worker(path: str, chosen: AtlasSpecification, number: Number, code: str) -> None:

@@ -29,7 +29,6 @@ CHECKS = "block_checks"
 CHECKSUM, CHECKSUMS = "checksum", "checksums"
 METADATA = "zarr.json"
 FILES = "files"  # attribute of the checks: the variables in the order of their rows
-CRC_BYTES = 4  # that zarr's codec adds
 NONE = -1  # in place of bytes and checksum: no such chunk
 CURE = "write_atlas with the specification that made it computes what is damaged again, and just that"
 Number = tuple[int, ...]
@@ -120,13 +119,12 @@ class Checks:
     def rows_of(self, number: Number) -> Array:
         """Of a block, read from its file; raises a `DamagedError` if that is damaged."""
         key, shape = rows_key(number), (len(self.variables) + 1, 2)
-        try:
-            data = (self.root / key).read_bytes()
-        except (FileNotFoundError, NotADirectoryError):
+        data = self.content(key)
+        if data is None:
             return np.full(shape, NONE)
-        if len(data) != 8 * math.prod(shape) + CRC_BYTES:
+        if len(data) != 8 * math.prod(shape):
             raise DamagedError(self.root, key, f"it has {len(data)} bytes")
-        rows = np.frombuffer(data, "<i8", math.prod(shape)).reshape(shape)
+        rows = np.frombuffer(data, "<i8").reshape(shape)
         if not np.array_equal(rows, rows_of_block(self.seed, number, rows[:-1])):
             raise DamagedError(self.root, key, "its checksum is wrong")
         return rows
@@ -179,11 +177,18 @@ class Checks:
 
     def check_file(self, key: str, expected: Facts) -> None:
         """The same, of what lies on the disk."""
+        self.check(key, self.content(key), expected)
+
+    def content(self, key: str) -> bytes | None:
+        """The bytes of a file, None if there is none; a `DamagedError` if the disk does not tell."""
         try:
-            data = (self.root / key).read_bytes()
+            return (self.root / key).read_bytes()
         except (FileNotFoundError, IsADirectoryError, NotADirectoryError):
-            data = None
-        self.check(key, data, expected)
+            return None
+        except PermissionError:
+            raise
+        except OSError as error:
+            raise DamagedError(self.root, key, f"it cannot be read, {error.strerror}") from error
 
     def check_presence(self) -> None:
         """Raise a `DamagedError` unless every chunk is there and as long as it was; reads none."""

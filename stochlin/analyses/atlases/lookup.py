@@ -12,6 +12,7 @@ import xarray as xr
 from stochlin.analyses.atlases.specification import OF_STRUCTURES
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import brief, sentence
 from stochlin.models.grounds import GROUNDS
 from stochlin.models.parameters import CASE, Parameter
 
@@ -111,7 +112,7 @@ def _points(
     try:
         points = xr.broadcast(*(logs[name] for name in axes))
     except xr.AlignmentError as error:
-        raise ValueError(f"parameters share a dimension, not its length: {error}") from error
+        raise ValueError(f"parameters share a dimension, not its length: {sentence(error)}") from error
     return dict(zip(axes, points, strict=True))
 
 
@@ -136,7 +137,7 @@ def _array(name: str, value: Parameter) -> xr.DataArray:
             raise ValueError(f"{name} has {numbers.ndim} dimensions; allowed: a number or a 1-D array")
         array = xr.DataArray(numbers, dims=[CASE][: numbers.ndim])
     if array.dtype.kind not in "iuf":
-        raise TypeError(f"{name} = {value!r} is not a real number")
+        raise TypeError(f"{name} = {brief(value)} is not a real number")
     return array.astype(float)
 
 

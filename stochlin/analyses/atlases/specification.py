@@ -22,7 +22,6 @@ import itertools
 import json
 import math
 import os
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,7 +30,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.tables.checks import check_whole, is_number, is_whole
+from stochlin.analyses.tables.checks import check_label, check_whole, is_number, is_whole
+from stochlin.analyses.tables.toml import read_toml
+from stochlin.messages import brief, listed
 from stochlin.models.grounds import GROUNDS, Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Model
@@ -94,10 +95,7 @@ class AtlasSpecification:
 
 def read_specification(path: str | os.PathLike[str]) -> AtlasSpecification:
     """Read a TOML file; a ValueError says what is wrong with it and what is allowed."""
-    try:
-        data = tomllib.loads(Path(path).read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ValueError(f"{path} is no TOML file: {error}") from error
+    _, data = read_toml(Path(path))
     return specification(data)
 
 
@@ -107,8 +105,7 @@ def specification(data: Mapping[str, Any]) -> AtlasSpecification:
     ground = _one_of(data.get("ground", "kanai_tajimi"), tuple(GROUNDS), "ground")
     closure = _one_of(data.get("closure", "gaussian"), Bilinear.closure_names(), "closure")
     title = data.get("title", "Correlation of two structures")
-    if not isinstance(title, str):
-        raise ValueError(f"title = {title!r}; allowed: text in quotes")
+    check_label("title", title)
     block = data.get("block_cells", BLOCK_CELLS)
     check_whole("block_cells", block, 1)
     given = data.get("parameters")
@@ -149,12 +146,12 @@ def _check_names(given: Mapping[str, Any], ground: str) -> None:
 def _only(data: Mapping[str, Any], allowed: tuple[str, ...], where: str) -> None:
     unknown = [key for key in data if key not in allowed]
     if unknown:
-        raise ValueError(f"{', '.join(unknown)} unknown in {where}; allowed: {', '.join(allowed)}")
+        raise ValueError(f"{listed(unknown)} unknown in {where}; allowed: {', '.join(allowed)}")
 
 
 def _one_of(value: Any, allowed: tuple[str, ...], name: str) -> str:
     if value not in allowed:
-        raise ValueError(f"{name} = {value!r} is not known; allowed: {', '.join(allowed)}")
+        raise ValueError(f"{name} = {brief(value)} is not known; allowed: {', '.join(allowed)}")
     return str(value)
 
 
@@ -166,7 +163,7 @@ def _parameter(name: str, value: Any) -> float | tuple[float, ...]:
         value = _sweep(name, value)
     if not isinstance(value, list) or not all(_is_number(item) for item in value):
         raise ValueError(
-            f"{name} = {value!r}; allowed: a number, a list of numbers, or a sweep "
+            f"{name} = {brief(value)}; allowed: a number, a list of numbers, or a sweep "
             '{ start = 0.1, stop = 10, count = 50, spacing = "log" }'
         )
     if not value:
@@ -185,11 +182,13 @@ def _sweep(name: str, value: Mapping[str, Any]) -> list[float]:
     count, spacing = value["count"], value.get("spacing", "linear")
     if not is_whole(count) or not 1 <= count <= LONGEST_AXIS:
         empty = " is an empty axis" if count == 0 else ""
-        raise ValueError(f"{name}: count = {count!r}{empty}; allowed: 1 to {LONGEST_AXIS}")
+        raise ValueError(f"{name}: count = {brief(count)}{empty}; allowed: 1 to {LONGEST_AXIS}")
     _one_of(spacing, ("linear", "log"), f"{name}: spacing")
     start, stop = value["start"], value["stop"]
     if not (_is_number(start) and _is_number(stop) and 0 < start <= stop):
-        raise ValueError(f"{name}: start = {start!r}, stop = {stop!r}; allowed: 0 < start <= stop")
+        raise ValueError(
+            f"{name}: start = {brief(start)}, stop = {brief(stop)}; allowed: 0 < start <= stop"
+        )
     spread = np.geomspace if spacing == "log" else np.linspace
     return [float(x) for x in spread(start, stop, count)]
 

@@ -44,6 +44,7 @@ from stochlin.analyses.atlases.checksums import (
 )
 from stochlin.analyses.atlases.specification import AtlasSpecification
 from stochlin.analyses.correlation.correlation import correlate
+from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.grounds import GROUNDS
 
@@ -154,19 +155,15 @@ def check_room(specification: AtlasSpecification, path: Path) -> None:
 
 
 def check_memory(specification: AtlasSpecification) -> None:
-    """Raise a ValueError if the blocks that are computed at a time need more memory than there is."""
-    if not hasattr(os, "sysconf"):
-        return  # Windows tells no sizes
-    there = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    """Raise a ValueError if the blocks that are computed at a time need too much memory."""
     at_a_time = min(os.cpu_count() or 1, math.prod(_counts(specification)))
     block = math.prod(block_shape(specification).values())
-    need = WORKING_BYTES * block * at_a_time
-    if need > there:
-        raise ValueError(
-            f"block_cells = {specification.block_cells}: {at_a_time} blocks of {block:.3g} cells at a "
-            f"time need some {need / 1e9:.3g} GB of memory, and this machine has {there / 1e9:.3g} GB; "
-            f"allowed here: up to {there // (WORKING_BYTES * (os.cpu_count() or 1))}"
-        )
+    check_work(
+        f"block_cells = {specification.block_cells}: {at_a_time} blocks of {block:.3g} cells at a time "
+        "need",
+        "take smaller blocks",
+        memory=float(WORKING_BYTES * block * at_a_time),
+    )
 
 
 def create(path: Path, specification: AtlasSpecification) -> None:
@@ -228,8 +225,7 @@ def _fill(folder: Path, specification: AtlasSpecification) -> None:
     kept = {k: v for k, v in cell.attrs.items() if k not in ("first", "second", "ground")}
     own = {"title": specification.title, "specification": specification.as_json()}
     group.attrs.update(kept | own | {"code": code_version()})
-    checked = zarr.codecs.Crc32cCodec()
-    packed = [zarr.codecs.ZstdCodec(level=0), checked]
+    packed = [zarr.codecs.ZstdCodec(level=0), zarr.codecs.Crc32cCodec()]
     for name, values in axes.items():
         array = group.create_array(
             name,
@@ -264,7 +260,7 @@ def _fill(folder: Path, specification: AtlasSpecification) -> None:
         chunks=[*([1] * len(counts)), rows, 2],
         dimension_names=[*(f"{dim}_block" for dim in axes), "file", "check"],
         fill_value=NONE,
-        compressors=[checked],
+        compressors=None,  # as they are in memory: they check themselves
         attributes={
             "units": "1",
             "long_name": "bytes and checksums of the chunks of a block",

@@ -21,6 +21,7 @@ from stochlin.analyses.cases.buildings import (
 from stochlin.analyses.cases.contacts import read_amplification_limit, read_contact, read_measures
 from stochlin.analyses.cases.site import FITTED, TIME, read_envelope, read_ground, read_records
 from stochlin.analyses.cases.values import Quantity, read_sections
+from stochlin.analyses.tables.checks import as_path
 from stochlin.models.contacts import Contact
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
@@ -178,7 +179,7 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     >>> case.second.name, case.second.structure.period, case.gap
     ('Annex', 0.6, 0.05)
     """
-    path = Path(path)
+    path = as_path("path", path)
     whole = read_sections(path)
     keys = building_keys(whole)
     whole.only("title", *TABLES[:2], *keys, *TABLES[2:])

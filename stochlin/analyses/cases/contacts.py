@@ -6,6 +6,7 @@ import inspect
 from typing import Any
 
 from stochlin.analyses.cases.values import Quantity, Section
+from stochlin.analyses.tables.checks import A_LABEL, is_label
 from stochlin.models.contacts import Contact
 from stochlin.models.contacts.base import CONTACTS, DAMPING, RESTITUTION
 from stochlin.models.links import Link
@@ -29,6 +30,9 @@ def read_contact(section: Section) -> Contact:
 def read_measures(whole: Section) -> dict[str, Measure]:
     """The measures by name, in the order of the file; none if there is no such table."""
     table = whole.section("measures", needed=False)
+    for name in table.values:
+        if not is_label(name):
+            raise table.error(name, f"has a name that cannot be shown; allowed: {A_LABEL}")
     return {name: _measure(table.section(name)) for name in table.values}
 
 

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import difflib
+import math
 import re
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
-from stochlin.analyses.tables.checks import is_number, is_whole
+from stochlin.analyses.tables.checks import A_LABEL, LARGEST_WHOLE, is_label, is_number, is_whole
+from stochlin.analyses.tables.toml import read_toml
+from stochlin.messages import brief, plain
 from stochlin.models.parameters import Model, Range
 
 One = TypeVar("One", bound=Model)
@@ -75,7 +77,8 @@ class Section:
 
     def name(self, key: str = "") -> str:
         """The key as it is written with its tables, ``building_1.period``."""
-        return ".".join(str(part) for part in (*self.place, key) if isinstance(part, str) and part)
+        parts = (part for part in (*self.place, key) if isinstance(part, str) and part)
+        return ".".join(plain(part, 40) for part in parts)
 
     def error(self, key: str, what: str) -> ValueError:
         """An error at a key, or, for the empty key, at the table."""
@@ -83,8 +86,8 @@ class Section:
         line = next((self.lines[place] for place in places if place in self.lines), None)
         where = self.file if line is None else f"{self.file}, line {line}"
         a_value = key in self and not isinstance(self.values[key], dict)
-        shown = f"{self.name(key)} = {self.values[key]!r}" if a_value else self.name(key)
-        return ValueError(f"{where}: {shown} {what}".replace(":  ", ": "))
+        given = f"{self.name(key)} = {brief(self.values[key])}" if a_value else self.name(key)
+        return ValueError(f"{where}: {given} {what}".replace(":  ", ": "))
 
     def only(self, *allowed: str) -> None:
         """Raise for a key that is not one of these, and suggest the nearest."""
@@ -149,8 +152,8 @@ class Section:
         if key not in self and default is not None:
             return default
         value = self.need(key, f'"{choices[0]}"' if choices else '"..."')
-        if not isinstance(value, str) or not value.strip() or not value.isprintable():
-            raise self.error(key, "is not a line of text; allowed: some words in quotation marks")
+        if not is_label(value):
+            raise self.error(key, f"is not a line of text; allowed: {A_LABEL}, in quotation marks")
         if choices and value not in choices:
             near = difflib.get_close_matches(value, choices, 1)
             hint = f"did you mean {near[0]!r}? " if near else ""
@@ -169,7 +172,7 @@ class Section:
         if key not in self and default is not None:
             return default
         value = self.need(key, str(lowest))
-        if not is_whole(value) or value < lowest:
+        if not is_whole(value) or not lowest <= value <= LARGEST_WHOLE:
             raise self.error(key, f"is no whole number from {lowest} on; allowed: {lowest} or more")
         return value
 
@@ -197,49 +200,36 @@ def in_si(given: Any, quantity: Quantity) -> float:
     value, unit = _split(given, quantity)
     known = quantity.spellings
     if unit and unit not in known:
-        raise ValueError(f"has the unknown unit {unit!r}; allowed: {', '.join(known)}")
+        raise ValueError(f"has the unknown unit {brief(unit)}; allowed: {', '.join(known)}")
     return value * known[unit] if unit else value
 
 
 def _split(given: Any, quantity: Quantity) -> tuple[float, str]:
     """The number and its unit, as they are written."""
-    plain = is_number(given)
+    a_number = is_whole(given) or is_number(given)
     found = _NUMBER.fullmatch(given) if isinstance(given, str) else None
     ratio = quantity.units == "1"
-    if plain and ratio:
-        return float(given), ""
-    if found is None and not plain:
+    if a_number and ratio:
+        return (float(given) if is_number(given) else math.inf), ""
+    if found is None and not a_number:
         allowed = "a number" if ratio else "a text with a number and its unit"
         raise ValueError(f"is no number; allowed: {allowed}, as {quantity.example}")
     unit = "" if found is None else found[2].strip().translate(_OTHER_SIGNS)
     if not unit and not ratio:
-        number = found[1] if found else f"{given:g}"
+        number = plain(found[1], 20) if found else f"{given:g}" if is_number(given) else brief(given)
         suggested = ", ".join(f'"{number} {name}"' for name in quantity.spellings)
         raise ValueError(f"has no unit; allowed: a text with one of its units, {suggested}")
     if found and ratio and not unit:
-        raise ValueError(f"is a text; allowed: the number without quotation marks, {found[1]}")
+        raise ValueError(
+            f"is a text; allowed: the number without quotation marks, {plain(found[1], 20)}"
+        )
     return float(found[1]) if found else float(given), unit
 
 
 def read_sections(path: Path) -> Section:
     """The whole file, as one section; an OSError if it cannot be read, a ValueError if it is no TOML."""
-    name = path.name
-    try:
-        text = path.read_bytes().decode("utf-8-sig")
-        values = tomllib.loads(text)
-    except UnicodeDecodeError as error:
-        raise ValueError(f"{name} is no text in UTF-8 ({error}); save it as such") from error
-    except RecursionError as error:
-        raise ValueError(f"{name} is nested too deeply; allowed: tables and their keys") from error
-    except tomllib.TOMLDecodeError as error:
-        found = re.search(r"line (\d+)", str(error))
-        line = int(found[1]) if found else len(text.splitlines())
-        shown = text.splitlines()[line - 1].strip() if line else ""
-        raise ValueError(
-            f"{name}, line {line}: {shown!r} is no TOML ({error}); a value with a unit and any other "
-            'text stand in quotation marks, as period = "0.6 s"'
-        ) from error
-    return Section(name, (), values, key_lines(text))
+    text, values = read_toml(path)
+    return Section(plain(path.name), (), values, key_lines(text))
 
 
 def key_lines(text: str) -> dict[Place, int]:

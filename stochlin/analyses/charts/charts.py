@@ -11,7 +11,10 @@ from typing import Any
 
 import xarray as xr
 
+from stochlin.analyses.tables.checks import is_number
+from stochlin.messages import brief
 from stochlin.models.grounds import Ground, KanaiTajimi
+from stochlin.models.laws.bilinear import Bilinear
 from stochlin.registry import Registry
 
 # A chart asks by the names of its parameters for the settings, for a ground (there is then one for each
@@ -75,6 +78,14 @@ class ChartSettings:
         check_points(self.points)
         if not self.reduction_factors:
             raise ValueError("reduction_factors is empty; allowed: at least one value")
+        asked = {"damping": "damping", "hardening": "hardening", "ground_period": "period"}
+        asked |= {"plane_reduction_factor": "reduction_factor", "ductility": "reduction_factor"}
+        given = [(name, getattr(self, name), Bilinear.allowed(own)) for name, own in asked.items()]
+        factor = Bilinear.allowed("reduction_factor")
+        given += [("reduction_factors", value, factor) for value in self.reduction_factors]
+        for name, value, allowed in given:
+            if not is_number(value) or not allowed.contains(value):
+                raise ValueError(f"{name} = {brief(value)} is out of range; allowed: {allowed}")
 
 
 def check_points(points: int) -> None:
@@ -126,7 +137,7 @@ def _asked(name: str) -> set[str]:
     asked = {parameter.name for parameter in parameters if parameter.default is parameter.empty}
     if not asked <= GIVEN:
         wrong, allowed = ", ".join(sorted(asked - GIVEN)), ", ".join(sorted(GIVEN))
-        raise TypeError(f"chart {name!r} asks for {wrong}; allowed: {allowed}")
+        raise TypeError(f"chart {brief(name)} asks for {wrong}; allowed: {allowed}")
     return asked
 
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 import xarray as xr
 
 from stochlin.analyses.charts.charts import ChartSettings, chart_functions
+from stochlin.messages import brief
 
 
 def verify_chart(name: str, settings: ChartSettings) -> xr.Dataset:
@@ -32,12 +33,14 @@ def verify_chart(name: str, settings: ChartSettings) -> xr.Dataset:
     functions = chart_functions(replace(settings, method="linearization"))
     allowed = [key for key, function in functions.items() if "ground" in function.keywords]
     if name not in allowed:
-        raise ValueError(f"NAME = {name!r} cannot be verified; allowed: {', '.join(allowed)}")
+        raise ValueError(f"NAME = {brief(name)} cannot be verified; allowed: {', '.join(allowed)}")
     chart = functions[name]()
     simulated = chart_functions(replace(settings, method="simulation"))[name]()
     shown = next((str(key) for key in simulated if f"{key}_standard_error" in simulated), None)
     if shown is None or chart.attrs["chart"] not in ("curves", "plane"):
-        raise ValueError(f"NAME = {name!r} is no chart of curves or of a plane with a simulation to it")
+        raise ValueError(
+            f"NAME = {brief(name)} is no chart of curves or of a plane with a simulation to it"
+        )
     units = {"units": "1"}
     error = f"{shown}_standard_error"
     chart[f"{shown}_simulated"] = simulated[shown].assign_attrs(units, long_name=f"{shown}, simulated")

@@ -9,6 +9,7 @@ from stochlin.analyses.correlation.variables import VARIABLES
 from stochlin.analyses.linearization.equivalent_systems import solve_elastic
 from stochlin.analyses.linearization.linearization import linearize
 from stochlin.analyses.tables import labels
+from stochlin.messages import brief
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
@@ -67,6 +68,8 @@ def amplification(
     """
     expect(structure, Structure, "structure")
     expect(ground, Ground, "ground")
+    if not isinstance(method, str):
+        raise ValueError(f"method = {brief(method)} is not known; allowed: linearization, simulation")
     elastic = solve_elastic(structure, ground).displacement_std
     if method == "linearization":
         inelastic = linearize(structure, ground, closure)
@@ -76,7 +79,7 @@ def amplification(
         inelastic = pairs[["status", *(f"{name}_1" for name in names)]]
         inelastic = inelastic.rename({f"{name}_1": name for name in names})
     else:
-        raise ValueError(f"method = {method!r} is not known; allowed: linearization, simulation")
+        raise ValueError(f"method = {brief(method)} is not known; allowed: linearization, simulation")
     table = inelastic[["displacement_std", "ductility_std", "status"]].assign(
         amplification=inelastic.displacement_std / elastic
     )

@@ -27,6 +27,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.correlation.tables import ROUNDING
 from stochlin.kernels.correlation.white_noise import white_noise_correlation
+from stochlin.messages import brief
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Parameter, expect
 from stochlin.models.rules.effective_properties import EffectiveRule, effective_rule
@@ -122,8 +123,8 @@ def correlate(
     >>> [round(float(rho), 6) for rho in table.rho]
     [-0.033778, 1.0]
     """
-    if method not in METHODS:
-        raise ValueError(f"method = {method!r} is not known; allowed: {', '.join(METHODS)}")
+    if not isinstance(method, str) or method not in METHODS:
+        raise ValueError(f"method = {brief(method)} is not known; allowed: {', '.join(METHODS)}")
     tolerance = Tolerance(rtol, atol, max_iterations)
     for role, structure in (("first", first), ("second", second)):
         expect(structure, Structure, role)

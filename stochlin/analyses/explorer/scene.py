@@ -13,6 +13,7 @@ from stochlin.analyses.cases.site import FITTED, NONE
 from stochlin.analyses.linearization.strength import reduction_factor
 from stochlin.analyses.linearization.transient_systems import check_course
 from stochlin.analyses.tables.checks import check_confidence, check_duration, check_whole
+from stochlin.messages import brief
 from stochlin.models.envelopes import ENVELOPES, AminAng, Envelope, GammaEnvelope, ShinozukaSato
 from stochlin.models.grounds import GROUNDS, Ground, KanaiTajimi
 from stochlin.models.grounds.named import ground_names, named_ground
@@ -103,7 +104,7 @@ class Scene(Model):
         super().__post_init__()
         for name, value, allowed in (("site", self.site, SITES), ("envelope", self.envelope, SHAPES)):
             if value not in allowed:
-                raise ValueError(f"{name} = {value!r} is not known; allowed: {', '.join(allowed)}")
+                raise ValueError(f"{name} = {brief(value)} is not known; allowed: {', '.join(allowed)}")
         check_count("paths", self.paths)
         check_confidence(self.confidence)
         check_course(self.duration, self.motion_envelope())

@@ -26,6 +26,7 @@ from stochlin.kernels.linearization.covariance import (
 from stochlin.kernels.linearization.drift import ORDERS, drift_of, half_cycles
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.fixed_point import Closure, solve_fixed_point
+from stochlin.messages import brief, sentence
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import DRIFT, NARROW_BAND, Structure
 
@@ -65,9 +66,9 @@ def system_and_forcing(arrays: Sequence[Array]) -> tuple[EquivalentSystem, Forci
 
 def check_closure(structure: Structure, closure: str) -> None:
     """Raise a ValueError unless the law of the structure has this closure."""
-    if closure not in structure.closure_names():
+    if not isinstance(closure, str) or closure not in structure.closure_names():
         raise ValueError(
-            f"closure = {closure!r} is not available for {type(structure).__name__}; allowed: "
+            f"closure = {brief(closure)} is not available for {type(structure).__name__}; allowed: "
             f"{', '.join(structure.closure_names())}"
         )
 
@@ -134,7 +135,8 @@ def solve_derived(
         outputs = cellwise(cells.solve, *inputs, kinds=[_blank(name, 0).dtype for name in names])
     except xr.AlignmentError as error:
         raise ValueError(
-            f"structure and ground share a dimension whose coordinates or lengths differ: {error}"
+            f"structure and ground share a dimension whose coordinates or lengths differ: "
+            f"{sentence(error)}"
         ) from error
     return xr.Dataset(dict(zip(names, outputs, strict=True)))
 

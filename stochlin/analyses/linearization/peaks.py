@@ -9,6 +9,7 @@ import xarray as xr
 
 from stochlin.analyses.linearization.equivalent_systems import (
     INTERNAL,
+    check_closure,
     solve_structure,
     system_and_forcing,
 )
@@ -16,12 +17,14 @@ from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import cellwise
+from stochlin.analyses.tables.checks import check_whole
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.spectral_moments import (
     SpectralMoments,
     difference_moments,
     displacement_moments,
 )
+from stochlin.messages import brief
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Parameter, expect
 from stochlin.models.rules.peak_factors import PeakFactor, StationaryMotion, peak_factor_model
@@ -102,10 +105,13 @@ def peak_response(
     expect(structure, Structure, "structure")
     expect(ground, Ground, "ground")
     chosen = peak_factor_model(model)
+    check_whole("sides", sides, 1, 2)
     domain = chosen.domain(sides)
+    check_closure(structure, closure)
     if closure == DRIFT:
         raise ValueError(
-            f"closure = {closure!r} is not available for peaks, for a drift in kicks has no spectral "
+            f"closure = {brief(closure)} is not available for peaks, for a drift in kicks "
+            "has no spectral "
             "moments; allowed: the other closures, or simulate"
         )
     motion = StationaryMotion(duration)

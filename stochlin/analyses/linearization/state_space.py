@@ -14,8 +14,11 @@ import scipy.linalg
 import xarray as xr
 
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.checks import as_numbers
+from stochlin.messages import brief
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link, check_linked
+from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
 
 FloatArray = npt.NDArray[np.float64]
@@ -74,13 +77,24 @@ def statespace(
     >>> space.state.values.tolist()
     ['xg', 'xg_rate', 'u_1', 'v_1', 'u_2', 'v_2']
     """
+    expect(ground, Ground, "ground")
+    for name, given, kind in (("structures", structures, Structure), ("links", links, Link)):
+        if not isinstance(given, (list, tuple)):
+            raise TypeError(f"{name} = {brief(given)}; allowed: a list of {name}")
+        for n, one in enumerate(given, start=1):
+            expect(one, kind, f"{name}, number {n}")
+    for name, values in (("c_eq", c_eq), ("k_eq", k_eq)):
+        if as_numbers(name, values, "a number for every structure").ndim != 1:
+            raise ValueError(f"{name} = {brief(values)}; allowed: a number for every structure")
     if not structures or not len(structures) == len(c_eq) == len(k_eq):
         raise ValueError(
             f"structures, c_eq, k_eq have lengths {len(structures)}, {len(c_eq)}, {len(k_eq)}; allowed: "
             "at least one structure, and one coefficient of each kind for every structure"
         )
     if not np.isfinite([*c_eq, *k_eq]).all():
-        raise ValueError(f"c_eq = {list(c_eq)}, k_eq = {list(k_eq)}; allowed: finite numbers")
+        raise ValueError(
+            f"c_eq = {brief(list(c_eq))}, k_eq = {brief(list(k_eq))}; allowed: finite numbers"
+        )
     for name in ground.arrays():
         _scalar(ground, name)
     soil = ground.lone_filter()
@@ -168,6 +182,8 @@ def stationary_covariance(space: xr.Dataset) -> xr.DataArray:
     >>> round(float(sl.stationary_covariance(space).sel(state="u_1", state_2="u_1")), 12)
     1.0
     """
+    if not isinstance(space, xr.Dataset) or "state_matrix" not in space:
+        raise TypeError(f"space = {brief(space)}; allowed: the dataset that statespace returns")
     matrix = space.state_matrix.values
     drive = _drive(space)
     if np.linalg.eigvals(matrix).real.max() >= 0:

@@ -19,6 +19,7 @@ from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import brief, sentence
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import POSITIVE, Model, Parameter, expect, parameter
 from stochlin.models.structures import Structure
@@ -32,6 +33,8 @@ SHOWN = ("displacement_std", "ductility_std", "yield_displacement")
 @dataclass(frozen=True)
 class DuctilityTarget(Model):
     """The mean peak ductility that is wanted."""
+
+    of_arguments = True
 
     ductility: Parameter = parameter("1", "mean peak ductility", POSITIVE)
 
@@ -111,6 +114,12 @@ def strength_for_ductility(
     strong = replace(structure, yield_displacement=None, reduction_factor=1.0, peak_factor=factor)
     target = DuctilityTarget(ductility)
     reduction = _search(strong, ground, target, closure)
+    if not reduction.ndim and np.isnan(reduction):
+        raise ArithmeticError(
+            f"no strength of {structure.describe()} on {ground.describe()} was found that has "
+            f"the ductility {float(target.arrays()['ductility']):g}; give another ductility, or less "
+            "extreme parameters"
+        )
     found = replace(strong, reduction_factor=reduction)
     solved = solve_structure(found, ground, closure, TOLERANCE)
     valid = strong.valid() & ground.valid() & target.valid()
@@ -120,7 +129,8 @@ def strength_for_ductility(
     table = solved[list(SHOWN)].assign(reduction_factor=reduction, ductility_peak=peak).where(reached)
     table["status"] = status.astype(np.int8)
     table = labels.label(table, VARIABLES)
-    case = f"strength_for_ductility({structure.describe()}, {ground.describe()}, {target.describe()})"
+    given = f"{structure.describe()}, {ground.describe()}, ductility={brief(ductility)}"
+    case = f"strength_for_ductility({given})"
     labels.raise_if_lone_failure(table, case)
     return labels.with_run_information(
         table.assign_attrs(comment=labels.CAUTION_SIGMA),
@@ -205,7 +215,7 @@ def _search(structure: Structure, ground: Ground, target: DuctilityTarget, closu
     except (xr.AlignmentError, ValueError) as error:
         raise ValueError(
             "structure, ground and ductility share a dimension whose coordinates or lengths differ: "
-            f"{error}"
+            f"{sentence(error)}"
         ) from error
     usable = structure.valid() & ground.valid() & target.valid()
     valid = xr.broadcast(usable, arrays[0])[0].transpose(*arrays[0].dims).values
@@ -248,4 +258,9 @@ def strength_in_metres(structure: Structure, ground: Ground) -> Any:
     if structure.reduction_factor is None:
         return structure
     uy = solve_elastic(structure, ground).yield_displacement
+    if not uy.ndim and not 0 < float(uy) < np.inf:
+        raise ArithmeticError(
+            f"the elastic response of {structure.describe()} to {ground.describe()}, which its "
+            "reduction_factor refers to, is beyond what can be computed; give less extreme parameters"
+        )
     return replace(structure, reduction_factor=None, yield_displacement=uy)

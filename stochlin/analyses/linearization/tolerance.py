@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stochlin.analyses.tables.checks import check_whole, is_number
+from stochlin.messages import brief
 
 
 @dataclass(frozen=True)
@@ -22,7 +23,7 @@ class Tolerance:
             value = getattr(self, name)
             if not is_number(value) or not lowest <= value < np.inf:
                 raise ValueError(
-                    f"{name} = {value!r}; allowed: a number of at least {lowest:.2g}, finite"
+                    f"{name} = {brief(value)}; allowed: a number of at least {lowest:.2g}, finite"
                 )
         check_whole("max_iterations", self.max_iterations, 1)
 

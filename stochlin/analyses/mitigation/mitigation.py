@@ -16,8 +16,9 @@ from stochlin.analyses.records.records import checked_record
 from stochlin.analyses.separation.separation import NOT_AVAILABLE, VERDICT_ATTRS, verdict_of
 from stochlin.analyses.simulation.simulation import check_repeated
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_confidence, check_existing, is_number
+from stochlin.analyses.tables.checks import check_confidence, check_existing, check_label, is_number
 from stochlin.kernels.basics.parallel import Progress
+from stochlin.messages import brief
 from stochlin.models.contacts import Contact
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
@@ -177,24 +178,31 @@ def _checked(
 ) -> list[Any]:
     """The structures by their yield displacements, once all that is given fits together."""
     expect(ground, Ground, "ground")
+    if contact is not None:
+        expect(contact, Contact, "contact")
+    for name, given in (("measures", measures), ("records", records)):
+        if not isinstance(given, Mapping) and (given is not None or name == "measures"):
+            raise TypeError(f"{name} = {brief(given)}; allowed: a mapping of them by name")
     for name, measure in measures.items():
-        expect(measure, Measure, f"measures[{name!r}]")
+        check_label("the name of a measure", name)
+        expect(measure, Measure, f"measures[{brief(name)}]")
         if measure.link is not None:
             check_linked(first, second)
     if records and contact is None:
         raise ValueError("contact is not given, records are; give what the buildings meet at as built")
     for name, motion in (records or {}).items():
+        check_label("the name of a record", name)
         try:
             checked_record(motion)
         except (TypeError, ValueError) as error:
-            raise type(error)(f"records[{name!r}]: {error}") from error
+            raise type(error)(f"records[{brief(name)}]: {error}") from error
     for role, structure in (("first", first), ("second", second)):
         expect(structure, Structure, role)
         if records and (not isinstance(structure, (Bilinear, BoucWen)) or structure.mass is None):
             raise ValueError(f"{role} cannot pound; allowed: Bilinear or BoucWen with a mass, in kg")
     if limit is not None and not (records and is_number(limit) and 0 < limit < np.inf):
         raise ValueError(
-            f"amplification_limit = {limit!r}; allowed: a positive number, with contact and records"
+            f"amplification_limit = {brief(limit)}; allowed: a positive number, with contact and records"
         )
     return [strength_in_metres(structure, ground) for structure in (first, second)]
 

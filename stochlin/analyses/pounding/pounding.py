@@ -27,6 +27,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, in_order
 from stochlin.kernels.pounding import run as kernel
 from stochlin.kernels.pounding.rows import Row
+from stochlin.messages import brief
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Contact
 from stochlin.models.laws.bilinear import Bilinear
@@ -189,9 +190,13 @@ def _output_times(output_step: float | None, intervals: int, dt: float) -> Array
     if output_step is None:
         return dt * np.arange(intervals + 1)
     if not is_number(output_step):
-        raise TypeError(f"output_step = {output_step!r} is not a number; allowed: seconds, positive")
+        raise TypeError(
+            f"output_step = {brief(output_step)} is not a number; allowed: seconds, positive"
+        )
     if not 0 < output_step < np.inf:
-        raise ValueError(f"output_step = {output_step!r} is out of range; allowed: 0 < value, finite")
+        raise ValueError(
+            f"output_step = {brief(output_step)} is out of range; allowed: 0 < value, finite"
+        )
     return output_step * np.arange(int(intervals * dt / output_step * (1 + ON_GRID)) + 1)
 
 

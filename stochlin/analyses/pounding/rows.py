@@ -9,10 +9,11 @@ import numpy as np
 import numpy.typing as npt
 import scipy.linalg
 
-from stochlin.analyses.tables.checks import check_scalars
+from stochlin.analyses.tables.checks import as_numbers, check_scalars
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding.contact import ForceLaw, law_table, reduced_mass
 from stochlin.kernels.pounding.rows import BILINEAR, BOUC_WEN, ELASTIC, Row
+from stochlin.messages import brief
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Contact, Element
 from stochlin.models.laws.bilinear import Bilinear
@@ -56,12 +57,14 @@ class Stack(NamedTuple):
 def checked_buildings(structures: Sequence[Building]) -> list[Building]:
     """The structures, once each of them can pound against the others."""
     if not isinstance(structures, Sequence) or len(structures) < 2:
-        raise ValueError(f"structures = {structures!r}; allowed: a list of at least two, left to right")
+        raise ValueError(
+            f"structures = {brief(structures)}; allowed: a list of at least two, left to right"
+        )
     for number, structure in enumerate(structures, start=1):
         role = f"structures, number {number}"
         if type(structure) not in LAWS:
             raise TypeError(
-                f"{role} = {structure!r} is of the wrong kind; allowed: "
+                f"{role} = {brief(structure)} is of the wrong kind; allowed: "
                 f"{', '.join(kind.__name__ for kind in LAWS)}; for structures of another law there are "
                 "separation and simulate"
             )
@@ -85,11 +88,10 @@ def checked_buildings(structures: Sequence[Building]) -> list[Building]:
 
 def checked_gaps(gaps: npt.ArrayLike, count: int) -> Array:
     """Gaps [m] between ``count`` structures; a number will do for two."""
-    values = np.atleast_1d(np.asarray(gaps))
-    if values.dtype.kind not in "iuf" or values.ndim != 1 or values.size != count - 1:
-        raise ValueError(
-            f"gaps = {gaps!r}; allowed: one number between each two neighbours, {count - 1} in all"
-        )
+    allowed = f"one number between each two neighbours, {count - 1} in all"
+    values = np.atleast_1d(as_numbers("gaps", gaps, allowed))
+    if values.ndim != 1 or values.size != count - 1:
+        raise ValueError(f"gaps = {brief(gaps)}; allowed: {allowed}")
     bad = np.flatnonzero(~(np.isfinite(values) & (values >= 0)))
     if bad.size:
         raise ValueError(
@@ -102,6 +104,8 @@ def checked_gaps(gaps: npt.ArrayLike, count: int) -> Array:
 def checked_links(link: Link | Sequence[Link | None] | None, count: int) -> list[Link | None]:
     """Links between ``count`` structures; one will do for two."""
     links: list[Link | None] = [None] * (count - 1)
+    if link is not None and not isinstance(link, (Link, list, tuple)):
+        raise TypeError(f"link = {brief(link)}; allowed: a Link, or a list of Link and None")
     if link is not None:
         links = [link] if isinstance(link, Link) else list(link)
     if len(links) != count - 1:

@@ -26,6 +26,7 @@ from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.probability.drift_growth import drift_variances
+from stochlin.messages import sentence
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Gap, Structure
@@ -64,7 +65,7 @@ class PairTable(NamedTuple):
         except (xr.AlignmentError, ValueError) as error:
             raise ValueError(
                 "first, second, ground and gap share a dimension that differs in coordinates or "
-                f"length: {error}; give them different dimension names for a table"
+                f"length: {sentence(error)}; give them different dimension names for a table"
             ) from error
         left, right = xr.broadcast(one.position, two.position)
         both = (left >= 0) & (right >= 0)

@@ -15,6 +15,7 @@ from stochlin.analyses.probability.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_confidence, check_whole
 from stochlin.kernels.basics.parallel import Progress
+from stochlin.messages import brief
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Parameter, expect
@@ -128,8 +129,8 @@ def pounding_probability(
     expect(first, Structure, "first")
     expect(second, Structure, "second")
     check_confidence(confidence)
-    if method not in METHODS:
-        raise ValueError(f"method = {method!r}; allowed: {', '.join(METHODS)}")
+    if not isinstance(method, str) or method not in METHODS:
+        raise ValueError(f"method = {brief(method)}; allowed: {', '.join(METHODS)}")
     distance = Gap(gap)
     if method == "hybrid":
         if envelope is not None or duration is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import os
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
@@ -12,8 +13,12 @@ import xarray as xr
 from stochlin.analyses.records.records import checked_record
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import row_of
+from stochlin.analyses.tables.checks import check_label
+from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.linear_branch import LONGEST
 from stochlin.kernels.records.runs import SampledGround
+from stochlin.messages import sentence
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
@@ -24,6 +29,7 @@ Records = xr.DataArray | Sequence[xr.DataArray] | Mapping[str, xr.DataArray]
 RECORD = "record"
 SCALARS = "scalars, since histories are of one structure; response_spectrum takes arrays"
 SHORTEST = 0.1  # of the record's step: shorter periods would follow its straight lines, no ground
+SUB_STEP = 3e-8  # [s] of a core, roughly, that a structure takes
 
 
 class Motions(NamedTuple):
@@ -73,6 +79,7 @@ def checked_motions(record: Records) -> Motions:
         raise ValueError("record is empty; allowed: at least one record")
     grounds = []
     for name, each in zip(names, records, strict=True):
+        check_label("the name of a record", name)
         try:
             grounds.append(SampledGround(*checked_record(each)))
         except (TypeError, ValueError) as error:
@@ -103,7 +110,8 @@ def dims_of(*structures: Bilinear) -> xr.DataArray:
         aligned = xr.align(*arrays, join="exact", copy=False)
     except (xr.AlignmentError, ValueError) as error:
         raise ValueError(
-            f"first and second share a dimension whose coordinates or lengths differ: {error}; give the "
+            f"first and second share a dimension whose coordinates or lengths differ: "
+            f"{sentence(error)}; give the "
             "structures different dimension names for a table, or equal coordinates for pairs"
         ) from error
     like = xr.zeros_like(xr.broadcast(*aligned)[0], dtype=bool).drop_attrs(deep=False)
@@ -136,6 +144,22 @@ def cells_of(structure: Bilinear, like: xr.DataArray, motions: Motions) -> Recor
     columns = [2 * np.pi / values["period"].where(valid, 1.0), values["damping"], hardening, uy, valid]
     *parameters, usable = (row_of(column, like) for column in columns)
     return RecordCells(np.stack(parameters, axis=1).astype(float), usable.astype(bool))
+
+
+def check_run(motions: Motions, frequencies: Array, kept: int = 0) -> None:
+    """Raise a ValueError if structures of these frequencies [rad/s] are too much on these records.
+
+    ``kept`` numbers are held of every sub-step of those that run at once.
+    """
+    cores = os.cpu_count() or 1
+    dt, samples = np.array([(ground.dt, len(ground.acceleration)) for ground in motions.grounds]).T
+    steps = samples[:, None] * np.maximum(1.0, dt[:, None] * frequencies / LONGEST)
+    check_work(
+        "structures on records would take",
+        "take longer periods, or fewer structures or records at a time",
+        memory=8.0 * kept * cores * float(steps.max(initial=0.0)),
+        seconds=SUB_STEP * float(steps.sum()) / cores,
+    )
 
 
 def table_over(

@@ -14,6 +14,7 @@ from stochlin.analyses.records.records import checked_record
 from stochlin.analyses.records.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import brief
 from stochlin.models.envelopes import AminAng, Envelope, GammaEnvelope, HsuBernard, ShinozukaSato
 from stochlin.models.parameters import expect
 
@@ -87,8 +88,8 @@ def fit_envelope(record: xr.DataArray, model: str = "amin_ang") -> Envelope:
     6.0
     """
     values, dt = checked_record(record)
-    if model not in _MODELS:
-        raise ValueError(f"model = {model!r} is no envelope; allowed: {', '.join(_MODELS)}")
+    if not isinstance(model, str) or model not in _MODELS:
+        raise ValueError(f"model = {brief(model)} is no envelope; allowed: {', '.join(_MODELS)}")
     make, unknowns = _MODELS[model]
     time = dt * np.arange(values.size)
     chosen = np.unique(np.linspace(0, values.size - 1, POINTS).astype(int))

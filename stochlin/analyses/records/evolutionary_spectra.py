@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.checks import as_numbers
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Parameter, expect
@@ -53,8 +54,15 @@ def evolutionary_psd(
     expect(ground, Ground, "ground")
     expect(envelope, Envelope, "envelope")
     if not isinstance(time, xr.DataArray):
-        values = np.asarray(time, float)
+        values = as_numbers("time", time, "seconds, a number or a 1-D array").astype(float)
+        if values.ndim > 1:
+            raise ValueError("time is an array of several dimensions; allowed: a number or a 1-D array")
         time = labels.axis("time", "time", values, "s") if values.ndim else xr.DataArray(values)
+    elif time.dtype.kind not in "iuf":
+        raise TypeError(f"time is of {time.dtype}; allowed: numbers of seconds")
+    rates = as_numbers("frequency", frequency, "rad/s, a number or a 1-D array")
+    if rates.ndim > 1 and not isinstance(frequency, xr.DataArray):
+        raise ValueError("frequency is an array of several dimensions; allowed: a number or a 1-D array")
     wrong = time.to_numpy()[~((time.to_numpy() >= 0) & np.isfinite(time.to_numpy()))]
     if wrong.size:
         raise ValueError(f"time = {wrong[0]:g} is out of range; allowed: 0 <= time, finite, in seconds")

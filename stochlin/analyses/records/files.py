@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from io import StringIO
+from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+
+from stochlin.analyses.tables.checks import is_whole
+from stochlin.messages import brief, listed, plain
 
 Column = int | str
 Line = tuple[int, str]
@@ -24,11 +30,16 @@ _SECONDS = {"s", "sec", "second", "seconds"}
 
 _NUMBER = r"([-+.\dEeDd]+)"
 _AT2_DIALECTS = (
-    re.compile(rf"NPTS\s*=\s*(\d+)\s*,?\s*DT\s*=\s*{_NUMBER}", re.IGNORECASE),
-    re.compile(rf"^\s*(\d+)\s+{_NUMBER}\s+NPTS\s*,\s*DT", re.IGNORECASE),
+    re.compile(rf"NPTS\s*=\s*(\d{{1,15}})\s*,?\s*DT\s*=\s*{_NUMBER}", re.IGNORECASE),
+    re.compile(rf"^\s*(\d{{1,15}})\s+{_NUMBER}\s+NPTS\s*,\s*DT", re.IGNORECASE),
 )
 _AT2_UNITS = re.compile(r"UNITS\s+OF\s+(\S+)", re.IGNORECASE)
 _AT2_HEADER_LINES = 8
+# Of columns that hold no acceleration that we know.
+_OTHER_UNITS = re.compile(r"(mm|cm|m|km|in|ft|ms|hz|rad|deg)([/^*][\w/^*.-]*)?")
+_COMMA = re.compile(r"[-+]?\d+,\d{2,}")
+_SAMPLE = 100  # lines
+_LINE_ENDS = ("\r\n", *"\r\x0b\x0c\x1c\x1d\x1e\x85\u2028\u2029")
 
 
 class Series(NamedTuple):
@@ -38,41 +49,61 @@ class Series(NamedTuple):
     time: npt.NDArray[np.float64] | None
     dt: float | None
     units: str | None
+    column: str = ""  # its name
 
 
 def read_series(path: Path, column: Column | None, time_column: Column | None) -> Series:
     """Read a file of either format."""
-    lines = _content(path.read_text(encoding="utf-8-sig", errors="replace"))
-    if not lines:
-        raise ValueError(f"{path.name} is empty: it holds no line of numbers")
-    header = next(
-        (i for i, (_, text) in enumerate(lines[:_AT2_HEADER_LINES]) if "NPTS" in text.upper()), None
-    )
+    name, text = plain(path.name), _text(path)
+    head = list(islice(_content(text), _AT2_HEADER_LINES))
+    if not head:
+        raise ValueError(f"{name} is empty: it holds no line of numbers")
+    header = next((i for i, (_, line) in enumerate(head) if "NPTS" in line.upper()), None)
     if header is None:
-        return _read_columns(lines, path.name, column, time_column)
+        return _read_columns(text, head[0], name, column, time_column)
     if column is None and time_column is None:
-        return _read_at2(lines, header, path.name)
-    raise ValueError(f"column and time_column do not apply: {path.name} is an AT2 file of one series")
+        return _read_at2(text, head[: header + 1], name)
+    raise ValueError(f"column and time_column do not apply: {name} is an AT2 file of one series")
 
 
-def _content(text: str) -> list[Line]:
-    """Numbered lines without comments and blanks; a control-Z ends old DOS files."""
-    stripped = (re.split("[#%]", line, maxsplit=1)[0].strip(" \t\x1a") for line in text.splitlines())
-    return [(number, line) for number, line in enumerate(stripped, 1) if line]
+def _text(path: Path) -> str:
+    """What the file holds; a ValueError if that is no text."""
+    content = path.read_bytes()
+    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
+        raise ValueError(f"{plain(path.name)} is text in UTF-16; allowed: UTF-8, so save it as such")
+    if b"\0" in content:
+        raise ValueError(f"{plain(path.name)} is no text; allowed: PEER AT2, or columns of text")
+    text = content.decode("utf-8-sig", errors="replace")
+    for other in _LINE_ENDS:
+        text = text.replace(other, "\n")
+    return text.replace("%", "#")  # either starts a comment
 
 
-def _read_at2(lines: Sequence[Line], header: int, name: str) -> Series:
-    number, text = lines[header]
-    match = next((found for pattern in _AT2_DIALECTS if (found := pattern.search(text))), None)
+def _content(text: str, start: int = 0) -> Iterator[Line]:
+    """Numbered lines beyond the first so many, without comments and blanks.
+
+    A control-Z ends old DOS files.
+    """
+    for number, line in enumerate(StringIO(text), 1):
+        kept = line.partition("#")[0].strip(" \t\n\x1a")
+        if kept and number > start:
+            yield number, kept
+
+
+def _read_at2(text: str, head: Sequence[Line], name: str) -> Series:
+    number, stated = head[-1]
+    match = next((found for pattern in _AT2_DIALECTS if (found := pattern.search(stated))), None)
     dt = _float(match[2]) if match else None
-    if match is None or dt is None or dt <= 0:
+    if match is None or dt is None or not 0 < dt < math.inf:
         raise ValueError(
-            f"{name}, line {number}: {text!r} is not the header of an AT2 file; "
+            f"{name}, line {number}: {brief(stated)} is not the header of an AT2 file; "
             "allowed: 'NPTS= 5372, DT= .0100 SEC' or '4096 0.0100 NPTS, DT'"
         )
-    units = next((found[1] for _, line in lines[:header] if (found := _AT2_UNITS.search(line))), None)
-    fields = [(number, field) for number, line in lines[header + 1 :] for field in line.split()]
-    values = _numbers(fields, name)
+    units = next((found[1] for _, line in head[:-1] if (found := _AT2_UNITS.search(line))), None)
+    values = _plain_series(text, number)
+    if values is None:
+        fields = [(n, field) for n, line in _content(text, number) for field in line.split()]
+        values = _numbers(fields, name)
     if values.size != int(match[1]):
         raise ValueError(
             f"{name} holds {values.size} values, but line {number} states NPTS = {match[1]}; "
@@ -81,34 +112,80 @@ def _read_at2(lines: Sequence[Line], header: int, name: str) -> Series:
     return Series(values, None, dt, units and acceleration_units(units, f"{name}: units"))
 
 
+def _plain_series(text: str, header: int) -> npt.NDArray[np.float64] | None:
+    """The numbers after so many lines, if all that is there is numbers."""
+    start = 0
+    for _ in range(header):
+        start = text.find("\n", start) + 1
+    try:
+        values = np.array(text[start:].split(), dtype=float)
+    except ValueError:
+        return None
+    return values if np.isfinite(values).all() else None
+
+
 def _read_columns(
-    lines: Sequence[Line], name: str, column: Column | None, time_column: Column | None
+    text: str, first: Line, name: str, column: Column | None, time_column: Column | None
 ) -> Series:
-    separator = next((mark for mark in ";," if mark in lines[0][1]), None)
-    names = _column_names(lines[0][1], separator)
-    rows = [(number, _fields(text, separator)) for number, text in (lines[1:] if names else lines)]
-    if not rows:
+    number, line = first
+    separator = next((mark for mark in ";," if mark in line), None)
+    names = _column_names(line, separator)
+    start = number if names else 0
+    if separator == ",":
+        _refuse_decimal_commas(text, start, name)
+    if next(_content(text, start), None) is None:
         raise ValueError(f"{name} is empty: it holds no line of numbers")
-    width = len(names) if names else len(rows[0][1])
-    for number, fields in rows:
+    rows: list[tuple[int, list[str]]] = []
+    table = _plain_table(text, start, separator)
+    if table is None or len(names) not in (0, table.shape[1]):
+        table, rows = None, [(n, _fields(one, separator)) for n, one in _content(text, start)]
+    width = len(names) or (len(rows[0][1]) if table is None else table.shape[1])
+    for n, fields in rows:
         if len(fields) != width:
             raise ValueError(
-                f"{name}, line {number}: {len(fields)} columns, but line {lines[0][0]} has {width}; "
+                f"{name}, line {n}: {len(fields)} columns, but line {number} has {width}; "
                 "start a title with #, fill what is missing; numbers that run on need an AT2 header"
             )
     time_index = None if time_column is None else _index("time_column", time_column, names, width, name)
     index = _data_index(column, time_index, names, width, name)
     stated = _bracketed(names[index]) if names else None
+    if stated is not None and stated not in METRES and _OTHER_UNITS.fullmatch(stated):
+        raise ValueError(
+            f"column {brief(names[index])} of {name} is in {plain(stated)}, which is no acceleration "
+            f"that is known; allowed: {allowed_units()}"
+        )
     if time_index is not None and names and (_bracketed(names[time_index]) or "s") not in _SECONDS:
         raise ValueError(
-            f"time_column = {time_column!r} is named {names[time_index]!r}; allowed: time in seconds"
+            f"time_column = {brief(time_column)} is named {brief(names[time_index])}; "
+            "allowed: time in seconds"
         )
-    return Series(
-        _numbers([(number, fields[index]) for number, fields in rows], name),
-        None if time_index is None else _numbers([(n, fields[time_index]) for n, fields in rows], name),
-        None,
-        stated if stated in METRES else None,
-    )
+
+    def series(index: int) -> npt.NDArray[np.float64]:
+        if table is not None:
+            return table[:, index].copy()
+        return _numbers([(n, fields[index]) for n, fields in rows], name)
+
+    times = None if time_index is None else series(time_index)
+    known = stated if stated in METRES else None
+    return Series(series(index), times, None, known, names[index] if names else "")
+
+
+def _refuse_decimal_commas(text: str, start: int, name: str) -> None:
+    """Raise for numbers such as ``0,05``, which would be read as 0 and 5."""
+    lines = [line for _, line in islice(_content(text, start), _SAMPLE)]
+    if all(_COMMA.fullmatch(line) for line in lines) and any(",0" in line for line in lines):
+        raise ValueError(
+            f"{name} seems to have decimal commas, as in {brief(lines[0])}; write numbers with a point"
+        )
+
+
+def _plain_table(text: str, start: int, separator: str | None) -> npt.NDArray[np.float64] | None:
+    """The columns after so many lines, if all that is there is numbers, as many in each line."""
+    try:
+        table = np.loadtxt(StringIO(text), comments="#", delimiter=separator, skiprows=start, ndmin=2)
+    except ValueError:
+        return None
+    return table if np.isfinite(table).all() else None
 
 
 def _fields(text: str, separator: str | None) -> list[str]:
@@ -134,22 +211,24 @@ def _data_index(
         return left[0]
     index = _index("column", column, names, width, name)
     if index == time_index:
-        raise ValueError(f"column and time_column are both {column!r}; allowed: two different columns")
+        raise ValueError(
+            f"column and time_column are both {brief(column)}; allowed: two different columns"
+        )
     return index
 
 
 def _index(parameter: str, column: Column, names: Sequence[str], width: int, name: str) -> int:
     if isinstance(column, str) and column in names:
         return names.index(column)
-    if isinstance(column, int | np.integer) and 0 <= column < width:
+    if is_whole(column) and 0 <= column < width:
         return column
     raise ValueError(
-        f"{parameter} = {column!r} is not in {name}, which has {_allowed_columns(names, width)}"
+        f"{parameter} = {brief(column)} is not in {name}, which has {_allowed_columns(names, width)}"
     )
 
 
 def _allowed_columns(names: Sequence[str], width: int) -> str:
-    return f"{width} columns (index 0 to {width - 1})" + (f" named {', '.join(names)}" if names else "")
+    return f"{width} columns (index 0 to {width - 1})" + (f" named {listed(names)}" if names else "")
 
 
 def _numbers(fields: Sequence[Line], name: str) -> npt.NDArray[np.float64]:
@@ -158,11 +237,13 @@ def _numbers(fields: Sequence[Line], name: str) -> npt.NDArray[np.float64]:
         value = _float(text)
         if value is None:
             raise ValueError(
-                f"{name}, line {number}: {text[:40]!r} is not a number; allowed: such as -0.5E-3"
+                f"{name}, line {number}: {brief(text)} is not a number; "
+                "allowed: such as -0.5E-3, with a decimal point"
             )
-        if not np.isfinite(value):
+        if not math.isfinite(value):
             raise ValueError(
-                f"{name}, line {number}: {text!r} is not finite; fill the gap, or cut the record there"
+                f"{name}, line {number}: {brief(text)} is not finite; "
+                "fill the gap, or cut the record there"
             )
         values[i] = value
     return values
@@ -180,7 +261,7 @@ def acceleration_units(units: str, parameter: str) -> str:
     known = spelled(units)
     if known not in METRES:
         raise ValueError(
-            f"{parameter} = {units!r} is not a unit of acceleration; allowed: {allowed_units()}"
+            f"{parameter} = {brief(units)} is not a unit of acceleration; allowed: {allowed_units()}"
         )
     return known
 

@@ -8,6 +8,7 @@ import xarray as xr
 from stochlin.analyses.records.cells import (
     Records,
     cells_of,
+    check_run,
     check_structure,
     checked_motions,
     dims_of,
@@ -16,7 +17,7 @@ from stochlin.analyses.records.cells import (
 from stochlin.analyses.records.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.kernels.records import oscillator as recorded
-from stochlin.kernels.records.runs import gaps_on_records
+from stochlin.kernels.records.runs import PAIR, gaps_on_records
 from stochlin.models.laws.bilinear import Bilinear
 
 
@@ -76,6 +77,7 @@ def recorded_gap(first: Bilinear, second: Bilinear, record: Records) -> xr.Datas
     one, two = (cells_of(structure, like, motions) for structure in (first, second))
     valid = one.valid & two.valid
     pairs = one.parameters[valid], two.parameters[valid]
+    check_run(motions, 2 * PAIR * np.maximum(pairs[0][:, 0], pairs[1][:, 0]), kept=6)
     found = gaps_on_records(motions.grounds, *pairs)
     *both, together = np.split(found, [recorded.PEAKS, 2 * recorded.PEAKS], axis=-1)
     separation, rho = np.moveaxis(together, -1, 0)

@@ -21,6 +21,8 @@ from stochlin.analyses.records.spectra import (
     energy_band,
     periodogram,
 )
+from stochlin.analyses.tables.checks import check_two_numbers
+from stochlin.messages import brief
 from stochlin.models.grounds import GROUNDS, Ground
 from stochlin.models.parameters import Parameter
 
@@ -165,6 +167,9 @@ def fit_ground(
     _check_name("model", model, kinds)
     _check_name("estimator", estimator, ESTIMATORS)
     chosen = ESTIMATORS[estimator]
+    check_two_numbers("part", part)
+    if frequency_range is not None:
+        check_two_numbers("frequency_range", frequency_range)
     strong = strong_part(record, *part)
     frequency, density, duration = periodogram(strong, _PADDING, chosen.taper)
     low, high = energy_band(frequency, density, duration) if frequency_range is None else frequency_range
@@ -193,8 +198,8 @@ def fit_ground(
 
 
 def _check_name(parameter: str, value: str, allowed: dict[str, Any]) -> None:
-    if value not in allowed:
-        raise ValueError(f"{parameter} = {value!r} is unknown; allowed: {', '.join(allowed)}")
+    if not isinstance(value, str) or value not in allowed:
+        raise ValueError(f"{parameter} = {brief(value)} is unknown; allowed: {', '.join(allowed)}")
 
 
 def _minimize(frequency: Vector, density: Vector, problem: _Problem, estimator: Estimator) -> Vector:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import numbers
 import os
-from pathlib import Path
+import re
+import warnings
+from collections.abc import Iterator
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +20,8 @@ from stochlin.analyses.records.files import (
     read_series,
     spelled,
 )
+from stochlin.analyses.tables.checks import as_path, is_number
+from stochlin.messages import DoubtfulInput, brief, plain
 
 MINIMUM_SAMPLES = 16
 
@@ -28,6 +31,9 @@ _TIME_TOLERANCE, _GAP = 0.25, 0.5
 # Relative difference of two steps that rounding may make: 1/128 s is printed .0078.
 _STEP_TOLERANCE = 2e-3
 _CURE = "correct it, or leave it out"
+SHORTEST_STEP = 1e-6  # s
+LONGEST_STEP, LARGEST_PEAK = 0.5, 3 * METRES["g"]  # s, m/s^2: beyond, it is asked whether it is meant
+_NO_ACCELERATION = re.compile(r"\b(vel|velocity|disp|displacement|time)\b", re.IGNORECASE)
 
 
 def read_record(
@@ -72,6 +78,12 @@ def read_record(
         has text, NaN or infinity among its numbers (the message names the line), lines of unequal
         length, a time that does not increase or has a gap, fewer than 16 samples or only zeros.
 
+    Warns
+    -----
+    UserWarning
+        If the record is possible, but hardly meant: a peak of more than 3 g, a time step of more than
+        .5 s, values that increase throughout, a column that is named as a velocity or the like.
+
     Examples
     --------
     >>> import tempfile, pathlib
@@ -83,12 +95,31 @@ def read_record(
     >>> record.sizes["time"], record.attrs["dt"], float(record.max())
     (100, 0.02, 0.01)
     """
-    path = Path(path)
-    if dt is not None and not (isinstance(dt, numbers.Real) and dt is not True and 0 < dt < np.inf):
-        raise ValueError(f"dt = {dt!r} is out of range; allowed: 0 < dt, finite, in seconds")
+    path = as_path("path", path)
+    if dt is not None and not (is_number(dt) and 0 < dt < np.inf):
+        raise ValueError(f"dt = {brief(dt)} is out of range; allowed: 0 < dt, finite, in seconds")
     units = None if units is None else acceleration_units(units, "units")
     series = read_series(path, column, time_column)
-    return _labelled(series, path.name, dt, units)
+    record = _labelled(series, plain(path.name), dt, units)
+    for doubt in _doubts(record, series):
+        warnings.warn(f"{record.attrs['source']}: {doubt}", DoubtfulInput, stacklevel=2)
+    return record
+
+
+def _doubts(record: xr.DataArray, series: Series) -> Iterator[str]:
+    """What is allowed, but hardly meant: each as a question."""
+    peak, step = float(np.abs(record).max()), record.attrs["dt"]
+    if peak > LARGEST_PEAK:
+        yield (
+            f"its peak is {peak / METRES['g']:.4g} g, and more than 3 g has hardly been recorded; "
+            "are the units right?"
+        )
+    if step > LONGEST_STEP:
+        yield f"its time step is {step:.6g} s, and that of records a hundredth; is time in seconds?"
+    if _NO_ACCELERATION.search(series.column):
+        yield f"its column is named {brief(series.column)}; is that an acceleration?"
+    if (np.diff(series.values) > 0).all():
+        yield "its values increase throughout, as times do; is it the right column?"
 
 
 def strong_part(record: xr.DataArray, start: float = 0.05, end: float = 0.95) -> xr.DataArray:
@@ -127,9 +158,10 @@ def strong_part(record: xr.DataArray, start: float = 0.05, end: float = 0.95) ->
     (5.4, 7.4)
     """
     values, _ = checked_record(record)
-    if not 0 <= start < end <= 1:
+    if not (is_number(start) and is_number(end) and 0 <= start < end <= 1):
         raise ValueError(
-            f"start = {start!r}, end = {end!r} are out of range; allowed: 0 <= start < end <= 1"
+            f"start = {brief(start)}, end = {brief(end)} are out of range; "
+            "allowed: 0 <= start < end <= 1"
         )
     energy = np.cumsum(values**2)
     first, last = np.searchsorted(energy, np.array([start, end]) * energy[-1])
@@ -154,7 +186,7 @@ def checked_record(record: xr.DataArray) -> tuple[npt.NDArray[np.float64], float
         )
     units = record.attrs.get("units", "m/s^2")
     if spelled(units) != "m/s^2":
-        raise ValueError(f"record has units {units!r}; allowed: m/s^2, so convert it first")
+        raise ValueError(f"record has units {brief(units)}; allowed: m/s^2, so convert it first")
     kinds = {record.dtype.kind, record["time"].dtype.kind}
     if not kinds <= set("iuf"):
         raise TypeError(
@@ -176,7 +208,9 @@ def checked_record(record: xr.DataArray) -> tuple[npt.NDArray[np.float64], float
 
 def _labelled(series: Series, name: str, dt: float | None, units: str | None) -> xr.DataArray:
     if units and series.units and units != series.units:
-        raise ValueError(f"units = {units!r} contradicts {name}, which states {series.units!r}; {_CURE}")
+        raise ValueError(
+            f"units = {brief(units)} contradicts {name}, which states {brief(series.units)}; {_CURE}"
+        )
     stated = units or series.units
     if stated is None:
         raise ValueError(f"units is missing and {name} does not state it; allowed: {allowed_units()}")
@@ -189,6 +223,8 @@ def _labelled(series: Series, name: str, dt: float | None, units: str | None) ->
         raise ValueError(
             f"dt is missing and {name} does not state it; give dt= in seconds, or time_column="
         )
+    if not step >= SHORTEST_STEP:
+        raise ValueError(f"the time step of {name} is {step:g} s; allowed: {SHORTEST_STEP:g} s or more")
     time = start + step * np.arange(series.values.size)
     record = xr.DataArray(
         series.values * METRES[stated],

@@ -9,6 +9,7 @@ from stochlin.analyses.records.cells import (
     SCALARS,
     Records,
     cells_of,
+    check_run,
     check_structure,
     checked_motions,
     dims_of,
@@ -16,7 +17,7 @@ from stochlin.analyses.records.cells import (
 )
 from stochlin.analyses.records.variables import VARIABLES
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_scalars, check_whole
+from stochlin.analyses.tables.checks import check_scalars, check_whole, is_number
 from stochlin.kernels.records import oscillator as recorded
 from stochlin.kernels.records.runs import history, peaks_on_records
 from stochlin.models.laws.bilinear import Bilinear
@@ -138,13 +139,14 @@ def response_spectrum(
     >>> float(yields.acceleration_max) < float(table.acceleration_max[1])
     True
     """
-    if yield_displacement is not None and np.ndim(yield_displacement) == 0:
-        yield_displacement = None if yield_displacement == np.inf else yield_displacement
+    if is_number(yield_displacement) and yield_displacement == np.inf:
+        yield_displacement = None
     structure = Bilinear(period, damping, hardening, yield_displacement)
     motions = checked_motions(record)
     like = dims_of(structure)
     cells = cells_of(structure, like, motions)
     parameters = cells.parameters[cells.valid]
+    check_run(motions, parameters[:, 0])
     peaks = peaks_on_records(motions.grounds, parameters)
     w, _, hardening_ratio, uy = parameters.T
     displacement = np.maximum(peaks[..., recorded.HIGHEST], peaks[..., recorded.LOWEST])

@@ -12,6 +12,7 @@ from scipy import fft, signal
 
 from stochlin.analyses.records.records import checked_record, strong_part
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.checks import check_two_numbers
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
 
@@ -103,6 +104,7 @@ def fit_spectra(record: xr.DataArray, ground: Ground, *, part: Part = STRONG_PAR
     10.0
     """
     expect(ground, Ground, "ground")
+    check_two_numbers("part", part)
     frequency, density, duration = periodogram(strong_part(record, *part))
     axis = labels.axis("frequency", "circular frequency", frequency[1:], "rad/s")
     spectra = xr.Dataset(

@@ -9,6 +9,7 @@ import xarray as xr
 
 from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.checks import check_truth
 from stochlin.models.parameters import Parameter
 from stochlin.models.rules.codes import BuildingPeaks, check_zone, code_rule, code_rule_names
 
@@ -75,8 +76,7 @@ def code_gaps(
     'height_1, height_2'
     """
     check_zone(zone)
-    if not isinstance(floors_align, (bool, np.bool_)):
-        raise TypeError(f"floors_align = {floors_align!r}; allowed: True or False")
+    check_truth("floors_align", floors_align)
     pair = BuildingPeaks(peak_1, peak_2, height_1, height_2)
     valid = pair.valid()
     values = {name: array.where(valid) for name, array in pair.arrays().items()}

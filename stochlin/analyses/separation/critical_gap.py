@@ -17,6 +17,8 @@ from stochlin.models.parameters import NOT_NEGATIVE, Model, Parameter, Range, pa
 class CorrelatedPeaks(Model):
     """Two peak displacements and the correlation of the displacements."""
 
+    of_arguments = True
+
     peak_1: Parameter = parameter("m", "peak displacement, structure 1", NOT_NEGATIVE)
     peak_2: Parameter = parameter("m", "peak displacement, structure 2", NOT_NEGATIVE)
     rho: Parameter = parameter("1", "correlation coefficient", Range(-1.0, 1.0, True, True))

@@ -16,7 +16,7 @@ from stochlin.analyses.simulation.finite_motions import keeping_apart, pair_sepa
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import over_cells
-from stochlin.analyses.tables.checks import check_confidence, check_duration
+from stochlin.analyses.tables.checks import check_confidence, check_duration, check_scalars, check_truth
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
@@ -133,8 +133,12 @@ def separation(
     True
     """
     check_confidence(confidence)
+    check_duration(duration)
     check_zone(zone)
-    BuildingPeaks(0.0, 0.0, height_1, height_2)
+    check_truth("floors_align", floors_align)
+    check_truth("unverified", unverified)
+    heights = BuildingPeaks(0.0, 0.0, height_1, height_2)
+    check_scalars(heights, "separation", "a number, the height of a building")
     for role, structure in (("first", first), ("second", second)):
         expect(structure, Structure, role)
         if records is not None and not isinstance(structure, Bilinear):

@@ -22,6 +22,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.ensemble import Crowd, Plan
 from stochlin.kernels.simulation.linked_stepping import linked_block
 from stochlin.kernels.simulation.stepping import LANES, FilterSteps, bilinear_block, filter_steps
+from stochlin.messages import brief
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link, check_linked
 from stochlin.models.parameters import expect
@@ -207,7 +208,7 @@ def check_settings(
     check_whole("seed", seed, 0)
     check_whole("steps_per_period", steps_per_period, 8)
     if not is_number(relaxation_times) or not 1 <= relaxation_times < np.inf:
-        raise ValueError(f"relaxation_times = {relaxation_times!r}; allowed: at least 1, finite")
+        raise ValueError(f"relaxation_times = {brief(relaxation_times)}; allowed: at least 1, finite")
 
 
 def check_memory(structures: int, paths: int) -> None:

@@ -11,12 +11,13 @@ import xarray as xr
 from stochlin.analyses.simulation.ensembles import Run, seconds_of
 from stochlin.analyses.simulation.variables import VARIABLES
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_duration
+from stochlin.analyses.tables.checks import check_duration, is_number
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.ensemble import finite_extremes
 from stochlin.kernels.simulation.stepping import LANES
+from stochlin.messages import brief
 from stochlin.models.envelopes import Envelope
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
@@ -40,7 +41,7 @@ def check_motion(
     check_duration(duration, structures)
     levels = np.asarray(quantiles, float)
     if levels.ndim != 1 or not levels.size or not ((levels > 0) & (levels < 1)).all():
-        raise ValueError(f"quantiles = {quantiles!r}; allowed: numbers between 0 and 1")
+        raise ValueError(f"quantiles = {brief(quantiles)}; allowed: numbers between 0 and 1")
     if envelope is not None:
         expect(envelope, Envelope, "envelope")
 
@@ -137,8 +138,12 @@ def exceedance(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Dataset:
     >>> float(table.probability)
     0.5
     """
+    if not isinstance(samples, xr.DataArray) or samples.dtype.kind not in "iuf":
+        raise TypeError(f"samples = {brief(samples)}; allowed: an xarray.DataArray of numbers")
     if "path" not in samples.dims:
         raise ValueError(f"samples has the dimensions {samples.dims}; allowed: one of them is 'path'")
+    if not is_number(gap) and not (isinstance(gap, xr.DataArray) and gap.dtype.kind in "iuf"):
+        raise TypeError(f"gap = {brief(gap)}; allowed: a number or an xarray.DataArray, in metres")
     paths = samples.sizes["path"]
     count = (samples > gap).sum("path")
     lower, upper = share_interval(count.to_numpy(), paths)

@@ -26,6 +26,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.ensemble import Sums, stationary_sums
 from stochlin.kernels.simulation.stepping import LANES
+from stochlin.messages import brief
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
@@ -197,7 +198,7 @@ def _checked(structures: Sequence[Structure], ground: Ground) -> dict[str, Struc
     """The structures by their roles, once they and the ground are what `simulate` takes."""
     expect(ground, Ground, "ground")
     if not isinstance(structures, Sequence):
-        raise TypeError(f"structures = {structures!r}; allowed: a list of structures")
+        raise TypeError(f"structures = {brief(structures)}; allowed: a list of structures")
     if not structures:
         raise ValueError("structures is empty; allowed: at least one")
     roles = {f"structures[{number}]": structure for number, structure in enumerate(structures)}

@@ -16,6 +16,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import sentence
 
 
 def row_of(array: xr.DataArray, like: xr.DataArray) -> Array:
@@ -65,6 +66,7 @@ def cellwise_pair(
         return cellwise(function, *arrays, **options)
     except xr.AlignmentError as error:
         raise ValueError(
-            f"first, second and ground share a dimension whose coordinates differ: {error}; give "
+            f"first, second and ground share a dimension whose coordinates differ: "
+            f"{sentence(error)}; give "
             "the structures different dimension names for a table, or equal coordinates for pairs"
         ) from error

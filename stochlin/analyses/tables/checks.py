@@ -3,17 +3,27 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Mapping
-from typing import TypeGuard
+from pathlib import Path
+from typing import Any, TypeGuard
 
 import numpy as np
+import numpy.typing as npt
 
+from stochlin.messages import brief
 from stochlin.models.parameters import Model
+
+LONGEST_LABEL, LONGEST_PATH = 200, 4096
+A_LABEL = f"some words on one line, {LONGEST_LABEL} characters at most, no control characters"
+LARGEST = int(np.finfo(float).max)
+LARGEST_WHOLE = 2**63 - 1  # what files and compiled code can hold
 
 
 def is_number(value: object) -> TypeGuard[float]:
-    """Whether it is a real number; a truth value is none."""
-    return isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+    """Whether it is a real number that a float can hold, or NaN; a truth value is none."""
+    known = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+    return known and not (isinstance(value, int) and abs(value) > LARGEST)
 
 
 def is_whole(value: object) -> TypeGuard[int]:
@@ -21,11 +31,57 @@ def is_whole(value: object) -> TypeGuard[int]:
     return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
 
 
+def is_label(value: object) -> TypeGuard[str]:
+    """Whether it is a line of text that a table and a picture can show."""
+    if not isinstance(value, str) or not value.isprintable():
+        return False
+    return bool(value.strip()) and len(value) <= LONGEST_LABEL
+
+
+def check_label(name: str, value: object) -> None:
+    """Raise a ValueError unless it is a name that a table and a picture can show."""
+    if not is_label(value):
+        raise ValueError(f"{name} = {brief(value)}; allowed: {A_LABEL}")
+
+
 def check_whole(name: str, value: object, lowest: int, highest: int | None = None) -> None:
     """Raise a ValueError unless it is a whole number of this range."""
-    if not is_whole(value) or not lowest <= value <= (math.inf if highest is None else highest):
+    if not is_whole(value) or not lowest <= value <= (LARGEST_WHOLE if highest is None else highest):
         to = "" if highest is None else f" to {highest}"
-        raise ValueError(f"{name} = {value!r}; allowed: a whole number from {lowest}{to}")
+        raise ValueError(f"{name} = {brief(value)}; allowed: a whole number from {lowest}{to}")
+
+
+def check_truth(name: str, value: object) -> None:
+    """Raise a TypeError unless it is true or false."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise TypeError(f"{name} = {brief(value)}; allowed: True or False")
+
+
+def check_two_numbers(name: str, value: object) -> None:
+    """Raise a TypeError unless it is two numbers."""
+    two = isinstance(value, (tuple, list, np.ndarray)) and len(value) == 2
+    if not two or not all(is_number(one) for one in value):  # type: ignore[attr-defined]
+        raise TypeError(f"{name} = {brief(value)}; allowed: two numbers")
+
+
+def as_path(name: str, value: object) -> Path:
+    """The path that is given; a TypeError or ValueError unless it can be one."""
+    if not isinstance(value, (str, os.PathLike)):
+        raise TypeError(f"{name} = {brief(value)}; allowed: the name of a file, as text or a path")
+    if len(os.fspath(value)) > LONGEST_PATH:
+        raise ValueError(f"{name} = {brief(value)} is too long; allowed: {LONGEST_PATH} characters")
+    return Path(value)
+
+
+def as_numbers(name: str, value: object, allowed: str) -> npt.NDArray[Any]:
+    """The array of what is given; a TypeError unless that is real numbers."""
+    try:
+        array = np.asarray(value)
+    except (ValueError, TypeError):  # ragged lists; a dataset
+        array = np.empty((), object)
+    if array.dtype.kind not in "iuf":
+        raise TypeError(f"{name} = {brief(value)}; allowed: {allowed}")
+    return array
 
 
 def check_scalars(model: Model, role: str, allowed: str) -> None:
@@ -44,7 +100,7 @@ def check_duration(duration: object, structures: Mapping[str, Model] | None = No
     if duration is None:
         raise ValueError("duration is missing; give the length of the motion in seconds")
     if not is_number(duration) or not 0 < duration < math.inf:
-        raise ValueError(f"duration = {duration!r}; allowed: a positive number of seconds")
+        raise ValueError(f"duration = {brief(duration)}; allowed: a positive number of seconds")
     for role, structure in (structures or {}).items():
         period = structure.arrays()["period"]
         if period.ndim == 0 and float(period) > duration:
@@ -58,13 +114,13 @@ def check_duration(duration: object, structures: Mapping[str, Model] | None = No
 def check_confidence(confidence: object) -> None:
     """Raise a ValueError unless it is a probability between 0 and 1."""
     if not is_number(confidence) or not 0 < confidence < 1:
-        raise ValueError(f"confidence = {confidence!r}; allowed: a probability between 0 and 1")
+        raise ValueError(f"confidence = {brief(confidence)}; allowed: a probability between 0 and 1")
 
 
 def check_existing(gap: object, duration: object, structures: Mapping[str, Model]) -> None:
     """Raise a ValueError unless the existing gap is open, and the motion as `check_duration` asks."""
     if not is_number(gap) or not 0 < gap < math.inf:
-        raise ValueError(f"gap = {gap!r}; allowed: a positive number of metres")
+        raise ValueError(f"gap = {brief(gap)}; allowed: a positive number of metres")
     try:
         check_duration(duration, structures)
     except ValueError as error:

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import xarray as xr
 
+from stochlin.messages import brief
+
 FORMATS = (".nc", ".csv")
 
 
@@ -67,7 +69,9 @@ def save_table(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     """Save as ``.nc`` (netCDF, with all metadata) or ``.csv`` (one row a cell)."""
     suffix = Path(path).suffix.lower()
     if suffix not in FORMATS:
-        raise ValueError(f"path = {str(path)!r} ends in {suffix!r}; allowed: {' or '.join(FORMATS)}")
+        raise ValueError(
+            f"path = {brief(str(path))} ends in {brief(suffix)}; allowed: {' or '.join(FORMATS)}"
+        )
     with whole_file(path) as temporary:
         if suffix == ".nc":
             dataset.to_netcdf(temporary, engine="scipy", format="NETCDF3_64BIT")

@@ -11,6 +11,7 @@ import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding.contact import ForceLaw, forces
+from stochlin.messages import brief
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, Range, check, parameter
 from stochlin.registry import Registry
 
@@ -138,7 +139,7 @@ class Undamped(Element):
 def checked(model: str, name: str, value: Any, units: str, allowed: Range) -> float | xr.DataArray:
     """The value of an argument, checked and labelled as a declared parameter of a model would be."""
     declared = {"units": units, "long_name": name.replace("_", " "), "allowed": allowed}
-    return check(model, name, value, declared)
+    return check(f"{model}: ", name, value, declared)
 
 
 def elementwise(model: str, name: str, value: Any, allowed: Range, form: Form) -> Any:
@@ -148,7 +149,7 @@ def elementwise(model: str, name: str, value: Any, allowed: Range, form: Form) -
     """
     array = np.asarray(value)
     if array.dtype.kind not in "iuf":
-        raise TypeError(f"{model}: {name} = {value!r} is not a real number; allowed: {allowed}")
+        raise TypeError(f"{model}: {name} = {brief(value)} is not a real number; allowed: {allowed}")
     inside = allowed.contains(array)
     if array.ndim == 0 and not inside:
         raise ValueError(f"{model}: {name} = {float(array):g} is out of range; allowed: {allowed}")

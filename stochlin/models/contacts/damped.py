@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 import xarray as xr
 
+from stochlin.messages import brief
 from stochlin.models.contacts.base import DAMPING, RESTITUTION, Element, Form, checked, elementwise
 from stochlin.models.parameters import Parameter, parameter
 
@@ -50,7 +51,9 @@ class Damped(Element):
     def _invert(cls, restitution: Any, formula: str = EXACT) -> Any:
         if formula not in cls.damping_for:
             known = ", ".join(cls.damping_for)
-            raise ValueError(f"{cls.__name__}: formula = {formula!r} is not known; allowed: {known}")
+            raise ValueError(
+                f"{cls.__name__}: formula = {brief(formula)} is not known; allowed: {known}"
+            )
         form = cls.damping_for[formula]
         return elementwise(cls.__name__, "restitution", restitution, RESTITUTION, form)
 

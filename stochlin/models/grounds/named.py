@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from stochlin.messages import brief
 from stochlin.models.grounds import CloughPenzien, KanaiTajimi
 from stochlin.models.parameters import Parameter
 
@@ -97,5 +98,5 @@ def named_ground(name: str, intensity: Parameter = 1.0) -> KanaiTajimi | CloughP
     """
     chosen = _GROUNDS.get(str(name).strip().lower())
     if chosen is None:
-        raise ValueError(f"name = {name!r} is not a known ground; allowed: {', '.join(_GROUNDS)}")
+        raise ValueError(f"name = {brief(name)} is not a known ground; allowed: {', '.join(_GROUNDS)}")
     return replace(chosen, intensity=intensity)

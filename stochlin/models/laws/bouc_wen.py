@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     import sympy
+    import xarray as xr
 
     from stochlin.kernels.simulation.ensemble import Block
 
@@ -78,7 +79,8 @@ class BoucWen(Structure):
     beta : float or array
         Positive [-]: width of the loops.
     gamma : float or array
-        [-], above ``-beta``, for ``z`` would not saturate otherwise: shape of the loops.
+        [-], above ``-beta``, for ``z`` would not saturate otherwise: shape of the loops, which bulge
+        where it is above ``beta``.
     exponent : float or array
         ``n >= 1`` [-]: sharpness of yielding; the bilinear law is its limit.
     mass : float, optional
@@ -92,7 +94,8 @@ class BoucWen(Structure):
     References
     ----------
     Wen, Y. K. (1976), J. Eng. Mech. Div. ASCE 102; linearized as in Wen, Y. K. (1980), J. Appl. Mech.
-    47.
+    47. Bounds of ``z`` as in Ismail, M., Ikhouane, F. and Rodellar, J. (2009), Arch. Comput. Methods
+    Eng. 16, classes I and II.
 
     Examples
     --------
@@ -106,6 +109,24 @@ class BoucWen(Structure):
     exponent: Parameter = parameter(
         "1", "Bouc-Wen exponent n", Range(lower=1.0, include_lower=True), 1.0
     )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        saturates = self._saturates()
+        if not saturates.ndim and not saturates:
+            raise ValueError(
+                f"BoucWen: gamma = {self.gamma:g} is out of range; allowed: -beta < value, and beta is "
+                f"{self.beta:g} (z would grow without bound)"
+            )
+
+    def valid(self) -> xr.DataArray:
+        """True for the cells in which every parameter is in its range."""
+        return super().valid() & self._saturates()
+
+    def _saturates(self) -> xr.DataArray:
+        """Whether z is bounded in loading; in unloading it is whatever the sign of ``beta - gamma``."""
+        values = self.arrays()
+        return values["gamma"] > -values["beta"]
 
     closures: ClassVar[Mapping[str, Closure | None]] = {GAUSSIAN: gaussian}
     symbolic = staticmethod(symbolic)

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import ClassVar, Self, TypeVar
 
+from stochlin.messages import brief
 from stochlin.registry import LAST, Registry
 
 
@@ -71,7 +72,7 @@ def look_up(registry: Registry[type[Rule]], name: object, parameter: str) -> typ
         f"{rule.__name__} ({rule.abbreviation})" if rule.abbreviation else key
         for key, rule in registry.items()
     )
-    raise ValueError(f"{parameter} = {name!r} is not a known {registry.kind}; allowed: {allowed}")
+    raise ValueError(f"{parameter} = {brief(name)} is not a known {registry.kind}; allowed: {allowed}")
 
 
 def _plain(name: object) -> str:

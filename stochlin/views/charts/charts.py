@@ -67,11 +67,17 @@ def draw(dataset: xr.Dataset) -> Figure:
     Raises
     ------
     ValueError
-        If the dataset is no chart.
+        If the dataset is no chart, or holds no finite number.
     """
     from matplotlib.figure import Figure
 
     draw_axes = PICTURES.named(_kind(dataset), "attribute chart")
+    numbers = [array for array in dataset.data_vars.values() if array.dtype.kind == "f"]
+    if numbers and not any(bool(np.isfinite(array).any()) for array in numbers):
+        raise ValueError(
+            "the chart holds no finite number, so that there is nothing to draw; allowed: parameters in "
+            "their ranges, which its status tells"
+        )
     figure = Figure(figsize=SIZE)
     draw_axes(figure, dataset)
     attrs = dataset.attrs

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from stochlin.messages import brief
 from stochlin.views.shared import options as shared
 from stochlin.views.shared.options import (
     Measured,
@@ -95,7 +96,7 @@ def charts(
         motion, site = shared.site(record, options) if record else (None, None)
         functions = chart_functions(settings, motion, site)
         if name is not None and name not in functions:
-            raise ValueError(f"NAME = {name!r} is no chart; allowed: {', '.join(functions)}")
+            raise ValueError(f"NAME = {brief(name)} is no chart; allowed: {', '.join(functions)}")
         chosen = functions if name is None else {name: functions[name]}
         files = {one: _chart_files(out / one, picture_format, record) for one in chosen}
         with click.progressbar(
@@ -154,6 +155,7 @@ def _write_chart(dataset: xr.Dataset, data: Path, picture: Path) -> None:
     from stochlin.views.charts.charts import draw
     from stochlin.views.shared.style import save
 
+    drawn = draw(dataset)
     data.parent.mkdir(parents=True, exist_ok=True)
     save_table(dataset, data)
-    save(draw(dataset), picture)
+    save(drawn, picture)

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from stochlin.analyses.explorer.scene import ALLOWED, SHAPES, SITES, Scene, check_count, names_of
+from stochlin.messages import brief
 from stochlin.models.envelopes import ENVELOPES
 from stochlin.models.grounds import GROUNDS
 from stochlin.models.parameters import Model
@@ -39,7 +40,7 @@ class Control(NamedTuple):
         try:
             value = float(shown) / SCALES.get(self.unit, 1.0)
         except ValueError as error:
-            raise ValueError(f"= {shown!r} is no number; allowed: {self.range}") from error
+            raise ValueError(f"= {brief(shown)} is no number; allowed: {self.range}") from error
         if self.name == "paths":
             return check_count("", int(value) if value.is_integer() else value)
         if not ALLOWED[self.name].metadata["allowed"].contains(value):

@@ -50,12 +50,12 @@ class OwnOrigin:
         host = headers.get(b"host", b"").decode("latin-1")
         origin = headers.get(b"origin", b"").decode("latin-1")
         try:
-            named = urlsplit(f"//{host}").hostname
-        except ValueError:
+            named, elsewhere = urlsplit(f"//{host}").hostname, urlsplit(origin).netloc
+        except ValueError:  # neither is an address
             return False
         if self._names is not None and named not in self._names:
             return False
-        return not origin or urlsplit(origin).netloc == host
+        return not origin or elsewhere == host
 
 
 def names_of(host: str) -> frozenset[str] | None:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from stochlin.messages import brief
 from stochlin.views.shared.screen import FILE, bad_input
 
 if TYPE_CHECKING:
@@ -100,7 +101,7 @@ class Measured(click.ParamType):  # type: ignore[type-arg]  # no generic type be
         try:
             return in_si(given, Quantity(self.units, POSITIVE))  # models know the range
         except ValueError as error:
-            self.fail(f"{text!r} {error}", param, ctx)
+            self.fail(f"{brief(text)} {error}", param, ctx)
 
 
 class Numbers(Measured):
@@ -306,7 +307,7 @@ def ground(options: dict[str, Any]) -> Ground:
     wrong = [name for name in given if name not in own]
     if kind is None and chosen.strip().lower() not in ground_names():
         allowed = [*(name.replace("_", "-") for name in GROUNDS), *ground_names()]
-        raise ValueError(f"--ground {chosen!r} is not known; allowed: {', '.join(allowed)}")
+        raise ValueError(f"--ground {brief(chosen)} is not known; allowed: {', '.join(allowed)}")
     if wrong:
         raise click.UsageError(f"{_flags(wrong)} does not apply to --ground {chosen}.")
     values = {own[name]: parameter_of(name, numbers) for name, numbers in given.items()}

@@ -6,13 +6,15 @@ import codecs
 import math
 import sys
 import textwrap
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from stochlin.messages import LONGEST_MESSAGE, DoubtfulInput, brief, plain, sentence
 from stochlin.registry import Registry
 
 if TYPE_CHECKING:
@@ -51,14 +53,27 @@ def bad_input() -> Iterator[None]:
     except BrokenPipeError:
         raise  # whoever reads has seen enough; click ends quietly
     except (ValueError, TypeError, OSError) as error:
-        raise click.UsageError(str(error)) from error
+        raise click.UsageError(sentence(error, LONGEST_MESSAGE)) from error
     except MemoryError as error:
         raise click.UsageError(
             f"the memory of this machine is not enough ({error or 'no more of it'}); take fewer cells "
             "or paths, or a shorter motion"
         ) from error
     except (ArithmeticError, RuntimeError, ImportError) as error:
-        raise click.ClickException(str(error)) from error
+        raise click.ClickException(sentence(error, LONGEST_MESSAGE)) from error
+
+
+@contextmanager
+def warnings_as_sentences() -> Iterator[None]:
+    """Show warnings on the error stream, each on a line and without its place in the code."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", DoubtfulInput)
+        warnings.showwarning = _show_warning
+        yield
+
+
+def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
+    click.echo(f"Warning: {plain(message, LONGEST_MESSAGE)}", err=True)
 
 
 @contextmanager
@@ -85,7 +100,9 @@ def check_target(
     if path is None:
         return
     if path.suffix.lower() not in allowed:
-        raise ValueError(f"{option} {path} ends in {path.suffix!r}; allowed: {' or '.join(allowed)}")
+        raise ValueError(
+            f"{option} {path} ends in {brief(path.suffix)}; allowed: {' or '.join(allowed)}"
+        )
     try:
         target = written_file(path)
     except OSError as error:

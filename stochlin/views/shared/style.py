@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.tables.storage import whole_file
+from stochlin.messages import brief
 from stochlin.views.shared.screen import PICTURES
 
 if TYPE_CHECKING:
@@ -148,7 +149,7 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     suffix = os.path.splitext(path)[1][1:].lower()
     if f".{suffix}" not in PICTURES:
         allowed = ", ".join(ending[1:] for ending in PICTURES)
-        raise ValueError(f"path = {os.fspath(path)!r} ends in {suffix!r}; allowed: {allowed}")
+        raise ValueError(f"path = {brief(os.fspath(path))} ends in {brief(suffix)}; allowed: {allowed}")
     undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix)
     with mpl.rc_context(STYLE), whole_file(path) as temporary:
         figure.savefig(temporary, dpi=200, metadata=undated)

@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from stochlin.messages import brief
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, parameter
 from stochlin.models.rules.published import Published, look_up
 from stochlin.registry import Registry
@@ -24,6 +25,8 @@ CODE_RULES: Registry[type[CodeRule]] = Registry("code rule", "stochlin.models.ru
 @dataclass(frozen=True)
 class BuildingPeaks(Model):
     """Peak displacements of two buildings, and their heights where a rule needs them."""
+
+    of_arguments = True
 
     peak_1: Parameter = parameter("m", "peak displacement, structure 1", NOT_NEGATIVE)
     peak_2: Parameter = parameter("m", "peak displacement, structure 2", NOT_NEGATIVE)
@@ -101,8 +104,8 @@ class Site:
 
 def check_zone(zone: str | None) -> None:
     """Raise a ValueError for a zone that is not one."""
-    if zone is not None and zone not in ZONES:
-        raise ValueError(f"zone = {zone!r} is not known; allowed: {', '.join(ZONES)}")
+    if zone is not None and (not isinstance(zone, str) or zone not in ZONES):
+        raise ValueError(f"zone = {brief(zone)} is not known; allowed: {', '.join(ZONES)}")
 
 
 def code_rule_names() -> tuple[str, ...]:
@@ -159,7 +162,7 @@ def code_rule(name: str, value: float | None = None) -> CodeRule:
         return rule.usual()
     if not fields(rule):
         families = ", ".join(name for name, one in CODE_RULES.items() if fields(one))
-        raise ValueError(f"value = {value!r} is given to {rule.name}; allowed for {families} only")
+        raise ValueError(f"value = {brief(value)} is given to {rule.name}; allowed for {families} only")
     return rule(value)  # type: ignore[call-arg]
 
 

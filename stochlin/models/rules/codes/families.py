@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stochlin.messages import brief
 from stochlin.models.rules.codes import CODE_RULES, CodeRule, Site
 from stochlin.models.rules.published import published
 
@@ -29,7 +30,9 @@ class _Numbered(CodeRule):
         for field in fields(self):
             value = getattr(self, field.name)
             if not 0 < value < np.inf:
-                raise ValueError(f"{self.name}: {field.name} = {value!r}; allowed: a positive number")
+                raise ValueError(
+                    f"{self.name}: {field.name} = {brief(value)}; allowed: a positive number"
+                )
 
 
 @published(CODE_RULES, "share_of_sum", PAPER, "P", 2)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import brief
 from stochlin.models.parameters import POSITIVE, Parameter, parameter
 from stochlin.models.rules.published import Published, look_up
 from stochlin.models.structures import HARDENING, LinearPair
@@ -55,6 +56,8 @@ def effective_rule_names(unverified: bool = False) -> tuple[str, ...]:
     >>> sl.effective_rule_names()
     ('elastic', 'secant', 'penzien_1997', 'iwan_1980', 'fema_440')
     """
+    if not isinstance(unverified, bool):
+        raise TypeError(f"unverified = {brief(unverified)}; allowed: True or False")
     return tuple(name for name in EFFECTIVE_RULES if unverified or effective_rule(name).verified)
 
 

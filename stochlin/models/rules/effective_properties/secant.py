@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import brief
 from stochlin.models.rules.effective_properties import EFFECTIVE_RULES, EffectiveRule
 from stochlin.models.rules.published import published
 
@@ -43,7 +44,7 @@ class Secant(EffectiveRule):
 
     def __post_init__(self) -> None:
         if not 0 < self.share <= 1:
-            raise ValueError(f"Secant: share = {self.share!r}; allowed: 0 < share <= 1")
+            raise ValueError(f"Secant: share = {brief(self.share)}; allowed: 0 < share <= 1")
 
     def period_ratio(self, ductility: Array, hardening: Array) -> Array:
         """Square root of elastic over secant stiffness."""

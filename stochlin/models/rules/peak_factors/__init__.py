@@ -16,6 +16,7 @@ from typing import ClassVar
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import brief
 from stochlin.models.parameters import POSITIVE, Model, Parameter, parameter
 from stochlin.models.rules.published import Published, look_up
 from stochlin.registry import Registry
@@ -50,7 +51,7 @@ class PeakFactor(Published):
     def _evaluate(self, crossings: Array, bandwidth: Array, sides: int) -> tuple[Array, Array]:
         if sides not in {1, 2}:
             raise ValueError(
-                f"sides = {sides!r}; allowed: 2 (largest absolute value), 1 (one direction)"
+                f"sides = {brief(sides)}; allowed: 2 (largest absolute value), 1 (one direction)"
             )
         n, delta = np.broadcast_arrays(np.asarray(crossings, float), np.asarray(bandwidth, float))
         if sides == 1:
@@ -115,5 +116,7 @@ def peak_factor_model(name: str) -> PeakFactor:
 @dataclass(frozen=True)
 class StationaryMotion(Model):
     """How long a stationary motion lasts: ``duration`` [s], positive."""
+
+    of_arguments = True
 
     duration: Parameter = parameter("s", "duration of the motion", POSITIVE)

@@ -1,0 +1,38 @@
+"""TOML files, read as data; what is wrong with one is said with its line."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from stochlin.messages import brief, plain
+
+
+def read_toml(path: Path) -> tuple[str, dict[str, Any]]:
+    """The text of the file and what it holds.
+
+    An OSError if it cannot be read, a ValueError if it is no TOML.
+    """
+    name = plain(path.name)
+    try:
+        text = path.read_bytes().decode("utf-8-sig")
+        return text, tomllib.loads(text)
+    except UnicodeDecodeError as error:
+        raise ValueError(
+            f"{name} is no TOML file: no text in UTF-8 ({error}); save it as such"
+        ) from error
+    except RecursionError as error:
+        raise ValueError(f"{name} is nested too deeply; allowed: tables and their keys") from error
+    except ValueError as error:  # also of numbers with thousands of digits
+        found = re.search(r"line (\d+)", str(error))
+        lines = text.splitlines()
+        endless = (n for n, one in enumerate(lines, 1) if re.search(r"[\d_]{1000}", one))
+        line = int(found[1]) if found else next(endless, len(lines))
+        given = lines[line - 1].strip() if 0 < line <= len(lines) else ""
+        raise ValueError(
+            f"{name}, line {line}: {brief(given)} is no TOML file's text "
+            f"({plain(error)}); a value with a unit and "
+            'any other text stand in quotation marks, as period = "0.6 s"'
+        ) from error

@@ -1,0 +1,66 @@
+"""What a user has given, as messages show it: on one line, no control characters, not too long."""
+
+from __future__ import annotations
+
+import reprlib
+from collections.abc import Iterable
+
+LONGEST = 80  # of a value that is shown
+LONGEST_MESSAGE = 2000  # on a terminal, with all names that are allowed
+
+
+class DoubtfulInput(UserWarning):
+    """What is allowed, but looks like a mistake."""
+
+
+class _Short(reprlib.Repr):
+    """The ``repr`` of anything, cut while it is made: a list of a million numbers is not written out."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.maxlevel, self.maxstring, self.maxother = 3, LONGEST, LONGEST
+
+    def repr_int(self, x: int, level: int) -> str:
+        """Python refuses to write out very large ones."""
+        power = int(x.bit_length() * 0.30103)
+        return repr(x) if power < LONGEST else f"about {'-' * (x < 0)}1e{power}"
+
+    def repr_instance(self, x: object, level: int) -> str:
+        """What is not built in: of one with parameters its kind and them."""
+        describe = getattr(x, "describe", None)
+        try:
+            return str(describe()) if describe and not isinstance(x, type) else repr(x)
+        except Exception:
+            return f"a {type(x).__name__}"
+
+
+_short = _Short()
+
+
+def brief(value: object) -> str:
+    """A value as it would be written in Python, cut."""
+    return plain(" ".join(_short.repr(value).split()))
+
+
+def plain(text: object, longest: int = LONGEST) -> str:
+    """A text that stands without quotation marks, such as a name or another's message, cut.
+
+    What cannot be printed is written as Python writes it, for a terminal would obey it.
+    """
+    line = str(text)
+    line = line if len(line) <= longest else f"{line[:longest]} "  # to be cut below
+    if not line.isprintable():
+        line = "".join(sign if sign.isprintable() else repr(sign)[1:-1] for sign in line)
+    return line if len(line) <= longest else f"{line[: longest - 3]}..."
+
+
+def sentence(error: BaseException, longest: int = 160) -> str:
+    """What another error says, on one line."""
+    return plain(" ".join(str(error).split()), longest)
+
+
+def listed(names: Iterable[object], most: int = 12) -> str:
+    """Names that a user has given, as a list in words."""
+    known = list(names)
+    more = f" and {len(known) - most} more" if len(known) > most else ""
+    return ", ".join(plain(name, 40) for name in known[:most]) + more

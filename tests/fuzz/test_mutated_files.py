@@ -1,0 +1,243 @@
+"""Case files, records and specifications, mutated: a result, or one line that says what is wrong.
+
+A minute or so here; ``make fuzz`` goes on for an hour, with examples of its own each time.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import cases
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import stochlin as sl
+from stochlin.analyses.atlases.specification import read_specification
+from stochlin.messages import LONGEST_MESSAGE
+from stochlin.views.command import main
+
+pytestmark = [pytest.mark.invariant, pytest.mark.slow]
+
+TIMES = int(os.environ.get("FUZZ_TIMES", "1"))  # as many examples as usual
+INNER = re.compile(
+    r"Traceback|YieldingPair|LinearPair|DuctilityTarget| object at 0x|NoneType|numpy\.|ufunc"
+)
+WAVE = 0.1 * np.sin(np.arange(60) / 3)
+
+RECORDS = {
+    "one.txt": "\n".join(f"{value:.5f}" for value in WAVE),
+    "two.csv": "time,acc [g]\n"
+    + "\n".join(f"{0.02 * n:.2f},{value:.5f}" for n, value in enumerate(WAVE)),
+    "tab.txt": "# a record\n"
+    + "\n".join(f"{0.02 * n:.2f}\t{value:.3E}" for n, value in enumerate(WAVE)),
+    "peer.at2": "PEER\nSomewhere\nACCELERATION IN UNITS OF G\nNPTS= 60, DT= .0200 SEC\n"
+    + "\n".join("".join(f"{value:15.6E}" for value in row) for row in WAVE.reshape(-1, 5)),
+    "old.at2": "A\nB\nC\n 60 0.0200 NPTS, DT\n" + " ".join(f"{value:.6f}" for value in WAVE),
+}
+OPTIONS = ({}, {"dt": 0.02, "units": "g"}, {"units": "g", "column": 1, "time_column": 0})
+SPECIFICATION = """\
+title = "Lake beds"
+ground = "kanai_tajimi"
+closure = "gaussian"
+block_cells = 1000
+[parameters]
+period_1 = { start = 0.1, stop = 10, count = 4, spacing = "log" }
+period_2 = [0.5, 1.0, 2.0]
+ground_damping = [0.05, 0.2]
+damping = 0.05
+hardening = [0.02, 0.1]
+reduction_factor = { start = 1, stop = 6, count = 3 }
+"""
+STOREYS = sl.example_case()[sl.example_case().index("#   masses") :].partition("# More")[0]
+
+
+def forms_of_the_case() -> list[str]:
+    """The example as it is, and with each of its blocks of a record and of a ground taken in."""
+    text = sl.example_case()
+    forms = [text, *(cases.uncommented(one) for one in cases.blocks_to_uncomment("[[site.records]]"))]
+    own = cases.blocks_to_uncomment('ground = "')
+    bare = text.replace('\nground = "firm"', "").replace('\nintensity = "0.01 m^2/s^3"', "")
+    forms += [bare.replace(block, block.replace("#   ", "")) for block in own]
+    start, end = text.index("[building_1]"), text.index("[separation]")
+    storeys = "".join(
+        f'[building_{n}]\ndamping = "5 %"\nhardening = "5 %"\n{STOREYS}\n'.replace("#   ", "")
+        for n in (1, 2)
+    )
+    forms.append(text[:start] + storeys + text[end:])
+    strengths = ('yield_displacement = "3 cm"', "ductility = 4", "elastic = true")
+    forms += [text.replace("\nreduction_factor = 4", f"\n{one}") for one in strengths]
+    return [re.sub(r"(?m)^\s*#.*\n|\s+#[^\n\"]*$", "", form) + "\n" for form in forms]
+
+
+# What is put in the place of a value, of a word, or between two.
+PIECES = [
+    *("0", "-1", "1e999", "-1e-320", "nan", "inf", "1" + "0" * 400, "9" * 5000, "0x10", "1_0", "true"),
+    *('""', '"1"', '"5 cm"', '"1e999 s"', '"-0.0 %"', '"nan s"', '"5 furlong"', '"0.1 1/s"', '"fitted"'),
+    *("[]", "[1, 2]", '["5 cm", "3 cm"]', "{}", '{ model = "hertz" }', "[[1], [1, 2]]", "1979-05-27"),
+    *('"none"', '"clough_penzien"', '"bouc_wen"', '"kelvin"', '"hertz_damp"', '"../../etc/passwd"'),
+    *(
+        '"a\\u001b[2J"',
+        '"' + "A" * 5000 + '"',
+        "'''",
+        '"""',
+        "\n",
+        "\r\n",
+        "=",
+        "#",
+        "[",
+        "]]",
+        ".",
+        ",",
+        ";",
+    ),
+    *(
+        "\x00",
+        "\x1b[2J",
+        "\ufeff",
+        "\u2028",
+        "\u202e",
+        "é",
+        "\U0001f3e2",
+        " ",
+        "\t",
+        "NPTS",
+        "DT",
+        "E",
+        "D",
+    ),
+]
+LINES = [
+    *(
+        "elastic = true",
+        'law = "bouc_wen"',
+        "gamma = -3",
+        "beta = 1e-9",
+        "exponent = 200",
+        "ductility = 1e9",
+    ),
+    *(
+        "seed = -1",
+        "paths = 1",
+        "existing = 5",
+        "storys = 8",
+        "[building_3]",
+        "[[site.records]]",
+        "[site]",
+    ),
+    *(
+        "[measures.x]",
+        '[measures."\\u0007"]',
+        'zone = "II"',
+        "confidence = 2",
+        "[mitigation]",
+        "a.b.c = 1",
+    ),
+]
+
+
+@st.composite
+def mutated(draw: st.DrawFn, texts: list[str]) -> str:
+    """One of the texts with a few changes."""
+    text = draw(st.sampled_from(texts))
+    for _ in range(draw(st.integers(1, 4))):
+        lines = text.split("\n")
+        here = draw(st.integers(0, len(lines) - 1))
+        kind = draw(st.integers(0, 8))
+        if kind <= 2:  # another value
+            key, equals, _ = lines[here].partition("=")
+            lines[here] = f"{key}{equals} {draw(st.sampled_from(PIECES))}"
+        elif kind == 3:
+            lines[here : here + draw(st.integers(1, 3))] = []
+        elif kind == 4:
+            lines.insert(here, draw(st.sampled_from(LINES)))
+        elif kind == 5:
+            lines.insert(draw(st.integers(0, len(lines))), lines[here])
+        else:  # within a line
+            start = draw(st.integers(0, len(lines[here])))
+            end = start + draw(st.integers(0, 3))
+            new = draw(st.one_of(st.sampled_from(PIECES), st.text(max_size=3)))
+            lines[here] = lines[here][:start] + new + lines[here][end:]
+        text = "\n".join(lines)
+    return text
+
+
+def written(path: Path, text: str) -> Path:
+    path.write_bytes(text.encode("utf-8", errors="surrogatepass"))
+    return path
+
+
+def check(call: Callable[[], object]) -> None:
+    """A result, or an error that says in a line what is wrong."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)
+            call()
+    except (ValueError, TypeError, ArithmeticError, OSError) as error:
+        said = str(error)
+        assert said
+        assert said.isprintable(), said
+        assert len(said) < LONGEST_MESSAGE
+        assert not INNER.search(said), said
+
+
+def examples(count: int) -> settings:
+    """So many of them, the same each time; in a longer run more, and others each time."""
+    return settings(
+        max_examples=count * TIMES,
+        derandomize=TIMES == 1,
+        deadline=None,
+        database=None,
+        suppress_health_check=list(HealthCheck),
+    )
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where the records of the cases lie."""
+    place = tmp_path_factory.mktemp("fuzz")
+    for name, text in RECORDS.items():
+        written(place / name, text)
+    for name, own in (("taft.txt", "one.txt"), ("sct.txt", "tab.txt"), ("elcentro.at2", "peer.at2")):
+        written(place / name, RECORDS[own])
+    return place
+
+
+@examples(1500)
+@given(text=mutated(forms_of_the_case()))
+def test_case_files(folder: Path, text: str) -> None:
+    check(lambda: sl.read_case(written(folder / "case.toml", text)))
+
+
+@examples(4000)
+@given(text=mutated(list(RECORDS.values())), options=st.sampled_from(OPTIONS))
+def test_records(folder: Path, text: str, options: dict[str, Any]) -> None:
+    check(lambda: sl.read_record(written(folder / "record.txt", text), **options))
+
+
+@examples(2000)
+@given(text=mutated([SPECIFICATION]))
+def test_specifications(folder: Path, text: str) -> None:
+    check(lambda: read_specification(written(folder / "spec.toml", text)))
+
+
+@examples(400)
+@given(text=mutated(forms_of_the_case()[1:4]))
+def test_commands_answer_or_say_what_is_wrong(folder: Path, text: str) -> None:
+    path = written(folder / "case.toml", text)
+    done = CliRunner().invoke(main, ["pound", str(path)])
+    assert done.exit_code in (0, 1, 2), done.output
+    assert done.exception is None or isinstance(done.exception, SystemExit), repr(done.exception)
+    said = done.output.splitlines()
+    assert all(line.isprintable() for line in said), done.output
+    if done.exit_code:
+        assert not INNER.search(done.output), done.output
+        (error,) = [line for line in said if line.startswith("Error: ")]
+        assert len(error) < LONGEST_MESSAGE

@@ -1,0 +1,65 @@
+"""Values in messages: on one line, without what a terminal would obey, and never long."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import stochlin as sl
+from stochlin.messages import LONGEST, brief, listed, plain, sentence
+
+pytestmark = pytest.mark.invariant
+
+
+class Broken:
+    def __repr__(self) -> str:
+        raise RuntimeError
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        (0.6, "0.6"),
+        ("Annex", "'Annex'"),
+        (10**400, "about 1e400"),
+        (-(10**5000), "about -1e5000"),
+        ([10**400, 1], "[about 1e400, 1]"),
+        ("\x1b[2J", r"'\x1b[2J'"),
+        (Broken(), "a Broken"),
+        (np.zeros((2, 2)), "array([[0., 0.], [0., 0.]])"),
+        (sl.Bilinear(1.0, 0.05), "Bilinear(period=1, damping=0.05, peak_factor=3)"),
+        (sl.Bilinear, "<class 'stochlin.models.laws.bilinear.Bilinear'>"),
+    ],
+    ids=lambda value: type(value).__name__,
+)
+def test_a_value_is_shown_as_python_writes_it(value: object, said: str) -> None:
+    assert brief(value) == said
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        "a" * 200_000,
+        list(range(1_000_000)),
+        dict.fromkeys(range(1000), "b" * 1000),
+        np.arange(1e6),
+        xr.Dataset({f"a{n}": ("x", np.arange(50)) for n in range(50)}),
+        sl.Hysteretic,
+        [[[[[[["deep" * 100]]]]]]],
+        "one\ntwo\x1b[31m\u2028\x00" * 100,
+    ],
+    ids=lambda value: type(value).__name__,
+)
+def test_a_long_value_is_cut_to_one_line(value: object) -> None:
+    said = brief(value)
+    assert said.isprintable()
+    assert 0 < len(said) <= LONGEST
+
+
+def test_texts_without_quotation_marks() -> None:
+    assert plain("two\nlines \x1b[2J") == r"two\nlines \x1b[2J"
+    assert plain("a" * 1000) == "a" * 77 + "..."
+    assert listed(["one", "two"]) == "one, two"
+    assert listed(map(str, range(100))) == "0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11 and 88 more"
+    assert sentence(ValueError("two\n  lines")) == "two lines"

@@ -1,0 +1,206 @@
+"""Every public call with every kind of wrong value: what is raised is one short line for the user."""
+
+from __future__ import annotations
+
+import inspect
+import re
+import warnings
+from collections.abc import Callable, Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import sympy
+import xarray as xr
+
+import stochlin as sl
+
+pytestmark = pytest.mark.invariant
+
+LONGEST = 500  # characters, with the list of what is allowed
+TIME = 0.02 * np.arange(200)
+V, Z = sympy.symbols("v z")
+
+WRONG: dict[str, Any] = {
+    "nothing": None,
+    "text": "one",
+    "bytes": b"1",
+    "truth": True,
+    "complex": 1 + 1j,
+    "NaN": float("nan"),
+    "infinite": float("inf"),
+    "negative": -1.0,
+    "zero": 0,
+    "beyond floats": 10**400,
+    "list": [1.0, "a"],
+    "ragged": [[1.0], [1.0, 2.0]],
+    "empty list": [],
+    "mapping": {"a": 1.0},
+    "empty array": np.array([]),
+    "plane": np.ones((2, 2)),
+    "objects": np.array([None, "a"], dtype=object),
+    "long array": np.full(10_000, -1.0),
+    "long text": "x" * 200_000,
+    "escape": "\x1b[2J\n",
+    "dataset": xr.Dataset({"a": ("x", np.ones(3))}),
+    "labels": xr.DataArray(["a", "b"], dims="x"),
+    "dates": xr.DataArray(np.array(["2000-01-01"], dtype="datetime64[ns]"), dims="x"),
+    "ground": sl.KanaiTajimi(1.0, 0.3),
+    "structure": sl.Bilinear(1.0, 0.05),
+    "contact": sl.LinearSpring(1e6),
+    "link": sl.Link(1e6),
+    "class": sl.Kelvin,
+    "function": len,
+}
+# These decide how long a call lasts or where it writes: what is allowed of them is tested elsewhere.
+LASTING = {"paths", "max_iterations", "relaxation_times", "progress", "scheduler"}
+INNER = re.compile(
+    r"YieldingPair|LinearPair|CorrelatedPeaks|DuctilityTarget|StationaryMotion|0x[0-9a-f]{6}"
+)
+
+
+@cache
+def usual() -> Mapping[str, Any]:
+    """A value of every parameter that has no default, by its name."""
+    ground = sl.KanaiTajimi(1.0, 0.3, 0.01)
+    one, two = (sl.Bilinear(T, 0.05, 0.05, yield_displacement=0.02, mass=1e6) for T in (0.6, 1.0))
+    values = np.sin(9 * TIME) * np.exp(-TIME)
+    record = xr.DataArray(values, dims="time", coords={"time": TIME}, attrs={"units": "m/s^2"})
+    pairs = {f"{name}_{n}": value for n in (1, 2) for name, value in SINGLE.items()}
+    models = {"structure": one, "first": one, "second": two, "structures": [one, two], "ground": ground}
+    contact = sl.Kelvin(1e8, restitution=0.6)
+    return {
+        **SINGLE,
+        **pairs,
+        **models,
+        "record": record,
+        "motion": record,
+        "contact": contact,
+        "gaps": [0.05],
+        "link": sl.Link(damping_constant=1e5),
+        "measures": {"dampers": sl.Measure(added_damping_1=0.1)},
+        "time": [0.0, 1.0, 2.0],
+        "samples": xr.DataArray(np.linspace(0, 1, 20), dims="path"),
+        "intensities": [0.01, 0.02],
+        "intensity": [0.01, 0.02],
+        "law": V - abs(V) * Z,
+        "envelope": sl.AminAng(1.0, 2.0, 0.5),
+        "model": "amin_ang",
+        "c_eq": [-1.0, -1.0],
+        "k_eq": [0.0, 0.0],
+        "space": sl.statespace([sl.Bilinear(1.0, 0.05)], ground, [-1.0], [0.0]),
+        "frequency": [1.0, 2.0],
+    }
+
+
+SINGLE = {
+    "period": 0.8,
+    "damping": 0.05,
+    "hardening": 0.05,
+    "ductility": 3.0,
+    "peak": 0.1,
+    "rho": 0.5,
+    "gap": 0.05,
+    "duration": 3.0,
+    "rise_end": 1.0,
+    "strong_end": 2.0,
+    "decay": 0.5,
+    "slow": 0.1,
+    "fast": 1.0,
+    "power": 2.0,
+    "peak_time": 2.0,
+    "stiffness": 1e8,
+    "restitution": 0.6,
+    "high_pass_period": 5.0,
+    "high_pass_damping": 0.6,
+    "masses": [1e5],
+    "stiffnesses": [1e8],
+    "heights": [3.0],
+    "approach_velocity": 0.5,
+    "mass": 1e5,
+    "name": "firm",
+}
+DASHPOTS = ("HertzDamp", "ImpactKelvin", "Jankowski", "Kelvin", "NoTensionKelvin")
+OWN: dict[str, dict[str, Any]] = {
+    "effective_rule": {"name": "iwan_1980"},
+    "code_rule": {"name": "eurocode_8"},
+    "peak_factor_model": {"name": "davenport_1964"},
+    "Hysteretic": {"hardening": 0.1, "reduction_factor": 4, "law": V - abs(V) * Z},
+    "read_record": {"dt": 0.02, "units": "g"},
+    "pounding_probability": {"duration": 3.0},
+    "pounding_estimate": {"duration": 3.0, "radius_1": 0.1, "radius_2": 0.2},
+    **{name: {"restitution": 0.6} for name in DASHPOTS},
+}
+
+
+# Atlases want a store: their own tests have what is wrong with them.
+STORED = {"write_atlas", "open_atlas", "lookup"}
+NAMES = [name for name in sl.__all__ if callable(getattr(sl, name)) and name not in STORED]
+ALSO = {"name": "name_rule_model", "yield_displacement": "yield_strength_hardening"}  # said in its place
+ALSO |= {"reduction_factor": "reduction_strength_hardening", "structure": "structure_strength"}
+
+
+def complaint(call: Callable[..., Any], given: Mapping[str, Any]) -> BaseException | None:
+    """What the call raises; None if it takes all that."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            call(**given)
+    except (Exception, SystemExit) as error:
+        return error
+    return None
+
+
+def arguments(name: str, tmp: Path) -> dict[str, Any]:
+    given = dict(usual()) | OWN.get(name, {})
+    parameters = inspect.signature(getattr(sl, name)).parameters
+    chosen = {
+        key: given.get(key)
+        for key, one in parameters.items()
+        if one.default is one.empty and one.kind not in (one.VAR_KEYWORD, one.VAR_POSITIONAL)
+    }
+    if "path" in parameters:
+        text = sl.example_case() if name == "read_case" else "\n".join(map(str, np.sin(TIME)))
+        (tmp / "file.txt").write_text(text, encoding="utf-8")
+        chosen["path"] = tmp / "file.txt"
+    return chosen | {key: value for key, value in OWN.get(name, {}).items() if key in parameters}
+
+
+def unfit(error: BaseException | None, parameter: str) -> str:
+    """What is wrong with how an error says it."""
+    said = "" if error is None else str(error)
+    words = [word.rstrip("s")[:6] for word in (ALSO.get(parameter, parameter)).split("_")]
+    faults = {
+        "is of a kind that nobody expects": not isinstance(
+            error, (ValueError, TypeError, ArithmeticError, OSError, type(None))
+        ),
+        "is long": len(said) > LONGEST,
+        "is not one line": bool(said) and not said.isprintable(),
+        "has a name from within": bool(INNER.search(said)),
+        "does not name the parameter": bool(said)
+        and not isinstance(error, OSError)
+        and "no pair has valid parameters" not in said  # of a table
+        and not any(word in said for word in words),
+    }
+    return ", ".join(fault for fault, found in faults.items() if found)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_what_is_wrong_is_said_in_a_line_that_names_the_parameter(name: str, tmp_path: Path) -> None:
+    call = getattr(sl, name)
+    parameters = inspect.signature(call).parameters
+    given = arguments(name, tmp_path)
+    if "paths" in parameters:
+        given["paths"] = 16
+    assert complaint(call, given) is None
+    said = []
+    for parameter, one in parameters.items():
+        if parameter in LASTING or one.kind in (one.VAR_KEYWORD, one.VAR_POSITIONAL):
+            continue
+        for kind, value in WRONG.items():
+            error = complaint(call, given | {parameter: value})
+            if fault := unfit(error, parameter):
+                said.append(f"{parameter}, {kind}: {fault}: {type(error).__name__} {str(error)[:200]!r}")
+    assert not said, "\n".join(said)
