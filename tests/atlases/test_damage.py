@@ -350,7 +350,7 @@ def test_what_does_not_fit_is_refused(tmp_path, monkeypatch):
         sl.write_atlas(many, tmp_path / "a.zarr")
     sizes = {"SC_PAGE_SIZE": 4096, "SC_PHYS_PAGES": 1000}
     monkeypatch.setattr(os, "sysconf", sizes.get)
-    with pytest.raises(ValueError, match=r"block_cells = 99999: .* GB; allowed: \d+ GB; take smaller blocks"):
+    with pytest.raises(ValueError, match=r"block_cells = 99999: .* GB; allowed: .* smaller blocks"):
         sl.write_atlas({**many, "block_cells": 99_999}, tmp_path / "a.zarr")
     monkeypatch.undo()
     monkeypatch.setattr(atlas_store, "_fill", full)

@@ -190,3 +190,15 @@ def test_bad_input_is_refused_before_any_work(monkeypatch, options, message):
     given = {"duration": 10.0} | options
     with pytest.raises(ValueError, match=message):
         sl.separation(building(0.6), building(1.0), FIRM, **given)
+
+
+@pytest.mark.parametrize("strength", [{"yield_displacement": 1e-30}, {"reduction_factor": 1e300}])
+def test_rules_that_need_linearization_are_not_available_far_beyond_yield(strength):
+    """The simulation answers, and so do the rules that are fed with it; the others say why not."""
+    pair = [sl.Bilinear(period, 0.05, 0.05, **strength) for period in (0.6, 1.0)]
+    table = sl.separation(*pair, sl.named_ground("firm", intensity=0.01), 10.0, paths=128)
+    gap = table.gap.to_series()
+    assert gap["simulation"] > 0
+    assert gap["share_of_sum"] > gap["simulation"]
+    assert np.isnan(gap["eq_3_linearized"])
+    assert "shaking too strong" in str(table.missing.sel(rule="eq_3_linearized").values)

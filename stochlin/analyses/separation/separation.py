@@ -148,6 +148,7 @@ def separation(
     expect(ground, Ground, "ground")
     check_duration(duration, {"first": first, "second": second})
 
+    @np.errstate(all="ignore")  # what comes of extreme input is judged by its status
     def of_cell(first: Structure, second: Structure, ground: Ground) -> xr.Dataset:
         motions = simulate(
             [first, second],

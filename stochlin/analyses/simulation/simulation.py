@@ -231,6 +231,7 @@ def simulate_moments(cells: SimulationCells, run: Run, progress: Progress | None
     return MomentEstimates(spread(sigma) * scale, error, spread(rho), spread(rho_error), drift, status)
 
 
+@np.errstate(all="ignore")  # what overflows is judged by its status
 def _estimates(sums: Sums, paths: int) -> tuple[Array, Array, Array, Array, Array]:
     """Variance, its error, rho, its error and drift, by the scatter between paths.
 

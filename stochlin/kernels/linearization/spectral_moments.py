@@ -87,6 +87,7 @@ def difference_moments(
     return _with_l1(l0, l2, ground, (first, forcing_1, column_1), (second, forcing_2, column_2))
 
 
+@np.errstate(all="ignore")  # a moment that is no number says so itself
 def _with_l1(
     l0: Array, l2: Array, ground: Filter, *structures: tuple[EquivalentSystem, Forcing, _Column]
 ) -> SpectralMoments:
@@ -94,8 +95,7 @@ def _with_l1(
     l1 = np.empty_like(l0)
     for begin in range(0, l1.size, CELLS):
         cells = slice(begin, begin + CELLS)
-        with np.errstate(invalid="ignore", divide="ignore"):  # no motion, no frequency: NaN
-            s = np.sqrt(l2[cells] / l0[cells])[:, None] * _NODES
+        s = np.sqrt(l2[cells] / l0[cells])[:, None] * _NODES  # without motion NaN
         below = ground.at((cells, None))
         parts = [(_take(a, cells), _take(b, cells), _take(c, cells)) for a, b, c in structures]
         drive = reduce(subtract, [below.later(system, force)(s) for system, force, _ in parts])

@@ -112,6 +112,7 @@ def stationary_sums(
 ) -> Sums:
     """Run the ensemble and sum its second moments; ``root root'`` is the filter's covariance."""
 
+    @np.errstate(all="ignore")  # what overflows is judged by its status
     def run(group: int) -> Sums:
         motion = Motion(crowd, ground, root, plan, plan.first_group + group)
         for _ in range(plan.burn_in):
