@@ -295,14 +295,16 @@ def test_an_interrupted_command_ends_at_once(seconds: float, tmp_path: Path) -> 
         "0.72",
     )
     command = ("rho", *pair, "--method", "simulation", "--out", str(tmp_path / "table.nc"))
-    running = subprocess.Popen(
-        [sys.executable, "-c", "from stochlin.views.command import main; main()", *command],
+    # What runs in the background of a shell is told to ignore the signal, and hands that down.
+    heed = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    with subprocess.Popen(
+        [sys.executable, "-c", f"{heed}; from stochlin.views.command import main; main()", *command],
         stderr=subprocess.PIPE,
-    )
-    time.sleep(seconds)
-    begin = time.perf_counter()
-    running.send_signal(signal.SIGINT)
-    _, told = running.communicate(timeout=60)
+    ) as running:
+        time.sleep(seconds)
+        begin = time.perf_counter()
+        running.send_signal(signal.SIGINT)
+        _, told = running.communicate(timeout=60)
     assert running.returncode == 130, told
     assert time.perf_counter() - begin < 1
     assert b"Traceback" not in told

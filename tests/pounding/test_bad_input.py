@@ -63,7 +63,7 @@ def tower(heights, **other):
         ({"gaps": -0.01}, ValueError, r"-0.01 between structures 1 and 2.*0 <= gap"),
         ({"gaps": np.nan}, ValueError, "nan between structures 1 and 2"),
         ({"gaps": [0.01, 0.02]}, ValueError, "1 in all"),
-        ({"gaps": "wide"}, ValueError, "wide"),
+        ({"gaps": "wide"}, TypeError, "wide"),
         ({"contact": 0.65}, TypeError, "contact = 0.65"),
         (
             {"contact": sl.Kelvin([1e8, 2e8], restitution=0.65)},

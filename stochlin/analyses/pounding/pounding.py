@@ -143,7 +143,6 @@ def pound(
     asked = _intervals(times, dt, ground.size - 1)
     oscillators = [structure for structure in row_of if isinstance(structure, Bilinear)]
     estimated = len(oscillators) == len(row_of) and not any(links)
-    worst = _estimates(oscillators, spaces, contact, motion) if estimated else None
     if progress is not None:
         progress(0.0)
     never = np.empty(0, np.int64), np.empty(0)
@@ -151,6 +150,7 @@ def pound(
     done, alone = in_order(
         lambda i: _completed(runs[i][0], kernel.SampledMotion(ground, dt, *runs[i][1])), 2, progress
     )
+    worst = _estimates(oscillators, spaces, contact, motion) if estimated else None
     start = float(motion["time"][0])
     time = motion["time"].to_numpy().astype(float) if output_step is None else start + times
     table = histories(row, row_of, done, start, time)
