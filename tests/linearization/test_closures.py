@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 import cases
+import mpmath
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -189,6 +190,42 @@ def test_narrow_band_solution_is_a_fixed_point():
         assert float(table.period_eq[case]) == pytest.approx(elastic / np.sqrt(ratio), rel=1e-8)
         damping = (2 * float(structure.damping[case]) + friction) / (2 * np.sqrt(ratio))
         assert float(table.damping_eq[case]) == pytest.approx(damping, rel=1e-8)
+
+
+@pytest.mark.parametrize("sigma", [3.0, 30.0, 1e3, 1e4, 1e6])
+def test_stiffness_after_yielding_keeps_its_digits(sigma):
+    """Of what is left of the stiffness nearly all is a difference of nearly equal numbers."""
+    with mpmath.workdps(30):
+        lam = 2 * mpmath.mpf(sigma) ** 2
+        end = mpmath.sqrt(mpmath.sqrt(1 + 150 * lam))
+
+        def density(s):
+            z = 1 + s * s
+            return 2 * s * s * mpmath.exp(-z * z / lam) * (z**-3 + 1 / (lam * z))
+
+        knots = [0, *(2.0**k for k in range(-3, 40) if 2.0**k < end), end]
+        left = 1 - 8 * (1 - mpmath.mpf(0.01)) / mpmath.pi * mpmath.quad(density, knots)
+    assert averaged(sigma, 0.01).stiffness[0] == pytest.approx(float(left), rel=1e-12)
+
+
+def test_of_several_solutions_the_least_is_taken():
+    """It grows out of the elastic response; a stiff structure on a lake bed may have three."""
+    structure = {"period": 0.1514, "damping": 0.0168, "hardening": 0.0244}
+    ground = sl.KanaiTajimi(2.2316, 0.0655)
+    table = sl.linearize(sl.Bilinear(**structure, reduction_factor=1.5823), ground, "narrow_band")
+    solution, uy = float(table.ductility_std), float(table.yield_displacement)
+
+    def excess(sigma):
+        """What the system equivalent to this response responds with, over it."""
+        w = np.full(sigma.size, TAU / structure["period"])
+        system = equivalent_system(sigma, w, structure["damping"], structure["hardening"])
+        root = np.sqrt(system.stiffness)
+        elastic = sl.Bilinear(period=TAU / root, damping=system.damping / (2 * root))
+        return sl.linearize(elastic, ground).displacement_std.values / uy / sigma
+
+    assert (excess(np.geomspace(0.02, 0.999 * solution, 400)) > 1).all()
+    assert excess(np.array([solution]))[0] == pytest.approx(1, abs=1e-9)
+    assert (excess(np.geomspace(1.001 * solution, 100, 400)) > 1).any()
 
 
 @pytest.mark.parametrize("closure", ["gaussian", "clipped", "narrow_band"])

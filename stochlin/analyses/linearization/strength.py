@@ -86,7 +86,7 @@ def strength_for_ductility(
     a bracket is always found and holds one root. But it may *jump*: with ``"narrow_band"``, for stiff
     structures on a lake bed, from 3 to 20 and more within a millionth of ``R``, and no strength gives
     a ductility between. Such a target fails, as does one that needs an ``R`` at which the fixed point
-    does not converge (some above 100; with ``"clipped"``, some near its own jumps).
+    does not converge (some above 10 000; with ``"clipped"``, some near its own jumps).
     Linearized ductility is too small, and so is the strength: see `linearize`.
 
     References

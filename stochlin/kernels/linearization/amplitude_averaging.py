@@ -7,6 +7,7 @@ states only: an equivalent stiffness and damping that depend on ``sigma_mu``.
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +19,8 @@ from stochlin.kernels.linearization.covariance import EquivalentSystem
 
 ORDER = 48
 CUTOFF = 45.0  # exponent beyond which the integrand is dropped
+FIRST_PANEL, WIDER = 2.0, 8.0
+CROSSING_STEPS = 64  # between the least and the largest response there may be
 
 
 class AmplitudeAverage(NamedTuple):
@@ -57,10 +60,13 @@ def _stiffness_integral(lam: Array) -> Array:
     """The integral above; with ``z = 1 + s^2`` the integrand is smooth."""
     nodes, weights = np.polynomial.legendre.leggauss(ORDER)
     end = np.sqrt(np.sqrt(1 + CUTOFF * lam) - 1)
-    middle = np.minimum(end, 2.0)
+    furthest = np.max(end, where=np.isfinite(end), initial=FIRST_PANEL)
+    # Far out the integrand falls as a power of s: panels that grow with it.
+    panels = 1 + int(np.ceil(np.log(furthest / FIRST_PANEL) / np.log(WIDER)))
+    edges = [0.0, *(FIRST_PANEL * WIDER**n for n in range(panels)), np.inf]
     total = np.zeros_like(lam)
     with np.errstate(under="ignore"):
-        for low, high in ((0 * end, middle), (middle, end)):
+        for low, high in pairwise(np.minimum(end, edge) for edge in edges):
             s = low[..., None] + 0.5 * (high - low)[..., None] * (1 + nodes)
             z = 1 + s * s
             density = np.exp(-z * z / lam[..., None]) * (z**-3 + 1 / (lam[..., None] * z))
@@ -79,8 +85,8 @@ def solve_amplitude_average(
 ) -> AmplitudeAverage:
     """Find ``sigma`` such that the system equivalent to it responds with it.
 
-    ``sigma_of(system, cells)`` is the response in yield displacements. Where several
-    solutions exist (jumps under a very narrow band), bracketing returns one of them.
+    ``sigma_of(system, cells)`` is the response in yield displacements. Under a very narrow band there
+    may be three solutions: the least is the one that grows out of the elastic response.
     """
 
     def mismatch(x: Array, w: Array, xi: Array, alpha: Array, which: Array) -> Array:
@@ -91,12 +97,26 @@ def solve_amplitude_average(
     # oscillator of stiffness alpha: the mismatch changes sign in between.
     low = np.log(np.minimum(0.5 * elastic_sigma, 0.02))
     high = np.log(10 * np.maximum(elastic_sigma, 1) / hardening**2)
+    cells = (frequency, damping_ratio, hardening, np.arange(frequency.size))
     root = elementwise.find_root(
         mismatch,
-        (low, high),
-        args=(frequency, damping_ratio, hardening, np.arange(frequency.size)),
+        _first_crossing(lambda x: mismatch(x, *cells), low, high),
+        args=cells,
         tolerances={"xrtol": 0, "xatol": rtol},
         maxiter=max_iterations,
     )
     system = equivalent_system(np.exp(root.x), frequency, damping_ratio, hardening)
     return AmplitudeAverage(system, root.nit.astype(np.int32), np.abs(root.f_x), root.success)
+
+
+def _first_crossing(mismatch: Callable[[Array], Array], low: Array, high: Array) -> tuple[Array, Array]:
+    """The first of even steps from ``low`` to ``high`` over which the mismatch is no longer positive."""
+    first, last = low.copy(), high.copy()
+    below = np.full(low.shape, True)
+    for share in np.linspace(0, 1, CROSSING_STEPS + 1)[1:-1]:
+        x = low + share * (high - low)
+        above = mismatch(x) > 0
+        last = np.where(below & ~above, x, last)
+        first = np.where(below & above, x, first)
+        below &= above
+    return first, last
