@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import time
 from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from cases import recorded_example
 from click.testing import CliRunner, Result
 
-from stochlin.analyses.tables.storage import whole_file
+import stochlin as sl
+from stochlin.analyses.tables.storage import save_table, whole_file
 from stochlin.views.command import main
 
 pytestmark = pytest.mark.cli
@@ -116,3 +119,18 @@ def test_what_cannot_be_written_is_refused_before_the_work(name: str, says: str,
     assert time.perf_counter() - begin < 5  # the run takes minutes
     if name != "folder.csv":  # click says it itself
         assert says in " ".join(result.output.split())
+
+
+@pytest.mark.parametrize("name", ["table.nc", "table.csv"])
+def test_a_full_disk_is_told_with_the_file_and_leaves_nothing(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    table = sl.rho_white_noise(1.0, 2.0, 0.05, 0.05)
+    monkeypatch.setattr(xr.Dataset, "to_netcdf", full)
+    monkeypatch.setattr("pandas.DataFrame.to_csv", full)
+    with pytest.raises(OSError, match=rf"{name} could not be written: No space left on device"):
+        save_table(table, tmp_path / name)
+    assert not list(tmp_path.iterdir())

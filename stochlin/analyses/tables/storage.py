@@ -56,6 +56,8 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
         yield temporary
         temporary.chmod(stat.S_IMODE(mode))
         temporary.replace(target)
+    except OSError as error:  # it names no file, or the temporary one
+        raise OSError(f"{path} could not be written: {error.strerror or error}") from error
     finally:
         temporary.unlink(missing_ok=True)
 
