@@ -128,7 +128,7 @@ def test_correlation_goes_over_into_the_elastic_one_without_a_jump():
 # --- The fixed points: the closures and the covariance in 60 digits -----------------------------------
 
 
-def slip_rate(sv, sz, r):
+def slip_quadrant(sz, r):
     """``P(v > 0, z > 1)`` by Owen's integral, and the edge and corner of that quadrant."""
     h, q = 1 / sz, mpmath.sqrt((1 - r) * (1 + r))
     a = r / q
@@ -142,7 +142,7 @@ def slip_rate(sv, sz, r):
 def bilinear(vv, zz, vz):
     sv, sz = mpmath.sqrt(vv), mpmath.sqrt(zz)
     r = vz / (sv * sz)
-    rate, edge, corner, h, q = slip_rate(sv, sz, r)
+    rate, edge, corner, h, q = slip_quadrant(sz, r)
     return 2 * rate, 2 * sv * h * (r * h * edge + q * corner)
 
 
@@ -158,7 +158,7 @@ def clipped(vv, zz, vz):
     sz = mpmath.findroot(excess, (low, high), solver="anderson", tol=mpf(10) ** -90, maxsteps=400)
     sv = mpmath.sqrt(vv)
     r = vz / (sv * sz * mpmath.erf(1 / (sz * mpmath.sqrt(2))))
-    rate, edge, corner, h, q = slip_rate(sv, sz, r)
+    rate, edge, corner, h, q = slip_quadrant(sz, r)
     first = mpmath.ncdf(-h / q) / mpmath.sqrt(2 * mpmath.pi) + r * edge
     by_v, by_z = 2 * vv * (rate + r * (r * h * edge + q * corner)), 2 * sv * first
     determinant = vv * zz - vz * vz

@@ -47,8 +47,9 @@ def linearize(
         A cell is done when ``|dy| <= atol + rtol |y|`` for ``y`` the moments ``sigma_v``, ``sigma_z``
         (``rtol`` alone) and their correlation.
     max_iterations : int
-        Of a search, and levels of shaking on the way to it. Cells that need more are NaN with status
-        ``not_converged``, or ``shaking_too_strong`` beyond a thousand times yield.
+        Steps of a search, and levels of shaking where the solution is followed. Cells that need more
+        are NaN with status ``not_converged``, or ``shaking_too_strong`` where the elastic displacement
+        is more than a thousand times that at yield.
 
     Returns
     -------

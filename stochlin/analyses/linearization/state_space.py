@@ -192,10 +192,11 @@ def stationary_covariance(space: xr.Dataset) -> xr.DataArray:
 
 
 def covariance_by_slip(space: xr.Dataset) -> xr.DataArray:
-    """The same to all digits where yielding dies out and the Lyapunov equation turns singular.
+    """What `stationary_covariance` finds, to all digits where yielding dies out.
 
-    In the slip ``y = u - z`` what is nearly singular stands in equations of its own, which are scaled:
-    elimination then loses nothing. The equations are as many as states squared.
+    The Lyapunov equation is nearly singular there. In terms of the slip ``y = u - z`` this concerns a
+    few of its equations only; each is scaled by its largest coefficient, and elimination keeps the
+    digits. For few states: the number of unknowns is that of the states squared.
     """
     names = list(space.state.values)
     turn = np.eye(len(names))  # from z to y, and back

@@ -53,8 +53,8 @@ class EquivalentSystem(NamedTuple):
     def stable(self) -> Array:
         """Whether motion dies out (Routh and Hurwitz).
 
-        A pole that rounding does not tell from 0 is that of a ``z`` without memory, which loses no
-        energy and follows ``mu``; nothing moves it.
+        A pole at 0, within rounding, belongs to a law without memory: ``z`` is then a function of
+        ``mu``, no energy is lost, and the forcing does not excite that pole.
         """
         a2, a1, a0 = self.characteristic
         memory = a0 + MEMORYLESS * np.sqrt(self.stiffness) * a1

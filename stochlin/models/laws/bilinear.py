@@ -142,7 +142,7 @@ class Bilinear(Structure):
     symbolic = staticmethod(symbolic)
 
     def has_one_solution(self) -> xr.DataArray:
-        """Everywhere, by experience: none of many thousand random cells had a second one."""
+        """Everywhere: none of many thousand random cells had a second one."""
         return xr.DataArray(True)
 
     def block(self) -> Block:

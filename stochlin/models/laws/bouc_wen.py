@@ -132,7 +132,10 @@ class BoucWen(Structure):
     symbolic = staticmethod(symbolic)
 
     def has_one_solution(self) -> xr.DataArray:
-        """Up to ``gamma = beta``, by experience; beyond, unloading slips and there may be three."""
+        """Where ``gamma <= beta``: none of many thousand random cells had a second one.
+
+        Beyond, the structure also slips as it unloads, and there may be three.
+        """
         values = self.arrays()
         return values["gamma"] <= values["beta"]
 
