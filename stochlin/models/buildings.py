@@ -2,24 +2,57 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+import warnings
+from collections.abc import Mapping
+from dataclasses import KW_ONLY, dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
+import scipy.constants
 import scipy.linalg
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import brief
-from stochlin.models.parameters import POSITIVE, Model, Parameter, parameter
-from stochlin.models.structures import DAMPING, HARDENING
+from stochlin.messages import DoubtfulInput, brief
+from stochlin.models.laws.hysteretic import Hysteretic
+from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, parameter
+from stochlin.models.structures import DAMPING, HARDENING, LAWS, Structure
 
-STOREY, MODE = "storey", "mode"
+if TYPE_CHECKING:
+    import sympy
+
+STOREY, MODE, FLOOR = "storey", "mode", "floor"
+OF_STOREYS = ("masses", "stiffnesses", "heights", "yield_drifts", "dampers")
+ONE_FOR_ALL = ("yield_drifts", "dampers")  # a number will do
+PLAUSIBLE_COEFFICIENT = 1.0  # of the base shear at yield over the weight
+MOST_STOREYS = 200
+GRAVITY = scipy.constants.g
+
+
+@dataclass(frozen=True)
+class RegularBuilding(Model):
+    """What `ShearBuilding.regular` is told, in numbers."""
+
+    of_arguments = True
+
+    period: Parameter = parameter("s", "period of the first mode", POSITIVE)
+    storey_height: Parameter = parameter("m", "height of each storey", POSITIVE)
+    mass: Parameter = parameter("kg", "mass of each floor", POSITIVE)
+    base_shear_coefficient: Parameter | None = parameter(
+        "1", "base shear at yield over the weight", POSITIVE, None
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name, array in self.arrays().items():
+            if array.ndim:
+                raise ValueError(f"{name} is an array; allowed: one number for the building")
 
 
 @dataclass(frozen=True)
 class ShearBuilding(Model):
-    """Shear building: a mass on each floor, a bilinear spring in each storey, damping by modes.
+    """Shear building: a mass on each floor, a spring with a law in each storey, damping by modes.
 
     Storeys are counted from the ground up, and each bears the number of the floor above it. Every mode
     of the elastic building has the same damping ratio ``xi``: ``C = sum_m 2 xi w_m M phi_m phi_m' M``,
@@ -40,16 +73,28 @@ class ShearBuilding(Model):
     yield_drifts : float or array, optional
         Drift [m] at which a storey yields, positive: for every storey, or each its own. Without it the
         building stays elastic.
+    dampers : float or array, optional
+        Damping constant [N s/m] of the dampers in every storey, or in each its own; not negative.
+    law : str or sympy.Expr
+        Hysteresis law of the storeys: ``"bilinear"``, ``"bouc_wen"`` or any other that is registered, or
+        a law as `Hysteretic` takes it, in the ductility rate of the drift.
+    law_parameters : mapping, optional
+        The law's own parameters, ``{"beta": 0.5, "gamma": 0.5}``: numbers, or arrays over the storeys.
+    p_delta : bool
+        Whether the weight above takes ``weight / height`` from the stiffness of a storey. The modes, and
+        damping by them, have it in them.
 
     Raises
     ------
     ValueError, TypeError
         If a value is not a number or out of range (the message names the storey), arrays differ in
-        length, or yield drifts come without hardening.
+        length, yield drifts come without hardening, the law is not known or not odd, or the weight
+        above takes all of an elastic stiffness.
 
     References
     ----------
-    Chopra, A. K. (2012), Dynamics of Structures, 4th ed., sections 9.1 and 11.4.
+    Chopra, A. K. (2012), Dynamics of Structures, 4th ed., sections 9.1 and 11.4; Wilson, E. L. and
+    Habibullah, A. (1987), Earthquake Spectra 3, for the weight as a geometric stiffness.
 
     Examples
     --------
@@ -67,15 +112,20 @@ class ShearBuilding(Model):
     damping: Parameter = parameter("1", "damping ratio of every mode", DAMPING)
     hardening: Parameter | None = parameter("1", "hardening ratio", HARDENING, None)
     yield_drifts: Parameter | None = parameter("m", "drift at yield", POSITIVE, None)
+    _: KW_ONLY
+    dampers: Parameter | None = parameter("N s/m", "damping constant of the storey", NOT_NEGATIVE, None)
+    law: str | sympy.Expr = "bilinear"
+    law_parameters: Mapping[str, Any] | None = None
+    p_delta: bool = False
 
     def __post_init__(self) -> None:
         name = type(self).__name__
-        for field in ("masses", "stiffnesses", "heights", "yield_drifts"):
-            value = getattr(self, field)
-            if value is not None and (field != "yield_drifts" or not np.isscalar(value)):
+        given = {key: getattr(self, key) for key in OF_STOREYS if getattr(self, key) is not None}
+        for field, value in given.items():
+            if field not in ONE_FOR_ALL or not np.isscalar(value):
                 object.__setattr__(self, field, _over_storeys(f"{name}: {field}", value))
-        given = {key: getattr(self, key) for key in ("masses", "stiffnesses", "heights", "yield_drifts")}
-        arrays = {key: value for key, value in given.items() if isinstance(value, xr.DataArray)}
+        arrays = {key: getattr(self, key) for key in given}
+        arrays = {key: value for key, value in arrays.items() if isinstance(value, xr.DataArray)}
         if len({array.sizes[STOREY] for array in arrays.values()}) > 1:
             told = ", ".join(f"{key} has {array.sizes[STOREY]}" for key, array in arrays.items())
             raise ValueError(f"{name}: {told} values; allowed: one for each storey in all of them")
@@ -83,24 +133,147 @@ class ShearBuilding(Model):
         for field in ("damping", "hardening"):
             if isinstance(getattr(self, field), xr.DataArray):
                 raise ValueError(f"{name}: {field} is an array; allowed: one number for the building")
-        for key, value in self.arrays().items():
-            allowed = self.allowed(key)
-            bad = np.flatnonzero(~np.atleast_1d(allowed.contains(value.to_numpy())))
-            if bad.size:
-                raise ValueError(
-                    f"{name}: {key} = {float(value[bad[0]]):g} in storey {bad[0] + 1} is out of range; "
-                    f"allowed: {allowed}"
-                )
+        self._check_ranges()
         if self.yield_drifts is not None and self.hardening is None:
             raise ValueError(
                 f"{name}: hardening is not given; storeys with a yield drift need their hardening "
                 f"ratio, allowed: {HARDENING}"
             )
+        if not isinstance(self.p_delta, bool):
+            raise TypeError(f"{name}: p_delta = {brief(self.p_delta)}; allowed: True or False")
+        self._check_weight()
+        _ = self.storey_law
+
+    @classmethod
+    def regular(
+        cls,
+        *,
+        period: float,
+        storeys: int,
+        storey_height: float,
+        mass: float,
+        damping: float,
+        hardening: float | None = None,
+        base_shear_coefficient: float | None = None,
+        **others: Any,
+    ) -> Self:
+        """A building of equal floors and storeys, from the few numbers that one knows of it.
+
+        The stiffnesses are those with which the first mode is a straight line, the strengths those of
+        which all storeys yield at once under a triangle of forces: all then have the same yield drift.
+
+        Parameters
+        ----------
+        period : float
+            Of the first mode [s], without the effect of the weight.
+        storeys : int
+            Their number.
+        storey_height : float
+            Of each storey [m].
+        mass : float
+            Of each floor [kg].
+        damping, hardening
+            As for the building.
+        base_shear_coefficient : float, optional
+            Base shear at yield over the weight [-]; without it the building stays elastic. One above 1
+            is warned of.
+        **others
+            ``dampers``, ``law``, ``law_parameters``, ``p_delta``, as for the building.
+
+        Returns
+        -------
+        ShearBuilding
+            With ``k_i = m w^2 sum(j, j = i..n)`` and ``yield_drifts = 2 C g/(w^2 (n + 1))``.
+
+        Raises
+        ------
+        ValueError, TypeError
+            As for the building, or if the number of storeys is no whole number from 1 to 200.
+
+        Examples
+        --------
+        >>> import stochlin as sl
+        >>> office = sl.ShearBuilding.regular(
+        ...     period=0.8, storeys=8, storey_height=3.2, mass=4e5, damping=0.05, hardening=0.05,
+        ...     base_shear_coefficient=0.15,
+        ... )
+        >>> round(float(office.periods()[0]), 12)
+        0.8
+        """
+        known = RegularBuilding(period, storey_height, mass, base_shear_coefficient)
+        whole = isinstance(storeys, (int, np.integer)) and not isinstance(storeys, bool)
+        if not whole or not 1 <= storeys <= MOST_STOREYS:
+            raise ValueError(
+                f"storeys = {brief(storeys)}; allowed: a whole number from 1 to {MOST_STOREYS}"
+            )
+        if base_shear_coefficient is not None and base_shear_coefficient > PLAUSIBLE_COEFFICIENT:
+            warnings.warn(
+                f"base_shear_coefficient = {base_shear_coefficient:g}: the building resists more than "
+                "its weight; is it a percentage, or a force in place of a ratio?",
+                DoubtfulInput,
+                stacklevel=2,
+            )
+        values = {name: float(array) for name, array in known.arrays().items()}
+        w = 2 * np.pi / values["period"]
+        height = np.arange(1.0, storeys + 1)
+        above = height[::-1].cumsum()[::-1]
+        drifts = None
+        if base_shear_coefficient is not None:
+            drifts = 2 * values["base_shear_coefficient"] * GRAVITY / (w**2 * (storeys + 1))
+        return cls(
+            np.full(storeys, values["mass"]),
+            values["mass"] * w**2 * above,
+            np.full(storeys, values["storey_height"]),
+            damping,
+            hardening,
+            drifts,
+            **others,
+        )
 
     @property
     def storeys(self) -> int:
         """Number of storeys."""
         return self.arrays()["masses"].sizes[STOREY]
+
+    @property
+    def yields(self) -> bool:
+        """Whether strengths are given."""
+        return self.yield_drifts is not None
+
+    @cached_property
+    def storey_law(self) -> Structure:
+        """The law of the storeys, as that of oscillators: floor by floor, each on its own storey.
+
+        Only what the law knows counts: closures, time steps and the parameters of the law.
+        """
+        values = self._over_all()
+        common: dict[str, Any] = {
+            "period": 2 * np.pi * np.sqrt(values["masses"] / values["stiffnesses"]),
+            "damping": self.damping,
+        }
+        if self.yields:
+            common |= {"hardening": self.hardening, "yield_displacement": values["yield_drifts"]}
+        own = dict(self._own_parameters())
+        if not isinstance(self.law, str):
+            return Hysteretic(**common, law=self.law, **own)
+        kind = LAWS.named(self.law, "law")
+        if kind is Hysteretic:
+            raise ValueError("law = 'hysteretic' has no expression; give the sympy expression itself")
+        unknown = sorted(set(own) - set(kind.own_parameters()))
+        if unknown:
+            raise ValueError(
+                f"law_parameters: {', '.join(unknown)} is not one of the law; allowed: "
+                f"{', '.join(kind.own_parameters()) or 'none'}"
+            )
+        law = kind(**common, **own)
+        for key, value in own.items():
+            bad = np.flatnonzero(~np.atleast_1d(kind.allowed(key).contains(np.asarray(value))))
+            if bad.size:
+                raise ValueError(
+                    f"law_parameters: {key} = {float(np.atleast_1d(value)[bad[0]]):g} in storey "
+                    f"{bad[0] + 1} is out of range; allowed: {kind.allowed(key)}"
+                )
+        return law
 
     def levels(self) -> Array:
         """Heights of the floors above the ground (storeys,) [m]."""
@@ -113,16 +286,134 @@ class ShearBuilding(Model):
         attrs = {"units": "s", "long_name": "period of the mode"}
         return xr.DataArray(2 * np.pi / w, dims=MODE, coords={MODE: modes}, attrs=attrs)
 
+    def participation(self) -> xr.DataArray:
+        """Displacement of each floor in the first mode over that of `oscillator` [-], over ``floor``.
+
+        ``phi' M 1/(phi' M phi)`` times the shape ``phi``.
+        """
+        mass, shape = self.arrays()["masses"].to_numpy(), self._modes()[1][:, 0]
+        attrs = {"units": "1", "long_name": "displacement of the floor over that of the oscillator"}
+        floors = {FLOOR: np.arange(1, mass.size + 1)}
+        return xr.DataArray((mass @ shape) * shape, dims=FLOOR, coords=floors, attrs=attrs)
+
+    def oscillator(self) -> Structure:
+        """The first mode as an oscillator, with its effective modal mass.
+
+        It has the law of the storeys and yields when the first storey does in that mode; floors move by
+        `participation` times its displacement. Higher modes, and that yielding gathers in one storey,
+        are lost.
+
+        References
+        ----------
+        Chopra, A. K. (2012), Dynamics of Structures, 4th ed., section 13.2.
+
+        Examples
+        --------
+        >>> import stochlin as sl
+        >>> tower = sl.ShearBuilding([2e5] * 3, [4e8] * 3, [3.5] * 3, 0.05, 0.1, yield_drifts=0.01)
+        >>> first = tower.oscillator()
+        >>> round(first.period, 3), round(first.yield_displacement, 4), round(first.mass / 6e5, 3)
+        (0.316, 0.0184, 0.914)
+        """
+        mass, shape = self.arrays()["masses"].to_numpy(), self._modes()[1][:, 0]
+        moves = self.participation().to_numpy()
+        law = self.storey_law
+        weakest, strength = 0, dict[str, Any]()
+        if self.yields:
+            at_yield = self._over_all()["yield_drifts"] / np.abs(np.diff(moves, prepend=0.0))
+            weakest = int(np.argmin(at_yield))
+            strength = {"hardening": self.hardening, "yield_displacement": float(at_yield[weakest])}
+        own: dict[str, Any] = {
+            name: float(value[weakest] if value.ndim else value)
+            for name, value in zip(law.own_parameters(), law.law_parameters(), strict=True)
+        }
+        if isinstance(law, Hysteretic):
+            own["law"] = law.law
+        return type(law)(
+            period=float(self.periods()[0]),
+            damping=self.damping,
+            **strength,
+            **own,
+            mass=float((mass @ shape) ** 2),
+        )
+
+    def geometric_stiffness(self) -> Array:
+        """What the weight above takes from the stiffness of each storey (storeys,) [N/m].
+
+        The weight over the height of the storey; zeros without ``p_delta``.
+        """
+        values = self.arrays()
+        above = values["masses"].to_numpy()[::-1].cumsum()[::-1]
+        taken: Array = GRAVITY * above / values["heights"].to_numpy()
+        return taken if self.p_delta else np.zeros_like(taken)
+
     def damping_matrix(self) -> Array:
         """Damping coefficients (storeys, storeys) [N s/m] of the floors."""
         w, shapes = self._modes()
-        modal = self.arrays()["masses"].to_numpy()[:, None] * shapes
-        return (modal * (2 * float(self.arrays()["damping"]) * w)) @ modal.T
+        values = self._over_all()
+        modal = values["masses"][:, None] * shapes
+        drifts = np.eye(w.size) - np.eye(w.size, k=-1)
+        by_modes = (modal * (2 * float(self.arrays()["damping"]) * w)) @ modal.T
+        return by_modes + (drifts.T * values.get("dampers", np.zeros(w.size))) @ drifts
+
+    def describe(self) -> str:
+        """One line with the parameters."""
+        told = [] if self.law == "bilinear" else [f"law={self.law}"]
+        told += [f"{name}={brief(np.asarray(value).tolist())}" for name, value in self._own_parameters()]
+        told += ["p_delta=True"] if self.p_delta else []
+        return ", ".join([super().describe()[:-1], *told]) + ")"
+
+    def _own_parameters(self) -> list[tuple[str, Any]]:
+        """Of the law, arrays over the storeys."""
+        given = self.law_parameters if self.law_parameters is not None else {}
+        if not isinstance(given, Mapping):
+            raise TypeError(f"law_parameters = {brief(given)}; allowed: a mapping of numbers by name")
+        return [(name, self._of_storeys(name, value)) for name, value in given.items()]
+
+    def _of_storeys(self, name: str, value: Any) -> Any:
+        if np.isscalar(value):
+            return value
+        array = _over_storeys(f"law_parameters: {name}", value)
+        if array.size != self.storeys:
+            raise ValueError(
+                f"law_parameters: {name} has {array.size} values; allowed: a number, or one for each of "
+                f"the {self.storeys} storeys"
+            )
+        return array
+
+    def _over_all(self) -> dict[str, Array]:
+        """Parameters of the storeys as arrays (storeys,)."""
+        values = self.arrays()
+        return {
+            name: np.broadcast_to(values[name].to_numpy(), self.storeys)
+            for name in OF_STOREYS
+            if name in values
+        }
+
+    def _check_ranges(self) -> None:
+        for key, value in self.arrays().items():
+            allowed = self.allowed(key)
+            bad = np.flatnonzero(~np.atleast_1d(allowed.contains(value.to_numpy())))
+            if bad.size:
+                raise ValueError(
+                    f"{type(self).__name__}: {key} = {float(value[bad[0]]):g} in storey {bad[0] + 1} is "
+                    f"out of range; allowed: {allowed}"
+                )
+
+    def _check_weight(self) -> None:
+        stiffness, taken = self._over_all()["stiffnesses"], self.geometric_stiffness()
+        if (stiffness <= taken).any():
+            worst = int(np.argmin(stiffness - taken))
+            raise ValueError(
+                f"{type(self).__name__}: the weight above takes {taken[worst]:g} N/m from storey "
+                f"{worst + 1}, which has {stiffness[worst]:g} N/m: it would fall over; give stiffer "
+                "storeys, or p_delta=False"
+            )
 
     def _modes(self) -> tuple[Array, Array]:
         """Circular frequencies and mode shapes of unit modal mass, one a column."""
         root = np.sqrt(self.arrays()["masses"].to_numpy())
-        k = self.arrays()["stiffnesses"].to_numpy()
+        k = self.arrays()["stiffnesses"].to_numpy() - self.geometric_stiffness()
         diagonal = (k + np.append(k[1:], 0.0)) / root**2
         squares, vectors = scipy.linalg.eigh_tridiagonal(diagonal, -k[1:] / (root[:-1] * root[1:]))
         return np.sqrt(squares), vectors / root[:, None]

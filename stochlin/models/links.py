@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
+
+import numpy as np
+import xarray as xr
 
 from stochlin.messages import brief
 from stochlin.models.laws.bilinear import Bilinear
-from stochlin.models.parameters import NOT_NEGATIVE, Model, Parameter, parameter
+from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, parameter
+from stochlin.models.structures import HARDENING
 
 
 @dataclass(frozen=True)
 class Link(Model):
-    """Spring and dashpot between two structures: ``F = k (u1 - u2) + c (u1' - u2')``.
+    """Spring and dashpot between two floors: ``F = k (u1 - u2) + c (u1' - u2')``.
 
     The force acts on structure 1 against, on structure 2 along this direction; both ends hold, in
-    tension and compression.
+    tension and compression. The spring may yield, by the bilinear law, or have slack: it then pulls
+    only, ``k max(u2 - u1 - slack, 0)``, once the floors have parted by that.
 
     Parameters
     ----------
@@ -22,11 +27,24 @@ class Link(Model):
         ``k`` [N/m], not negative.
     damping_constant : float or array
         ``c`` [N s/m], not negative.
+    hardening : float or array, optional
+        Post-yield over elastic stiffness [-], in (0, 1]; needed with ``yield_displacement``.
+    yield_displacement : float or array, optional
+        ``u1 - u2`` at which the spring yields [m], positive.
+    slack : float or array, optional
+        How far the floors may part before the spring pulls [m], not negative.
+    floors : (int, int), optional
+        The floors that it ties, counted from 1 at the first storey; the highest at one level that
+        both structures have, if left out. An oscillator is one floor.
+    structures : (int, int), optional
+        The structures that it ties, counted from 1 in the order of the list. If left out, the n-th
+        link of a list ties structure n to the next.
 
     Raises
     ------
     ValueError, TypeError
-        If a scalar is out of range, or a value is not a number.
+        If a scalar is out of range, a value is not a number, a spring is to yield and to have slack, or
+        numbers of floors or structures are not two whole numbers from 1.
 
     References
     ----------
@@ -37,10 +55,59 @@ class Link(Model):
     >>> import stochlin as sl
     >>> sl.Link(stiffness=2e7, damping_constant=1e6).describe()
     'Link(stiffness=2e+07, damping_constant=1e+06)'
+    >>> sl.Link(5e7, hardening=0.02, yield_displacement=0.01, floors=(5, 5)).describe()
+    'Link(stiffness=5e+07, damping_constant=0, hardening=0.02, yield_displacement=0.01, floors=(5, 5))'
     """
 
     stiffness: Parameter = parameter("N/m", "stiffness of the link", NOT_NEGATIVE, 0.0)
     damping_constant: Parameter = parameter("N s/m", "damping constant of the link", NOT_NEGATIVE, 0.0)
+    _: KW_ONLY
+    hardening: Parameter | None = parameter("1", "hardening ratio of the link", HARDENING, None)
+    yield_displacement: Parameter | None = parameter("m", "extension at yield", POSITIVE, None)
+    slack: Parameter | None = parameter("m", "slack of the link", NOT_NEGATIVE, None)
+    floors: tuple[int, int] | None = None
+    structures: tuple[int, int] | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.yield_displacement is not None and self.hardening is None:
+            raise ValueError(
+                f"Link: hardening is not given; a link that yields needs it, allowed: {HARDENING}"
+            )
+        if self.yield_displacement is not None and self.slack is not None:
+            raise ValueError("Link: yield_displacement and slack are both given; allowed: one of them")
+        for name in ("floors", "structures"):
+            given = getattr(self, name)
+            if given is not None:
+                object.__setattr__(self, name, _two_numbers(name, given))
+        if self.structures is not None and self.structures[0] == self.structures[1]:
+            raise ValueError(f"Link: structures = {self.structures}; allowed: two different ones")
+
+    @property
+    def yields(self) -> bool:
+        """Whether a strength is given."""
+        return self.yield_displacement is not None
+
+    def describe(self) -> str:
+        """One line with the parameters."""
+        told = [f"{n}={getattr(self, n)}" for n in ("floors", "structures") if getattr(self, n)]
+        return ", ".join([super().describe()[:-1], *told]) + ")"
+
+    def number(self, name: str) -> float:
+        """A parameter of one system; an error if it is an array."""
+        value = self.arrays().get(name, xr.DataArray(np.nan))
+        if value.ndim:
+            raise ValueError(f"Link: {name} is an array; allowed here: a scalar")
+        return float(value)
+
+
+def _two_numbers(name: str, given: object) -> tuple[int, int]:
+    if isinstance(given, (tuple, list)) and len(given) == 2:
+        one, two = given
+        whole = all(isinstance(n, (int, np.integer)) and not isinstance(n, bool) for n in given)
+        if whole and min(one, two) >= 1:
+            return int(one), int(two)
+    raise ValueError(f"Link: {name} = {brief(given)}; allowed: two whole numbers from 1")
 
 
 def check_linked(first: object, second: object) -> tuple[float, float]:

@@ -139,10 +139,11 @@ class Model:
         return f"{type(self).__name__}({', '.join(parts)})"
 
 
-def expect(value: object, kind: type[Model], role: str) -> None:
-    """Raise a TypeError unless the argument called ``role`` is a ``kind``."""
+def expect(value: object, kind: type[Model] | tuple[type[Model], ...], role: str) -> None:
+    """Raise a TypeError unless the argument called ``role`` is a ``kind``, or one of several."""
     if not isinstance(value, kind):
-        names = sorted(c.__name__ for c in kind.kinds())
+        kinds = kind if isinstance(kind, tuple) else (kind,)
+        names = sorted(c.__name__ for each in kinds for c in each.kinds())
         raise TypeError(f"{role} = {brief(value)} is of the wrong kind; allowed: {', '.join(names)}")
 
 

@@ -65,7 +65,7 @@ def _measure(section: Section) -> Measure:
             "", f"does nothing; allowed: {', '.join(DAMPINGS)}, {', '.join(LINK)}, contact"
         )
     values: dict[str, Any] = section.given(Measure, DAMPINGS)
-    link = {
+    link: dict[str, Any] = {
         own: section.number(key, Quantity.declared(Link, own))
         for key, own in LINK.items()
         if key in section

@@ -1,0 +1,192 @@
+"""Structures as one system: floors on storeys, on one ground, some of them tied by links.
+
+An oscillator is a building of one storey. A storey, and the spring of a link, is an element: its force
+is ``post d + couple z`` over its drift ``d``, with ``z`` [m] the drift that its law keeps elastic. The
+weight above a storey is in ``post``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import scipy.linalg
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import brief
+from stochlin.models.buildings import ShearBuilding
+from stochlin.models.links import Link
+from stochlin.models.parameters import expect
+from stochlin.models.structures import Structure
+
+AnyStructure = Structure | ShearBuilding
+STRUCTURES = Structure, ShearBuilding
+LEVEL = 0.05  # [m]: floors whose heights differ by less are at one level
+
+
+class Stack(NamedTuple):
+    """One structure as a stack of floors."""
+
+    mass: Array  # (n,) [kg]
+    post: Array  # (n,) [N/m] of the storey below the floor
+    couple: Array  # (n,) [N/m], 0 where it stays elastic
+    strength: Array  # (n,) [m], infinite where it stays elastic
+    damping: Array  # (n, n) [N s/m]
+    levels: Array  # (n,) [m]; NaN for an oscillator, which has no height
+    law: Structure  # of all storeys; one that stays elastic for those without strength
+
+    @property
+    def elastic(self) -> Array:
+        """Stiffness of the storeys before yield (n,) [N/m]."""
+        return self.post + self.couple
+
+    @property
+    def law_parameters(self) -> Array:
+        """The law's own parameters (n, k)."""
+        rows = [np.broadcast_to(a.to_numpy(), self.mass.size) for a in self.law.law_parameters()]
+        return np.reshape(rows, (len(rows), self.mass.size)).T.astype(float)
+
+
+class Tie(NamedTuple):
+    """A link and the floors that it ties, counted from 0 through all structures."""
+
+    one: int
+    two: int
+    link: Link
+
+
+class System(NamedTuple):
+    """Structures on one ground, and what ties them."""
+
+    stacks: tuple[Stack, ...]
+    ties: tuple[Tie, ...]
+
+    @property
+    def first(self) -> Array:
+        """Number of the first floor of each structure, and of all floors (s + 1,)."""
+        return np.concatenate([[0], np.cumsum([stack.mass.size for stack in self.stacks])])
+
+    @property
+    def below(self) -> Array:
+        """Number of the floor below each floor, -1 for the ground (n,)."""
+        under = np.arange(self.first[-1]) - 1
+        under[self.first[:-1]] = -1
+        return under
+
+    def all(self, name: str) -> Array:
+        """A column of all stacks, one after the other."""
+        return np.concatenate([getattr(stack, name) for stack in self.stacks])
+
+    @property
+    def damping(self) -> Array:
+        """Of all floors (n, n) [N s/m], without links."""
+        whole: Array = scipy.linalg.block_diag(*[stack.damping for stack in self.stacks])
+        return np.ascontiguousarray(whole)
+
+    @property
+    def without_stationary_answer(self) -> list[tuple[int, int]]:
+        """Structures and storeys, from 1, that yield and have no stiffness left then."""
+        return [
+            (s, int(i) + 1)
+            for s, stack in enumerate(self.stacks, start=1)
+            for i in np.flatnonzero((stack.post <= 0) & (stack.couple > 0))
+        ]
+
+
+def stack_of(structure: AnyStructure) -> Stack:
+    """A structure with scalar parameters, whose strength is given in metres; without a mass, of 1 kg."""
+    values = {name: array.to_numpy() for name, array in structure.arrays().items()}
+    if isinstance(structure, ShearBuilding):
+        n, k, yields = structure.storeys, values["stiffnesses"], structure.yields
+        hardening = float(values["hardening"]) if yields else 1.0
+        return Stack(
+            mass=values["masses"],
+            post=hardening * k - structure.geometric_stiffness(),
+            couple=(1 - hardening) * k,
+            strength=np.broadcast_to(values["yield_drifts"] if yields else np.inf, n).astype(float),
+            damping=structure.damping_matrix(),
+            levels=structure.levels(),
+            law=structure.storey_law,
+        )
+    mass = np.atleast_1d(values.get("mass", 1.0)).astype(float)
+    w = 2 * np.pi / values["period"]
+    hardening = float(values["hardening"]) if structure.yields else 1.0
+    k = mass * w**2
+    return Stack(
+        mass=mass,
+        post=hardening * k,
+        couple=(1 - hardening) * k,
+        strength=np.atleast_1d(values.get("yield_displacement", np.inf)).astype(float),
+        damping=(2 * values["damping"] * w * mass).reshape(1, 1),
+        levels=np.full(1, np.nan),
+        law=structure,
+    )
+
+
+def system_of(structures: Sequence[AnyStructure], links: Sequence[Link | None] = ()) -> System:
+    """Structures whose strengths are in metres, and their links, as one system.
+
+    Raises
+    ------
+    ValueError
+        If a link has no place, its structures have no mass, or do not have the floors.
+    """
+    stacks = tuple(stack_of(structure) for structure in structures)
+    first = System(stacks, ()).first
+    ties = []
+    for number, link in enumerate(links, start=1):
+        if link is None:
+            continue
+        one, two = link.structures or (number, number + 1)
+        if max(one, two) > len(stacks):
+            raise ValueError(
+                f"link {number}: ties the structures {one} and {two} of {len(stacks)}; allowed: "
+                f"structures = two of 1 to {len(stacks)}"
+            )
+        for each in (one, two):
+            _check_mass(structures[each - 1], f"structure {each}")
+        floors = link.floors or common_floors(stacks[one - 1], stacks[two - 1], number)
+        for each, floor in zip((one, two), floors, strict=True):
+            if floor > stacks[each - 1].mass.size:
+                raise ValueError(
+                    f"link {number}: floors = {link.floors}, structure {each} has "
+                    f"{stacks[each - 1].mass.size}; allowed: 1 to {stacks[each - 1].mass.size}"
+                )
+        ties.append(Tie(int(first[one - 1]) + floors[0] - 1, int(first[two - 1]) + floors[1] - 1, link))
+    return System(stacks, tuple(ties))
+
+
+def common_floors(one: Stack, two: Stack, number: int) -> tuple[int, int]:
+    """The highest floors at one level, from 1; an oscillator is at the roof of the other."""
+    if np.isnan(one.levels).any() or np.isnan(two.levels).any():
+        return one.mass.size, two.mass.size
+    level = np.abs(one.levels[:, None] - two.levels) < LEVEL
+    if not level.any():
+        raise ValueError(
+            f"link {number}: the structures have no two floors at one level; give floors=(.., ..)"
+        )
+    i, j = np.argwhere(level)[-1] + 1
+    return int(i), int(j)
+
+
+def check_links(name: str, links: object, count: int) -> tuple[Link | None, ...]:
+    """The links of a list between so many structures, None where there is none."""
+    if not isinstance(links, (list, tuple)):
+        raise TypeError(f"{name} = {brief(links)}; allowed: a list of Link and None")
+    for number, link in enumerate(links, start=1):
+        if link is not None:
+            expect(link, Link, f"{name}, number {number}")
+    places = [None if link is None else link.structures for link in links]
+    by_place = links and not any(places)
+    if (by_place and len(links) != count - 1) or any(p is None for p in places[max(count - 1, 0) :]):
+        raise ValueError(
+            f"{name}: {len(links)} given; allowed: one between each two neighbours, {count - 1} in all, "
+            "None where there is none; or links with structures=(.., ..)"
+        )
+    return tuple(links)
+
+
+def _check_mass(structure: AnyStructure, role: str) -> None:
+    if isinstance(structure, Structure) and structure.mass is None:
+        raise ValueError(f"{role}: mass is not given; a link acts on masses, allowed: 0 < value, in kg")
