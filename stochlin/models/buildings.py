@@ -15,9 +15,9 @@ import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief
-from stochlin.models.laws.hysteretic import Hysteretic
+from stochlin.models.laws.hysteretic import Hysteretic, law_of
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, parameter
-from stochlin.models.structures import DAMPING, HARDENING, LAWS, Structure
+from stochlin.models.structures import DAMPING, HARDENING, Structure
 
 if TYPE_CHECKING:
     import sympy
@@ -254,24 +254,13 @@ class ShearBuilding(Model):
         if self.yields:
             common |= {"hardening": self.hardening, "yield_displacement": values["yield_drifts"]}
         own = dict(self._own_parameters())
-        if not isinstance(self.law, str):
-            return Hysteretic(**common, law=self.law, **own)
-        kind = LAWS.named(self.law, "law")
-        if kind is Hysteretic:
-            raise ValueError("law = 'hysteretic' has no expression; give the sympy expression itself")
-        unknown = sorted(set(own) - set(kind.own_parameters()))
-        if unknown:
-            raise ValueError(
-                f"law_parameters: {', '.join(unknown)} is not one of the law; allowed: "
-                f"{', '.join(kind.own_parameters()) or 'none'}"
-            )
-        law = kind(**common, **own)
+        law = law_of(self.law, common, own)
         for key, value in own.items():
-            bad = np.flatnonzero(~np.atleast_1d(kind.allowed(key).contains(np.asarray(value))))
+            bad = np.flatnonzero(~np.atleast_1d(law.allowed(key).contains(np.asarray(value))))
             if bad.size:
                 raise ValueError(
                     f"law_parameters: {key} = {float(np.atleast_1d(value)[bad[0]]):g} in storey "
-                    f"{bad[0] + 1} is out of range; allowed: {kind.allowed(key)}"
+                    f"{bad[0] + 1} is out of range; allowed: {law.allowed(key)}"
                 )
         return law
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from stochlin.models.structures import LAWS, Structure
 
@@ -57,3 +58,27 @@ class Hysteretic(Structure):
     def describe(self) -> str:
         """One line with the parameters and the law."""
         return f"{super().describe()[:-1]}, law={self.law})"
+
+
+def law_of(law: str | sympy.Expr, common: Mapping[str, Any], own: Mapping[str, Any]) -> Structure:
+    """The structure of a law by its name, or of a sympy expression, with its own parameters.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the law is not known, or has no such parameters.
+    """
+    if not isinstance(law, str):
+        if own:
+            raise ValueError(f"law_parameters: {', '.join(own)}; allowed: none, with numbers in the law")
+        return Hysteretic(**common, law=law)
+    kind = LAWS.named(law, "law")
+    if kind is Hysteretic:
+        raise ValueError("law = 'hysteretic' has no expression; give the sympy expression itself")
+    unknown = sorted(set(own) - set(kind.own_parameters()))
+    if unknown:
+        raise ValueError(
+            f"law_parameters: {', '.join(unknown)} is not one of the law; allowed: "
+            f"{', '.join(kind.own_parameters()) or 'none'}"
+        )
+    return kind(**common, **own)
