@@ -16,6 +16,7 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.lyapunov import Lyapunov
+from stochlin.kernels.linearization.spectral_moments import SpectralMoments
 
 SLOW = 1e-13  # relaxation over the fastest rate below which z follows the extension at once
 FAST = 1e-2  # over the frequency of the spring, from which z is followed in place of y
@@ -139,6 +140,11 @@ class Solved:
             z[row] = back[system.z[mine[0]]] if mine.size else z[row]
         rows = post[:, None] * (extensions @ back[system.displacements]) + couple[:, None] * z
         return self._std(rows + dashpot[:, None] * (extensions @ back[system.velocities]))
+
+    def spectral_moments(self, weights: Array) -> SpectralMoments:
+        """Of sums of displacements with these weights (k, n): one-sided, as for single oscillators."""
+        rows = weights @ self.turn.back[self.system.displacements]
+        return SpectralMoments(*self._equation.spectral_moments(rows, self._turned))
 
     def _std(self, rows: Array) -> Array:
         found: Array = np.sqrt(np.maximum(np.einsum("ki,ij,kj->k", rows, self._turned, rows), 0.0))

@@ -63,6 +63,22 @@ class Lyapunov:
         right[place] = row @ covariance / (self.scale[place] * self.scale)
         return self._solve(right + right.T) * np.outer(self.scale, self.scale)
 
+    def spectral_moments(self, rows: Array, covariance: Array) -> tuple[Array, Array, Array]:
+        """``l0, l1, l2`` of ``c x`` for ``rows`` of ``c`` (k, n) that the noise does not enter at once.
+
+        ``l_m = 2 Int_0^inf w^m S(w) dw`` with ``S(w) = Re c (i w - A)^-1 X c' / pi``, two-sided. ``l1 =
+        -(2/pi) Int_0^inf R'(t)/t dt`` of the correlation function ``R(t) = c e^(A t) X c'``: a sum over
+        eigenvalues of their logarithms, and with that of the matrix, which minds no equal ones,
+        ``(2/pi) c A log(-A) X c'``.
+        """
+        c = rows * self.scale
+        x = covariance / np.outer(self.scale, self.scale)
+        rates = c @ self.matrix
+        with_c = x @ c.T
+        logarithm = np.real(scipy.linalg.logm(-self.matrix))
+        l1 = (2 / np.pi) * np.einsum("ki,ik->k", rates, logarithm @ with_c)
+        return np.einsum("ki,ik->k", c, with_c), l1, np.einsum("ki,ij,kj->k", rates, x, rates)
+
     def _solve(self, right: Array) -> Array:
         found, factor, _ = scipy.linalg.lapack.dtrsyl(
             self.triangle, self.triangle, -(self.turn.T @ right @ self.turn), tranb="T"
