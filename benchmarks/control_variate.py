@@ -55,7 +55,7 @@ def second_moments(structures, ground):
     """Mean products of the displacements of each path: of the structures, and linearized."""
     cells = cells_of_all(structures, ground)
     run = prepare(cells, ground, paths=256, seed=0, steps_per_period=32)
-    run = with_length(run, cells, 20.0)
+    run = with_length(run, 20.0)
     plan = run.plan
     both = [linear_steps(structure, ground, plan.dt) for structure in structures]
     steps, gains = (np.array(part) for part in zip(*both, strict=True))

@@ -43,7 +43,7 @@ def ready(count: int, paths: int = 256) -> Run:
     """An ensemble of ``count`` structures, from half to twice the period of the ground."""
     structures = [building(period) for period in np.geomspace(1, 4, count)]
     cells = cells_of_all(structures, SOIL)
-    return with_length(prepare(cells, SOIL, paths=paths, seed=0, steps_per_period=32), cells, 20.0)
+    return with_length(prepare(cells, SOIL, paths=paths, seed=0, steps_per_period=32), 20.0)
 
 
 def seconds(task: Callable[[], object], repeats: int = REPEATS) -> float:

@@ -230,6 +230,14 @@ class ShearBuilding(Model):
             **others,
         )
 
+    def over_cells(self) -> dict[str, xr.DataArray]:
+        """None: it is one building, whose arrays are over its storeys."""
+        return {}
+
+    def valid(self) -> xr.DataArray:
+        """True, since what is not raises when it is made."""
+        return xr.DataArray(True)
+
     @property
     def storeys(self) -> int:
         """Number of storeys."""

@@ -117,6 +117,10 @@ class Model:
             if value is not None
         }
 
+    def over_cells(self) -> dict[str, xr.DataArray]:
+        """Those arrays that make a table, with a cell for each of their values."""
+        return self.arrays()
+
     def isel(self, indexers: Mapping[Any, int | slice]) -> Self:
         """The model with only these cells along the dimensions that it has."""
         part = copy.copy(self)

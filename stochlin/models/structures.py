@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import KW_ONLY, dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 import xarray as xr
@@ -115,6 +115,10 @@ class Structure(Model):
     def block(self) -> Block:
         """Time steps of this law."""
         return self._compiled.block
+
+    def in_storeys(self) -> Any:
+        """The law of a storey in time steps: its kind of `storey_stepping`, or a `law_middle`."""
+        return self._compiled.middle
 
     def law_parameters(self) -> list[xr.DataArray]:
         """Those of `own_parameters`."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import cache, cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import sympy
@@ -53,11 +53,18 @@ class SymbolicLaw:
         return ClosureValue(*regress_slip(slip, slip_jacobian, *moments), *moments)
 
     @cached_property
+    def middle(self) -> Any:
+        """A `law_middle`, compiled when first asked for."""
+        from stochlin.kernels.simulation.law_stepping import law_middle
+
+        return law_middle(self._function(self._without_steps(), "math"))
+
+    @cached_property
     def block(self) -> Block:
         """Time steps of this law, compiled when first asked for."""
         from stochlin.kernels.simulation.law_stepping import law_block
 
-        return law_block(self._function(self._without_steps(), "math"))
+        return law_block(self.middle)
 
     def check(self, parameters: Array) -> None:
         """Raise a ValueError if the law is not odd, not real, or has kinks that quadrature cannot find.

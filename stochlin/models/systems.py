@@ -8,10 +8,12 @@ weight above a storey is in ``post``.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
+import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
@@ -144,6 +146,31 @@ def stack_of(structure: AnyStructure) -> Stack:
     )
 
 
+def floor_count(structure: AnyStructure) -> int:
+    """How many floors a structure has; an oscillator is one."""
+    return structure.storeys if isinstance(structure, ShearBuilding) else 1
+
+
+def first_mode(structure: AnyStructure) -> Structure:
+    """An oscillator as it is, a building by its first mode."""
+    return structure.oscillator() if isinstance(structure, ShearBuilding) else structure
+
+
+def weaker(structure: AnyStructure, factor: float) -> AnyStructure:
+    """The structure with its strength, which is in metres, divided by the factor."""
+    if not structure.yields:
+        return structure
+    name = "yield_drifts" if isinstance(structure, ShearBuilding) else "yield_displacement"
+    return replace(structure, **{name: getattr(structure, name) / factor})
+
+
+def first_period(structure: AnyStructure) -> xr.DataArray:
+    """The period of an oscillator, or of the first mode of a building [s]."""
+    if isinstance(structure, ShearBuilding):
+        return structure.periods()[0]
+    return structure.arrays()["period"]
+
+
 def system_of(structures: Sequence[AnyStructure], links: Sequence[Link | None] = ()) -> System:
     """Structures whose strengths are in metres, and their links, as one system.
 
@@ -189,6 +216,18 @@ def common_floors(one: Stack, two: Stack, number: int) -> tuple[int, int]:
         )
     i, j = np.argwhere(level)[-1] + 1
     return int(i), int(j)
+
+
+def floors_off_level(one: Stack, two: Stack) -> list[float]:
+    """Levels of floors, up to the lower roof, that are at no level of the other building [m]."""
+    roof = min(one.levels[-1], two.levels[-1]) + LEVEL
+    off = [
+        float(level)
+        for own, other in ((one.levels, two.levels), (two.levels, one.levels))
+        for level in own[own < roof]
+        if np.abs(other - level).min() >= LEVEL
+    ]
+    return sorted(off)
 
 
 def check_links(name: str, links: object, count: int) -> tuple[Link | None, ...]:

@@ -5,7 +5,7 @@ import pytest
 import sympy
 
 import stochlin as sl
-from stochlin.kernels.simulation.law_stepping import law_block
+from stochlin.kernels.simulation.law_stepping import law_block, law_middle
 from stochlin.kernels.simulation.stepping import LANES, bouc_wen_block
 from stochlin.models.laws import bilinear
 
@@ -22,8 +22,11 @@ def test_block_of_a_law_moves_as_the_compiled_one():
     f = np.random.default_rng(1).standard_normal((600, LANES)) * 8
     runs = []
     expression = sympy.lambdify((V, Z, sympy.Symbol("own")), BOUC_WEN, "math")
-    for block, parameters in ((law_block(expression), law), (bouc_wen_block, np.hstack([law, extra]))):
-        state, out = np.zeros((3, 2, LANES)), np.empty((LANES, 2, 300))
+    for block, parameters in (
+        (law_block(law_middle(expression)), law),
+        (bouc_wen_block, np.hstack([law, extra])),
+    ):
+        state, out = np.zeros((3, 2, LANES)), np.empty((300, 2, LANES))
         block(f, 1 / 32, parameters, *state, 2, out)
         runs.append((out, state))
     scale = np.abs(runs[0][0]).max()

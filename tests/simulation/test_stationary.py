@@ -30,12 +30,12 @@ def ensemble(structures, ground, **options):
     """Cells and run of some structures, ready for `simulate_moments` with any seed."""
     cells = join_cells([cells_of(structure, ground)[0] for structure in structures])
     relaxation_times = options.pop("relaxation_times")
-    return cells, with_length(prepare(cells, ground, **options), cells, relaxation_times)
+    return cells, with_length(prepare(cells, ground, **options), relaxation_times)
 
 
 def moments_by_seed(cells, run, seeds):
     for seed in seeds:
-        yield simulate_moments(cells, run._replace(plan=run.plan._replace(seed=seed)), None)
+        yield simulate_moments(run._replace(plan=run.plan._replace(seed=seed)), None)
 
 
 # ---- (1) Values of an earlier simulation by other code, [standard error] ----
@@ -161,10 +161,10 @@ def test_drift_of_a_stationary_run_is_a_standard_normal_number(repeated):
 def test_drift_tells_a_run_that_starts_recording_from_rest(ratio, hardening):
     structure = yielding(1.0, ratio, hardening)
     options = {"paths": 2048, "seed": 4, "steps_per_period": 16, "relaxation_times": 4.0}
-    cells, run = ensemble([structure], NOISE, **options)
-    good = simulate_moments(cells, run, None)
+    _, run = ensemble([structure], NOISE, **options)
+    good = simulate_moments(run, None)
     assert np.abs(good.drift) < ERRORS
-    early = simulate_moments(cells, run._replace(plan=run.plan._replace(burn_in=0)), None)
+    early = simulate_moments(run._replace(plan=run.plan._replace(burn_in=0)), None)
     assert early.drift > NOT_STATIONARY
     assert early.displacement_std < good.displacement_std - ERRORS * good.displacement_error
 
@@ -202,12 +202,12 @@ def test_halving_the_step_changes_yielding_structures_by_less_than_half_a_per_ce
             for n, (xi, steps, (q, u, v, z)) in enumerate(
                 zip((coarse, fine), (COARSE, FINE), runs, strict=True)
             ):
-                f, out = np.empty_like(xi), np.empty((LANES, size, 2 * CYCLES))
+                f, out = np.empty_like(xi), np.empty((2 * CYCLES, size, LANES))
                 filtered = filter_steps(*soil.arrays, intensity, 1 / steps)
                 ground_block(xi, q, *filtered, f)
                 bilinear_block(f, 1 / steps, laws, u, v, z, steps // 2, out)
                 if block >= BURN_IN:
-                    variances[n, group] += (out**2).mean(axis=2) / BLOCKS
+                    variances[n, group] += (out**2).mean(axis=0).T / BLOCKS
     coarse, fine = variances.reshape(2, -1, size)
     change = 0.5 * (coarse.mean(axis=0) / fine.mean(axis=0) - 1)
     residual = (coarse - fine) / fine.mean(axis=0) - 2 * change * fine / fine.mean(axis=0)
@@ -343,7 +343,7 @@ def test_run_that_does_not_fit_into_memory_is_refused_before_it_starts(monkeypat
         raise AssertionError("work has begun")
 
     monkeypatch.setattr("stochlin.analyses.simulation.simulation.stationary_sums", never)
-    monkeypatch.setattr("stochlin.analyses.simulation.simulation.cells_of_all", never)
+    monkeypatch.setattr("stochlin.analyses.simulation.riders.cells_of_all", never)
     monkeypatch.setattr("stochlin.analyses.tables.work._installed", lambda: 16e9)
     with pytest.raises(
         ValueError, match=r"3000 structures on one ground need [\d.]+ GB; allowed: \d+ GB"
@@ -365,8 +365,8 @@ def test_structure_that_hardly_ever_yields_is_refused_by_the_time_that_its_drift
 
 def test_cells_out_of_range_spoil_only_themselves():
     several = sl.Bilinear([1.0, -1.0, 0.7], damping=0.05)
-    cells, run = ensemble([several], NOISE, paths=64, seed=0, steps_per_period=8, relaxation_times=2.0)
-    moments = simulate_moments(cells, run, None)
+    _, run = ensemble([several], NOISE, paths=64, seed=0, steps_per_period=8, relaxation_times=2.0)
+    moments = simulate_moments(run, None)
     assert list(np.isfinite(moments.displacement_std)) == [True, False, True]
     assert list(np.isfinite(moments.rho).sum(axis=0)) == [2, 0, 2]
     pair = [sl.Bilinear(period, 0.05) for period in (1.0, 0.7)]

@@ -61,9 +61,9 @@ def rest(structures=1):
 
 def histories(kernel, law, steps):
     """Displacements (steps, LANES) of one structure from rest."""
-    out = np.empty((LANES, 1, steps))
+    out = np.empty((steps, 1, LANES))
     kernel(step_means(steps), SECONDS / steps, np.array([law]), *rest(), 1, out)
-    return out[:, 0].T
+    return out[:, 0]
 
 
 def observed_order(kernel, law, exact):
@@ -145,7 +145,7 @@ def test_bouc_wen_motion_converges_to_the_exact_one_with_the_square_of_the_step(
 
     def kernel(*arguments):
         bouc_wen_block(*arguments)
-        arguments[-1][np.setdiff1d(range(LANES), chosen)] = 0
+        arguments[-1][..., np.setdiff1d(range(LANES), chosen)] = 0
 
     order = observed_order(kernel, law, np.nan_to_num(exact))
     assert SECOND_ORDER[0] < order < SECOND_ORDER[1]
@@ -157,7 +157,7 @@ def one_by_one(law, steps):
     u, v, z = state = rest()
     states = [state[:, 0].copy()]
     for s in range(steps):
-        bilinear_block(f[s : s + 1], dt, law[None], u, v, z, 2, np.empty((LANES, 1, 0)))
+        bilinear_block(f[s : s + 1], dt, law[None], u, v, z, 2, np.empty((0, 1, LANES)))
         states.append(state[:, 0].copy())
     return np.stack(states), f, dt
 
@@ -190,23 +190,23 @@ def test_hysteretic_displacement_stays_within_yield_and_reaches_it_exactly():
 def test_blocks_of_any_length_and_sampling_give_one_history():
     laws = np.stack([OSCILLATOR, OSCILLATOR * [1, 4, 4, 1]])
     f, dt = step_means(STEPS), SECONDS / STEPS
-    whole, thinned = np.empty((LANES, 2, STEPS)), np.empty((LANES, 2, STEPS // 5))
+    whole, thinned = np.empty((STEPS, 2, LANES)), np.empty((STEPS // 5, 2, LANES))
     bilinear_block(f, dt, laws, *rest(2), 1, whole)
     state = rest(2)
     for part in range(4):
         steps = slice(part * STEPS // 4, (part + 1) * STEPS // 4)
         samples = slice(part * STEPS // 20, (part + 1) * STEPS // 20)
-        bilinear_block(f[steps], dt, laws, *state, 5, thinned[:, :, samples])
-    np.testing.assert_array_equal(thinned, whole[:, :, 4::5])
+        bilinear_block(f[steps], dt, laws, *state, 5, thinned[samples])
+    np.testing.assert_array_equal(thinned, whole[4::5])
 
 
 def test_lanes_are_independent_and_odd_in_the_motion():
     f, dt = step_means(STEPS), SECONDS / STEPS
     runs = []
     for sign, order in ((1, slice(None)), (-1, slice(None, None, -1))):
-        out = np.empty((LANES, 1, STEPS))
+        out = np.empty((STEPS, 1, LANES))
         bilinear_block(np.ascontiguousarray(sign * f[:, order]), dt, OSCILLATOR[None], *rest(), 1, out)
-        runs.append(sign * out[order])
+        runs.append(sign * out[..., order])
     np.testing.assert_array_equal(*runs)
 
 
@@ -226,9 +226,9 @@ def test_elastic_motion_is_newmarks_of_average_acceleration(kernel):
         a = (scale * nodal[s + 1] - d * v_trial - k * u_trial) / (1 + d * dt / 2 + k * dt**2 / 4)
         u, v = u_trial + dt**2 / 4 * a, v_trial + dt / 2 * a
         expected[s] = u
-    out = np.empty((LANES, 1, STEPS))
+    out = np.empty((STEPS, 1, LANES))
     kernel(0.5 * (nodal[1:] + nodal[:-1]), dt, law[None], *rest(), 1, out)
-    np.testing.assert_allclose(out[:, 0].T, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
+    np.testing.assert_allclose(out[:, 0], expected, rtol=0, atol=1e-12 * np.abs(expected).max())
 
 
 def ground_system(filters, structures=()):
@@ -275,7 +275,7 @@ def test_stationary_covariance_of_elastic_structures_is_exact_for_any_step(filte
     xi[0, total] = 1
     q, u, v = (np.ascontiguousarray(part) for part in (start[4:], start[0:4:2], start[1:4:2]))
     ground_block(xi, q, *steps, f)
-    bilinear_block(f, dt, laws, u, v, np.zeros((2, LANES)), 1, np.empty((LANES, 2, 1)))
+    bilinear_block(f, dt, laws, u, v, np.zeros((2, LANES)), 1, np.empty((1, 2, LANES)))
     columns = np.concatenate([np.stack([u, v], axis=1).reshape(4, LANES), q])
     transition, gain = columns[:, :total], columns[:, total]
 

@@ -67,8 +67,8 @@ def _on_one_ground(
         seed=settings.seed,
         steps_per_period=settings.steps_per_period,
     )
-    run = with_length(run, cells, settings.relaxation_times)
-    moments = simulate_moments(cells, run, settings.progress)
+    run = with_length(run, settings.relaxation_times)
+    moments = simulate_moments(run, settings.progress)
 
     def of_cells(values: Array, *index: xr.DataArray) -> xr.DataArray:
         return xr.apply_ufunc(lambda *i: values[i], *index, join="exact")

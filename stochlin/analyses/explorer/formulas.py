@@ -18,7 +18,7 @@ from stochlin.analyses.correlation.linearized import pairs_of_solved
 from stochlin.analyses.correlation.variables import VARIABLES as OF_PAIRS
 from stochlin.analyses.explorer.scene import Scene
 from stochlin.analyses.linearization.equivalent_systems import INTERNAL, solve_structure
-from stochlin.analyses.linearization.peaks import response_moments
+from stochlin.analyses.linearization.peaks import relative_moments, response_moments
 from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.probability.probability import pounding_probability
 from stochlin.analyses.separation.rules import (
@@ -156,11 +156,15 @@ def gap_rules(scene: Scene) -> xr.Dataset:
     linear = {"mark": "C", "assumptions": f"{EQ_3}; {LINEARIZED_PEAKS}"}
     drift = {"mark": "C", "assumptions": f"{EQ_3}; {DRIFTED_PEAKS}"}
     rules = [
-        equation_3_rule(drifted, "eq_3_drift", float(rho.rho_drift), **drift),
-        equation_3_rule(drifted, "eq_3_white_noise", float(rho.rho_white_noise), **drift),
-        equation_3_rule(peaks, "eq_3_linearized", float(rho.rho_linearized), **linear),
-        linearized_rule((solved[0], solved[1]), ground, seconds, scene.confidence),
-        *code_rules(drifted, scene.heights, scene.floors_align, scene.zone),
+        equation_3_rule(drifted[:, None], "eq_3_drift", rho.rho_drift.values, **drift),
+        equation_3_rule(drifted[:, None], "eq_3_white_noise", rho.rho_white_noise.values, **drift),
+        equation_3_rule(peaks[:, None], "eq_3_linearized", rho.rho_linearized.values, **linear),
+        linearized_rule(
+            lambda: relative_moments(solved[0], solved[1], ground),
+            seconds,
+            scene.confidence,
+        ),
+        *code_rules(drifted[:, None], scene.heights, scene.floors_align, scene.zone),
     ]
     columns = {name: ("rule", [getattr(rule, name) for rule in rules]) for name in TEXTS}
     table = xr.Dataset(

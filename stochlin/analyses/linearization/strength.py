@@ -20,9 +20,11 @@ from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, sentence
+from stochlin.models.buildings import ShearBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import POSITIVE, Model, Parameter, expect, parameter
 from stochlin.models.structures import Structure
+from stochlin.models.systems import AnyStructure
 
 TOLERANCE = Tolerance(1e-12, 1e-13, 200)
 REACHED = 1e-6  # relative; where ductility jumps with R, a search ends at the jump
@@ -253,9 +255,9 @@ def solved_reduction_factor(structure: Structure, solved: xr.Dataset) -> float:
     return factor if structure.yields else np.nan
 
 
-def strength_in_metres(structure: Structure, ground: Ground) -> Any:
+def strength_in_metres(structure: AnyStructure, ground: Ground) -> Any:
     """The structure with its strength as a yield displacement, whatever defined it on this ground."""
-    if structure.reduction_factor is None:
+    if isinstance(structure, ShearBuilding) or structure.reduction_factor is None:
         return structure
     uy = solve_elastic(structure, ground).yield_displacement
     if not uy.ndim and not 0 < float(uy) < np.inf:

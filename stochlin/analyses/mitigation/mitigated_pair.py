@@ -14,9 +14,16 @@ from stochlin.analyses.correlation.correlation import correlate
 from stochlin.analyses.correlation.linked import correlate_linked
 from stochlin.analyses.pounding.pounding import pound
 from stochlin.analyses.separation.critical_gap import double_difference
-from stochlin.analyses.simulation.finite_motions import keeping_apart, pair_separation, required_gaps
+from stochlin.analyses.separation.storeys import linearized_at_roof
+from stochlin.analyses.simulation.finite_motions import (
+    keeping_apart,
+    pair_peaks,
+    pair_separation,
+    required_gaps,
+)
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.kernels.basics.arrays import Array
+from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Contact
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
@@ -63,9 +70,9 @@ class MitigatedPair:
             **dict(zip(names, required_gaps(motions), strict=True)),
             **{name: float(share) for name, share in apart.items()},
         }
-        for n in (0, 1):
-            for name in ("peak_mean", "peak_mean_standard_error"):
-                row[f"{name}_{n + 1}"] = float(motions[name][n])
+        for n, samples in enumerate(pair_peaks(motions).T, start=1):
+            row[f"peak_mean_{n}"] = float(samples.mean())
+            row[f"peak_mean_standard_error_{n}"] = float(samples.std(ddof=1) / np.sqrt(samples.size))
         return row
 
     def required_gap(self, measure: Measure) -> float:
@@ -76,7 +83,12 @@ class MitigatedPair:
     def linearized(self, measure: Measure) -> dict[str, float]:
         """Correlation and standard deviation of ``u_1 - u_2`` by linearization; NaN if not solved."""
         pair = self.changed(measure)
+        storeys = any(isinstance(structure, ShearBuilding) for structure in pair)
+        links = [] if measure.link is None else [measure.link]
         try:
+            if storeys:
+                rho, apart = linearized_at_roof(pair, self.ground, links)
+                return {"rho": rho, "relative_displacement_std": apart}
             if measure.link is not None:
                 table = correlate_linked(*pair, self.ground, measure.link)
                 return {name: float(table[name]) for name in ("rho", "relative_displacement_std")}
@@ -93,7 +105,7 @@ class MitigatedPair:
         for motion, peaks in zip(self.records.values(), self.peaks_alone, strict=True):
             table = pound(self.changed(measure), self.gap, contact, motion, link=measure.link)  # type: ignore[arg-type]
             for n in (0, 1):
-                found[f"amplification_{n + 1}"].append(float(table.peak[n] / peaks[n]))
+                found[f"amplification_{n + 1}"].append(float(np.nanmax(table.peak[n] / peaks[n])))
             found["impacts"].append(float(table.sizes["impact"]))
             forces = table.largest_force.dropna("impact").values
             found["largest_force"].append(float(forces.max()) if forces.size else np.nan)
@@ -105,13 +117,12 @@ class MitigatedPair:
         return float(max(found["amplification_1"].max(), found["amplification_2"].max()))
 
     @cached_property
-    def peaks_alone(self) -> Array:
-        """Peaks of the structures as built and standing alone (records, 2) [m]."""
-        peaks = [
+    def peaks_alone(self) -> list[Array]:
+        """Peaks of the floors as built and standing alone, record by record [m]."""
+        return [
             pound(self.structures, self.gap, self.contact, motion).peak_alone.values  # type: ignore[arg-type]
             for motion in self.records.values()
         ]
-        return np.array(peaks).reshape(-1, 2)
 
     def _motions(self, measure: Measure) -> xr.Dataset:
         return simulate(

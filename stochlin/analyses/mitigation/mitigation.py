@@ -12,6 +12,7 @@ from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.mitigation.mitigated_pair import RECORDED, MitigatedPair
 from stochlin.analyses.mitigation.searches import MeasureLine, Search, searches
 from stochlin.analyses.mitigation.variables import VARIABLES
+from stochlin.analyses.pounding.rows import checked_buildings
 from stochlin.analyses.records.records import checked_record
 from stochlin.analyses.separation.separation import NOT_AVAILABLE, VERDICT_ATTRS, verdict_of
 from stochlin.analyses.simulation.simulation import check_repeated
@@ -22,12 +23,11 @@ from stochlin.messages import brief
 from stochlin.models.contacts import Contact
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
-from stochlin.models.laws.bilinear import Bilinear
-from stochlin.models.laws.bouc_wen import BoucWen
-from stochlin.models.links import Link, check_linked
+from stochlin.models.links import Link
 from stochlin.models.measures import Measure
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
+from stochlin.models.systems import STRUCTURES, AnyStructure, system_of
 
 AS_BUILT = "as built"
 SIMULATIONS = 60  # that the searches take together, as a rule
@@ -41,8 +41,8 @@ TEXTS: Mapping[str, str] = {
 
 
 def mitigate(
-    first: Structure,
-    second: Structure,
+    first: AnyStructure,
+    second: AnyStructure,
     ground: Ground,
     duration: float,
     gap: float,
@@ -67,7 +67,7 @@ def mitigate(
     Parameters
     ----------
     first, second, ground, duration
-        As in `separation`, numbers only; a link between them asks for `Bilinear` with a mass.
+        As in `separation`, numbers only; oscillators that a link ties need a mass.
     gap : float
         The existing gap [m], positive.
     measures : mapping of str to Measure
@@ -168,8 +168,8 @@ def mitigate(
 
 
 def _checked(
-    first: Structure,
-    second: Structure,
+    first: AnyStructure,
+    second: AnyStructure,
     ground: Ground,
     measures: Mapping[str, Measure],
     contact: Contact | None,
@@ -186,8 +186,6 @@ def _checked(
     for name, measure in measures.items():
         check_label("the name of a measure", name)
         expect(measure, Measure, f"measures[{brief(name)}]")
-        if measure.link is not None:
-            check_linked(first, second)
     if records and contact is None:
         raise ValueError("contact is not given, records are; give what the buildings meet at as built")
     for name, motion in (records or {}).items():
@@ -197,14 +195,28 @@ def _checked(
         except (TypeError, ValueError) as error:
             raise type(error)(f"records[{brief(name)}]: {error}") from error
     for role, structure in (("first", first), ("second", second)):
-        expect(structure, Structure, role)
-        if records and (not isinstance(structure, (Bilinear, BoucWen)) or structure.mass is None):
-            raise ValueError(f"{role} cannot pound; allowed: Bilinear or BoucWen with a mass, in kg")
+        expect(structure, STRUCTURES, role)
+        if records and isinstance(structure, Structure) and structure.mass is None:
+            raise ValueError(f"{role} cannot pound: its mass is not given; allowed: 0 < mass, in kg")
     if limit is not None and not (records and is_number(limit) and 0 < limit < np.inf):
         raise ValueError(
             f"amplification_limit = {brief(limit)}; allowed: a positive number, with contact and records"
         )
-    return [strength_in_metres(structure, ground) for structure in (first, second)]
+    pair = [strength_in_metres(structure, ground) for structure in (first, second)]
+    _check_links(pair, measures)
+    if records:
+        checked_buildings(pair)
+    return pair
+
+
+def _check_links(pair: Sequence[AnyStructure], measures: Mapping[str, Measure]) -> None:
+    """Raise a ValueError for a link that has no floors, or ties structures without a mass."""
+    for name, measure in measures.items():
+        if measure.link is not None:
+            try:
+                system_of(pair, [measure.link])
+            except ValueError as error:
+                raise ValueError(f"measures[{brief(name)}]: {error}") from error
 
 
 def _column(site: MitigatedPair, row: MeasureLine) -> dict[str, Any]:

@@ -12,9 +12,9 @@ from stochlin.analyses.mitigation.mitigated_pair import MitigatedPair
 from stochlin.analyses.separation.existing_gap import DAMPINGS, first_below
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding.contact import reduced_mass
-from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.links import Link
 from stochlin.models.measures import Measure
+from stochlin.models.systems import first_mode, system_of
 
 CONSTANTS = np.append(0.0, np.geomspace(1e-3, 10, 13))  # of dashpots, over 2 m w
 SIDES: Mapping[str, tuple[float, float]] = {
@@ -95,8 +95,14 @@ def _dampings(site: MitigatedPair, shares: tuple[float, float]) -> Array:
 
 
 def _dashpot_scale(site: MitigatedPair) -> float | None:
-    """``2 m w`` [N s/m] of the reduced mass and the mean frequency; None where there are no masses."""
-    if not all(isinstance(s, Bilinear) and s.mass is not None for s in site.structures):
+    """``2 m w`` [N s/m] of the reduced mass and the mean frequency of the first modes.
+
+    None where there are no masses, or no floors at one level.
+    """
+    try:
+        system_of(site.structures, [_dashpot(0.0).link])
+    except ValueError:
         return None
-    mass = float(reduced_mass(*(float(s.mass) for s in site.structures)))
-    return 2 * mass * float(np.mean([2 * np.pi / float(s.period) for s in site.structures]))
+    modes = [first_mode(structure) for structure in site.structures]
+    mass = float(reduced_mass(*(float(mode.arrays()["mass"]) for mode in modes)))
+    return 2 * mass * float(np.mean([2 * np.pi / float(mode.arrays()["period"]) for mode in modes]))

@@ -26,6 +26,7 @@ from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.probability.drift_growth import drift_variances
+from stochlin.kernels.simulation.separation_histories import Histories
 from stochlin.messages import sentence
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
@@ -135,16 +136,23 @@ def by_simulation(
     found = simulate_course(
         moments.sides, pairs.structures_of_pair, cells, ground, moments.course, paths, seed, progress
     )
+    return simulated_table(found, pairs.cell_number, pairs.pair_number, confidence, seed)
+
+
+def simulated_table(
+    found: Histories, cell: xr.DataArray, pair: xr.DataArray, confidence: float, seed: int
+) -> xr.Dataset:
+    """Probabilities and standard deviations; numbers of gaps and pairs say where they are in a table."""
     n = len(found.largest)
     alive = found.survivors
     lower, upper = share_interval(alive, n)
     stem = "confidence_of_no_pounding_simulated"
     table = xr.Dataset(
         {
-            "instantaneous_probability_simulated": spread_over(found.beyond / n, pairs.cell_number),
-            stem: spread_over(alive / n, pairs.cell_number),
-            f"{stem}_lower": spread_over(lower, pairs.cell_number),
-            f"{stem}_upper": spread_over(upper, pairs.cell_number),
+            "instantaneous_probability_simulated": spread_over(found.beyond / n, cell),
+            stem: spread_over(alive / n, cell),
+            f"{stem}_lower": spread_over(lower, cell),
+            f"{stem}_upper": spread_over(upper, cell),
         }
     )
     mean = found.squares / n
@@ -153,11 +161,11 @@ def by_simulation(
     )
     names = ("displacement_std_simulated_1", "displacement_std_simulated_2", "difference_std_simulated")
     for row, name in enumerate(names):
-        table[name] = spread_over(np.sqrt(mean[:, row]), pairs.pair_number)
-    table["difference_std_simulated_standard_error"] = spread_over(error[:, 2], pairs.pair_number)
+        table[name] = spread_over(np.sqrt(mean[:, row]), pair)
+    table["difference_std_simulated_standard_error"] = spread_over(error[:, 2], pair)
     gaps = quantile_intervals(found.largest, np.array([confidence]))
     for ending, (values,) in zip(("", "_lower", "_upper"), gaps, strict=True):
-        table[f"required_gap_simulated{ending}"] = spread_over(values, pairs.pair_number)
+        table[f"required_gap_simulated{ending}"] = spread_over(values, pair)
     return table.assign_attrs(paths=n, seed=seed)
 
 

@@ -15,7 +15,8 @@ from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground, WhiteNoise
 from stochlin.models.parameters import Parameter, expect
-from stochlin.models.structures import Gap, Structure
+from stochlin.models.structures import Gap
+from stochlin.models.systems import STRUCTURES, AnyStructure
 
 POINTS = 11  # instants at which a simulation is looked at; only the last is reported
 OPPOSITE = {"_simulated_lower": "_simulated_upper", "_simulated_upper": "_simulated_lower"}
@@ -23,8 +24,8 @@ ENDINGS = ("", "_poisson", "_corrected", "_simulated", *OPPOSITE)
 
 
 def pounding_fragility(
-    first: Structure,
-    second: Structure,
+    first: AnyStructure,
+    second: AnyStructure,
     ground: Ground,
     gap: Parameter,
     intensity: Parameter,
@@ -43,7 +44,8 @@ def pounding_fragility(
 
     Parameters
     ----------
-    first, second : Bilinear, BoucWen or Hysteretic
+    first, second : Bilinear, BoucWen, Hysteretic or ShearBuilding
+        With a building there is what is simulated only.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
         With the intensity at which the strengths are defined.
     gap : float or array
@@ -81,8 +83,8 @@ def pounding_fragility(
     >>> bool((table.pounding_probability.diff("gap") < 0).all())
     True
     """
-    expect(first, Structure, "first")
-    expect(second, Structure, "second")
+    expect(first, STRUCTURES, "first")
+    expect(second, STRUCTURES, "second")
     expect(ground, Ground, "ground")
     named_gap = _named(Gap(gap).gap, "gap", "m", "gap")
     named_intensity = _named(WhiteNoise(intensity).intensity, "intensity", "m^2/s^3", "intensity S0")

@@ -11,15 +11,17 @@ from stochlin.analyses.linearization.transient_systems import (
 )
 from stochlin.analyses.probability.cells import PairTable, by_formula, by_simulation
 from stochlin.analyses.probability.hybrid import hybrid_pounding
+from stochlin.analyses.probability.storeys import storeys_in_motion
 from stochlin.analyses.probability.variables import VARIABLES
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_confidence, check_whole
+from stochlin.analyses.tables.checks import check_confidence, check_duration, check_whole
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import brief
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Parameter, expect
 from stochlin.models.structures import Gap, Structure
+from stochlin.models.systems import STRUCTURES, AnyStructure
 
 METHODS = ("evolutionary", "hybrid")
 REFERENCES = (
@@ -29,8 +31,8 @@ REFERENCES = (
 
 
 def pounding_probability(
-    first: Structure,
-    second: Structure,
+    first: AnyStructure,
+    second: AnyStructure,
     ground: Ground | None,
     gap: Parameter,
     *,
@@ -50,8 +52,10 @@ def pounding_probability(
 
     Parameters
     ----------
-    first, second : Bilinear, BoucWen or Hysteretic
-        All parameters broadcast by dimension name.
+    first, second : Bilinear, BoucWen, Hysteretic or ShearBuilding
+        All parameters of oscillators broadcast by dimension name. With a building there is what is
+        simulated only: the gap is kept at all heights at once, and standard deviations are those at the
+        lower roof.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
         Stationary, before it is modulated. For ``"hybrid"`` it may be None: it is then fitted to the
         record.
@@ -126,8 +130,8 @@ def pounding_probability(
     >>> bool(last.confidence_of_no_pounding > last.confidence_of_no_pounding_poisson)
     True
     """
-    expect(first, Structure, "first")
-    expect(second, Structure, "second")
+    for role, structure in (("first", first), ("second", second)):
+        expect(structure, STRUCTURES, role)
     check_confidence(confidence)
     if not isinstance(method, str) or method not in METHODS:
         raise ValueError(f"method = {brief(method)}; allowed: {', '.join(METHODS)}")
@@ -135,7 +139,8 @@ def pounding_probability(
     if method == "hybrid":
         if envelope is not None or duration is not None:
             raise ValueError("envelope and duration do not go with method='hybrid': the record has both")
-        return hybrid_pounding(first, second, ground, distance, record, confidence)
+        one, two = (_oscillator(*pair) for pair in (("first", first), ("second", second)))
+        return hybrid_pounding(one, two, ground, distance, record, confidence)
     if record is not None:
         raise ValueError("record goes with method='hybrid'; allowed here: envelope and duration")
     expect(ground, Ground, "ground")
@@ -146,15 +151,30 @@ def pounding_probability(
     if paths == 1:
         raise ValueError("paths = 1; allowed: 0 for no simulation, or a whole number from 2")
     seconds = check_course(duration, envelope)
-    pairs = PairTable.of(first, second, ground, distance, seconds, envelope, points)
-    table = by_formula(pairs, ground, confidence)
-    if paths:
-        simulated = by_simulation(pairs, ground, confidence, (paths, seed), progress)
-        table = table.assign(simulated.data_vars).assign_attrs(simulated.attrs)
-    table = over_time(table.assign_attrs(confidence=confidence), pairs.moments.course)
-    table = labels.label(table.assign(status=pairs.status), VARIABLES)
+    if isinstance(first, Structure) and isinstance(second, Structure):
+        pairs = PairTable.of(first, second, ground, distance, seconds, envelope, points)
+        table = by_formula(pairs, ground, confidence)
+        if paths:
+            simulated = by_simulation(pairs, ground, confidence, (paths, seed), progress)
+            table = table.assign(simulated.data_vars).assign_attrs(simulated.attrs)
+        table = over_time(table, pairs.moments.course).assign(status=pairs.status)
+    else:
+        check_duration(seconds, {"first": first, "second": second})
+        table = storeys_in_motion(
+            first,
+            second,
+            ground,
+            distance,
+            seconds,
+            envelope,
+            points,
+            confidence=confidence,
+            counts=(paths, seed),
+            progress=progress,
+        )
+    table = labels.label(table.assign_attrs(confidence=confidence), VARIABLES)
     labels.raise_if_lone_failure(table, "pounding_probability")
-    if first.yields or second.yields:
+    if "confidence_of_no_pounding" in table and (first.yields or second.yields):
         table = table.assign_attrs(comment=labels.CAUTION_SIGMA)
     return labels.with_run_information(
         table,
@@ -163,4 +183,13 @@ def pounding_probability(
         f"seed={seed})",
         {"first": first, "second": second, "ground": ground, "gap": distance},
         REFERENCES,
+    )
+
+
+def _oscillator(role: str, structure: AnyStructure) -> Structure:
+    if isinstance(structure, Structure):
+        return structure
+    raise TypeError(
+        f"{role} is a building with storeys; method='hybrid' is of oscillators: give its oscillator(), "
+        "or method='evolutionary'"
     )

@@ -7,10 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from stochlin.analyses.linearization.transient_systems import Course, Side, grounds_of, oscillators_of
-from stochlin.analyses.simulation.ensembles import SimulationCells, joined_laws, prepare, seconds_of
+from stochlin.analyses.simulation.ensembles import Run, SimulationCells, joined_laws, prepare, seconds_of
+from stochlin.analyses.simulation.views import view_of
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.simulation.separation_histories import Histories, Watched, separation_histories
 from stochlin.kernels.simulation.stepping import LANES, filter_steps
 from stochlin.models.grounds import Ground
@@ -57,28 +59,31 @@ def simulate_course(
         np.ones(period.size, bool),
     )
     run = prepare(cells, lone, paths=paths, seed=seed, steps_per_period=STEPS_PER_PERIOD)
-    pairs_in_all, instants = pairs.shape[1], course.duration / run.plan.dt
+    metres = run.scale * amplitude
+    one, two = (view_of([{int(n): 1.0} for n in side], run.order, metres) for side in pairs)
+    watched = Watched(one, two, np.arange(pairs.shape[1]), *gaps)
+    soil = ground.filter({name: float(row[0]) for name, row in below.items()})
+    return histories_of(run, soil, course, watched, progress)
+
+
+def histories_of(
+    run: Run, soil: Filter, course: Course, watched: Watched, progress: Progress | None
+) -> Histories:
+    """A run through the course, in steps of which a whole number goes into each of its intervals."""
+    paths, instants = run.plan.groups * LANES, course.duration / run.plan.dt
+    count = len(watched.first.row)
     check_work(
-        f"duration = {course.duration:g} s, in steps of {run.plan.dt:.2g} s and on "
-        f"{whole_groups(paths)} paths, would take",
+        f"duration = {course.duration:g} s, in steps of {run.plan.dt:.2g} s and on {paths} paths, would "
+        "take",
         "shorten it, lower paths, or leave out the shortest period",
-        memory=8 * (ENVELOPES * instants + RESULTS * float(whole_groups(paths)) * pairs_in_all),
-        seconds=seconds_of(run, instants, WATCHED * pairs_in_all),
+        memory=8 * (ENVELOPES * instants + RESULTS * float(paths) * count),
+        seconds=seconds_of(run, instants, WATCHED * count),
     )
     blocks = course.shown.size - 1
     samples = int(np.ceil(course.duration / blocks / run.plan.dt))
     dt = course.duration / blocks / samples
-    soil = ground.filter({name: float(row[0]) for name, row in below.items()})
     steps = filter_steps(*soil.arrays, 2 * np.pi * soil.intensity, dt)
     plan = run.plan._replace(dt=dt, every=1, samples=samples)
     middle = dt * (np.arange(blocks * samples) + 0.5)
     shape = np.ones_like(middle) if course.envelope is None else course.envelope.at(middle)
-    metres = run.scale * amplitude
-    one, two = pairs
-    watched = Watched(run.order[one], run.order[two], metres[one], metres[two], *gaps)
     return separation_histories(run.crowd, steps, run.root, plan, shape, watched, progress)
-
-
-def whole_groups(paths: int) -> int:
-    """How many motions are run for so many paths: whole groups of them."""
-    return int(np.ceil(paths / LANES)) * LANES

@@ -23,7 +23,7 @@ from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
-from stochlin.models.structures import Structure
+from stochlin.models.systems import STRUCTURES, AnyStructure, first_mode, weaker
 
 STRENGTHS = np.geomspace(1 / 8, 8, 13)  # factors on both reduction factors
 AMPLITUDES = np.geomspace(1 / 16, 16, 17)  # factors on the motion
@@ -33,8 +33,8 @@ SIMULATIONS = 60  # that the three searches take together, as a rule
 
 
 def existing_gap(
-    first: Structure,
-    second: Structure,
+    first: AnyStructure,
+    second: AnyStructure,
     ground: Ground,
     duration: float,
     gap: float,
@@ -65,8 +65,9 @@ def existing_gap(
     xarray.Dataset
         Without dimensions: ``no_pounding_probability`` [-] as things are, with its 95 % interval;
         ``required_gap`` [m]; ``largest_reduction_factor_1`` and ``_2`` [-]: both strengths lowered
-        alike, as far as the confidence holds throughout; ``largest_intensity`` [m^2/s^3] of the
-        ground, strengths in metres kept; ``least_added_damping`` [-], the same ratio added to both.
+        alike, as far as the confidence holds throughout (of a building with storeys, that of its first
+        mode); ``largest_intensity`` [m^2/s^3] of the ground, strengths in metres kept;
+        ``least_added_damping`` [-], the same ratio added to both.
         Infinite where the confidence holds over all of the range that was searched, NaN where it
         holds nowhere; ``searched`` in the attributes says which it was.
 
@@ -90,7 +91,7 @@ def existing_gap(
     """
     check_confidence(confidence)
     for role, structure in (("first", first), ("second", second)):
-        expect(structure, Structure, role)
+        expect(structure, STRUCTURES, role)
     check_existing(gap, duration, {"first": first, "second": second})
 
     check_repeated([first, second], ground, duration, paths, seed, SIMULATIONS)
@@ -98,14 +99,14 @@ def existing_gap(
         progress(0.0)
     done = itertools.count(1)
 
-    def separations(pair: Sequence[Structure], ground: Ground) -> xr.DataArray:
+    def separations(pair: Sequence[AnyStructure], ground: Ground) -> xr.DataArray:
         options: dict[str, Any] = {"paths": paths, "seed": seed, "envelope": envelope}
         motions = simulate(list(pair), ground, duration=duration, quantiles=[confidence], **options)
         if progress is not None:
             progress(min(next(done) / SIMULATIONS, 1.0))
         return pair_separation(motions)
 
-    def required(pair: Sequence[Structure], ground: Ground) -> float:
+    def required(pair: Sequence[AnyStructure], ground: Ground) -> float:
         return float(np.quantile(separations(pair, ground), confidence))
 
     samples = separations([first, second], ground)
@@ -144,24 +145,22 @@ class _ExistingPair(NamedTuple):
     factors: tuple[float, float]  # reduction factors, NaN where elastic
 
     @classmethod
-    def of(cls, structures: tuple[Structure, Structure], ground: Ground) -> _ExistingPair:
+    def of(cls, structures: tuple[AnyStructure, AnyStructure], ground: Ground) -> _ExistingPair:
         one, other = (strength_in_metres(structure, ground) for structure in structures)
-        solved = [solve_structure(structure, ground, "gaussian", USUAL) for structure in structures]
-        first, second = (solved_reduction_factor(*both) for both in zip(structures, solved, strict=True))
+        modes = [first_mode(structure) for structure in structures]
+        solved = [solve_structure(mode, ground, "gaussian", USUAL) for mode in modes]
+        first, second = (solved_reduction_factor(*both) for both in zip(modes, solved, strict=True))
         return cls((one, other), ground, (first, second))
 
-    def weaker(self, factor: float) -> list[Structure]:
-        return [
-            replace(s, yield_displacement=s.yield_displacement / factor) if s.yields else s
-            for s in self.pair
-        ]
+    def weaker(self, factor: float) -> list[AnyStructure]:
+        return [weaker(structure, factor) for structure in self.pair]
 
     def stronger(self, amplitude: float) -> Ground:
         intensity = float(self.ground.arrays()["intensity"]) * amplitude**2
         changed: dict[str, Any] = {"intensity": intensity}
         return replace(self.ground, **changed)
 
-    def damped(self, added: float) -> list[Structure]:
+    def damped(self, added: float) -> list[AnyStructure]:
         return [replace(s, damping=min(s.damping + added, 0.999)) for s in self.pair]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -33,28 +34,93 @@ EQ_3 = "eq. (3) with the peaks of both structures"
 
 @dataclass(frozen=True)
 class Rule:
-    """One row of the table."""
+    """One row of the table: what a rule asks for at each height at which the buildings could meet."""
 
     name: str
     kind: str
-    gap: float  # [m], NaN if not available
-    rho: float = np.nan
+    gaps: Array  # (heights,) [m], NaN if not available
+    rhos: Array | None = None  # (heights,)
     reference: str = ""
     mark: str = ""
     assumptions: str = ""
     missing: str = ""
 
+    @property
+    def gap(self) -> float:
+        """The largest [m], which has to be kept over all of the height."""
+        return float(np.max(self.gaps))
+
+    @property
+    def rho(self) -> float:
+        """The correlation where the gap is largest; NaN if the rule has none."""
+        known = self.rhos is not None and not np.isnan(self.gap)
+        return float(self.rhos[int(np.argmax(self.gaps))]) if known else np.nan  # type: ignore[index]
+
 
 @dataclass(frozen=True)
-class PairInMotion:
-    """Two structures, linearized, and what the simulation of finite motions tells of each."""
+class PairInMotion(ABC):
+    """Two structures, and what the simulation of finite motions tells of each.
 
-    structures: tuple[Structure, Structure]
+    Arrays are over the heights at which they could meet; for two oscillators that is one, of no number.
+    """
+
+    structures: tuple[Any, Any]
     ground: Ground
     motions: xr.Dataset
     confidence: float
     strong_seconds: float  # length of the stationary motion that an envelope stands for
-    heights: tuple[float | None, float | None]
+
+    @property
+    @abstractmethod
+    def heights(self) -> Array:
+        """Where they could meet [m]."""
+
+    @property
+    @abstractmethod
+    def code_heights(self) -> tuple[Any, Any]:
+        """Heights of both that codes ask for [m], each a number, an array or None."""
+
+    @property
+    @abstractmethod
+    def peaks(self) -> Array:
+        """Largest ``|u|`` of both (2, heights) [m], not exceeded with the probability ``confidence``."""
+
+    @abstractmethod
+    def simulated_rho(self) -> Array:
+        """Correlation by simulation of stationary motions."""
+
+    @abstractmethod
+    def linearized_rho(self, closure: str) -> Array:
+        """Correlation by linearization; a ValueError says why there is none."""
+
+    @abstractmethod
+    def effective_arguments(self) -> dict[str, float]:
+        """What `rho_effective` takes, but for the rule."""
+
+    @abstractmethod
+    def relative_moments(self) -> tuple[Array, Array, Array]:
+        """Spectral moments of the linearized ``u_1 - u_2`` [m]."""
+
+    @abstractmethod
+    def quantities(self) -> dict[str, Any]:
+        """What the table says of the structures."""
+
+
+@dataclass(frozen=True)
+class OscillatorsInMotion(PairInMotion):
+    """Two oscillators; ``known_heights`` are those of the buildings that they stand for."""
+
+    known_heights: tuple[float | None, float | None]
+
+    @property
+    def heights(self) -> Array:
+        """See `PairInMotion`."""
+        return np.array([np.nan])
+
+    @property
+    def code_heights(self) -> tuple[Any, Any]:
+        """See `PairInMotion`."""
+        return self.known_heights
 
     @cached_property
     def solved(self) -> list[xr.Dataset]:
@@ -68,28 +134,57 @@ class PairInMotion:
 
     @property
     def peaks(self) -> Array:
-        """Largest ``|u|`` of both [m], not exceeded with the probability ``confidence``."""
+        """See `PairInMotion`."""
         quantile: Array = np.quantile(self.motions.peak.values, self.confidence, axis=0)
-        return quantile
+        return quantile[:, None]
 
     @property
     def ductilities(self) -> Array:
         """Mean peak ductility of both; 0 where elastic."""
         return self.motions.peak_mean.values / np.array(self.yield_displacements)
 
-    def quantities(self) -> dict[str, float]:
-        """What the table says of the structures."""
+    def simulated_rho(self) -> Array:
+        """See `PairInMotion`."""
+        return simulate(self.structures, self.ground).rho.values[0, 1:]
+
+    def linearized_rho(self, closure: str) -> Array:
+        """See `PairInMotion`."""
+        lacking = {type(s).__name__ for s in self.structures if closure not in s.closure_names()}
+        if lacking:
+            raise ValueError(f"no {closure} closure for {', '.join(sorted(lacking))}")
+        return np.atleast_1d(correlate(*self.structures, self.ground, closure=closure).rho.values)
+
+    def effective_arguments(self) -> dict[str, float]:
+        """See `PairInMotion`."""
+        return effective_arguments(self.structures, self.ductilities)
+
+    def relative_moments(self) -> tuple[Array, Array, Array]:
+        """See `PairInMotion`."""
+        l0, l1, l2 = relative_moments(self.solved[0], self.solved[1], self.ground)
+        return l0.values, l1.values, l2.values
+
+    def quantities(self) -> dict[str, Any]:
+        """See `PairInMotion`."""
         table: dict[str, float] = {}
         for n, (structure, side) in enumerate(zip(self.structures, self.solved, strict=True)):
             mean = ("peak_mean", "peak_mean_standard_error")
             table |= {f"{name}_{n + 1}": float(self.motions[name][n]) for name in mean}
-            table[f"peak_{n + 1}"] = float(self.peaks[n])
+            table[f"peak_{n + 1}"] = float(self.peaks[n, 0])
             table[f"ductility_{n + 1}"] = float(self.ductilities[n]) if structure.yields else np.nan
             table[f"yield_displacement_{n + 1}"] = self.yield_displacements[n]
             table[f"reduction_factor_{n + 1}"] = solved_reduction_factor(structure, side)
-        for name in ("separation_mean", "separation_mean_standard_error"):
-            table[name] = float(self.motions[name][0, 1])
         return table
+
+
+def effective_arguments(structures: Sequence[Structure], ductilities: Array) -> dict[str, float]:
+    """What `rho_effective` takes of two oscillators of these peak ductilities."""
+    arguments: dict[str, float] = {}
+    for n, structure in enumerate(structures):
+        own, given = structure.yields, structure.arrays()
+        arguments |= {f"{key}_{n + 1}": float(given[key]) for key in ("period", "damping")}
+        arguments[f"hardening_{n + 1}"] = float(given["hardening"]) if own else 1.0
+        arguments[f"ductility_{n + 1}"] = float(ductilities[n]) if own else 1.0
+    return arguments
 
 
 def strong_seconds(duration: float, envelope: Envelope | None) -> float:
@@ -102,74 +197,60 @@ def strong_seconds(duration: float, envelope: Envelope | None) -> float:
 
 def all_rules(pair: PairInMotion, floors_align: bool, zone: str | None, unverified: bool) -> list[Rule]:
     """Every rule that there is, those that lack something too."""
-    both = pair.structures, pair.ground
     return [  # simulation is refused for structures so rarely yielding that it would take hours
-        _with_solved_rho(pair, "simulated", "stationary simulation", lambda: simulate(*both).rho[0, 1]),
-        _with_linearized_rho(pair, "linearized", GAUSSIAN, "linearization"),
-        _with_linearized_rho(pair, "drift", DRIFT, "linearization with plastic drift"),
+        _with_solved_rho(pair, "simulated", "stationary simulation", pair.simulated_rho),
+        _with_solved_rho(pair, "linearized", "linearization", lambda: pair.linearized_rho(GAUSSIAN)),
+        _with_solved_rho(
+            pair, "drift", "linearization with plastic drift", lambda: pair.linearized_rho(DRIFT)
+        ),
         *(_with_effective_rho(pair, name) for name in effective_rule_names(unverified)),
-        linearized_rule(pair.solved, pair.ground, pair.strong_seconds, pair.confidence),
-        *code_rules(pair.peaks, pair.heights, floors_align, zone),
+        linearized_rule(pair.relative_moments, pair.strong_seconds, pair.confidence),
+        *code_rules(pair.peaks, pair.code_heights, floors_align, zone),
     ]
 
 
-def equation_3_rule(peaks: Array, name: str, rho: float, **texts: str) -> Rule:
-    """Eq. (3) with these peaks [m] and this correlation."""
-    gap = float(double_difference(peaks[0], peaks[1], np.clip(rho, -1, 1)))
-    return Rule(name, "equation_3", gap, rho, **texts)
+def equation_3_rule(peaks: Array, name: str, rhos: Array, **texts: str) -> Rule:
+    """Eq. (3) with these peaks (2, heights) [m] and correlations (heights,)."""
+    gaps = double_difference(peaks[0], peaks[1], np.clip(rhos, -1, 1))
+    return Rule(name, "equation_3", gaps, np.broadcast_to(rhos, gaps.shape), **texts)
 
 
-def _with_linearized_rho(pair: PairInMotion, name: str, closure: str, source: str) -> Rule:
-    lacking = {type(s).__name__ for s in pair.structures if closure not in s.closure_names()}
-    if lacking:
-        missing = f"no {closure} closure for {', '.join(sorted(lacking))}"
-        return Rule(f"eq_3_{name}", "equation_3", np.nan, missing=missing)
-    both = (*pair.structures, pair.ground)
-    return _with_solved_rho(pair, name, source, lambda: correlate(*both, closure=closure).rho)
-
-
-def _with_solved_rho(
-    pair: PairInMotion, name: str, source: str, solve: Callable[[], xr.DataArray]
-) -> Rule:
+def _with_solved_rho(pair: PairInMotion, name: str, source: str, solve: Callable[[], Array]) -> Rule:
     try:
-        rho = float(solve())
+        rhos = solve()
     except (ArithmeticError, ValueError) as error:
-        return Rule(f"eq_3_{name}", "equation_3", np.nan, missing=str(error))
+        return Rule(f"eq_3_{name}", "equation_3", _nothing(pair), missing=str(error))
     texts = {"mark": "C", "assumptions": f"{EQ_3}; rho of {source}"}
-    return equation_3_rule(pair.peaks, f"eq_3_{name}", rho, **texts)
+    return equation_3_rule(pair.peaks, f"eq_3_{name}", rhos, **texts)
 
 
 def _with_effective_rho(pair: PairInMotion, name: str) -> Rule:
     rule = effective_rule(name)
-    arguments: dict[str, float] = {}
-    for n, structure in enumerate(pair.structures):
-        own, given = structure.yields, structure.arrays()
-        arguments |= {f"{key}_{n + 1}": float(given[key]) for key in ("period", "damping")}
-        arguments[f"hardening_{n + 1}"] = float(given["hardening"]) if own else 1.0
-        arguments[f"ductility_{n + 1}"] = float(pair.ductilities[n]) if own else 1.0
-    rho = float(rho_effective(**arguments, rule=rule).rho)
+    rho = rho_effective(**pair.effective_arguments(), rule=rule).rho.values
     doubt = "" if rule.verified else f"; {rule.reason}"
     return equation_3_rule(
         pair.peaks,
         f"eq_3_{rule.name}",
-        rho,
+        np.atleast_1d(rho),
         reference=rule.reference,
         mark=rule.mark,
         assumptions=f"{EQ_3}; rho by eq. (4) at the simulated mean peak ductility{doubt}",
     )
 
 
-def linearized_rule(
-    solved: Sequence[xr.Dataset], ground: Ground, seconds: float, confidence: float
-) -> Rule:
+def _nothing(pair: PairInMotion) -> Array:
+    return np.full(pair.heights.size, np.nan)
+
+
+def linearized_rule(moments: Callable[[], tuple[Any, ...]], seconds: float, confidence: float) -> Rule:
     """Linearization alone: a Gaussian difference, its one-sided peak by Vanmarcke."""
-    moments = relative_moments(solved[0], solved[1], ground)
-    gap = float(peak_quantile(moments, seconds, confidence, sides=1))
-    missing = "" if np.isfinite(gap) else "not solved, or the motion is too short to hold a peak"
+    l0, l1, l2 = (xr.DataArray(np.atleast_1d(moment), dims="height") for moment in moments())
+    gaps = peak_quantile((l0, l1, l2), seconds, confidence, sides=1).values
+    missing = "" if np.isfinite(gaps).all() else "not solved, or the motion is too short to hold a peak"
     return Rule(
         "linearization",
         "linearization",
-        gap,
+        gaps,
         reference=Vanmarcke1975.reference,
         mark="C",
         assumptions=f"stationary for {seconds:.3g} s, Gaussian; nothing simulated",
@@ -188,15 +269,20 @@ def peak_quantile(
 
 
 def code_rules(
-    peaks: Array, heights: tuple[float | None, float | None], floors_align: bool, zone: str | None
+    peaks: Array, heights: tuple[Any, Any], floors_align: bool, zone: str | None
 ) -> list[Rule]:
-    """The rules of building codes, fed with these peaks [m]."""
-    height_1, height_2 = heights
-    table = code_gaps(*peaks, height_1=height_1, height_2=height_2, floors_align=floors_align, zone=zone)
+    """The rules of building codes, fed with these peaks (2, heights) [m]."""
+    height_1, height_2 = (
+        xr.DataArray(height, dims="height") if np.ndim(height) else height for height in heights
+    )
+    peak_1, peak_2 = (xr.DataArray(peak, dims="height") for peak in peaks)
+    table = code_gaps(
+        peak_1, peak_2, height_1=height_1, height_2=height_2, floors_align=floors_align, zone=zone
+    )
     rules = []
     for name in table.rule.values:
         row = table.sel(rule=name)
         texts: dict[str, Any] = {n: str(row[n].values) for n in ("reference", "mark", "assumptions")}
         missing = f"needs {row.missing.values}" if row.missing.values else ""
-        rules.append(Rule(str(name), "code", float(row.gap), **texts, missing=missing))
+        rules.append(Rule(str(name), "code", row.gap.values, **texts, missing=missing))
     return rules

@@ -10,20 +10,30 @@ import xarray as xr
 
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.records.gaps import recorded_gap
-from stochlin.analyses.separation.rules import PairInMotion, Rule, all_rules, strong_seconds
+from stochlin.analyses.separation.rules import (
+    OscillatorsInMotion,
+    PairInMotion,
+    Rule,
+    all_rules,
+    strong_seconds,
+)
+from stochlin.analyses.separation.storeys import StoreysInMotion, check_levels
 from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.simulation.finite_motions import keeping_apart, pair_separation, required_gaps
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import over_cells
 from stochlin.analyses.tables.checks import check_confidence, check_duration, check_scalars, check_truth
+from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
+from stochlin.models.buildings import ShearBuilding
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import expect
 from stochlin.models.rules.codes import BuildingPeaks, check_zone
 from stochlin.models.structures import Structure
+from stochlin.models.systems import STRUCTURES, AnyStructure, first_period
 
 VERDICTS = ("answer", "safe", "unsafe", "within_error", "not_available")
 ANSWER, SAFE, UNSAFE, WITHIN_ERROR, NOT_AVAILABLE = range(len(VERDICTS))
@@ -32,6 +42,7 @@ VERDICT_ATTRS: Mapping[str, Any] = {
     "flag_values": np.arange(len(VERDICTS), dtype=np.int8),
     "flag_meanings": " ".join(VERDICTS),
 }
+EXACT = "exact laws, no model error"
 MOTION = ("paths", "seed", "step_s", "duration_s", "envelope")
 TEXTS: Mapping[str, str] = {
     "kind": "simulation, eq. (3) with a correlation, linearization, or building code",
@@ -44,8 +55,8 @@ TEXTS: Mapping[str, str] = {
 
 
 def separation(
-    first: Structure,
-    second: Structure,
+    first: AnyStructure,
+    second: AnyStructure,
     ground: Ground,
     duration: float,
     *,
@@ -138,18 +149,22 @@ def separation(
     check_truth("unverified", unverified)
     heights = BuildingPeaks(0.0, 0.0, height_1, height_2)
     check_scalars(heights, "separation", "a number, the height of a building")
-    for role, structure in (("first", first), ("second", second)):
-        expect(structure, Structure, role)
+    both = {"first": first, "second": second}
+    for role, structure in both.items():
+        expect(structure, STRUCTURES, role)
         if records is not None and not isinstance(structure, Bilinear):
             raise TypeError(
                 f"{role} = {type(structure).__name__} cannot ride on records; allowed: Bilinear, or "
                 "no records"
             )
     expect(ground, Ground, "ground")
-    check_duration(duration, {"first": first, "second": second})
+    check_duration(duration, both)
+    storeys = any(isinstance(structure, ShearBuilding) for structure in both.values())
+    if storeys:
+        check_levels(first, second, height_1, height_2, floors_align)
 
     @np.errstate(all="ignore")  # what comes of extreme input is judged by its status
-    def of_cell(first: Structure, second: Structure, ground: Ground) -> xr.Dataset:
+    def of_cell(first: AnyStructure, second: AnyStructure, ground: Ground) -> xr.Dataset:
         motions = simulate(
             [first, second],
             ground,
@@ -161,10 +176,15 @@ def separation(
             progress=progress,
         )
         seconds = strong_seconds(duration, envelope)
-        heights = (height_1, height_2)
-        pair = PairInMotion((first, second), ground, motions, confidence, seconds, heights)
+        pair: PairInMotion
+        if isinstance(first, Structure) and isinstance(second, Structure):
+            heights = (height_1, height_2)
+            pair = OscillatorsInMotion((first, second), ground, motions, confidence, seconds, heights)
+        else:
+            solid = strength_in_metres(first, ground), strength_in_metres(second, ground)
+            pair = StoreysInMotion(solid, ground, motions, confidence, seconds)
         rules = all_rules(pair, floors_align, zone, unverified)
-        table = _judged(rules, motions, confidence).assign(pair.quantities())
+        table = _judged(rules, pair).assign(pair.quantities())
         table.attrs = {name: motions.attrs[name] for name in MOTION}
         if records is None:
             return table
@@ -172,8 +192,8 @@ def separation(
         recorded = recorded_gap(one, other, records)
         return table.assign({f"record_{name}": recorded[name] for name in recorded.data_vars})
 
-    models = {"first": first, "second": second, "ground": ground}
-    long_enough = (first.arrays()["period"] <= duration) & (second.arrays()["period"] <= duration)
+    models: dict[str, Any] = {**both, "ground": ground}
+    long_enough = (first_period(first) <= duration) & (first_period(second) <= duration)
     table = over_cells(of_cell, models, long_enough)
     table = labels.label(table, VARIABLES)
     table.verdict.attrs = VERDICT_ATTRS
@@ -195,11 +215,12 @@ def verdict_of(apart: Mapping[Any, xr.DataArray], confidence: float) -> xr.DataA
     return verdict
 
 
-def _judged(rules: list[Rule], motions: xr.Dataset, confidence: float) -> xr.Dataset:
+def _judged(rules: list[Rule], pair: PairInMotion) -> xr.Dataset:
     """Gaps of the rules beside the simulated answer, and what the motions say of each."""
+    motions, confidence = pair.motions, pair.confidence
     samples = pair_separation(motions)
     required, lower, upper = required_gaps(motions)
-    answer = Rule("simulation", "simulation", required, assumptions="exact laws, no model error")
+    answer = Rule("simulation", "simulation", np.array([required]), assumptions=EXACT)
     unknown = np.full(len(rules), np.nan)
     rules = [answer, *rules]
     gap = xr.DataArray([rule.gap for rule in rules], dims="rule")
@@ -208,7 +229,7 @@ def _judged(rules: list[Rule], motions: xr.Dataset, confidence: float) -> xr.Dat
     verdict = verdict_of(apart, confidence).where(known, NOT_AVAILABLE)
     verdict[0] = ANSWER
     columns = {name: ("rule", [getattr(rule, name) for rule in rules]) for name in TEXTS}
-    return xr.Dataset(
+    table = xr.Dataset(
         {
             "gap": gap,
             "gap_lower": ("rule", [lower, *unknown]),
@@ -222,3 +243,27 @@ def _judged(rules: list[Rule], motions: xr.Dataset, confidence: float) -> xr.Dat
         },
         coords={"rule": ("rule", [rule.name for rule in rules]), **columns},
     )
+    for name in ("separation_mean", "separation_mean_standard_error"):
+        table[name] = float(motions[name][0, 1])
+    return table if np.isnan(pair.heights).all() else table.merge(_by_height(rules, pair))
+
+
+def _by_height(rules: list[Rule], pair: PairInMotion) -> xr.Dataset:
+    """What is required at each height, and where the answer is governed."""
+    samples = pair.motions.separation_at_height.isel(structure=0, structure_2=1, drop=True)
+    samples = samples.sel(height=pair.heights)
+    simulated = np.quantile(samples.values, pair.confidence, axis=0)
+    gaps = [simulated, *(np.broadcast_to(rule.gaps, simulated.shape) for rule in rules[1:])]
+    peaks = xr.DataArray(pair.peaks, dims=("structure", "height"))
+    return xr.Dataset(
+        {
+            "gap_at_height": (("rule", "height"), np.array(gaps)),
+            "governing_height": ("rule", [_where_largest(g, pair.heights) for g in gaps]),
+            **{f"peak_at_height_{n + 1}": peaks[n] for n in (0, 1)},
+        },
+        coords={"height": samples.height},
+    )
+
+
+def _where_largest(gaps: Array, heights: Array) -> float:
+    return np.nan if np.isnan(gaps).any() else float(heights[int(np.argmax(gaps))])

@@ -8,6 +8,8 @@ VARIABLES: Variables = {
     "gap": ("m", "gap between the structures"),
     "gap_lower": ("m", "lower end of the answer's 95 % interval"),
     "gap_upper": ("m", "upper end of the answer's 95 % interval"),
+    "gap_at_height": ("m", "gap between the structures at this height"),
+    "governing_height": ("m", "height at which the gap of the rule is largest"),
     "error": ("1", "gap of the rule over that of the simulation, less one"),
     "separation_samples": ("m", "largest displacement of structure 1 towards structure 2"),
     "no_pounding_probability": ("1", "share of the simulated motions that the gap survives"),

@@ -14,24 +14,24 @@ import xarray as xr
 
 from stochlin.analyses.linearization.equivalent_systems import solve_elastic, solve_structure
 from stochlin.analyses.linearization.tolerance import Tolerance
+from stochlin.analyses.simulation.frames import Frame
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import row_of
 from stochlin.analyses.tables.checks import check_whole, is_number
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.simulation.ensemble import Crowd, Plan
-from stochlin.kernels.simulation.linked_stepping import linked_block
+from stochlin.kernels.simulation.ensemble import Crowd, Oscillators, Plan, Storeys
 from stochlin.kernels.simulation.stepping import LANES, FilterSteps, bilinear_block, filter_steps
+from stochlin.kernels.simulation.storey_stepping import SLACK
 from stochlin.messages import brief
 from stochlin.models.grounds import Ground
-from stochlin.models.links import Link, check_linked
-from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
 
 SAMPLES_PER_PERIOD = 2  # of the shortest period; more would say little new of its variance
 # Rough times, for a question that asks for too much to be refused before the work.
 STEP = 4e-9  # [s] of a core: one step of one bilinear structure
 GROUND, OTHER_LAW, PAIR = 4.0, 15.0, 0.25  # over that: of the ground, of another law, of a difference
+STOREY = 0.5  # of what one storey does to another that it stands on
 
 
 class SimulationCells(NamedTuple):
@@ -49,41 +49,18 @@ class SimulationCells(NamedTuple):
 
 
 class Run(NamedTuple):
-    """An ensemble ready to start."""
+    """An ensemble ready to start. A cell is an oscillator, which has one floor."""
 
     crowd: Crowd
-    order: Array  # position in the crowd of each valid cell
-    scale: Array  # metres of each valid cell's unit of displacement
+    order: Array  # row in the crowd of each valid floor
+    scale: Array  # metres of each valid floor's unit of displacement
     ground: FilterSteps
     root: Array
     plan: Plan
     memory: float  # [s], of the slowest vibration or, where that is longer, of the plastic drift
-
-
-class LinkConstants(NamedTuple):
-    """What links the two structures of a run: constants of the link over both masses."""
-
-    stiffness: tuple[float, float]  # [1/s^2]
-    damping: tuple[float, float]  # [1/s]
-
-    def crowd(self, apart: Crowd) -> Crowd:
-        """The two bilinear structures of a crowd, linked."""
-        ((_, own),) = apart.parts
-        unit = 1 / own[:, 3]
-        links = np.stack([self.stiffness, self.damping, unit[::-1] / unit], axis=1)
-        return Crowd(((linked_block, np.concatenate([own, links], axis=1)),))
-
-    def times(self, crowd: Crowd) -> tuple[float, float]:
-        """Shortest period and longest relaxation [s] of the linked pair while it is elastic."""
-        ((_, parameters),) = crowd.parts
-        matrix = np.zeros((4, 4))
-        for n, (d, k, h, _, link_k, link_c, ratio) in enumerate(parameters):
-            matrix[2 * n, 2 * n + 1] = 1
-            matrix[2 * n + 1, 2 * n : 2 * n + 2] = -(k + h + link_k), -(d + link_c)
-            other = 2 * (1 - n)
-            matrix[2 * n + 1, other : other + 2] = ratio * link_k, ratio * link_c
-        values = np.linalg.eigvals(matrix)
-        return 2 * np.pi / float(np.abs(values.imag).max() or np.inf), 1 / float(-values.real.max())
+    valid: Array  # (n,), of all floors
+    period: Array  # [s], longest of the structure of each valid floor
+    drift_time: Array  # [s], of its plastic drift, by linearization
 
 
 def cells_of(
@@ -161,42 +138,65 @@ def joined_laws(laws: Sequence[Array]) -> Array:
 
 
 def prepare(
-    cells: SimulationCells,
+    cells: SimulationCells | None,
     ground: Ground,
     *,
     paths: int,
     seed: int,
     steps_per_period: int,
-    link: LinkConstants | None = None,
+    frames: Sequence[Frame] = (),
+    floors: Sequence[int] | None = None,
+    drift_times: Array | None = None,
 ) -> Run:
-    """Choose the step from cells and ground and lay out the ensemble; it has no length yet."""
-    valid = cells.valid
-    if not valid.any():
+    """Choose the step from cells and ground and lay out the ensemble; it has no length yet.
+
+    With ``frames``, ``floors`` are the numbers of those that the cells are, and ``drift_times`` [s] are
+    those of all floors.
+    """
+    if cells is not None and not cells.valid.any():
         raise ValueError("no structure has valid parameters; correct those that are out of range")
-    check_memory(int(valid.sum()), paths)
+    own = 0 if cells is None else cells.valid.size
+    count = own + sum(frame.floors.size for frame in frames)
+    check_memory(count if cells is None or frames else int(cells.valid.sum()), paths)
+    rows, scale, period = np.full(count, -1), np.full(count, np.nan), np.full(count, np.nan)
+    drift_time, parts = np.zeros(count), list[Oscillators | Storeys]()
     soil = ground.lone_filter()
     matrix, noise, output = soil.arrays
     intensity = 2 * np.pi * soil.intensity
     rates = -np.linalg.eigvals(matrix).real if soil.states else np.array([np.inf])
-    periods = [float(cells.period[valid].min())]
-    periods += [2 * np.pi / np.float64(soil.fastest)] if soil.states else []
-    memory = max(float(cells.damping_time[valid].max()), float((1 / rates).max()))
-    crowd, order, scale = _crowd(cells, valid)
-    if link is not None:
-        crowd = link.crowd(crowd)
-        shortest, longest = link.times(crowd)
-        periods, memory = [*periods, shortest], max(memory, longest)
+    periods = [float(2 * np.pi / np.float64(soil.fastest))] if soil.states else []
+    memory = float((1 / rates).max())
+    if cells is not None:
+        valid = cells.valid
+        mine = np.arange(count) if floors is None else np.array(floors)
+        of_cells, order, unit = _oscillators(cells, valid)
+        rows[mine[valid]], scale[mine[valid]], parts = order, unit, of_cells
+        period[mine], drift_time[mine] = cells.period, cells.drift_time
+        periods.append(float(cells.period[valid].min()))
+        memory = max(memory, float(cells.damping_time[valid].max()))
+    for frame in frames:
+        begin = sum(part.size for part in parts)
+        rows[frame.floors] = begin + np.arange(frame.floors.size)
+        scale[frame.floors], period[frame.floors] = 1.0, frame.period
+        periods.append(frame.shortest)
+        memory = max(memory, frame.slowest)
+        parts.append(frame.part)
+    if drift_times is not None:
+        drift_time = drift_times
     dt = min(periods) / steps_per_period
     every = max(1, steps_per_period // SAMPLES_PER_PERIOD)
-    plan = Plan(dt, every, burn_in=0, recorded=0, groups=int(np.ceil(paths / LANES)), seed=seed)
+    known = rows >= 0
     return Run(
-        crowd,
-        order,
-        scale,
+        Crowd(tuple(parts)),
+        rows[known],
+        scale[known],
         filter_steps(matrix, noise, output, intensity, dt),
         _root(matrix, noise, intensity),
-        plan,
+        Plan(dt, every, burn_in=0, recorded=0, groups=int(np.ceil(paths / LANES)), seed=seed),
         memory,
+        known,
+        period[known],
+        drift_time[known],
     )
 
 
@@ -224,12 +224,21 @@ def check_memory(structures: int, paths: int) -> None:
 
 def seconds_of(run: Run, steps: float, pairs: float) -> float:
     """How long so many steps of all paths take, roughly, with so many differences at each [s]."""
-    parts = ((len(own), 1.0 if block is bilinear_block else OTHER_LAW) for block, own in run.crowd.parts)
-    each = GROUND + PAIR * pairs + sum(count * weight for count, weight in parts)
+    each = GROUND + PAIR * pairs + sum(_weight(part) for part in run.crowd.parts)
     return STEP * each * steps * run.plan.groups * LANES / (os.cpu_count() or 1)
 
 
-def _crowd(cells: SimulationCells, valid: Array) -> tuple[Crowd, Array, Array]:
+def _weight(part: Oscillators | Storeys) -> float:
+    """What a step of these takes, over that of one bilinear structure."""
+    if isinstance(part, Storeys):
+        laws = np.where(part.elements.kind > SLACK, OTHER_LAW, 1.0)
+        return float(laws.sum() + STOREY * part.size**2)
+    return part.size * (1.0 if part.steps is bilinear_block else OTHER_LAW)
+
+
+def _oscillators(
+    cells: SimulationCells, valid: Array
+) -> tuple[list[Oscillators | Storeys], Array, Array]:
     """Structures by law, each in units of its yield displacement, elastic ones in metres."""
     w = 2 * np.pi / cells.period[valid]
     yields = np.isfinite(cells.yield_displacement[valid])
@@ -239,14 +248,14 @@ def _crowd(cells: SimulationCells, valid: Array) -> tuple[Crowd, Array, Array]:
         [2 * cells.damping[valid] * w, alpha * w**2, (1 - alpha) * w**2, 1 / scale], axis=1
     )
     law, blocks = cells.law[valid], cells.block[valid]
-    order, parts, placed = np.empty(w.size, int), [], 0
+    order, parts, placed = np.empty(w.size, int), list[Oscillators | Storeys](), 0
     for block in dict.fromkeys(blocks):
         mine = np.flatnonzero(blocks == block)
         extra = law[mine][:, np.isfinite(law[mine]).all(axis=0)]
-        parts.append((block, np.concatenate([common[mine], extra], axis=1)))
+        parts.append(Oscillators(block, np.concatenate([common[mine], extra], axis=1)))
         order[mine] = placed + np.arange(mine.size)
         placed += mine.size
-    return Crowd(tuple(parts)), order, scale
+    return parts, order, scale
 
 
 def _root(matrix: Array, noise: Array, intensity: float) -> Array:
@@ -257,13 +266,3 @@ def _root(matrix: Array, noise: Array, intensity: float) -> Array:
     values, vectors = np.linalg.eigh(0.5 * (covariance + covariance.T))
     root: Array = vectors * np.sqrt(np.maximum(values, 0))
     return root
-
-
-def link_constants(structures: Sequence[Structure], link: Link) -> LinkConstants:
-    """Constants of the link over the masses; an error says what is missing."""
-    expect(link, Link, "link")
-    if len(structures) != 2:
-        raise ValueError(f"link is given with {len(structures)} structures; allowed: two")
-    masses = check_linked(*structures)
-    k, c = (float(link.arrays()[name]) for name in ("stiffness", "damping_constant"))
-    return LinkConstants((k / masses[0], k / masses[1]), (c / masses[0], c / masses[1]))

@@ -3,15 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import scipy.stats
 import xarray as xr
 
 from stochlin.analyses.simulation.ensembles import Run, seconds_of
+from stochlin.analyses.simulation.riders import STRUCTURE, Riders
 from stochlin.analyses.simulation.variables import VARIABLES
+from stochlin.analyses.simulation.views import (
+    Pair,
+    Terms,
+    apart,
+    at_heights,
+    drifts_of,
+    pairs_of,
+    view_of,
+)
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_duration, is_number
+from stochlin.analyses.tables.floors import ELEMENT, element_coordinates
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
@@ -20,7 +32,7 @@ from stochlin.kernels.simulation.stepping import LANES
 from stochlin.messages import brief
 from stochlin.models.envelopes import Envelope
 from stochlin.models.parameters import expect
-from stochlin.models.structures import Structure
+from stochlin.models.systems import AnyStructure
 
 TAIL = (1 - 0.95) / 2  # outside of an interval, on each side
 BLOCK = 256  # steps
@@ -31,7 +43,7 @@ def check_motion(
     duration: float | None,
     envelope: Envelope | None,
     quantiles: Sequence[float],
-    structures: Mapping[str, Structure],
+    structures: Mapping[str, AnyStructure],
 ) -> None:
     """Raise for what is no finite motion; to be called before any work."""
     if duration is None:
@@ -46,63 +58,117 @@ def check_motion(
         expect(envelope, Envelope, "envelope")
 
 
-def check_finite(run: Run, duration: float, times: int = 1) -> None:
-    """Raise a ValueError if this, or so many of the kind, is too much; to be called before the work."""
-    structures, steps = run.crowd.size, duration / run.plan.dt
-    paths = run.plan.groups * LANES
+def check_finite(run: Run, duration: float, functions: int, times: int = 1) -> None:
+    """Raise a ValueError if this, or so many of the kind, is too much; to be called before the work.
+
+    ``functions`` of the displacements are looked at, and all structures that differ.
+    """
+    steps, paths = duration / run.plan.dt, run.plan.groups * LANES
     check_work(
         f"duration = {duration:g} s, in steps of {run.plan.dt:.2g} s and on {paths} paths, would take",
         "shorten it, lower paths, or leave out the shortest period",
-        memory=8 * (ENVELOPES * steps + RESULTS * paths * structures * (structures + 2.0)),
-        seconds=times * seconds_of(run, steps, structures**2),
+        memory=8 * (ENVELOPES * steps + RESULTS * 2.0 * paths * functions),
+        seconds=times * seconds_of(run, steps, 2.0 * functions),
     )
 
 
 def simulate_finite(
+    riders: Riders,
     run: Run,
     duration: float,
     envelope: Envelope | None,
     quantiles: Sequence[float],
     progress: Progress | None,
 ) -> xr.Dataset:
-    """What `simulate` returns for a duration, over numbered structures."""
+    """What `simulate` returns for a duration."""
     levels = np.asarray(quantiles, float)
-    check_finite(run, duration)
+    check_finite(run, duration, riders.functions)
     plan = run.plan._replace(every=1, samples=BLOCK)
     middle = plan.dt * (np.arange(int(np.ceil(duration / plan.dt))) + 0.5)
     shape = np.ones_like(middle) if envelope is None else envelope.at(middle)
-    scale = np.empty(run.crowd.size)
-    scale[run.order] = run.scale
-    extremes = finite_extremes(run.crowd, scale, run.ground, run.root, plan, shape, progress)
-    highest, lowest = extremes.highest[:, run.order], extremes.lowest[:, run.order]
-    apart = extremes.difference[:, run.order][:, :, run.order]
+    system, pairs = riders.system, pairs_of(riders.system)
+    n = run.valid.size
+    storeys = drifts_of(system) if riders.has_storeys else []
+    places = at_heights(system) if riders.has_storeys else []
+    functions = [
+        *({floor: 1.0} for floor in range(n)),
+        *storeys,
+        *(terms for *_, terms in places),
+        *(apart(system, pair) for pair in pairs),
+    ]
+    view = view_of(functions, run.order, run.scale)
+    extremes = finite_extremes(run.crowd, view, run.ground, run.root, plan, shape, progress)
+    highest, lowest = extremes.highest, extremes.lowest
+    either = np.maximum(highest, -lowest)
     table = xr.Dataset(
         {
-            "peak_positive": (("path", "structure"), highest),
-            "peak_negative": (("path", "structure"), -lowest),
-            "peak": (("path", "structure"), np.maximum(highest, -lowest)),
-            "separation": (("path", "structure", "structure_2"), apart),
-        }
+            "peak_positive": (("path", riders.floor), highest[:, :n]),
+            "peak_negative": (("path", riders.floor), -lowest[:, :n]),
+            "peak": (("path", riders.floor), either[:, :n]),
+        },
+        coords={k: v for k, v in riders.floor_coords().items() if not k.endswith("_2")},
     )
-    for name in ("peak", "peak_positive", "separation"):
+    if storeys:
+        table = table.assign_coords(element_coordinates(system))
+        table["peak_drift"] = (("path", ELEMENT), either[:, n : n + len(storeys)])
+    differences = slice(len(functions) - len(pairs), None)
+    table = table.merge(_separations(riders, pairs, highest[:, differences], lowest[:, differences]))
+    if places:
+        peaks = either[:, n + len(storeys) : len(functions) - len(pairs)]
+        table["peak_at_height"] = _at_heights(table, places, peaks)
+    for name in ("peak", "peak_positive", "peak_drift", "separation"):
+        if name not in table:
+            continue
         samples = table[name].values
         over = table[name].dims[1:]
         table[f"{name}_mean"] = (over, samples.mean(axis=0))
         error = samples.std(axis=0, ddof=1) / np.sqrt(len(samples))
         table[f"{name}_mean_standard_error"] = (over, error)
-    estimate, lower, upper = quantile_intervals(apart, levels)
-    over = ("quantile", "structure", "structure_2")
+    if storeys:
+        table["ductility"] = table.peak_drift_mean / riders.strength
+    estimate, lower, upper = quantile_intervals(table.separation.values, levels)
+    over = ("quantile", STRUCTURE, f"{STRUCTURE}_2")
     table = table.assign_coords(quantile=("quantile", levels, {"units": "1", "long_name": "quantile"}))
     table["separation_quantile"] = (over, estimate)
     table["separation_quantile_lower"] = (over, lower)
     table["separation_quantile_upper"] = (over, upper)
     return table.assign_attrs(
-        paths=len(apart),
+        paths=len(highest),
         seed=plan.seed,
         step_s=plan.dt,
         duration_s=float(duration),
         envelope="none" if envelope is None else envelope.describe(),
     )
+
+
+def _at_heights(table: xr.Dataset, places: list[tuple[int, float, Terms]], peaks: Array) -> xr.DataArray:
+    """Peaks of the structures at the heights at which they could meet another."""
+    values = np.full((len(peaks), table.sizes[STRUCTURE], table.sizes["height"]), np.nan)
+    for (structure, height, _), column in zip(places, peaks.T, strict=True):
+        values[:, structure, np.searchsorted(table.height.values, height)] = column
+    return xr.DataArray(values, dims=("path", STRUCTURE, "height"))
+
+
+def _separations(riders: Riders, pairs: list[Pair], highest: Array, lowest: Array) -> xr.Dataset:
+    """The largest relative displacements, over all heights and, with storeys, at each of them."""
+    count, paths = len(riders.system.stacks), len(highest)
+    names = [f"{number}" for number in range(1, count + 1)]
+    coords: dict[str, Any] = {STRUCTURE: names, f"{STRUCTURE}_2": names}
+    whole = np.zeros((paths, count, count))
+    over = ("path", STRUCTURE, f"{STRUCTURE}_2")
+    heights = np.unique([pair.height for pair in pairs if not np.isnan(pair.height)])
+    at_height = np.full((paths, count, count, heights.size), np.nan)
+    for pair, most, least in zip(pairs, highest.T, lowest.T, strict=True):
+        for (i, j), value in (((pair.first, pair.second), most), ((pair.second, pair.first), -least)):
+            whole[:, i, j] = np.maximum(whole[:, i, j], value)
+            if heights.size:
+                at_height[:, i, j, np.searchsorted(heights, pair.height)] = value
+    table = xr.Dataset({"separation": (over, whole)}, coords=coords)
+    if heights.size:
+        attrs = {"units": "m", "long_name": "height above the ground"}
+        table = table.assign_coords(height=("height", heights, attrs))
+        table["separation_at_height"] = ((*over, "height"), at_height)
+    return table
 
 
 def exceedance(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Dataset:
@@ -160,6 +226,13 @@ def exceedance(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Dataset:
 def pair_separation(motions: xr.Dataset) -> xr.DataArray:
     """The largest ``u_1 - u_2`` [m] in each motion, of what `simulate` returns for two structures."""
     return _of_pair(motions.separation)
+
+
+def pair_peaks(motions: xr.Dataset) -> Array:
+    """Peaks [m] of two structures (paths, 2), where the lower roof meets the other if there is one."""
+    if "peak_at_height" not in motions:
+        return motions.peak.values
+    return motions.peak_at_height.isel(height=-1).values
 
 
 def required_gaps(motions: xr.Dataset) -> tuple[float, float, float]:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stochlin.analyses.simulation.ensembles import Run, SimulationCells, seconds_of
+from stochlin.analyses.simulation.ensembles import Run, seconds_of
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.ensemble import plastic_displacements
@@ -31,13 +31,13 @@ class _Drift(NamedTuple):
     period: float  # [s], of the structure
 
 
-def with_length(run: Run, cells: SimulationCells, relaxation_times: float) -> Run:
+def with_length(run: Run, relaxation_times: float) -> Run:
     """The run with burn-in and length, in multiples of its memory, measured where drift decides.
 
     Raises a ValueError before any work if by linearization it would take too long.
     """
-    expected = cells.drift_time[cells.valid]
-    slowest = _slowest(expected, cells)
+    expected = run.drift_time
+    slowest = _slowest(expected, run)
     longest = max(run.memory, slowest.time)
     steps = (BURN_IN + relaxation_times) * longest / run.plan.dt
     check_work(
@@ -51,7 +51,7 @@ def with_length(run: Run, cells: SimulationCells, relaxation_times: float) -> Ru
     )
     if slowest.time > run.memory:
         measured = _measure(run, slowest.time)[run.order]
-        slowest = _slowest(np.minimum(measured, expected), cells)
+        slowest = _slowest(np.minimum(measured, expected), run)
     memory = max(run.memory, slowest.time)
     plan = run.plan._replace(
         burn_in=int(np.ceil(BURN_IN * memory / run.plan.block)),
@@ -60,9 +60,9 @@ def with_length(run: Run, cells: SimulationCells, relaxation_times: float) -> Ru
     return run._replace(plan=plan, memory=memory)
 
 
-def _slowest(times: Array, cells: SimulationCells) -> _Drift:
+def _slowest(times: Array, run: Run) -> _Drift:
     worst = int(np.argmax(times))
-    return _Drift(float(times[worst]), float(cells.period[cells.valid][worst]))
+    return _Drift(float(times[worst]), float(run.period[worst]))
 
 
 def _measure(run: Run, expected: float) -> Array:

@@ -8,23 +8,18 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.simulation.ensembles import (
-    Run,
-    SimulationCells,
-    cells_of_all,
-    check_memory,
-    check_settings,
-    link_constants,
-    prepare,
-)
+from stochlin.analyses.simulation.ensembles import Run, check_memory, check_settings
 from stochlin.analyses.simulation.finite_motions import check_finite, check_motion, simulate_finite
+from stochlin.analyses.simulation.riders import Riders, riders_of
 from stochlin.analyses.simulation.run_lengths import with_length
 from stochlin.analyses.simulation.variables import VARIABLES
+from stochlin.analyses.simulation.views import drifts_of, view_of
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_scalars
+from stochlin.analyses.tables.floors import ELEMENT, element_coordinates
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.simulation.ensemble import Sums, stationary_sums
+from stochlin.kernels.simulation.ensemble import Sums, View, stationary_sums
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.messages import brief
 from stochlin.models.envelopes import Envelope
@@ -32,6 +27,7 @@ from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.parameters import Model, expect
 from stochlin.models.structures import Structure
+from stochlin.models.systems import STRUCTURES, AnyStructure, floor_count
 
 SCALARS = "scalars, one structure an entry; correlate(method='simulation') takes arrays"
 STEPS_PER_PERIOD = 32
@@ -50,7 +46,7 @@ class MomentEstimates(NamedTuple):
 
 
 def simulate(
-    structures: Sequence[Structure],
+    structures: Sequence[AnyStructure],
     ground: Ground,
     *,
     paths: int = 256,
@@ -60,7 +56,7 @@ def simulate(
     duration: float | None = None,
     envelope: Envelope | None = None,
     quantiles: Sequence[float] = (0.5, 0.84, 0.95),
-    link: Link | None = None,
+    link: Link | Sequence[Link | None] | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Response of structures on one ground, by simulation of the exact laws.
@@ -70,8 +66,8 @@ def simulate(
 
     Parameters
     ----------
-    structures : sequence of Bilinear, BoucWen or Hysteretic
-        With scalar parameters.
+    structures : sequence of Bilinear, BoucWen, Hysteretic or ShearBuilding
+        With scalar parameters, strengths by ``reduction_factor`` referring to each standing alone.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
         With scalar parameters.
     paths : int
@@ -90,8 +86,8 @@ def simulate(
         Of a finite motion; without it, the motion is stationary from its start.
     quantiles : sequence of float
         Of the separation in finite motions, between 0 and 1.
-    link : Link, optional
-        Between two bilinear structures that have a mass.
+    link : Link or list of Link and None, optional
+        Between neighbours, or what their ``structures`` say; oscillators that it ties need a mass.
     progress : callable, optional
         Called with the share of the work that is done.
 
@@ -136,65 +132,61 @@ def simulate(
     True
     """
     check_settings(paths, seed, steps_per_period, relaxation_times)
-    check_motion(duration, envelope, quantiles, _checked(structures, ground))
-    check_memory(len(structures), paths)
-    pair = None if link is None else link_constants(structures, link)
-    cells = cells_of_all(structures, ground, stationary=duration is None)
-    run = prepare(
-        cells,
-        ground,
-        paths=paths,
-        seed=seed,
-        steps_per_period=steps_per_period,
-        link=pair,
-    )
-    names = [f"{n}" for n in range(1, len(structures) + 1)]
-    models: dict[str, Model] = {f"structure_{n}": s for n, s in zip(names, structures, strict=True)}
-    if link is not None:
-        models["link"] = link
+    roles = checked_structures(structures, ground)
+    check_motion(duration, envelope, quantiles, roles)
+    check_memory(sum(floor_count(structure) for structure in structures), paths)
+    riders = riders_of(structures, ground, link, stationary=duration is None)
+    run = riders.run(ground, paths=paths, seed=seed, steps_per_period=steps_per_period)
+    if not run.valid.all() and (riders.has_storeys or duration is not None):
+        lost = roles[f"structures[{int(np.argmin(run.valid))}]"].describe()
+        raise ArithmeticError(f"the elastic response of {lost} is beyond what can be computed")
+    models: dict[str, Model] = {f"structure_{n}": s for n, s in enumerate(structures, start=1)}
+    models |= {f"link_{n}": each for n, each in enumerate(riders.links, start=1) if each is not None}
+    what = f"Simulation of {len(structures)} structures"
     if duration is not None:
-        table = simulate_finite(run, duration, envelope, quantiles, progress)
-        table = table.assign_coords(structure=names, structure_2=names)
-        return labels.with_run_information(
-            labels.label(table, VARIABLES),
-            f"Simulation of {len(structures)} structures in finite motions, {ground.name} ground",
-            f"simulate(paths={paths}, seed={seed}, duration={duration})",
-            models | {"ground": ground},
-        )
-    run = with_length(run, cells, relaxation_times)
-    moments = simulate_moments(cells, run, progress)
+        table = simulate_finite(riders, run, duration, envelope, quantiles, progress)
+        title = f"{what} in finite motions, {ground.name} ground"
+        call = f"simulate(paths={paths}, seed={seed}, duration={duration})"
+    else:
+        run = with_length(run, relaxation_times)
+        table = _stationary(riders, run, progress).assign_attrs(run_attributes(run))
+        title, call = f"{what}, {ground.name} ground", f"simulate(paths={paths}, seed={seed})"
+    return labels.with_run_information(
+        labels.label(table, VARIABLES), title, call, models | {"ground": ground}
+    )
+
+
+def _stationary(riders: Riders, run: Run, progress: Progress | None) -> xr.Dataset:
+    """Second moments of all floors, and of the drifts of storeys where there are any."""
+    storeys = drifts_of(riders.system) if riders.has_storeys else []
+    view = None
+    if storeys:
+        floors = [{floor: 1.0} for floor in range(run.valid.size)]
+        view = view_of([*floors, *storeys], run.order, run.scale)
+    moments = simulate_moments(run, progress, view)
+    n, over = run.valid.size, riders.floor
     table = xr.Dataset(
         {
-            "displacement_std": ("structure", moments.displacement_std),
-            "displacement_std_standard_error": ("structure", moments.displacement_error),
-            "ductility_std": ("structure", moments.displacement_std / cells.yield_displacement),
-            "drift": ("structure", moments.drift),
-            "status": ("structure", moments.status),
-            "rho": (("structure", "structure_2"), moments.rho),
-            "rho_standard_error": (("structure", "structure_2"), moments.rho_error),
+            "displacement_std": (over, moments.displacement_std[:n]),
+            "displacement_std_standard_error": (over, moments.displacement_error[:n]),
+            "drift": (over, moments.drift[:n]),
+            "status": (over, moments.status[:n]),
+            "rho": ((over, f"{over}_2"), moments.rho[:n, :n]),
+            "rho_standard_error": ((over, f"{over}_2"), moments.rho_error[:n, :n]),
         },
-        coords={"structure": names, "structure_2": names},
+        coords=riders.floor_coords(),
     )
-    return labels.with_run_information(
-        labels.label(table, VARIABLES).assign_attrs(run_attributes(run)),
-        f"Simulation of {len(structures)} structures, {ground.name} ground",
-        f"simulate(paths={paths}, seed={seed})",
-        models | {"ground": ground},
-    )
+    ductility = moments.displacement_std[:n]
+    if storeys:
+        ductility = moments.displacement_std[n:]
+        table["drift_std"] = (ELEMENT, ductility)
+        table["drift_std_standard_error"] = (ELEMENT, moments.displacement_error[n:])
+        table = table.assign_coords(element_coordinates(riders.system))
+    table["ductility_std"] = (riders.element, ductility / riders.strength)
+    return table
 
 
-def check_repeated(
-    structures: Sequence[Structure], ground: Ground, duration: float, paths: int, seed: int, times: int
-) -> None:
-    """Raise for what `simulate` refuses, and if so many simulations of the kind are too much."""
-    check_settings(paths, seed)
-    _checked(structures, ground)
-    cells = cells_of_all(structures, ground, stationary=False)
-    run = prepare(cells, ground, paths=paths, seed=seed, steps_per_period=STEPS_PER_PERIOD)
-    check_finite(run, duration, times)
-
-
-def _checked(structures: Sequence[Structure], ground: Ground) -> dict[str, Structure]:
+def checked_structures(structures: Sequence[AnyStructure], ground: Ground) -> dict[str, AnyStructure]:
     """The structures by their roles, once they and the ground are what `simulate` takes."""
     expect(ground, Ground, "ground")
     if not isinstance(structures, Sequence):
@@ -203,31 +195,50 @@ def _checked(structures: Sequence[Structure], ground: Ground) -> dict[str, Struc
         raise ValueError("structures is empty; allowed: at least one")
     roles = {f"structures[{number}]": structure for number, structure in enumerate(structures)}
     for role, structure in roles.items():
-        expect(structure, Structure, role)
-        check_scalars(structure, role, SCALARS)
+        expect(structure, STRUCTURES, role)
+        if isinstance(structure, Structure):
+            check_scalars(structure, role, SCALARS)
     check_scalars(ground, "ground", SCALARS)
     return roles
 
 
-def simulate_moments(cells: SimulationCells, run: Run, progress: Progress | None) -> MomentEstimates:
-    """Second moments of all cells and their errors; NaN for invalid cells."""
-    sums = stationary_sums(run.crowd, run.ground, run.root, run.plan, progress)
+def check_repeated(
+    structures: Sequence[AnyStructure],
+    ground: Ground,
+    duration: float,
+    paths: int,
+    seed: int,
+    times: int,
+) -> None:
+    """Raise for what `simulate` refuses, and if so many simulations of the kind are too much."""
+    check_settings(paths, seed)
+    checked_structures(structures, ground)
+    riders = riders_of(structures, ground, None, stationary=False)
+    run = riders.run(ground, paths=paths, seed=seed, steps_per_period=STEPS_PER_PERIOD)
+    check_finite(run, duration, riders.functions, times)
+
+
+def simulate_moments(run: Run, progress: Progress | None, view: View | None = None) -> MomentEstimates:
+    """Second moments and their errors of all floors, NaN for invalid ones, or of what is viewed."""
+    sums = stationary_sums(run.crowd, view, run.ground, run.root, run.plan, progress)
     variance, variance_error, rho, rho_error, drift = _estimates(sums, run.plan.groups * LANES)
     sigma = np.sqrt(variance)
-    where = np.flatnonzero(cells.valid)
-    n = cells.valid.size
+    valid, order, unit = run.valid, run.order, run.scale
+    if view is not None:
+        valid, order, unit = np.ones(sigma.size, bool), np.arange(sigma.size), np.ones(sigma.size)
+    where, n = np.flatnonzero(valid), valid.size
 
     def spread(values: Array) -> Array:
         filled = np.full((n,) * values.ndim, np.nan)
-        filled[np.ix_(*([where] * values.ndim))] = values[np.ix_(*([run.order] * values.ndim))]
+        filled[np.ix_(*([where] * values.ndim))] = values[np.ix_(*([order] * values.ndim))]
         return filled
 
     scale = np.full(n, np.nan)
-    scale[where] = run.scale
+    scale[where] = unit
     error = spread(variance_error / (2 * sigma)) * scale
     drift = spread(drift)
     status = np.where(np.abs(drift) <= NOT_STATIONARY, labels.CONVERGED, labels.NOT_CONVERGED)
-    status = np.where(cells.valid, status, labels.INVALID_INPUT).astype(np.int8)
+    status = np.where(valid, status, labels.INVALID_INPUT).astype(np.int8)
     return MomentEstimates(spread(sigma) * scale, error, spread(rho), spread(rho_error), drift, status)
 
 

@@ -22,7 +22,7 @@ def over_cells(
     A cell whose parameters are out of range, or that is not ``usable``, is NaN, with the status of
     invalid input.
     """
-    arrays = [array for model in models.values() for array in model.arrays().values()]
+    arrays = [array for model in models.values() for array in model.over_cells().values()]
     if not any(array.ndim for array in arrays):
         return function(**models)
     shape = xr.broadcast(*arrays)[0]

@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from stochlin.messages import brief
 from stochlin.models.parameters import Model
+from stochlin.models.systems import AnyStructure, first_period
 
 LONGEST_LABEL, LONGEST_PATH = 200, 4096
 A_LABEL = f"some words on one line, {LONGEST_LABEL} characters at most, no control characters"
@@ -91,7 +92,7 @@ def check_scalars(model: Model, role: str, allowed: str) -> None:
         raise ValueError(f"{role}: {', '.join(arrays)} is an array; allowed: {allowed}")
 
 
-def check_duration(duration: object, structures: Mapping[str, Model] | None = None) -> float:
+def check_duration(duration: object, structures: Mapping[str, AnyStructure] | None = None) -> float:
     """The duration; a ValueError unless it is a time that a motion of these structures can last.
 
     ``structures`` go by their roles. One swings a period at least; of arrays of periods the cells that
@@ -102,7 +103,7 @@ def check_duration(duration: object, structures: Mapping[str, Model] | None = No
     if not is_number(duration) or not 0 < duration < math.inf:
         raise ValueError(f"duration = {brief(duration)}; allowed: a positive number of seconds")
     for role, structure in (structures or {}).items():
-        period = structure.arrays()["period"]
+        period = first_period(structure)
         if period.ndim == 0 and float(period) > duration:
             raise ValueError(
                 f"duration = {duration:g} s is shorter than the period of {role}, {float(period):g} s; "
@@ -117,7 +118,7 @@ def check_confidence(confidence: object) -> None:
         raise ValueError(f"confidence = {brief(confidence)}; allowed: a probability between 0 and 1")
 
 
-def check_existing(gap: object, duration: object, structures: Mapping[str, Model]) -> None:
+def check_existing(gap: object, duration: object, structures: Mapping[str, AnyStructure]) -> None:
     """Raise a ValueError unless the existing gap is open, and the motion as `check_duration` asks."""
     if not is_number(gap) or not 0 < gap < math.inf:
         raise ValueError(f"gap = {brief(gap)}; allowed: a positive number of metres")

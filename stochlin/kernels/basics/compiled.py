@@ -2,7 +2,6 @@
 
 ================  ==================================================================================
 `entry`           called from Python; `kept` on the disk, see `version_of`
-`entry_of_sums`   an entry whose sums may be taken in any order, in vector registers
 `elementwise`     called from Python, over arrays that broadcast; kept likewise
 `compiled`        called from compiled code
 `called_often`    so short that handing over its arguments takes longer than the work: LLVM inlines it
@@ -39,11 +38,6 @@ def entry(function: Any, **more: Any) -> Any:
     if made is not function:  # as it is under NUMBA_DISABLE_JIT
         made._cache = kept(function)
     return made
-
-
-def entry_of_sums(function: Any) -> Any:
-    """The same, for sums in any order."""
-    return entry(function, fastmath={"reassoc"})
 
 
 def elementwise(function: Any) -> Any:

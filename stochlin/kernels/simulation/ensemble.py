@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import reduce
 from operator import add
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,22 +23,78 @@ from stochlin.kernels.simulation.stepping import (
     add_products,
     ground_block,
     keep_extremes,
+    observe,
 )
+from stochlin.kernels.simulation.storey_stepping import VERSION, Elements, steps_of, storey_block
 
 SAMPLES = 32  # of each block, unless a plan says otherwise: it then fits the second-level cache
 
 Block = Callable[..., None]
 
 
-class Crowd(NamedTuple):
-    """Structures by their laws: those of one law after those of another."""
+class Oscillators(NamedTuple):
+    """Structures of one degree of freedom and of one law, each on its own."""
 
-    parts: tuple[tuple[Block, Array], ...]  # time steps as `bilinear_block`, and its parameters
+    steps: Block  # as `bilinear_block`
+    parameters: Array  # (n, k)
 
     @property
     def size(self) -> int:
-        """Number of structures."""
-        return sum(len(parameters) for _, parameters in self.parts)
+        """Rows of the state, and displacements."""
+        return len(self.parameters)
+
+    def block(self, dt: float) -> Block:
+        """Time steps of this length, of the forcing, the state, every how many and the output."""
+
+        def block(f: Array, u: Array, v: Array, z: Array, every: int, out: Array) -> None:
+            self.steps(f, dt, self.parameters, u, v, z, every, out)
+
+        return block
+
+
+class Storeys(NamedTuple):
+    """Floors on storeys that act on one another: displacements of the floors, then of the links."""
+
+    elements: Elements
+    law: Any  # a `law_of`
+
+    @property
+    def size(self) -> int:
+        """As for `Oscillators`."""
+        return self.elements.kind.size
+
+    def block(self, dt: float) -> Block:
+        """As for `Oscillators`."""
+        steps = steps_of(self.elements, dt)
+
+        def block(f: Array, d: Array, v: Array, z: Array, every: int, out: Array) -> None:
+            storey_block(f, steps, self.law, d, v, z, every, out, VERSION)
+
+        return block
+
+
+class Crowd(NamedTuple):
+    """All that rides on a motion, part after part."""
+
+    parts: tuple[Oscillators | Storeys, ...]
+
+    @property
+    def size(self) -> int:
+        """Rows of the state, and displacements."""
+        return sum(part.size for part in self.parts)
+
+
+class View(NamedTuple):
+    """Linear functions of the displacements of a crowd."""
+
+    row: Array  # (m, k): displacements that each takes
+    weight: Array  # (m, k): zero where it takes fewer
+
+    def of(self, out: Array) -> Array:
+        """Their values (samples, m, LANES)."""
+        seen = np.empty((len(out), len(self.row), LANES))
+        observe(out, self.row, self.weight, seen)
+        return seen
 
 
 class Plan(NamedTuple):
@@ -60,11 +116,10 @@ class Plan(NamedTuple):
 
 
 class Extremes(NamedTuple):
-    """Of each motion over its whole length: largest and smallest displacement, largest difference."""
+    """Largest and smallest values of what is viewed over the length of each motion, 0 included."""
 
-    highest: Array  # (motions, n)
-    lowest: Array  # (motions, n)
-    difference: Array  # (motions, n, n): of the first index less the second
+    highest: Array  # (motions, m)
+    lowest: Array  # (motions, m)
 
 
 class Sums(NamedTuple):
@@ -90,36 +145,46 @@ class Motion:
         self.state = np.zeros((3, crowd.size, LANES))
         steps = plan.every * plan.samples
         self.xi, self.f = np.empty((steps, LANES)), np.empty((steps, LANES))
-        self.out = np.empty((LANES, crowd.size, plan.samples))
+        self.out = np.empty((plan.samples, crowd.size, LANES))
+        self.blocks = [part.block(plan.dt) for part in crowd.parts]
 
     def block(self, envelope: Array | None = None) -> Array:
-        """Move on by one block; displacements (LANES, n, SAMPLES)."""
+        """Move on by one block; displacements (samples, n, LANES)."""
         plan, out = self.plan, self.out
         fill_normal(self.random, self.xi)
         ground_block(self.xi, self.q, *self.ground, self.f)
         if envelope is not None:
             self.f *= envelope[:, None]
         begin = 0
-        for steps, parameters in self.crowd.parts:
-            part = slice(begin, begin + len(parameters))
-            steps(self.f, plan.dt, parameters, *self.state[:, part], plan.every, out[:, part])
-            begin = part.stop
+        for part, block in zip(self.crowd.parts, self.blocks, strict=True):
+            rows = slice(begin, begin + part.size)
+            block(self.f, *self.state[:, rows], plan.every, out[:, rows])
+            begin = rows.stop
         return out
 
 
 def stationary_sums(
-    crowd: Crowd, ground: FilterSteps, root: Array, plan: Plan, progress: Progress | None
+    crowd: Crowd,
+    view: View | None,
+    ground: FilterSteps,
+    root: Array,
+    plan: Plan,
+    progress: Progress | None,
 ) -> Sums:
-    """Run the ensemble and sum its second moments; ``root root'`` is the filter's covariance."""
+    """Run the ensemble and sum the second moments of what is viewed, or of all displacements.
+
+    ``root root'`` is the filter's covariance.
+    """
 
     @np.errstate(all="ignore")  # what overflows is judged by its status
     def run(group: int) -> Sums:
         motion = Motion(crowd, ground, root, plan, plan.first_group + group)
         for _ in range(plan.burn_in):
             motion.block()
-        halves = [_gram(motion, plan.recorded // 2), _gram(motion, plan.recorded - plan.recorded // 2)]
+        half = plan.recorded // 2
+        halves = [_gram(motion, view, half), _gram(motion, view, plan.recorded - half)]
         first, second = (np.einsum("lii->li", half) for half in halves)
-        weight = plan.recorded // 2 / (plan.recorded - plan.recorded // 2)
+        weight = half / (plan.recorded - half)
         change = weight * second - first
         moments = (halves[0] + halves[1]) / (plan.recorded * plan.samples)
         own = np.einsum("lii->li", moments)
@@ -157,7 +222,7 @@ def plastic_displacements(
 
 def finite_extremes(
     crowd: Crowd,
-    scale: Array,
+    view: View,
     ground: FilterSteps,
     root: Array,
     plan: Plan,
@@ -166,28 +231,30 @@ def finite_extremes(
 ) -> Extremes:
     """Motions from rest under an envelope, which has a value a step.
 
-    ``scale`` (n,) puts all structures into metres. The plan takes every step; its burn-in and
-    length are not used.
+    The plan takes every step; its burn-in and length are not used.
     """
 
     def run(group: int) -> Extremes:
         motion = Motion(crowd, ground, root, plan, plan.first_group + group)
-        size = (LANES, crowd.size)
-        extremes = Extremes(np.zeros(size), np.zeros(size), np.zeros((*size, crowd.size)))
+        size = (len(view.row), LANES)
+        extremes = Extremes(np.zeros(size), np.zeros(size))
         for begin in range(0, envelope.size, plan.samples):
             part = envelope[begin : begin + plan.samples]
             shape = np.concatenate([part, np.zeros(plan.samples - part.size)])
             out = motion.block(shape)
-            keep_extremes(out[:, :, : part.size], scale, *extremes)
+            keep_extremes(out[: part.size], *view, *extremes)
         return extremes
 
     groups = in_order(run, plan.groups, progress)
-    return Extremes(*(np.concatenate(field) for field in zip(*groups, strict=True)))
+    return Extremes(*(np.concatenate(field, axis=1).T for field in zip(*groups, strict=True)))
 
 
-def _gram(motion: Motion, blocks: int) -> Array:
-    """Sums of ``u_i u_j`` over the samples of the blocks, (LANES, n, n)."""
-    total = np.zeros((LANES, motion.crowd.size, motion.crowd.size))
+def _gram(motion: Motion, view: View | None, blocks: int) -> Array:
+    """Sums of ``x_i x_j`` over the samples of the blocks, (LANES, m, m)."""
+    size = motion.crowd.size if view is None else len(view.row)
+    sums = np.zeros((size, size, LANES))
     for _ in range(blocks):
-        add_products(motion.block(), total)
+        out = motion.block()
+        add_products(out if view is None else view.of(out), sums)
+    total = sums.transpose(2, 0, 1)
     return total + np.tril(total, -1).transpose(0, 2, 1)

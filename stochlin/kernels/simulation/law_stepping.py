@@ -12,31 +12,38 @@ SECANT_STEPS = 12
 CLOSE = 1e-12
 
 
-def law_block(law: Callable[..., Any]) -> Callable[..., None]:
-    """The block of time steps, as `bilinear_block`, for ``z' = law(v, z, own)``.
+def law_middle(law: Callable[..., Any]) -> Any:
+    """``z`` at the middle of a step and at its end, as `bouc_wen_middle`, for ``z' = law(v, z, own)``.
 
-    ``own`` are the parameters of the law, which stand after the first four of a structure.
-
-    Implicit midpoint rule for ``z`` by the secant method, which asks for no derivative; explicit
-    midpoint rule where a jump of the law leaves it without solution. Second order, first where the
-    law jumps.
+    Implicit midpoint rule by the secant method, which asks for no derivative; explicit midpoint rule
+    where a jump of the law leaves it without solution. Second order, first where the law jumps.
     """
     rate: Any = compiled(law)
 
     @compiled
-    def mid_point(hyst, start, slope, half, own):
+    def middle(hyst, start, slope, half, own):
         """Solve ``z = hyst + half law(start - slope z, z, own)``."""
         before, after = hyst, hyst + half * rate(start - slope * hyst, hyst, own)
-        explicit = after
+        z_mid = after
         off_before = before - after
         for _ in range(SECANT_STEPS):
             off = after - hyst - half * rate(start - slope * after, after, own)
             if abs(off) <= CLOSE * (1.0 + abs(after)):
-                return after
+                z_mid = after
+                break
             if off == off_before:
                 break
             before, after, off_before = after, after - off * (after - before) / (off - off_before), off
-        return explicit
+        return z_mid, hyst + 2.0 * half * rate(start - slope * z_mid, z_mid, own)
+
+    return middle
+
+
+def law_block(middle: Any) -> Callable[..., None]:
+    """The block of time steps, as `bilinear_block`, of the law with this `law_middle`.
+
+    Its parameters ``own`` stand after the first four of a structure.
+    """
 
     @compiled
     def block(f, dt, parameters, u, v, z, every, out):
@@ -52,12 +59,11 @@ def law_block(law: Callable[..., Any]) -> Callable[..., None]:
                     vel, hyst = v[n, lane], z[n, lane]
                     base = vel * keep + push * f[s, lane] - pull * u[n, lane]
                     start = 0.5 * (vel + base * implicit)
-                    z_mid = mid_point(hyst, start, slope, half, own)
+                    z_mid, z[n, lane] = middle(hyst, start, slope, half, own)
                     v_mid = start - slope * z_mid
-                    z[n, lane] = hyst + dt * rate(v_mid, z_mid, own)
                     u[n, lane] += dt * v_mid
                     v[n, lane] = 2.0 * v_mid - vel
                     if (s + 1) % every == 0:
-                        out[lane, n, (s + 1) // every - 1] = u[n, lane]
+                        out[(s + 1) // every - 1, n, lane] = u[n, lane]
 
     return block

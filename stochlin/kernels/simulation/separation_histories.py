@@ -10,17 +10,16 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, in_order
-from stochlin.kernels.simulation.ensemble import Crowd, Motion, Plan
+from stochlin.kernels.simulation.ensemble import Crowd, Motion, Plan, View
 from stochlin.kernels.simulation.stepping import LANES, FilterSteps
 
 
 class Watched(NamedTuple):
-    """What is watched: pairs of structures, and gaps."""
+    """What is watched: pairs of structures at the heights at which they could meet, and gaps."""
 
-    first: Array  # (p,) position in the crowd of the left structure
-    second: Array  # (p,)
-    scale_1: Array  # (p,) metres of a unit of its displacement
-    scale_2: Array  # (p,)
+    first: View  # (r,): displacements [m] of the left structures, height by height, pair by pair
+    second: View  # (r,)
+    start: Array  # (p,): the first height of each pair; its last is what is shown of the pair
     gap: Array  # (c,) [m]
     pair: Array  # (c,) the pair that the gap is between
 
@@ -46,23 +45,27 @@ def separation_histories(
 ) -> Histories:
     """Motions from rest under an envelope (steps,), a whole number of the plan's blocks long."""
     blocks = envelope.size // plan.samples
+    shown = np.append(watched.start[1:], len(watched.first.row)) - 1
+
+    def farthest(apart: Array) -> Array:
+        """Of each pair (LANES, p), over its heights."""
+        return np.maximum.reduceat(apart, watched.start, axis=0).T
 
     def run(group: int) -> Histories:
         motion = Motion(crowd, ground, root, plan, plan.first_group + group)
-        pairs, cells = watched.first.size, watched.gap.size
+        pairs, cells = watched.start.size, watched.gap.size
         survivors = np.full((blocks + 1, cells), LANES)
         beyond = np.zeros((blocks + 1, cells), int)
         squares, fourths = np.zeros((2, blocks + 1, 3, pairs))
         largest = np.zeros((LANES, pairs))
         for block in range(blocks):
             out = motion.block(envelope[block * plan.samples : (block + 1) * plan.samples])
-            one = watched.scale_1[:, None] * out[:, watched.first]
-            two = watched.scale_2[:, None] * out[:, watched.second]
+            one, two = watched.first.of(out), watched.second.of(out)
             apart = one - two
-            np.maximum(largest, apart.max(axis=2), out=largest)
-            now = np.stack([one[..., -1], two[..., -1], apart[..., -1]], axis=1)
+            np.maximum(largest, farthest(apart.max(axis=0)), out=largest)
+            now = np.stack([part[-1, shown].T for part in (one, two, apart)], axis=1)
             survivors[block + 1] = (largest[:, watched.pair] <= watched.gap).sum(axis=0)
-            beyond[block + 1] = (now[:, 2, watched.pair] > watched.gap).sum(axis=0)
+            beyond[block + 1] = (farthest(apart[-1])[:, watched.pair] > watched.gap).sum(axis=0)
             squares[block + 1], fourths[block + 1] = (now**2).sum(axis=0), (now**4).sum(axis=0)
         return Histories(survivors, beyond, squares, fourths, largest)
 

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import entry, entry_of_sums
+from stochlin.kernels.basics.compiled import called_often, compiled, entry
 
 LANES = 32  # independent motions in the innermost loop: vector registers, first-level cache
 NEWTON_STEPS = 4  # for the implicit midpoint rule
@@ -121,7 +121,7 @@ def _two_oscillators(xi, q, transition, gain, row, direct, f):
 def bilinear_block(f, dt, parameters, u, v, z, every, out):
     """Bilinear structures over the steps of ``f``.
 
-    ``out`` (LANES, n, samples) takes every ``every``-th displacement.
+    ``out`` (samples, n, LANES) takes every ``every``-th displacement.
     ``parameters`` (n, 4): damping ``2 xi w``, post-yield stiffness ``alpha w^2``, coupling
     ``(1 - alpha) w^2``, and the factor that makes ``f`` the forcing of ``u``.
     """
@@ -149,16 +149,38 @@ def bilinear_block(f, dt, parameters, u, v, z, every, out):
                 vn[lane] = v_new
             if (s + 1) % every == 0:
                 for lane in range(LANES):
-                    out[lane, n, sample] = un[lane]
+                    out[sample, n, lane] = un[lane]
                 sample += 1
+
+
+@compiled
+def bouc_wen_middle(hyst, start, slope, half, beta, gamma, exponent):
+    """``z`` at the middle of a step from ``hyst``, and what it is at the end.
+
+    Implicit midpoint rule, by Newton's method; there the ductility rate is ``start - slope z``. Iterates
+    and results are kept to the interval that ``z`` cannot leave: no step is too long to be
+    stable.
+    """
+    limit = (beta + gamma) ** (-1.0 / exponent)
+    z_mid = hyst
+    for _ in range(NEWTON_STEPS):
+        v_mid = start - slope * z_mid
+        size = abs(z_mid)
+        steep = 1.0 if exponent == 1.0 else size ** (exponent - 1.0)
+        shape = beta * np.copysign(1.0, v_mid * z_mid) + gamma
+        by_v = 1.0 - steep * size * shape
+        by_z = -exponent * steep * shape * v_mid * np.copysign(1.0, z_mid)
+        off = z_mid - hyst - half * v_mid * by_v
+        z_mid -= off / (1.0 + half * (slope * by_v - by_z))
+        z_mid = min(max(z_mid, -limit), limit)
+    return z_mid, min(max(2.0 * z_mid - hyst, -limit), limit)
 
 
 @entry
 def bouc_wen_block(f, dt, parameters, u, v, z, every, out):
-    """Bouc-Wen structures likewise: implicit midpoint rule for ``z``, by Newton's method.
+    """Bouc-Wen structures likewise, see `bouc_wen_middle`.
 
-    ``parameters`` (n, 7): as for the bilinear law, then ``beta``, ``gamma`` and the exponent. Iterates
-    and results are kept to the interval that ``z`` cannot leave: no step is too long to be stable.
+    ``parameters`` (n, 7): as for the bilinear law, then ``beta``, ``gamma`` and the exponent.
     """
     half = 0.5 * dt
     for n in range(u.shape[0]):
@@ -166,7 +188,6 @@ def bouc_wen_block(f, dt, parameters, u, v, z, every, out):
         keep, pull, push = 1.0 - half * d - half * half * k, dt * k, dt * scale
         implicit = 1.0 / (1.0 + half * d + half * half * k)
         slope = half * h * implicit  # v_mid = start - slope z_mid
-        limit = (beta + gamma) ** (-1.0 / exponent)
         un, vn, zn = u[n], v[n], z[n]
         sample = 0
         for s in range(f.shape[0]):
@@ -174,57 +195,58 @@ def bouc_wen_block(f, dt, parameters, u, v, z, every, out):
                 disp, vel, hyst = un[lane], vn[lane], zn[lane]
                 base = vel * keep + push * f[s, lane] - pull * disp
                 start = 0.5 * (vel + base * implicit)
-                z_mid = hyst
-                for _ in range(NEWTON_STEPS):
-                    v_mid = start - slope * z_mid
-                    size = abs(z_mid)
-                    steep = 1.0 if exponent == 1.0 else size ** (exponent - 1.0)
-                    shape = beta * np.copysign(1.0, v_mid * z_mid) + gamma
-                    by_v = 1.0 - steep * size * shape
-                    by_z = -exponent * steep * shape * v_mid * np.copysign(1.0, z_mid)
-                    off = z_mid - hyst - half * v_mid * by_v
-                    z_mid -= off / (1.0 + half * (slope * by_v - by_z))
-                    z_mid = min(max(z_mid, -limit), limit)
+                z_mid, z_new = bouc_wen_middle(hyst, start, slope, half, beta, gamma, exponent)
                 v_mid = start - slope * z_mid
-                zn[lane] = min(max(2.0 * z_mid - hyst, -limit), limit)
+                zn[lane] = z_new
                 un[lane] = disp + dt * v_mid
                 vn[lane] = 2.0 * v_mid - vel
             if (s + 1) % every == 0:
                 for lane in range(LANES):
-                    out[lane, n, sample] = un[lane]
+                    out[sample, n, lane] = un[lane]
                 sample += 1
 
 
-@entry_of_sums
+@entry
 def add_products(out, total):
-    """Add ``sum_samples u_i u_j`` to the lower triangles of ``total`` (LANES, n, n).
+    """Add ``sum_samples u_i u_j`` of ``out`` (samples, n, LANES) to the lower triangles of ``total``.
 
     Not left to BLAS, whose own threads get into the way of ours on matrices this small.
     """
-    lanes, n, samples = out.shape
-    for lane in range(lanes):
-        for i in range(n):
-            for j in range(i + 1):
-                product = 0.0
-                for s in range(samples):
-                    product += out[lane, i, s] * out[lane, j, s]
-                total[lane, i, j] += product
+    samples, n, _ = out.shape
+    for i in range(n):
+        for j in range(i + 1):
+            for s in range(samples):
+                for lane in range(LANES):
+                    total[i, j, lane] += out[s, i, lane] * out[s, j, lane]
+
+
+@called_often
+def _value(out, row, weight, s, i, value):
+    """Linear function ``i`` of the displacements at one sample."""
+    for lane in range(LANES):
+        value[lane] = weight[i, 0] * out[s, row[i, 0], lane]
+    for k in range(1, row.shape[1]):
+        if weight[i, k] != 0.0:
+            for lane in range(LANES):
+                value[lane] += weight[i, k] * out[s, row[i, k], lane]
 
 
 @entry
-def keep_extremes(out, scale, highest, lowest, difference):
-    """Update the extremes of displacements and of their differences with the samples of ``out``."""
-    lanes, n, samples = out.shape
-    for lane in range(lanes):
-        for i in range(n):
-            for s in range(samples):
-                first = scale[i] * out[lane, i, s]
-                highest[lane, i] = max(highest[lane, i], first)
-                lowest[lane, i] = min(lowest[lane, i], first)
-            for j in range(n):
-                if i != j:
-                    largest = difference[lane, i, j]
-                    for s in range(samples):
-                        apart = scale[i] * out[lane, i, s] - scale[j] * out[lane, j, s]
-                        largest = max(largest, apart)
-                    difference[lane, i, j] = largest
+def observe(out, row, weight, seen):
+    """Linear functions ``seen`` (samples, m, LANES) of displacements: ``weight`` (m, k) of ``row``."""
+    for s in range(out.shape[0]):
+        for i in range(len(row)):
+            _value(out, row, weight, s, i, seen[s, i])
+
+
+@entry
+def keep_extremes(out, row, weight, highest, lowest):
+    """Update the extremes (m, LANES) of linear functions of displacements with those in ``out``."""
+    value = np.empty(LANES)
+    for i in range(len(row)):
+        high, low = highest[i], lowest[i]
+        for s in range(out.shape[0]):
+            _value(out, row, weight, s, i, value)
+            for lane in range(LANES):
+                high[lane] = max(high[lane], value[lane])
+                low[lane] = min(low[lane], value[lane])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 import xarray as xr
@@ -150,3 +150,9 @@ class Bilinear(Structure):
         from stochlin.kernels.simulation.stepping import bilinear_block
 
         return bilinear_block
+
+    def in_storeys(self) -> Any:
+        """The kind that is built in."""
+        from stochlin.kernels.simulation.storey_stepping import BILINEAR
+
+        return BILINEAR

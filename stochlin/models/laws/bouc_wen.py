@@ -7,7 +7,7 @@ so that ``period`` is the period of small oscillations.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 import xarray as xr
@@ -144,3 +144,9 @@ class BoucWen(Structure):
         from stochlin.kernels.simulation.stepping import bouc_wen_block
 
         return bouc_wen_block
+
+    def in_storeys(self) -> Any:
+        """The kind that is built in."""
+        from stochlin.kernels.simulation.storey_stepping import BOUC_WEN
+
+        return BOUC_WEN

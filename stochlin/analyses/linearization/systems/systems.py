@@ -17,9 +17,11 @@ from stochlin.analyses.linearization.tolerance import USUAL, Tolerance
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.floors import element_coordinates, floor_coordinates
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.linearization.augmented import Solved
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
+from stochlin.models.structures import GAUSSIAN
 from stochlin.models.systems import AnyStructure, system_of
 
 
@@ -119,6 +121,20 @@ def linearize_system(
         f"linearize_system(closure={closure!r})",
         models | {f"link_{n}": link for n, link in enumerate(links, start=1) if link is not None},
     )
+
+
+def linearized_motion(
+    structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None] = ()
+) -> Solved:
+    """The equivalent linear motion by the Gaussian closure, of which any displacement can be asked."""
+    equations = equations_of(structures, ground, links)
+    solution = Loop(equations, GAUSSIAN, USUAL).solve()
+    if solution.status >= labels.NOT_CONVERGED:
+        raise ArithmeticError(
+            f"linearization of {len(structures)} structures: "
+            f"{labels.STATUS_MEANINGS[solution.status].replace('_', ' ')}"
+        )
+    return solution.motion
 
 
 def check_laws(structures: Sequence[AnyStructure], closure: str) -> None:

@@ -1,0 +1,189 @@
+"""Two structures, at least one of them a building with storeys, in simulated motions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.linearization.strength import reduction_factor
+from stochlin.analyses.linearization.systems.systems import linearized_motion
+from stochlin.analyses.separation.rules import PairInMotion, effective_arguments
+from stochlin.analyses.simulation.finite_motions import pair_peaks
+from stochlin.analyses.simulation.simulation import simulate
+from stochlin.analyses.simulation.views import at_height, meeting_heights
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.linearization.augmented import Solved
+from stochlin.models.buildings import ShearBuilding
+from stochlin.models.grounds import Ground
+from stochlin.models.links import Link
+from stochlin.models.structures import DRIFT, Structure
+from stochlin.models.systems import LEVEL, AnyStructure, System, first_mode, floors_off_level, stack_of
+
+PATHS, RELAXATION_TIMES = 64, 5.0  # of the stationary simulation, which tells rho to about .01
+NO_DRIFT = "the drift closure is of oscillators; storeys have none"
+
+
+@dataclass(frozen=True)
+class StoreysInMotion(PairInMotion):
+    """Two structures whose strengths are in metres, at least one of them a building with storeys."""
+
+    @cached_property
+    def system(self) -> System:
+        """Both, unlinked."""
+        return System(tuple(stack_of(structure) for structure in self.structures), ())
+
+    @cached_property
+    def heights(self) -> Array:
+        """See `PairInMotion`."""
+        return meeting_heights(*self.system.stacks)
+
+    @property
+    def code_heights(self) -> tuple[Array, Array]:
+        """The level itself: what a code says of a roof holds at every level below it."""
+        return self.heights, self.heights
+
+    @cached_property
+    def peaks(self) -> Array:
+        """See `PairInMotion`."""
+        peaks = self.motions.peak_at_height.sel(height=self.heights).values
+        quantile: Array = np.quantile(peaks, self.confidence, axis=0)
+        return quantile
+
+    @cached_property
+    def oscillators(self) -> list[Structure]:
+        """The first modes."""
+        return [first_mode(structure) for structure in self.structures]
+
+    @cached_property
+    def ductilities(self) -> Array:
+        """Mean peak ductility of both first modes, by the displacement of the roof; 0 where elastic."""
+        first, found = self.system.first, []
+        for number, (structure, mode) in enumerate(zip(self.structures, self.oscillators, strict=True)):
+            roof = float(self.motions.peak_mean[first[number + 1] - 1])
+            if isinstance(structure, ShearBuilding):
+                roof /= float(structure.participation()[-1])
+            uy = mode.arrays().get("yield_displacement", xr.DataArray(np.inf))
+            found.append(roof / float(uy))
+        return np.array(found)
+
+    def simulated_rho(self) -> Array:
+        """See `PairInMotion`."""
+        table = simulate(self.structures, self.ground, paths=PATHS, relaxation_times=RELAXATION_TIMES)
+        sigma = table.displacement_std.values
+        covariance = table.rho.values * np.outer(sigma, sigma)
+        one, two = self._weights
+        variances = [np.einsum("hi,ij,hj->h", w, covariance, w) for w in (one, two)]
+        shared = np.einsum("hi,ij,hj->h", one, covariance, two)
+        rho: Array = shared / np.sqrt(variances[0] * variances[1])
+        return rho
+
+    def linearized_rho(self, closure: str) -> Array:
+        """See `PairInMotion`."""
+        if closure == DRIFT:
+            raise ValueError(NO_DRIFT)
+        one, two = self._weights
+        return correlation_of(self.linearized, one, two)
+
+    @cached_property
+    def linearized(self) -> Solved:
+        """Both by linearization."""
+        return linearized_motion(self.structures, self.ground)
+
+    def effective_arguments(self) -> dict[str, float]:
+        """See `PairInMotion`."""
+        return effective_arguments(self.oscillators, self.ductilities)
+
+    def relative_moments(self) -> tuple[Array, Array, Array]:
+        """See `PairInMotion`."""
+        one, two = self._weights
+        try:
+            l0, l1, l2 = self.linearized.spectral_moments(one - two)
+        except (ArithmeticError, ValueError):
+            l0 = l1 = l2 = np.full(self.heights.size, np.nan)
+        return l0, l1, l2
+
+    def quantities(self) -> dict[str, Any]:
+        """See `PairInMotion`."""
+        at_roof, table = pair_peaks(self.motions), dict[str, Any]()
+        for n, (structure, mode) in enumerate(zip(self.structures, self.oscillators, strict=True)):
+            samples = at_roof[:, n]
+            table[f"peak_mean_{n + 1}"] = samples.mean()
+            table[f"peak_mean_standard_error_{n + 1}"] = samples.std(ddof=1) / np.sqrt(samples.size)
+            table[f"peak_{n + 1}"] = float(self.peaks[n, -1])
+            storeys = self.motions.ductility.values[self.motions.element_structure.values == n + 1]
+            table[f"ductility_{n + 1}"] = float(storeys.max()) if structure.yields else np.nan
+            uy = mode.arrays().get("yield_displacement", xr.DataArray(np.inf))
+            table[f"yield_displacement_{n + 1}"] = float(uy)
+            factor = np.nan
+            if structure.yields:
+                factor = float(reduction_factor(mode, self.ground).reduction_factor)
+            table[f"reduction_factor_{n + 1}"] = factor
+        for name in ("peak_drift_mean", "peak_drift_mean_standard_error", "ductility"):
+            table[name] = self.motions[name]
+        return table
+
+    @cached_property
+    def _weights(self) -> tuple[Array, Array]:
+        """Displacements of both at the heights (heights, floors)."""
+        one, two = (
+            np.array([weights(self.system, number, height) for height in self.heights])
+            for number in (0, 1)
+        )
+        return one, two
+
+
+def weights(system: System, number: int, height: float) -> Array:
+    """Displacement of a structure of the system at a height, as weights of all floors."""
+    found = np.zeros(int(system.first[-1]))
+    for floor, share in at_height(system, number, height).items():
+        found[floor] = share
+    return found
+
+
+def linearized_at_roof(
+    structures: tuple[AnyStructure, AnyStructure], ground: Ground, links: Sequence[Link]
+) -> tuple[float, float]:
+    """Correlation and standard deviation of the difference [m] where the lower roof meets the other."""
+    motion = linearized_motion(structures, ground, links)
+    system = System(tuple(stack_of(structure) for structure in structures), ())
+    height = meeting_heights(*system.stacks)[-1]
+    one, two = (weights(system, number, height)[None] for number in (0, 1))
+    return float(correlation_of(motion, one, two)[0]), float(motion.std(one - two)[0])
+
+
+def correlation_of(motion: Solved, one: Array, two: Array) -> Array:
+    """Of displacements that are sums over floors with these weights (k, floors)."""
+    first, second, apart = (motion.std(row) for row in (one, two, one - two))
+    rho: Array = (first**2 + second**2 - apart**2) / (2 * first * second)
+    return rho
+
+
+def check_levels(
+    first: AnyStructure,
+    second: AnyStructure,
+    height_1: float | None,
+    height_2: float | None,
+    floors_align: bool,
+) -> None:
+    """Raise a ValueError if heights are given twice, or floors are said to align and do not."""
+    for n, (structure, height) in enumerate(((first, height_1), (second, height_2)), start=1):
+        if isinstance(structure, ShearBuilding) and height is not None:
+            roof = float(structure.levels()[-1])
+            if abs(height - roof) > LEVEL:
+                raise ValueError(
+                    f"height_{n} = {height:g} m, but the storeys of that building add up to {roof:g} m; "
+                    "leave it out"
+                )
+    if not (floors_align and isinstance(first, ShearBuilding) and isinstance(second, ShearBuilding)):
+        return
+    off = floors_off_level(stack_of(first), stack_of(second))
+    if off:
+        raise ValueError(
+            f"floors_align = True, but at {', '.join(f'{level:g}' for level in off)} m only one of both "
+            "has a floor; allowed: False, since a slab then meets a column"
+        )

@@ -1,0 +1,141 @@
+"""The structures of a simulation: oscillators on their own, and frames of floors on storeys."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from stochlin.analyses.linearization.strength import strength_in_metres
+from stochlin.analyses.linearization.systems.systems import linearize_system
+from stochlin.analyses.simulation.ensembles import Run, SimulationCells, cells_of_all, prepare
+from stochlin.analyses.simulation.frames import Frame, frames_of, relaxation_times
+from stochlin.analyses.simulation.views import pairs_of
+from stochlin.analyses.tables.floors import ELEMENT, FLOOR, floor_coordinates
+from stochlin.kernels.basics.arrays import Array
+from stochlin.models.grounds import Ground
+from stochlin.models.links import Link
+from stochlin.models.structures import Structure
+from stochlin.models.systems import AnyStructure, System, check_links, system_of
+
+STRUCTURE = "structure"
+
+
+class Riders(NamedTuple):
+    """What rides on the motions of one ground."""
+
+    system: System
+    cells: SimulationCells | None  # of the oscillators on their own
+    alone: list[int]  # their floors
+    frames: list[Frame]
+    links: tuple[Link | None, ...]
+    strength: Array  # (n,) [m]: drift at yield of the storey below each floor
+    drift_times: Array | None
+
+    @property
+    def has_storeys(self) -> bool:
+        """Whether there are buildings with storeys among them."""
+        return not all(stack.is_oscillator for stack in self.system.stacks)
+
+    @property
+    def floor(self) -> str:
+        """The dimension of displacements: floors are structures where all are oscillators."""
+        return FLOOR if self.has_storeys else STRUCTURE
+
+    @property
+    def element(self) -> str:
+        """The dimension of drifts."""
+        return ELEMENT if self.has_storeys else STRUCTURE
+
+    @property
+    def functions(self) -> int:
+        """How many functions of the displacements are looked at in a finite motion."""
+        storeys = self.strength.size if self.has_storeys else 0
+        return self.strength.size + storeys + len(pairs_of(self.system))
+
+    def floor_coords(self) -> dict[str, Any]:
+        """Coordinates of both dimensions of a table over pairs of floors."""
+        if not self.has_storeys:
+            names = [f"{n}" for n in range(1, self.strength.size + 1)]
+            return {STRUCTURE: names, f"{STRUCTURE}_2": names}
+        coords: dict[str, Any] = floor_coordinates(self.system)
+        return coords | {f"{FLOOR}_2": coords[FLOOR][1]}
+
+    def run(self, ground: Ground, *, paths: int, seed: int, steps_per_period: int) -> Run:
+        """The ensemble, which has no length yet."""
+        return prepare(
+            self.cells,
+            ground,
+            paths=paths,
+            seed=seed,
+            steps_per_period=steps_per_period,
+            frames=self.frames,
+            floors=self.alone,
+            drift_times=self.drift_times,
+        )
+
+
+def riders_of(
+    structures: Sequence[AnyStructure],
+    ground: Ground,
+    link: Link | Sequence[Link | None] | None,
+    stationary: bool,
+) -> Riders:
+    """Lay out the structures; for a stationary run, with their drift by linearization."""
+    links = _as_links(link, len(structures))
+    tied = {s for n, one in enumerate(links, 1) if one is not None for s in one.structures or (n, n + 1)}
+    in_metres: list[AnyStructure] = [
+        strength_in_metres(one, ground) if n in tied and isinstance(one, Structure) else one
+        for n, one in enumerate(structures, start=1)
+    ]
+    system = system_of(in_metres, links)
+    if stationary and system.without_stationary_answer:
+        raise ValueError(no_stationary_answer(system))
+    frames, alone = frames_of(system)
+    floors = [int(system.first[n]) for n in alone]
+    strength = system.all("strength")
+    drift_times = np.zeros(strength.size)
+    cells = None
+    if alone:
+        oscillators: list[Any] = [structures[n] for n in alone]
+        cells = cells_of_all(oscillators, ground, stationary)
+        strength[floors], drift_times[floors] = cells.yield_displacement, cells.drift_time
+    if stationary and frames:
+        among = np.concatenate([frame.floors for frame in frames])
+        drift_times[among] = _drift_times(structures, ground, links, system)[among]
+    return Riders(system, cells, floors, frames, links, strength, drift_times)
+
+
+def _drift_times(
+    structures: Sequence[AnyStructure],
+    ground: Ground,
+    links: Sequence[Link | None],
+    system: System,
+) -> Array:
+    """Relaxation of the plastic drifts of all storeys by linearization, which knows no slack [s]."""
+    kept = [None if link is None or link.slack is not None else link for link in links]
+    try:
+        k_eq = linearize_system(structures, ground, kept).k_eq.values
+    except ArithmeticError:  # the run tells by its own drift whether it was too short
+        return np.zeros(int(system.first[-1]))
+    return relaxation_times(system, k_eq[: int(system.first[-1])])
+
+
+def no_stationary_answer(system: System) -> str:
+    """Why there is none: some storey has no stiffness left when it yields."""
+    structure, storey = system.without_stationary_answer[0]
+    stack = system.stacks[structure - 1]
+    return (
+        f"structure {structure}: the weight above takes all post-yield stiffness of storey {storey}, "
+        f"which is {stack.post[storey - 1]:.3g} N/m with it: its drift grows without end and has no "
+        "stationary value; give a duration, more hardening, or p_delta=False"
+    )
+
+
+def _as_links(link: Link | Sequence[Link | None] | None, count: int) -> tuple[Link | None, ...]:
+    if link is None:
+        return ()
+    if isinstance(link, Link):
+        return check_links("link", [link], max(count, 2) if link.structures is None else count)
+    return check_links("link", link, count)

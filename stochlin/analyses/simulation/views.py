@@ -1,0 +1,101 @@
+"""What is looked at in a simulated motion: floors, drifts of storeys, relative displacements."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.simulation.ensemble import View
+from stochlin.models.systems import Stack, System
+
+Terms = dict[int, float]  # floors of the system, and their weights
+
+
+class Pair(NamedTuple):
+    """Two structures, counted from 0, at a height at which they could meet [m]; NaN for oscillators."""
+
+    first: int
+    second: int
+    height: float
+
+
+def meeting_heights(one: Stack, two: Stack) -> Array:
+    """Heights at which the relative displacement of two structures can be largest [m].
+
+    Between floors displacements are linear: these are the levels of both, up to the lower roof. An
+    oscillator has no height: it moves beside the roof of the other, or, if that has none either, NaN.
+    """
+    if one.is_oscillator or two.is_oscillator:
+        other = two if one.is_oscillator else one
+        return other.levels[-1:]
+    both = np.unique(np.concatenate([one.levels, two.levels]))
+    return both[both <= min(one.levels[-1], two.levels[-1])]
+
+
+def displacement_at(stack: Stack, height: float) -> Terms:
+    """Displacement of a structure at a height, linear between its floors and the ground."""
+    if stack.is_oscillator:
+        return {0: 1.0}
+    upper = int(np.searchsorted(stack.levels, height))
+    below = stack.levels[upper - 1] if upper else 0.0
+    share = float((height - below) / (stack.levels[upper] - below))
+    terms = {upper: share}
+    if upper and share < 1:
+        terms[upper - 1] = 1 - share
+    return terms
+
+
+def pairs_of(system: System) -> list[Pair]:
+    """All pairs of structures, at all heights at which they could meet."""
+    count = len(system.stacks)
+    return [
+        Pair(i, j, float(height))
+        for i in range(count)
+        for j in range(i + 1, count)
+        for height in meeting_heights(system.stacks[i], system.stacks[j])
+    ]
+
+
+def at_height(system: System, number: int, height: float) -> Terms:
+    """Displacement of a structure of the system at a height."""
+    first = int(system.first[number])
+    terms = displacement_at(system.stacks[number], height)
+    return {first + floor: share for floor, share in terms.items()}
+
+
+def displacements(system: System, pair: Pair) -> tuple[Terms, Terms]:
+    """Displacements of both."""
+    one, other = (at_height(system, number, pair.height) for number in (pair.first, pair.second))
+    return one, other
+
+
+def apart(system: System, pair: Pair) -> Terms:
+    """Displacement of the first structure less that of the second."""
+    one, other = displacements(system, pair)
+    return one | {floor: -share for floor, share in other.items()}
+
+
+def at_heights(system: System) -> list[tuple[int, float, Terms]]:
+    """Structures, the heights at which they could meet others, and their displacement there."""
+    places = {(n, p.height) for p in pairs_of(system) for n in (p.first, p.second)}
+    return [(n, h, at_height(system, n, h)) for n, h in sorted(places)]
+
+
+def drifts_of(system: System) -> list[Terms]:
+    """Drifts of all storeys."""
+    return [
+        {i: 1.0} | ({int(below): -1.0} if below >= 0 else {}) for i, below in enumerate(system.below)
+    ]
+
+
+def view_of(functions: list[Terms], rows: Array, scale: Array) -> View:
+    """Functions of the displacements of floors, which are in these rows of a crowd, in its units."""
+    widest = max(len(terms) for terms in functions)
+    row = np.zeros((len(functions), widest), np.int64)
+    weight = np.zeros((len(functions), widest))
+    for number, terms in enumerate(functions):
+        for k, (floor, share) in enumerate(terms.items()):
+            row[number, k], weight[number, k] = rows[floor], share * scale[floor]
+    return View(row, weight)

@@ -1,0 +1,257 @@
+"""Time steps of floors on storeys, and of links between them, for LANES independent motions; compiled.
+
+The trapezoidal rule of `stepping`, for elements whose forces ``post d + couple z`` act on common floors.
+With ``p = dd - dz``, what an element slips in a step, the step is linear: drifts move by
+
+    ``dd = P [d', s] + g f - P_s couple p / 2``
+
+with the drift rates ``d'`` and the element forces ``s`` at its beginning. Each law then gives its ``p``,
+knowing how its own slip relieves it, and tells the others; passes go on until nothing slips any
+further. For the bilinear law this is the projected Gauss-Seidel method of a complementarity problem
+with a symmetric positive matrix, and converges.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any, NamedTuple
+
+import numba as nb
+import numpy as np
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.compiled import borrow, called_often, compiled, entry, version_of
+from stochlin.kernels.simulation import stepping
+from stochlin.kernels.simulation.stepping import LANES, bouc_wen_middle
+
+KINDS = LINEAR, BILINEAR, SLACK, BOUC_WEN, OTHER = range(5)  # OTHER and more: laws given as functions
+MOST_PASSES = 60
+CLOSE = 1e-8  # of the strength of an element: where slips change by less, the next change is nothing
+LEAST_SLACK = 0.01  # [m] that counts as the strength of an element with less slack
+VERSION = version_of(stepping)
+_NUMBER = nb.float64
+LAW = _NUMBER(nb.int64, _NUMBER, _NUMBER, _NUMBER, _NUMBER, nb.types.Array(_NUMBER, 1, "C"))
+
+
+class Elements(NamedTuple):
+    """Storeys and links: the first ``n`` of the ``e`` elements are the storeys of the ``n`` floors."""
+
+    mass: Array  # (n,) [kg]
+    damping: Array  # (n, n) [N s/m]
+    drifts: Array  # (e, n): drift of each element of the displacements of the floors
+    post: Array  # (e,) [N/m]
+    couple: Array  # (e,) [N/m]
+    strength: Array  # (e,) [m], infinite for a linear element; the slack of one that has slack
+    kind: Array  # (e,)
+    own: Array  # (e, k): parameters of the law
+
+    def elastic(self) -> Array:
+        """The matrix (2 n, 2 n) of displacements and velocities while all elements hold."""
+        n = self.mass.size
+        stiffness = (self.drifts.T * (self.post + self.couple)) @ self.drifts
+        below = np.hstack([-stiffness, -self.damping]) / self.mass[:, None]
+        return np.vstack([np.hstack([np.zeros((n, n)), np.eye(n)]), below])
+
+
+class Steps(NamedTuple):
+    """Elements in steps of one length."""
+
+    dt: float
+    move: Array  # (e, n + e): of drift rates and forces of elements
+    push: Array  # (e,): of the forcing
+    relief: Array  # (e, e): of the slips
+    post: Array
+    couple: Array
+    strength: Array
+    kind: Array
+    own: Array
+    lowest: Array  # (n,): whether it is the first storey of a structure
+
+
+def steps_of(elements: Elements, dt: float) -> Steps:
+    """From ``(2 M/dt + C + dt/2 K) du = 2 M v - dt B' s + dt M 1 f + dt/2 B' couple p``."""
+    mass, b = np.diag(elements.mass), elements.drifts
+    n = len(mass)
+    floors = np.linalg.inv(b[:n])
+    stiffness = (b.T * (elements.post + elements.couple)) @ b
+    flexible = np.linalg.solve(2 / dt * mass + elements.damping + 0.5 * dt * stiffness, np.eye(n))
+    of_forces = dt * b @ flexible @ b.T
+    return Steps(
+        dt,
+        np.ascontiguousarray(np.hstack([2 * b @ flexible @ mass @ floors, -of_forces])),
+        dt * b @ flexible @ elements.mass,
+        0.5 * of_forces * elements.couple,
+        elements.post,
+        elements.couple,
+        elements.strength,
+        elements.kind,
+        elements.own,
+        b[:n].sum(axis=1) > 0.5,
+    )
+
+
+@cache
+def law_of(middles: tuple[Any, ...]) -> Any:
+    """One function for elements of these laws, each given by a `law_middle`: kinds OTHER and on.
+
+    The kernel takes it as an address: it is not compiled anew for every law.
+    """
+    law = _unknown
+    for number, middle in enumerate(middles):
+        law = _either(OTHER + number, middle, law)
+
+    def end(kind, hyst, start, slope, half, own):
+        return law(kind, hyst, start, slope, half, own)
+
+    return nb.cfunc(LAW)(end)
+
+
+@compiled
+def _unknown(kind, hyst, start, slope, half, own):
+    return np.nan
+
+
+def _either(number: int, middle: Any, others: Any) -> Any:
+    @compiled
+    def chosen(kind, hyst, start, slope, half, own):
+        if kind == number:
+            _, end = middle(hyst, start, slope, half, own)
+            return end
+        return others(kind, hyst, start, slope, half, own)
+
+    return chosen
+
+
+@called_often
+def _multiply(matrix, i, rows, out):
+    """Add the products of row ``i`` of a matrix with the rows (m, LANES), four at a time."""
+    m = matrix.shape[1]
+    j = 0
+    while j + 4 <= m:
+        a, b, c, d = matrix[i, j], matrix[i, j + 1], matrix[i, j + 2], matrix[i, j + 3]
+        for lane in range(LANES):
+            out[i, lane] += (a * rows[j, lane] + b * rows[j + 1, lane]) + (
+                c * rows[j + 2, lane] + d * rows[j + 3, lane]
+            )
+        j += 4
+    for k in range(j, m):
+        a = matrix[i, k]
+        for lane in range(LANES):
+            out[i, lane] += a * rows[k, lane]
+
+
+@compiled
+def _by_function(law, steps, i, z, change, slip, more):
+    """`_more_slip` of a law that is no return map."""
+    kind, g, uy = steps.kind[i], steps.relief[i, i], steps.strength[i]
+    ease = 1.0 / (1.0 - g)
+    rate, slope, half = ease / (steps.dt * uy), 2.0 * g * ease / steps.dt, 0.5 * steps.dt
+    own = steps.own[i]
+    for lane in range(LANES):
+        hyst, alone = z[i, lane] / uy, change[i, lane] - g * slip[i, lane]
+        start = alone * rate + slope * hyst
+        if kind == BOUC_WEN:
+            _, end = bouc_wen_middle(hyst, start, slope, half, own[0], own[1], own[2])
+        else:
+            end = law(kind, hyst, start, slope, half, own)
+        more[lane] = (alone - uy * (end - hyst)) * ease - slip[i, lane]
+
+
+@called_often
+def _more_slip(law, steps, i, d, z, change, slip, more):
+    """What element ``i`` slips beyond ``slip`` if the others stay as they are."""
+    kind, g, uy = steps.kind[i], steps.relief[i, i], steps.strength[i]
+    ease = 1.0 / (1.0 - g)
+    if kind == BILINEAR:
+        for lane in range(LANES):
+            y = z[i, lane] + (change[i, lane] - g * slip[i, lane])
+            more[lane] = (y - min(max(y, -uy), uy)) * ease - slip[i, lane]
+    elif kind == SLACK:
+        for lane in range(LANES):
+            beyond = d[i, lane] - uy
+            slack = beyond - z[i, lane]
+            at_end = beyond + (change[i, lane] - g * slip[i, lane]) - g * slack
+            more[lane] = min(at_end, 0.0) * ease - slack - slip[i, lane]
+    else:
+        _by_function(law, steps, i, z, change, slip, more)
+
+
+@called_often
+def _beyond(more, least):
+    for lane in range(LANES):  # noqa: SIM110 - compiled
+        if abs(more[lane]) > least:
+            return True
+    return False
+
+
+@called_often
+def _slips(law, steps, d, z, change, slip, more):
+    """All slips of a step; ``change`` are the increments of the drifts that go with them."""
+    e = steps.kind.size
+    for _ in range(MOST_PASSES):
+        moved = False
+        for i in range(e):
+            if steps.kind[i] == LINEAR:
+                continue
+            _more_slip(law, steps, i, d, z, change, slip, more)
+            if not _beyond(more, 0.0):
+                continue
+            least = steps.strength[i]
+            if steps.kind[i] == SLACK:
+                least = max(least, LEAST_SLACK)
+            moved = moved or _beyond(more, CLOSE * least)
+            for lane in range(LANES):
+                slip[i, lane] += more[lane]
+            for k in range(e):
+                a = steps.relief[k, i]
+                for lane in range(LANES):
+                    change[k, lane] += a * more[lane]
+        if not moved:
+            return
+
+
+@entry
+def storey_block(f, owned, law, d, v, z, every, out, version):
+    """Elements over the steps of ``f``; ``out`` (samples, e, LANES): floors, then links.
+
+    ``d``, ``v`` and ``z`` (e, LANES): drifts, their rates and hysteretic drifts [m]. ``law`` is a
+    `law_of`.
+    """
+    steps = borrow(owned)
+    e, n = steps.kind.size, steps.lowest.size
+    known, change, slip = np.empty((n + e, LANES)), np.empty((e, LANES)), np.empty((e, LANES))
+    new, twice = np.empty(LANES), 2.0 / steps.dt
+    sample = 0
+    for s in range(f.shape[0]):
+        for i in range(n):
+            for lane in range(LANES):
+                known[i, lane] = v[i, lane]
+        for i in range(e):
+            post, couple, push = steps.post[i], steps.couple[i], steps.push[i]
+            for lane in range(LANES):
+                known[n + i, lane] = post * d[i, lane] + couple * z[i, lane]
+                change[i, lane] = push * f[s, lane]
+                slip[i, lane] = 0.0
+        for i in range(e):
+            _multiply(steps.move, i, known, change)
+        _slips(law, steps, d, z, change, slip, new)
+        for i in range(e):
+            for lane in range(LANES):
+                d[i, lane] += change[i, lane]
+                z[i, lane] += change[i, lane] - slip[i, lane]
+                v[i, lane] = twice * change[i, lane] - v[i, lane]
+        if (s + 1) % every == 0:
+            _sample(steps.lowest, d, new, out, sample)
+            sample += 1
+
+
+@called_often
+def _sample(lowest, d, total, out, sample):
+    """Write the displacements of the floors, which are the drifts below them, and those of the links."""
+    for i in range(d.shape[0]):
+        if i >= lowest.size or lowest[i]:
+            for lane in range(LANES):
+                total[lane] = 0.0
+        for lane in range(LANES):
+            total[lane] += d[i, lane]
+            out[sample, i, lane] = total[lane]
