@@ -81,7 +81,7 @@ def linearize_system(
     Notes
     -----
     Each storey's law sees its own drift, so that the closures of single oscillators serve
-    storey by storey. They are as unsafe for storeys as for these: drifts of storeys that yield were 8 to
+    storey by storey. They are as unsafe for storeys as for these: drifts of storeys that yield were 7 to
     39 % too small against simulation, the relative displacement of two buildings 28 %.
 
     References
