@@ -272,6 +272,18 @@ def test_spectral_moments_of_roofs_are_integrals_of_the_spectrum():
         assert float(getattr(found, name)[0]) == pytest.approx(sum(parts), rel=1e-9)
 
 
+@pytest.mark.parametrize("factor", [0.7, 2.0, 8.0])
+@pytest.mark.parametrize("shape", [{"beta": 0.2, "gamma": 0.6, "exponent": 2.0}, None])
+def test_of_several_solutions_it_is_the_one_that_linearize_follows(shape, factor):
+    """Bouc-Wen that bulges; and a law without memory, whose z is a function of the displacement."""
+    values = {"period": 0.7, "damping": 0.05, "hardening": 0.1, "reduction_factor": factor}
+    one = sl.Hysteretic(**values, law=V * (1 - Z**2)) if shape is None else sl.BoucWen(**values, **shape)
+    for ground in (sl.WhiteNoise(0.01), sl.KanaiTajimi(0.9, 0.2, 0.01)):
+        table, alone = sl.linearize_system([one, LOW], ground), sl.linearize(one, ground)
+        assert float(table.drift_std[0]) == pytest.approx(float(alone.displacement_std), rel=1e-9)
+        assert float(table.c_eq[0]) == pytest.approx(float(alone.c_eq), abs=1e-9)
+
+
 # --- Limits, symmetries -------------------------------------------------------------------------------
 
 
@@ -393,6 +405,18 @@ def test_what_cannot_be_is_said(change, message):
     given = {"structures": [TALL, LOW], "ground": GROUND} | change
     with pytest.raises(ValueError, match=message):
         sl.linearize_system(**given)
+
+
+@pytest.mark.parametrize("period", [1e-150, 1e150])
+def test_what_is_beyond_numbers_is_an_error_of_one_kind(period):
+    with pytest.raises(ArithmeticError, match="less extreme parameters"):
+        sl.linearize_system([sl.Bilinear(period, 0.05)], sl.KanaiTajimi(1.0, 0.3))
+
+
+def test_too_many_storeys_are_refused_before_the_work():
+    tower = sl.ShearBuilding.regular(period=20, storeys=200, storey_height=3, mass=1e6, damping=0.05)
+    with pytest.raises(ValueError, match="rounds of the loop would take about"):
+        sl.linearize_system([tower, tower], GROUND)
 
 
 def test_a_loop_that_does_not_end_says_so():

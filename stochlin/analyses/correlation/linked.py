@@ -18,6 +18,7 @@ from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
 from stochlin.models.systems import check_mass
 
+OF_BOTH = ("rho", "relative_displacement_std", "link_force_std")
 OF_ONE = ("displacement_std", "velocity_std", "ductility_std", "c_eq", "k_eq")
 
 
@@ -99,18 +100,17 @@ def correlate_linked(
     def of_cell(first: Structure, second: Structure, ground: Ground, link: Link) -> xr.Dataset:
         equations = equations_of((first, second), ground, [link])
         solution = Loop(equations, closure, USUAL).solve()
+        status = {"status": np.int8(solution.status)}
+        if solution.status >= labels.NOT_CONVERGED:
+            names = [*OF_BOTH, *(f"{name}_{n}" for name in OF_ONE for n in (1, 2))]
+            return xr.Dataset(dict.fromkeys(names, np.nan) | status)
         table = solution_table(equations, solution)
-        found = {
-            name: table[name].isel(floor=0, floor_2=1, drop=True)
-            for name in ("rho", "relative_displacement_std")
-        }
-        found["link_force_std"] = table.link_force_std.isel(link=0, drop=True)
+        places = {"floor": 0, "floor_2": 1, "link": 0}
+        found = {name: table[name].isel(places, drop=True, missing_dims="ignore") for name in OF_BOTH}
         for name in OF_ONE:
             for n in (0, 1):
                 found[f"{name}_{n + 1}"] = table[name].isel({table[name].dims[0]: n}, drop=True)
-        if solution.status >= labels.NOT_CONVERGED:
-            found = dict.fromkeys(found, xr.DataArray(np.nan))
-        return xr.Dataset({**found, "status": np.int8(solution.status)})
+        return xr.Dataset({**found, **status})
 
     models = {"first": first, "second": second, "ground": ground, "link": link}
     table = labels.label(over_cells(of_cell, models), VARIABLES)

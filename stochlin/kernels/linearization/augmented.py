@@ -68,7 +68,7 @@ class Turn(NamedTuple):
     beyond: (
         Array  # what z has beyond the extension at that instant, with which its rate is not correlated
     )
-    place: Array  # of the third state of a spring; -1 where z follows the extension
+    moves: Array  # (m,): where z is more than a share of the extension
 
 
 def turn(system: Augmented) -> Turn:
@@ -96,8 +96,7 @@ def turn(system: Augmented) -> Turn:
     drifts[:, e] = velocities[:, rate_of_e] = own @ floors
     beyond = np.where(moves[:, None], back[z], 0.0)
     back[z] = beyond + np.where(moves, np.where(by_y, 1.0, 0.0), follows)[:, None] * drifts
-    place = np.where(moves, where[z], -1)
-    return Turn(into, back, drifts, velocities, back[z], beyond, place)
+    return Turn(into, back, drifts, velocities, back[z], beyond, moves)
 
 
 class Solved:
@@ -123,7 +122,8 @@ class Solved:
     @cached_property
     def moments(self) -> SpringMoments:
         """Of the springs that yield."""
-        return self._moments(self._turned)
+        _, _, d, v, z, beyond, _ = self.turn
+        return SpringMoments(*_products(self._turned, (d, d), (v, v), (z, z), (v, beyond)))
 
     def std(self, weights: Array, *, rates: bool = False) -> Array:
         """Standard deviations of sums of displacements, or of velocities, with these weights (k, n)."""
@@ -147,23 +147,31 @@ class Solved:
         return SpectralMoments(*self._equation.spectral_moments(rows, self._turned))
 
     def _std(self, rows: Array) -> Array:
-        found: Array = np.sqrt(np.maximum(np.einsum("ki,ij,kj->k", rows, self._turned, rows), 0.0))
+        found: Array = np.sqrt(np.maximum(((rows @ self._turned) * rows).sum(axis=1), 0.0))
         return found
-
-    def _moments(self, turned: Array) -> SpringMoments:
-        def of(one: Array, two: Array) -> Array:
-            return np.einsum("mi,ij,mj->m", one, turned, two)
-
-        _, _, d, v, z, beyond, _ = self.turn
-        return SpringMoments(of(d, d), of(v, v), of(z, z), of(v, beyond))
 
     def slopes(self) -> Array:
         """Of the last three of the moments by ``c_eq`` and ``k_eq`` (3, m, 2, m)."""
-        place, m = self.turn.place, self.system.z.size
+        z, m = self.system.z, self.system.z.size
+        seen = (
+            self._equation.schur_rows(r) for r in (self.turn.velocities, self.turn.z, self.turn.beyond)
+        )
+        v, own, beyond = seen
         slopes = np.zeros((3, m, 2, m))
-        for spring in np.flatnonzero(place >= 0):
-            into = self.turn.into[place[spring], self.system.z[spring]]
-            for which, row in enumerate((-self.turn.velocities[spring], -self.turn.z[spring])):
-                change = self._equation.slope(place[spring], into * row, self._turned)
-                slopes[:, :, which, spring] = self._moments(change)[1:]
+        for spring in range(m):
+            if self.turn.moves[spring]:
+                column = self.turn.into[:, z[spring]]
+                rows = [-self.turn.velocities[spring], -self.turn.z[spring]]
+            else:  # z = -c_eq d
+                column = self.turn.into @ self.system.matrix[:, z[spring]]
+                rows = [-self.turn.drifts[spring]]
+                slopes[1, spring, 0, spring] = 2 * rows[0] @ self._turned @ self.turn.z[spring]
+            for which, row in enumerate(rows):
+                change = self._equation.slope(column, row, self._turned)
+                slopes[:, :, which, spring] += _products(change, (v, v), (own, own), (v, beyond))
         return slopes
+
+
+def _products(matrix: Array, *pairs: tuple[Array, Array]) -> Array:
+    """Of rows (m, n) with each other through a matrix (n, n)."""
+    return np.stack([np.einsum("mi,ij,mj->m", one, matrix, two) for one, two in pairs])

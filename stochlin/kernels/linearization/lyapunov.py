@@ -34,7 +34,10 @@ class Lyapunov:
             raise UnsolvableError("the state matrix is not finite")
         _, (self.scale, _) = scipy.linalg.matrix_balance(matrix, permute=False, separate=True)
         self.matrix = matrix * self.scale / self.scale[:, None]
-        self.triangle, self.turn = scipy.linalg.schur(self.matrix)
+        try:
+            self.triangle, self.turn = scipy.linalg.schur(self.matrix)
+        except scipy.linalg.LinAlgError as error:
+            raise UnsolvableError("the eigenvalues of the state matrix are not found") from error
         if np.diag(self.triangle).max() >= 0:  # the real parts: blocks have equal diagonals
             raise UnsolvableError(UNSTABLE)
 
@@ -55,13 +58,21 @@ class Lyapunov:
             before = change
         if not np.abs(correction).max() < ACCURATE * np.abs(x).max():
             raise UnsolvableError("the system is too near to one without a stationary covariance")
-        return x * np.outer(self.scale, self.scale)
+        found = x * np.outer(self.scale, self.scale)
+        if not np.isfinite(found).all():
+            raise UnsolvableError("the covariance is beyond what can be computed")
+        return found
 
-    def slope(self, place: int, row: Array, covariance: Array) -> Array:
-        """Of the covariance, as the matrix gains a multiple of ``row`` in the row ``place``."""
-        right = np.zeros_like(covariance)
-        right[place] = row @ covariance / (self.scale[place] * self.scale)
-        return self._solve(right + right.T) * np.outer(self.scale, self.scale)
+    def slope(self, column: Array, row: Array, covariance: Array) -> Array:
+        """Of the covariance, as the matrix gains a multiple of this product; seen by `schur_rows`."""
+        one = self.turn.T @ (column / self.scale)
+        two = self.turn.T @ (covariance @ row / self.scale)
+        right = np.outer(one, two)
+        return self._triangular(right + right.T)
+
+    def schur_rows(self, rows: Array) -> Array:
+        """Rows (k, n) that see slopes as they see the covariance."""
+        return (rows * self.scale) @ self.turn
 
     def spectral_moments(self, rows: Array, covariance: Array) -> tuple[Array, Array, Array]:
         """``l0, l1, l2`` of ``c x`` for ``rows`` of ``c`` (k, n) that the noise does not enter at once.
@@ -80,8 +91,9 @@ class Lyapunov:
         return np.einsum("ki,ik->k", c, with_c), l1, np.einsum("ki,ij,kj->k", rates, x, rates)
 
     def _solve(self, right: Array) -> Array:
-        found, factor, _ = scipy.linalg.lapack.dtrsyl(
-            self.triangle, self.triangle, -(self.turn.T @ right @ self.turn), tranb="T"
-        )
-        x = self.turn @ found @ self.turn.T
-        return (0.5 / factor) * (x + x.T)
+        x = self.turn @ self._triangular(self.turn.T @ right @ self.turn) @ self.turn.T
+        return 0.5 * (x + x.T)
+
+    def _triangular(self, right: Array) -> Array:
+        found, factor, _ = scipy.linalg.lapack.dtrsyl(self.triangle, self.triangle, -right, tranb="T")
+        return found / factor

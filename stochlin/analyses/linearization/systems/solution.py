@@ -66,7 +66,7 @@ class Solution(NamedTuple):
 
     c_eq: Array  # of the elements (e,)
     k_eq: Array
-    motion: Solved
+    motion: Solved | None  # None if nothing can be computed
     history: tuple[Change, ...]
     status: int
 
@@ -79,9 +79,15 @@ class Loop:
     closure: str
     tolerance: Tolerance
 
+    @np.errstate(all="ignore")  # what is no number is judged where it counts
     def solve(self) -> Solution:
         """Boldly; with care; then, or where there may be several solutions, from weak shaking on."""
-        elastic = self._elastic
+        try:
+            elastic = self._elastic
+        except UnsolvableError:
+            elastic = np.full((3, 1), np.nan)
+        if not np.isfinite(elastic).all():
+            return Solution(np.empty(0), np.empty(0), None, (), labels.NOT_PHYSICAL)
         if not self.own.any():
             return self._solution(None, [], labels.ELASTIC_LIMIT)
         most = self.tolerance.max_iterations
@@ -124,32 +130,33 @@ class Loop:
             delta = next_delta(delta, np.array(before), np.array(norm), pace)
             size = latent.size
             damped = np.eye(size) / delta - here.slopes.reshape(size, size)
-            step = np.linalg.solve(damped, here.mismatch.ravel()).reshape(latent.shape)
+            try:
+                step = np.linalg.solve(damped, here.mismatch.ravel()).reshape(latent.shape)
+            except np.linalg.LinAlgError:
+                return None
             step = step / max(1.0, np.abs(step).max() / LARGEST_STEP)
         return None
 
     def _round(self, latent: Array, level: float) -> Round:
         """Moments assumed, coefficients, linear system, covariance, moments that come out."""
-        with np.errstate(all="ignore"):  # what is no number is judged below
-            values = self._closure_of(latent)
-            motion = self._motion(values.coefficients)
-            _, *moments = motion.moments
-            scale = self._strength**2
-            reached, by_moments = to_unknowns(np.stack(moments) / scale)
-            reached[:2] += level
-            assumed, by_assumed = to_unknowns(values.covariance)
-            sv, sz, r = np.exp(latent[0]), np.exp(latent[1]), np.tanh(latent[2])
-            by_latent = np.stack([sv, sz, 1 - r * r])
-            slopes = np.einsum(
-                "iam,amcn,cln,ln->imln",
-                by_moments,
-                motion.slopes() / scale[:, None, None],
-                values.coefficients_jacobian,
-                by_latent,
-            )
-            m = np.arange(scale.size)
-            own = np.einsum("iam,alm,lm->mil", by_assumed, values.covariance_jacobian, by_latent)
-            slopes[:, m, :, m] -= own
+        values = self._closure_of(latent)
+        motion = self._motion(values.coefficients)
+        _, *moments = motion.moments
+        scale = self._strength**2
+        reached, by_moments = to_unknowns(np.stack(moments) / scale)
+        reached[:2] += level
+        assumed, by_assumed = to_unknowns(values.covariance)
+        by_latent = np.stack([np.exp(latent[0]), np.exp(latent[1]), 1 - np.tanh(latent[2]) ** 2])
+        slopes = np.einsum(
+            "iam,amcn,cln,ln->imln",
+            by_moments,
+            motion.slopes() / scale[:, None, None],
+            values.coefficients_jacobian,
+            by_latent,
+        )
+        m = np.arange(scale.size)
+        own = np.einsum("iam,alm,lm->mil", by_assumed, values.covariance_jacobian, by_latent)
+        slopes[:, m, :, m] -= own
         mismatch = reached - assumed
         if not (np.isfinite(mismatch).all() and np.isfinite(slopes).all()):
             raise UnsolvableError("the moments are not those of a motion")
@@ -225,8 +232,8 @@ class Loop:
     def _elastic(self) -> Array:
         """``(log sigma_v, log sigma_z, atanh r)`` of the elements that yield, if they did not (3, m)."""
         moments = self._motion(np.zeros((2, self._strength.size))).moments
-        with np.errstate(divide="ignore"):  # nothing moves
-            sv, sz = (0.5 * np.log(v / self._strength**2) for v in (moments.velocity, moments.drift))
+        log_uy = np.log(self._strength)
+        sv, sz = (0.5 * np.log(v) - log_uy for v in (moments.velocity, moments.drift))
         return np.stack([sv, sz, np.full_like(sv, 0.1)])
 
     @staticmethod

@@ -108,6 +108,7 @@ class Equations:
         if not q.size:
             noise[v] = 1.0
         of_noise = 2 * np.pi * float(self.ground.arrays()["intensity"])
+        matrix += 0.0  # no negative zeros, which a table would show
         return Augmented(matrix, noise, of_noise, u, v, z, springs, t, self.stiffness)
 
     @cached_property
