@@ -9,7 +9,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from stochlin.analyses.pounding.estimates import pounding_estimate
-from stochlin.analyses.pounding.histories import by_floor, contacts, histories
+from stochlin.analyses.pounding.histories import columns, contacts, histories, peaks
 from stochlin.analyses.pounding.rows import (
     Building,
     build_row,
@@ -148,16 +148,17 @@ def pound(
     never = np.empty(0, np.int64), np.empty(0)
     runs = (row, asked), (kernel.standing_alone(row), never)
     done, alone = in_order(
-        lambda i: _completed(runs[i][0], kernel.SampledMotion(ground, dt, *runs[i][1])), 2, progress
+        lambda i: _completed(row_of, runs[i][0], kernel.SampledMotion(ground, dt, *runs[i][1])),
+        2,
+        progress,
     )
     worst = _estimates(oscillators, spaces, contact, motion) if estimated else None
     start = float(motion["time"][0])
     time = motion["time"].to_numpy().astype(float) if output_step is None else start + times
     table = histories(row, row_of, done, start, time)
     table = table.merge(contacts(places, links))
-    peaks = [by_floor(np.abs(run.peaks).max(axis=0), row, row_of) for run in (done, alone)]
-    table["peak"], table["peak_alone"] = peaks
-    table["amplification"] = peaks[0] / peaks[1].where(peaks[1] > 0)
+    table = table.assign(peaks(table, row, row_of, done, alone) | columns(table, row, places))
+    table["amplification"] = table.peak / table.peak_alone.where(table.peak_alone > 0)
     if worst is not None:
         table["largest_radius_amplification"] = ("structure", worst)
     table = labels.label(table, VARIABLES)
@@ -234,8 +235,9 @@ def _estimates(
     return worst
 
 
-def _completed(row: Row, motion: kernel.SampledMotion) -> kernel.Run:
+def _completed(structures: Sequence[Building], row: Row, motion: kernel.SampledMotion) -> kernel.Run:
     run = kernel.run(row, motion)
+    _check_standing(structures, row, run)
     if run.completed:
         return run
     n = row.mass.size
@@ -245,3 +247,21 @@ def _completed(row: Row, motion: kernel.SampledMotion) -> kernel.Run:
         f"{run.steps} steps; displacements of the floors [{', '.join(u)}] m, velocities "
         f"[{', '.join(v)}] m/s; use a softer or less damped contact, or a smaller restitution"
     )
+
+
+def _check_standing(structures: Sequence[Building], row: Row, run: kernel.Run) -> None:
+    """Raise an ArithmeticError if the weight has made a storey drift by more than its height."""
+    for number, structure in enumerate(structures, start=1):
+        if not isinstance(structure, ShearBuilding) or not structure.p_delta:
+            continue
+        u = run.last[row.first[number - 1] : row.first[number]]
+        heights = structure.arrays()["heights"].to_numpy()
+        excess = np.abs(np.diff(u, prepend=0.0)) / heights
+        if excess.max() > 1:
+            worst = int(np.argmax(excess))
+            raise ArithmeticError(
+                f"pound: structure {number} falls over: by {run.time:.4g} s after the beginning its "
+                f"storey {worst + 1} has drifted by more than its height of {heights[worst]:g} m, for "
+                "after yield the weight above takes more stiffness than it has; give it more hardening "
+                "or strength, or a weaker motion"
+            )
