@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from stochlin import ShearBuilding
+
 
 def load_opensees() -> Any:
     """The module, or an ImportError that says why not.
@@ -65,6 +67,34 @@ def add_oscillators(
         ops.element("zeroLength", n, base, top, "-mat", spring, dashpot, "-dir", 1, 1)
         tops.append(top)
     return tops
+
+
+def add_shear_building(ops: Any, base: int, building: ShearBuilding) -> list[int]:
+    """Storeys of Steel01, or elastic, with the damping matrix as dashpots; the nodes of the floors.
+
+    Its tags are from ``base`` to ``base + storeys``, and from ``1000 base`` on.
+    """
+    values, damping = building.arrays(), building.damping_matrix()
+    n = building.storeys
+    yields = np.broadcast_to(values.get("yield_drifts", np.inf), n)
+    ops.node(base, 0.0)
+    ops.fix(base, 1)
+    for i in range(n):
+        k, tag = float(values["stiffnesses"][i]), base + i + 1
+        ops.node(tag, 0.0)
+        ops.mass(tag, float(values["masses"][i]))
+        if building.yields:
+            ops.uniaxialMaterial("Steel01", tag, k * yields[i], k, float(values["hardening"]))
+        else:
+            ops.uniaxialMaterial("Elastic", tag, k)
+        ops.element("zeroLength", tag, tag - 1, tag, "-mat", tag, "-dir", 1)
+    for i in range(n):
+        for j in range(-1, i):  # to the ground, and between floors
+            c = damping[i].sum() if j < 0 else -damping[i, j]
+            tag = 1000 * base + 100 * (i + 1) + j + 1
+            ops.uniaxialMaterial("Viscous", tag, c, 1.0)
+            ops.element("zeroLength", tag, base + j + 1, base + i + 1, "-mat", tag, "-dir", 1)
+    return [base + i + 1 for i in range(n)]
 
 
 def shake(

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from opensees_models import new_model, opensees_or_none, shake
+from opensees_models import add_shear_building, new_model, opensees_or_none, shake
 
 import stochlin as sl
 from stochlin.kernels.basics.arrays import Array
@@ -54,30 +54,9 @@ def opensees(ops: Any, pair: list[sl.ShearBuilding], record: Array, step: float)
     """Time of the analysis alone, one call for the motion, and the last displacements of the roofs."""
     new_model(ops)
     ops.uniaxialMaterial("ElasticPPGap", 1, BUMPER, -1e15, -GAP, 0.0)
-    for b, each in enumerate(pair):
-        base = 100 * (b + 1)
-        ops.node(base, 0.0)
-        ops.fix(base, 1)
-        values = each.arrays()
-        damping = each.damping_matrix()
-        for i in range(STOREYS):
-            k, tag = float(values["stiffnesses"][i]), base + i + 1
-            ops.node(tag, 0.0)
-            ops.mass(tag, MASS)
-            if "yield_drifts" in values:
-                uy = float(values["yield_drifts"])
-                ops.uniaxialMaterial("Steel01", tag, k * uy, k, HARDENING)
-            else:
-                ops.uniaxialMaterial("Elastic", tag, k)
-            ops.element("zeroLength", tag, tag - 1, tag, "-mat", tag, "-dir", 1)
-        for i in range(STOREYS):  # the damping matrix, as dashpots between floors and to the ground
-            for j in range(-1, i):
-                c = damping[i].sum() if j < 0 else -damping[i, j]
-                tag = 10_000 * (b + 1) + 100 * (i + 1) + j + 1
-                ops.uniaxialMaterial("Viscous", tag, c, 1.0)
-                ops.element("zeroLength", tag, base + j + 1, base + i + 1, "-mat", tag, "-dir", 1)
-    for i in range(STOREYS):
-        ops.element("zeroLength", 50_000 + i, 101 + i, 201 + i, "-mat", 1, "-dir", 1)
+    one, two = (add_shear_building(ops, 100 * b, each) for b, each in enumerate(pair, start=1))
+    for i, sides in enumerate(zip(one, two, strict=True)):
+        ops.element("zeroLength", 50_000 + i, *sides, "-mat", 1, "-dir", 1)
     shake(ops, record, DT, ("NormDispIncr", 1e-10, 50), "RCM", "BandGeneral")
     roofs = np.zeros(2)
     begin = time.perf_counter()

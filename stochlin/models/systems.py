@@ -236,7 +236,7 @@ def check_links(name: str, links: object, count: int) -> tuple[Link | None, ...]
         raise TypeError(f"{name} = {brief(links)}; allowed: a list of Link and None")
     for number, link in enumerate(links, start=1):
         if link is not None:
-            expect(link, Link, f"{name}, number {number}")
+            expect(link, Link, f"{name}, number {number}" if len(links) > 1 else name)
     places = [None if link is None else link.structures for link in links]
     by_place = links and not any(places)
     if (by_place and len(links) != count - 1) or any(p is None for p in places[max(count - 1, 0) :]):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import sympy
 import xarray as xr
 
 import stochlin as sl
@@ -12,6 +13,7 @@ from stochlin.kernels.pounding import run as kernel
 
 pytestmark = pytest.mark.invariant
 
+V, Z = sympy.symbols("v z")
 CONTACT = sl.Kelvin(1e8, restitution=0.65)
 ONE = sl.Bilinear(1.0, 0.05, mass=2e5)
 TWO = sl.Bilinear(0.5, 0.05, mass=3e5)
@@ -49,16 +51,15 @@ def tower(heights, **other):
             ValueError,
             "reduction_factor.*yield_displacement",
         ),
-        ({"structures": [ONE, tower([3.0])]}, ValueError, "one kind in a row"),
         (
-            {"structures": [tower([3.0, 3.0]), tower([3.0, 4.0])]},
-            ValueError,
-            "storeys do not meet: floor 2 of structure 1 is at 6 m.*at 3, 7 m",
+            {"structures": [ONE, tower([3.0], law=V - abs(V) * Z)]},
+            (TypeError, ValueError),
+            "number 2 = ShearBuilding.*recorded_gap",
         ),
         (
-            {"structures": [tower([3.0] * 4), tower([6.0, 6.0])]},
+            {"structures": [tower([3.0, 3.0]), tower([3.0, 4.0])], "contact": sl.Stereomechanical(0.5)},
             ValueError,
-            "structures 1 and 2: storeys do not meet: floor 1 of structure 1 is at 3 m",
+            "structures 1 and 2 a floor meets a column at 6 m; allowed: .*Kelvin",
         ),
         ({"gaps": -0.01}, ValueError, r"-0.01 between structures 1 and 2.*0 <= gap"),
         ({"gaps": np.nan}, ValueError, "nan between structures 1 and 2"),

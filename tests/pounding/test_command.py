@@ -187,6 +187,40 @@ def test_towers_and_rows_are_said_and_drawn(tmp_path: Path) -> None:
                 assert low <= at <= high <= low + 3.1
 
 
+def test_slabs_that_hit_columns_are_said_loudly(tmp_path: Path) -> None:
+    example = sl.example_case()
+    start, end = example.index("[building_1]"), example.index("[separation]")
+    yields = 'hardening = 0.05\nyield_drifts = "1 cm"'
+    storeys = [
+        STOREYS.format(
+            masses=["300 t"] * n, stiffnesses=[k] * n, heights=[height] * n, strength=strength
+        )
+        for n, k, height, strength in (
+            (4, "350 MN/m", "3 m", yields),
+            (2, "900 MN/m", "3.6 m", "elastic = true"),
+        )
+    ]
+    towers = "".join(f"[building_{n}]\n{text}\n" for n, text in enumerate(storeys, start=1))
+    text = (example[:start] + towers + example[end:]).replace('existing = "5 cm" ', 'existing = "1 cm" ')
+    done = run(case_file(tmp_path, ("r", 0.4), text=text), "--picture", tmp_path / "p.png")
+    assert done.exit_code == 0, done.output
+    shown = " ".join(done.output.split())
+    with xr.open_dataset(tmp_path / "p.nc") as table:
+        one = table.isel(contact=int(table.column_force.argmax("contact")))
+        assert f"SLABS HIT COLUMNS at {int((table.column_force > 0).sum())} contacts" in shown
+        assert f"{float(one.level):.4g} m up: the columns of storey {int(one.storey)} of " in shown
+        assert f"take {float(one.column_force) / 1e6:.3g} MN" in shown
+        assert done.output.count(" m up*") == table.sizes["contact"] == 4
+        labels = [text.get_text() for text in draw_pound(table).axes[0].get_legend().get_texts()]
+        assert "SLAB AGAINST COLUMN" in labels
+        tall, low = (table.displacement.sel(structure=n) for n in (1, 2))
+        there = low.sel(floor=1) * (3.0 / 3.6)
+        least = float((0.01 + there - tall.sel(floor=1)).min())
+        assert float(table.least_clearance[0]) == pytest.approx(least, rel=1e-9)
+    weak = run(case_file(tmp_path, ("r", 0.001), text=text))
+    assert "SLABS FACE COLUMNS" in weak.output
+
+
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [

@@ -11,7 +11,7 @@ import stochlin as sl
 from stochlin.kernels.pounding import contact as forces
 from stochlin.kernels.pounding import run as kernel
 from stochlin.kernels.pounding.contact import CLOSED, OPENING
-from stochlin.kernels.pounding.impacts import AFTER, APPROACH, BEFORE, BEGIN, END, LARGEST
+from stochlin.kernels.pounding.impacts import AFTER, APPROACH, BEFORE, BEGIN, END, HANDED, LARGEST
 
 pytestmark = pytest.mark.oracle
 
@@ -45,13 +45,17 @@ def free_row(masses, contact, gap=0.0):
         damping=np.zeros((n, n)),
         left=left,
         right=right,
+        lower=right,
+        weight=np.tile([1.0, -1.0, 0.0], (n - 1, 1)),
+        meeting=forces.reduced_mass(mass[:-1], mass[1:]),
         gap=np.full(n - 1, gap),
         element=forces.law_table(laws),
         jumps=jumps,
         restitution=contact.e,
         slow=0.0,
         tied=np.zeros((0, 2), np.int64),
-        tie=np.zeros((0, 2)),
+        tie=np.zeros((0, 4)),
+        tie_law=np.zeros(0, np.int64),
     )
 
 
@@ -177,6 +181,49 @@ def test_plastic_impact_without_pressure_leaves_the_masses_side_by_side():
     run = fly((1e5, 2e5), (1.0, 0.0), sl.Stereomechanical(0.0), 1.0, gap=0.1)
     np.testing.assert_allclose(run.last[2:4], 1 / 3, atol=1e-12)
     assert run.last[0] - run.last[1] == pytest.approx(0.1, abs=1e-11)
+
+
+@given(
+    masses=st.tuples(*3 * [st.floats(1e4, 1e6)]),
+    share=st.floats(0.05, 0.95),
+    e=st.floats(0.1, 1.0),
+    side=st.sampled_from([1, -1]),
+)
+def test_a_hit_on_a_free_column_moves_both_its_floors(masses, share, e, side):
+    """Floor 0 meets the column between the floors 1, below, and 2: the impulse goes by the shares."""
+    mass, v0 = np.array(masses), 0.8
+    sides = (0, 2) if side > 0 else (2, 0)
+    weight = side * np.array([1.0, -share, share - 1.0])
+    meeting = 1 / (1 / mass[0] + share**2 / mass[2] + (1 - share) ** 2 / mass[1])
+    contact = sl.Kelvin(1e8, restitution=e)
+    row = free_row(masses, contact)._replace(
+        first=np.array([0, 1, 3]) if side > 0 else np.array([0, 2, 3]),
+        left=np.array(sides[:1]),
+        right=np.array(sides[1:]),
+        lower=np.array([1]),
+        weight=weight[[0, 1, 2] if side > 0 else [1, 0, 2]].reshape(1, 3),
+        meeting=np.array([meeting]),
+        gap=np.array([0.0]),
+        element=forces.law_table([contact.force_law(meeting)]),
+    )
+    start = np.zeros(9 + 6 + 1)
+    start[3] = side * v0
+    duration = 40 * contact.time_scale(meeting, v0)
+    motion = kernel.SampledMotion(np.zeros(17), duration / 16, np.array([0]), np.array([0.0]))
+    run = kernel.run(row, motion, start)
+    [line] = run.impacts
+    v = run.last[3:6]
+    impulse = side * (1 + e) * meeting * v0
+    np.testing.assert_allclose(
+        v - start[3:6], impulse * np.array([-1, 1 - share, share]) / mass, rtol=0, atol=10 * EXACT * v0
+    )
+    assert mass @ v == pytest.approx(mass[0] * side * v0, rel=1e-10)
+    lost = 0.5 * (1 - e * e) * meeting * v0**2
+    energies = 0.5 * mass * (v**2 - start[3:6] ** 2)
+    size = 0.5 * mass[0] * v0**2
+    assert line[AFTER] - line[BEFORE] == pytest.approx(lost, abs=1e-7 * size)
+    right = energies[1:].sum() if side > 0 else energies[0]
+    assert line[HANDED] == pytest.approx(right, abs=1e-7 * size)
 
 
 @given(d=st.floats(1e-6, 0.1), v=st.floats(-0.5, 0.5), v0=st.floats(0.01, 1))

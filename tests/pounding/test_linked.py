@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import hypothesis.strategies as st
 import numpy as np
 import pytest
 import scipy.integrate
+import scipy.linalg
 import xarray as xr
+from hypothesis import given, settings
 
 import stochlin as sl
 
@@ -127,3 +130,163 @@ def test_only_the_linked_neighbours_have_a_link():
 def test_bad_links(link, told):
     with pytest.raises((ValueError, TypeError), match=told):
         sl.pound(pair(), FAR, SPRING, record(), link=link)
+
+
+def towers(**other):
+    given = {"hardening": 0.05, "yield_drifts": 0.008} | other
+    low = sl.ShearBuilding([2e5] * 2, [1e8, 8e7], [3.0] * 2, 0.05, **given)
+    high = sl.ShearBuilding([2e5] * 4, [2e8] * 4, [3.2] * 4, 0.05, **given)
+    return [low, high]
+
+
+def integrated(row, motion, links, p_delta=False):
+    """Displacements by scipy, storeys and links as written, from kink to kink of the ground.
+
+    ``links``: pairs of floors and functions of stretch, rate and slip to force and rate of slip.
+    """
+    first = np.concatenate([[0], np.cumsum([s.storeys for s in row])])
+    n = first[-1]
+    values = [{name: a.to_numpy() for name, a in s.arrays().items()} for s in row]
+    mass, k = (np.concatenate([v[name] for v in values]) for name in ("masses", "stiffnesses"))
+    uy = np.concatenate([np.broadcast_to(v["yield_drifts"], v["masses"].size) for v in values])
+    alpha = np.repeat([float(v["hardening"]) for v in values], np.diff(first))
+    weight = np.concatenate([s.geometric_stiffness() for s in row])
+    damping = scipy.linalg.block_diag(*[s.damping_matrix() for s in row])
+    lift = np.eye(n) - np.eye(n, k=-1)
+    lift[first[1:-1], first[1:-1] - 1] = 0.0
+
+    def rates(t, x, ground, slope):
+        u, v, y = x[: 3 * n].reshape(3, n)
+        drift, pace = lift @ u, lift @ v
+        shear = (alpha * k - weight) * drift + (1 - alpha) * k * np.clip(y, -uy, uy)
+        force = -lift.T @ shear - damping @ v - mass * (ground + slope * t)
+        slips = np.zeros(len(links))
+        for j, (one, two, law) in enumerate(links):
+            pull, slips[j] = law(u[one] - u[two], v[one] - v[two], x[3 * n + j])
+            force[one] -= pull
+            force[two] += pull
+        return np.concatenate(
+            [v, force / mass, np.where((abs(y) >= uy) & (y * pace > 0), 0, pace), slips]
+        )
+
+    dt = float(motion.time[1] - motion.time[0])
+    state, found = np.zeros(3 * n + len(links)), [np.zeros(n)]
+    for begin, end in zip(motion.values[:-1], motion.values[1:], strict=True):
+        run = scipy.integrate.solve_ivp(
+            rates, (0, dt), state, "DOP853", rtol=1e-9, atol=1e-12, max_step=dt / 20,
+            args=(begin, (end - begin) / dt),
+        )  # fmt: skip
+        state = run.y[:, -1]
+        state[2 * n : 3 * n] = np.clip(state[2 * n : 3 * n], -uy, uy)
+        found.append(state[:n].copy())
+    return np.array(found)
+
+
+def flat(table, row):
+    parts = [table.displacement.values[:, b, : s.storeys] for b, s in enumerate(row)]
+    return np.concatenate(parts, axis=1)
+
+
+def test_yielding_links_and_links_with_slack_move_as_by_another_integrator():
+    row, motion = towers(), record(150)
+    k, alpha, uy, slack, c = 4e7, 0.1, 0.004, 0.001, 1e5
+    links = [
+        sl.Link(k, c, hardening=alpha, yield_displacement=uy, floors=(1, 3), structures=(1, 2)),
+        sl.Link(k, slack=slack, floors=(2, 1), structures=(1, 2)),
+    ]
+
+    def bilinear(stretch, rate, slip):
+        y = stretch - slip
+        held = (1 - alpha) * k * np.clip(y, -uy, uy)
+        return alpha * k * stretch + held + c * rate, rate if abs(y) >= uy and y * rate > 0 else 0.0
+
+    def pulls(stretch, rate, slip):
+        return k * min(stretch + slack, 0.0), 0.0
+
+    table = sl.pound(row, FAR, SPRING, motion, link=links)
+    assert float(table.energy_balance_error.max()) < 1e-8
+    assert table.link.values.tolist() == [1, 2]
+    assert float(abs(table.link_force[:, 0]).max()) > 1.05 * k * uy
+    assert float(table.link_force[:, 1].min()) < 0
+    assert float(table.link_force[:, 1].max()) == 0
+    wanted = integrated(row, motion, [(0, 4, bilinear), (1, 2, pulls)])
+    # scipy steps over the kinks of the laws
+    np.testing.assert_allclose(flat(table, row), wanted, rtol=0, atol=2e-5 * abs(wanted).max())
+
+
+def test_links_of_no_slack_to_both_sides_are_a_spring():
+    both = [sl.Link(3e7, slack=0.0, structures=(1, 2)), sl.Link(3e7, slack=0.0, structures=(2, 1))]
+    tables = [sl.pound(pair(), 0.005, SPRING, record(), link=link) for link in (sl.Link(3e7), both)]
+    assert tables[0].sizes["impact"] == tables[1].sizes["impact"] > 3
+    size = float(abs(tables[0].displacement).max())
+    np.testing.assert_allclose(*[t.displacement for t in tables], rtol=0, atol=1e-7 * size)
+    force = tables[1].link_force[:, 0] - tables[1].link_force[:, 1]
+    size = float(abs(force).max())
+    np.testing.assert_allclose(force, tables[0].link_force[:, 0], rtol=0, atol=1e-6 * size)
+
+
+def test_a_link_that_hardly_yields_is_elastic_and_one_of_much_slack_is_none():
+    firm = sl.Link(3e7, 1e5, hardening=0.5, yield_displacement=1.0)
+    known, found = (
+        sl.pound(pair(), 0.005, SPRING, record(), link=link) for link in (sl.Link(3e7, 1e5), firm)
+    )
+    size = float(abs(known.displacement).max())
+    np.testing.assert_allclose(found.displacement, known.displacement, rtol=0, atol=1e-8 * size)
+    known, found = (
+        sl.pound(pair(), 0.005, SPRING, record(), link=link) for link in (None, sl.Link(3e7, slack=9.0))
+    )
+    np.testing.assert_array_equal(found.displacement, known.displacement)
+    assert float(found.peak_link_force[0]) == 0
+
+
+@settings(max_examples=25)
+@given(
+    stiffness=st.floats(1e5, 1e9),
+    damping=st.floats(0.0, 1e6),
+    limit=st.floats(1e-4, 0.05),
+    slack=st.booleans(),
+    ties=st.lists(st.tuples(st.integers(1, 2), st.integers(1, 4)), min_size=1, max_size=3),
+    name=st.sampled_from(["spring", "kelvin", "stereomechanical"]),
+    gap=st.floats(0.0, 0.02),
+)
+def test_energy_of_any_links_is_accounted_for(stiffness, damping, limit, slack, ties, name, gap):
+    contact = {"spring": SPRING, "kelvin": sl.Kelvin(1e8, restitution=0.6)}.get(
+        name, sl.Stereomechanical(0.5)
+    )
+    law = {"slack": limit} if slack else {"hardening": 0.1, "yield_displacement": limit}
+    links = [sl.Link(stiffness, damping, **law, floors=floors, structures=(1, 2)) for floors in ties]
+    low, high = towers()
+    level = sl.ShearBuilding([2e5] * 4, [2e8] * 4, [3.0] * 4, 0.05, 0.05, 0.008)
+    row = [low, level if name == "stereomechanical" else high]
+    table = sl.pound(row, gap, contact, record(100), link=links)
+    assert float(table.energy_balance_error.max()) < 1e-6
+    lost = table.link_lost_energy.values
+    assert np.diff(lost).min() >= -1e-9 * max(lost.max(), 1.0)
+    assert table.sizes["link"] == len(ties)
+
+
+def test_weight_above_moves_buildings_as_by_another_integrator():
+    row, motion = towers(hardening=0.02, p_delta=True), 2 * record(150)
+    assert (0.02 * 8e7 - row[0].geometric_stiffness()).min() < 2e6
+    table = sl.pound(row, FAR, SPRING, motion)
+    wanted = integrated(row, motion, [])
+    np.testing.assert_allclose(flat(table, row), wanted, rtol=0, atol=2e-5 * abs(wanted).max())
+    assert float(table.energy_balance_error.max()) < 1e-8
+
+
+def test_weight_that_eats_the_hardening_still_balances_or_falls_over():
+    soft = {"hardening": 0.005, "yield_drifts": 0.02, "p_delta": True}
+    weak = sl.ShearBuilding([2e5] * 3, [3e7, 2.5e7, 2e7], [3.0] * 3, 0.05, **soft)
+    assert (0.005 * 3e7 - weak.geometric_stiffness())[0] < 0
+    table = sl.pound([weak, towers()[1]], 0.01, sl.Kelvin(1e8, restitution=0.6), 0.5 * record())
+    assert float(table.peak[0, 0]) > 0.02
+    assert float(table.energy_balance_error.max()) < 1e-8
+    with pytest.raises(ArithmeticError, match=r"structure 1 falls over: by .* its storey 2 has drifted"):
+        sl.pound([weak, towers()[1]], FAR, SPRING, 6 * record(1500))
+
+
+def test_dampers_in_storeys_take_energy():
+    row = towers(dampers=2e6)
+    plain, damped = (sl.pound(each, 0.01, SPRING, record()) for each in (towers(), row))
+    assert float(damped.peak.max()) < float(plain.peak.max())
+    assert float(damped.energy_balance_error.max()) < 1e-8

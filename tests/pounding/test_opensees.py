@@ -1,11 +1,11 @@
-"""The same pounding pair in OpenSeesPy: bilinear oscillators, an elastic gap and a Kelvin element."""
+"""The same pounding pairs in OpenSeesPy: oscillators, and frames of unequal storeys, all of Steel01."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 import xarray as xr
-from opensees_models import add_oscillators, new_model, shake
+from opensees_models import add_oscillators, add_shear_building, new_model, shake
 
 import stochlin as sl
 
@@ -60,3 +60,40 @@ def test_peaks_of_a_pounding_pair_are_those_of_opensees(ops, kind):
     damper = float(contact.force_law(reduced).damping)
     theirs = peaks_in_opensees(ops, motion.to_numpy(), damper)
     np.testing.assert_allclose(table.peak, theirs, rtol=PEAK_SHARE)
+
+
+FIVE = sl.ShearBuilding(
+    [2.2e5] * 5, np.linspace(4e8, 1.6e8, 5), [3.5] * 5, 0.05, 0.05, np.linspace(0.009, 0.006, 5)
+)
+EIGHT = sl.ShearBuilding(
+    [3e5] * 8, np.linspace(3.6e8, 1.1e8, 8), [3.5] * 8, 0.05, 0.03, np.linspace(0.012, 0.008, 8)
+)
+SPRING = 5e8  # [N/m]
+
+
+def histories_in_opensees(ops, acceleration, gap):
+    """Displacements (times, floors) of both frames; without a gap they stand far apart."""
+    new_model(ops)
+    floors = [add_shear_building(ops, 100 * b, each) for b, each in enumerate((FIVE, EIGHT), start=1)]
+    if gap is not None:
+        ops.uniaxialMaterial("ElasticPPGap", 1, SPRING, -1e15, -gap, 0.0)
+        for i, sides in enumerate(zip(*floors, strict=False)):
+            ops.element("zeroLength", 50_000 + i, *sides, "-mat", 1, "-dir", 1)
+    shake(ops, acceleration, DT, ("NormDispIncr", 1e-10, 50), "RCM", "BandGeneral")
+    tags = [tag for each in floors for tag in each]
+    found = [np.zeros(13)]
+    for _ in range(len(acceleration) - 1):
+        assert ops.analyze(round(DT / STEP), STEP) == 0
+        found.append([ops.nodeDisp(floor, 1) for floor in tags])
+    return np.array(found)
+
+
+@pytest.mark.parametrize("gap", [None, 0.01])
+def test_histories_of_frames_are_those_of_opensees(ops, gap):
+    motion = 2 * record(500)
+    table = sl.pound([FIVE, EIGHT], gap or 10.0, sl.LinearSpring(SPRING), motion)
+    assert (table.sizes["impact"] > 5) == (gap is not None)
+    assert float(table.hysteretic_energy[-1].min()) > 0
+    ours = np.concatenate([table.displacement[:, 0, :5], table.displacement[:, 1]], axis=1)
+    theirs = histories_in_opensees(ops, motion.to_numpy(), gap)
+    np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-4 * abs(ours).max())

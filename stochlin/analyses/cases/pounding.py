@@ -145,13 +145,16 @@ def _with_tallies(table: xr.Dataset) -> xr.Dataset:
 
 
 def displacement_beside(table: xr.Dataset, side: str) -> xr.DataArray:
-    """Displacement of the floor on one side of each contact, over ``time`` and ``contact``."""
+    """Displacement of a side of each contact, floor or column, over ``time`` and ``contact``."""
     at = {"structure": table[side].drop_vars(table[side].coords)}
     if "floor" in table.dims:
         at["floor"] = table[f"floor_{side}"].drop_vars(table[f"floor_{side}"].coords)
-    return table.displacement.sel(at).drop_vars(
-        ["structure", "floor", "building", "storeys"], errors="ignore"
-    )
+    beside = table.displacement.sel(at)
+    if "column" in table.coords:  # between its floors, or the ground and the first
+        share = table.share.where(table.column == side, 1.0)
+        below = table.displacement.shift(floor=1, fill_value=0.0).sel(at)
+        beside = share * beside + (1.0 - share) * below
+    return beside.drop_vars(["structure", "floor", "building", "storeys"], errors="ignore")
 
 
 def _with_energies(table: xr.Dataset) -> xr.Dataset:

@@ -9,7 +9,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from stochlin.analyses.pounding.estimates import pounding_estimate
-from stochlin.analyses.pounding.histories import by_floor, contacts, histories
+from stochlin.analyses.pounding.histories import columns, contacts, histories, peaks
 from stochlin.analyses.pounding.rows import (
     Building,
     build_row,
@@ -56,8 +56,10 @@ def pound(
 
     Parameters
     ----------
-    structures : list of Bilinear or BoucWen with a mass, or of ShearBuilding
-        At least two, from left to right. Shear buildings meet at floors of one level, within .05 m.
+    structures : list of Bilinear or BoucWen with a mass, and of ShearBuilding
+        At least two, from left to right. Shear buildings, of these laws, meet at every floor of either
+        up to the lower roof: floors within .05 m of one level slab to slab, any other a column of the
+        neighbour, between two floors. An oscillator meets the roof of a shear building.
     gaps : list of float
         Between neighbours [m], not negative: 0 touches. For two structures a number will do.
     contact : Contact
@@ -65,8 +67,9 @@ def pound(
     motion : xarray.DataArray
         Ground acceleration [m/s^2] over ``time``, as `read_record` gives it; linear between samples.
     link : Link or list of Link and None, optional
-        Spring and dashpot between two neighbours, at the highest floors at which they meet; for more
-        than two structures a list, None where there is no link.
+        Springs and dashpots, linear, that yield or have slack. Without ``floors`` a link ties the
+        highest at one level, without ``structures`` two neighbours: then there is one for each two, None
+        where there is no link.
     output_step : float, optional
         Time from output to output [s]; the record's own if left out. The response does not depend on
         it.
@@ -77,34 +80,47 @@ def pound(
     -------
     xarray.Dataset
         Over ``time`` [s] and ``structure``, for shear buildings also ``floor``: ``displacement`` [m] and
-        ``velocity`` [m/s], relative to the ground. Over ``time`` and ``contact``: ``contact_force`` [N].
-        Over ``time`` and ``structure``: ``input_energy``, ``kinetic_energy``, ``elastic_energy``,
-        ``viscous_energy``, ``hysteretic_energy`` [J]; over ``time``: ``contact_stored_energy`` and
+        ``velocity`` [m/s], relative to the ground, absolute ``acceleration`` [m/s^2], and
+        ``storey_shear`` [N] of the storey below the floor. Over ``time`` and ``contact``:
+        ``contact_force`` [N]. Over ``time`` and ``structure``: ``base_shear`` [N], ``input_energy``,
+        ``kinetic_energy``, ``elastic_energy``, ``viscous_energy``, ``hysteretic_energy`` [J]; over
+        ``time``: ``contact_stored_energy`` and
         ``contact_lost_energy`` [J], and ``energy_balance_error`` [-], what is missing over the largest
         input energy so far. Over ``impact``: ``impact_time`` [s], ``impact_contact``,
         ``approach_velocity`` [m/s], ``largest_force`` [N] (NaN where velocities jump),
-        ``impact_duration`` [s], ``energy_lost`` [J]. ``peak`` and ``peak_alone`` [m], in the row and
-        standing alone, and ``amplification`` [-], one over the other; where all structures are
+        ``impact_duration`` [s], ``energy_lost`` [J], and over ``side`` ``energy_transferred`` [J], the
+        work on the structure there. ``peak`` and ``peak_alone`` [m], in the row and standing alone, and
+        ``amplification`` [-], one over the other; likewise ``peak_acceleration``,
+        ``peak_storey_shear`` and ``peak_base_shear``. Where all structures are
         `Bilinear` also ``largest_radius_amplification`` [-], the worst that `pounding_estimate` gives
         for a hit at the largest energy of both, without links. With links also, over ``time`` and
-        ``link``, ``link_force`` [N], and over ``time`` ``link_stored_energy`` and
-        ``link_lost_energy`` [J].
+        ``link``, ``link_force`` [N], over ``time`` ``link_stored_energy`` and ``link_lost_energy`` [J],
+        and ``peak_link_force`` [N].
+
+        Coordinates of ``contact`` say which structures and floors meet, at which ``level`` [m], and of
+        which ``kind`` they are. Where slabs meet columns also ``column``, the side whose column it is,
+        its ``storey``, whose floor above stands for it, the ``share`` of that floor in the column's
+        displacement, and ``column_force`` [N], the largest force on the columns of that storey, and
+        ``column_force_share`` [-], that over the storey's shear at yield.
 
     Raises
     ------
     ValueError, TypeError
-        If there are fewer than two structures, a mass is missing, storeys do not meet, parameters are
-        arrays, a gap is negative, the number of gaps or links is wrong, the output step is not
+        If there are fewer than two structures, a law is another one, a mass is missing, velocities are
+        to jump (`Stereomechanical`) where a slab meets a column, parameters are arrays, a link has no
+        place, a gap is negative, the number of gaps or links is wrong, the output step is not
         positive, or the motion is not a record, has NaN or only zeros.
     ArithmeticError
-        If a step cannot be completed; the message has the time and the state.
+        If a step cannot be completed, with the time and the state; or if a building falls over, as the
+        weight above can make it (``p_delta``).
 
     Notes
     -----
     Displacements are positive to the right, where structure 2 stands beside structure 1. Steps of the
     8th order method of Dormand and Prince with an error of 1e-10 of the largest displacement, velocity
     and energy so far; they end at the samples of the record and wherever a structure yields or unloads,
-    a contact begins, turns or ends. Peaks are those between outputs too.
+    a contact begins, turns or ends. Peaks are those between outputs too: of displacements on the curve,
+    of the others at the ends of steps, and in contact at eight places of each.
 
     An impact ends with its force. A `NoTensionKelvin` that pushes again before the floors are clear of
     it goes on with the same impact. In the law of `HertzDamp`, an approach slower than a thousandth of
@@ -148,16 +164,17 @@ def pound(
     never = np.empty(0, np.int64), np.empty(0)
     runs = (row, asked), (kernel.standing_alone(row), never)
     done, alone = in_order(
-        lambda i: _completed(runs[i][0], kernel.SampledMotion(ground, dt, *runs[i][1])), 2, progress
+        lambda i: _completed(row_of, runs[i][0], kernel.SampledMotion(ground, dt, *runs[i][1])),
+        2,
+        progress,
     )
     worst = _estimates(oscillators, spaces, contact, motion) if estimated else None
     start = float(motion["time"][0])
     time = motion["time"].to_numpy().astype(float) if output_step is None else start + times
     table = histories(row, row_of, done, start, time)
     table = table.merge(contacts(places, links))
-    peaks = [by_floor(np.abs(run.peaks).max(axis=0), row, row_of) for run in (done, alone)]
-    table["peak"], table["peak_alone"] = peaks
-    table["amplification"] = peaks[0] / peaks[1].where(peaks[1] > 0)
+    table = table.assign(peaks(table, row, row_of, done, alone) | columns(table, row, places))
+    table["amplification"] = table.peak / table.peak_alone.where(table.peak_alone > 0)
     if worst is not None:
         table["largest_radius_amplification"] = ("structure", worst)
     table = labels.label(table, VARIABLES)
@@ -234,8 +251,9 @@ def _estimates(
     return worst
 
 
-def _completed(row: Row, motion: kernel.SampledMotion) -> kernel.Run:
+def _completed(structures: Sequence[Building], row: Row, motion: kernel.SampledMotion) -> kernel.Run:
     run = kernel.run(row, motion)
+    _check_standing(structures, row, run)
     if run.completed:
         return run
     n = row.mass.size
@@ -245,3 +263,21 @@ def _completed(row: Row, motion: kernel.SampledMotion) -> kernel.Run:
         f"{run.steps} steps; displacements of the floors [{', '.join(u)}] m, velocities "
         f"[{', '.join(v)}] m/s; use a softer or less damped contact, or a smaller restitution"
     )
+
+
+def _check_standing(structures: Sequence[Building], row: Row, run: kernel.Run) -> None:
+    """Raise an ArithmeticError if the weight has made a storey drift by more than its height."""
+    for number, structure in enumerate(structures, start=1):
+        if not isinstance(structure, ShearBuilding) or not structure.p_delta:
+            continue
+        u = run.last[row.first[number - 1] : row.first[number]]
+        heights = structure.arrays()["heights"].to_numpy()
+        excess = np.abs(np.diff(u, prepend=0.0)) / heights
+        if excess.max() > 1:
+            worst = int(np.argmax(excess))
+            raise ArithmeticError(
+                f"pound: structure {number} falls over: by {run.time:.4g} s after the beginning its "
+                f"storey {worst + 1} has drifted by more than its height of {heights[worst]:g} m, for "
+                "after yield the weight above takes more stiffness than it has; give it more hardening "
+                "or strength, or a weaker motion"
+            )

@@ -7,12 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-import scipy.linalg
 
 from stochlin.analyses.tables.checks import as_numbers, check_scalars
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.pounding.contact import ForceLaw, law_table, reduced_mass
-from stochlin.kernels.pounding.rows import BILINEAR, BOUC_WEN, ELASTIC, Row
+from stochlin.kernels.pounding.contact import ForceLaw, law_table
+from stochlin.kernels.pounding.rows import BILINEAR, BOUC_WEN, ELASTIC, SLACK, Row
 from stochlin.messages import brief
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Contact, Element
@@ -21,37 +20,49 @@ from stochlin.models.laws.bouc_wen import BoucWen
 from stochlin.models.links import Link
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
+from stochlin.models.systems import LEVEL, Stack, System, Tie, check_links, system_of
 
 Building = Structure | ShearBuilding
 
-# Laws of storeys that yield. One of a kind that is derived from these may be any other.
-LAWS: Mapping[type, int] = {Bilinear: BILINEAR, BoucWen: BOUC_WEN, ShearBuilding: BILINEAR}
+# Laws of what yields. One of a kind that is derived from these may be any other.
+LAWS: Mapping[type, int] = {Bilinear: BILINEAR, BoucWen: BOUC_WEN}
 
 UNUSED = (0.0, 0.0, 1.0)  # shape of a law that has none
 NUMBERS = "numbers, since a history is of one row"
-ALIGNED = 0.05  # [m]: floors whose levels differ by less meet
 SLOW = 1e-3  # of the velocity that the motion can give the stiffest structure in a quarter period
+SLABS, COLUMN = "slab to slab", "slab to column"
 
 
 class Meeting(NamedTuple):
-    """A contact: the building on its left, both floors counted from 0, their level [m]."""
+    """A contact: the building on its left, both floors counted from 0, their level [m].
+
+    Where a floor meets a column, the floor of that side is the one above, which has the ``share``; the
+    rest has the floor below, or the ground.
+    """
 
     building: int
     floor_left: int
     floor_right: int
-    level: float  # NaN for structures of one degree of freedom
+    level: float  # NaN between structures of one degree of freedom
+    struck: str = ""  # the side whose column is met: "left", "right"
+    share: float = 1.0
 
+    @property
+    def kind(self) -> str:
+        """What meets what."""
+        return COLUMN if self.struck else SLABS
 
-class Stack(NamedTuple):
-    """One building as a kernel takes it; see `Row`."""
+    @property
+    def weights(self) -> tuple[float, float, float]:
+        """Of the left floor, the right one and the one below the column, in the penetration."""
+        left, right = (self.share if self.struck == side else 1.0 for side in ("left", "right"))
+        below = 1 - self.share if self.storey else 0.0
+        return left, -right, below if self.struck == "left" else -below
 
-    mass: Array
-    stiffness: Array
-    hardening: float
-    strength: Array
-    law: int
-    shape: tuple[float, float, float]  # beta, gamma and exponent
-    damping: Array
+    @property
+    def storey(self) -> int:
+        """Of the column that is met, counted from 0: that below its floor."""
+        return self.floor_left if self.struck == "left" else self.floor_right
 
 
 def checked_buildings(structures: Sequence[Building]) -> list[Building]:
@@ -62,11 +73,13 @@ def checked_buildings(structures: Sequence[Building]) -> list[Building]:
         )
     for number, structure in enumerate(structures, start=1):
         role = f"structures, number {number}"
-        if type(structure) not in LAWS:
+        law = structure.storey_law if isinstance(structure, ShearBuilding) else structure
+        if type(law) not in LAWS:
             raise TypeError(
                 f"{role} = {brief(structure)} is of the wrong kind; allowed: "
-                f"{', '.join(kind.__name__ for kind in LAWS)}; for structures of another law there are "
-                "separation and simulate"
+                f"{', '.join(kind.__name__ for kind in LAWS)}, {ShearBuilding.__name__}; steps that end "
+                "at each event know the branches of these laws alone: for structures of another law "
+                "there are separation and simulate, and recorded_gap for the gap in a record"
             )
         if isinstance(structure, ShearBuilding):
             continue
@@ -78,11 +91,6 @@ def checked_buildings(structures: Sequence[Building]) -> list[Building]:
                 f"{role}: reduction_factor has no meaning in a given motion, for it refers to the "
                 "elastic response to a ground model; give yield_displacement"
             )
-    if len({isinstance(structure, ShearBuilding) for structure in structures}) > 1:
-        raise ValueError(
-            "structures: shear buildings stand beside structures whose height is not known; allowed: "
-            "one kind in a row, so give each a ShearBuilding, of one storey if need be"
-        )
     return list(structures)
 
 
@@ -101,40 +109,37 @@ def checked_gaps(gaps: npt.ArrayLike, count: int) -> Array:
     return values.astype(float)
 
 
-def checked_links(link: Link | Sequence[Link | None] | None, count: int) -> list[Link | None]:
+def checked_links(link: Link | Sequence[Link | None] | None, count: int) -> tuple[Link | None, ...]:
     """Links between ``count`` structures; one will do for two."""
-    links: list[Link | None] = [None] * (count - 1)
     if link is not None and not isinstance(link, (Link, list, tuple)):
         raise TypeError(f"link = {brief(link)}; allowed: a Link, or a list of Link and None")
-    if link is not None:
-        links = [link] if isinstance(link, Link) else list(link)
-    if len(links) != count - 1:
-        raise ValueError(
-            f"link: {len(links)} given; allowed: one between each two neighbours, {count - 1} in all, "
-            "None where there is none"
-        )
+    given = [link] if isinstance(link, Link) else list(link or ())
+    links = check_links("link", given, count) if link is not None else ()
     for each in links:
         if each is not None:
-            expect(each, Link, "link")
             check_scalars(each, "link", NUMBERS)
     return links
 
 
-def meetings(structures: Sequence[Building]) -> list[Meeting]:
+def meetings(system: System) -> list[Meeting]:
     """Contacts of the row, level by level from the ground, and along a level from left to right."""
     found: list[Meeting] = []
-    for b in range(len(structures) - 1):
-        one, two = structures[b], structures[b + 1]
-        if isinstance(one, ShearBuilding) and isinstance(two, ShearBuilding):
-            found += _aligned(b, one.levels(), two.levels())
+    for b in range(len(system.stacks) - 1):
+        one, two = (stack.levels for stack in system.stacks[b : b + 2])
+        if np.isnan(one).any() or np.isnan(two).any():  # an oscillator meets the roof
+            level = np.fmax(one[-1], two[-1])
+            found.append(Meeting(b, one.size - 1, two.size - 1, float(level)))
         else:
-            found.append(Meeting(b, 0, 0, np.nan))
+            found += _facing(b, one, two)
     starts: dict[tuple[int, int], tuple[float, int]] = {}
+    chains: list[tuple[tuple[float, int], int, Meeting]] = []
     for m in found:  # a chain is known by the level and the building at which it begins
-        key = starts.get((m.building, m.floor_left), (m.level, m.building))
-        starts[m.building, m.floor_left] = key
-        starts[m.building + 1, m.floor_right] = key
-    return sorted(found, key=lambda m: (starts[m.building, m.floor_left], m.building))
+        key = np.inf if np.isnan(m.level) else m.level, m.building
+        if not m.struck:
+            key = starts.get((m.building, m.floor_left), key)
+            starts[m.building, m.floor_left] = starts[m.building + 1, m.floor_right] = key
+        chains.append((key, m.building, m))
+    return [m for *_, m in sorted(chains, key=lambda chain: chain[:2])]
 
 
 def build_row(
@@ -144,58 +149,49 @@ def build_row(
     motion: Array,
     links: Sequence[Link | None],
 ) -> tuple[Row, list[Meeting]]:
-    """The row of buildings for a kernel, and what its contacts are.
-
-    A link ties the highest floors at which two neighbours meet.
-    """
+    """The row of buildings for a kernel, and what its contacts are."""
     expect(contact, Contact, "contact")
     check_scalars(contact, "contact", NUMBERS)
-    stacks = [_stack(structure) for structure in structures]
-    first = np.concatenate([[0], np.cumsum([stack.mass.size for stack in stacks])])
-    below = np.concatenate([np.arange(s.mass.size) + f - 1 for s, f in zip(stacks, first, strict=False)])
-    below[first[:-1]] = -1
-    mass, stiffness, strength = (
-        np.concatenate([getattr(stack, name) for stack in stacks])
-        for name in ("mass", "stiffness", "strength")
-    )
-    hardening, law, shape = (
-        np.repeat([getattr(stack, name) for stack in stacks], np.diff(first), axis=0)
-        for name in ("hardening", "law", "shape")
-    )
-    places = meetings(structures)
-    tops = {m.building: m for m in sorted(places, key=lambda m: m.floor_left)}
-    tied = [(b, tops[b], link) for b, link in enumerate(links) if link is not None]
-    left = np.array([first[m.building] + m.floor_left for m in places])
-    right = np.array([first[m.building + 1] + m.floor_right for m in places])
+    system = system_of(structures, links)
+    first, mass, places = system.first, system.all("mass"), meetings(system)
+    floors = np.array([_floors(m, first) for m in places])
+    weight = np.array([m.weights for m in places])
+    shares = weight**2 / mass[floors]
+    meeting = 1.0 / (shares[:, 0] + shares[:, 1] + shares[:, 2])
     element = contact if isinstance(contact, Element) else None
-    laws = [
-        element.force_law(float(m)) if element else ForceLaw()
-        for m in reduced_mass(mass[left], mass[right])
-    ]
+    columns = [m for m in places if m.struck]
+    if element is None and columns:
+        raise ValueError(
+            f"contact = {contact.describe()}: velocities jump only where slabs meet, and of the "
+            f"structures {columns[0].building + 1} and {columns[0].building + 2} a floor meets a column "
+            f"at {columns[0].level:g} m; allowed: a contact with a force, for instance "
+            "Kelvin(stiffness, restitution=..)"
+        )
+    laws = [element.force_law(float(m)) if element else ForceLaw() for m in meeting]
     row = Row(
         first=first,
-        below=below,
+        below=system.below,
         mass=mass,
         per_mass=1 / mass,
-        post=hardening * stiffness,
-        couple=(1 - hardening) * stiffness,
-        strength=strength,
-        law=law,
-        shape=shape,
-        damping=np.ascontiguousarray(scipy.linalg.block_diag(*[stack.damping for stack in stacks])),
-        left=left,
-        right=right,
+        post=system.all("post"),
+        couple=system.all("couple"),
+        strength=system.all("strength"),
+        law=np.concatenate([_laws(stack) for stack in system.stacks]),
+        shape=np.concatenate([_shapes(stack) for stack in system.stacks]),
+        damping=system.damping,
+        left=np.ascontiguousarray(floors[:, 0]),
+        right=np.ascontiguousarray(floors[:, 1]),
+        lower=np.ascontiguousarray(floors[:, 2]),
+        weight=weight,
+        meeting=meeting,
         gap=np.array([gaps[m.building] for m in places]),
         element=law_table(laws),
         jumps=element is None,
         restitution=1.0 if element else float(contact.e),
         slow=SLOW * float(np.abs(motion).max()) * min(map(shortest_period, structures)) / (2 * np.pi),
-        tied=np.array(
-            [(first[b] + m.floor_left, first[b + 1] + m.floor_right) for b, m, _ in tied], np.int64
-        ).reshape(-1, 2),
-        tie=np.array([(link.stiffness, link.damping_constant) for *_, link in tied], float).reshape(
-            -1, 2
-        ),
+        tied=np.array([(tie.one, tie.two) for tie in system.ties], np.int64).reshape(-1, 2),
+        tie=np.array([_tie(tie) for tie in system.ties], float).reshape(-1, 4),
+        tie_law=np.array([_tie_law(tie.link) for tie in system.ties], np.int64),
     )
     return row, places
 
@@ -207,39 +203,51 @@ def shortest_period(structure: Building) -> float:
     return float(structure.arrays()["period"])
 
 
-def _aligned(b: int, one: Array, two: Array) -> list[Meeting]:
-    """Contacts of two neighbours: every level up to the lower roof has to be one of both."""
-    roof = min(one[-1], two[-1]) + ALIGNED
-    pairs = [(i, j) for i in range(one.size) for j in range(two.size) if abs(one[i] - two[j]) < ALIGNED]
-    met = {i for i, _ in pairs}, {j for _, j in pairs}
-    for levels, seen, number in ((one, met[0], b + 1), (two, met[1], b + 2)):
+def _facing(b: int, one: Array, two: Array) -> list[Meeting]:
+    """Contacts of two neighbours, up to the lower roof: floors at one level, and floors at columns."""
+    pairs = [(i, j) for i in range(one.size) for j in range(two.size) if abs(one[i] - two[j]) < LEVEL]
+    found = [Meeting(b, i, j, float(0.5 * (one[i] + two[j]))) for i, j in pairs]
+    roof = min(one[-1], two[-1]) + LEVEL
+    for levels, other, side in ((one, two, 0), (two, one, 1)):
+        met = {pair[side] for pair in pairs}
         for i, level in enumerate(levels):
-            if level < roof and i not in seen:
-                other = two if number == b + 1 else one
-                told = ", ".join(f"{each:g}" for each in other)
-                raise ValueError(
-                    f"structures {b + 1} and {b + 2}: storeys do not meet: floor {i + 1} of structure "
-                    f"{number} is at {level:g} m, the floors of its neighbour at {told} m; allowed: "
-                    f"common levels, within {ALIGNED:g} m, up to the lower roof"
-                )
-    return [Meeting(b, i, j, float(0.5 * (one[i] + two[j]))) for i, j in pairs]
+            if level >= roof or i in met:
+                continue
+            above = int(np.searchsorted(other, level))
+            under = other[above - 1] if above else 0.0
+            share = float((level - under) / (other[above] - under))
+            floors, struck = ((above, i), "left") if side else ((i, above), "right")
+            found.append(Meeting(b, *floors, float(level), struck, share))
+    return found
 
 
-def _stack(structure: Building) -> Stack:
-    values = {name: array.to_numpy() for name, array in structure.arrays().items()}
-    hardening = float(values.get("hardening", 1.0))
-    if isinstance(structure, ShearBuilding):
-        strength = np.broadcast_to(values.get("yield_drifts", np.inf), values["masses"].shape)
-        law = LAWS[type(structure)] if "yield_drifts" in values else ELASTIC
-        damping = structure.damping_matrix()
-        stiffness = values["stiffnesses"]
-        return Stack(values["masses"], stiffness, hardening, strength, law, UNUSED, damping)
-    mass, w = values["mass"].reshape(1), 2 * np.pi / values["period"]
-    strength = np.atleast_1d(values.get("yield_displacement", np.inf)).astype(float)
-    damping = (2 * values["damping"] * w * mass).reshape(1, 1)
-    if not structure.yields:
-        return Stack(mass, mass * w**2, 1.0, strength, ELASTIC, UNUSED, damping)
-    law, shape = LAWS[type(structure)], UNUSED
-    if law == BOUC_WEN:
-        shape = (float(values["beta"]), float(values["gamma"]), float(values["exponent"]))
-    return Stack(mass, mass * w**2, hardening, strength, law, shape, damping)
+def _floors(m: Meeting, first: Array) -> tuple[int, int, int]:
+    """Left and right floor of a contact, and the one below its column, through all buildings."""
+    left, right = int(first[m.building]) + m.floor_left, int(first[m.building + 1]) + m.floor_right
+    upper = left if m.struck == "left" else right
+    return left, right, upper - 1 if m.struck and m.storey else upper
+
+
+def _laws(stack: Stack) -> Array:
+    return np.where(np.isfinite(stack.strength), LAWS[type(stack.law)], ELASTIC)
+
+
+def _shapes(stack: Stack) -> Array:
+    if type(stack.law) is BoucWen:
+        return stack.law_parameters
+    return np.tile(UNUSED, (stack.mass.size, 1))
+
+
+def _tie_law(link: Link) -> int:
+    return BILINEAR if link.yields else ELASTIC if link.slack is None else SLACK
+
+
+def _tie(tie: Tie) -> tuple[float, float, float, float]:
+    """A link as a kernel takes it: see `Row`."""
+    k, c = tie.link.number("stiffness"), tie.link.number("damping_constant")
+    if tie.link.yields:
+        hardening = tie.link.number("hardening")
+        return hardening * k, c, (1 - hardening) * k, tie.link.number("yield_displacement")
+    if tie.link.slack is not None:
+        return 0.0, c, k, tie.link.number("slack")
+    return k, c, 0.0, np.inf

@@ -1,24 +1,28 @@
 """Ends of branches within a step of buildings in a row: which comes first, and what follows; compiled.
 
-A storey yields and unloads, a contact begins, turns and ends where a linear function of the state leaves
-an interval; two floors that move together part where the force between them vanishes.
+A storey or a link yields and unloads, a link with slack is taut or loose, a contact begins, turns and
+ends where a linear function of the state leaves an interval; two floors that move together part where
+the force between them vanishes.
 """
 
 import numpy as np
 
-from stochlin.kernels.basics.compiled import compiled, inlined
+from stochlin.kernels.basics.compiled import called_often, compiled, inlined
 from stochlin.kernels.basics.linear_branch import evaluate, first_exit
 from stochlin.kernels.pounding.contact import CLOSED, OPEN, OPENING, PARTED, TOGETHER
-from stochlin.kernels.pounding.impacts import END, LARGEST, begin_entry, end_entry, settle
+from stochlin.kernels.pounding.impacts import END, HANDED, LARGEST, begin_entry, end_entry, settle
 from stochlin.kernels.pounding.rates import (
     CLOSING_RATE,
     MARGIN,
     PENETRATION,
     STRAIN,
     STRAIN_RATE,
+    STRETCH,
+    STRETCH_RATE,
     measure,
+    pull,
 )
-from stochlin.kernels.pounding.rows import BILINEAR, BOUC_WEN, ELASTIC, sizes
+from stochlin.kernels.pounding.rows import BILINEAR, BOUC_WEN, ELASTIC, LIMIT, SLACK, sizes
 from stochlin.kernels.pounding.steps import (
     NODES,
     STAGES,
@@ -27,6 +31,7 @@ from stochlin.kernels.pounding.steps import (
     force_polynomial,
     interpolate,
     polynomial,
+    work_within,
 )
 
 NOTHING = -1
@@ -35,21 +40,23 @@ THIRDS = 16  # the square of what is left, (2/3)^32, is the error of a peak
 GRAIN = 1e-11  # of the largest displacement: the noise of the polynomials
 
 
-@compiled
+@called_often
 def watched(row, branch, number):
-    """What ends a branch: a `measure`, of which storey or contact, its shift, and its interval.
+    """What ends a branch: a `measure`, of which storey, contact or link, its shift, and its interval.
 
-    There are two of each storey and of each contact. What floors that move together watch, their force,
-    is not among it.
+    There are two of each storey and of each contact, and one of each link. What floors that move
+    together watch, their force, is not among it.
     """
     n, _, c, _ = sizes(row)
     if number < 2 * n:
         return _watched_storey(row, branch, number % n, number < n)
+    if number >= 2 * (n + c):
+        return _watched_link(row, branch, number - 2 * (n + c))
     j = (number - 2 * n) % c
     return _watched_contact(row, branch, j, number < 2 * n + c)
 
 
-@compiled
+@called_often
 def _watched_storey(row, branch, i, first):
     law, sign, limit = row.law[i], branch.storey[i], row.strength[i]
     watch = NOTHING, i, 0.0, 0.0, 0.0
@@ -62,7 +69,7 @@ def _watched_storey(row, branch, i, first):
     return watch
 
 
-@compiled
+@called_often
 def _watched_contact(row, branch, j, first):
     kept, gap = branch.contact[j], row.gap[j]
     watch = NOTHING, j, 0.0, 0.0, 0.0
@@ -79,7 +86,20 @@ def _watched_contact(row, branch, j, first):
     return watch
 
 
-@compiled
+@called_often
+def _watched_link(row, branch, j):
+    law, sign, limit = row.tie_law[j], branch.tie[j], row.tie[j, LIMIT]
+    watch = NOTHING, j, 0.0, 0.0, 0.0
+    if law == SLACK:
+        watch = _keeps_sign(STRETCH, j, -limit, 1 - 2 * sign)
+    elif law == BILINEAR and sign == 0:
+        watch = STRETCH, j, 0.0, -limit, limit
+    elif law == BILINEAR:
+        watch = _keeps_sign(STRETCH_RATE, j, 0.0, sign)
+    return watch
+
+
+@called_often
 def _keeps_sign(what, i, shift, sign):
     return what, i, shift, 0.0 if sign > 0 else -INFINITE, INFINITE if sign > 0 else 0.0
 
@@ -119,6 +139,24 @@ def _storeys_stay(row, branch, h, x, space):
 
 
 @inlined
+def _contacts_stay(row, branch, h, x, space):
+    """Whether no contact can begin within the step, nor end: the same, for contacts that are open."""
+    new, begin, end = space.new, space.stages[0], space.stages[STAGES]
+    for j in range(row.gap.size):
+        if branch.contact[j] != OPEN:
+            return False
+        one, two, low = row.left[j], row.right[j], row.lower[j]
+        first, second, third = row.weight[j]
+        d = first * x[one] + second * x[two] + third * x[low]
+        d1 = first * new[one] + second * new[two] + third * new[low]
+        r = first * begin[one] + second * begin[two] + third * begin[low]
+        r1 = first * end[one] + second * end[two] + third * end[low]
+        if max(d, d1) - row.gap[j] + h * max(abs(r), abs(r1)) > 0.0:
+            return False
+    return True
+
+
+@inlined
 def first_event(row, branch, ground, slope, h, x, space):
     """First end of a branch within a step that was taken.
 
@@ -126,13 +164,17 @@ def first_event(row, branch, ground, slope, h, x, space):
     polynomials of the step were found. In contact they always are, with the forces at the nodes.
     """
     n, _, c, _ = sizes(row)
-    total = 2 * (n + c)
+    total = 2 * (n + c) + len(row.tied)
     best, event, way, known = 1.0, NOTHING, 0, False
     if _in_contact(branch):
         interpolate(row, branch, ground, slope, h, x, space)
         find_node_forces(row, branch, ground, slope, h, x, space)
         known = True
-    for number in range(2 * n if _storeys_stay(row, branch, h, x, space) else 0, total):
+    begins = 2 * n if _storeys_stay(row, branch, h, x, space) else 0
+    open_on = 2 * (n + c) if _contacts_stay(row, branch, h, x, space) else 2 * n
+    for number in range(begins, total):
+        if 2 * n <= number < open_on:
+            continue
         what, i, shift, lower, upper = watched(row, branch, number)
         if what == NOTHING:
             continue
@@ -177,7 +219,14 @@ def pass_event(row, branch, event, way, ground, time, x, space, table, used):
         else:
             branch.storey[event] = way if branch.storey[event] == 0 else 0
         return used
-    j = (event - 2 * n) % c
+    if 2 * (n + c) <= event < 2 * (n + c) + len(row.tied):
+        j = event - 2 * (n + c)
+        if row.tie_law[j] == SLACK:
+            branch.tie[j] = 1 - branch.tie[j]
+        else:
+            branch.tie[j] = way if branch.tie[j] == 0 else 0
+        return used
+    j = (event - 2 * n) % c if event < 2 * (n + c) else event - 2 * (n + c) - len(row.tied)
     if row.jumps:
         return settle(row, branch, j, ground, time, x, space, table, used)
     if branch.contact[j] == OPEN:
@@ -206,8 +255,14 @@ def _end_contact(row, branch, j, time, x, table):
 
 
 @inlined
-def watch_forces(branch, end, space, table):
-    """Take the largest forces up to the share ``end`` of a step into the table."""
+def watch_forces(branch, end, h, space, table, most):
+    """Take the largest forces, and work, up to the share ``end`` of a step into the table.
+
+    And in contact the largest accelerations (n,) at the places where forces are looked at.
+    """
+    for q in range(int(end * (NODES - 1)) + 1 if _in_contact(branch) else 0):
+        for i in range(most.size):
+            most[i] = max(most[i], abs(space.shaken[q, i]))
     for j in range(branch.contact.size):
         line = branch.entry[j]
         if line < 0 or branch.contact[j] in (OPEN, PARTED):
@@ -228,6 +283,7 @@ def watch_forces(branch, end, space, table):
                 high -= third
             largest = max(largest, one, two)
         table[line, LARGEST] = largest
+        table[line, HANDED] += h * work_within(j, end, space)
 
 
 @compiled
@@ -252,3 +308,17 @@ def watch_peaks(row, end, h, x, after, space, peaks, look):
                     best = max(best, evaluate(space.line, t)[0])
             peaks[side, i] = sign * best
     return needed
+
+
+@called_often
+def watch_state(row, branch, ground, x, dx, most):
+    """Take a state and its rates into the largest accelerations, storey shears and forces of links."""
+    n = row.mass.size
+    for i in range(n):
+        below = x[row.below[i]] if row.below[i] >= 0 else 0.0
+        drift = x[i] - below
+        shear = row.post[i] * drift + row.couple[i] * (drift - x[2 * n + i])
+        most.shear[i] = max(most.shear[i], abs(shear))
+        most.acceleration[i] = max(most.acceleration[i], abs(dx[n + i] + ground))
+    for j in range(len(row.tied)):
+        most.pull[j] = max(most.pull[j], abs(pull(row, branch, j, x)[0]))

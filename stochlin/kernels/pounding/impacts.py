@@ -1,7 +1,8 @@
 """Stereomechanical impacts of buildings in a row, and the table of all impacts; compiled.
 
 An impact is a line of the table: when it began, which contact, its approach velocity, its largest force,
-when it ended, and what the contact had dissipated before and after it.
+when it ended, what the contact had dissipated before and after it, its work on the structure on its
+right, and what it stored at its end.
 """
 
 import numpy as np
@@ -11,8 +12,8 @@ from stochlin.kernels.pounding.contact import OPEN, TOGETHER, impact_loss, veloc
 from stochlin.kernels.pounding.rates import CLOSING_RATE, PENETRATION, linked, measure, rates
 from stochlin.kernels.pounding.rows import sizes
 
-BEGIN, CONTACT, APPROACH, LARGEST, END, BEFORE, AFTER = range(7)
-COLUMNS = 7
+BEGIN, CONTACT, APPROACH, LARGEST, END, BEFORE, AFTER, HANDED, STORED = range(9)
+COLUMNS = 9
 FIRST_LINES = 256
 TOUCH = 1e-12  # of the largest displacement: floors this close touch
 CALM = 1e-9  # of the largest velocity: floors that close no faster than this do not strike
@@ -27,6 +28,7 @@ def begin_entry(row, branch, j, velocity, time, x, table, used):
     line = table[used]
     line[BEGIN], line[CONTACT], line[APPROACH], line[LARGEST] = time, j, velocity, -np.inf
     line[END], line[BEFORE], line[AFTER] = time, lost, lost
+    line[HANDED] = line[STORED] = 0.0
     branch.entry[j] = used
     return used + 1
 
@@ -34,8 +36,11 @@ def begin_entry(row, branch, j, velocity, time, x, table, used):
 @compiled
 def end_entry(row, branch, j, time, x, table):
     """Bring the line of a contact up to date."""
-    table[branch.entry[j], END] = time
-    table[branch.entry[j], AFTER] = x[_account(row, j)]
+    line = table[branch.entry[j]]
+    line[END], line[AFTER] = time, x[_account(row, j)]
+    if not row.jumps:
+        d, n = measure(row, PENETRATION, j, x) - row.gap[j], row.element[j].exponent
+        line[STORED] = row.element[j].stiffness * max(d, 0.0) ** (n + 1.0) / (n + 1.0)
 
 
 @compiled
@@ -63,12 +68,12 @@ def settle(row, branch, struck, ground, time, x, space, table, used):
             if branch.entry[j] < 0:
                 used = begin_entry(row, branch, j, 0.0, time, x, table, used)
             branch.contact[j] = TOGETHER
-            _join(row, branch, j, x)
+            _join(row, branch, j, x, table)
         if branch.contact[j] == TOGETHER:
             if measure(row, CLOSING_RATE, j, x) < -calm:
                 _let_go(row, branch, j, time, x, table)
             else:
-                _join(row, branch, j, x)
+                _join(row, branch, j, x, table)
     for _ in range(row.gap.size):  # one that is held can press the next
         held = False
         for j in range(row.gap.size):
@@ -96,9 +101,9 @@ def _blows(row, branch, struck, touch, calm, time, x, table, used):
         used = begin_entry(row, branch, which, fastest, time, x, table, used)
         if row.restitution == 0.0:
             branch.contact[which] = TOGETHER
-            _join(row, branch, which, x)
+            _join(row, branch, which, x, table)
         else:
-            _strike(row, which, row.restitution, x)
+            table[branch.entry[which], HANDED] += _strike(row, which, row.restitution, x)
         end_entry(row, branch, which, time, x, table)
     return used, True
 
@@ -114,11 +119,11 @@ def _press(row, branch, j, ground, time, calm, x, space, table, used):
         if branch.entry[j] < 0:
             used = begin_entry(row, branch, j, max(v, 0.0), time, x, table, used)
         branch.contact[j] = TOGETHER
-        _join(row, branch, j, x)
+        _join(row, branch, j, x, table)
     else:
         branch.entry[j] = -1
         if abs(v) <= calm:  # side by side: rounding is not to make them strike again
-            _join(row, branch, j, x)
+            _join(row, branch, j, x, table)
     return used
 
 
@@ -137,15 +142,16 @@ def _let_go(row, branch, j, time, x, table):
 
 @compiled
 def _strike(row, j, e, x):
-    """One impact, eq. (13)."""
+    """One impact, eq. (13); its work on the right."""
     n, one, two = row.mass.size, row.left[j], row.right[j]
     v1, v2, mass_1, mass_2 = x[n + one], x[n + two], row.mass[one], row.mass[two]
     x[n + one], x[n + two] = velocities_after_impact(v1, v2, mass_1, mass_2, e)
     x[_account(row, j)] += impact_loss(mass_1, mass_2, e) * (v1 - v2) * (v1 - v2)
+    return 0.5 * mass_2 * (x[n + two] - v2) * (x[n + two] + v2)
 
 
 @compiled
-def _join(row, branch, j, x):
+def _join(row, branch, j, x, table):
     """One velocity for all floors that move together with those of a contact; momentum is kept."""
     n, c = row.mass.size, row.gap.size
     start, stop = j, j + 1
@@ -163,6 +169,11 @@ def _join(row, branch, j, x):
         energy += row.mass[other] * x[n + other] ** 2
     common = momentum / mass
     x[_account(row, j)] += max(0.5 * (energy - momentum * common), 0.0)
+    impulse = row.mass[row.left[start]] * (x[n + row.left[start]] - common)
     x[n + row.left[start]] = common
     for i in range(start, stop):
-        x[n + row.right[i]] = common
+        other = row.right[i]
+        if branch.entry[i] >= 0:
+            table[branch.entry[i], HANDED] += 0.5 * impulse * (x[n + other] + common)
+        impulse -= row.mass[other] * (common - x[n + other])
+        x[n + other] = common

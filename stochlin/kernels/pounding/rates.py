@@ -6,18 +6,33 @@ Neighbours meet at contacts, each between a floor of the left one and a floor of
 penetration ``d = u_left - u_right - gap``. Which branch a storey or a contact is on is told, so that
 the rates are smooth functions: they go on smoothly a little beyond the end of the branch too.
 
-Links are springs with dashpots between two floors that always act. The state holds displacements,
-velocities and slips of all floors, the work that the ground, the dashpots and the yielding have done in
-each building, and what each contact and each link has dissipated.
+A floor that meets a column between two floors of its neighbour meets these two by their weights.
+
+Links are springs with dashpots between two floors. The springs may yield as storeys do, or have slack
+and pull only. The state holds displacements, velocities and slips of all floors, the work that the
+ground, the dashpots and the yielding have done in each building, what each contact and each link has
+dissipated, and the slips of the links.
 """
 
 import numpy as np
 
 from stochlin.kernels.basics.compiled import called_often, compiled
 from stochlin.kernels.pounding.contact import OPEN, TOGETHER, branch_force, separation_margin
-from stochlin.kernels.pounding.rows import BILINEAR, BOUC_WEN, Branches, sizes
+from stochlin.kernels.pounding.rows import (
+    BILINEAR,
+    BOUC_WEN,
+    COUPLE,
+    DASHPOT,
+    LIMIT,
+    POST,
+    SLACK,
+    Branches,
+    sizes,
+    slip_of,
+)
 
-STRAIN, STRAIN_RATE, PENETRATION, CLOSING_RATE, MARGIN = range(5)  # see `measure`
+# See `measure`.
+STRAIN, STRAIN_RATE, PENETRATION, CLOSING_RATE, MARGIN, STRETCH, STRETCH_RATE = range(7)
 
 
 @compiled
@@ -90,23 +105,46 @@ def rates(row, branch, ground, x, dx, force):
         _building(row, branch, b, ground, x, dx)
     for j in range(len(row.tied)):
         one, two = row.tied[j]
-        v, drag = x[n + one] - x[n + two], row.tie[j, 1] * (x[n + one] - x[n + two])
-        pull = row.tie[j, 0] * (x[one] - x[two]) + drag
-        dx[n + one] -= pull * row.per_mass[one]
-        dx[n + two] += pull * row.per_mass[two]
-        dx[3 * n + 3 * s + c + j] = drag * v
+        force_there, lost, slipping = pull(row, branch, j, x)
+        dx[n + one] -= force_there * row.per_mass[one]
+        dx[n + two] += force_there * row.per_mass[two]
+        dx[3 * n + 3 * s + c + j], dx[slip_of(row, j)] = lost, slipping
     for j in range(c):
         f, lost, kept = 0.0, 0.0, branch.contact[j]
         if kept not in (OPEN, TOGETHER):
-            one, two = row.left[j], row.right[j]
-            d, v = x[one] - x[two] - row.gap[j], x[n + one] - x[n + two]
+            one, two, low = row.left[j], row.right[j], row.lower[j]
+            first, second, third = row.weight[j]
+            d, v = _apart(row, j, 0, x) - row.gap[j], _apart(row, j, n, x)
             f, elastic = branch_force(row.element[j], kept, d, v, branch.approach[j])
             lost = (f - elastic) * v
-            dx[n + one] -= f * row.per_mass[one]
-            dx[n + two] += f * row.per_mass[two]
+            dx[n + one] -= first * f * row.per_mass[one]
+            dx[n + two] -= second * f * row.per_mass[two]
+            dx[n + low] -= third * f * row.per_mass[low]
         force[j], dx[3 * n + 3 * s + j] = f, lost
     if row.jumps:
         _hold_together(row, branch, dx, force)
+
+
+@called_often
+def pull(row, branch, j, x):
+    """Force of a link [N], the power that it dissipates, and the rate of its slip."""
+    n, law = row.mass.size, row.tie_law[j]
+    one, two = row.tied[j]
+    stretch, rate = x[one] - x[two], x[n + one] - x[n + two]
+    drag, held, slipping = row.tie[j, DASHPOT] * rate, 0.0, 0.0
+    if law == BILINEAR:
+        held = row.tie[j, COUPLE] * (stretch - x[slip_of(row, j)])
+        slipping = rate if branch.tie[j] != 0 else 0.0
+    elif law == SLACK and branch.tie[j] != 0:
+        held = row.tie[j, COUPLE] * (stretch + row.tie[j, LIMIT])
+    return row.tie[j, POST] * stretch + drag + held, drag * rate + held * slipping, slipping
+
+
+@called_often
+def _apart(row, j, offset, x):
+    """Penetration of a contact without its gap, or with the offset of the velocities its rate."""
+    one, two, low = x[offset + row.left[j]], x[offset + row.right[j]], x[offset + row.lower[j]]
+    return row.weight[j, 0] * one + row.weight[j, 1] * two + row.weight[j, 2] * low
 
 
 @compiled
@@ -152,11 +190,12 @@ def _pivot(row, branch, j):
     return pivot
 
 
-@compiled
+@called_often
 def measure(row, what, i, x):
-    """Linear function of a state, or of its rates: of a storey or a contact with the number ``i``.
+    """Linear function of a state, or of its rates: of the storey, contact or link number ``i``.
 
-    STRAIN is ``y``; PENETRATION leaves out the gap; MARGIN is what ends a contact.
+    STRAIN is ``y``; PENETRATION leaves out the gap; MARGIN is what ends a contact; STRETCH is that of a
+    link less its slip.
     """
     n = row.mass.size
     if what == STRAIN:
@@ -165,13 +204,16 @@ def measure(row, what, i, x):
     if what == STRAIN_RATE:
         below = x[n + row.below[i]] if row.below[i] >= 0 else 0.0
         return x[n + i] - below
-    one, two = row.left[i], row.right[i]
+    if what in (STRETCH, STRETCH_RATE):
+        one, two = row.tied[i]
+        rate = x[n + one] - x[n + two]
+        return rate if what == STRETCH_RATE else x[one] - x[two] - x[slip_of(row, i)]
     if what == CLOSING_RATE:
-        return x[n + one] - x[n + two]
-    apart = x[one] - x[two]
+        return _apart(row, i, n, x)
+    apart = _apart(row, i, 0, x)
     if what == PENETRATION:
         return apart
-    return separation_margin(row.element[i], apart, x[n + one] - x[n + two])
+    return separation_margin(row.element[i], apart, _apart(row, i, n, x))
 
 
 @compiled
@@ -184,6 +226,7 @@ def starting_branches(row, x):
         np.zeros(c, np.int64),
         np.zeros(c),
         np.full(c, -1),
+        np.zeros(len(row.tied), np.int64),
     )
     for i in range(n):
         if row.law[i] == BOUC_WEN:

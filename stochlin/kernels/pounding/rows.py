@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import compiled
+from stochlin.kernels.basics.compiled import called_often
 
 LAWS = ELASTIC, BILINEAR, BOUC_WEN = range(3)  # of a storey
+SLACK = 3  # of a link, beside ELASTIC and BILINEAR
+POST, DASHPOT, COUPLE, LIMIT = range(4)  # columns of `Row.tie`
 
 
 class Row(NamedTuple):
@@ -17,7 +19,7 @@ class Row(NamedTuple):
     below: Array  # (n,): number of the floor below, -1 for the ground
     mass: Array  # (n,) [kg]
     per_mass: Array  # (n,) [1/kg]
-    post: Array  # (n,) [N/m]: alpha k of the storey below the floor
+    post: Array  # (n,) [N/m]: alpha k of the storey below the floor, less what the weight takes
     couple: Array  # (n,) [N/m]: (1 - alpha) k
     strength: Array  # (n,) [m]: yield drift, or uy of the Bouc-Wen law
     law: Array  # (n,)
@@ -25,13 +27,17 @@ class Row(NamedTuple):
     damping: Array  # (n, n) [N s/m]: zero between buildings
     left: Array  # (c,): number of the floor on the left; contacts along one level follow one another
     right: Array  # (c,)
+    lower: Array  # (c,): number of the floor below a column that is hit; any where the weight is 0
+    weight: Array  # (c, 3): of these three floors in the penetration; 1, -1, 0 where slabs meet
+    meeting: Array  # (c,) [kg]: reduced mass of both sides
     gap: Array  # (c,) [m]
     element: Array  # (c,): laws of the contacts, a `contact.law_table`
     jumps: bool  # velocities jump instead: stereomechanical impacts
     restitution: float  # of these
     slow: float  # [m/s]: an approach slower than this counts as none in a law over its velocity
     tied: Array  # (l, 2): numbers of the floors that a link ties
-    tie: Array  # (l, 2): its stiffness [N/m] and damping constant [N s/m]
+    tie: Array  # (l, 4): stiffness past yield [N/m], dashpot [N s/m], the rest of the stiffness, limit
+    tie_law: Array  # (l,): the limit [m] is that of yielding, or the slack
 
 
 class Branches(NamedTuple):
@@ -42,10 +48,21 @@ class Branches(NamedTuple):
     contact: Array  # (c,)
     approach: Array  # (c,) [m/s]: velocity at the beginning of this contact
     entry: Array  # (c,): its line in the table of impacts, or -1
+    tie: Array  # (l,): sign of yielding of a link, 1 where one with slack is taut, else 0
 
 
-@compiled
+@called_often
 def sizes(row):
     """Numbers of floors, buildings and contacts, and the length of the state."""
     n, s, c = row.mass.size, row.first.size - 1, row.gap.size
-    return n, s, c, 3 * n + 3 * s + c + len(row.tied)
+    return n, s, c, 3 * n + 3 * s + c + 2 * len(row.tied)
+
+
+@called_often
+def slip_of(row, j):
+    """Where the state has the slip of a link [m].
+
+    It follows the floors, and so has no part of its own in the control of the steps.
+    """
+    n, s, c, _ = sizes(row)
+    return 3 * n + 3 * s + c + len(row.tied) + j

@@ -13,7 +13,7 @@ import numpy as np
 
 from stochlin.kernels.basics import linear_branch
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import borrow, compiled, entry, inlined, version_of
+from stochlin.kernels.basics.compiled import borrow, called_often, compiled, entry, inlined, version_of
 from stochlin.kernels.pounding import contact, events, impacts, rows, steps
 from stochlin.kernels.pounding import rates as rates_source
 from stochlin.kernels.pounding.contact import (
@@ -22,9 +22,15 @@ from stochlin.kernels.pounding.contact import (
     PARTED,
     TOGETHER,
     has_fractional_power,
-    reduced_mass,
 )
-from stochlin.kernels.pounding.events import NOTHING, first_event, pass_event, watch_forces, watch_peaks
+from stochlin.kernels.pounding.events import (
+    NOTHING,
+    first_event,
+    pass_event,
+    watch_forces,
+    watch_peaks,
+    watch_state,
+)
 from stochlin.kernels.pounding.impacts import COLUMNS, FIRST_LINES, MOST_BLOWS, begin_entry, end_entry
 from stochlin.kernels.pounding.rates import rates, starting_branches
 from stochlin.kernels.pounding.rows import LAWS, Row, sizes
@@ -59,13 +65,22 @@ class SampledMotion(NamedTuple):
     since: Array  # (times,) [s]: time since its beginning, from 0 to dt
 
 
+class Most(NamedTuple):
+    """Largest absolute values at the ends of steps, and in contact at some places within."""
+
+    acceleration: Array  # (n,) [m/s^2]: absolute
+    shear: Array  # (n,) [N]: of the storeys
+    pull: Array  # (l,) [N]: of the links
+
+
 class Asked(NamedTuple):
-    """What is asked for: times as in `SampledMotion`, and room for the states and forces at them."""
+    """What is asked for: times as in `SampledMotion`, and room for what there is at them."""
 
     interval: Array
     since: Array
     states: Array
     forces: Array
+    accelerations: Array
     peaks: Array
 
 
@@ -74,7 +89,9 @@ class Run(NamedTuple):
 
     states: Array  # (times, k)
     forces: Array  # (times, c) [N]
+    accelerations: Array  # (times, n) [m/s^2]: absolute
     peaks: Array  # (2, n) [m]: highest and lowest displacement
+    most: Most
     impacts: Array  # (impacts, COLUMNS)
     steps: int
     completed: bool
@@ -98,14 +115,14 @@ def _advance(row, branch, ground, slope, h, x, space):
 
 
 @inlined
-def _watch(row, branch, ground, slope, h, end, x, after, known, space, asked, table):
+def _watch(row, branch, ground, slope, h, end, x, after, known, space, asked, most, table):
     """Take peaks and forces of the share ``end`` of a step; tells whether its polynomials are known."""
     needed = watch_peaks(row, end, h, x, after, space, asked.peaks, known)
     if needed and not known:
         interpolate(row, branch, ground, slope, h, x, space)
         watch_peaks(row, end, h, x, after, space, asked.peaks, needed)
         known = needed
-    watch_forces(branch, end, space, table)
+    watch_forces(branch, end, h, space, table, most.acceleration)
     return known
 
 
@@ -121,9 +138,17 @@ def _report(row, branch, ground, slope, h, tau, last, x, after, known, space, as
                 interpolate(row, branch, ground, slope, h, x, space)
                 known = True
             state_within(x, t, space, state)
-        rates(row, branch, ground + slope * (t * h), state, space.rate, asked.forces[done])
+        now = ground + slope * (t * h)
+        rates(row, branch, now, state, space.rate, asked.forces[done])
+        _keep_accelerations(row, now, space.rate, asked.accelerations[done])
         done += 1
     return done
+
+
+@called_often
+def _keep_accelerations(row, ground, rate, out):
+    for i in range(row.mass.size):
+        out[i] = rate[row.mass.size + i] + ground
 
 
 @compiled
@@ -131,7 +156,7 @@ def _first_in_contact(row, branch, j):
     """First step in a contact, a share of its time between two free masses [s]."""
     law = row.element[j]
     k, n, c = law.stiffness, law.exponent, 0.0 if law.over_approach else law.damping
-    mass = reduced_mass(row.mass[row.left[j]], row.mass[row.right[j]])
+    mass = row.meeting[j]
     pace = (mass * branch.approach[j] ** (1.0 - n) / k) ** (1.0 / (n + 1.0))
     if has_fractional_power(law):
         return ON_HERTZ * pace
@@ -155,7 +180,9 @@ def _pass(row, branch, event, way, ground, time, planned, x, space, table, used)
 
 
 @inlined
-def _interval(row, branch, begin, slope, dt, at, planned, x, after, space, asked, done, table, used):
+def _interval(
+    row, branch, begin, slope, dt, at, planned, x, after, space, asked, most, done, table, used
+):
     """All steps of interval ``at`` of the record, over which the ground goes from ``begin``."""
     tau, count = 0.0, 0
     while tau < dt:
@@ -174,7 +201,9 @@ def _interval(row, branch, begin, slope, dt, at, planned, x, after, space, asked
         else:
             after[:] = space.new
         last = dt if taken == left and end == 1.0 else tau + end * taken
-        known = _watch(row, branch, ground, slope, taken, end, x, after, known, space, asked, table)
+        known = _watch(
+            row, branch, ground, slope, taken, end, x, after, known, space, asked, most, table
+        )
         done = _report(
             row, branch, ground, slope, taken, tau, last, x, after, known, space, asked, at, done
         )
@@ -185,14 +214,17 @@ def _interval(row, branch, begin, slope, dt, at, planned, x, after, space, asked
             space.stages[0] = space.stages[STAGES]
         else:
             now, time = begin + slope * tau, at * dt + tau
+            rates(row, branch, now, x, space.rate, space.force)
+            watch_state(row, branch, now, x, space.rate, most)
             table, used, planned = _pass(
                 row, branch, event, way, now, time, planned, x, space, table, used
             )
+        watch_state(row, branch, begin + slope * tau, x, space.stages[0], most)
     return tau, count, planned, done, table, used
 
 
 @entry
-def _run(owned, acceleration, dt, wanted, x, version):
+def _run(owned, acceleration, dt, wanted, most, x, version):
     """The whole motion: the table of impacts, the steps, whether and how far it came; and the owners."""
     own_space, own_branch, after = workspace(owned), starting_branches(owned, x), x.copy()
     row, asked = borrow(owned), borrow(wanted)
@@ -209,12 +241,14 @@ def _run(owned, acceleration, dt, wanted, x, version):
             used = begin_entry(row, branch, j, 0.0, 0.0, x, table, used)
     while done < asked.since.size and asked.interval[done] == 0 and asked.since[done] <= 0.0:
         asked.states[done], asked.forces[done] = x, space.force
+        _keep_accelerations(row, acceleration[0], space.stages[0], asked.accelerations[done])
         done += 1
+    watch_state(row, branch, acceleration[0], x, space.stages[0], most)
     planned, time, completed = FIRST * dt, 0.0, True
     for at in range(acceleration.size - 1):
         begin, slope = acceleration[at], (acceleration[at + 1] - acceleration[at]) / dt
         tau, count, planned, done, table, used = _interval(
-            row, branch, begin, slope, dt, at, planned, x, after, space, asked, done, table, used
+            row, branch, begin, slope, dt, at, planned, x, after, space, asked, most, done, table, used
         )
         steps, time, completed = steps + count, at * dt + tau, tau >= dt
         if not completed:
@@ -237,15 +271,19 @@ def run(row: Row, motion: SampledMotion, start: Array | None = None) -> Run:
     n, _, c, k = sizes(row)
     state = np.zeros(k) if start is None else np.array(start, float)
     times = motion.since.size
-    asked = Asked(
-        motion.interval, motion.since, np.zeros((times, k)), np.zeros((times, c)), np.zeros((2, n))
+    states, forces, accelerations = (np.zeros((times, size)) for size in (k, c, n))
+    asked = Asked(motion.interval, motion.since, states, forces, accelerations, np.zeros((2, n)))
+    most = Most(np.zeros(n), np.zeros(n), np.zeros(len(row.tied)))
+    table, steps, completed, time, _ = _run(
+        row, motion.acceleration, motion.dt, asked, most, state, VERSION
     )
-    table, steps, completed, time, _ = _run(row, motion.acceleration, motion.dt, asked, state, VERSION)
-    return Run(asked.states, asked.forces, asked.peaks, table, steps, completed, time, state)
+    kept = asked.states, asked.forces, asked.accelerations, asked.peaks, most
+    return Run(*kept, table, steps, completed, time, state)
 
 
 def standing_alone(row: Row) -> Row:
     """The same buildings, each standing alone: without contacts, without links."""
     none, nothing = np.zeros(0, np.int64), np.zeros(0)
-    alone = row._replace(left=none, right=none, gap=nothing, element=row.element[:0])
-    return alone._replace(tied=np.zeros((0, 2), np.int64), tie=np.zeros((0, 2)))
+    alone = row._replace(left=none, right=none, lower=none, gap=nothing, element=row.element[:0])
+    alone = alone._replace(weight=row.weight[:0], meeting=nothing)
+    return alone._replace(tied=row.tied[:0], tie=row.tie[:0], tie_law=none)

@@ -17,7 +17,7 @@ from stochlin.kernels.basics.compiled import called_often, compiled, inlined
 from stochlin.kernels.basics.linear_branch import MARKS, TERMS
 from stochlin.kernels.pounding.contact import OPEN, has_fractional_power
 from stochlin.kernels.pounding.rates import measure, rates
-from stochlin.kernels.pounding.rows import sizes
+from stochlin.kernels.pounding.rows import sizes, slip_of
 
 # Contiguous, for numba's cache does not take constants that are not.
 A, B, C, ERROR_5, ERROR_3, A_MORE, C_MORE, DENSE = (
@@ -50,6 +50,8 @@ class Space(NamedTuple):
     rate: Array  # (k,)
     force: Array  # (c,)
     nodes: Array  # (NODES, c): forces
+    powers: Array  # (NODES, c): of these forces on the right
+    shaken: Array  # (NODES, n): absolute accelerations, in contact
     reach: Array  # (2 REACH, s): largest displacement and velocity of each building, energy; and again
     line: Array  # (TERMS,)
     lines: Array  # (4, TERMS)
@@ -59,7 +61,7 @@ class Space(NamedTuple):
 @compiled
 def workspace(row):
     """New arrays for a run."""
-    _, s, c, k = sizes(row)
+    n, s, c, k = sizes(row)
     return Space(
         np.zeros((ALL, k)),
         np.zeros(k),
@@ -68,6 +70,8 @@ def workspace(row):
         np.zeros(k),
         np.zeros(c),
         np.zeros((NODES, c)),
+        np.zeros((NODES, c)),
+        np.zeros((NODES, n)),
         np.zeros((2 * REACH, s)),
         np.zeros(TERMS),
         np.zeros((4, TERMS)),
@@ -114,7 +118,7 @@ def attempt(row, branch, ground, slope, h, x, space):
 @called_often
 def grow_reach(row, x, reach):
     """Take a state into the largest displacement, velocity and energy."""
-    n, s, _, k = sizes(row)
+    n, s, _, _ = sizes(row)
     kinetic = 0.0
     for b in range(s):
         for i in range(row.first[b], row.first[b + 1]):
@@ -122,14 +126,14 @@ def grow_reach(row, x, reach):
             reach[1, b] = max(reach[1, b], abs(x[n + i]))
             kinetic += 0.5 * row.mass[i] * x[n + i] ** 2
     reach[2, 0] = max(reach[2, 0], kinetic)
-    for i in range(3 * n, k):
+    for i in range(3 * n, slip_of(row, 0)):
         reach[2, 0] = max(reach[2, 0], abs(x[i]))
 
 
 @inlined
 def _error(row, h, space):
     """Error of the step over the tolerance: the root of the sum over the state, not of its mean."""
-    n, _, _, k = sizes(row)
+    n, k = row.mass.size, slip_of(row, 0)
     reach = space.reach[REACH:]  # that of this step, which may yet be refused
     for i in range(REACH):
         copy(space.reach[i], reach[i])
@@ -139,7 +143,7 @@ def _error(row, h, space):
         fives[i] = threes[i] = 0.0
     for m in range(STAGES):
         five, three = ERROR_5[m], ERROR_3[m]
-        for i in range(fives.size):
+        for i in range(k):
             fives[i] += five * space.stages[m, i]
             threes[i] += three * space.stages[m, i]
     fifth, third = 0.0, 0.0
@@ -216,17 +220,41 @@ def component_polynomial(i, sign, x, space):
 
 @compiled
 def find_node_forces(row, branch, ground, slope, h, x, space):
-    """Forces of the contacts at even distances over the step."""
+    """Forces of the contacts, their powers, and accelerations at even distances over the step."""
+    n = row.mass.size
     for q in range(NODES):
         t = q / (NODES - 1)
         state_within(x, t, space, space.state)
-        rates(row, branch, ground + slope * (t * h), space.state, space.rate, space.nodes[q])
+        now = ground + slope * (t * h)
+        rates(row, branch, now, space.state, space.rate, space.nodes[q])
+        for i in range(n):
+            space.shaken[q, i] = space.rate[n + i] + now
+        for j in range(row.gap.size):
+            v = row.weight[j, 1] * space.state[n + row.right[j]]
+            v += min(row.weight[j, 2], 0.0) * space.state[n + row.lower[j]]
+            space.powers[q, j] = -space.nodes[q, j] * v
 
 
 @compiled
 def force_polynomial(contact, space):
     """Coefficients of the force of a contact over the step, in ``space.line``."""
-    space.line[:] = 0.0
+    _through(space.nodes, contact, space.line)
+
+
+@compiled
+def work_within(contact, t, space):
+    """Work of a contact on its right up to the share ``t`` of the step, over its length [J/s]."""
+    _through(space.powers, contact, space.line)
+    work = 0.0
+    for p in range(NODES - 1, -1, -1):
+        work = (work + space.line[p] / (p + 1)) * t
+    return work
+
+
+@compiled
+def _through(nodes, contact, line):
+    """Coefficients of the polynomial through values at the nodes."""
+    line[:] = 0.0
     for p in range(NODES):
         for q in range(NODES):
-            space.line[p] += FROM_NODES[p, q] * space.nodes[q, contact]
+            line[p] += FROM_NODES[p, q] * nodes[q, contact]

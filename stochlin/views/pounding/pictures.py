@@ -16,6 +16,7 @@ from stochlin.analyses.cases.pounding import (
     hardest_contacts,
     hardness,
 )
+from stochlin.analyses.pounding.rows import COLUMN
 from stochlin.views.shared.style import AS_GIVEN, CURVES, filled, styled
 
 if TYPE_CHECKING:
@@ -110,6 +111,8 @@ def _sides(axes: Axes, dataset: xr.Dataset, number: int) -> None:
         axes.plot(hits, np.full(hits.size, 1.0), transform=transform, label="impact", **style)
     if "level" in dataset.coords:
         axes.plot([], [], ls="", label=f"{float(one.level):.4g} m up")
+        if str(one.kind.item()) == COLUMN:
+            axes.plot([], [], marker="X", color="#b2182b", ls="", ms=6, label="SLAB AGAINST COLUMN")
     axes.set_ylabel("place [cm]")
 
 

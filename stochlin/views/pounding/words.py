@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stochlin.analyses.cases.pounding import energy_of
+from stochlin.analyses.pounding.rows import COLUMN as SLAB_TO_COLUMN
 from stochlin.views.shared.screen import columns, cut, paragraph
 from stochlin.views.shared.words import MISSING, centimetres, length, per_cent, short
 
@@ -27,6 +28,7 @@ DUCTILITY = "Ductility: largest displacement over that at yield."
 ROOF = (
     "Peaks are those of the roof. Worst: the floor that pounding moves most beyond what it does alone."
 )
+COLUMN = "Contacts with a star: a slab meets a column between two floors."
 CLOSEST = "Closest: least distance in the motion; minus where the contact is pressed in."
 STRENGTH = (
     "Strengths given by reduction factor or ductility refer to the ground of the file, {}, not to the "
@@ -39,6 +41,7 @@ def answer_lines(case: Case, tables: Mapping[str, xr.Dataset]) -> list[str]:
     lines = [case.title]
     for record, table in tables.items():
         lines += ["", *paragraph(f"{record}: {headline(table)}"), ""]
+        lines += [*paragraph(columns_met(table)), ""] if "column" in table.coords else []
         lines += [*columns(*_buildings(table)), "", *columns(*_contacts(table)), ""]
         lines += paragraph(energies(table))
     return [*lines, "", *paragraph(_notes(case, next(iter(tables.values()))))]
@@ -57,6 +60,25 @@ def headline(table: xr.Dataset) -> str:
     if np.isfinite(force):
         return f"{told} Largest force {short(force / 1e6)} MN, fastest approach {short(speed)} m/s."
     return f"{told} Fastest approach {short(speed)} m/s; this contact says nothing of forces."
+
+
+def columns_met(table: xr.Dataset) -> str:
+    """What slabs do to columns, said loudly."""
+    met = table.column_force.notnull().values
+    hit = int((table.column_force > 0).sum())
+    begin = "SLABS FACE COLUMNS: the floors are not level"
+    if not hit:
+        return f"{begin} at {int(met.sum())} contacts; in this record no column is hit."
+    one = table.isel(contact=int(table.column_force.argmax("contact")))
+    struck = int(one[str(one.column.item())])
+    force = f"{short(float(one.column_force) / 1e6)} MN"
+    if np.isfinite(float(one.column_force_share)):
+        force += f", {per_cent(float(one.column_force_share))} of the storey's shear at yield"
+    return (
+        f"SLABS HIT COLUMNS at {hit} contacts, since the floors are not level. Hardest, "
+        f"{float(one.level):.4g} m up: the columns of storey {int(one.storey)} of building {struck} "
+        f"take {force}. They bear the building above: check them in bending and shear, or widen the gap."
+    )
 
 
 def energies(table: xr.Dataset) -> str:
@@ -116,12 +138,14 @@ def _contacts(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
         named = f"{int(one.left)} | {int(one.right)}"
         if "level" in table.coords:
             named += f", {float(one.level):.4g} m up"
+            named += "*" if str(one.kind.item()) == SLAB_TO_COLUMN else ""
         rows.append([named, centimetres(float(one.gap)), closest, str(int(one.impacts)), *numbers])
     return heads, rows
 
 
 def _notes(case: Case, table: xr.Dataset) -> str:
-    notes = [TIMES, ROOF if "floor" in table.dims else f"{ESTIMATE} {DUCTILITY}", CLOSEST]
+    notes = [COLUMN] if "column" in table.coords else []
+    notes += [TIMES, ROOF if "floor" in table.dims else f"{ESTIMATE} {DUCTILITY}", CLOSEST]
     if any(building.strength in ("reduction_factor", "ductility") for building in case.buildings):
         notes.append(STRENGTH.format(case.site))
     return " ".join(notes)

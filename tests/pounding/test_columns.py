@@ -1,0 +1,167 @@
+"""Slabs that meet columns: limits, symmetry, one hit by hand, and the balance of energy."""
+
+from __future__ import annotations
+
+import hypothesis.strategies as st
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given, settings
+
+import stochlin as sl
+from stochlin.analyses.pounding.rows import build_row
+from stochlin.kernels.pounding import run as kernel
+
+pytestmark = pytest.mark.oracle
+
+BALANCE = 1e-8
+CONTACTS = {
+    "spring": sl.LinearSpring(2e8),
+    "kelvin": sl.Kelvin(2e8, restitution=0.65),
+    "no tension": sl.NoTensionKelvin(2e8, restitution=0.65),
+    "impact kelvin": sl.ImpactKelvin(2e8, restitution=0.65),
+    "hertz": sl.Hertz(2e9),
+    "hertz-damp": sl.HertzDamp(2e9, restitution=0.65),
+    "jankowski": sl.Jankowski(2e9, restitution=0.65),
+}
+
+
+def shaking(samples=400, seed=0, size=3.0, dt=0.02):
+    noise = np.random.default_rng(seed).standard_normal(samples + 14)
+    smooth = np.convolve(noise, np.hanning(15), mode="valid")
+    values = size * smooth * np.sin(np.pi * np.arange(samples) / samples)
+    return xr.DataArray(values, dims="time", coords={"time": dt * np.arange(samples)})
+
+
+def building(heights, stiffness=2e8, mass=2e5, **other):
+    n = len(heights)
+    given = {"hardening": 0.05, "yield_drifts": 0.008} | other
+    return sl.ShearBuilding([mass] * n, np.linspace(1.5, 0.7, n) * stiffness, heights, 0.05, **given)
+
+
+TALL, LOW = building([3.5] * 5), building([4.2, 3.0, 3.0, 3.0], 4e8, 3e5, yield_drifts=0.006)
+
+
+def test_where_slabs_meet_columns_is_told():
+    table = sl.pound([TALL, LOW], 0.01, CONTACTS["kelvin"], shaking())
+    assert table.level.values.tolist() == pytest.approx([3.5, 4.2, 7.0, 7.2, 10.2, 10.5, 13.2])
+    assert set(table.kind.values) == {"slab to column"}
+    assert table.column.values.tolist() == ["right", "left", "right", "left", "left", "right", "left"]
+    assert table.storey.values.tolist() == [1, 2, 2, 3, 3, 4, 4]
+    np.testing.assert_allclose(table.share[:3], [3.5 / 4.2, 0.2, 2.8 / 3])
+    hit = table.impact_contact.values
+    for number, force in enumerate(table.column_force.values, start=1):
+        assert force == pytest.approx(table.largest_force.values[hit == number].max(initial=0.0))
+    left = table.column.values == "left"
+    k, yields = np.where(left, 2e8 * np.linspace(1.5, 0.7, 5)[table.storey.values - 1], 0.0), 0.008
+    np.testing.assert_allclose(
+        table.column_force_share[left], (table.column_force / (k * yields))[left], rtol=1e-12
+    )
+
+
+def test_floors_at_one_level_do_not_speak_of_columns():
+    table = sl.pound([building([3.0] * 3), building([3.0] * 2)], 0.01, CONTACTS["kelvin"], shaking(100))
+    assert set(table.kind.values) == {"slab to slab"}
+    assert "column_force" not in table
+    assert "column" not in table.coords
+
+
+@pytest.mark.parametrize("name", CONTACTS)
+def test_energy_balances_where_slabs_meet_columns(name):
+    table = sl.pound([TALL, LOW], 0.005, CONTACTS[name], shaking())
+    assert table.sizes["impact"] > 10
+    assert float(table.energy_balance_error.max()) < BALANCE
+    given_energy = float(table.energy_transferred.sel(side="right").sum())
+    assert given_energy != 0
+    lost = float(table.energy_lost.sum())
+    closed = float(table.contact_stored_energy[-1])
+    total = float(table.energy_transferred.sum())
+    assert total == pytest.approx(-lost - closed, rel=1e-9, abs=1e-9 * abs(given_energy))
+
+
+@pytest.mark.parametrize("name", ["kelvin", "no tension", "jankowski"])
+def test_a_column_met_at_its_floor_is_that_floor(name):
+    """As the place on the column comes to the floor above, slab to slab is left."""
+    pair, record = [building([3.0] * 3), building([3.0] * 2, 5e8)], shaking(200).to_numpy()
+    row, places = build_row(pair, np.array([0.005]), CONTACTS[name], record, ())
+    ends = np.arange(record.size - 1)
+    motion = kernel.SampledMotion(record, 0.02, ends, np.full(ends.size, 0.02))
+    slabs = kernel.run(row, motion)
+    assert [m.kind for m in places] == ["slab to slab"] * 2
+    assert len(slabs.impacts) > 3
+    for share in (1e-7, 1e-9):
+        weight = np.array([[1.0, -1.0, 0.0], [1.0, share - 1.0, -share]])
+        column = kernel.run(row._replace(lower=np.array([3, 3]), weight=weight), motion)
+        size = np.abs(slabs.states[:, :5]).max()
+        np.testing.assert_allclose(
+            column.states[:, :5], slabs.states[:, :5], rtol=0, atol=1e3 * share * size
+        )
+
+
+def test_two_columns_met_beside_two_floors_are_slabs_that_meet():
+    """.06 m of 1000 m are next to none; two springs of half the stiffness stand where one stood."""
+    tall, record = building([1000.0] * 3), shaking(200)
+    level = sl.pound([tall, building([1000.0] * 2)], 0.005, sl.LinearSpring(2e8), record)
+    near = building([1000.06, 1000.0])
+    beside = sl.pound([tall, near], 0.005, sl.LinearSpring(1e8), record)
+    assert (level.sizes["contact"], beside.sizes["contact"]) == (2, 4)
+    assert level.sizes["impact"] > 3
+    size = float(abs(level.displacement).max())  # shares of 6e-5, handed on from hit to hit
+    np.testing.assert_allclose(beside.displacement, level.displacement, rtol=0, atol=2e-3 * size)
+
+
+def test_mirror_image_of_columns():
+    record, gap = shaking(300), 0.005
+    for name in ("kelvin", "no tension", "hertz"):
+        table = sl.pound([TALL, LOW], gap, CONTACTS[name], record)
+        mirror = sl.pound([LOW, TALL], gap, CONTACTS[name], -record)
+        assert table.sizes["impact"] == mirror.sizes["impact"] > 5
+        there = -mirror.displacement.isel(structure=[1, 0])
+        size = float(abs(table.displacement).max())
+        np.testing.assert_allclose(there, table.displacement, rtol=0, atol=1e-6 * size)
+        np.testing.assert_allclose(mirror.column_force, table.column_force, rtol=1e-4)
+        handed = mirror.energy_transferred.isel(side=[1, 0])
+        size = float(abs(handed).max())
+        np.testing.assert_allclose(handed, table.energy_transferred, rtol=0, atol=1e-4 * size)
+
+
+@settings(max_examples=20)
+@given(
+    heights=st.tuples(*2 * [st.lists(st.floats(2.5, 6.0), min_size=1, max_size=5)]),
+    masses=st.tuples(*2 * [st.floats(5e4, 1e6)]),
+    gap=st.floats(0.0, 0.02),
+    name=st.sampled_from(["kelvin", "no tension", "impact kelvin", "jankowski"]),
+    seed=st.integers(0, 10**6),
+    law=st.sampled_from(["bilinear", "bouc_wen"]),
+)
+def test_energy_balances_for_any_storeys(heights, masses, gap, name, seed, law):
+    row = [building(h, 3e8, m, law=law) for h, m in zip(heights, masses, strict=True)]
+    table = sl.pound(row, gap, CONTACTS[name], shaking(150, seed))
+    assert float(table.energy_balance_error.max()) < 1e-6  # measured: 1e-9, and better
+    assert table.level.values.tolist() == sorted(table.level.values.tolist())
+    assert float(table.level.max()) <= min(sum(h) for h in heights) + 0.05
+    far = sl.pound(row, 100.0, CONTACTS[name], shaking(150, seed))
+    np.testing.assert_array_equal(far.amplification.values[0, : len(heights[0])], 1.0)
+
+
+def test_an_oscillator_meets_the_roof_of_its_neighbour():
+    row = [TALL, sl.BoucWen(0.5, 0.05, 0.1, yield_displacement=0.01, mass=3e5), LOW]
+    table = sl.pound(row, [0.005, 0.005], CONTACTS["kelvin"], shaking())
+    assert table.floor_left.values.tolist() == [5, 1]
+    assert table.floor_right.values.tolist() == [1, 4]
+    assert table.level.values.tolist() == pytest.approx([17.5, 13.2])
+    assert set(table.impact_contact.values) == {1, 2}
+    assert float(table.energy_balance_error.max()) < BALANCE
+    assert table.displacement.sel(structure=2, floor=[2, 3, 4, 5]).isnull().all()
+
+
+def test_far_apart_an_oscillator_in_a_mixed_row_is_a_storey():
+    k = 3e5 * (2 * np.pi / 0.5) ** 2
+    oscillator = sl.Bilinear(0.5, 0.05, 0.1, yield_displacement=0.01, mass=3e5)
+    storey = sl.ShearBuilding([3e5], [k], [17.5], 0.05, 0.1, 0.01)
+    mixed, known = (
+        sl.pound([TALL, other], 5.0, CONTACTS["kelvin"], shaking()) for other in (oscillator, storey)
+    )
+    assert (mixed.sizes["contact"], known.sizes["contact"]) == (1, 5)
+    size = float(abs(known.displacement).max())
+    np.testing.assert_allclose(mixed.displacement, known.displacement, rtol=0, atol=1e-9 * size)

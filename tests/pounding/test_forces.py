@@ -1,0 +1,104 @@
+"""What floors and storeys bear: accelerations, shears, forces of links, and the energy of each hit."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import stochlin as sl
+
+pytestmark = pytest.mark.oracle
+
+SPRING, BUMPER = sl.LinearSpring(2e9), sl.Kelvin(5e7, restitution=0.5)
+
+
+def shaking(samples=400, seed=0, size=3.0, dt=0.02):
+    noise = np.random.default_rng(seed).standard_normal(samples + 14)
+    smooth = np.convolve(noise, np.hanning(15), mode="valid")
+    values = size * smooth * np.sin(np.pi * np.arange(samples) / samples)
+    return xr.DataArray(values, dims="time", coords={"time": dt * np.arange(samples)})
+
+
+def building(n, stiffness=2e8, mass=2e5, **other):
+    given = {"hardening": 0.05, "yield_drifts": 0.008} | other
+    springs = np.linspace(1.5, 0.7, n) * stiffness
+    return sl.ShearBuilding([mass] * n, springs, [3.0] * n, 0.05, **given)
+
+
+def test_forces_of_floors_are_in_balance():
+    """Inertia, shears, damping and contacts of every floor add up to nothing."""
+    pair = [building(3), building(2, 4e8)]
+    table = sl.pound(pair, 0.005, BUMPER, shaking())
+    assert table.sizes["impact"] > 3
+    for number, each in enumerate(pair, start=1):
+        one, n = table.sel(structure=number), each.storeys
+        shear = one.storey_shear.values[:, :n]
+        above = np.concatenate([shear[:, 1:], np.zeros((shear.shape[0], 1))], axis=1)
+        drag = one.velocity.values[:, :n] @ each.damping_matrix().T
+        push = np.zeros_like(shear)
+        sign = 1.0 if number == 2 else -1.0
+        push[:, :2] = sign * table.contact_force.values
+        rest = 2e5 * one.acceleration.values[:, :n] + shear - above + drag - push
+        size = abs(shear).max()
+        np.testing.assert_allclose(rest, 0, atol=1e-9 * size)
+        np.testing.assert_array_equal(table.base_shear.sel(structure=number), shear[:, 0])
+
+
+@pytest.mark.parametrize("contact", [SPRING, BUMPER, sl.Stereomechanical(0.5)])
+def test_peaks_are_those_between_outputs(contact):
+    pair = [building(3), building(2, 4e8)]
+    link = sl.Link(5e6, 1e5)
+    coarse = sl.pound(pair, 0.005, contact, shaking(), link=link)
+    fine = sl.pound(pair, 0.005, contact, shaking(), link=link, output_step=2e-4)
+    for name in ("acceleration", "storey_shear", "base_shear", "link_force"):
+        most = abs(fine[name]).max("time")
+        # of the curve between the steps of the integration, some hundredths of a period long
+        np.testing.assert_allclose(coarse[f"peak_{name}"], most, rtol=0.01)
+        assert (coarse[f"peak_{name}"] >= abs(coarse[name]).max("time")).where(most > 0, True).all()
+    if contact is SPRING:
+        floors = float((coarse.peak_acceleration / abs(coarse.acceleration).max("time")).max())
+        assert floors > 1.2  # an impact is over between two outputs
+
+
+def test_what_a_building_bears_alone_is_told_too():
+    pair = [building(3), building(2, 4e8)]
+    far, near = (sl.pound(pair, gap, SPRING, shaking()) for gap in (5.0, 0.005))
+    for name in ("acceleration", "storey_shear", "base_shear"):
+        xr.testing.assert_identical(near[f"peak_{name}_alone"], far[f"peak_{name}_alone"])
+        peak, alone = far[f"peak_{name}"], far[f"peak_{name}_alone"]
+        np.testing.assert_allclose(peak, alone, rtol=1e-9)  # outputs within steps are right to 1e-10
+    assert float((near.peak_acceleration / near.peak_acceleration_alone).max()) > 2
+
+
+def test_yielding_storeys_bear_their_strength():
+    pair = [building(3, hardening=1e-9), building(2, 4e8, hardening=1e-9)]
+    table = sl.pound(pair, 0.005, BUMPER, shaking(size=8.0))
+    strength = np.linspace(1.5, 0.7, 3) * 2e8 * 0.008
+    assert float(table.peak_storey_shear[0, 0]) == pytest.approx(strength[0], rel=1e-6)
+    assert (table.peak_storey_shear[0] <= strength * (1 + 1e-6)).all()
+
+
+@pytest.mark.parametrize(
+    "contact", [SPRING, BUMPER, sl.Hertz(5e9), sl.Stereomechanical(0.5), sl.Stereomechanical(0)]
+)
+def test_energy_of_each_hit_goes_somewhere(contact):
+    """What a building gains from its contacts is what its own energies cannot explain."""
+    pair = [
+        sl.Bilinear(1.1, 0.05, 0.05, yield_displacement=0.03, mass=2e5),
+        sl.Bilinear(0.5, 0.05, 0.1, yield_displacement=0.015, mass=3e5),
+    ]
+    table = sl.pound(pair, 0.005, contact, shaking(size=2.0))
+    last = table.isel(time=-1)
+    kept = last.kinetic_energy + last.elastic_energy + last.viscous_energy + last.hysteretic_energy
+    gained = (kept - last.input_energy).values
+    handed = table.energy_transferred.sum("impact").values
+    size = float(abs(table.input_energy).max())
+    assert table.sizes["impact"] > 3
+    np.testing.assert_allclose(handed, gained, rtol=0, atol=1e-6 * size)
+    both = table.energy_transferred.sum("side")
+    done = np.isclose(table.impact_time + table.impact_duration, float(table.time[-1]))
+    np.testing.assert_allclose(
+        both.values[~done], -table.energy_lost.values[~done], rtol=1e-9, atol=1e-9 * size
+    )
+    assert float(abs(table.energy_transferred).max()) > 1e-3 * size
