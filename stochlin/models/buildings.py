@@ -26,6 +26,7 @@ STOREY, MODE, FLOOR = "storey", "mode", "floor"
 OF_STOREYS = ("masses", "stiffnesses", "heights", "yield_drifts", "dampers")
 ONE_FOR_ALL = ("yield_drifts", "dampers")  # a number will do
 PLAUSIBLE_COEFFICIENT = 1.0  # of the base shear at yield over the weight
+IMPLAUSIBLE = "the building resists more than its weight; is it a percentage, or a force for a ratio?"
 MOST_STOREYS = 200
 GRAVITY = scipy.constants.g
 
@@ -46,8 +47,9 @@ class RegularBuilding(Model):
     def __post_init__(self) -> None:
         super().__post_init__()
         for name, array in self.arrays().items():
-            if array.ndim:
+            if array.ndim and name != "storey_height":
                 raise ValueError(f"{name} is an array; allowed: one number for the building")
+        _check_ranges(self, "")
 
 
 @dataclass(frozen=True)
@@ -133,7 +135,7 @@ class ShearBuilding(Model):
         for field in ("damping", "hardening"):
             if isinstance(getattr(self, field), xr.DataArray):
                 raise ValueError(f"{name}: {field} is an array; allowed: one number for the building")
-        self._check_ranges()
+        _check_ranges(self, f"{name}: ")
         if self.yield_drifts is not None and self.hardening is None:
             raise ValueError(
                 f"{name}: hardening is not given; storeys with a yield drift need their hardening "
@@ -150,17 +152,18 @@ class ShearBuilding(Model):
         *,
         period: float,
         storeys: int,
-        storey_height: float,
+        storey_height: Any,
         mass: float,
         damping: float,
         hardening: float | None = None,
         base_shear_coefficient: float | None = None,
         **others: Any,
     ) -> Self:
-        """A building of equal floors and storeys, from the few numbers that one knows of it.
+        """A building of equal floors, from the few numbers that one knows of it.
 
-        The stiffnesses are those with which the first mode is a straight line, the strengths those of
-        which all storeys yield at once under a triangle of forces: all then have the same yield drift.
+        The stiffnesses are those with which the first mode is a straight line from the ground to the
+        roof, the strengths those of which all storeys yield at once under forces that grow in
+        proportion to the height: the yield drift is then the same share of the height of every storey.
 
         Parameters
         ----------
@@ -168,8 +171,8 @@ class ShearBuilding(Model):
             Of the first mode [s], without the effect of the weight.
         storeys : int
             Their number.
-        storey_height : float
-            Of each storey [m].
+        storey_height : float or array
+            Of each storey [m], or a list of all of them, from the ground up.
         mass : float
             Of each floor [kg].
         damping, hardening
@@ -183,7 +186,8 @@ class ShearBuilding(Model):
         Returns
         -------
         ShearBuilding
-            With ``k_i = m w^2 sum(j, j = i..n)`` and ``yield_drifts = 2 C g/(w^2 (n + 1))``.
+            With floors at ``H_i``, ``k_i = m w^2 sum(H_j, j = i..n)/h_i`` and yield drifts
+            ``C g n h_i/(w^2 sum(H))``; for equal storeys all of them ``2 C g/(w^2 (n + 1))``.
 
         Raises
         ------
@@ -208,22 +212,29 @@ class ShearBuilding(Model):
             )
         if base_shear_coefficient is not None and base_shear_coefficient > PLAUSIBLE_COEFFICIENT:
             warnings.warn(
-                f"base_shear_coefficient = {base_shear_coefficient:g}: the building resists more than "
-                "its weight; is it a percentage, or a force in place of a ratio?",
+                f"base_shear_coefficient = {base_shear_coefficient:g}: {IMPLAUSIBLE}",
                 DoubtfulInput,
                 stacklevel=2,
             )
-        values = {name: float(array) for name, array in known.arrays().items()}
+        values = {name: array.to_numpy() for name, array in known.arrays().items()}
+        heights = values["storey_height"]
+        if heights.ndim and heights.shape != (storeys,):
+            raise ValueError(
+                f"storey_height has {heights.size} values, storeys = {storeys}; allowed: one number, or "
+                "one for each storey"
+            )
         w = 2 * np.pi / values["period"]
-        height = np.arange(1.0, storeys + 1)
-        above = height[::-1].cumsum()[::-1]
+        relative = heights / heights.flat[0]
+        levels = np.cumsum(np.broadcast_to(relative, storeys))
+        above = levels[::-1].cumsum()[::-1]
         drifts = None
         if base_shear_coefficient is not None:
-            drifts = 2 * values["base_shear_coefficient"] * GRAVITY / (w**2 * (storeys + 1))
+            twice_mean = 2 * levels.sum() / storeys
+            drifts = relative * 2 * values["base_shear_coefficient"] * GRAVITY / (w**2 * twice_mean)
         return cls(
             np.full(storeys, values["mass"]),
-            values["mass"] * w**2 * above,
-            np.full(storeys, values["storey_height"]),
+            values["mass"] * w**2 * above / relative,
+            np.broadcast_to(heights, storeys),
             damping,
             hardening,
             drifts,
@@ -390,16 +401,6 @@ class ShearBuilding(Model):
             if name in values
         }
 
-    def _check_ranges(self) -> None:
-        for key, value in self.arrays().items():
-            allowed = self.allowed(key)
-            bad = np.flatnonzero(~np.atleast_1d(allowed.contains(value.to_numpy())))
-            if bad.size:
-                raise ValueError(
-                    f"{type(self).__name__}: {key} = {float(value[bad[0]]):g} in storey {bad[0] + 1} is "
-                    f"out of range; allowed: {allowed}"
-                )
-
     def _check_weight(self) -> None:
         stiffness, taken = self._over_all()["stiffnesses"], self.geometric_stiffness()
         if (stiffness <= taken).any():
@@ -417,6 +418,18 @@ class ShearBuilding(Model):
         diagonal = (k + np.append(k[1:], 0.0)) / root**2
         squares, vectors = scipy.linalg.eigh_tridiagonal(diagonal, -k[1:] / (root[:-1] * root[1:]))
         return np.sqrt(squares), vectors / root[:, None]
+
+
+def _check_ranges(model: Model, prefix: str) -> None:
+    """Raise for a number out of range in any storey."""
+    for key, value in model.arrays().items():
+        allowed = model.allowed(key)
+        bad = np.flatnonzero(~np.atleast_1d(allowed.contains(value.to_numpy())))
+        if bad.size:
+            raise ValueError(
+                f"{prefix}{key} = {float(value[bad[0]]):g} in storey {bad[0] + 1} is out of range; "
+                f"allowed: {allowed}"
+            )
 
 
 def _over_storeys(label: str, value: Any) -> xr.DataArray:
