@@ -14,7 +14,7 @@ from stochlin.views.shared.words import length, per_cent
 if TYPE_CHECKING:
     import xarray as xr
 
-    from stochlin.analyses.cases.buildings import Building
+    from stochlin.analyses.cases.buildings import AnyBuilding
     from stochlin.analyses.cases.separation import CaseAnswer
 
 
@@ -82,7 +82,7 @@ def facts(answer: CaseAnswer) -> list[tuple[str, str, str]]:
     return [*ground, *motion, *both, *(("Separation", *fact) for fact in wanted)]
 
 
-def _building(building: Building, table: xr.Dataset, number: int) -> list[tuple[str, str]]:
+def _building(building: AnyBuilding, table: xr.Dataset, number: int) -> list[tuple[str, str]]:
     structure = building.structure
     found = _parameters(structure)
     if (kind := type(structure).__name__) != "Bilinear":
