@@ -19,6 +19,7 @@ from stochlin.analyses.cases.separation import answer_case
 from stochlin.analyses.explorer.scene import scene_of
 from stochlin.messages import DoubtfulInput
 from stochlin.models.systems import slabs_on_columns
+from stochlin.views.shared.words import floors
 
 pytestmark = pytest.mark.invariant
 
@@ -144,12 +145,11 @@ def test_an_oscillator_with_a_height_and_storeys_stays_one(tmp_path: Path) -> No
 
 
 def of_levels(number: int, heights: Sequence[float]) -> str:
-    floors = [f'"{h} m"' for h in heights]
-    kept = {"masses": ['"300 t"'] * len(floors), "stiffnesses": ['"500 MN/m"'] * len(floors)}
+    each = [f'"{h} m"' for h in heights]
+    kept = {"masses": ['"300 t"'] * len(each), "stiffnesses": ['"500 MN/m"'] * len(each)}
     lines = "".join(f"{key} = [{', '.join(values)}]\n" for key, values in kept.items())
     return (
-        f"[building_{number}]\n{lines}heights = [{', '.join(floors)}]\n"
-        'damping = "5 %"\nelastic = true\n\n'
+        f'[building_{number}]\n{lines}heights = [{", ".join(each)}]\ndamping = "5 %"\nelastic = true\n\n'
     )
 
 
@@ -405,3 +405,26 @@ def test_what_is_wrong_with_a_link(lines: str, at: str, says: str, tmp_path: Pat
 def test_floors_of_a_link_that_is_not_there(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"link_floors = .* has no link to tie; allowed: beside"):
         read(tmp_path, REGULAR, SINGLE, more=MEASURE.format("link_floors = [1, 1]"))
+
+
+# --- In words -------------------------------------------------------------------------------------
+
+
+def test_floors_that_are_not_level_are_told(tmp_path: Path) -> None:
+    case = read(tmp_path, of_levels(1, [4, 3, 3]), of_levels(2, [3, 3]))
+    assert floors(case).startswith(
+        "Floors are not level: floor 1 of Building 2, at 3 m, meets the columns in storey 1 of Building "
+        "1, and 2 more do. A slab can break the column"
+    )
+    assert "Eurocode 8 (4.4.2.7)" in floors(case)
+    assert not floors(read(tmp_path, of_levels(1, [4, 3, 3]), of_levels(2, [4, 3])))
+    assert not floors(read(tmp_path, of_levels(1, [3, 3]), OSCILLATOR))  # 5 storeys on 15 m
+    said = floors(read(tmp_path, of_levels(1, [4, 3]), OSCILLATOR))
+    assert said.startswith("Floors can hardly all be level: storeys are 3.50 m and 3.00 m high in Buil")
+    assert "although the file says so" not in said
+    with_word = floors(read(tmp_path, of_levels(1, [4, 3]), OSCILLATOR, align="true"))
+    assert "hardly all be level, although the file says so: " in with_word
+    assert not floors(read(tmp_path, of_levels(1, [4, 3]), OSCILLATOR.replace("storeys = 5", "")))
+    three = of_levels(1, [4, 3]), of_levels(2, [4, 3, 5, 5]), OSCILLATOR.replace("2]", "3]", 1)
+    with_unknown = "\n".join(three).replace("storeys = 5", "")
+    assert not floors(read(tmp_path, with_unknown, gaps='["5 cm", "5 cm"]'))  # 3.5 and 4.25 m, but level

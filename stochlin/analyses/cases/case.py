@@ -6,6 +6,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.resources import files
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -112,10 +113,15 @@ class Case:
         return {name: getattr(self, name) for name in names}
 
     @property
-    def storey_heights_differ(self) -> bool:
-        """Whether those of the two buildings are known to differ, so that floors cannot all align."""
-        one, other = (building.storey_height for building in self.pair)
-        return one is not None and other is not None and abs(one - other) > 0.01 * one
+    def unlike_storeys(self) -> tuple[AnyBuilding, AnyBuilding] | None:
+        """Neighbours whose mean storeys differ, and of whose floors no more is known."""
+        for one, other in pairwise(self.buildings):
+            if isinstance(one, StoreyBuilding) and isinstance(other, StoreyBuilding):
+                continue
+            left, right = one.storey_height, other.storey_height
+            if left is not None and right is not None and abs(left - right) > 0.01 * left:
+                return one, other
+        return None
 
     @property
     def motions(self) -> Mapping[str, xr.DataArray]:

@@ -45,12 +45,6 @@ def uncertainties(answer: CaseAnswer) -> list[str]:
     doubtful = [row.label for row in rows(answer) if "M" in row.mark]
     if doubtful:
         sentences.append(f"From memory, not compared with their sources: {', '.join(doubtful)}.")
-    if case.floors_align and case.storey_heights_differ:
-        one, other = (building.storey_height for building in case.pair)
-        sentences.append(
-            f"Floors: said to align, but storeys are {one:.2f} m and {other:.2f} m high. "
-            "Where they do not, floors hit columns."
-        )
     return sentences
 
 
