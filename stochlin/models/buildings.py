@@ -14,7 +14,7 @@ import scipy.linalg
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import DoubtfulInput, brief
+from stochlin.messages import DoubtfulInput, brief, listed
 from stochlin.models.laws.hysteretic import Hysteretic
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, parameter
 from stochlin.models.structures import DAMPING, HARDENING, LAWS, Structure
@@ -257,7 +257,7 @@ class ShearBuilding(Model):
 
         Only what the law knows counts: closures, time steps and the parameters of the law.
         """
-        values = self._over_all()
+        values = {name: xr.DataArray(each, dims=STOREY) for name, each in self._over_all().items()}
         common: dict[str, Any] = {
             "period": 2 * np.pi * np.sqrt(values["masses"] / values["stiffnesses"]),
             "damping": self.damping,
@@ -265,25 +265,30 @@ class ShearBuilding(Model):
         if self.yields:
             common |= {"hardening": self.hardening, "yield_displacement": values["yield_drifts"]}
         own = dict(self._own_parameters())
-        if not isinstance(self.law, str):
-            return Hysteretic(**common, law=self.law, **own)
-        kind = LAWS.named(self.law, "law")
+        kind = LAWS.named(self.law, "law") if isinstance(self.law, str) else Hysteretic
         if kind is Hysteretic:
-            raise ValueError("law = 'hysteretic' has no expression; give the sympy expression itself")
-        unknown = sorted(set(own) - set(kind.own_parameters()))
-        if unknown:
+            if isinstance(self.law, str):
+                raise ValueError(
+                    "law = 'hysteretic' has no expression; give the sympy expression itself"
+                )
+            common["law"] = self.law
+        known = kind.own_parameters()
+        unknown = [name for name in own if name not in known]
+        missing = [name for name in known if name not in own and not hasattr(kind, name)]
+        if unknown or missing:
+            what = f"has no {listed(unknown)}" if unknown else f"needs {listed(missing)} as well"
             raise ValueError(
-                f"law_parameters: {', '.join(unknown)} is not one of the law; allowed: "
-                f"{', '.join(kind.own_parameters()) or 'none'}"
+                f"law_parameters = {brief(self.law_parameters)}: the law {what}; allowed: "
+                f"{', '.join(known) or 'none'}"
             )
         law = kind(**common, **own)
-        for key, value in own.items():
-            bad = np.flatnonzero(~np.atleast_1d(kind.allowed(key).contains(np.asarray(value))))
-            if bad.size:
-                raise ValueError(
-                    f"law_parameters: {key} = {float(np.atleast_1d(value)[bad[0]]):g} in storey "
-                    f"{bad[0] + 1} is out of range; allowed: {kind.allowed(key)}"
-                )
+        bad = np.flatnonzero(~np.broadcast_to(law.valid(), self.storeys))
+        if bad.size:
+            each = {n: a.isel({STOREY: bad[0]}, missing_dims="ignore") for n, a in law.arrays().items()}
+            try:
+                kind(**{name: float(value) for name, value in each.items()})
+            except ValueError as error:
+                raise ValueError(f"law_parameters: storey {bad[0] + 1}, {error}") from error
         return law
 
     def levels(self) -> Array:
