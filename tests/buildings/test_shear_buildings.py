@@ -202,6 +202,14 @@ def test_equal_storeys_have_one_yield_drift_and_others_the_same_share_of_their_h
     )
 
 
+@given(st.integers(1, 60))
+def test_the_roof_of_equal_storeys_and_the_mass_of_their_first_mode(n: int) -> None:
+    building = sl.ShearBuilding.regular(**YIELDING | {"storeys": n})
+    assert float(building.participation()[-1]) == pytest.approx(3 * n / (2 * n + 1), rel=1e-9)
+    share = building.oscillator().mass / (n * 4e5)
+    assert share == pytest.approx(3 * (n + 1) / (4 * n + 2), rel=1e-9)
+
+
 def test_a_regular_building_without_a_base_shear_stays_elastic() -> None:
     building = sl.ShearBuilding.regular(**KNOWN, p_delta=True, dampers=1e6)
     assert not building.yields

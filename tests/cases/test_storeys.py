@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import cases
 import numpy as np
@@ -118,6 +120,17 @@ def test_laws_dampers_and_the_weight_are_read_by_storey(tmp_path: Path) -> None:
         p_delta=True,
     )
     same(found, expected)
+
+
+def test_the_buildings_of_the_page_are_the_same_in_python(tmp_path: Path) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "buildings.md").read_text(encoding="utf-8")
+    lines, made = (re.findall(rf"```{kind}\n(.*?)```", page, re.DOTALL) for kind in ("toml", "python"))
+    case = read(tmp_path, *lines)
+    names: dict[str, Any] = {}
+    exec("".join(made[:2]), names)
+    same(case.first.structure, names["office"])
+    same(case.second.structure, names["annex"])
+    assert sum(slab.slab_of == 2 for slab in case.slabs_on_columns) == 5
 
 
 def test_kinds_may_be_mixed_and_each_is_what_its_keys_say(tmp_path: Path) -> None:
