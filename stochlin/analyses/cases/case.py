@@ -196,10 +196,11 @@ def read_case(path: str | os.PathLike[str]) -> Case:
         oscillator and storeys, gaps too many or too few, a link at a floor that is not there; or if a
         record cannot be read or fitted. The message names file, line and key, and what is allowed.
 
-    Notes
+    Warns
     -----
-    What is allowed but looks like a mistake, for instance a base shear coefficient above 1, is warned
-    of in the same words, as `DoubtfulInput`.
+    UserWarning
+        If a value is allowed but looks like a mistake, in the same words: a base shear coefficient above
+        1, a storey that leans by a tenth before it yields, floors that are said to align and do not.
 
     Examples
     --------
