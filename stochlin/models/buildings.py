@@ -90,8 +90,8 @@ class ShearBuilding(Model):
     ------
     ValueError, TypeError
         If a value is not a number or out of range (the message names the storey), arrays differ in
-        length, yield drifts come without hardening, the law is not known or not odd, or the weight
-        above takes all of an elastic stiffness.
+        length or are of more than 200 storeys, yield drifts come without hardening, the law is not
+        known or not odd, or the weight above takes all of an elastic stiffness.
 
     References
     ----------
@@ -131,6 +131,12 @@ class ShearBuilding(Model):
         if len({array.sizes[STOREY] for array in arrays.values()}) > 1:
             told = ", ".join(f"{key} has {array.sizes[STOREY]}" for key, array in arrays.items())
             raise ValueError(f"{name}: {told} values; allowed: one for each storey in all of them")
+        for key, array in arrays.items():
+            if array.size > MOST_STOREYS:
+                raise ValueError(
+                    f"{name}: {key} has {array.size} values; allowed: one for each of at most "
+                    f"{MOST_STOREYS} storeys"
+                )
         super().__post_init__()
         for field in ("damping", "hardening"):
             if isinstance(getattr(self, field), xr.DataArray):
@@ -223,17 +229,21 @@ class ShearBuilding(Model):
                 f"storey_height has {heights.size} values, storeys = {storeys}; allowed: one number, or "
                 "one for each storey"
             )
-        w = 2 * np.pi / values["period"]
         relative = heights / heights.flat[0]
         levels = np.cumsum(np.broadcast_to(relative, storeys))
         above = levels[::-1].cumsum()[::-1]
         drifts = None
-        if base_shear_coefficient is not None:
-            twice_mean = 2 * levels.sum() / storeys
-            drifts = relative * 2 * values["base_shear_coefficient"] * GRAVITY / (w**2 * twice_mean)
+        with np.errstate(all="ignore"):  # what is beyond all numbers is out of range below
+            square = (2 * np.pi / values["period"]) ** 2
+            stiffnesses = values["mass"] * square * above / relative
+            if base_shear_coefficient is not None:
+                twice_mean = 2 * levels.sum() / storeys
+                drifts = (
+                    relative * 2 * values["base_shear_coefficient"] * GRAVITY / (square * twice_mean)
+                )
         return cls(
             np.full(storeys, values["mass"]),
-            values["mass"] * w**2 * above / relative,
+            stiffnesses,
             np.broadcast_to(heights, storeys),
             damping,
             hardening,
@@ -359,9 +369,11 @@ class ShearBuilding(Model):
         The weight over the height of the storey; zeros without ``p_delta``.
         """
         values = self.arrays()
+        if not self.p_delta:
+            return np.zeros(self.storeys)
         above = values["masses"].to_numpy()[::-1].cumsum()[::-1]
         taken: Array = GRAVITY * above / values["heights"].to_numpy()
-        return taken if self.p_delta else np.zeros_like(taken)
+        return taken
 
     def damping_matrix(self) -> Array:
         """Damping coefficients (storeys, storeys) [N s/m] of the floors."""

@@ -391,6 +391,11 @@ def test_what_a_link_says_of_itself() -> None:
             ValueError,
             "yield_drifts = nan in storey 2",
         ),
+        (
+            dict.fromkeys(("masses", "stiffnesses", "heights"), [1e5] * 201),
+            ValueError,
+            "masses has 201 values; allowed: one for each of at most 200 storeys",
+        ),
         ({"dampers": -1.0}, ValueError, "dampers = -1 is out of range; allowed: 0 <= value"),
         (
             {"dampers": [0.0, -2.0]},
@@ -461,6 +466,8 @@ def test_parameters_that_a_law_has_not_are_refused(law, own, error, message):
         ({"storeys": True}, ValueError, "storeys = True; allowed: a whole number"),
         ({"storeys": 201}, ValueError, "storeys = 201; allowed: a whole number from 1 to 200"),
         ({"period": -1}, ValueError, "period = -1 is out of range; allowed: 0 < value"),
+        ({"period": 1e-300}, ValueError, "yield_drifts = 0 is out of range; allowed: 0 < value"),
+        ({"mass": 1e308}, ValueError, "stiffnesses = inf in storey 1 is out of range; allowed: 0 < val"),
         ({"period": [1.0, 2.0]}, ValueError, "period is an array; allowed: one number"),
         ({"mass": None}, TypeError, "mass = None is not a real number"),
         ({"storey_height": 0}, ValueError, "storey_height = 0 is out of range"),
