@@ -59,10 +59,14 @@ from .analyses.simulation.simulation import simulate as simulate
 from .analyses.correlation.amplification import amplification as amplification
 from .analyses.linearization.transient_response import transient_response as transient_response
 from .analyses.linearization.peaks import peak_response as peak_response
-from .analyses.linearization.state_space import (
+from .analyses.linearization.systems.coefficients import (
+    equivalent_coefficients as equivalent_coefficients,
+)
+from .analyses.linearization.systems.state_space import (
     statespace as statespace,
     stationary_covariance as stationary_covariance,
 )
+from .analyses.linearization.systems.systems import linearize_system as linearize_system
 
 # The gap
 from .analyses.separation.separation import separation as separation

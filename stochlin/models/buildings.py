@@ -14,10 +14,10 @@ import scipy.linalg
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import DoubtfulInput, brief, listed
-from stochlin.models.laws.hysteretic import Hysteretic
+from stochlin.messages import DoubtfulInput, brief
+from stochlin.models.laws.hysteretic import Hysteretic, law_of
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, parameter
-from stochlin.models.structures import DAMPING, HARDENING, LAWS, Structure
+from stochlin.models.structures import DAMPING, HARDENING, Structure
 
 if TYPE_CHECKING:
     import sympy
@@ -275,28 +275,12 @@ class ShearBuilding(Model):
         if self.yields:
             common |= {"hardening": self.hardening, "yield_displacement": values["yield_drifts"]}
         own = dict(self._own_parameters())
-        kind = LAWS.named(self.law, "law") if isinstance(self.law, str) else Hysteretic
-        if kind is Hysteretic:
-            if isinstance(self.law, str):
-                raise ValueError(
-                    "law = 'hysteretic' has no expression; give the sympy expression itself"
-                )
-            common["law"] = self.law
-        known = kind.own_parameters()
-        unknown = [name for name in own if name not in known]
-        missing = [name for name in known if name not in own and not hasattr(kind, name)]
-        if unknown or missing:
-            what = f"has no {listed(unknown)}" if unknown else f"needs {listed(missing)} as well"
-            raise ValueError(
-                f"law_parameters = {brief(self.law_parameters)}: the law {what}; allowed: "
-                f"{', '.join(known) or 'none'}"
-            )
-        law = kind(**common, **own)
+        law = law_of(self.law, common, own)
         bad = np.flatnonzero(~np.broadcast_to(law.valid(), self.storeys))
         if bad.size:
             each = {n: a.isel({STOREY: bad[0]}, missing_dims="ignore") for n, a in law.arrays().items()}
             try:
-                kind(**{name: float(value) for name, value in each.items()})
+                type(law)(**{name: float(value) for name, value in each.items()})
             except ValueError as error:
                 raise ValueError(f"law_parameters: storey {bad[0] + 1}, {error}") from error
         return law

@@ -37,6 +37,11 @@ class Stack(NamedTuple):
     law: Structure  # of all storeys; one that stays elastic for those without strength
 
     @property
+    def is_oscillator(self) -> bool:
+        """Whether it is one: it then has no height."""
+        return bool(np.isnan(self.levels).any())
+
+    @property
     def elastic(self) -> Array:
         """Stiffness of the storeys before yield (n,) [N/m]."""
         return self.post + self.couple
@@ -54,6 +59,12 @@ class Tie(NamedTuple):
     one: int
     two: int
     link: Link
+    number: int  # from 1, in the list that was given
+
+    @property
+    def name(self) -> str:
+        """As the spring of the link is called among the storeys."""
+        return f"link {self.number}"
 
 
 class System(NamedTuple):
@@ -66,6 +77,15 @@ class System(NamedTuple):
     def first(self) -> Array:
         """Number of the first floor of each structure, and of all floors (s + 1,)."""
         return np.concatenate([[0], np.cumsum([stack.mass.size for stack in self.stacks])])
+
+    @property
+    def floors(self) -> list[str]:
+        """Names of the floors and of the storeys below them: 2.3 is the third of structure 2."""
+        return [
+            str(s) if stack.is_oscillator else f"{s}.{i}"
+            for s, stack in enumerate(self.stacks, start=1)
+            for i in range(1, stack.mass.size + 1)
+        ]
 
     @property
     def below(self) -> Array:
@@ -145,7 +165,7 @@ def system_of(structures: Sequence[AnyStructure], links: Sequence[Link | None] =
                 f"structures = two of 1 to {len(stacks)}"
             )
         for each in (one, two):
-            _check_mass(structures[each - 1], f"structure {each}")
+            check_mass(structures[each - 1], f"structure {each}")
         floors = link.floors or common_floors(stacks[one - 1], stacks[two - 1], number)
         for each, floor in zip((one, two), floors, strict=True):
             if floor > stacks[each - 1].mass.size:
@@ -153,13 +173,14 @@ def system_of(structures: Sequence[AnyStructure], links: Sequence[Link | None] =
                     f"link {number}: floors = {link.floors}, structure {each} has "
                     f"{stacks[each - 1].mass.size}; allowed: 1 to {stacks[each - 1].mass.size}"
                 )
-        ties.append(Tie(int(first[one - 1]) + floors[0] - 1, int(first[two - 1]) + floors[1] - 1, link))
+        on, other = int(first[one - 1]) + floors[0] - 1, int(first[two - 1]) + floors[1] - 1
+        ties.append(Tie(on, other, link, number))
     return System(stacks, tuple(ties))
 
 
 def common_floors(one: Stack, two: Stack, number: int) -> tuple[int, int]:
     """The highest floors at one level, from 1; an oscillator is at the roof of the other."""
-    if np.isnan(one.levels).any() or np.isnan(two.levels).any():
+    if one.is_oscillator or two.is_oscillator:
         return one.mass.size, two.mass.size
     level = np.abs(one.levels[:, None] - two.levels) < LEVEL
     if not level.any():
@@ -202,6 +223,7 @@ def check_links(name: str, links: object, count: int) -> tuple[Link | None, ...]
     return tuple(links)
 
 
-def _check_mass(structure: AnyStructure, role: str) -> None:
+def check_mass(structure: AnyStructure, role: str) -> None:
+    """Raise a ValueError unless a link has something to act on."""
     if isinstance(structure, Structure) and structure.mass is None:
         raise ValueError(f"{role}: mass is not given; a link acts on masses, allowed: 0 < value, in kg")

@@ -120,6 +120,9 @@ SINGLE = {
     "stiffnesses": [1e8],
     "heights": [3.0],
     "approach_velocity": 0.5,
+    "velocity_std": 1.0,
+    "z_std": 0.5,
+    "velocity_z_corr": 0.3,
     "mass": 1e5,
     "name": "firm",
 }

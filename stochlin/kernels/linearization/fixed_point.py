@@ -244,7 +244,7 @@ def _advance(problem: _Problem, state: _State, cells: Array, pace: Pace) -> Arra
     mismatch, jacobian = _mismatch(problem, y)
     norm = np.sqrt((mismatch**2).sum(axis=0))
     valid = np.isfinite(norm) & np.isfinite(jacobian).all(axis=(0, 1))
-    delta = _next_delta(state.delta[cells], state.norm[cells], np.where(valid, norm, np.inf), pace)
+    delta = next_delta(state.delta[cells], state.norm[cells], np.where(valid, norm, np.inf), pace)
     step = _newton_step(jacobian, mismatch, delta)
     # Not stationary: take back most of the step, or if there was none yet, start nearer to elastic.
     untried = np.isinf(state.norm[cells])
@@ -261,7 +261,7 @@ def _advance(problem: _Problem, state: _State, cells: Array, pace: Pace) -> Arra
     return valid & (norm <= LARGEST_MISMATCH) & (change.max(axis=0) <= rtol)
 
 
-def _next_delta(delta: Array, before: Array, now: Array, pace: Pace) -> Array:
+def next_delta(delta: Array, before: Array, now: Array, pace: Pace) -> Array:
     """Switched evolution relaxation: longer as the mismatch falls, short again when it rises."""
     with np.errstate(invalid="ignore", divide="ignore"):
         ratio = np.where(np.isinf(before), 1, before / now)
@@ -285,9 +285,9 @@ def _mismatch(problem: _Problem, y: Array) -> tuple[Array, Array]:
     with np.errstate(all="ignore"):
         value = problem.closure(np.stack([sv, sz, r]), problem.law)
         response, by_coefficients = _response(problem, value.coefficients)
-        reached, d_reached = _to_unknowns(response)
+        reached, d_reached = to_unknowns(response)
         reached[:2] += problem.level
-        assumed, d_assumed = _to_unknowns(value.covariance)
+        assumed, d_assumed = to_unknowns(value.covariance)
         scale = np.stack([sv, sz, 1 - r * r])
         jacobian = np.einsum("ijn,jkn,kln->iln", d_reached, by_coefficients, value.coefficients_jacobian)
         jacobian -= np.einsum("ijn,jkn->ikn", d_assumed, value.covariance_jacobian)
@@ -312,7 +312,7 @@ def _response(problem: _Problem, coefficients: Array) -> tuple[Array, Array]:
     return np.where(stationary, response.real, np.nan), np.stack(derivatives, axis=1)
 
 
-def _to_unknowns(covariance: Array) -> tuple[Array, Array]:
+def to_unknowns(covariance: Array) -> tuple[Array, Array]:
     """``(log sv, log sz, atanh r)`` of a covariance and the Jacobian; NaN where it is none."""
     vv, zz, vz = covariance
     sv, sz = np.sqrt(vv), np.sqrt(zz)

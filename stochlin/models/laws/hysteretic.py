@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from stochlin.messages import brief, listed
 from stochlin.models.structures import LAWS, Structure
 
 if TYPE_CHECKING:
@@ -57,3 +59,27 @@ class Hysteretic(Structure):
     def describe(self) -> str:
         """One line with the parameters and the law."""
         return f"{super().describe()[:-1]}, law={self.law})"
+
+
+def law_of(law: str | sympy.Expr, common: Mapping[str, Any], own: Mapping[str, Any]) -> Structure:
+    """The structure of a law by its name, or of a sympy expression, with its own parameters.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the law is not known, or has no such parameters.
+    """
+    kind = LAWS.named(law, "law") if isinstance(law, str) else Hysteretic
+    if kind is Hysteretic:
+        if isinstance(law, str):
+            raise ValueError("law = 'hysteretic' has no expression; give the sympy expression itself")
+        common = {**common, "law": law}
+    known = kind.own_parameters()
+    unknown = [name for name in own if name not in known]
+    missing = [name for name in known if name not in own and not hasattr(kind, name)]
+    if unknown or missing:
+        what = f"has no {listed(unknown)}" if unknown else f"needs {listed(missing)} as well"
+        raise ValueError(
+            f"law_parameters = {brief(dict(own))}: the law {what}; allowed: {', '.join(known) or 'none'}"
+        )
+    return kind(**common, **own)

@@ -1,0 +1,182 @@
+"""The equivalent coefficients of eqs. (9) and (10), from the moments of one element."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+from scipy.optimize import elementwise
+
+from stochlin.analyses.linearization.equivalent_systems import check_closure
+from stochlin.analyses.linearization.variables import VARIABLES
+from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.cellwise import cellwise
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.linearization.fixed_point import Closure
+from stochlin.messages import sentence
+from stochlin.models.laws.hysteretic import law_of
+from stochlin.models.parameters import POSITIVE, Model, Parameter, Range, parameter
+from stochlin.models.structures import DRIFT, GAUSSIAN, NARROW_BAND, Structure
+
+if TYPE_CHECKING:
+    import sympy
+
+# Closures of a structure alone, and why they are none of an element.
+LACKING = {NARROW_BAND: "has no z", DRIFT: "adds the drift of a structure that stands alone"}
+
+
+@dataclass(frozen=True)
+class Moments(Model):
+    """Of the ductility rate and ``z``."""
+
+    of_arguments = True
+
+    velocity_std: Parameter = parameter("1/s", "standard deviation of the ductility rate", POSITIVE)
+    z_std: Parameter = parameter("1", "standard deviation of z", POSITIVE)
+    velocity_z_corr: Parameter = parameter("1", "their correlation", Range(-1.0, 1.0))
+
+
+def equivalent_coefficients(
+    velocity_std: Parameter,
+    z_std: Parameter,
+    velocity_z_corr: Parameter,
+    law: str | sympy.Expr = "bilinear",
+    *,
+    closure: str = GAUSSIAN,
+    **law_parameters: Any,
+) -> xr.Dataset:
+    """Coefficients of ``z' = -c_eq v - k_eq z``, eqs. (9) and (10), for a law and its moments.
+
+    The least-squares coefficients of ``z' = G(v, z)`` on ``v`` and ``z``, for the density of these that
+    the closure assumes.
+
+    Parameters
+    ----------
+    velocity_std : float or array
+        Standard deviation of the ductility rate ``v`` [1/s], positive: of the velocity, or the rate of a
+        storey's drift, over its yield displacement.
+    z_std : float or array
+        Standard deviation of ``z`` [-], positive; below 1 with ``"clipped"``, which keeps ``|z| <= 1``.
+    velocity_z_corr : float or array
+        Their correlation [-], between -1 and 1. All parameters broadcast by dimension name.
+    law : str or sympy.Expr
+        ``"bilinear"``, ``"bouc_wen"`` or any other that is registered, or a law as `Hysteretic` takes
+        it.
+    closure : str
+        ``"gaussian"``: ``(v, z)`` jointly Gaussian; or ``"clipped"``, as in `linearize`.
+    **law_parameters : float or array
+        The law's own parameters [-], if it has some: ``beta=0.6, gamma=0.4``.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over the dimensions of the parameters: ``c_eq`` [-], ``k_eq`` [1/s], ``status``.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a scalar is out of range or not a number, the law or the closure is unknown, or dimensions do
+        not fit.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eqs. (8) to (10), whose coefficients are missing in print. Derived
+    here for the bilinear law; Wen, Y. K. (1980), J. Appl. Mech. 47, for Bouc-Wen.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> found = sl.equivalent_coefficients(velocity_std=1.0, z_std=0.5, velocity_z_corr=0.3)
+    >>> round(float(found.c_eq), 10), round(float(found.k_eq), 10)
+    (-0.9649205716, 0.162719435)
+
+    At these moments the loop of `linearize` has come to its end:
+
+    >>> one = sl.linearize(sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=4), sl.WhiteNoise(0.01))
+    >>> rate = one.velocity_std / one.yield_displacement
+    >>> again = sl.equivalent_coefficients(rate, one.z_std, one.velocity_z_corr)
+    >>> bool(abs(again.k_eq / one.k_eq - 1) < 1e-9)
+    True
+    """
+    moments = Moments(velocity_std, z_std, velocity_z_corr)
+    structure = law_of(law, {"period": 1.0, "damping": 0.05}, law_parameters)
+    check_element_closure(structure, closure)
+    of_law = structure.closure(closure)
+    valid = moments.valid() & structure.valid()
+    try:
+        c_eq, k_eq = cellwise(
+            _coefficients,
+            valid,
+            *moments.arrays().values(),
+            *structure.law_parameters(),
+            kinds=(float, float),
+            closure=of_law,
+            clips=closure != GAUSSIAN,
+        )
+    except xr.AlignmentError as error:
+        raise ValueError(
+            f"moments and law parameters share a dimension whose coordinates or lengths differ: "
+            f"{sentence(error)}"
+        ) from error
+    if not c_eq.ndim and np.isnan(c_eq):
+        raise ValueError(
+            f"z_std = {float(moments.arrays()['z_std']):g}, velocity_z_corr = "
+            f"{float(moments.arrays()['velocity_z_corr']):g}: no clipped Gaussian has these; allowed: "
+            "z_std < 1, and less correlation"
+        )
+    status = labels.status_where(c_eq.notnull() & k_eq.notnull())
+    table = labels.label(xr.Dataset({"c_eq": c_eq, "k_eq": k_eq, "status": status}), VARIABLES)
+    told = law if isinstance(law, str) else f"{law}"
+    return labels.with_run_information(
+        table,
+        f"Equivalent coefficients, eqs. (9) and (10), {closure} closure",
+        f"equivalent_coefficients(law={told!r}, closure={closure!r})",
+        {"moments": moments, "law": structure},
+    )
+
+
+def check_element_closure(law: Structure, closure: str) -> None:
+    """Raise a ValueError unless the law has this closure, and it is one of elements of a system."""
+    check_closure(law, closure)
+    if closure in LACKING:
+        raise ValueError(
+            f"closure = {closure!r} {LACKING[closure]}; allowed for linked structures, storeys and "
+            "coefficients by themselves: gaussian, clipped"
+        )
+
+
+@np.errstate(all="ignore")  # cells out of range are NaN
+def _coefficients(
+    valid: Array, sv: Array, sz: Array, r: Array, *own: Array, closure: Closure, clips: bool
+) -> tuple[Array, Array]:
+    arrays = np.broadcast_arrays(valid, sv, sz, r, *own)
+    where = np.flatnonzero(arrays[0])
+    moments, parameters = np.split(np.stack([a.reshape(-1)[where] for a in arrays[1:]]), [3])
+    latent = _behind(moments, parameters, closure) if clips else moments
+    found = np.full((2, arrays[0].size), np.nan)
+    if where.size:
+        slip, relaxation = closure(latent, parameters).coefficients
+        found[:, where] = slip - 1, relaxation
+    c_eq, k_eq = found.reshape(2, *arrays[0].shape)
+    return c_eq, k_eq
+
+
+def _behind(moments: Array, parameters: Array, closure: Closure) -> Array:
+    """Moments of the Gaussian that is clipped: variance of ``z`` by search; the covariance scales."""
+    sv, sz, r = moments
+
+    def variance(log_sz: Array, index: Array) -> Array:
+        here = index.astype(int)
+        guess = np.stack([sv[here], np.exp(log_sz), np.zeros_like(log_sz)])
+        return np.log(closure(guess, parameters[:, here]).covariance[1] / sz[here] ** 2)
+
+    index = np.arange(sz.size, dtype=float)
+    lowest = np.full_like(sz, np.log(np.min(sz, initial=1.0)) - 1)
+    root = elementwise.find_root(variance, (lowest, np.full_like(sz, 25.0)), args=(index,))
+    latent = np.stack([sv, np.where(root.success, np.exp(root.x), np.nan), np.full_like(sz, 0.5)])
+    half = closure(latent, parameters).covariance[2]
+    latent[2] = 0.5 * r * sv * sz / half
+    latent[:, np.abs(latent[2]) >= 1] = np.nan
+    return latent

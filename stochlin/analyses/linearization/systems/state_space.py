@@ -1,0 +1,342 @@
+"""The whole problem as one linear system: the readable definition, and the oracle of the fast path.
+
+Any number of structures stand on one ground. Without links they act on one another in no way, and
+`correlate` is the quick road to the correlation of two oscillators; all else is solved here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.checks import as_numbers, check_scalars
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.linearization.augmented import Augmented, Solved
+from stochlin.messages import brief
+from stochlin.models.buildings import ShearBuilding
+from stochlin.models.grounds import Ground
+from stochlin.models.links import Link
+from stochlin.models.parameters import expect
+from stochlin.models.structures import Structure
+from stochlin.models.systems import STRUCTURES, AnyStructure, System, check_links, system_of
+
+ONE_SYSTEM = "a scalar, since this describes one system"
+
+
+@dataclass(frozen=True)
+class Equations:
+    """Eqs. (5), (6), (8), (11) and (12) of structures on one ground.
+
+    Springs are the storeys, and the links after them; elements those of them that have a law, or may:
+    the storeys, and the links that yield.
+    """
+
+    system: System
+    ground: Ground
+
+    @cached_property
+    def springs(self) -> list[str]:
+        """Names of the storeys and links."""
+        return [*self.system.floors, *(tie.name for tie in self.system.ties)]
+
+    @cached_property
+    def elements(self) -> Array:
+        """Numbers of the springs that are elements (e,)."""
+        n, ties = len(self.system.floors), self.system.ties
+        return np.array([*range(n), *(n + i for i, tie in enumerate(ties) if tie.link.yields)])
+
+    @cached_property
+    def strength(self) -> Array:
+        """Drifts at yield of the elements (e,) [m], infinite where they stay elastic."""
+        return np.append(self.system.all("strength"), self._of_links("yield_displacement", yields=True))
+
+    @cached_property
+    def extensions(self) -> Array:
+        """Of the springs by the displacements of the floors (s, n)."""
+        n, ties = len(self.system.floors), self.system.ties
+        found = np.zeros((n + len(ties), n))
+        found[np.arange(n), np.arange(n)] = 1.0
+        for floor, below in enumerate(self.system.below):
+            if below >= 0:
+                found[floor, below] = -1.0
+        for row, tie in enumerate(ties, start=n):
+            found[row, tie.one], found[row, tie.two] = 1.0, -1.0
+        return found
+
+    def states(self, own: Array) -> list[str]:
+        """Names of the states, where these elements (e,) have a ``z``: by structures, links last."""
+        floors, first = self.system.floors, self.system.first
+        names = [self.springs[spring] for spring in self.elements[own]]
+        listed = list(self.ground.lone_filter().states)
+        for begin, end in pairwise(first):
+            here = floors[begin:end]
+            listed += [f"{state}_{name}" for state in "uv" for name in here]
+            listed += [f"z_{name}" for name in here if name in names]
+        return listed + [f"z_{name}" for name in names if name not in floors]
+
+    def augmented(self, c_eq: Array, k_eq: Array, own: Array) -> Augmented:
+        """With these coefficients of the elements (e,), of which these have a ``z`` of their own."""
+        soil, n = self.ground.lone_filter(), len(self.system.floors)
+        names = {name: i for i, name in enumerate(self.states(own))}
+        springs = self.elements[own]
+        u, v = (np.array([names[f"{s}_{floor}"] for floor in self.system.floors]) for s in "uv")
+        z = np.array([names[f"z_{self.springs[spring]}"] for spring in springs], int)
+        q = np.arange(len(soil.states))
+        mass, t = self.system.all("mass")[:, None], self.extensions
+        dampers = self._of_links("damping_constant")
+        links = t[n:]
+        damping = self.system.damping + (links.T * dampers) @ links
+        stiffness = self.stiffness.copy()
+        stiffness[springs] = self._post[springs]
+
+        matrix, noise = np.zeros((len(names), len(names))), np.zeros(len(names))
+        matrix[np.ix_(q, q)], noise[q], output = soil.arrays
+        matrix[u, v] = 1.0
+        matrix[np.ix_(v, q)] = output
+        matrix[np.ix_(v, u)] = -((t.T * stiffness) @ t) / mass
+        matrix[np.ix_(v, v)] = -damping / mass
+        matrix[np.ix_(v, z)] = -(t.T * self._couple)[:, springs] / mass
+        matrix[np.ix_(z, v)] = -c_eq[own, None] * t[springs]
+        matrix[z, z] = -k_eq[own]
+        if not q.size:
+            noise[v] = 1.0
+        of_noise = 2 * np.pi * float(self.ground.arrays()["intensity"])
+        return Augmented(matrix, noise, of_noise, u, v, z, springs, t, self.stiffness)
+
+    @cached_property
+    def stiffness(self) -> Array:
+        """Of the springs before yield (s,) [N/m]."""
+        return self._post + self._couple
+
+    @property
+    def forces(self) -> tuple[Array, Array, Array]:
+        """``post``, ``couple`` [N/m] and dashpot [N s/m] of the springs (s,), of storeys none."""
+        dashpots = np.append(np.zeros(len(self.system.floors)), self._of_links("damping_constant"))
+        return self._post, self._couple, dashpots
+
+    @cached_property
+    def _post(self) -> Array:
+        hardening = np.nan_to_num(self._of_links("hardening"), nan=1.0)
+        return np.append(self.system.all("post"), hardening * self._of_links("stiffness"))
+
+    @cached_property
+    def _couple(self) -> Array:
+        hardening = np.nan_to_num(self._of_links("hardening"), nan=1.0)
+        return np.append(self.system.all("couple"), (1 - hardening) * self._of_links("stiffness"))
+
+    def _of_links(self, name: str, *, yields: bool = False) -> Array:
+        """A parameter of all links, or of those that yield."""
+        ties = [tie for tie in self.system.ties if tie.link.yields or not yields]
+        return np.array([tie.link.number(name) for tie in ties], float)
+
+
+def checked_system(
+    structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None]
+) -> tuple[Link | None, ...]:
+    """The links, once all is of the right kind and without arrays, and no link has slack."""
+    expect(ground, Ground, "ground")
+    if not isinstance(structures, (list, tuple)):
+        raise TypeError(f"structures = {brief(structures)}; allowed: a list of structures")
+    if not structures:
+        raise ValueError("structures = []; allowed: at least one structure")
+    for number, structure in enumerate(structures, start=1):
+        expect(structure, STRUCTURES, f"structures, number {number}")
+        if isinstance(structure, Structure):
+            check_scalars(structure, f"structures, number {number}", ONE_SYSTEM)
+    check_scalars(ground, "ground", ONE_SYSTEM)
+    links = check_links("links", links, len(structures))
+    for number, link in enumerate(links, start=1):
+        if link is not None:
+            check_scalars(link, f"links, number {number}", ONE_SYSTEM)
+            if link.slack is not None:
+                raise ValueError(
+                    f"links, number {number}: slack = {link.slack:g}; allowed: none, since it pulls "
+                    "one way, and linearization wants forces that are zero in the mean; simulate it"
+                )
+    return links
+
+
+def statespace(
+    structures: Sequence[AnyStructure],
+    ground: Ground,
+    c_eq: Sequence[float],
+    k_eq: Sequence[float],
+    *,
+    links: Sequence[Link | None] = (),
+) -> xr.Dataset:
+    """Augmented state matrix of linearized structures on one ground: eqs. (5), (6), (8), (11), (12).
+
+    Each oscillator has the states ``u`` [m], ``v = u'`` [m/s] and ``z`` (times the yield displacement,
+    [m]): ``u'' + 2 xi w u' + alpha w^2 u + (1 - alpha) w^2 z = f``, ``z' = -c_eq v - k_eq z``. A
+    building has these floor by floor, ``z`` for the storey below a floor and with the rate of its drift
+    ``d``: ``M u'' + C u' + T' diag(alpha k) d + T' diag((1 - alpha) k) z = M 1 f``, ``d = T u``. In the
+    elastic limit, ``c_eq = -1`` and ``k_eq = 0`` (which is ``z = d``), an element has no ``z``: with it
+    the Lyapunov equation would be singular.
+
+    Parameters
+    ----------
+    structures : sequence of Bilinear, BoucWen, Hysteretic or ShearBuilding
+        With scalar parameters.
+    ground : WhiteNoise, KanaiTajimi or CloughPenzien
+        With scalar parameters.
+    c_eq, k_eq : sequence of float
+        Equivalent coefficients [-] and [1/s], one each an element, as `linearize` and `linearize_system`
+        return them: oscillators and storeys from the first structure to the last, from the ground up,
+        and after them the links that yield.
+    links : sequence of Link or None, optional
+        From each structure to the next, or with ``structures=(.., ..)`` of their own; oscillators
+        then need a mass.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``state_matrix`` over (``state``, ``state_2``), ``noise_vector`` over ``state``, and
+        ``noise_intensity`` ``2 pi S0`` [m^2/s^3]: ``x' = A x + b n(t)``. ``extension`` over (``spring``,
+        ``state``): the drifts of storeys and the extensions of links by the states, and ``stiffness``
+        over ``spring`` [N/m] before yield. States of floor 3 of structure 2 end in ``_2.3``, those of an
+        oscillator in its number.
+
+    Raises
+    ------
+    ValueError
+        If there is no structure, a parameter is an array, the coefficients are not one an element, or a
+        link has slack.
+    TypeError
+        If something is of the wrong kind.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eqs. (5) to (12).
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> pair = [sl.Bilinear(period=T, damping=0.05) for T in (1.0, 2.0)]
+    >>> space = sl.statespace(pair, sl.KanaiTajimi(2.0, 0.05), c_eq=[-1, -1], k_eq=[0, 0])
+    >>> space.state.values.tolist()
+    ['xg', 'xg_rate', 'u_1', 'v_1', 'u_2', 'v_2']
+    """
+    links = checked_system(structures, ground, links)
+    given = []
+    for name, values in (("c_eq", c_eq), ("k_eq", k_eq)):
+        given.append(as_numbers(name, values, "a number for every element").astype(float))
+        if given[-1].ndim != 1:
+            raise ValueError(f"{name} = {brief(values)}; allowed: a number for every element")
+        if not np.isfinite(given[-1]).all():
+            raise ValueError(f"{name} = {brief(list(values))}; allowed: finite numbers")
+    equations = Equations(system_of([_of_any_strength(s) for s in structures], links), ground)
+    elements = [equations.springs[spring] for spring in equations.elements]
+    if not len(c_eq) == len(k_eq) == len(elements):
+        raise ValueError(
+            f"c_eq, k_eq have lengths {len(c_eq)}, {len(k_eq)}; allowed: {len(elements)}, one of each "
+            f"kind for every element, {brief(elements)}"
+        )
+    own = (given[0] != -1) | (given[1] != 0)
+    for element in np.flatnonzero(own[: len(equations.system.floors)]):
+        number = int(np.searchsorted(equations.system.first, element, side="right"))
+        structure = structures[number - 1]
+        if structure.hardening is None:
+            raise ValueError(
+                f"{type(structure).__name__}, number {number}: hardening is not given; with c_eq = "
+                f"{given[0][element]:g}, k_eq = {given[1][element]:g} it yields, and needs its hardening"
+            )
+    written, names = equations.augmented(given[0], given[1], own), equations.states(own)
+    extension = np.zeros((len(equations.springs), len(names)))
+    extension[:, written.displacements] = written.extensions
+    space = xr.Dataset(
+        {
+            "state_matrix": (("state", "state_2"), written.matrix),
+            "noise_vector": ("state", written.noise),
+            "noise_intensity": ((), written.intensity, {"units": "m^2/s^3"}),
+            "extension": (("spring", "state"), extension),
+            "stiffness": ("spring", written.stiffness, {"units": "N/m"}),
+        },
+        coords={"state": names, "state_2": names, "spring": equations.springs},
+    )
+    models = {f"structure_{n}": s for n, s in enumerate(structures, start=1)} | {"ground": ground}
+    return labels.with_run_information(
+        space,
+        f"State space of {len(structures)} linearized structures, {ground.name} ground",
+        "statespace()",
+        models | {f"link_{n}": link for n, link in enumerate(links, start=1) if link is not None},
+    )
+
+
+def _of_any_strength(structure: AnyStructure) -> Any:
+    """The structure with any strength, of which its equations do not depend, if it can yield."""
+    if structure.hardening is None:
+        return structure
+    if isinstance(structure, ShearBuilding):
+        return replace(structure, yield_drifts=1.0)
+    return replace(structure, yield_displacement=1.0, reduction_factor=None)
+
+
+def stationary_covariance(space: xr.Dataset) -> xr.DataArray:
+    """Covariance ``X`` of the states, from ``A X + X A' + 2 pi S0 b b' = 0``.
+
+    Parameters
+    ----------
+    space : xarray.Dataset
+        As `statespace` returns it.
+
+    Returns
+    -------
+    xarray.DataArray
+        Over (``state``, ``state_2``), in the products of the units of the states.
+
+    Raises
+    ------
+    ArithmeticError
+        If the matrix is not stable, or so near to that that digits are lost.
+    TypeError
+        If it is not such a dataset.
+
+    Notes
+    -----
+    Where yielding dies out the equation is nearly singular, and a solver is then wrong with
+    a tiny residual. Solved are drifts and slips ``y = d - z``, balanced, and refined by the residual
+    until they stand still: twelve digits and more are right down to ``k_eq`` of 1e-12 of the frequency.
+    Below 1e-13, ``z = -c_eq d``.
+
+    References
+    ----------
+    Bartels, R. H. and Stewart, G. W. (1972), Commun. ACM 15, for the solver;
+    Higham, N. J. (2002), Accuracy and Stability of Numerical Algorithms, for the refinement.
+
+    Examples
+    --------
+    >>> import numpy as np, stochlin as sl
+    >>> one = sl.Bilinear(period=2 * np.pi, damping=0.05)
+    >>> space = sl.statespace([one], sl.WhiteNoise(0.1 / np.pi), c_eq=[-1], k_eq=[0])
+    >>> round(float(sl.stationary_covariance(space).sel(state="u_1", state_2="u_1")), 12)
+    1.0
+    """
+    if not isinstance(space, xr.Dataset) or "state_matrix" not in space or "extension" not in space:
+        raise TypeError(f"space = {brief(space)}; allowed: the dataset that statespace returns")
+    names = [str(name) for name in space.state.values]
+    springs = [str(name) for name in space.spring.values]
+    u, v, z = (np.array([n for n, name in enumerate(names) if name[:2] == f"{k}_"], int) for k in "uvz")
+    system = Augmented(
+        space.state_matrix.values,
+        space.noise_vector.values,
+        float(space.noise_intensity),
+        u,
+        v,
+        z,
+        np.array([springs.index(names[n][2:]) for n in z], int),
+        space.extension.values[:, u],
+        space.stiffness.values,
+    )
+    return xr.DataArray(
+        Solved(system).covariance,
+        dims=("state", "state_2"),
+        coords={name: space.coords[name] for name in ("state", "state_2")},
+        name="covariance",
+    )

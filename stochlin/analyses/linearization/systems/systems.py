@@ -1,0 +1,209 @@
+"""Statistical linearization of any number of structures with any number of storeys, linked or not."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.linearization.strength import strength_in_metres
+from stochlin.analyses.linearization.systems.coefficients import check_element_closure
+from stochlin.analyses.linearization.systems.solution import Loop, Solution
+from stochlin.analyses.linearization.systems.state_space import Equations, checked_system
+from stochlin.analyses.linearization.systems.variables import VARIABLES
+from stochlin.analyses.linearization.tolerance import USUAL, Tolerance
+from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.floors import element_coordinates, floor_coordinates
+from stochlin.kernels.basics.arrays import Array
+from stochlin.models.buildings import ShearBuilding
+from stochlin.models.grounds import Ground
+from stochlin.models.links import Link
+from stochlin.models.systems import AnyStructure, system_of
+
+
+def linearize_system(
+    structures: Sequence[AnyStructure],
+    ground: Ground,
+    links: Sequence[Link | None] = (),
+    *,
+    closure: str = "gaussian",
+    rtol: float = USUAL.rtol,
+    max_iterations: int = USUAL.max_iterations,
+) -> xr.Dataset:
+    """Stationary response of structures on one ground, storey by storey, by statistical linearization.
+
+    The paper's loop: coefficients (9), (10) of every element make the linear system that `statespace`
+    writes down; its covariance is that of `stationary_covariance`; and that gives new coefficients,
+    until both stand still. Each round corrects the moments by their slopes, since put straight back they
+    may cycle.
+
+    Parameters
+    ----------
+    structures : sequence of Bilinear, BoucWen, Hysteretic or ShearBuilding
+        Any number and mixture, with scalar parameters; strength by ``reduction_factor`` refers to
+        the structure standing alone.
+    ground : WhiteNoise, KanaiTajimi or CloughPenzien
+        With scalar parameters.
+    links : sequence of Link or None, optional
+        From each structure to the next, or with ``structures=(.., ..)`` of their own; oscillators
+        then need a mass. One that yields is an element like a storey.
+    closure : str
+        ``"gaussian"`` or ``"clipped"``, as in `linearize`.
+    rtol : float
+        The loop ends when no covariance changes by more than this share of the standard deviations, no
+        ``c_eq`` by more than this, and no ``k_eq`` by more than this share of its sum with the
+        frequency of its storey.
+    max_iterations : int
+        Rounds of a search, and levels of shaking where the solution is followed, as in `linearize`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``element``, the storeys of all structures from the ground up (``1`` is oscillator 1,
+        ``2.3`` the third storey of structure 2) and the links that yield (``link 1``): ``drift_std``
+        [m], ``ductility_std``, ``z_std``, ``velocity_z_corr``, ``c_eq``, ``k_eq`` [1/s], ``yield_drift``
+        [m], infinite where it stays elastic. Over ``floor``: ``displacement_std`` [m], ``velocity_std``
+        [m/s]; over (``floor``, ``floor_2``): ``rho`` and ``relative_displacement_std`` [m]. Over
+        (``state``, ``state_2``): ``covariance``, with the states of `statespace`. Over ``iteration``:
+        ``covariance_change``, ``coefficient_change``, of all rounds that were tried. Over ``link``:
+        ``link_force_std`` [N]. And ``status``.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a parameter is an array or of the wrong kind, the closure is not one of a law, a link has
+        slack or no place, or the weight above leaves a storey no stiffness beyond yield.
+    ArithmeticError
+        If the loop does not end.
+
+    Notes
+    -----
+    Each storey's law sees its own drift, so that the closures of single oscillators serve
+    storey by storey. They are as unsafe for storeys as for these: drifts of storeys that yield were 8 to
+    39 % too small against simulation, the relative displacement of two buildings 28 %.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eqs. (5) to (12); Baber, T. T. and Wen, Y.
+    K. (1981), J. Eng. Mech. Div. ASCE 107, for storeys.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> tower = sl.ShearBuilding(
+    ...     [2e5, 2e5, 1.5e5], [4e8, 3e8, 2e8], [3.5] * 3, 0.05, 0.05, yield_drifts=0.01
+    ... )
+    >>> shop = sl.Bilinear(0.3, 0.05, 0.1, reduction_factor=2)
+    >>> table = sl.linearize_system([tower, shop], sl.named_ground("firm", intensity=0.02))
+    >>> table.element.values.tolist()
+    ['1.1', '1.2', '1.3', '2']
+    >>> int(table.status), bool(table.rho.sel(floor="1.2", floor_2="2") > 0)
+    (0, True)
+    """
+    links = checked_system(structures, ground, links)
+    check_laws(structures, closure)
+    tolerance = Tolerance(rtol, 0.0, max_iterations)
+    equations = equations_of(structures, ground, links)
+    solution = Loop(equations, closure, tolerance).solve()
+    table = labels.label(solution_table(equations, solution), VARIABLES)
+    given = ", ".join(structure.describe() for structure in structures)
+    labels.raise_if_lone_failure(table, f"linearize_system([{given}], {ground.describe()})")
+    if any(structure.yields for structure in structures):
+        table = table.assign_attrs(comment=labels.CAUTION_SIGMA)
+    models = {f"structure_{n}": s for n, s in enumerate(structures, start=1)} | {"ground": ground}
+    return labels.with_run_information(
+        table,
+        f"Linearization of {len(structures)} structures, {closure} closure, {ground.name} ground",
+        f"linearize_system(closure={closure!r})",
+        models | {f"link_{n}": link for n, link in enumerate(links, start=1) if link is not None},
+    )
+
+
+def check_laws(structures: Sequence[AnyStructure], closure: str) -> None:
+    """Raise a ValueError unless all laws have this closure, and it is one of systems."""
+    for structure in structures:
+        law = structure.storey_law if isinstance(structure, ShearBuilding) else structure
+        check_element_closure(law, closure)
+
+
+def equations_of(
+    structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None]
+) -> Equations:
+    """With all strengths in metres; an error says which storey has no stationary motion."""
+    solid: list[Any] = [
+        structure if isinstance(structure, ShearBuilding) else strength_in_metres(structure, ground)
+        for structure in structures
+    ]
+    system = system_of(solid, links)
+    for number, storey in system.without_stationary_answer:
+        raise ValueError(
+            f"structures, number {number}: the weight above takes all stiffness that storey {storey} "
+            "has beyond yield, so that its drift has no stationary variance; give more hardening, or "
+            "p_delta=False, or simulate motions of finite length"
+        )
+    return Equations(system, ground)
+
+
+def solution_table(equations: Equations, solution: Solution) -> xr.Dataset:
+    """What `linearize_system` returns, without labels."""
+    system, motion = equations.system, solution.motion
+    own = np.isfinite(equations.strength)
+    n = len(system.floors)
+    strength = equations.strength
+    drift = motion.std(equations.extensions[equations.elements])
+    z, corr = np.zeros(strength.size), np.zeros(strength.size)
+    moments = motion.moments
+    with np.errstate(invalid="ignore", divide="ignore"):
+        z[own] = np.sqrt(moments.z) / strength[own]
+        corr[own] = moments.velocity_z / np.sqrt(moments.velocity * moments.z)
+    floors = np.eye(n)
+    std = motion.std(floors)
+    pairs = (floors[:, None] - floors[None]).reshape(n * n, n)
+    x = motion.covariance
+    u = motion.system.displacements
+    with np.errstate(invalid="ignore", divide="ignore"):
+        rho = np.clip(x[np.ix_(u, u)] / np.outer(std, std), -1, 1)
+    history = np.array(solution.history).reshape(-1, 2)
+    states = equations.states(own)
+    table = xr.Dataset(
+        {
+            "drift_std": ("element", drift),
+            "ductility_std": ("element", drift / strength),
+            "z_std": ("element", z),
+            "velocity_z_corr": ("element", corr),
+            "c_eq": ("element", solution.c_eq),
+            "k_eq": ("element", solution.k_eq),
+            "yield_drift": ("element", strength),
+            "displacement_std": ("floor", std),
+            "velocity_std": ("floor", motion.std(floors, rates=True)),
+            "rho": (("floor", "floor_2"), rho),
+            "relative_displacement_std": (("floor", "floor_2"), motion.std(pairs).reshape(n, n)),
+            "covariance": (("state", "state_2"), x),
+            "covariance_change": ("iteration", history[:, 0]),
+            "coefficient_change": ("iteration", history[:, 1]),
+            "status": np.int8(solution.status),
+        },
+        coords={
+            **element_coordinates(system, [equations.springs[e] for e in equations.elements[n:]]),
+            **floor_coordinates(system),
+            "floor_2": ("floor_2", system.floors, {"long_name": "floor"}),
+            "state": ("state", states, {"long_name": "state"}),
+            "state_2": ("state_2", states, {"long_name": "state"}),
+            "iteration": ("iteration", 1 + np.arange(len(history)), {"long_name": "round"}),
+        },
+    )
+    if system.ties:
+        links = [tie.name for tie in system.ties]
+        forces = xr.DataArray(link_forces(equations, solution), dims="link", coords={"link": links})
+        table = table.assign(link_force_std=forces)
+    table.covariance.attrs = {"long_name": "covariance of the states, in m and s"}
+    return table
+
+
+def link_forces(equations: Equations, solution: Solution) -> Array:
+    """Standard deviations of the forces in all links (l,) [N]."""
+    n = len(equations.system.floors)
+    motion, springs = solution.motion, np.arange(n, len(equations.springs))
+    return motion.force_std(springs, *(part[n:] for part in equations.forces))

@@ -1,0 +1,447 @@
+"""Storeys and links linearized: known numbers, closed forms of pairs, 60 digits, limits, symmetries."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import cases
+import mpmath
+import numpy as np
+import pytest
+import scipy.integrate
+import sympy
+from sixty_digits import DIGITS, exact_lyapunov
+
+import stochlin as sl
+from stochlin.analyses.linearization.equivalent_systems import (
+    INTERNAL,
+    solve_structure,
+    system_and_forcing,
+)
+from stochlin.analyses.linearization.systems.solution import Loop
+from stochlin.analyses.linearization.systems.systems import equations_of
+from stochlin.analyses.linearization.tolerance import USUAL
+from stochlin.kernels.linearization.spectral_moments import difference_moments, displacement_moments
+
+pytestmark = pytest.mark.oracle
+
+V, Z = sympy.symbols("v z")
+TALL = sl.ShearBuilding(
+    np.array([2, 2, 2, 1.5]) * 1e5,
+    np.array([4, 3.6, 3, 2.2]) * 1e8,
+    [3.0] * 4,
+    damping=0.05,
+    hardening=0.05,
+    yield_drifts=[0.010, 0.010, 0.009, 0.008],
+)
+LOW = sl.ShearBuilding([1.5e5] * 2, [2.5e8, 2e8], [3.0] * 2, 0.05, 0.1, yield_drifts=0.006)
+GROUND = sl.KanaiTajimi(2 * np.pi / 15, 0.6, intensity=0.02)
+
+
+def elastic(building):
+    return replace(building, hardening=None, yield_drifts=None)
+
+
+# --- The table of drifts and coefficients -------------------------------------------------------------
+
+
+def test_elastic_storeys():
+    """Exact values from another solver, to their printed digits."""
+    table = sl.linearize_system([elastic(TALL), elastic(LOW)], GROUND)
+    known = [0.00646413, 0.00624080, 0.00547140, 0.00358557, 0.00396668, 0.00310156]
+    np.testing.assert_allclose(table.drift_std, known, rtol=0, atol=5.1e-9)
+    pair = {"floor": "1.2", "floor_2": "2.2"}
+    assert float(table.rho.sel(pair)) == pytest.approx(0.0700619266, abs=5.1e-11)
+    assert float(table.relative_displacement_std.sel(pair)) == pytest.approx(0.0140778843, abs=5.1e-11)
+    assert table.status == 1
+    assert table.sizes["iteration"] == 0
+
+
+def test_storeys_that_yield():
+    """Values of plain damped iteration on a general solver, to their printed digits."""
+    table = sl.linearize_system([TALL, LOW], GROUND)
+    known = [0.00580111, 0.00540350, 0.00466020, 0.00293244, 0.00368449, 0.00263410]
+    np.testing.assert_allclose(table.drift_std, known, rtol=0, atol=5.1e-9)
+    c_eq = [-0.96836568, -0.97401787, -0.97738392, -0.99695708, -0.95999845, -0.98972163]
+    np.testing.assert_allclose(table.c_eq, c_eq, rtol=0, atol=5.1e-9)
+    k_eq = [0.9109877, 0.77475715, 0.71696258, 0.1334306, 1.66005337, 0.5221069]
+    np.testing.assert_allclose(table.k_eq, k_eq, rtol=0, atol=5.1e-8)
+    pair = {"floor": "1.2", "floor_2": "2.2"}
+    assert float(table.rho.sel(pair)) == pytest.approx(0.1937322603, abs=5.1e-11)
+    assert float(table.relative_displacement_std.sel(pair)) == pytest.approx(0.0117101381, abs=5.1e-11)
+    assert max(table.covariance_change[-1], table.coefficient_change[-1]) < 1e-10
+
+
+@pytest.mark.parametrize("closure", ["gaussian", "clipped"])
+def test_end_of_the_loop_is_a_fixed_point_of_the_public_steps(closure):
+    """State space, covariance, moments of each storey and coefficients lead back to where they began."""
+    table = sl.linearize_system([TALL, LOW], GROUND, closure=closure)
+    space = sl.statespace([TALL, LOW], GROUND, table.c_eq.values, table.k_eq.values)
+    x = sl.stationary_covariance(space)
+    np.testing.assert_allclose(table.covariance, x, rtol=0, atol=1e-13)
+    scale = np.sqrt(np.diag(x))
+    np.testing.assert_allclose(
+        table.covariance / np.outer(scale, scale), x / np.outer(scale, scale), atol=1e-12
+    )
+    to_rate = np.zeros((6, x.shape[0]))
+    to_z = np.zeros_like(to_rate)
+    names = list(space.state.values)
+    for n, (storey, terms) in enumerate(zip(space.spring.values, space.extension.values, strict=True)):
+        for state, weight in zip(names, terms, strict=True):
+            if weight:
+                to_rate[n, names.index(f"v{state[1:]}")] = weight
+        to_z[n, names.index(f"z_{storey}")] = 1
+    strength = table.yield_drift.values
+    rate, z = (np.sqrt(np.diag(row @ x.values @ row.T)) for row in (to_rate, to_z))
+    corr = np.diag(to_rate @ x.values @ to_z.T) / (rate * z)
+    again = sl.equivalent_coefficients(rate / strength, z / strength, corr, closure=closure)
+    np.testing.assert_allclose(again.c_eq, table.c_eq, rtol=1e-10)
+    np.testing.assert_allclose(again.k_eq, table.k_eq, rtol=1e-9)
+
+
+# --- The closed forms of pairs ------------------------------------------------------------------------
+
+
+def draw_ground(rng):
+    period, damping = cases.log_uniform(rng, (0.15, 4.0)), cases.log_uniform(rng, (0.03, 0.8))
+    kinds = (
+        sl.WhiteNoise(0.01),
+        sl.KanaiTajimi(period, damping, 0.01),
+        sl.CloughPenzien(period, damping, 4 * period, 0.6, 0.01),
+    )
+    return kinds[rng.integers(3)]
+
+
+def draw_oscillator(rng, kind):
+    values = cases.draw_structure(rng, cases.PRACTICE)
+    if kind == "bouc_wen":
+        own = {
+            "beta": rng.uniform(0.3, 0.7),
+            "gamma": rng.uniform(-0.2, 0.3),
+            "exponent": rng.uniform(1, 3),
+        }
+        return sl.BoucWen(**values, **own)
+    if kind == "sympy":
+        return sl.Hysteretic(**values, law=V - 0.5 * abs(V) * Z - 0.5 * V * abs(Z))
+    return sl.Bilinear(**values)
+
+
+@pytest.mark.parametrize(
+    ("kind", "closure", "pairs"),
+    [
+        ("bilinear", "gaussian", 90),
+        ("bilinear", "clipped", 50),
+        ("bouc_wen", "gaussian", 50),
+        ("sympy", "gaussian", 10),
+    ],
+)
+def test_pairs_are_those_of_the_fast_path(kind, closure, pairs):
+    rng = np.random.default_rng([40, len(kind), len(closure)])
+    for _ in range(pairs):
+        pair, ground = [draw_oscillator(rng, kind) for _ in range(2)], draw_ground(rng)
+        table = sl.linearize_system(pair, ground, closure=closure)
+        assert float(table.rho[0, 1]) == pytest.approx(
+            float(sl.correlate(*pair, ground, closure=closure).rho), abs=1e-9
+        )
+        for n, one in enumerate(pair):
+            alone = sl.linearize(one, ground, closure)
+            for ours, theirs in (
+                (table.displacement_std, alone.displacement_std),
+                (table.velocity_std, alone.velocity_std),
+                (table.z_std, alone.z_std),
+                (table.c_eq, alone.c_eq),
+                (table.yield_drift, alone.yield_displacement),
+            ):
+                assert float(ours[n]) == pytest.approx(float(theirs), rel=1e-9)
+            assert float(table.k_eq[n]) == pytest.approx(float(alone.k_eq), rel=1e-8, abs=1e-12)
+
+
+@pytest.mark.parametrize("law", ["bilinear", "bouc_wen"])
+@pytest.mark.parametrize("drift", [None, 0.004, 0.02])
+def test_building_of_one_storey_is_an_oscillator(law, drift):
+    hardening = None if drift is None else 0.07
+    one = sl.ShearBuilding([3e5], [1.2e8], [3.0], 0.04, hardening, drift, law=law)
+    oscillator = one.oscillator()
+    tables = [sl.linearize_system([s, LOW], GROUND) for s in (one, oscillator)]
+    for name in ("drift_std", "z_std", "c_eq", "k_eq", "displacement_std", "velocity_std", "rho"):
+        np.testing.assert_allclose(tables[0][name].values, tables[1][name].values, rtol=1e-12)
+    alone = sl.linearize(oscillator, GROUND)
+    assert float(tables[0].drift_std[0]) == pytest.approx(float(alone.displacement_std), rel=1e-12)
+
+
+# --- 60 digits ----------------------------------------------------------------------------------------
+
+SMALL = sl.ShearBuilding([2e5, 1.5e5], [4e8, 2.2e8], [3.0] * 2, 0.05, 0.05, yield_drifts=0.01)
+BESIDE = sl.Bilinear(0.4, 0.03, 0.1, yield_displacement=0.01, mass=1e5)
+TIED = sl.Link(3e7, 1e5, hardening=0.1, yield_displacement=0.01, floors=(1, 1))
+
+
+def exact(space):
+    """Correlations of the states, and the standard deviations."""
+    with mpmath.workdps(DIGITS):
+        matrix = [[mpmath.mpf(float(x)) for x in row] for row in space.state_matrix.values]
+        noise = [mpmath.mpf(float(x)) for x in space.noise_vector.values]
+        x, n = exact_lyapunov(matrix, noise), len(noise)
+        scale = float(space.noise_intensity) / (2 * mpmath.pi)
+        std = [mpmath.sqrt(x(i, i) * scale) for i in range(n)]
+        corr = [[float(x(i, j) * scale / (std[i] * std[j])) for j in range(n)] for i in range(n)]
+        return np.array(corr), np.array(std, float)
+
+
+@pytest.mark.parametrize("ground", [sl.WhiteNoise(0.01), sl.KanaiTajimi(1.1, 0.3, 0.01)])
+@pytest.mark.parametrize("tiny", [1e-12, 1e-10, 1e-7, 1e-4, 1e-2, 0.3, 10.0])
+def test_covariance_keeps_its_digits_as_yielding_dies_out(ground, tiny):
+    """Relaxation from 1e-12 of the frequency to ten times that, some elements more, some less."""
+    rng = np.random.default_rng(41)
+    k_eq = tiny * 20 * rng.uniform(0.3, 3, 4)
+    k_eq[1] *= 1e3 if tiny < 1e-4 else 1
+    c_eq = np.minimum(tiny * rng.uniform(0.3, 3, 4), 0.9) - 1
+    space = sl.statespace([SMALL, BESIDE], ground, c_eq, k_eq, links=[TIED])
+    found = sl.stationary_covariance(space).values
+    corr, std = exact(space)
+    assert np.abs(found / np.outer(std, std) - corr).max() < 2e-12
+    np.testing.assert_allclose(np.sqrt(np.diag(found)), std, rtol=2e-12)
+
+
+def test_covariance_goes_over_into_the_elastic_one():
+    ones, z = np.ones(4), [f"z_{n}" for n in ("1.1", "1.2", "2", "link 1")]
+    limit = sl.statespace([SMALL, BESIDE], GROUND, -ones, 0 * ones, links=[TIED])
+    elastic_one = sl.stationary_covariance(limit)
+    for tiny in (1e-13, 1e-15, 1e-20, 0.0):
+        c_eq = -ones + (2e-16 if tiny < 1e-15 else tiny)
+        space = sl.statespace([SMALL, BESIDE], GROUND, c_eq, tiny * ones, links=[TIED])
+        found = sl.stationary_covariance(space)
+        assert set(z) <= set(found.state.values)
+        kept = found.sel(state=elastic_one.state, state_2=elastic_one.state_2)
+        scale = np.sqrt(np.diag(kept))
+        assert np.abs((kept.values - elastic_one.values) / np.outer(scale, scale)).max() < 1e-12
+        drift = kept.sel(state="u_2", state_2="u_2")
+        assert float(found.sel(state="z_2", state_2="z_2")) == pytest.approx(float(drift), rel=1e-11)
+
+
+# --- Spectral moments ---------------------------------------------------------------------------------
+
+
+def of_one(structure, ground):
+    solved = solve_structure(structure, ground, "gaussian", USUAL)
+    return system_and_forcing([np.atleast_1d(solved[name].values) for name in INTERNAL])
+
+
+@pytest.mark.parametrize(
+    "ground",
+    [sl.WhiteNoise(0.01), sl.KanaiTajimi(2.0, 0.05, 0.01), sl.CloughPenzien(0.5, 0.5, 4.0, 0.6, 0.01)],
+)
+def test_spectral_moments_are_those_of_single_oscillators(ground):
+    """The first is tuned to the second ground: its matrix has equal eigenvalues."""
+    pair = sl.Bilinear(2.0, 0.05), sl.Bilinear(1.3, 0.05, 0.1, reduction_factor=3)
+    motion = Loop(equations_of(pair, ground, []), "gaussian", USUAL).solve().motion
+    found = motion.spectral_moments(np.array([[1, 0], [0, 1], [1, -1]]))
+    one, two = (of_one(structure, ground) for structure in pair)
+    soil = ground.lone_filter()
+    known = (
+        displacement_moments(*one, soil),
+        displacement_moments(*two, soil),
+        difference_moments(*one, *two, soil),
+    )
+    for name in ("l0", "l1", "l2"):
+        theirs = [float(getattr(moments, name)[0]) for moments in known]
+        np.testing.assert_allclose(getattr(found, name), theirs, rtol=2e-12)
+
+
+def test_spectral_moments_of_roofs_are_integrals_of_the_spectrum():
+    motion = Loop(equations_of([TALL, LOW], GROUND, []), "gaussian", USUAL).solve().motion
+    weights = np.array([0.0, 1, 0, 0, 0, -1])
+    found = motion.spectral_moments(weights[None])
+    system = motion.system
+    c = np.zeros(len(system.matrix))
+    c[system.displacements] = weights
+
+    def spectrum(w):
+        answer = np.linalg.solve(1j * w * np.eye(c.size) - system.matrix, system.noise)
+        return system.intensity / (2 * np.pi) * abs(c @ answer) ** 2
+
+    points = [1.0, 5.0, 10.0, 14.0, 16.0, 20.0, 23.0, 26.0, 35.0, 60.0, 200.0]
+    for m, name in enumerate(("l0", "l1", "l2")):
+        parts = [
+            scipy.integrate.quad(
+                lambda w, m=m: 2 * w**m * spectrum(w), a, b, epsabs=0, epsrel=1e-11, limit=200
+            )[0]
+            for a, b in pairwise([0.0, *points, np.inf])
+        ]
+        assert float(getattr(found, name)[0]) == pytest.approx(sum(parts), rel=1e-9)
+
+
+# --- Limits, symmetries -------------------------------------------------------------------------------
+
+
+def test_order_of_the_structures_does_not_matter():
+    one, other = sl.linearize_system([TALL, LOW], GROUND), sl.linearize_system([LOW, TALL], GROUND)
+    turned = [4, 5, 0, 1, 2, 3]
+    for name in ("drift_std", "c_eq", "k_eq", "velocity_std"):
+        np.testing.assert_allclose(one[name].values[turned], other[name].values, rtol=1e-11)
+    np.testing.assert_allclose(one.rho.values[np.ix_(turned, turned)], other.rho.values, atol=1e-12)
+
+
+def test_lengths_and_masses_have_no_scale():
+    """Half the yield drifts under a quarter of the intensity; ten times the mass and stiffness."""
+    half = replace(TALL, yield_drifts=TALL.yield_drifts / 2)
+    big = replace(TALL, masses=TALL.masses * 10, stiffnesses=TALL.stiffnesses * 10)
+    usual = sl.linearize_system([TALL], GROUND)
+    small = sl.linearize_system([half], replace(GROUND, intensity=GROUND.intensity / 4))
+    np.testing.assert_allclose(small.ductility_std, usual.ductility_std, rtol=1e-12)
+    np.testing.assert_allclose(small.k_eq, usual.k_eq, rtol=1e-11)
+    np.testing.assert_allclose(sl.linearize_system([big], GROUND).drift_std, usual.drift_std, rtol=1e-12)
+
+
+def test_one_building_twice_moves_as_one():
+    table = sl.linearize_system([TALL, TALL], GROUND, [sl.Link(1e8, 1e6, floors=(2, 2))])
+    alone = sl.linearize_system([TALL], GROUND)
+    np.testing.assert_allclose(table.drift_std.values, np.tile(alone.drift_std, 2), rtol=1e-10)
+    for n in range(4):
+        assert float(table.rho[n, 4 + n]) == pytest.approx(1, abs=1e-12)
+        assert float(table.relative_displacement_std[n, 4 + n]) < 1e-7 * float(table.displacement_std[n])
+    assert float(table.link_force_std[0]) < 1e-6 * 1e8 * float(table.displacement_std[1])
+
+
+def test_rigid_link_makes_one_floor_of_two():
+    """Buildings of one storey: masses and storeys add up, but each storey has its own law."""
+    one = sl.ShearBuilding([2e5], [8e7], [3.0], 0.05, 0.1, yield_drifts=0.01)
+    two = sl.ShearBuilding([1e5], [4e7], [3.0], 0.05, 0.1, yield_drifts=0.01)
+    both = sl.ShearBuilding([3e5], [1.2e8], [3.0], 0.05, 0.1, yield_drifts=0.01)
+    whole = sl.linearize_system([both], GROUND)
+    for stiffness in (1e13, 1e16):
+        tied = sl.linearize_system([one, two], GROUND, [sl.Link(stiffness)])
+        np.testing.assert_allclose(tied.drift_std, float(whole.drift_std[0]), rtol=1e-9)
+    uneven = replace(two, stiffnesses=[2e7])
+    forces = [sl.linearize_system([one, uneven], GROUND, [sl.Link(k)]) for k in (1e13, 1e15, 1e17)]
+    np.testing.assert_allclose(
+        [float(t.link_force_std[0]) for t in forces], float(forces[0].link_force_std[0]), rtol=1e-4
+    )
+    assert float(forces[2].link_force_std[0]) == pytest.approx(
+        float(forces[1].link_force_std[0]), rel=1e-6
+    )
+
+
+def test_link_to_what_does_not_move_is_a_spring_to_the_ground():
+    """A rock: so stiff and heavy that it stands still."""
+    rock = sl.Bilinear(period=1e-3, damping=0.5, mass=1e14)
+    stiffness, tied = 5e7, replace(TALL, stiffnesses=TALL.stiffnesses)
+    table = sl.linearize_system([tied, rock], GROUND, [sl.Link(stiffness, floors=(1, 1))])
+    stronger = sl.ShearBuilding([2e5], [8e7], [3.0], 0.05)
+    lone = sl.linearize_system([stronger, rock], GROUND, [sl.Link(stiffness)])
+    w2 = (8e7 + stiffness) / 2e5
+    damping = 0.05 * np.sqrt(8e7 / 2e5) / np.sqrt(w2)
+    spring = sl.linearize(sl.Bilinear(2 * np.pi / np.sqrt(w2), damping), GROUND)
+    assert float(lone.drift_std[0]) == pytest.approx(float(spring.displacement_std), rel=1e-5)
+    assert float(table.drift_std[0]) < float(sl.linearize_system([TALL], GROUND).drift_std[0])
+
+
+def test_link_that_yields_is_an_element():
+    """So strong that it stays elastic it is the elastic link; weak, a dashpot and a soft spring."""
+    usual = sl.linearize_system([TALL, LOW], GROUND, [sl.Link(5e7)])
+    strong = sl.linearize_system(
+        [TALL, LOW], GROUND, [sl.Link(5e7, hardening=0.1, yield_displacement=1.0)]
+    )
+    np.testing.assert_allclose(strong.drift_std[:6], usual.drift_std, rtol=1e-11)
+    np.testing.assert_allclose(strong.link_force_std, usual.link_force_std, rtol=1e-11)
+    assert strong.element.values[-1] == "link 1"
+    weak = sl.linearize_system(
+        [TALL, LOW], GROUND, [sl.Link(5e7, hardening=0.02, yield_displacement=1e-5)]
+    )
+    soft = sl.linearize_system([TALL, LOW], GROUND, [sl.Link(1e6)])
+    np.testing.assert_allclose(weak.drift_std[:6], soft.drift_std, rtol=2e-2)
+    assert float(weak.c_eq[-1]) > -0.1
+
+
+def test_dampers_and_weight_act_as_they_do_on_one_storey():
+    one = sl.ShearBuilding([3e5], [1.2e8], [3.0], 0.04, dampers=1e6, p_delta=True)
+    k = 1.2e8 - 3e5 * 9.80665 / 3.0
+    w = np.sqrt(k / 3e5)
+    oscillator = sl.Bilinear(2 * np.pi / w, 0.04 + 1e6 / (2 * 3e5 * w))
+    table = sl.linearize_system([one], GROUND)
+    assert float(table.drift_std[0]) == pytest.approx(
+        float(sl.linearize(oscillator, GROUND).displacement_std), rel=1e-12
+    )
+
+
+# --- What is refused ----------------------------------------------------------------------------------
+
+
+def test_weight_that_eats_the_hardening_has_no_stationary_answer():
+    weak = sl.ShearBuilding([4e5, 4e5], [5e7, 5e7], [3.0, 3.0], 0.05, 0.02, 0.01, p_delta=True)
+    with pytest.raises(ValueError, match=r"number 2: the weight above takes all .* storey 1 .*p_delta"):
+        sl.linearize_system([LOW, weak], GROUND)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"links": [sl.Link(1e6, slack=0.01)]}, "links, number 1: slack = 0.01.*simulate it"),
+        ({"links": [sl.Link(1e6, floors=(5, 1))]}, "floors = .*structure 1 has 4"),
+        ({"links": [sl.Link([1e6, 2e6])]}, "stiffness is an array"),
+        ({"links": [None, None]}, "links: 2 given"),
+        ({"closure": "drift"}, "adds the drift.*gaussian, clipped"),
+        ({"closure": "narrow_band"}, "has no z.*gaussian, clipped"),
+        ({"closure": "other"}, "closure = 'other'"),
+        ({"rtol": 0}, "rtol = 0"),
+        ({"structures": []}, "at least one structure"),
+        ({"structures": [sl.Bilinear([1.0, 2.0], 0.05)]}, "number 1: period is an array"),
+    ],
+)
+def test_what_cannot_be_is_said(change, message):
+    given = {"structures": [TALL, LOW], "ground": GROUND} | change
+    with pytest.raises(ValueError, match=message):
+        sl.linearize_system(**given)
+
+
+def test_a_loop_that_does_not_end_says_so():
+    with pytest.raises(ArithmeticError, match="not converged; raise max_iterations"):
+        sl.linearize_system([TALL], GROUND, max_iterations=2)
+    with pytest.raises(ArithmeticError, match="check the units"):
+        sl.linearize_system([replace(TALL, yield_drifts=1e-30)], GROUND)
+
+
+# --- Whether the loop ends ----------------------------------------------------------------------------
+
+
+def draw_building(rng, closure):
+    """Of 2 to 10 storeys, uneven, with reduction factors of .3 to 10 in each storey, and its ground."""
+    n, ground = int(rng.integers(2, 11)), draw_ground(rng)
+    w = 2 * np.pi / (0.1 * n * cases.log_uniform(rng, (0.5, 2.0)))
+    masses = 1e5 * np.exp(rng.normal(0, 0.1, n))
+    above = np.arange(1.0, n + 1)[::-1].cumsum()[::-1]
+    stiffnesses = 1e5 * w**2 * above * np.exp(rng.normal(0, 0.2, n))
+    strong = sl.ShearBuilding(masses, stiffnesses, [3.0] * n, 0.05)
+    drift = sl.linearize_system([strong], ground).drift_std.values
+    factor = cases.log_uniform(rng, (0.3, 10)) * np.exp(rng.normal(0, 0.2, n))
+    law = {}
+    if closure == "gaussian" and rng.random() < 0.4:
+        own = {"beta": 0.5, "gamma": rng.uniform(-0.3, 0.5), "exponent": rng.uniform(1, 4)}
+        law = {"law": "bouc_wen", "law_parameters": own}
+    return replace(
+        strong,
+        hardening=cases.log_uniform(rng, (0.01, 0.5)),
+        yield_drifts=3 * drift / factor,
+        **law,
+    ), ground
+
+
+@pytest.mark.parametrize(
+    ("closure", "buildings"),
+    [
+        ("gaussian", 20),
+        ("clipped", 20),
+        pytest.param("gaussian", 500, marks=pytest.mark.slow),
+        pytest.param("clipped", 500, marks=pytest.mark.slow),
+    ],
+)
+def test_the_loop_ends_for_random_buildings(closure, buildings):
+    """Of 500: 6.3 rounds in the mean and 53 at most, with the clipped closure 6.0 and 22."""
+    rng, rounds = np.random.default_rng([42, len(closure)]), []
+    for _ in range(buildings):
+        building, ground = draw_building(rng, closure)
+        table = sl.linearize_system([building], ground, closure=closure)
+        rounds.append(table.sizes["iteration"])
+    assert np.mean(rounds) < 8
+    assert max(rounds) < 80
