@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,8 @@ from stochlin.messages import DoubtfulInput
 from stochlin.models.buildings import GRAVITY
 from stochlin.models.laws import laws_in_numbers
 from stochlin.models.links import Link
+from stochlin.models.parameters import POSITIVE, parameter
+from stochlin.models.structures import LAWS
 from stochlin.models.systems import check_links, common_floors, slabs_on_columns, stack_of, system_of
 
 pytestmark = pytest.mark.invariant
@@ -457,6 +460,20 @@ def test_parameters_that_a_law_has_not_are_refused(law, own, error, message):
     for strength in ({}, STRENGTH):
         with pytest.raises(error, match=message):
             sl.ShearBuilding(**TWO, **strength, law=law, law_parameters=own)
+
+
+def test_a_law_that_needs_a_number_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    @dataclasses.dataclass(frozen=True, kw_only=True)
+    class Needy(sl.BoucWen):
+        pinching: float = parameter("1", "pinching", POSITIVE)
+
+    monkeypatch.setattr(LAWS, "named", lambda *_: Needy)
+    with pytest.raises(
+        ValueError, match=r"law_parameters = \{\}: the law needs pinching as well; allowed"
+    ):
+        sl.ShearBuilding(**TWO, law="needy")
+    building = sl.ShearBuilding(**TWO, **STRENGTH, law="needy", law_parameters={"pinching": [0.1, 0.2]})
+    assert building.oscillator().pinching == 0.1
 
 
 @pytest.mark.parametrize(

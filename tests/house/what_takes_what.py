@@ -102,6 +102,8 @@ ON_GROUND: dict[str, Callable[[Pair], object]] = {
     'correlate, method="simulation"': lambda s: sl.correlate(
         *s.both, s.ground, "simulation", paths=16, relaxation_times=1.0
     ),
+    "linearize_system": lambda s: sl.linearize_system(s.both, s.ground),
+    "linearize_system, links": lambda s: sl.linearize_system(s.both, s.ground, [LINK]),
     "correlate_linked": lambda s: sl.correlate_linked(*s.both, s.ground, LINK),
     "simulate": lambda s: sl.simulate(s.both, s.ground, paths=16, relaxation_times=1.0),
     "simulate, duration": lambda s: sl.simulate(s.both, s.ground, **SIZES),
