@@ -141,6 +141,9 @@ def test_kinds_may_be_mixed_and_each_is_what_its_keys_say(tmp_path: Path) -> Non
     assert (case.gap, case.floors_level, case.slabs_on_columns) == (0.05, None, ())
     for building, known in ((case.first, (12.0, 4, 3.0)), (case.second, (15.0, 5, 3.0))):
         assert (building.height, building.storeys, building.storey_height) == known
+    assert (case.first.period, case.second.period) == (pytest.approx(0.8, rel=1e-12), 0.6)
+    assert case.first.weighed
+    assert case.second.weighed
     for call in (answer_case, lambda c: judge_gap(c, 0.05), mitigate_case, scene_of):
         with pytest.raises(ValueError, match=r"case\.toml: describes the storeys.*takes two oscillat"):
             call(case)

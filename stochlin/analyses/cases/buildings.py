@@ -39,6 +39,16 @@ class Building:
     storeys: int | None
 
     @property
+    def period(self) -> float:
+        """Of small oscillations [s]."""
+        return float(self.structure.arrays()["period"])
+
+    @property
+    def weighed(self) -> bool:
+        """Whether its mass is known."""
+        return self.structure.mass is not None
+
+    @property
     def storey_height(self) -> float | None:
         """Of a mean storey [m], where it is known."""
         return self.height / self.storeys if self.height and self.storeys else None

@@ -22,7 +22,7 @@ def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
             f"{case.file}: measures are compared for the gap there is, and it has to be open; write "
             'existing = "5 cm" in [separation]'
         )
-    weighed = None not in (first.structure.mass, second.structure.mass)
+    weighed = first.weighed and second.weighed
     for name, measure in case.measures.items():
         if measure.link is not None and not weighed:
             raise ValueError(

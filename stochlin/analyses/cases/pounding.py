@@ -95,7 +95,7 @@ def _checked(case: Case) -> Contact:
             "that touch, and a list for more than two"
         )
     for number, building in enumerate(case.buildings, start=1):
-        if isinstance(building, Building) and building.structure.mass is None:
+        if not building.weighed:
             raise ValueError(
                 f'{needs} the mass of every building; write mass = "1500 t" in [building_{number}]'
             )

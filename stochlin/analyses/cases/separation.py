@@ -101,7 +101,7 @@ def periods_of(*models: Model) -> list[float]:
 
 def _spectrum(case: Case) -> xr.Dataset:
     """PSD of the ground over period; beside that of the record it is fitted to."""
-    periods = periods_of(*(building.structure for building in case.pair), case.ground)
+    periods = [*(building.period for building in case.pair), *periods_of(case.ground)]
     low, high = min(periods) / AROUND, max(periods) * AROUND
     if case.fitted:
         spectrum = fit_spectra(next(iter(case.records.values())), case.ground)[

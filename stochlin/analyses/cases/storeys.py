@@ -55,6 +55,16 @@ class StoreyBuilding:
         return self.structure.storeys
 
     @property
+    def period(self) -> float:
+        """Of the first mode [s]."""
+        return float(self.structure.periods()[0])
+
+    @property
+    def weighed(self) -> bool:
+        """Whether its mass is known, as it always is."""
+        return True
+
+    @property
     def storey_height(self) -> float:
         """Of a mean storey [m]."""
         return self.height / self.storeys

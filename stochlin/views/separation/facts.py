@@ -106,7 +106,8 @@ def _parameters(model: object) -> list[tuple[str, str]]:
         value = getattr(model, field.name)
         if "units" in field.metadata and value is not None:
             units = field.metadata["units"].replace("^2", "²").replace("^3", "³")
+            shown = ", ".join(f"{one:.4g}" for one in np.atleast_1d(value))  # storey by storey
             facts.append(
-                (field.metadata["long_name"], f"{value:.4g} {units if units != '1' else ''}".strip())
+                (field.metadata["long_name"], f"{shown} {units if units != '1' else ''}".strip())
             )
     return facts
