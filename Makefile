@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: charts test check fuzz answers bench bias docs links oldest clean
+.PHONY: charts test check fuzz answers takes bench bias docs links oldest clean
 
 charts: $(VENV)/.run
 	$(BIN)/stochlin charts --out figures
@@ -25,6 +25,10 @@ fuzz: $(VENV)/.dev
 # and shows what moved.
 answers: $(VENV)/.dev
 	PYTHONPATH=tests MPLBACKEND=agg $(BIN)/python -m answers.rewrite
+
+# Tries every function with every kind of structure, law and ground, and writes the page of what it takes.
+takes: $(VENV)/.dev
+	PYTHONPATH=tests $(BIN)/python -m house.what_takes_what
 
 bench: $(VENV)/.dev
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[bench]"

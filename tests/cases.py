@@ -60,6 +60,21 @@ def uncommented(block: str) -> str:
     return text.replace(block, block.replace("#   ", ""))
 
 
+def storeyed_building(number: int, start: str) -> str:
+    """A building of a case file from the lines of the example on storeys, with all that it may have."""
+    (block,) = blocks_to_uncomment(start)
+    (more,) = blocks_to_uncomment("dampers")
+    head = f'[building_{number}]\nname = "Block {number}"\ndamping = "5 %"\nhardening = "5 %"\n'
+    return head + (block + more).replace("#   ", "") + "\n"
+
+
+def with_buildings(*buildings: str) -> str:
+    """The example of a case file with these buildings in place of its own."""
+    text = sl.example_case()
+    start, end = text.index("[building_1]"), text.index("[separation]")
+    return text[:start] + "\n".join(buildings) + text[end:]
+
+
 def recorded_example() -> str:
     """The example of a case file with the lines of its first record, ``taft.txt``, taken in."""
     return uncommented(blocks_to_uncomment("[[site.records]]")[0])

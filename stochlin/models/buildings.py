@@ -26,6 +26,7 @@ STOREY, MODE, FLOOR = "storey", "mode", "floor"
 OF_STOREYS = ("masses", "stiffnesses", "heights", "yield_drifts", "dampers")
 ONE_FOR_ALL = ("yield_drifts", "dampers")  # a number will do
 PLAUSIBLE_COEFFICIENT = 1.0  # of the base shear at yield over the weight
+IMPLAUSIBLE = "the building resists more than its weight; is it a percentage, or a force for a ratio?"
 MOST_STOREYS = 200
 GRAVITY = scipy.constants.g
 
@@ -46,8 +47,9 @@ class RegularBuilding(Model):
     def __post_init__(self) -> None:
         super().__post_init__()
         for name, array in self.arrays().items():
-            if array.ndim:
+            if array.ndim and name != "storey_height":
                 raise ValueError(f"{name} is an array; allowed: one number for the building")
+        _check_ranges(self, "")
 
 
 @dataclass(frozen=True)
@@ -88,8 +90,8 @@ class ShearBuilding(Model):
     ------
     ValueError, TypeError
         If a value is not a number or out of range (the message names the storey), arrays differ in
-        length, yield drifts come without hardening, the law is not known or not odd, or the weight
-        above takes all of an elastic stiffness.
+        length or are of more than 200 storeys, yield drifts come without hardening, the law is not
+        known or not odd, or the weight above takes all of an elastic stiffness.
 
     References
     ----------
@@ -129,11 +131,17 @@ class ShearBuilding(Model):
         if len({array.sizes[STOREY] for array in arrays.values()}) > 1:
             told = ", ".join(f"{key} has {array.sizes[STOREY]}" for key, array in arrays.items())
             raise ValueError(f"{name}: {told} values; allowed: one for each storey in all of them")
+        for key, array in arrays.items():
+            if array.size > MOST_STOREYS:
+                raise ValueError(
+                    f"{name}: {key} has {array.size} values; allowed: one for each of at most "
+                    f"{MOST_STOREYS} storeys"
+                )
         super().__post_init__()
         for field in ("damping", "hardening"):
             if isinstance(getattr(self, field), xr.DataArray):
                 raise ValueError(f"{name}: {field} is an array; allowed: one number for the building")
-        self._check_ranges()
+        _check_ranges(self, f"{name}: ")
         if self.yield_drifts is not None and self.hardening is None:
             raise ValueError(
                 f"{name}: hardening is not given; storeys with a yield drift need their hardening "
@@ -150,17 +158,18 @@ class ShearBuilding(Model):
         *,
         period: float,
         storeys: int,
-        storey_height: float,
+        storey_height: Any,
         mass: float,
         damping: float,
         hardening: float | None = None,
         base_shear_coefficient: float | None = None,
         **others: Any,
     ) -> Self:
-        """A building of equal floors and storeys, from the few numbers that one knows of it.
+        """A building of equal floors, from the few numbers that one knows of it.
 
-        The stiffnesses are those with which the first mode is a straight line, the strengths those of
-        which all storeys yield at once under a triangle of forces: all then have the same yield drift.
+        The stiffnesses are those with which the first mode is a straight line from the ground to the
+        roof, the strengths those of which all storeys yield at once under forces that grow in
+        proportion to the height: the yield drift is then the same share of the height of every storey.
 
         Parameters
         ----------
@@ -168,8 +177,8 @@ class ShearBuilding(Model):
             Of the first mode [s], without the effect of the weight.
         storeys : int
             Their number.
-        storey_height : float
-            Of each storey [m].
+        storey_height : float or array
+            Of each storey [m], or a list of all of them, from the ground up.
         mass : float
             Of each floor [kg].
         damping, hardening
@@ -183,7 +192,8 @@ class ShearBuilding(Model):
         Returns
         -------
         ShearBuilding
-            With ``k_i = m w^2 sum(j, j = i..n)`` and ``yield_drifts = 2 C g/(w^2 (n + 1))``.
+            With floors at ``H_i``, ``k_i = m w^2 sum(H_j, j = i..n)/h_i`` and yield drifts
+            ``C g n h_i/(w^2 sum(H))``; for equal storeys all of them ``2 C g/(w^2 (n + 1))``.
 
         Raises
         ------
@@ -208,22 +218,33 @@ class ShearBuilding(Model):
             )
         if base_shear_coefficient is not None and base_shear_coefficient > PLAUSIBLE_COEFFICIENT:
             warnings.warn(
-                f"base_shear_coefficient = {base_shear_coefficient:g}: the building resists more than "
-                "its weight; is it a percentage, or a force in place of a ratio?",
+                f"base_shear_coefficient = {base_shear_coefficient:g}: {IMPLAUSIBLE}",
                 DoubtfulInput,
                 stacklevel=2,
             )
-        values = {name: float(array) for name, array in known.arrays().items()}
-        w = 2 * np.pi / values["period"]
-        height = np.arange(1.0, storeys + 1)
-        above = height[::-1].cumsum()[::-1]
+        values = {name: array.to_numpy() for name, array in known.arrays().items()}
+        heights = values["storey_height"]
+        if heights.ndim and heights.shape != (storeys,):
+            raise ValueError(
+                f"storey_height has {heights.size} values, storeys = {storeys}; allowed: one number, or "
+                "one for each storey"
+            )
+        relative = heights / heights.flat[0]
+        levels = np.cumsum(np.broadcast_to(relative, storeys))
+        above = levels[::-1].cumsum()[::-1]
         drifts = None
-        if base_shear_coefficient is not None:
-            drifts = 2 * values["base_shear_coefficient"] * GRAVITY / (w**2 * (storeys + 1))
+        with np.errstate(all="ignore"):  # what is beyond all numbers is out of range below
+            square = (2 * np.pi / values["period"]) ** 2
+            stiffnesses = values["mass"] * square * above / relative
+            if base_shear_coefficient is not None:
+                twice_mean = 2 * levels.sum() / storeys
+                drifts = (
+                    relative * 2 * values["base_shear_coefficient"] * GRAVITY / (square * twice_mean)
+                )
         return cls(
             np.full(storeys, values["mass"]),
-            values["mass"] * w**2 * above,
-            np.full(storeys, values["storey_height"]),
+            stiffnesses,
+            np.broadcast_to(heights, storeys),
             damping,
             hardening,
             drifts,
@@ -254,7 +275,7 @@ class ShearBuilding(Model):
 
         Only what the law knows counts: closures, time steps and the parameters of the law.
         """
-        values = self._over_all()
+        values = {name: xr.DataArray(each, dims=STOREY) for name, each in self._over_all().items()}
         common: dict[str, Any] = {
             "period": 2 * np.pi * np.sqrt(values["masses"] / values["stiffnesses"]),
             "damping": self.damping,
@@ -263,13 +284,13 @@ class ShearBuilding(Model):
             common |= {"hardening": self.hardening, "yield_displacement": values["yield_drifts"]}
         own = dict(self._own_parameters())
         law = law_of(self.law, common, own)
-        for key, value in own.items():
-            bad = np.flatnonzero(~np.atleast_1d(law.allowed(key).contains(np.asarray(value))))
-            if bad.size:
-                raise ValueError(
-                    f"law_parameters: {key} = {float(np.atleast_1d(value)[bad[0]]):g} in storey "
-                    f"{bad[0] + 1} is out of range; allowed: {law.allowed(key)}"
-                )
+        bad = np.flatnonzero(~np.broadcast_to(law.valid(), self.storeys))
+        if bad.size:
+            each = {n: a.isel({STOREY: bad[0]}, missing_dims="ignore") for n, a in law.arrays().items()}
+            try:
+                type(law)(**{name: float(value) for name, value in each.items()})
+            except ValueError as error:
+                raise ValueError(f"law_parameters: storey {bad[0] + 1}, {error}") from error
         return law
 
     def levels(self) -> Array:
@@ -340,9 +361,11 @@ class ShearBuilding(Model):
         The weight over the height of the storey; zeros without ``p_delta``.
         """
         values = self.arrays()
+        if not self.p_delta:
+            return np.zeros(self.storeys)
         above = values["masses"].to_numpy()[::-1].cumsum()[::-1]
         taken: Array = GRAVITY * above / values["heights"].to_numpy()
-        return taken if self.p_delta else np.zeros_like(taken)
+        return taken
 
     def damping_matrix(self) -> Array:
         """Damping coefficients (storeys, storeys) [N s/m] of the floors."""
@@ -387,16 +410,6 @@ class ShearBuilding(Model):
             if name in values
         }
 
-    def _check_ranges(self) -> None:
-        for key, value in self.arrays().items():
-            allowed = self.allowed(key)
-            bad = np.flatnonzero(~np.atleast_1d(allowed.contains(value.to_numpy())))
-            if bad.size:
-                raise ValueError(
-                    f"{type(self).__name__}: {key} = {float(value[bad[0]]):g} in storey {bad[0] + 1} is "
-                    f"out of range; allowed: {allowed}"
-                )
-
     def _check_weight(self) -> None:
         stiffness, taken = self._over_all()["stiffnesses"], self.geometric_stiffness()
         if (stiffness <= taken).any():
@@ -414,6 +427,18 @@ class ShearBuilding(Model):
         diagonal = (k + np.append(k[1:], 0.0)) / root**2
         squares, vectors = scipy.linalg.eigh_tridiagonal(diagonal, -k[1:] / (root[:-1] * root[1:]))
         return np.sqrt(squares), vectors / root[:, None]
+
+
+def _check_ranges(model: Model, prefix: str) -> None:
+    """Raise for a number out of range in any storey."""
+    for key, value in model.arrays().items():
+        allowed = model.allowed(key)
+        bad = np.flatnonzero(~np.atleast_1d(allowed.contains(value.to_numpy())))
+        if bad.size:
+            raise ValueError(
+                f"{prefix}{key} = {float(value[bad[0]]):g} in storey {bad[0] + 1} is out of range; "
+                f"allowed: {allowed}"
+            )
 
 
 def _over_storeys(label: str, value: Any) -> xr.DataArray:

@@ -218,16 +218,19 @@ def common_floors(one: Stack, two: Stack, number: int) -> tuple[int, int]:
     return int(i), int(j)
 
 
-def floors_off_level(one: Stack, two: Stack) -> list[float]:
-    """Levels of floors, up to the lower roof, that are at no level of the other building [m]."""
-    roof = min(one.levels[-1], two.levels[-1]) + LEVEL
-    off = [
-        float(level)
-        for own, other in ((one.levels, two.levels), (two.levels, one.levels))
-        for level in own[own < roof]
-        if np.abs(other - level).min() >= LEVEL
+def slabs_on_columns(one: Array, two: Array) -> list[tuple[int, int]]:
+    """Where neighbours with floors at these levels meet slab against column, from the ground up.
+
+    Whose slab it is, 0 or 1, and its floor, from 1: every floor below the roof of the other that has
+    none of the other at its level.
+    """
+    found = [
+        (float(level), side, floor)
+        for side, (own, other) in enumerate(((one, two), (two, one)))
+        for floor, level in enumerate(own, start=1)
+        if level < other[-1] and np.abs(other - level).min() >= LEVEL
     ]
-    return sorted(off)
+    return [(side, floor) for _, side, floor in sorted(found)]
 
 
 def check_links(name: str, links: object, count: int) -> tuple[Link | None, ...]:

@@ -82,13 +82,6 @@ def test_every_commented_choice_of_the_example_can_be_taken(tmp_path: Path) -> N
         assert one.first.strength == strength.split(" ")[0]
     assert read(tmp_path, changed("# zone", "zone")).zone == "II"
     assert read(tmp_path, changed("# unverified", "unverified")).unverified
-    start, end = EXAMPLE.index("#   masses"), EXAMPLE.index("# More buildings")
-    storeys = EXAMPLE[start:end].replace("#   ", "")
-    start, end = EXAMPLE.index("[building_1]"), EXAMPLE.index("[separation]")
-    both = "".join(f'[building_{n}]\ndamping = "5 %"\nhardening = "5 %"\n{storeys}' for n in (1, 2))
-    case = read(tmp_path, EXAMPLE[:start] + both + EXAMPLE[end:])
-    assert [building.storeys for building in case.buildings] == [3, 3]
-    assert [building.height for building in case.buildings] == [10.0, 10.0]
 
 
 def at2(values: np.ndarray) -> str:

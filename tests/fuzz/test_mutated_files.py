@@ -56,7 +56,13 @@ damping = 0.05
 hardening = [0.02, 0.1]
 reduction_factor = { start = 1, stop = 6, count = 3 }
 """
-STOREYS = sl.example_case()[sl.example_case().index("#   masses") :].partition("# More")[0]
+LINK = """
+[measures.Link]
+link_stiffness = "5 MN/m"
+link_hardening = 0.1
+link_yield_displacement = "1 cm"
+link_floors = [3, 1]
+"""
 
 
 def forms_of_the_case() -> list[str]:
@@ -66,15 +72,26 @@ def forms_of_the_case() -> list[str]:
     own = cases.blocks_to_uncomment('ground = "')
     bare = text.replace('\nground = "firm"', "").replace('\nintensity = "0.01 m^2/s^3"', "")
     forms += [bare.replace(block, block.replace("#   ", "")) for block in own]
-    start, end = text.index("[building_1]"), text.index("[separation]")
-    storeys = "".join(
-        f'[building_{n}]\ndamping = "5 %"\nhardening = "5 %"\n{STOREYS}\n'.replace("#   ", "")
-        for n in (1, 2)
-    )
-    forms.append(text[:start] + storeys + text[end:])
+    forms += storeyed_forms()
     strengths = ('yield_displacement = "3 cm"', "ductility = 4", "elastic = true")
     forms += [text.replace("\nreduction_factor = 4", f"\n{one}") for one in strengths]
-    return [re.sub(r"(?m)^\s*#.*\n|\s+#[^\n\"]*$", "", form) + "\n" for form in forms]
+    return [bare_of_comments(form) for form in forms]
+
+
+def bare_of_comments(text: str) -> str:
+    """Without what a reader of the file leaves out."""
+    return re.sub(r"(?m)^\s*#.*\n|\s+#[^\n\"]*$", "", text) + "\n"
+
+
+def storeyed_forms() -> list[str]:
+    """The example with a record, and buildings by their storeys or one beside an oscillator."""
+    (record, *_), text = cases.blocks_to_uncomment("[[site.records]]"), sl.example_case()
+    oscillator = text[text.index("[building_2]") : text.index("[separation]")]
+    few, one_by_one = (cases.storeyed_building(1, start) for start in ("period", "masses"))
+    seconds = (few.replace("_1]", "_2]"), cases.storeyed_building(2, "masses"), oscillator)
+    rows = [(first, second) for first in (few, one_by_one) for second in seconds]
+    texts = [cases.with_buildings(*row) for row in rows]
+    return [bare_of_comments(one.replace(record, record.replace("#   ", "")) + LINK) for one in texts]
 
 
 # What is put in the place of a value, of a word, or between two.
@@ -133,6 +150,19 @@ LINES = [
         "[site]",
     ),
     *(
+        'storey_height = "3 m"',
+        'heights = ["4 m", "3 m"]',
+        'floor_mass = "400 t"',
+        "base_shear_coefficient = 1e9",
+        'yield_drifts = ["9 m", "1 mm"]',
+        'dampers = ["1 MN s/m"]',
+        "p_delta = true",
+    ),
+    *(
+        "beta = [0.5, 0.5]",
+        "gamma = [0.5, -0.6, 0.1]",
+        'link_slack = "1 cm"',
+        "link_floors = [9, 1]",
         "[measures.x]",
         '[measures."\\u0007"]',
         'zone = "II"',
@@ -229,7 +259,7 @@ def test_specifications(folder: Path, text: str) -> None:
 
 
 @examples(400)
-@given(text=mutated(forms_of_the_case()[1:4]))
+@given(text=mutated(forms_of_the_case()[1:4] + storeyed_forms()))
 def test_commands_answer_or_say_what_is_wrong(folder: Path, text: str) -> None:
     path = written(folder / "case.toml", text)
     done = CliRunner().invoke(main, ["pound", str(path)])

@@ -7,6 +7,7 @@ import re
 import warnings
 from collections.abc import Callable, Mapping
 from functools import cache
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -133,6 +134,21 @@ OWN: dict[str, dict[str, Any]] = {
     "Hysteretic": {"hardening": 0.1, "reduction_factor": 4, "law": V - abs(V) * Z},
     "read_record": {"dt": 0.02, "units": "g"},
     "pounding_probability": {"duration": 3.0},
+    "ShearBuilding": {
+        "hardening": 0.1,
+        "yield_drifts": 0.01,
+        "dampers": 1e5,
+        "law": "bouc_wen",
+        "law_parameters": {"beta": 0.6},
+        "p_delta": True,
+    },
+    "ShearBuilding.regular": {
+        "storeys": 3,
+        "storey_height": 3.0,
+        "hardening": 0.1,
+        "base_shear_coefficient": 0.1,
+    },
+    "Link": {"hardening": 0.1, "yield_displacement": 0.01, "floors": (1, 1), "structures": (1, 2)},
     "pounding_estimate": {"duration": 3.0, "radius_1": 0.1, "radius_2": 0.2},
     **{name: {"restitution": 0.6} for name in DASHPOTS},
 }
@@ -141,6 +157,7 @@ OWN: dict[str, dict[str, Any]] = {
 # Atlases want a store: their own tests have what is wrong with them.
 STORED = {"write_atlas", "open_atlas", "lookup"}
 NAMES = [name for name in sl.__all__ if callable(getattr(sl, name)) and name not in STORED]
+NAMES.append("ShearBuilding.regular")
 ALSO = {"name": "name_rule_model", "yield_displacement": "yield_strength_hardening"}  # said in its place
 ALSO |= {"reduction_factor": "reduction_strength_hardening", "structure": "structure_strength"}
 
@@ -158,7 +175,7 @@ def complaint(call: Callable[..., Any], given: Mapping[str, Any]) -> BaseExcepti
 
 def arguments(name: str, tmp: Path) -> dict[str, Any]:
     given = dict(usual()) | OWN.get(name, {})
-    parameters = inspect.signature(getattr(sl, name)).parameters
+    parameters = inspect.signature(attrgetter(name)(sl)).parameters
     chosen = {
         key: given.get(key)
         for key, one in parameters.items()
@@ -192,7 +209,7 @@ def unfit(error: BaseException | None, parameter: str) -> str:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_what_is_wrong_is_said_in_a_line_that_names_the_parameter(name: str, tmp_path: Path) -> None:
-    call = getattr(sl, name)
+    call = attrgetter(name)(sl)
     parameters = inspect.signature(call).parameters
     given = arguments(name, tmp_path)
     if "paths" in parameters:

@@ -84,31 +84,6 @@ def test_what_cannot_pound_is_refused(arguments, error, message):
         sl.pound(**(usual | arguments))
 
 
-@pytest.mark.parametrize(
-    ("arguments", "error", "message"),
-    [
-        ({"masses": [1e5, -1e5]}, ValueError, "masses = -100000 in storey 2"),
-        ({"stiffnesses": [0.0, 1e8]}, ValueError, "stiffnesses = 0 in storey 1"),
-        ({"heights": [3.0]}, ValueError, "masses has 2, .*heights has 1 values"),
-        ({"heights": 3.0}, ValueError, "heights = 3.0; allowed: a list"),
-        ({"masses": []}, ValueError, "masses = "),
-        ({"masses": ["a", "b"]}, TypeError, "not a real number"),
-        ({"damping": 1.5}, ValueError, "damping = 1.5"),
-        ({"damping": [0.05, 0.05]}, ValueError, "damping is an array"),
-        ({"yield_drifts": 0.01}, ValueError, "hardening is not given"),
-        (
-            {"yield_drifts": [0.01, np.nan], "hardening": 0.1},
-            ValueError,
-            "yield_drifts = nan in storey 2",
-        ),
-    ],
-)
-def test_what_is_no_shear_building_is_refused(arguments, error, message):
-    usual = {"masses": [1e5] * 2, "stiffnesses": [1e8] * 2, "heights": [3.0] * 2, "damping": 0.05}
-    with pytest.raises(error, match=message):
-        sl.ShearBuilding(**(usual | arguments))
-
-
 @pytest.mark.parametrize("mass", [0.0, -1.0, np.inf, np.nan])
 def test_masses_out_of_range_are_refused(mass):
     with pytest.raises(ValueError, match="mass = "):

@@ -512,18 +512,6 @@ def test_elastic_tower_alone_follows_its_modes():
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-8 * abs(wanted).max())
 
 
-@given(st.integers(1, 12), st.floats(1e3, 1e7), st.floats(1e6, 1e10))
-def test_periods_of_a_uniform_shear_building(storeys, mass, stiffness):
-    building = sl.ShearBuilding([mass] * storeys, [stiffness] * storeys, [3.0] * storeys, 0.05)
-    mode = np.arange(1, storeys + 1)
-    w = 2 * np.sqrt(stiffness / mass) * np.sin((2 * mode - 1) * np.pi / (4 * storeys + 2))
-    np.testing.assert_allclose(building.periods(), 2 * np.pi / w, rtol=1e-9)
-    damping, shapes = building.damping_matrix(), building._modes()[1]
-    np.testing.assert_allclose(
-        shapes.T @ damping @ shapes, np.diag(2 * 0.05 * w), rtol=0, atol=1e-10 * w[-1]
-    )
-
-
 # --- The estimate -----------------------------------------------------------------------------------
 
 

@@ -215,6 +215,14 @@ def test_elastic_buildings_without_a_gap(tmp_path: Path) -> None:
     assert "existing gap</h2>" not in one.page
 
 
+def test_floors_that_cannot_be_level_are_told_at_once(tmp_path: Path) -> None:
+    one = done(tmp_path, sl.example_case().replace("storeys = 8", "storeys = 6").replace("2048", "128"))
+    assert one.result.exit_code == 0, one.result.output
+    first = " ".join(one.result.output.split("\n")[2:6])
+    for shown in (first, " ".join(html.unescape(one.page).split())):
+        assert "although the file says so: storeys are 4.00 m and 3.00 m high in Office block" in shown
+
+
 def test_buildings_that_move_alike_are_not_called_safe_without_a_word(tmp_path: Path) -> None:
     text = sl.example_case().replace('"0.6 s"', '"1.0 s"').replace("2048", "128")
     one = done(tmp_path, text)

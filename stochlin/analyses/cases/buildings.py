@@ -4,20 +4,23 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 
+from stochlin.analyses.cases.storeys import (
+    OF_STOREYS,
+    StoreyBuilding,
+    read_storeys,
+    storey_keys,
+    strength_key,
+)
 from stochlin.analyses.cases.values import Quantity, Section
 from stochlin.analyses.linearization.strength import DuctilityTarget, strength_for_ductility
-from stochlin.models.buildings import ShearBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.laws import laws_in_numbers
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE
 from stochlin.models.structures import Structure
 
 STRENGTHS = ("reduction_factor", "yield_displacement", "ductility", "elastic")
-OF_STOREYS = ("masses", "stiffnesses", "heights")
-DRIFTS = ("yield_drifts", "elastic")
 LENGTH, OPEN_OR_TOUCHING = Quantity("m", POSITIVE), Quantity("m", NOT_NEGATIVE)
 _NUMBERED = re.compile(r"building_([1-9]\d*)")
 
@@ -36,28 +39,22 @@ class Building:
     storeys: int | None
 
     @property
+    def period(self) -> float:
+        """Of small oscillations [s]."""
+        return float(self.structure.arrays()["period"])
+
+    @property
+    def weighed(self) -> bool:
+        """Whether its mass is known."""
+        return self.structure.mass is not None
+
+    @property
     def storey_height(self) -> float | None:
         """Of a mean storey [m], where it is known."""
         return self.height / self.storeys if self.height and self.storeys else None
 
 
-@dataclass(frozen=True)
-class StoreyBuilding:
-    """A building of a case whose storeys are described one by one."""
-
-    name: str
-    structure: ShearBuilding
-    strength: str
-
-    @property
-    def height(self) -> float:
-        """Level of the roof [m]."""
-        return float(self.structure.levels()[-1])
-
-    @property
-    def storeys(self) -> int:
-        """Number of storeys."""
-        return self.structure.storeys
+AnyBuilding = Building | StoreyBuilding
 
 
 def building_keys(whole: Section) -> tuple[str, ...]:
@@ -74,20 +71,15 @@ def building_keys(whole: Section) -> tuple[str, ...]:
     return tuple(f"building_{number}" for number in range(1, max(2, len(given)) + 1))
 
 
-def read_buildings(whole: Section, ground: Ground) -> tuple[Building | StoreyBuilding, ...]:
-    """All of them; strengths by reduction factor and by ductility refer to this ground."""
+def read_buildings(whole: Section, ground: Ground) -> tuple[AnyBuilding, ...]:
+    """All of them; strengths by reduction factor and by ductility refer to this ground.
+
+    One with a key of storeys is described by them, any other is an oscillator.
+    """
     sections = [whole.section(key) for key in building_keys(whole)]
-    storeyed = [any(key in one for key in OF_STOREYS) for one in sections]
-    if any(storeyed) and not all(storeyed):
-        bare = sections[storeyed.index(False)]
-        raise bare.error(
-            "",
-            f"has no storeys, but {sections[storeyed.index(True)].name()} has; allowed: one kind in a "
-            f"row, so give it {', '.join(OF_STOREYS)} as well, of one storey if need be",
-        )
     return tuple(
-        _of_storeys(one, number) if own else _single(one, number, ground)
-        for number, (one, own) in enumerate(zip(sections, storeyed, strict=True), start=1)
+        read_storeys(one, number) if storey_keys(one) else _oscillator(one, number, ground)
+        for number, one in enumerate(sections, start=1)
     )
 
 
@@ -109,12 +101,12 @@ def read_gaps(wanted: Section, count: int) -> tuple[float, ...]:
     return tuple(gaps)
 
 
-def _single(one: Section, number: int, ground: Ground) -> Building:
+def _oscillator(one: Section, number: int, ground: Ground) -> Building:
     laws = laws_in_numbers()
     law = laws[one.text("law", tuple(laws), "bilinear")]
     keys = ("name", "law", "period", "damping", "hardening", *law.own_parameters(), *STRENGTHS)
-    one.only(*keys, "mass", "height", "storeys")
-    strength = _strength(
+    one.only(*keys, "mass", "height", "storeys", elsewhere=OF_STOREYS)
+    strength = strength_key(
         one,
         STRENGTHS,
         'reduction_factor = 4, yield_displacement = "3 cm", ductility = 4, elastic = true',
@@ -140,29 +132,3 @@ def _single(one: Section, number: int, ground: Ground) -> Building:
         height=one.number("height", LENGTH) if "height" in one else None,
         storeys=one.whole("storeys", 1) if "storeys" in one else None,
     )
-
-
-def _of_storeys(one: Section, number: int) -> StoreyBuilding:
-    one.only("name", *OF_STOREYS, "damping", "hardening", *DRIFTS)
-    strength = _strength(one, DRIFTS, 'yield_drifts = "2 cm", of all storeys or a list, elastic = true')
-    numbers, lists = ["damping"], list(OF_STOREYS)
-    if strength != "elastic":
-        numbers.append("hardening")
-        (lists if isinstance(one.values[strength], list) else numbers).append(strength)
-    structure: ShearBuilding = one.model(ShearBuilding, numbers, lists)
-    return StoreyBuilding(one.text("name", default=f"Building {number}"), structure, strength)
-
-
-def _strength(one: Section, keys: Sequence[str], example: str) -> str:
-    """The key by which the strength is given."""
-    elastic = one.truth("elastic")
-    given = [key for key in keys if key in one and (key != "elastic" or elastic)]
-    if not given:
-        raise one.error("", f"has no strength; allowed: one of {example}")
-    if len(given) > 1:
-        raise one.error(
-            given[1],
-            f"is one too many: strength is given {len(given)} times, by {' and '.join(given)}; allowed: "
-            f"one of {example}",
-        )
-    return given[0]

@@ -6,20 +6,22 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.resources import files
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import xarray as xr
 
 from stochlin.analyses.cases.buildings import (
+    AnyBuilding,
     Building,
-    StoreyBuilding,
     building_keys,
     read_buildings,
     read_gaps,
 )
 from stochlin.analyses.cases.contacts import read_amplification_limit, read_contact, read_measures
 from stochlin.analyses.cases.site import FITTED, TIME, read_envelope, read_ground, read_records
+from stochlin.analyses.cases.storeys import SlabOnColumn, StoreyBuilding, slabs_of_row
 from stochlin.analyses.cases.values import Quantity, read_sections
 from stochlin.analyses.tables.checks import as_path
 from stochlin.models.contacts import Contact
@@ -41,8 +43,9 @@ class Case:
 
     ``inputs`` are the file itself and those of its records: nothing may be written over them.
 
-    ``buildings`` stand in a row from left to right. What is about two oscillators asks for ``pair``,
-    ``first``, ``second`` and ``gap``.
+    ``buildings`` stand in a row from left to right, oscillators and buildings with storeys. What is
+    about two asks for ``pair``, ``first``, ``second`` and ``gap``; what takes no storeys yet for
+    ``oscillators``.
     """
 
     file: str
@@ -50,7 +53,7 @@ class Case:
     title: str
     site: str  # the file's word for the ground
     ground: Ground
-    buildings: tuple[Building | StoreyBuilding, ...]
+    buildings: tuple[AnyBuilding, ...]
     duration: float
     envelope: Envelope | None
     records: Mapping[str, xr.DataArray]
@@ -71,7 +74,7 @@ class Case:
         return self.site == FITTED
 
     @property
-    def pair(self) -> tuple[Building, Building]:
+    def pair(self) -> tuple[AnyBuilding, AnyBuilding]:
         """The two buildings, the left one first; an error if there are others."""
         first, second, *more = self.buildings
         if more:
@@ -79,6 +82,12 @@ class Case:
                 f"{self.file}: describes {len(self.buildings)} buildings; this takes two, building_1 "
                 "and building_2, so leave the others out; 'stochlin pound' takes any number"
             )
+        return first, second
+
+    @property
+    def oscillators(self) -> tuple[Building, Building]:
+        """The two buildings, for what takes no storeys yet; an error if one is described by them."""
+        first, second = self.pair
         if isinstance(first, StoreyBuilding) or isinstance(second, StoreyBuilding):
             raise ValueError(
                 f"{self.file}: describes the storeys of its buildings; this takes two oscillators, each "
@@ -87,16 +96,32 @@ class Case:
         return first, second
 
     @property
+    def slabs_on_columns(self) -> tuple[SlabOnColumn, ...]:
+        """Where a floor of one building meets its neighbour between two floors, from the ground up."""
+        return slabs_of_row(self.buildings)
+
+    @property
+    def floors_level(self) -> bool | None:
+        """Whether all floors meet floors, within .05 m; None where floors are not known."""
+        known = all(isinstance(building, StoreyBuilding) for building in self.buildings)
+        return not self.slabs_on_columns if known or self.slabs_on_columns else None
+
+    @property
     def motion(self) -> dict[str, Any]:
         """What simulations are of, and how many, as the verbs take them."""
         names = ("duration", "envelope", "confidence", "paths", "seed")
         return {name: getattr(self, name) for name in names}
 
     @property
-    def storey_heights_differ(self) -> bool:
-        """Whether those of the two buildings are known to differ, so that floors cannot all align."""
-        one, other = (building.storey_height for building in self.pair)
-        return one is not None and other is not None and abs(one - other) > 0.01 * one
+    def unlike_storeys(self) -> tuple[AnyBuilding, AnyBuilding] | None:
+        """Neighbours whose mean storeys differ, and of whose floors no more is known."""
+        for one, other in pairwise(self.buildings):
+            if isinstance(one, StoreyBuilding) and isinstance(other, StoreyBuilding):
+                continue
+            left, right = one.storey_height, other.storey_height
+            if left is not None and right is not None and abs(left - right) > 0.01 * left:
+                return one, other
+        return None
 
     @property
     def motions(self) -> Mapping[str, xr.DataArray]:
@@ -111,12 +136,12 @@ class Case:
         return self.records
 
     @property
-    def first(self) -> Building:
+    def first(self) -> AnyBuilding:
         """The left one of two."""
         return self.pair[0]
 
     @property
-    def second(self) -> Building:
+    def second(self) -> AnyBuilding:
         """The right one of two."""
         return self.pair[1]
 
@@ -155,7 +180,8 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     Returns
     -------
     Case
-        With ``ground``, ``first`` and ``second`` (each with its ``structure``), ``duration`` [s],
+        With ``ground``, ``first`` and ``second`` (each with its ``structure``, an oscillator or a
+        `ShearBuilding`), ``duration`` [s],
         ``envelope``, ``records``, ``confidence``, ``gap`` [m] and the rest, as `separation` takes them;
         ``buildings`` and ``gaps`` [m] of a longer row, ``contact``, ``measures`` and
         ``amplification_limit`` [-], as `pound` takes them.
@@ -166,9 +192,15 @@ def read_case(path: str | os.PathLike[str]) -> Case:
         If the file cannot be read.
     ValueError
         If the file is no TOML; if a key is unknown or missing, a unit missing or unknown, a number
-        no number or out of range, a building without a strength or with two, gaps too many or too
-        few; or if a record cannot be read or fitted. The message names file, line and key, and what is
-        allowed.
+        no number or out of range, a building without a strength or with two, or with keys of both an
+        oscillator and storeys, gaps too many or too few, a link at a floor that is not there; or if a
+        record cannot be read or fitted. The message names file, line and key, and what is allowed.
+
+    Warns
+    -----
+    UserWarning
+        If a value is allowed but looks like a mistake, in the same words: a base shear coefficient above
+        1, a storey that leans by a tenth before it yields, floors that are said to align and do not.
 
     Examples
     --------
@@ -188,6 +220,10 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     records = read_records(site, path.parent)
     ground = read_ground(site, records)
     buildings = read_buildings(whole, ground)
+    align = wanted.truth("floors_align")
+    slabs = slabs_of_row(buildings)
+    if align and slabs:
+        wanted.doubt("floors_align", f"is not so: {slabs[0]}; codes are asked as if it were false")
     envelope = read_envelope(motion)
     simulated = whole.section("simulation", needed=False)
     simulated.only("paths", "seed")
@@ -204,12 +240,12 @@ def read_case(path: str | os.PathLike[str]) -> Case:
         records=records,
         confidence=wanted.number("confidence", SHARE),
         gaps=read_gaps(wanted, len(buildings)),
-        floors_align=wanted.truth("floors_align"),
+        floors_align=align and not slabs,
         zone=wanted.text("zone", tuple(ZONES)) if "zone" in wanted else None,
         unverified=wanted.truth("unverified"),
         paths=simulated.whole("paths", FEWEST_PATHS, 2048),
         seed=simulated.whole("seed", 0, 0),
         contact=read_contact(whole.section("contact")) if "contact" in whole else None,
-        measures=read_measures(whole),
+        measures=read_measures(whole, buildings),
         amplification_limit=read_amplification_limit(whole),
     )

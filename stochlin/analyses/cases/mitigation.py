@@ -16,13 +16,13 @@ def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
     computed on its records, where it has some, a contact, and masses. ``progress`` is called with the
     share of the rows that is done.
     """
-    first, second = case.pair
+    first, second = case.oscillators
     if case.gap is None or case.gap <= 0:
         raise ValueError(
             f"{case.file}: measures are compared for the gap there is, and it has to be open; write "
             'existing = "5 cm" in [separation]'
         )
-    weighed = None not in (first.structure.mass, second.structure.mass)
+    weighed = first.weighed and second.weighed
     for name, measure in case.measures.items():
         if measure.link is not None and not weighed:
             raise ValueError(

@@ -7,6 +7,7 @@ import xarray as xr
 
 from stochlin.analyses.cases.buildings import Building
 from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.analyses.cases.variables import VARIABLES
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.pounding.pounding import pound
@@ -94,7 +95,7 @@ def _checked(case: Case) -> Contact:
             "that touch, and a list for more than two"
         )
     for number, building in enumerate(case.buildings, start=1):
-        if isinstance(building, Building) and building.structure.mass is None:
+        if not building.weighed:
             raise ValueError(
                 f'{needs} the mass of every building; write mass = "1500 t" in [building_{number}]'
             )
@@ -115,7 +116,7 @@ def _described(table: xr.Dataset, case: Case, structures: list[Structure | Shear
     ]
     table = table.assign_coords(building=("structure", names, {"long_name": "name of the building"}))
     if "floor" in table.dims:
-        storeys = [building.storeys for building in case.buildings]
+        storeys = [b.storeys if isinstance(b, StoreyBuilding) else 1 for b in case.buildings]
         table = table.assign_coords(storeys=("structure", storeys, {"long_name": "number of storeys"}))
     else:
         table["yield_displacement"] = ("structure", np.array(strengths, float))

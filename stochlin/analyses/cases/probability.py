@@ -26,8 +26,9 @@ def judge_gap(case: Case, gap: float, progress: Progress | None = None) -> Proba
     ``progress`` is called with the share of the simulation that is done; errors are those of
     `stochlin.pounding_probability`.
     """
+    first, second = case.oscillators
     motions = case.motions
-    asked = case.first.structure, case.second.structure, case.ground, gap
+    asked = first.structure, second.structure, case.ground, gap
     table = pounding_probability(*asked, **case.motion, progress=progress)
     records = {
         name: pounding_probability(*asked, method="hybrid", record=record, confidence=case.confidence)

@@ -51,7 +51,8 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
     ``progress`` is called with the share of the work that is done; errors are those of
     `separation` and `existing_gap`.
     """
-    pair = case.first.structure, case.second.structure
+    first, second = case.oscillators
+    pair = first.structure, second.structure
     if case.gap == 0:
         raise ValueError(
             f"{case.file}: separation.existing = 0; allowed here: 0 < gap, so leave it out for "
@@ -69,8 +70,8 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
         *pair,
         case.ground,
         **case.motion,
-        height_1=case.first.height,
-        height_2=case.second.height,
+        height_1=first.height,
+        height_2=second.height,
         floors_align=case.floors_align,
         zone=case.zone,
         unverified=case.unverified,
@@ -100,7 +101,7 @@ def periods_of(*models: Model) -> list[float]:
 
 def _spectrum(case: Case) -> xr.Dataset:
     """PSD of the ground over period; beside that of the record it is fitted to."""
-    periods = periods_of(*(building.structure for building in case.pair), case.ground)
+    periods = [*(building.period for building in case.pair), *periods_of(case.ground)]
     low, high = min(periods) / AROUND, max(periods) * AROUND
     if case.fitted:
         spectrum = fit_spectra(next(iter(case.records.values())), case.ground)[

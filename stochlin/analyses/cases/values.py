@@ -5,14 +5,15 @@ from __future__ import annotations
 import difflib
 import math
 import re
-from collections.abc import Mapping, Sequence
+import warnings
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 from stochlin.analyses.tables.checks import A_LABEL, LARGEST_WHOLE, is_label, is_number, is_whole
 from stochlin.analyses.tables.toml import read_toml
-from stochlin.messages import brief, plain
+from stochlin.messages import DoubtfulInput, brief, plain
 from stochlin.models.parameters import Model, Range
 
 One = TypeVar("One", bound=Model)
@@ -89,11 +90,15 @@ class Section:
         given = f"{self.name(key)} = {brief(self.values[key])}" if a_value else self.name(key)
         return ValueError(f"{where}: {given} {what}".replace(":  ", ": "))
 
-    def only(self, *allowed: str) -> None:
-        """Raise for a key that is not one of these, and suggest the nearest."""
+    def doubt(self, key: str, what: str) -> None:
+        """Warn of a key that is allowed, but looks like a mistake."""
+        warnings.warn(str(self.error(key, what)), DoubtfulInput, stacklevel=2)
+
+    def only(self, *allowed: str, elsewhere: Sequence[str] = ()) -> None:
+        """Raise for a key that is not one of these, and suggest the nearest, also of those elsewhere."""
         for key in self.values:
             if key not in allowed:
-                near = difflib.get_close_matches(key, allowed, 1)
+                near = difflib.get_close_matches(key, (*allowed, *elsewhere), 1)
                 hint = f"did you mean {near[0]}? " if near else ""
                 raise self.error(
                     key, f"is not a key that is known here; {hint}allowed: {', '.join(allowed)}"
@@ -120,6 +125,11 @@ class Section:
             for place, one in enumerate(given, 1)
         ]
 
+    def number_or_list(self, key: str, quantity: Quantity) -> float | list[float]:
+        """One number for all, or a list of them."""
+        listed = isinstance(self.values.get(key), list)
+        return self.numbers(key, quantity) if listed else self.number(key, quantity)
+
     def _number(self, key: str, given: Any, quantity: Quantity, which: str = "") -> float:
         try:
             value = in_si(given, quantity)
@@ -130,17 +140,15 @@ class Section:
             raise self.error(key, f"{which}is out of range; allowed: {quantity.allowed}{shown}")
         return value
 
-    def model(self, kind: type[One], names: Sequence[str], lists: Sequence[str] = ()) -> One:
-        """A model from those of its parameters that the file has to give, some of them lists."""
-        values: dict[str, Any] = {n: self.number(n, Quantity.declared(kind, n)) for n in names}
-        values |= {name: self.numbers(name, Quantity.declared(kind, name)) for name in lists}
-        return self.made(kind, values)
+    def model(self, kind: type[One], names: Sequence[str]) -> One:
+        """A model from those of its parameters that the file has to give."""
+        return self.made(kind, {n: self.number(n, Quantity.declared(kind, n)) for n in names})
 
     def given(self, kind: type[Model], names: Sequence[str]) -> dict[str, float]:
         """Those of the parameters that the file gives."""
         return {n: self.number(n, Quantity.declared(kind, n)) for n in names if n in self}
 
-    def made(self, kind: type[One], values: Mapping[str, Any]) -> One:
+    def made(self, kind: Callable[..., One], values: Mapping[str, Any]) -> One:
         """The model with these parameters; an error if they do not fit one another."""
         try:
             return kind(**values)
@@ -167,13 +175,16 @@ class Section:
             raise self.error(key, "is neither true nor false; allowed: true, false")
         return value
 
-    def whole(self, key: str, lowest: int, default: int | None = None) -> int:
-        """A whole number, not below the lowest; if none is given, what is usual."""
+    def whole(
+        self, key: str, lowest: int, default: int | None = None, highest: int = LARGEST_WHOLE
+    ) -> int:
+        """A whole number from the lowest to the highest; if none is given, what is usual."""
         if key not in self and default is not None:
             return default
         value = self.need(key, str(lowest))
-        if not is_whole(value) or not lowest <= value <= LARGEST_WHOLE:
-            raise self.error(key, f"is no whole number from {lowest} on; allowed: {lowest} or more")
+        if not is_whole(value) or not lowest <= value <= highest:
+            allowed = f"{lowest} or more" if highest == LARGEST_WHOLE else f"{lowest} to {highest}"
+            raise self.error(key, f"is no whole number from {lowest} on; allowed: {allowed}")
         return value
 
     def section(self, key: str, needed: bool = True) -> Section:

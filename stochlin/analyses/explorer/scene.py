@@ -173,6 +173,7 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
 
     A ValueError if a number lies beyond what the explorer takes.
     """
+    one, other = case.oscillators
     notes = []
     site, given = case.site, _numbers(case.ground)
     if site == FITTED:
@@ -180,7 +181,7 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
         notes.append(f"The ground is fitted to {next(iter(case.records))}: held by its parameters here.")
     if case.records:
         notes.append("Records are left out here, and in a case file saved from here.")
-    if case.contact is not None or case.measures or any(b.structure.mass for b in case.pair):
+    if case.contact is not None or case.measures or any(b.structure.mass for b in (one, other)):
         notes.append(
             "Masses, contact and measures are left out here, and in a case file saved from here."
         )
@@ -189,7 +190,7 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
     names = case.ground.beside_structures()
     values: dict[str, Any] = {name: given[own] for name, own in names.items() if own in given}
     values["envelope"] = NONE
-    for number, building in enumerate(case.pair, start=1):
+    for number, building in enumerate((one, other), start=1):
         structure = _bilinear(case, building)
         if building.strength in ("yield_displacement", "ductility"):
             notes.append(
@@ -210,7 +211,6 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
         notes.append(f"The file states no existing gap: {Scene.gap:g} m is shown, as a start.")
     else:
         values["gap"] = case.gap
-    one, other = case.pair
     kept = ("title", "confidence", "duration", "floors_align", "zone", "unverified", "paths", "seed")
     scene = Scene(
         site=site,

@@ -22,7 +22,7 @@ from stochlin.models.buildings import ShearBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.structures import DRIFT, Structure
-from stochlin.models.systems import LEVEL, AnyStructure, System, first_mode, floors_off_level, stack_of
+from stochlin.models.systems import LEVEL, AnyStructure, System, first_mode, slabs_on_columns, stack_of
 
 PATHS, RELAXATION_TIMES = 64, 5.0  # of the stationary simulation, which tells rho to about .01
 NO_DRIFT = "the drift closure is of oscillators; storeys have none"
@@ -181,7 +181,8 @@ def check_levels(
                 )
     if not (floors_align and isinstance(first, ShearBuilding) and isinstance(second, ShearBuilding)):
         return
-    off = floors_off_level(stack_of(first), stack_of(second))
+    levels = first.levels(), second.levels()
+    off = [levels[side][floor - 1] for side, floor in slabs_on_columns(*levels)]
     if off:
         raise ValueError(
             f"floors_align = True, but at {', '.join(f'{level:g}' for level in off)} m only one of both "

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from stochlin.messages import brief, listed
 from stochlin.models.structures import LAWS, Structure
 
 if TYPE_CHECKING:
@@ -68,17 +69,17 @@ def law_of(law: str | sympy.Expr, common: Mapping[str, Any], own: Mapping[str, A
     ValueError, TypeError
         If the law is not known, or has no such parameters.
     """
-    if not isinstance(law, str):
-        if own:
-            raise ValueError(f"law_parameters: {', '.join(own)}; allowed: none, with numbers in the law")
-        return Hysteretic(**common, law=law)
-    kind = LAWS.named(law, "law")
+    kind = LAWS.named(law, "law") if isinstance(law, str) else Hysteretic
     if kind is Hysteretic:
-        raise ValueError("law = 'hysteretic' has no expression; give the sympy expression itself")
-    unknown = sorted(set(own) - set(kind.own_parameters()))
-    if unknown:
+        if isinstance(law, str):
+            raise ValueError("law = 'hysteretic' has no expression; give the sympy expression itself")
+        common = {**common, "law": law}
+    known = kind.own_parameters()
+    unknown = [name for name in own if name not in known]
+    missing = [name for name in known if name not in own and not hasattr(kind, name)]
+    if unknown or missing:
+        what = f"has no {listed(unknown)}" if unknown else f"needs {listed(missing)} as well"
         raise ValueError(
-            f"law_parameters: {', '.join(unknown)} is not one of the law; allowed: "
-            f"{', '.join(kind.own_parameters()) or 'none'}"
+            f"law_parameters = {brief(dict(own))}: the law {what}; allowed: {', '.join(known) or 'none'}"
         )
     return kind(**common, **own)

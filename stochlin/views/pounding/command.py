@@ -38,7 +38,7 @@ def pound(case: Path, out: Path | None, picture: Path | None) -> None:
 
     CASE is a file as 'stochlin gap --example' prints one, with one record or more, the mass of every
     building, the gaps there are, and what they meet at. Rows of more than two buildings, and buildings
-    described storey by storey, are allowed.
+    described by their storeys, are allowed.
 
     \b
     Examples:

@@ -10,7 +10,7 @@ import numpy as np
 from stochlin.analyses.cases.pounding import energy_of
 from stochlin.analyses.pounding.rows import COLUMN as SLAB_TO_COLUMN
 from stochlin.views.shared.screen import columns, cut, paragraph
-from stochlin.views.shared.words import MISSING, centimetres, length, per_cent, short
+from stochlin.views.shared.words import MISSING, centimetres, floors, length, per_cent, short
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -38,7 +38,7 @@ STRENGTH = (
 
 def answer_lines(case: Case, tables: Mapping[str, xr.Dataset]) -> list[str]:
     """All that the screen shows, record by record."""
-    lines = [case.title]
+    lines = [case.title, *paragraph(floors(case))]
     for record, table in tables.items():
         lines += ["", *paragraph(f"{record}: {headline(table)}"), ""]
         lines += [*paragraph(columns_met(table)), ""] if "column" in table.coords else []

@@ -14,7 +14,7 @@ from stochlin.views.shared.words import length, per_cent
 if TYPE_CHECKING:
     import xarray as xr
 
-    from stochlin.analyses.cases.buildings import Building
+    from stochlin.analyses.cases.buildings import AnyBuilding
     from stochlin.analyses.cases.separation import CaseAnswer
 
 
@@ -45,12 +45,6 @@ def uncertainties(answer: CaseAnswer) -> list[str]:
     doubtful = [row.label for row in rows(answer) if "M" in row.mark]
     if doubtful:
         sentences.append(f"From memory, not compared with their sources: {', '.join(doubtful)}.")
-    if case.floors_align and case.storey_heights_differ:
-        one, other = (building.storey_height for building in case.pair)
-        sentences.append(
-            f"Floors: said to align, but storeys are {one:.2f} m and {other:.2f} m high. "
-            "Where they do not, floors hit columns."
-        )
     return sentences
 
 
@@ -82,7 +76,7 @@ def facts(answer: CaseAnswer) -> list[tuple[str, str, str]]:
     return [*ground, *motion, *both, *(("Separation", *fact) for fact in wanted)]
 
 
-def _building(building: Building, table: xr.Dataset, number: int) -> list[tuple[str, str]]:
+def _building(building: AnyBuilding, table: xr.Dataset, number: int) -> list[tuple[str, str]]:
     structure = building.structure
     found = _parameters(structure)
     if (kind := type(structure).__name__) != "Bilinear":
@@ -112,7 +106,8 @@ def _parameters(model: object) -> list[tuple[str, str]]:
         value = getattr(model, field.name)
         if "units" in field.metadata and value is not None:
             units = field.metadata["units"].replace("^2", "²").replace("^3", "³")
+            shown = ", ".join(f"{one:.4g}" for one in np.atleast_1d(value))  # storey by storey
             facts.append(
-                (field.metadata["long_name"], f"{value:.4g} {units if units != '1' else ''}".strip())
+                (field.metadata["long_name"], f"{shown} {units if units != '1' else ''}".strip())
             )
     return facts

@@ -90,8 +90,12 @@ def spectrum_figure(answer: CaseAnswer) -> Figure:
     axes.plot(period, spectrum.psd_ground, color=CURVES[1][0], label="ground")
     for n, building in enumerate(answer.case.pair, start=1):
         color, dash = CURVES[0] if n == 1 else CURVES[2]
-        at = float(building.structure.arrays()["period"])
-        axes.axvline(at, color=color, linestyle=(0, (1, 1)) if n == 1 else dash, label=f"building {n}")
+        axes.axvline(
+            building.period,
+            color=color,
+            linestyle=(0, (1, 1)) if n == 1 else dash,
+            label=f"building {n}",
+        )
     axes.set_xscale("log")
     axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axes.xaxis.set_minor_formatter(NullFormatter())

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from stochlin.views.shared.screen import paragraph
-from stochlin.views.shared.words import SPACE, centimetres, label, length, per_cent
+from stochlin.views.shared.words import SPACE, centimetres, floors, label, length, per_cent
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -109,6 +109,7 @@ def summary(answer: CaseAnswer) -> list[str]:
         interval = f"{centimetres(low)} to {length(high)}"
     confidence = f"{100 * case.confidence:.4g}{SPACE}%"
     sentences = [
+        floors(case),
         f"With that gap they do not touch in {confidence} of motions like the one "
         f"described. This comes from simulating {case.paths} such motions; the 95{SPACE}% interval of "
         f"the gap is {interval}.",

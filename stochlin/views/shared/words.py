@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
+
+if TYPE_CHECKING:
+    from stochlin.analyses.cases.case import Case
 
 MISSING, MINUS, SPACE = "\N{EN DASH}", "\N{MINUS SIGN}", "\N{NO-BREAK SPACE}"
 CAPITALS = {"asce": "ASCE", "is": "IS", "ubc": "UBC", "e030": "E.030", "fema": "FEMA", "srss": "SRSS"}
@@ -10,6 +15,11 @@ COMMON = {
     *("simulation", "simulated", "linearization", "linearized", "elastic", "secant"),
     *("share", "of", "sum", "unverified", "drift", "white", "noise"),
 }
+
+SLABS = (
+    "A slab can break the column that it hits, and the storey with it; codes that ask for less where "
+    "floors align, as Eurocode 8 (4.4.2.7) for .7 of the gap, mean level floors alone."
+)
 
 
 def centimetres(metres: float) -> str:
@@ -44,3 +54,19 @@ def short(value: float) -> str:
     if not np.isfinite(value):
         return MISSING
     return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"
+
+
+def floors(case: Case) -> str:
+    """That floors are not level, and what codes say of that; empty where that is not known."""
+    slabs, unlike = case.slabs_on_columns, case.unlike_storeys
+    if slabs:
+        more = {0: "", 1: ", and one more does"}.get(len(slabs) - 1, f", and {len(slabs) - 1} more do")
+        return f"Floors are not level: {slabs[0]}{more}. {SLABS}"
+    if unlike:
+        names, heights = zip(*((one.name, f"{one.storey_height:.2f} m") for one in unlike), strict=True)
+        said = ", although the file says so" if case.floors_align else ""
+        return (
+            f"Floors can hardly all be level{said}: storeys are {' and '.join(heights)} high in "
+            f"{' and '.join(names)}. {SLABS}"
+        )
+    return ""

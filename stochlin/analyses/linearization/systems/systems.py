@@ -139,7 +139,7 @@ def linearized_motion(
     """The equivalent linear motion by the Gaussian closure, of which any displacement can be asked."""
     equations = equations_of(structures, ground, links)
     solution = Loop(equations, GAUSSIAN, USUAL).solve()
-    if solution.status >= labels.NOT_CONVERGED:
+    if solution.motion is None or solution.status >= labels.NOT_CONVERGED:
         raise ArithmeticError(
             f"linearization of {len(structures)} structures: "
             f"{labels.STATUS_MEANINGS[solution.status].replace('_', ' ')}"

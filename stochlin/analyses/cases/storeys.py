@@ -1,0 +1,271 @@
+"""A building of a case file that is meant by its storeys: from a few numbers, or storey by storey."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from stochlin.analyses.cases.values import Quantity, Section
+from stochlin.messages import DoubtfulInput, listed
+from stochlin.models.buildings import (
+    IMPLAUSIBLE,
+    MOST_STOREYS,
+    PLAUSIBLE_COEFFICIENT,
+    RegularBuilding,
+    ShearBuilding,
+)
+from stochlin.models.laws import laws_in_numbers
+from stochlin.models.systems import slabs_on_columns
+
+REGULAR = ("period", "floor_mass", "base_shear_coefficient")
+STOREY_BY_STOREY = ("masses", "stiffnesses", "yield_drifts")
+# Any of these says that a building is meant by its storeys: an oscillator has none of them.
+OF_STOREYS = (
+    *("storey_height", "heights", "floor_mass", "base_shear_coefficient"),
+    *STOREY_BY_STOREY,
+    *("dampers", "p_delta"),
+)
+OF_OSCILLATORS = ("mass", "height", "reduction_factor", "yield_displacement", "ductility")
+EXAMPLES = {"period": '"0.8 s"', "floor_mass": '"400 t"', "storeys": "8", "storey_height": '"3.2 m"'}
+COEFFICIENT = Quantity.declared(RegularBuilding, "base_shear_coefficient")
+DRIFT_LIMIT = 0.1  # of the height of a storey: a larger drift at yield is doubtful
+
+
+@dataclass(frozen=True)
+class StoreyBuilding:
+    """A building of a case that is meant by its storeys; ``strength`` is the key that gives that."""
+
+    name: str
+    structure: ShearBuilding
+    strength: str
+
+    @property
+    def height(self) -> float:
+        """Level of the roof [m]."""
+        return float(self.structure.levels()[-1])
+
+    @property
+    def storeys(self) -> int:
+        """Number of storeys."""
+        return self.structure.storeys
+
+    @property
+    def period(self) -> float:
+        """Of the first mode [s]."""
+        return float(self.structure.periods()[0])
+
+    @property
+    def weighed(self) -> bool:
+        """Whether its mass is known, as it always is."""
+        return True
+
+    @property
+    def storey_height(self) -> float:
+        """Of a mean storey [m]."""
+        return self.height / self.storeys
+
+
+class SlabOnColumn(NamedTuple):
+    """A floor of one building at a level [m] where its neighbour has a storey's columns.
+
+    Buildings are numbered from 1 on the left, floors and storeys from 1 at the ground.
+    """
+
+    slab_of: int
+    floor: int
+    column_of: int
+    storey: int
+    level: float
+    name_of_slab: str
+    name_of_column: str
+
+    def __str__(self) -> str:
+        return (
+            f"floor {self.floor} of {self.name_of_slab}, at {self.level:g} m, meets the columns in "
+            f"storey {self.storey} of {self.name_of_column}"
+        )
+
+
+def slabs_of_row(buildings: Sequence[Any]) -> tuple[SlabOnColumn, ...]:
+    """Those of all neighbours whose floors are known, pair by pair from the left."""
+    found = []
+    for number, pair in enumerate(pairwise(buildings), start=1):
+        if not all(isinstance(building, StoreyBuilding) for building in pair):
+            continue
+        levels = [building.structure.levels() for building in pair]
+        for side, floor in slabs_on_columns(*levels):
+            level, other = float(levels[side][floor - 1]), 1 - side
+            storey = int(np.searchsorted(levels[other], level)) + 1
+            names = pair[side].name, pair[other].name
+            found.append(SlabOnColumn(number + side, floor, number + other, storey, level, *names))
+    return tuple(found)
+
+
+def storey_keys(one: Section) -> list[str]:
+    """Those of its keys that say that the building is meant by its storeys."""
+    return [key for key in OF_STOREYS if key in one]
+
+
+def read_storeys(one: Section, number: int) -> StoreyBuilding:
+    """The building, regular or storey by storey; an error says which keys are missing or too many."""
+    a_few = any(key in one for key in REGULAR[1:])
+    singly = any(key in one for key in STOREY_BY_STOREY[: 2 if a_few else 3])
+    laws = laws_in_numbers()
+    name = one.text("law", tuple(laws), "bilinear")
+    law = laws[name]
+    way = STOREY_BY_STOREY if singly else REGULAR
+    keys = [*way, "storeys", "storey_height", "heights", "damping", "hardening", "elastic", "law"]
+    _check_keys(one, [*keys, *law.own_parameters(), "dampers", "p_delta", "name"])
+    example = 'yield_drifts = "2 cm", of all storeys or a list' if singly else f"{way[-1]} = 0.15"
+    strength = strength_key(one, (way[-1], "elastic"), f"{example}, elastic = true")
+    _check_missing(one, way[:-1])
+    _check_counts(one, [*STOREY_BY_STOREY, "heights", "dampers", *law.own_parameters()])
+    own = [key for key in law.own_parameters() if key in one or not hasattr(law, key)]
+    values: dict[str, Any] = {
+        "damping": one.number("damping", Quantity.declared(ShearBuilding, "damping")),
+        "law": name,
+        "law_parameters": {key: one.number_or_list(key, Quantity.declared(law, key)) for key in own},
+        "p_delta": one.truth("p_delta"),
+    }
+    if strength != "elastic":
+        values["hardening"] = one.number("hardening", Quantity.declared(ShearBuilding, "hardening"))
+    if "dampers" in one:
+        values["dampers"] = one.number_or_list("dampers", Quantity.declared(ShearBuilding, "dampers"))
+    structure = (_singly if singly else _regular)(one, strength, values)
+    if strength != "elastic":
+        _doubt_strength(one, strength, structure)
+    return StoreyBuilding(one.text("name", default=f"Building {number}"), structure, strength)
+
+
+def strength_key(one: Section, keys: Sequence[str], example: str) -> str:
+    """The key by which the strength is given."""
+    elastic = one.truth("elastic")
+    given = [key for key in keys if key in one and (key != "elastic" or elastic)]
+    if not given:
+        raise one.error("", f"has no strength; allowed: one of {example}")
+    if len(given) > 1:
+        raise one.error(
+            given[1],
+            f"is one too many: strength is given {len(given)} times, by {' and '.join(given)}; allowed: "
+            f"one of {example}",
+        )
+    return given[0]
+
+
+def _regular(one: Section, strength: str, values: dict[str, Any]) -> ShearBuilding:
+    """One from a few numbers."""
+    heights = _heights(one)
+    values |= {
+        "period": one.number("period", Quantity.declared(RegularBuilding, "period")),
+        "mass": one.number("floor_mass", Quantity.declared(RegularBuilding, "mass")),
+        "storey_height": heights,
+        "storeys": len(heights)
+        if isinstance(heights, list)
+        else one.whole("storeys", 1, highest=MOST_STOREYS),
+    }
+    if strength == "elastic":
+        return one.made(ShearBuilding.regular, values)
+    values[strength] = one.number(strength, COEFFICIENT)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DoubtfulInput)  # it is said elsewhere, with its line
+        return one.made(ShearBuilding.regular, values)
+
+
+def _singly(one: Section, strength: str, values: dict[str, Any]) -> ShearBuilding:
+    """One storey by storey."""
+    for key in ("masses", "stiffnesses"):
+        values[key] = one.numbers(key, Quantity.declared(ShearBuilding, key))
+    heights = _heights(one)
+    values["heights"] = heights if isinstance(heights, list) else [heights] * len(values["masses"])
+    if strength != "elastic":
+        values[strength] = one.number_or_list(strength, Quantity.declared(ShearBuilding, strength))
+    return one.made(ShearBuilding, values)
+
+
+def _heights(one: Section) -> float | list[float]:
+    """Of every storey, or of each."""
+    quantity = Quantity.declared(ShearBuilding, "heights")
+    return (
+        one.numbers("heights", quantity) if "heights" in one else one.number("storey_height", quantity)
+    )
+
+
+def _check_keys(one: Section, allowed: Sequence[str]) -> None:
+    """Raise for a key that contradicts those of storeys, or that is not known at all."""
+    elsewhere = (*OF_STOREYS, *OF_OSCILLATORS, "period")
+    strange = [key for key in one.values if key in elsewhere and key not in allowed]
+    if strange:
+        marks = [key for key in storey_keys(one) if key not in strange]
+        more = f", and neither {'is' if len(strange) == 2 else 'are'} {listed(strange[1:])}"
+        raise one.error(
+            strange[0],
+            f"is not a key that is known here{more if strange[1:] else ''}, where {_say(marks)} by its "
+            f"storeys; allowed: {', '.join(allowed)}; for an oscillator, leave out {listed(marks)}",
+        )
+    one.only(*allowed, elsewhere=elsewhere)
+    if "heights" in one and "storey_height" in one:
+        raise one.error("heights", "is one too many beside storey_height; allowed: one of them")
+
+
+def _check_missing(one: Section, needed: Sequence[str]) -> None:
+    """Raise for keys without which there are no storeys."""
+    if "heights" not in one:
+        needed = [*needed, *([] if "masses" in needed else ["storeys"]), "storey_height"]
+    missing = [key for key in needed if key not in one]
+    if missing:
+        marks = storey_keys(one)
+        more = f", and so {'is' if len(missing) == 2 else 'are'} {listed(missing[1:])}"
+        lines = ", ".join(f"{key} = {_example(key)}" for key in missing)
+        raise one.error(
+            missing[0],
+            f"is missing{more if missing[1:] else ''}: {_say(marks)} by its storeys; write, for "
+            f"instance, {lines}; for an oscillator, leave out {listed(marks)}",
+        )
+
+
+def _check_counts(one: Section, keys: Sequence[str]) -> None:
+    """Raise for a list that has not as many values as there are storeys."""
+    if "storeys" in one:
+        count = one.whole("storeys", 1, highest=MOST_STOREYS)
+        for key in keys:
+            given = one.values.get(key)
+            if isinstance(given, list) and len(given) != count:
+                raise one.error(
+                    key, f"has {len(given)} values, but storeys = {count}; allowed: one for each storey"
+                )
+
+
+def _doubt_strength(one: Section, strength: str, structure: ShearBuilding) -> None:
+    """Warn of a building that resists more than its weight, or leans far before it yields."""
+    if (
+        strength in REGULAR
+        and one.number(strength, Quantity.declared(RegularBuilding, strength)) > PLAUSIBLE_COEFFICIENT
+    ):
+        one.doubt(strength, f"is doubtful: {IMPLAUSIBLE}")
+        return
+    values = structure.arrays()
+    heights = values["heights"].to_numpy()
+    share = values["yield_drifts"].to_numpy() / heights
+    if (share > DRIFT_LIMIT).any():
+        worst = int(np.argmax(share))
+        one.doubt(
+            strength,
+            f"is doubtful: storey {worst + 1}, {heights[worst]:g} m high, would yield at a drift of "
+            f"{share[worst] * heights[worst]:.3g} m, more than a tenth of that; check units and period",
+        )
+
+
+def _say(marks: Sequence[str]) -> str:
+    return f"{listed(marks)} {'describes' if len(marks) == 1 else 'describe'} the building"
+
+
+def _example(key: str) -> str:
+    if key in EXAMPLES:
+        return EXAMPLES[key]
+    each = Quantity.declared(ShearBuilding, key).example
+    return f"[{each}, {each}]"

@@ -1,0 +1,593 @@
+"""Shear buildings, links, and both as one system: against closed forms, and what is wrong is said."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+import pytest
+import sympy
+import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
+
+import stochlin as sl
+from stochlin.messages import DoubtfulInput
+from stochlin.models.buildings import GRAVITY
+from stochlin.models.laws import laws_in_numbers
+from stochlin.models.links import Link
+from stochlin.models.parameters import POSITIVE, parameter
+from stochlin.models.structures import LAWS
+from stochlin.models.systems import check_links, common_floors, slabs_on_columns, stack_of, system_of
+
+pytestmark = pytest.mark.invariant
+
+V, Z = sympy.symbols("v z")
+OWN = V - abs(V) * Z
+TWO = {"masses": [1e5] * 2, "stiffnesses": [1e8] * 2, "heights": [3.0] * 2, "damping": 0.05}
+STRENGTH = {"hardening": 0.1, "yield_drifts": 0.01}
+KNOWN = {"period": 0.8, "storeys": 4, "storey_height": 3.0, "mass": 4e5, "damping": 0.05}
+YIELDING = KNOWN | {"hardening": 0.1, "base_shear_coefficient": 0.15}
+
+numbers = st.integers(1, 12)
+
+
+def uniform(storeys: int, mass: float, stiffness: float, **others: Any) -> sl.ShearBuilding:
+    heights = [3.0] * storeys
+    return sl.ShearBuilding([mass] * storeys, [stiffness] * storeys, heights, 0.05, **others)
+
+
+def frequencies(storeys: int, mass: float, stiffness: float) -> np.ndarray:
+    """Of a uniform shear building, in closed form."""
+    mode = np.arange(1, storeys + 1)
+    return 2 * np.sqrt(stiffness / mass) * np.sin((2 * mode - 1) * np.pi / (4 * storeys + 2))
+
+
+def drifts(storeys: int) -> np.ndarray:
+    return np.eye(storeys) - np.eye(storeys, k=-1)
+
+
+def stiffness_of(building: sl.ShearBuilding) -> np.ndarray:
+    """The matrix, written out."""
+    t = drifts(building.storeys)
+    k = building.arrays()["stiffnesses"].to_numpy() - building.geometric_stiffness()
+    return t.T @ np.diag(k) @ t
+
+
+@st.composite
+def buildings(draw: st.DrawFn, **others: Any) -> sl.ShearBuilding:
+    storeys = draw(numbers)
+
+    def several(low: float, high: float) -> list[float]:
+        return draw(st.lists(st.floats(low, high), min_size=storeys, max_size=storeys))
+
+    given = {"hardening": draw(st.floats(0.01, 1)), "yield_drifts": several(1e-3, 0.1)}
+    return sl.ShearBuilding(
+        several(1e4, 1e6),
+        several(1e7, 1e9),
+        several(2.5, 6),
+        draw(st.floats(0.01, 0.3)),
+        **given,
+        **others,
+    )
+
+
+# --- Modes and damping --------------------------------------------------------------------------------
+
+
+@given(numbers, st.floats(1e3, 1e7), st.floats(1e6, 1e10))
+def test_periods_of_a_uniform_shear_building(storeys: int, mass: float, stiffness: float) -> None:
+    building = uniform(storeys, mass, stiffness)
+    w = frequencies(storeys, mass, stiffness)
+    np.testing.assert_allclose(building.periods(), 2 * np.pi / w, rtol=1e-9)
+    damping, shapes = building.damping_matrix(), building._modes()[1]
+    np.testing.assert_allclose(
+        shapes.T @ damping @ shapes, np.diag(2 * 0.05 * w), rtol=0, atol=1e-10 * w[-1]
+    )
+
+
+@given(numbers, st.floats(1e3, 1e7), st.floats(1e6, 1e10), st.floats(1e-4, 0.1))
+def test_dampers_in_proportion_to_stiffness_add_to_each_mode(
+    storeys: int, mass: float, stiffness: float, delay: float
+) -> None:
+    """``c = delay k`` in every storey is ``delay w/2`` more in the mode of frequency ``w``."""
+    w = frequencies(storeys, mass, stiffness)
+    for dampers in (delay * stiffness, [delay * stiffness] * storeys):
+        building = uniform(storeys, mass, stiffness, dampers=dampers)
+        shapes = building._modes()[1]
+        ratios = (shapes.T @ building.damping_matrix() @ shapes) / (2 * w)
+        wanted = np.diag(0.05 + 0.5 * delay * w)
+        np.testing.assert_allclose(ratios, wanted, rtol=0, atol=1e-9 * wanted[-1, -1] * w[-1] / w[0])
+
+
+@given(buildings(), st.data())
+def test_a_damper_takes_its_power_from_its_own_storey(building: sl.ShearBuilding, data: Any) -> None:
+    n = building.storeys
+    constants = np.array(data.draw(st.lists(st.floats(0, 1e7), min_size=n, max_size=n)))
+    velocity = np.array(data.draw(st.lists(st.floats(-1, 1), min_size=n, max_size=n)))
+    with_them = sl.ShearBuilding(
+        *(building.arrays()[key] for key in ("masses", "stiffnesses", "heights")),
+        building.damping,
+        dampers=constants,
+    )
+    bare = building.damping_matrix()
+    added = with_them.damping_matrix() - bare
+    power = (constants * np.diff(velocity, prepend=0.0) ** 2).sum()
+    assert velocity @ added @ velocity == pytest.approx(power, rel=1e-9, abs=1e-9 * np.abs(bare).max())
+
+
+# --- The weight ---------------------------------------------------------------------------------------
+
+
+@given(st.floats(1e4, 1e6), st.floats(1e7, 1e9), st.floats(2.5, 6))
+def test_one_storey_under_its_weight(mass: float, stiffness: float, height: float) -> None:
+    building = sl.ShearBuilding([mass], [stiffness], [height], 0.05, p_delta=True)
+    w = np.sqrt(stiffness / mass - GRAVITY / height)
+    assert float(building.periods()[0]) == pytest.approx(2 * np.pi / w, rel=1e-13)
+    assert building.damping_matrix()[0, 0] == pytest.approx(2 * 0.05 * w * mass, rel=1e-12)
+    assert building.oscillator().period == pytest.approx(2 * np.pi / w, rel=1e-13)
+
+
+def test_each_storey_loses_the_weight_above_over_its_height() -> None:
+    heights = np.array([4.0, 3.0, 3.5])
+    given = [2e5, 1e5, 5e4], [1e8] * 3, heights
+    building = sl.ShearBuilding(*given, 0.05, p_delta=True)
+    lost = GRAVITY * np.array([3.5e5, 1.5e5, 5e4]) / heights
+    np.testing.assert_allclose(building.geometric_stiffness(), lost, rtol=1e-14)
+    assert not sl.ShearBuilding(*given, 0.05).geometric_stiffness().any()
+    mass = np.diag(building.masses.to_numpy())
+    squares = np.sort(np.linalg.eigvals(np.linalg.solve(mass, stiffness_of(building))).real)
+    np.testing.assert_allclose((2 * np.pi / building.periods()) ** 2, squares, rtol=1e-12)
+
+
+def test_the_weight_may_eat_the_hardening_but_not_the_stiffness() -> None:
+    """A motion goes on, but nothing is stationary: the system names the storeys."""
+    lost = 2e5 * GRAVITY / 3.0  # of the first of two storeys
+    weak = sl.ShearBuilding(**TWO, **STRENGTH | {"hardening": 0.9 * lost / 1e8}, p_delta=True)
+    stiff = sl.ShearBuilding(**TWO, **STRENGTH | {"hardening": 1.1 * lost / 1e8}, p_delta=True)
+    assert system_of([stiff, weak]).without_stationary_answer == [(2, 1)]
+    assert stack_of(weak).post[0] == pytest.approx(-0.1 * lost, rel=1e-9)
+    elastic = sl.ShearBuilding(**TWO, p_delta=True)
+    assert system_of([elastic]).without_stationary_answer == []
+    with pytest.raises(ValueError, match=r"takes 653777 N/m from storey 1, which has 600000 .*p_delta="):
+        sl.ShearBuilding(**TWO | {"stiffnesses": [6e5, 1e8]}, p_delta=True)
+
+
+# --- Regular buildings --------------------------------------------------------------------------------
+
+
+@st.composite
+def regular(draw: st.DrawFn) -> tuple[sl.ShearBuilding, dict[str, float]]:
+    storeys = draw(st.integers(1, 60))
+    height = st.floats(2.5, 6)
+    heights = st.one_of(height, st.lists(height, min_size=storeys, max_size=storeys))
+    known = {
+        "period": draw(st.floats(0.05, 5)),
+        "mass": draw(st.floats(1e3, 1e7)),
+        "base_shear_coefficient": draw(st.floats(0.01, 1)),
+    }
+    building = sl.ShearBuilding.regular(
+        **known, storeys=storeys, storey_height=draw(heights), damping=0.05, hardening=0.1
+    )
+    return building, known
+
+
+@given(regular())
+def test_a_regular_building_is_what_it_was_told(
+    given: tuple[sl.ShearBuilding, dict[str, float]],
+) -> None:
+    building, known = given
+    assert float(building.periods()[0]) == pytest.approx(known["period"], rel=1e-9)
+    straight = building.participation().to_numpy() / building.levels()
+    np.testing.assert_allclose(straight, straight[-1], rtol=1e-8)
+    # Forces that grow with the height make all storeys yield at once, at this base shear.
+    forces = building.levels() / building.levels().sum()
+    weight = GRAVITY * known["mass"] * building.storeys
+    shear = known["base_shear_coefficient"] * weight * forces[::-1].cumsum()[::-1]
+    drift = np.linalg.solve(stiffness_of(building), known["base_shear_coefficient"] * weight * forces)
+    np.testing.assert_allclose(np.diff(drift, prepend=0), building.arrays()["yield_drifts"], rtol=1e-9)
+    at_yield = (building.stiffnesses * building.yield_drifts).to_numpy()
+    np.testing.assert_allclose(at_yield, shear, rtol=1e-12)
+
+
+def test_equal_storeys_have_one_yield_drift_and_others_the_same_share_of_their_height() -> None:
+    even = sl.ShearBuilding.regular(**YIELDING)
+    w = 2 * np.pi / 0.8
+    assert even.yield_drifts == pytest.approx(2 * 0.15 * GRAVITY / (w**2 * 5), rel=1e-14)
+    np.testing.assert_allclose(even.stiffnesses, 4e5 * w**2 * np.array([10, 9, 7, 4]), rtol=1e-14)
+    listed = sl.ShearBuilding.regular(**YIELDING | {"storey_height": [3.0] * 4})
+    for name, array in even.arrays().items():
+        np.testing.assert_array_equal(listed.arrays()[name], array)
+    other = sl.ShearBuilding.regular(**YIELDING | {"storey_height": [4.5, 3.0, 3.0, 3.0]})
+    np.testing.assert_allclose(
+        other.yield_drifts / other.heights, other.yield_drifts[0] / 4.5, rtol=1e-14
+    )
+
+
+@given(st.integers(1, 60))
+def test_the_roof_of_equal_storeys_and_the_mass_of_their_first_mode(n: int) -> None:
+    building = sl.ShearBuilding.regular(**YIELDING | {"storeys": n})
+    assert float(building.participation()[-1]) == pytest.approx(3 * n / (2 * n + 1), rel=1e-9)
+    share = building.oscillator().mass / (n * 4e5)
+    assert share == pytest.approx(3 * (n + 1) / (4 * n + 2), rel=1e-9)
+
+
+def test_a_regular_building_without_a_base_shear_stays_elastic() -> None:
+    building = sl.ShearBuilding.regular(**KNOWN, p_delta=True, dampers=1e6)
+    assert not building.yields
+    assert building.p_delta
+    assert building.dampers == 1e6
+    assert building.storeys == 4
+
+
+@pytest.mark.parametrize("coefficient", [1.01, 15.0])
+def test_a_building_that_resists_more_than_its_weight_is_doubted(coefficient: float) -> None:
+    with pytest.warns(
+        DoubtfulInput, match=f"base_shear_coefficient = {coefficient:g}: the building res"
+    ):
+        sl.ShearBuilding.regular(**YIELDING | {"base_shear_coefficient": coefficient})
+
+
+# --- The first mode -----------------------------------------------------------------------------------
+
+
+@given(buildings())
+def test_effective_masses_of_all_modes_are_the_mass(building: sl.ShearBuilding) -> None:
+    mass = building.masses.to_numpy()
+    shapes = building._modes()[1]
+    effective = (mass @ shapes) ** 2
+    assert effective.sum() == pytest.approx(mass.sum(), rel=1e-10)
+    first = building.oscillator()
+    assert first.mass == pytest.approx(effective[0], rel=1e-12)
+    assert first.period == float(building.periods()[0])
+    assert first.damping == building.damping
+    moves = building.participation().to_numpy()
+    assert mass @ moves**2 == pytest.approx(first.mass, rel=1e-9)  # the same kinetic energy
+    ratio = np.abs(np.diff(moves, prepend=0.0)) * first.yield_displacement
+    assert (ratio / building.yield_drifts).max() == pytest.approx(1, rel=1e-12)
+
+
+@given(st.floats(1e4, 1e6), st.floats(1e7, 1e9), st.floats(0.01, 0.3), st.floats(1e-3, 0.1))
+def test_one_storey_is_the_oscillator(
+    mass: float, stiffness: float, damping: float, drift: float
+) -> None:
+    own = {"beta": 0.7, "gamma": 0.2, "exponent": 2.0}
+    building = sl.ShearBuilding(
+        [mass], [stiffness], [3.0], damping, 0.1, drift, law="bouc_wen", law_parameters=own
+    )
+    found = building.oscillator()
+    period = 2 * np.pi * np.sqrt(mass / stiffness)
+    assert isinstance(found, sl.BoucWen)
+    assert {name: getattr(found, name) for name in own} == own
+    assert (found.damping, found.hardening) == (damping, 0.1)
+    assert found.period == pytest.approx(period, rel=1e-14)
+    assert found.mass == pytest.approx(mass, rel=1e-14)
+    assert found.yield_displacement == pytest.approx(drift, rel=1e-14)
+    np.testing.assert_allclose(building.participation(), [1.0], rtol=1e-14)
+    one, other = stack_of(building), stack_of(found)
+    for name in ("mass", "post", "couple", "strength", "damping", "law_parameters"):
+        np.testing.assert_allclose(getattr(one, name), getattr(other, name), rtol=1e-13)
+    ground = sl.KanaiTajimi(0.4, 0.6, 0.02)
+    wanted = sl.BoucWen(period, damping, 0.1, yield_displacement=drift, **own)
+    np.testing.assert_allclose(
+        sl.linearize(found, ground).displacement_std,
+        sl.linearize(wanted, ground).displacement_std,
+        rtol=1e-9,
+    )
+
+
+# --- Laws ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("law", [*laws_in_numbers(), OWN])
+def test_storeys_have_the_law_that_is_asked_for(law: Any) -> None:
+    building = sl.ShearBuilding(**TWO, **STRENGTH, law=law)
+    kind = laws_in_numbers()[law] if isinstance(law, str) else sl.Hysteretic
+    assert type(building.storey_law) is kind
+    assert type(building.oscillator()) is kind
+    assert building.storey_law.block() is not None
+    assert ("law=" in building.describe()) == (law != "bilinear")
+    stack = stack_of(building)
+    assert stack.law_parameters.shape == (2, len(kind.own_parameters()))
+    np.testing.assert_allclose(stack.post + stack.couple, 1e8, rtol=1e-15)
+    np.testing.assert_array_equal(stack.strength, 0.01)
+
+
+def test_parameters_of_a_law_go_storey_by_storey() -> None:
+    own = {"beta": [0.6, 0.8], "gamma": 0.3}
+    building = sl.ShearBuilding(**TWO, **STRENGTH, law="bouc_wen", law_parameters=own)
+    exponent = sl.BoucWen(1.0, 0.05).exponent
+    np.testing.assert_array_equal(
+        stack_of(building).law_parameters, [[0.6, 0.3, exponent], [0.8, 0.3, exponent]]
+    )
+    assert "beta=[0.6, 0.8], gamma=0.3" in building.describe()
+    assert all(array.dims in ((), ("storey",)) for array in building.storey_law.arrays().values())
+    assert building.oscillator().beta == 0.6  # of the storey that yields first
+
+
+def test_a_building_without_a_strength_stays_elastic_under_any_law() -> None:
+    for law in ("bilinear", "bouc_wen", OWN):
+        stack = stack_of(sl.ShearBuilding(**TWO, law=law))
+        assert not stack.couple.any()
+        assert np.isinf(stack.strength).all()
+        np.testing.assert_array_equal(stack.post, 1e8)
+
+
+# --- Structures and links as one system ---------------------------------------------------------------
+
+OSCILLATOR = sl.Bilinear(1.0, 0.05, 0.1, yield_displacement=0.02, mass=2e5)
+
+
+@given(st.lists(st.one_of(buildings(), st.just(OSCILLATOR)), min_size=1, max_size=4))
+def test_a_system_of_mixed_structures_has_their_modes(structures: list[Any]) -> None:
+    system = system_of(structures)
+    n = int(system.first[-1])
+    t = np.eye(n)
+    for floor, under in enumerate(system.below):
+        if under >= 0:
+            t[floor, under] = -1.0
+    elastic = system.all("post") + system.all("couple")
+    matrices = np.diag(system.all("mass")), t.T @ np.diag(elastic) @ t, system.damping
+    for matrix in matrices:
+        np.testing.assert_allclose(matrix, matrix.T, rtol=0, atol=1e-12 * np.abs(matrix).max())
+        root = np.sqrt(np.abs(np.diag(matrix)))
+        assert np.linalg.eigvalsh(matrix / np.outer(root, root)).min() > 0
+    root = np.sqrt(system.all("mass"))
+    squares = np.linalg.eigvalsh(matrices[1] / np.outer(root, root))
+    periods = [
+        np.atleast_1d(one.periods() if isinstance(one, sl.ShearBuilding) else one.period)
+        for one in structures
+    ]
+    wanted = np.sort((2 * np.pi / np.concatenate(periods)) ** 2)
+    np.testing.assert_allclose(squares, wanted, rtol=0, atol=1e-9 * wanted[-1])
+
+
+def test_links_tie_floors_counted_through_all_structures() -> None:
+    low, high = uniform(2, 1e5, 1e8), uniform(4, 1e5, 1e8)
+    system = system_of([high, OSCILLATOR, low], [None, Link(1e6), Link(2e6, structures=(1, 3))])
+    assert [(tie.one, tie.two, tie.link.stiffness) for tie in system.ties] == [(4, 6, 1e6), (1, 6, 2e6)]
+    given = Link(1e6, floors=(4, 1), structures=(1, 3))
+    (tie,) = system_of([high, OSCILLATOR, low], [given]).ties
+    assert (tie.one, tie.two) == (3, 5)
+    assert system_of([high, low], [None]).ties == ()
+    assert system.first.tolist() == [0, 4, 5, 7]
+    assert system.below.tolist() == [-1, 0, 1, 2, -1, -1, 5]
+
+
+def test_a_link_without_floors_is_at_the_highest_common_level() -> None:
+    one = sl.ShearBuilding([1e5] * 3, [1e8] * 3, [4.0, 3.0, 3.0], 0.05)
+    two = sl.ShearBuilding([1e5] * 4, [1e8] * 4, [3.5, 3.54, 3.5, 3.5], 0.05)
+    assert common_floors(stack_of(one), stack_of(two), 1) == (2, 2)
+    assert common_floors(stack_of(one), stack_of(OSCILLATOR), 1) == (3, 1)
+    assert slabs_on_columns(one.levels(), two.levels()) == [(1, 1), (0, 1), (0, 3)]
+
+
+def test_what_a_link_says_of_itself() -> None:
+    yielding = Link(5e7, 1e5, hardening=0.02, yield_displacement=0.01, floors=[5, 4], structures=(1, 3))
+    assert yielding.yields
+    assert yielding.floors == (5, 4)
+    assert yielding.describe().endswith("floors=(5, 4), structures=(1, 3))")
+    assert not Link(5e7, slack=0.02).yields
+    assert yielding == Link(
+        5e7, 1e5, hardening=0.02, yield_displacement=0.01, floors=(5, 4), structures=(1, 3)
+    )
+
+
+# --- Bad input ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "message"),
+    [
+        ({"masses": [1e5, -1e5]}, ValueError, "masses = -100000 in storey 2"),
+        ({"stiffnesses": [0.0, 1e8]}, ValueError, "stiffnesses = 0 in storey 1"),
+        ({"heights": [3.0]}, ValueError, "masses has 2, .*heights has 1 values"),
+        ({"heights": 3.0}, ValueError, "heights = 3.0; allowed: a list"),
+        ({"masses": []}, ValueError, "masses = "),
+        ({"masses": ["a", "b"]}, TypeError, "not a real number"),
+        ({"damping": 1.5}, ValueError, "damping = 1.5"),
+        ({"damping": [0.05, 0.05]}, ValueError, "damping is an array"),
+        ({"yield_drifts": 0.01}, ValueError, "hardening is not given"),
+        (
+            {"yield_drifts": [0.01, np.nan], "hardening": 0.1},
+            ValueError,
+            "yield_drifts = nan in storey 2",
+        ),
+        (
+            dict.fromkeys(("masses", "stiffnesses", "heights"), [1e5] * 201),
+            ValueError,
+            "masses has 201 values; allowed: one for each of at most 200 storeys",
+        ),
+        ({"dampers": -1.0}, ValueError, "dampers = -1 is out of range; allowed: 0 <= value"),
+        (
+            {"dampers": [0.0, -2.0]},
+            ValueError,
+            "dampers = -2 in storey 2 is out of range; allowed: 0 <=",
+        ),
+        ({"dampers": [1.0, 2.0, 3.0]}, ValueError, "dampers has 3 values; allowed: one for each storey"),
+        ({"p_delta": 1}, TypeError, "p_delta = 1; allowed: True or False"),
+        (
+            {"law": "bilinea"},
+            ValueError,
+            "law = 'bilinea' is not a known law; allowed: bilinear, bouc_w",
+        ),
+        ({"law": "hysteretic"}, ValueError, "law = 'hysteretic' has no expression; give the sympy expr"),
+        ({"law": 3}, TypeError, "law = 3 is not allowed; give a sympy expression"),
+        ({"law": V**2}, ValueError, r"law = v\*\*2 is not odd; allowed: "),
+        (
+            {"law_parameters": [1]},
+            TypeError,
+            r"law_parameters = \[1\]; allowed: a mapping of numbers by",
+        ),
+    ],
+)
+def test_what_is_no_shear_building_is_refused(arguments, error, message):
+    with pytest.raises(error, match=message):
+        sl.ShearBuilding(**(TWO | arguments))
+
+
+@pytest.mark.parametrize(
+    ("law", "own", "error", "message"),
+    [
+        (
+            "bouc_wen",
+            {"bet": 1},
+            ValueError,
+            r"law_parameters = .*has no bet; allowed: beta, gamma, expo",
+        ),
+        ("bouc_wen", {1: 1}, ValueError, r"law_parameters = \{1: 1\}: the law has no 1; allowed: beta"),
+        ("bilinear", {"beta": 1}, ValueError, "law_parameters = .* has no beta; allowed: none"),
+        (OWN, {"beta": 1}, ValueError, "law_parameters = .* has no beta; allowed: none"),
+        ("bouc_wen", {"beta": [1.0] * 3}, ValueError, "beta has 3 values; .* each of the 2 storeys"),
+        ("bouc_wen", {"beta": "a"}, TypeError, "beta = 'a' is not a real number; allowed: 0 < value"),
+        ("bouc_wen", {"beta": -1.0}, ValueError, "beta = -1 is out of range; allowed: 0 < value"),
+        (
+            "bouc_wen",
+            {"beta": [0.5, -0.5]},
+            ValueError,
+            "law_parameters: storey 2, .*beta = -0.5 is out of range; allowed: 0 < value",
+        ),
+        (
+            "bouc_wen",
+            {"gamma": [0.5, -3.0]},
+            ValueError,
+            "law_parameters: storey 2, .*gamma = -3 is out of range; allowed: -beta < value",
+        ),
+    ],
+)
+def test_parameters_that_a_law_has_not_are_refused(law, own, error, message):
+    for strength in ({}, STRENGTH):
+        with pytest.raises(error, match=message):
+            sl.ShearBuilding(**TWO, **strength, law=law, law_parameters=own)
+
+
+def test_a_law_that_needs_a_number_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    @dataclasses.dataclass(frozen=True, kw_only=True)
+    class Needy(sl.BoucWen):
+        pinching: float = parameter("1", "pinching", POSITIVE)
+
+    monkeypatch.setattr(LAWS, "named", lambda *_: Needy)
+    with pytest.raises(
+        ValueError, match=r"law_parameters = \{\}: the law needs pinching as well; allowed"
+    ):
+        sl.ShearBuilding(**TWO, law="needy")
+    building = sl.ShearBuilding(**TWO, **STRENGTH, law="needy", law_parameters={"pinching": [0.1, 0.2]})
+    assert building.oscillator().pinching == 0.1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "message"),
+    [
+        ({"storeys": 2.5}, ValueError, "storeys = 2.5; allowed: a whole number from 1 to 200"),
+        ({"storeys": True}, ValueError, "storeys = True; allowed: a whole number"),
+        ({"storeys": 201}, ValueError, "storeys = 201; allowed: a whole number from 1 to 200"),
+        ({"period": -1}, ValueError, "period = -1 is out of range; allowed: 0 < value"),
+        ({"period": 1e-300}, ValueError, "yield_drifts = 0 is out of range; allowed: 0 < value"),
+        ({"mass": 1e308}, ValueError, "stiffnesses = inf in storey 1 is out of range; allowed: 0 < val"),
+        ({"period": [1.0, 2.0]}, ValueError, "period is an array; allowed: one number"),
+        ({"mass": None}, TypeError, "mass = None is not a real number"),
+        ({"storey_height": 0}, ValueError, "storey_height = 0 is out of range"),
+        (
+            {"storey_height": [3.0, 3.0]},
+            ValueError,
+            "storey_height has 2 values, storeys = 4; allowed: o",
+        ),
+        (
+            {"storey_height": [3.0, -1.0, 3.0, 3.0]},
+            ValueError,
+            "storey_height = -1 in storey 2 is out of",
+        ),
+        (
+            {"base_shear_coefficient": 0},
+            ValueError,
+            "base_shear_coefficient = 0 is out of range; allowed",
+        ),
+        ({"hardening": None}, ValueError, "hardening is not given"),
+        ({"period": 60.0, "p_delta": True}, ValueError, "the weight above takes .*it would fall over"),
+        ({"dampers": [1.0]}, ValueError, "dampers has 1 values; allowed: one for each storey"),
+    ],
+)
+def test_what_is_no_regular_building_is_refused(arguments, error, message):
+    with pytest.raises(error, match=message):
+        sl.ShearBuilding.regular(**(YIELDING | arguments))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "message"),
+    [
+        ({"stiffness": -1}, ValueError, "stiffness = -1 is out of range; allowed: 0 <= value"),
+        (
+            {"yield_displacement": 0.01},
+            ValueError,
+            "hardening is not given; a link that yields needs it",
+        ),
+        (
+            {"yield_displacement": 0.01, "hardening": 0.1, "slack": 0.1},
+            ValueError,
+            "yield_displacement and slack are both given; allowed: one of them",
+        ),
+        ({"slack": -0.1}, ValueError, "slack = -0.1 is out of range; allowed: 0 <= value"),
+        ({"floors": 3}, ValueError, "floors = 3; allowed: two whole numbers from 1"),
+        ({"floors": (0, 1)}, ValueError, r"floors = \(0, 1\); allowed: two whole numbers from 1"),
+        ({"floors": (1, True)}, ValueError, "allowed: two whole numbers from 1"),
+        ({"structures": (2, 2)}, ValueError, r"structures = \(2, 2\); allowed: two different ones"),
+    ],
+)
+def test_what_is_no_link_is_refused(arguments, error, message):
+    with pytest.raises(error, match=message):
+        Link(**({"stiffness": 1e6} | arguments))
+
+
+@pytest.mark.parametrize(
+    ("structures", "links", "message"),
+    [
+        (
+            [0, 2],
+            [Link(1, floors=(2, 1))],
+            r"link 1: floors = \(2, 1\), structure 1 has 1; allowed: 1 to",
+        ),
+        (
+            [0, 2],
+            [Link(1, floors=(1, 3))],
+            r"link 1: floors = \(1, 3\), structure 2 has 2; allowed: 1 to",
+        ),
+        ([1, 2], [Link(1)], "structure 1: mass is not given; a link acts on masses, allowed: 0 < value"),
+        ([2, 3], [Link(1)], r"link 1: the structures have no two floors at one level; give floors="),
+        (
+            [0, 2],
+            [Link(1, structures=(1, 3))],
+            "ties the structures 1 and 3 of 2; allowed: structures = t",
+        ),
+    ],
+)
+def test_links_without_a_place_are_refused(structures, links, message):
+    known = [OSCILLATOR, sl.Bilinear(1.0, 0.05), uniform(2, 1e5, 1e8)]
+    known.append(sl.ShearBuilding([1e5] * 2, [1e8] * 2, [2.0, 2.0], 0.05))
+    with pytest.raises(ValueError, match=message):
+        system_of([known[n] for n in structures], links)
+
+
+@pytest.mark.parametrize(
+    ("links", "error", "message"),
+    [
+        (3, TypeError, "links = 3; allowed: a list of Link and None"),
+        ([3, None], TypeError, "links, number 1 = 3 is of the wrong kind; allowed: Link"),
+        ([Link(1)], ValueError, "links: 1 given; allowed: one between each two neighbours, 2 in all"),
+        ([None] * 4, ValueError, "links: 4 given; allowed: one between"),
+    ],
+)
+def test_lists_of_links_that_do_not_fit_are_refused(links, error, message):
+    with pytest.raises(error, match=message):
+        check_links("links", links, 3)
+
+
+def test_lists_of_links_that_fit() -> None:
+    by_place = (Link(1), None)
+    assert check_links("links", by_place, 3) == by_place
+    named = [Link(1, structures=(1, 3)), Link(2, structures=(1, 2)), Link(3, structures=(1, 2))]
+    assert check_links("links", named, 3) == tuple(named)
+    assert check_links("links", [], 3) == ()
+    assert xr.DataArray(Link(2.0).number("stiffness")) == 2.0
+    with pytest.raises(ValueError, match="stiffness is an array; allowed here: a scalar"):
+        Link([1.0, 2.0]).number("stiffness")

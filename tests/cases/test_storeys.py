@@ -1,0 +1,446 @@
+"""Buildings of a case file by their storeys: none is taken for an oscillator; what is wrong is said."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import cases
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import stochlin as sl
+from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.mitigation import mitigate_case
+from stochlin.analyses.cases.probability import judge_gap
+from stochlin.analyses.cases.separation import answer_case
+from stochlin.analyses.explorer.scene import scene_of
+from stochlin.messages import DoubtfulInput
+from stochlin.models.systems import slabs_on_columns
+from stochlin.views.shared.words import floors
+
+pytestmark = pytest.mark.invariant
+
+EXAMPLE = sl.example_case()
+START, END = EXAMPLE.index("[building_1]"), EXAMPLE.index("[building_2]")
+OSCILLATOR = EXAMPLE[END : EXAMPLE.index("[separation]")]
+REGULAR = """[building_1]
+period = "0.8 s"
+storeys = 4
+storey_height = "3 m"
+floor_mass = "400 t"
+damping = "5 %"
+hardening = "5 %"
+base_shear_coefficient = "15 %"
+
+"""
+SINGLE = """[building_2]
+masses = ["300 t", "250 t"]
+stiffnesses = ["500 MN/m", "4e5 kN/m"]
+heights = ["4 m", "300 cm"]
+damping = "5 %"
+hardening = 0.1
+yield_drifts = ["1 cm", "8 mm"]
+
+"""
+BOTH = {"period": 0.8, "storeys": 4, "mass": 4e5, "damping": 0.05, "hardening": 0.05}
+KNOWN = BOTH | {"storey_height": 3.0, "base_shear_coefficient": 0.15}
+
+
+def read(
+    folder: Path, *buildings: str, align: str = "false", more: str = "", gaps: str = '"5 cm"'
+) -> Case:
+    text = cases.with_buildings(*buildings).replace("align = true", f"align = {align}")
+    text = text.replace('existing = "5 cm"', f"existing = {gaps}")
+    path = folder / "case.toml"
+    path.write_text(text.replace("[mitigation]", f"{more}\n[mitigation]"), encoding="utf-8")
+    return sl.read_case(path)
+
+
+def same(one: sl.ShearBuilding, other: sl.ShearBuilding) -> None:
+    assert one.describe() == other.describe()
+    for name, array in one.arrays().items():
+        np.testing.assert_array_equal(array, other.arrays()[name])
+
+
+@pytest.mark.parametrize("start", ["period", "masses"])
+def test_each_way_that_the_example_shows_is_read(start: str, tmp_path: Path) -> None:
+    buildings = [cases.storeyed_building(n, start) for n in (1, 2)]
+    case = read(tmp_path, *buildings, align="true")
+    for building in case.buildings:
+        assert isinstance(building.structure, sl.ShearBuilding)
+        assert building.structure.p_delta
+        assert building.structure.dampers == 2e6
+        assert building.strength in ("base_shear_coefficient", "yield_drifts")
+    assert case.floors_level
+    assert case.floors_align
+    shown = {"period": (8, 24.0, 3.0), "masses": (3, 10.0, 10 / 3)}[start]
+    assert (case.first.storeys, case.first.height, case.first.storey_height) == shown
+    listed = 'heights = ["4 m", "3 m", "3 m"]'
+    if start == "period":
+        low = buildings[0].replace('storey_height = "3 m"', listed).replace("storeys = 8\n", "")
+        assert read(tmp_path, low, buildings[1]).first.height == 10.0
+    else:
+        high = buildings[0].replace(listed, 'storey_height = "3 m"')
+        assert read(tmp_path, high, buildings[1]).first.height == 9.0
+
+
+def test_a_regular_building_is_that_of_python(tmp_path: Path) -> None:
+    case = read(tmp_path, REGULAR, SINGLE)
+    same(case.first.structure, sl.ShearBuilding.regular(**KNOWN))
+    elastic = REGULAR.replace('base_shear_coefficient = "15 %"', "elastic = true")
+    bare = {name: value for name, value in BOTH.items() if name != "hardening"}
+    expected = sl.ShearBuilding.regular(**bare, storey_height=3.0)
+    same(read(tmp_path, elastic, SINGLE).first.structure, expected)
+    heights = 'heights = ["4 m", "3 m", "3 m", "3 m"]'
+    listed = REGULAR.replace('storey_height = "3 m"', heights)
+    expected = sl.ShearBuilding.regular(**KNOWN | {"storey_height": [4, 3, 3, 3]})
+    for text in (listed, listed.replace("storeys = 4\n", "")):
+        same(read(tmp_path, text, SINGLE).first.structure, expected)
+
+
+def test_laws_dampers_and_the_weight_are_read_by_storey(tmp_path: Path) -> None:
+    lines = 'law = "bouc_wen"\nbeta = [0.6, "50 %"]\nexponent = 2\ngamma = 0.3\n'
+    lines += 'dampers = ["2 MN s/m", "0 N s/m"]\np_delta = true\nstoreys = 2\n'
+    found = read(tmp_path, REGULAR, SINGLE.replace("damping", f"{lines}damping", 1)).second.structure
+    expected = sl.ShearBuilding(
+        [3e5, 2.5e5],
+        [5e8, 4e8],
+        [4.0, 3.0],
+        0.05,
+        0.1,
+        [0.01, 0.008],
+        dampers=[2e6, 0.0],
+        law="bouc_wen",
+        law_parameters={"beta": [0.6, 0.5], "gamma": 0.3, "exponent": 2.0},
+        p_delta=True,
+    )
+    same(found, expected)
+
+
+def test_the_buildings_of_the_page_are_the_same_in_python(tmp_path: Path) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "buildings.md").read_text(encoding="utf-8")
+    lines, made = (re.findall(rf"```{kind}\n(.*?)```", page, re.DOTALL) for kind in ("toml", "python"))
+    case = read(tmp_path, *lines)
+    names: dict[str, Any] = {}
+    exec("".join(made[:2]), names)
+    same(case.first.structure, names["office"])
+    same(case.second.structure, names["annex"])
+    assert sum(slab.slab_of == 2 for slab in case.slabs_on_columns) == 5
+
+
+def test_kinds_may_be_mixed_and_each_is_what_its_keys_say(tmp_path: Path) -> None:
+    case = read(tmp_path, REGULAR, OSCILLATOR)
+    assert isinstance(case.first.structure, sl.ShearBuilding)
+    assert isinstance(case.second.structure, sl.Bilinear)
+    assert case.pair == case.buildings == (case.first, case.second)
+    assert (case.gap, case.floors_level, case.slabs_on_columns) == (0.05, None, ())
+    for building, known in ((case.first, (12.0, 4, 3.0)), (case.second, (15.0, 5, 3.0))):
+        assert (building.height, building.storeys, building.storey_height) == known
+    assert (case.first.period, case.second.period) == (pytest.approx(0.8, rel=1e-12), 0.6)
+    assert case.first.weighed
+    assert case.second.weighed
+    for call in (answer_case, lambda c: judge_gap(c, 0.05), mitigate_case, scene_of):
+        with pytest.raises(ValueError, match=r"case\.toml: describes the storeys.*takes two oscillat"):
+            call(case)
+
+
+def test_an_oscillator_with_a_height_and_storeys_stays_one(tmp_path: Path) -> None:
+    path = tmp_path / "case.toml"
+    path.write_text(EXAMPLE, encoding="utf-8")
+    case = sl.read_case(path)
+    assert [(type(b.structure), b.storeys) for b in case.buildings] == [
+        (sl.Bilinear, 8),
+        (sl.Bilinear, 5),
+    ]
+    assert case.oscillators == case.pair
+
+
+def of_levels(number: int, heights: Sequence[float]) -> str:
+    each = [f'"{h} m"' for h in heights]
+    kept = {"masses": ['"300 t"'] * len(each), "stiffnesses": ['"500 MN/m"'] * len(each)}
+    lines = "".join(f"{key} = [{', '.join(values)}]\n" for key, values in kept.items())
+    return (
+        f'[building_{number}]\n{lines}heights = [{", ".join(each)}]\ndamping = "5 %"\nelastic = true\n\n'
+    )
+
+
+def test_slabs_on_columns_are_found_from_the_ground_up(tmp_path: Path) -> None:
+    case = read(tmp_path, of_levels(1, [4, 3, 3]), of_levels(2, [3, 3]))
+    assert case.floors_level is False
+    assert [each[:5] for each in case.slabs_on_columns] == [
+        (2, 1, 1, 1, 3.0),
+        (1, 1, 2, 2, 4.0),
+        (2, 2, 1, 2, 6.0),
+    ]
+    three = of_levels(1, [4, 3]), of_levels(2, [4.04, 3]), of_levels(3, [4, 4])
+    row = read(tmp_path, *three, gaps='["5 cm", "5 cm"]')
+    assert [(one.slab_of, one.floor, one.column_of) for one in row.slabs_on_columns] == [(2, 2, 3)]
+
+
+@given(
+    st.lists(st.integers(1, 12), min_size=1, max_size=8),
+    st.lists(st.integers(1, 12), min_size=1, max_size=8),
+)
+def test_floors_below_the_lower_roof_meet_floors_or_columns(one: list[int], two: list[int]) -> None:
+    """In half metres, so that no level is doubtful; the building on either side is the same."""
+    heights = [np.array(each) / 2 for each in (one, two)]
+    both = [np.cumsum(each) for each in heights]
+    found = {(side, floor) for side, floor in slabs_on_columns(*both)}
+    for side, (own, other) in enumerate((both, both[::-1])):
+        for floor, level in enumerate(own, start=1):
+            alone = level < other[-1] and not (other == level).any()
+            assert ((side, floor) in found) == alone
+    assert {(1 - side, floor) for side, floor in slabs_on_columns(*both[::-1])} == found
+
+
+def test_floors_that_are_said_to_align_and_do_not(tmp_path: Path) -> None:
+    said = (
+        r"case.toml, line \d+: separation.floors_align = True is not so: floor 1 of Building 2, at 3 m, "
+        "meets the columns in storey 1 of Building 1; codes are asked as if it were false"
+    )
+    with pytest.warns(DoubtfulInput, match=said):
+        case = read(tmp_path, of_levels(1, [4, 3]), of_levels(2, [3, 3]), align="true")
+    assert not case.floors_align
+
+
+# The building, what its line starts with, and what the message says of it.
+WRONG = {
+    "a regular one without its masses": (
+        REGULAR.replace('floor_mass = "400 t"\n', ""),
+        "[building_1]",
+        ["building_1.floor_mass is missing: ", 'floor_mass = "400 t"', "leave out storey_height"],
+    ),
+    "an oscillator with a storey height": (
+        'name = "A"\nstorey_height = "3 m"\nstoreys = 4\n',
+        "[building_1]",
+        ["building_1 has no strength", "base_shear_coefficient = 0.15, elastic = true"],
+    ),
+    "an oscillator with a base shear": (
+        'period = "1 s"\nstoreys = 4\nbase_shear_coefficient = 0.2\n',
+        "[building_1]",
+        ["floor_mass is missing, and so is storey_height: base_shear_coefficient describes the buil"],
+    ),
+    "heights alone": (
+        'heights = ["3 m"]\nelastic = true\n',
+        "[building_1]",
+        ["building_1.period is missing, and so is floor_mass: heights describes", 'period = "0.8 s", f'],
+    ),
+    "masses alone": (
+        'masses = ["3 t"]\nelastic = true\n',
+        "[building_1]",
+        ["building_1.stiffnesses is missing, and so is storey_height: masses describes the building"],
+    ),
+    "storeys of a regular one left out": (
+        REGULAR.replace("storeys = 4\n", ""),
+        "[building_1]",
+        ["building_1.storeys is missing: storey_height, floor_mass, base_shear_coefficient describe"],
+    ),
+    "keys of an oscillator beside storeys": (
+        OSCILLATOR.replace("2]", '1]\nstorey_height = "3 m"'),
+        "reduction_factor",
+        [
+            "building_1.reduction_factor = 4 is not a key that is known here, and neither are height, m",
+            "where storey_height describes the building by its storeys; allowed: period, floor_mass",
+            "for an oscillator, leave out storey_height",
+        ],
+    ),
+    "keys of both ways": (
+        REGULAR + 'masses = ["1 t", "1 t", "1 t", "1 t"]\n',
+        "period",
+        ["is not a key that is known here, and neither are floor_mass, base_shear", "where storey_heig"],
+    ),
+    "drifts of a regular one": (
+        REGULAR.replace('base_shear_coefficient = "15 %"', 'yield_drifts = "1 cm"'),
+        "yield_drifts",
+        ["where storey_height, floor_mass describe the building", "base_shear_coefficient, storeys"],
+    ),
+    "the mass of the building": (
+        REGULAR.replace("floor_mass", "mass"),
+        "mass",
+        ["is not a key that is known here", "period, floor_mass, base_shear_coefficient"],
+    ),
+    "a height twice": (
+        REGULAR + 'heights = ["3 m"]\n',
+        "heights",
+        ["is one too many beside storey_height; allowed: one of them"],
+    ),
+    "more heights than storeys": (
+        REGULAR.replace('storey_height = "3 m"', 'heights = ["3 m", "3 m", "3 m"]'),
+        "heights",
+        ["has 3 values, but storeys = 4; allowed: one for each storey"],
+    ),
+    "fewer masses than storeys": (
+        SINGLE.replace("2]", "1]\nstoreys = 3"),
+        "masses",
+        ["has 2 values, but storeys = 3"],
+    ),
+    "half a storey": (REGULAR.replace("= 4", "= 4.5"), "storeys", ["no whole number", "1 to 200"]),
+    "too many storeys": (REGULAR.replace("= 4", "= 4000"), "storeys", ["allowed: 1 to 200"]),
+    "no height": (REGULAR.replace('"3 m"', '"0 m"'), "storey_height", ["0 < value, finite, in m"]),
+    "a height in no unit": (REGULAR.replace('"3 m"', "3"), "storey_height", ['"3 m"']),
+    "a list for one number": (
+        REGULAR.replace('"3 m"', '["3 m", "3 m"]'),
+        "storey_height",
+        ["is no number"],
+    ),
+    "negative base shear": (REGULAR.replace('"15 %"', "-0.15"), "base_shear", ["0 < value"]),
+    "two strengths": (
+        REGULAR + "elastic = true\n",
+        "elastic",
+        ["2 times, by base_shear_coefficient and elastic"],
+    ),
+    "hardening left out": (
+        REGULAR.replace('hardening = "5 %"\n', ""),
+        "[building_1]",
+        ["building_1.hardening is missing"],
+    ),
+    "a slip in a key of storeys": (
+        OSCILLATOR.replace("2]", '1]\nstorey_heigth = "3 m"'),
+        "storey_heigth",
+        ["did you mean storey_height?"],
+    ),
+    "a slip beside storeys": (REGULAR + 'damper = "1 N s/m"\n', "damper", ["did you mean dampers?"]),
+    "dampers of another number": (
+        REGULAR + 'dampers = ["1 MN s/m"]\n',
+        "dampers",
+        ["has 1 values, but storeys = 4"],
+    ),
+    "dampers that push": (REGULAR + 'dampers = "-1 N s/m"\n', "dampers", ["0 <= value"]),
+    "the weight neither on nor off": (REGULAR + "p_delta = 1\n", "p_delta", ["true, false"]),
+    "a law that is not known": (REGULAR + 'law = "bilinea"\n', "law", ["did you mean 'bilinear'?"]),
+    "a parameter of another law": (
+        REGULAR + "beta = 0.5\n",
+        "beta",
+        ["building_1.beta = 0.5 is not a key"],
+    ),
+    "a parameter of a law out of range": (
+        SINGLE.replace("2]", '1]\nlaw = "bouc_wen"\nbeta = [0.5, -0.5]'),
+        "beta",
+        ["has a number 2 that is out of range"],
+    ),
+    "a building that falls over": (
+        SINGLE.replace("2]", "1]\np_delta = true").replace("500 MN/m", "0.5 MN/m"),
+        "[building_1]",
+        ["the weight above takes", "it would fall over"],
+    ),
+}
+
+
+@pytest.mark.parametrize("what", WRONG)
+def test_what_is_wrong_is_said_with_file_line_and_key(what: str, tmp_path: Path) -> None:
+    lines, at, says = WRONG[what]
+    building = lines if lines.startswith("[") else f'[building_1]\ndamping = "5 %"\n{lines}\n'
+    text = cases.with_buildings(building, OSCILLATOR)
+    with pytest.raises(ValueError, match=r"case\.toml") as caught:
+        read(tmp_path, building, OSCILLATOR)
+    message = str(caught.value)
+    start = text.index("[building_1]")
+    number = text[:start].count("\n") + 1
+    at_line = next(n for n, line in enumerate(text[start:].splitlines(), number) if line.startswith(at))
+    assert message.startswith(f"case.toml, line {at_line}: building_1"), message
+    for part in says:
+        assert part in message
+    assert message.isprintable()
+    assert len(message) < 500
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        (
+            '"15 %"',
+            "15",
+            "base_shear_coefficient = 15 is doubtful: the building resists more than its w",
+        ),
+        (
+            '"0.8 s"',
+            '"8 s"',
+            r"base_shear_coefficient = '15 %' is doubtful: storey 1, 3 m high, would yield at a drift "
+            "of 0.9",
+        ),
+    ],
+)
+def test_what_is_doubtful_is_told_with_its_line(old: str, new: str, says: str, tmp_path: Path) -> None:
+    with pytest.warns(DoubtfulInput, match=rf"case\.toml, line \d+: building_1\.{says}") as told:
+        read(tmp_path, REGULAR.replace(old, new), OSCILLATOR)
+    assert len(told) == 1
+
+
+# --- Links ----------------------------------------------------------------------------------------
+
+MEASURE = "[measures.Link]\n{}\n"
+
+
+def test_links_have_floors_laws_and_slack(tmp_path: Path) -> None:
+    lines = 'link_stiffness = "50 MN/m"\nlink_hardening = "2 %"\nlink_yield_displacement = "1 cm"\n'
+    more = MEASURE.format(lines + "link_floors = [4, 2]") + MEASURE.replace("Link", "Tie").format(
+        'link_stiffness = "50 MN/m"\nlink_slack = "2 cm"'
+    )
+    case = read(tmp_path, REGULAR, SINGLE, more=more)
+    yielding = sl.Link(5e7, hardening=0.02, yield_displacement=0.01, floors=(4, 2))
+    assert case.measures["Link"] == sl.Measure(link=yielding)
+    assert case.measures["Tie"] == sl.Measure(link=sl.Link(5e7, slack=0.02))
+
+
+@pytest.mark.parametrize(
+    ("lines", "at", "says"),
+    [
+        (
+            "link_floors = [5, 1]",
+            "link_floors",
+            "1 to 4 of Building 1 and 1 of Annex, as link_fl",
+        ),
+        ("link_floors = [4, 0]", "link_floors", "allowed: two whole numbers"),
+        ("link_floors = [4, 2]", "link_floors", "is not a floor of each building"),
+        ("link_floors = [4]", "link_floors", "as link_floors = [4, 1]"),
+        ("link_floors = 4", "link_floors", "is not a floor of each building"),
+        ('link_floors = [4, "roof"]', "link_floors", "two whole numbers"),
+        ("link_floors = [4, true]", "link_floors", "two whole numbers"),
+        ('link_slack = "-1 cm"', "link_slack", "0 <= value"),
+        ('link_slack = "1 kg"', "link_slack", "unknown unit 'kg'"),
+        ("link_hardening = 0.1", "link_hardening", "beside link_yield_displacement"),
+        ('link_yield_displacement = "1 cm"', "[measures", "hardening is not given"),
+        ("link_floor = [4, 1]", "link_floor", "did you mean link_floors?"),
+    ],
+)
+def test_what_is_wrong_with_a_link(lines: str, at: str, says: str, tmp_path: Path) -> None:
+    more = MEASURE.format(f'link_stiffness = "50 MN/m"\n{lines}')
+    with pytest.raises(ValueError, match=r"^case\.toml, line \d+: measures.Link") as caught:
+        read(tmp_path, REGULAR, OSCILLATOR, more=more)
+    assert says in str(caught.value)
+    written = (tmp_path / "case.toml").read_text(encoding="utf-8").splitlines()
+    line = int(str(caught.value).partition("line ")[2].partition(":")[0])
+    assert written[line - 1].startswith(at)
+
+
+def test_floors_of_a_link_that_is_not_there(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"link_floors = .* has no link to tie; allowed: beside"):
+        read(tmp_path, REGULAR, SINGLE, more=MEASURE.format("link_floors = [1, 1]"))
+
+
+# --- In words -------------------------------------------------------------------------------------
+
+
+def test_floors_that_are_not_level_are_told(tmp_path: Path) -> None:
+    case = read(tmp_path, of_levels(1, [4, 3, 3]), of_levels(2, [3, 3]))
+    assert floors(case).startswith(
+        "Floors are not level: floor 1 of Building 2, at 3 m, meets the columns in storey 1 of Building "
+        "1, and 2 more do. A slab can break the column"
+    )
+    assert "Eurocode 8 (4.4.2.7)" in floors(case)
+    assert not floors(read(tmp_path, of_levels(1, [4, 3, 3]), of_levels(2, [4, 3])))
+    assert not floors(read(tmp_path, of_levels(1, [3, 3]), OSCILLATOR))  # 5 storeys on 15 m
+    said = floors(read(tmp_path, of_levels(1, [4, 3]), OSCILLATOR))
+    assert said.startswith("Floors can hardly all be level: storeys are 3.50 m and 3.00 m high in Buil")
+    assert "although the file says so" not in said
+    with_word = floors(read(tmp_path, of_levels(1, [4, 3]), OSCILLATOR, align="true"))
+    assert "hardly all be level, although the file says so: " in with_word
+    assert not floors(read(tmp_path, of_levels(1, [4, 3]), OSCILLATOR.replace("storeys = 5", "")))
+    three = of_levels(1, [4, 3]), of_levels(2, [4, 3, 5, 5]), OSCILLATOR.replace("2]", "3]", 1)
+    with_unknown = "\n".join(three).replace("storeys = 5", "")
+    assert not floors(read(tmp_path, with_unknown, gaps='["5 cm", "5 cm"]'))  # 3.5 and 4.25 m, but level

@@ -1,0 +1,236 @@
+"""`make takes`: which function takes which structure, law and ground, found by trying; the page of it.
+
+Every public function that takes a structure has its minimal calls here. One is taken, or refused by a
+message for the user, which the page shows; another error is a fault, and passes.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+import warnings
+from collections.abc import Callable, Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import sympy
+import xarray as xr
+
+import stochlin as sl
+
+PAGE = Path(__file__).parents[2] / "docs" / "what_takes_what.md"
+STRUCTURES = {"structure", "structures", "first", "second"}  # names of arguments
+V, Z = sympy.symbols("v z")
+OWN = V - (abs(V) * Z + V * abs(Z)) / 2
+TIME = 0.02 * np.arange(20)
+RECORD = xr.DataArray(np.sin(9 * TIME), dims="time", coords={"time": TIME}, attrs={"units": "m/s^2"})
+GROUNDS = {
+    "white noise": sl.WhiteNoise(0.01),
+    "Kanai-Tajimi": sl.KanaiTajimi(0.2, 0.6, 0.01),
+    "Clough-Penzien": sl.CloughPenzien(0.2, 0.6, 1.0, 0.6, 0.01),
+}
+CONTACT, LINK = sl.Kelvin(1e8, restitution=0.65), sl.Link(1e6, 1e5)
+SIZES = {"duration": 0.2, "paths": 16}
+
+
+class Pair(NamedTuple):
+    """The structures of a call; ``second`` stands beside ``first``, to the right."""
+
+    first: Any
+    second: Any
+    ground: Any = None
+
+    @property
+    def both(self) -> tuple[Any, Any]:
+        return self.first, self.second
+
+    @property
+    def weak(self) -> Any:
+        """The first without its strength."""
+        if isinstance(self.first, sl.ShearBuilding):
+            return _building(self.first.law, 2, {})
+        law = {"law": OWN} if isinstance(self.first, sl.Hysteretic) else {}
+        return type(self.first)(0.1, 0.05, 0.05, **law)
+
+    @property
+    def storeys(self) -> int:
+        """Of both."""
+        return sum(getattr(one, "storeys", 1) for one in self.both)
+
+
+def _building(law: Any, storeys: int, strength: Mapping[str, float]) -> sl.ShearBuilding:
+    return sl.ShearBuilding([1e5] * storeys, [1e9] * storeys, [3.0] * storeys, 0.05, law=law, **strength)
+
+
+def _oscillators(kind: Any, **law: Any) -> Pair:
+    given = {"yield_displacement": 0.002, "mass": 1e5}
+    return Pair(*(kind(period, 0.05, 0.05, **given, **law) for period in (0.1, 0.14)))
+
+
+def _buildings(law: Any) -> Pair:
+    strength = {"hardening": 0.05, "yield_drifts": 0.001}
+    return Pair(*(_building(law, storeys, strength) for storeys in (2, 3)))
+
+
+@cache
+def kinds() -> dict[str, Pair]:
+    """Structures of every kind and law, by the heading of their column."""
+    one, storeys = _oscillators(sl.Bilinear), _buildings("bilinear")
+    return {
+        "`Bilinear`": one,
+        "`BoucWen`": _oscillators(sl.BoucWen),
+        "`Hysteretic`": _oscillators(sl.Hysteretic, law=OWN),
+        "`ShearBuilding`, bilinear": storeys,
+        "`ShearBuilding`, Bouc-Wen": _buildings("bouc_wen"),
+        "`ShearBuilding`, a law in sympy": _buildings(OWN),
+        "an oscillator beside a `ShearBuilding`": Pair(one.first, storeys.second),
+    }
+
+
+# By function and what sets a call apart from the others of it; those with a ground are tried with each.
+ON_GROUND: dict[str, Callable[[Pair], object]] = {
+    "linearize": lambda s: sl.linearize(s.first, s.ground),
+    'linearize, closure="clipped"': lambda s: sl.linearize(s.first, s.ground, "clipped"),
+    'linearize, closure="narrow_band"': lambda s: sl.linearize(s.first, s.ground, "narrow_band"),
+    'linearize, closure="drift"': lambda s: sl.linearize(s.first, s.ground, "drift"),
+    "correlate": lambda s: sl.correlate(*s.both, s.ground),
+    'correlate, closure="drift"': lambda s: sl.correlate(*s.both, s.ground, closure="drift"),
+    'correlate, method="white_noise"': lambda s: sl.correlate(*s.both, s.ground, "white_noise"),
+    'correlate, method="effective"': lambda s: sl.correlate(*s.both, s.ground, "effective"),
+    'correlate, method="simulation"': lambda s: sl.correlate(
+        *s.both, s.ground, "simulation", paths=16, relaxation_times=1.0
+    ),
+    "linearize_system": lambda s: sl.linearize_system(s.both, s.ground),
+    "linearize_system, links": lambda s: sl.linearize_system(s.both, s.ground, [LINK]),
+    "correlate_linked": lambda s: sl.correlate_linked(*s.both, s.ground, LINK),
+    "simulate": lambda s: sl.simulate(s.both, s.ground, paths=16, relaxation_times=1.0),
+    "simulate, duration": lambda s: sl.simulate(s.both, s.ground, **SIZES),
+    "simulate, link": lambda s: sl.simulate(s.both, s.ground, **SIZES, link=LINK),
+    "statespace": lambda s: sl.statespace(s.both, s.ground, [-1.0] * s.storeys, [0.0] * s.storeys),
+    "amplification": lambda s: sl.amplification(s.first, s.ground),
+    'amplification, method="simulation"': lambda s: sl.amplification(
+        s.first, s.ground, method="simulation", paths=16
+    ),
+    "reduction_factor": lambda s: sl.reduction_factor(s.first, s.ground),
+    "strength_for_ductility": lambda s: sl.strength_for_ductility(s.weak, s.ground, 3.0),
+    "peak_response": lambda s: sl.peak_response(s.first, s.ground, 2.0),
+    "transient_response": lambda s: sl.transient_response(s.first, s.ground, 0.2, points=5),
+    "separation": lambda s: sl.separation(*s.both, s.ground, **SIZES),
+    "existing_gap": lambda s: sl.existing_gap(*s.both, s.ground, gap=0.005, **SIZES),
+    "pounding_probability": lambda s: sl.pounding_probability(
+        *s.both, s.ground, 0.005, **SIZES, points=5
+    ),
+    'pounding_probability, method="hybrid"': lambda s: sl.pounding_probability(
+        *s.both, s.ground, 0.005, method="hybrid", record=RECORD, points=5
+    ),
+    "pounding_fragility": lambda s: sl.pounding_fragility(*s.both, s.ground, 0.005, [0.01], **SIZES),
+    "mitigate": lambda s: sl.mitigate(
+        *s.both, s.ground, gap=0.005, measures={"dampers": sl.Measure(0.1, link=LINK)}, **SIZES
+    ),
+}
+ON_RECORD: dict[str, Callable[[Pair], object]] = {
+    "respond": lambda s: sl.respond(s.first, RECORD),
+    "recorded_gap": lambda s: sl.recorded_gap(*s.both, RECORD),
+    "separation, records": lambda s: sl.separation(
+        *s.both, GROUNDS["Kanai-Tajimi"], **SIZES, records={"one": RECORD}
+    ),
+    "pound": lambda s: sl.pound(s.both, [0.05], CONTACT, RECORD),
+    "pound, link": lambda s: sl.pound(s.both, [0.05], CONTACT, RECORD, link=LINK),
+    "pounding_estimate": lambda s: sl.pounding_estimate(*s.both, 0.05, CONTACT, 0.1, 0.1, points=5),
+}
+
+
+ON_NOTHING = {"pounding_estimate"}  # what it is told of the motion are energy radii
+CALLS = ON_GROUND | ON_RECORD
+USUAL = "Kanai-Tajimi"  # the ground of all columns but the last
+HEAD = """# What takes what
+
+Which function takes which structure, with which law, on which ground. The table is made by trying every
+call, and the tests compare it with what they find; `make takes` writes it anew. A number in the place of
+a tick is that of the message, below the table, with which the call refuses; a dash stands where there is
+one structure alone.
+
+All columns but the last are tried on Kanai-Tajimi ground, or in a record. The last says on which of
+white noise, Kanai-Tajimi and Clough-Penzien ground the call takes `Bilinear` oscillators.
+
+"""
+
+
+def functions() -> set[str]:
+    """Names of the public functions that take a structure."""
+    found = {name: getattr(sl, name) for name in sl.__all__}
+    return {
+        name
+        for name, one in found.items()
+        if inspect.isfunction(one) and STRUCTURES & set(inspect.signature(one).parameters)
+    }
+
+
+def refusal(call: Callable[[Pair], object], structures: Pair) -> str:
+    """What a call says if it does not take these; nothing if it does."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            call(structures)
+    except (TypeError, ValueError) as error:
+        return str(error)
+    return ""
+
+
+@cache
+def tried(label: str) -> tuple[list[str | None], list[str]]:
+    """What a call says of each kind of structure, and the grounds that it takes; None for none."""
+    call, alone = CALLS[label], "structure" in _arguments(label)
+    ground = GROUNDS[USUAL]
+    said = [
+        None if alone and "beside" in kind else refusal(call, pair._replace(ground=ground))
+        for kind, pair in kinds().items()
+    ]
+    if label in ON_RECORD:
+        return said, []
+    first = next(iter(kinds().values()))
+    grounds = [n for n, g in GROUNDS.items() if not refusal(call, first._replace(ground=g))]
+    return said, grounds
+
+
+def page() -> str:
+    """The page, from what is found."""
+    notes: dict[str, int] = {}
+    heads = ["call", *kinds(), "ground"]
+    lines = [_row(heads), _row(["---"] * len(heads))]
+    for label in CALLS:
+        said, grounds = tried(label)
+        shown = "a record" if label in ON_RECORD else ", ".join(grounds) or "none"
+        shown = "all" if len(grounds) == len(GROUNDS) else shown
+        shown = "\N{EN DASH}" if label in ON_NOTHING else shown
+        lines.append(_row([_linked(label), *(_cell(one, notes) for one in said), shown]))
+    told = [f"{number}. `{text}`" for text, number in notes.items()]
+    return HEAD + "\n".join([*lines, "", *told]) + "\n"
+
+
+def _arguments(label: str) -> set[str]:
+    return set(inspect.signature(getattr(sl, label.partition(",")[0])).parameters)
+
+
+def _cell(said: str | None, notes: dict[str, int]) -> str:
+    if said is None:
+        return "\N{EN DASH}"
+    if not said:
+        return "\N{CHECK MARK}"
+    plain = re.sub(r"(\w+)\([^()]*\.\.\.", r"\1(...)", said).replace("`", "'")
+    return str(notes.setdefault(plain, len(notes) + 1))
+
+
+def _linked(label: str) -> str:
+    name, _, option = label.partition(", ")
+    return f"{{py:obj}}`~stochlin.{name}`" + (f", `{option}`" if option else "")
+
+
+def _row(cells: list[str]) -> str:
+    return f"| {' | '.join(cells)} |"
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")
