@@ -386,10 +386,8 @@ def test_storeys_that_do_not_meet(tmp_path: Path) -> None:
     low = ELASTIC[1].replace('["4 m", "300 cm"]', '["3 m", "3 m"]')
     text = recorded_example().replace(EXAMPLE[start:end], ELASTIC[0] + low)
     text = text.replace("floors_align = true", "floors_align = false")
-    with pytest.raises(
-        ValueError, match=r"^case\.toml, record Taft 1952: .*storeys do not meet: floor 1"
-    ):
-        pound_case(read(tmp_path, text))
+    (table,) = pound_case(read(tmp_path, text)).values()
+    assert "slab to column" in table.kind.values.tolist()
 
 
 def test_strengths_by_the_ground_become_yield_displacements(tmp_path: Path) -> None:
