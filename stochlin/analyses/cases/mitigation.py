@@ -16,7 +16,7 @@ def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
     computed on its records, where it has some, a contact, and masses. ``progress`` is called with the
     share of the rows that is done.
     """
-    first, second = case.oscillators
+    first, second = case.pair
     if case.gap is None or case.gap <= 0:
         raise ValueError(
             f"{case.file}: measures are compared for the gap there is, and it has to be open; write "

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import xarray as xr
 
 from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.analyses.probability.probability import pounding_probability
 from stochlin.kernels.basics.parallel import Progress
 
@@ -26,8 +27,9 @@ def judge_gap(case: Case, gap: float, progress: Progress | None = None) -> Proba
     ``progress`` is called with the share of the simulation that is done; errors are those of
     `stochlin.pounding_probability`.
     """
-    first, second = case.oscillators
-    motions = case.motions
+    first, second = case.pair
+    storeys = any(isinstance(building, StoreyBuilding) for building in case.pair)
+    motions = {} if storeys else case.motions  # the hybrid method is of oscillators
     asked = first.structure, second.structure, case.ground, gap
     table = pounding_probability(*asked, **case.motion, progress=progress)
     records = {

@@ -51,7 +51,7 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
     ``progress`` is called with the share of the work that is done; errors are those of
     `separation` and `existing_gap`.
     """
-    first, second = case.oscillators
+    first, second = case.pair
     pair = first.structure, second.structure
     if case.gap == 0:
         raise ValueError(

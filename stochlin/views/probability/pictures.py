@@ -39,7 +39,9 @@ def draw_pounding(dataset: xr.Dataset) -> Figure:
     Confidence of no pounding above, standard deviations or radii below.
     """
     stem = "confidence_of_no_pounding"
-    if stem not in dataset or dataset[stem].dims != ("time",):
+    if not any(
+        name in dataset and dataset[name].dims == ("time",) for name in (stem, f"{stem}_simulated")
+    ):
         raise ValueError(
             f"dataset has the dimensions {tuple(dataset.dims)}; allowed: a probability of pounding over "
             "time alone, so select one pair and one gap"
@@ -67,7 +69,10 @@ def draw_pounding(dataset: xr.Dataset) -> Figure:
 def draw_fragility(dataset: xr.Dataset) -> Figure:
     """Draw what `pounding_fragility` returns: probability over intensity, a curve a gap."""
     name = "pounding_probability"
-    if name not in dataset or set(dataset[name].dims) != {"intensity", "gap"}:
+    simulated, corrected = f"{name}_simulated", f"{name}_corrected"
+    if not any(
+        each in dataset and set(dataset[each].dims) == {"intensity", "gap"} for each in (name, simulated)
+    ):
         raise ValueError(
             f"dataset has the dimensions {tuple(dataset.dims)}; allowed: a fragility, over intensity "
             "and gap"
@@ -76,15 +81,16 @@ def draw_fragility(dataset: xr.Dataset) -> Figure:
     axes = figure.add_axes((0.1, 0.25, 0.6, 0.66))
     gaps = dataset.sizes["gap"]
     chosen = np.unique(np.linspace(0, gaps - 1, min(gaps, CURVES_AT_MOST)).astype(int))
-    simulated, corrected = f"{name}_simulated", f"{name}_corrected"
     for (color, dash), index in zip(cycle(CURVES), chosen, strict=False):
         one = dataset.isel(gap=int(index))
         label = f"gap {float(one.gap):.3g} m"
-        axes.plot(one.intensity, one[name], color=color, linestyle=dash, label=label)
+        if name in one:
+            axes.plot(one.intensity, one[name], color=color, linestyle=dash, label=label)
         if known(one, corrected):
             axes.plot(one.intensity, one[corrected], color=color, linestyle=dash, lw=0.6)
         if simulated in one:
-            axes.plot(one.intensity, one[simulated], color=color, linestyle="none", marker="o", ms=3)
+            curve = {"linestyle": "none"} if name in one else {"linestyle": dash, "label": label}
+            axes.plot(one.intensity, one[simulated], color=color, marker="o", ms=3, **curve)
     if known(dataset, corrected):
         axes.plot([], [], color="0.3", lw=0.6, label="thin: bias corrected")
     if simulated in dataset:

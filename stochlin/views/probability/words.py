@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -17,29 +18,40 @@ COLUMNS = (
     ("simulated", "_simulated"),
 )
 STEM = "confidence_of_no_pounding"
+NO_RECORDS = "In the records nothing is said of them: the hybrid method is of oscillators."
 
 
 def answer_lines(answer: ProbabilityAnswer) -> list[str]:
     """All that the screen shows."""
     case, gap, table, records = answer
+    shown = [(name, ending) for name, ending in COLUMNS if STEM + ending in table]
     lines = [
         case.title,
         f"{case.first.name} (left) and {case.second.name}, gap {gap:.4g} m, {case.duration:.4g} s",
         "",
         "Confidence of no pounding so far",
-        f"{'time [s]':>9}" + "".join(f"{name:>11}" for name, _ in COLUMNS) + f"{'95 % interval':>20}",
+        f"{'time [s]':>9}" + "".join(f"{name:>11}" for name, _ in shown) + f"{'95 % interval':>20}",
     ]
     step = max(1, (table.sizes["time"] - 1) // (ROWS - 1))
-    lines += [_instant(table.isel(time=index)) for index in range(0, table.sizes["time"], step)]
+    lines += [_instant(table.isel(time=index), shown) for index in range(0, table.sizes["time"], step)]
+    by_formula = STEM in table
+    formulas = (
+        f"{float(table.required_gap):.4f} m by formula, {_corrected(table)}, " if by_formula else ""
+    )
     lines += [
         "",
-        f"Gap for a confidence of {case.confidence:g}: {float(table.required_gap):.4f} m by formula, "
-        f"{_corrected(table)}, "
+        f"Gap for a confidence of {case.confidence:g}: {formulas}"
         f"{float(table.required_gap_simulated):.4f} m simulated "
         f"({float(table.required_gap_simulated_lower):.4f} - "
         f"{float(table.required_gap_simulated_upper):.4f})",
     ]
-    if bool(table.permanent_set.any()) and (case.first.structure.yields or case.second.structure.yields):
+    if not by_formula:
+        lines.append(
+            "Buildings with storeys are simulated only; the gap is kept at all heights at once."
+            + (f" {NO_RECORDS}" if case.records else "")
+        )
+    yields = case.first.structure.yields or case.second.structure.yields
+    if by_formula and yields and bool(table.permanent_set.any()):
         end = table.attrs["strong_shaking_end_s"]
         lines.append(f"After {end:.3g} s the formula has lost the permanent set of yielding buildings.")
     lines += [_in_record(name, found) for name, found in records.items()]
@@ -48,15 +60,18 @@ def answer_lines(answer: ProbabilityAnswer) -> list[str]:
     return lines
 
 
-def _instant(row: xr.Dataset) -> str:
-    values = "".join(_number(row[STEM + ending], 11) for _, ending in COLUMNS)
+def _instant(row: xr.Dataset, shown: Sequence[tuple[str, str]]) -> str:
+    values = "".join(_number(row[STEM + ending], 11) for _, ending in shown)
     low, high = (float(row[f"{STEM}_simulated_{end}"]) for end in ("lower", "upper"))
     return f"{float(row.time):9.2f}{values}{low:12.4f} -{high:6.4f}"
 
 
-def _corrected(table: xr.Dataset) -> str:
+def _formulas(table: xr.Dataset) -> str:
     known = bool(table.required_gap_corrected.notnull())
-    return f"{float(table.required_gap_corrected):.4f} m corrected" if known else "correction unknown"
+    corrected = (
+        f"{float(table.required_gap_corrected):.4f} m corrected" if known else "correction unknown"
+    )
+    return f"{float(table.required_gap):.4f} m by formula, {corrected}, "
 
 
 def _number(value: xr.DataArray, width: int) -> str:

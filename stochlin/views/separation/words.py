@@ -23,6 +23,7 @@ MARKS = (
     "Marks: S, formula seen in a copy of its source; C, derived and checked; P, printed in the paper; "
     "M, from memory, not compared with its source."
 )
+MOST_SHOWN = 4  # heights at which the gap is told
 ALIKE, MUCH = 0.05, 10.0  # gap over peak of buildings that move alike; ductility that is doubtful
 
 
@@ -113,6 +114,7 @@ def summary(answer: CaseAnswer) -> list[str]:
         f"With that gap they do not touch in {confidence} of motions like the one "
         f"described. This comes from simulating {case.paths} such motions; the 95{SPACE}% interval of "
         f"the gap is {interval}.",
+        _heights(table),
         _alike(table),
         _yielding(table),
         _verdicts(answer),
@@ -146,6 +148,21 @@ def allowances(answer: CaseAnswer) -> list[str]:
         "Damping: " + _limit(damping, more),
         f"Searched: {found.attrs['searched']}.",
     ]
+
+
+def _heights(table: xr.Dataset) -> str:
+    """Where the gap is governed, and what is needed lower down; nothing of oscillators."""
+    if "gap_at_height" not in table or table.sizes["height"] < 2:
+        return ""
+    governs = float(table.governing_height[0])
+    lower = table.gap_at_height[0].sel(height=table.height < governs)
+    places = np.linspace(0, max(lower.size - 1, 0), min(MOST_SHOWN, lower.size))
+    parts = [
+        f"{centimetres(float(one))}{SPACE}cm at {float(one.height):.4g}{SPACE}m"
+        for one in (lower[int(index)] for index in np.unique(places.astype(int)))
+    ]
+    told = f"; below, less would do: {', '.join(parts)}" if parts else ""
+    return f"The gap is needed at {governs:.4g}{SPACE}m{told}."
 
 
 def _alike(table: xr.Dataset) -> str:
