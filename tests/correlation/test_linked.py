@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.integrate
+import sympy
 import xarray as xr
 
 import stochlin as sl
@@ -50,6 +51,33 @@ def test_from_hardly_yielding_to_far_beyond_without_a_link(ground, closure):
         assert float(linked.rho) == pytest.approx(float(alone.rho), abs=1e-8)
         for name in ("displacement_std_1", "displacement_std_2"):
             assert float(linked[name]) == pytest.approx(float(alone[name]), rel=1e-8)
+
+
+V, Z = sympy.symbols("v z")
+BOUC_WEN = sl.BoucWen(0.6, 0.05, 0.1, reduction_factor=3, gamma=0.2, exponent=2.0, mass=1e6)
+OWN = sl.Hysteretic(
+    0.6, 0.05, 0.1, reduction_factor=3, mass=1e6, law=V - 0.5 * abs(V) * Z - 0.5 * V * abs(Z)
+)
+
+
+@pytest.mark.parametrize("first", [BOUC_WEN, OWN], ids=["Bouc-Wen", "in symbols"])
+def test_every_law_can_be_linked(first):
+    second = yielding(1.0, 3e6)
+    linked, apart = (
+        sl.correlate_linked(first, second, GROUND, NOTHING),
+        sl.correlate(first, second, GROUND),
+    )
+    for name in ("rho", "displacement_std_1", "displacement_std_2", "ductility_std_1"):
+        assert float(linked[name]) == pytest.approx(float(apart[name]), rel=1e-9)
+    tied = sl.correlate_linked(first, second, GROUND, sl.Link(1e12))
+    assert float(tied.rho) == pytest.approx(1, abs=1e-6)
+
+
+def test_a_cell_that_is_beyond_numbers_spoils_no_other():
+    periods = sl.Bilinear([1e-150, 0.6], 0.05, 0.05, reduction_factor=4, mass=1e5)
+    table = sl.correlate_linked(periods, elastic(1.0, 1e5), GROUND, sl.Link(1e6))
+    assert table.status.values.tolist() == [4, 0]
+    assert np.isnan(table.rho[0])
 
 
 def test_a_structure_that_only_its_neighbour_makes_yield():

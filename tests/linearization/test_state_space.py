@@ -147,3 +147,40 @@ def test_state_space_describes_one_system_only():
         sl.statespace([sl.Bilinear(1.0, 0.05)], sl.WhiteNoise(), [-1, -1], [0])
     with pytest.raises(ValueError, match="at least one structure"):
         sl.statespace([], sl.WhiteNoise(), [], [])
+
+
+TOWER = sl.ShearBuilding([2e5, 1e5], [8e7, 5e7], [3.0, 3.0], 0.05, 0.1, yield_drifts=0.01)
+
+
+def test_storeys_and_links_that_yield_have_states():
+    pair = [TOWER, sl.Bilinear(1.0, 0.05, 0.1, yield_displacement=0.02, mass=1e5)]
+    link = sl.Link(1e7, 1e4, hardening=0.2, yield_displacement=0.01, floors=(1, 1))
+    c_eq, k_eq = [-0.9, -1, -0.7, -0.8], [1, 0, 2, 3]
+    space = sl.statespace(pair, sl.KanaiTajimi(2.0, 0.3), c_eq, k_eq, links=[link])
+    states = "xg xg_rate u_1.1 u_1.2 v_1.1 v_1.2 z_1.1 u_2 v_2 z_2"
+    assert space.state.values.tolist() == [*states.split(), "z_link 1"]
+
+    def entry(row, column):
+        return float(space.state_matrix.sel(state=row, state_2=column))
+
+    # Floor 1: storey 1 beyond yield, storey 2 as it is, and what is left of the link.
+    assert entry("v_1.1", "u_1.1") == pytest.approx(-(0.1 * 8e7 + 5e7 + 0.2 * 1e7) / 2e5)
+    assert entry("v_1.1", "u_1.2") == pytest.approx(5e7 / 2e5)
+    assert entry("v_1.1", "z_1.1") == pytest.approx(-0.9 * 8e7 / 2e5)
+    assert entry("v_1.1", "z_link 1") == pytest.approx(-0.8 * 1e7 / 2e5)
+    assert entry("v_2", "z_link 1") == pytest.approx(0.8 * 1e7 / 1e5)
+    assert entry("v_2", "v_1.1") == pytest.approx(1e4 / 1e5)
+    assert [entry("z_link 1", name) for name in ("v_1.1", "v_2", "z_link 1")] == [0.8, -0.8, -3]
+    assert space.extension.sel(spring="1.2", state=["u_1.1", "u_1.2"]).values.tolist() == [-1, 1]
+    assert space.stiffness.values.tolist() == pytest.approx([8e7, 5e7, 1e5 * TAU**2, 1e7])
+
+
+def test_coefficients_are_one_an_element():
+    ground = sl.WhiteNoise()
+    with pytest.raises(ValueError, match=r"lengths 1, 1; allowed: 2, .*'1.1', '1.2'"):
+        sl.statespace([TOWER], ground, [-1], [0])
+    stiff = sl.ShearBuilding([2e5], [8e7], [3.0], 0.05)
+    with pytest.raises(ValueError, match="ShearBuilding, number 1: hardening is not given"):
+        sl.statespace([stiff], ground, [-0.9], [0.1])
+    with pytest.raises(ValueError, match="slack"):
+        sl.statespace([TOWER, TOWER], ground, [-1] * 4, [0] * 4, links=[sl.Link(1e6, slack=0.0)])

@@ -98,19 +98,20 @@ def correlate_linked(
     check_laws((first, second), closure)
 
     def of_cell(first: Structure, second: Structure, ground: Ground, link: Link) -> xr.Dataset:
-        equations = equations_of((first, second), ground, [link])
+        try:
+            equations = equations_of((first, second), ground, [link])
+        except ArithmeticError:  # a strength that refers to what cannot be computed
+            return _failed(labels.NOT_PHYSICAL)
         solution = Loop(equations, closure, USUAL).solve()
-        status = {"status": np.int8(solution.status)}
         if solution.status >= labels.NOT_CONVERGED:
-            names = [*OF_BOTH, *(f"{name}_{n}" for name in OF_ONE for n in (1, 2))]
-            return xr.Dataset(dict.fromkeys(names, np.nan) | status)
+            return _failed(solution.status)
         table = solution_table(equations, solution)
         places = {"floor": 0, "floor_2": 1, "link": 0}
         found = {name: table[name].isel(places, drop=True, missing_dims="ignore") for name in OF_BOTH}
         for name in OF_ONE:
             for n in (0, 1):
                 found[f"{name}_{n + 1}"] = table[name].isel({table[name].dims[0]: n}, drop=True)
-        return xr.Dataset({**found, **status})
+        return xr.Dataset({**found, "status": np.int8(solution.status)})
 
     models = {"first": first, "second": second, "ground": ground, "link": link}
     table = labels.label(over_cells(of_cell, models), VARIABLES)
@@ -123,3 +124,8 @@ def correlate_linked(
         f"correlate_linked(closure={closure!r})",
         models,
     )
+
+
+def _failed(status: int) -> xr.Dataset:
+    names = [*OF_BOTH, *(f"{name}_{n}" for name in OF_ONE for n in (1, 2))]
+    return xr.Dataset({**dict.fromkeys(names, np.nan), "status": np.int8(status)})

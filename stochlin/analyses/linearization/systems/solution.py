@@ -114,9 +114,7 @@ class Loop:
         for _ in range(rounds):
             try:
                 here = self._round(latent + step, level)
-            except (
-                UnsolvableError
-            ):  # such coefficients have no stationary motion: take back most of the step
+            except UnsolvableError:  # nothing stationary: take back most of the step
                 delta = next_delta(delta, np.array(norm), np.array(np.inf), pace)
                 step = 0.25 * step if last else step - np.array([[0.0], [1.0], [0.0]])
                 continue

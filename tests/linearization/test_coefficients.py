@@ -1,0 +1,107 @@
+"""Eqs. (9) and (10) by themselves: known values, integration, the ends of the loop, what is refused."""
+
+from __future__ import annotations
+
+import cases
+import numpy as np
+import pytest
+import sympy
+import xarray as xr
+
+import stochlin as sl
+
+pytestmark = pytest.mark.oracle
+
+V, Z = sympy.symbols("v z")
+BILINEAR = V * (
+    1 - sympy.Heaviside(V) * sympy.Heaviside(Z - 1) - sympy.Heaviside(-V) * sympy.Heaviside(-Z - 1)
+)
+
+
+@pytest.mark.parametrize(
+    ("moments", "c_eq", "k_eq"),
+    [
+        ((1, 0.5, 0.3), -0.9649205716, 0.1627194350),
+        ((2, 1, 0), -0.8413447461, 0.3861294105),
+        ((1.5, 2, -0.4), -0.8061917271, 0.1448614462),
+        ((1, 1.2, 0.6), -0.6608020945, 0.2957894622),
+        ((3, 0.7, 0.8), -0.8485191123, 1.4167065906),
+    ],
+)
+def test_bilinear_coefficients(moments, c_eq, k_eq):
+    """To all printed digits, and by integration over the slip."""
+    found = sl.equivalent_coefficients(*moments)
+    assert float(found.c_eq) == pytest.approx(c_eq, abs=6e-11)
+    assert float(found.k_eq) == pytest.approx(k_eq, abs=6e-11)
+    sv, sz, r = moments
+    slip = cases.slip_moments(cases.beyond_yield, moments, edges=(1,))
+    by_integration = cases.regressed(slip, sv * sv, sz * sz, r * sv * sz)
+    np.testing.assert_allclose([float(found.c_eq) + 1, float(found.k_eq)], by_integration, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("exponent", "c_eq", "k_eq"), [(1, -0.7406875177, 0.5186249645), (2, -0.8279797081, 0.4827442838)]
+)
+def test_bouc_wen_coefficients(exponent, c_eq, k_eq):
+    found = sl.equivalent_coefficients(1, 0.5, 0.3, "bouc_wen", exponent=exponent)
+    assert float(found.c_eq) == pytest.approx(c_eq, abs=6e-11)
+    assert float(found.k_eq) == pytest.approx(k_eq, abs=6e-11)
+
+
+def test_a_law_in_symbols_has_the_coefficients_of_its_closed_form():
+    moments = [1.0, 3.0], [0.5, 1.4], [0.3, -0.2]
+    for law, named in (
+        (BILINEAR, {"law": "bilinear"}),
+        (V - 0.6 * abs(V) * Z - 0.4 * V * abs(Z), {"law": "bouc_wen", "beta": 0.6, "gamma": 0.4}),
+    ):
+        ours, known = (
+            sl.equivalent_coefficients(*moments, law),
+            sl.equivalent_coefficients(*moments, **named),
+        )
+        np.testing.assert_allclose(ours.c_eq, known.c_eq, rtol=1e-8)
+        np.testing.assert_allclose(ours.k_eq, known.k_eq, rtol=1e-8)
+
+
+@pytest.mark.parametrize("closure", ["gaussian", "clipped"])
+def test_the_loop_of_linearize_ends_where_they_agree(closure):
+    """The moments of ``z`` that are seen lead back to the Gaussian that is clipped."""
+    structure = sl.Bilinear(1.0, 0.05, [0.02, 0.1, 0.5, 0.1], reduction_factor=[1.0, 4.0, 30.0, 300.0])
+    solved = sl.linearize(structure, sl.KanaiTajimi(0.7, 0.3), closure)
+    rate = solved.velocity_std / solved.yield_displacement
+    found = sl.equivalent_coefficients(rate, solved.z_std, solved.velocity_z_corr, closure=closure)
+    np.testing.assert_allclose(found.c_eq, solved.c_eq, rtol=1e-9)
+    np.testing.assert_allclose(found.k_eq, solved.k_eq, rtol=1e-8)
+
+
+def test_tables_by_dimension_name_and_cells_that_cannot_be():
+    z_std = xr.DataArray([0.3, 0.9, 1.2, -1.0], dims="z")
+    corr = xr.DataArray([0.1, 0.999], dims="corr")
+    table = sl.equivalent_coefficients(2.0, z_std, corr, closure="clipped")
+    assert table.c_eq.sizes == {"z": 4, "corr": 2}
+    assert table.status.values.tolist() == [[0, 0], [0, 3], [3, 3], [3, 3]]
+    assert np.isnan(table.k_eq.values[2:]).all()
+    alone = sl.equivalent_coefficients(2.0, 0.9, 0.1, closure="clipped")
+    assert float(table.c_eq[1, 0]) == float(alone.c_eq)
+    assert table.k_eq.attrs["units"] == "1/s"
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"z_std": 1.2, "closure": "clipped"}, "z_std = 1.2, .* no clipped Gaussian"),
+        ({"velocity_z_corr": 1.0}, "velocity_z_corr = 1 is out of range; allowed: -1 < value < 1"),
+        ({"velocity_std": 0.0}, "velocity_std = 0"),
+        ({"law": "other"}, "law = 'other' is not a known law; allowed: bilinear"),
+        ({"law": "hysteretic"}, "give the sympy expression"),
+        ({"law": V + Z**2}, "is not odd"),
+        ({"exponent": 2.0}, "exponent is not one of the law; allowed: none"),
+        ({"law": "bouc_wen", "exponent": 0.5}, "exponent = 0.5 is out of range"),
+        ({"law": "bouc_wen", "closure": "clipped"}, "closure = 'clipped' is not available for BoucWen"),
+        ({"closure": "drift"}, "adds the drift"),
+        ({"closure": "narrow_band"}, "has no z"),
+    ],
+)
+def test_what_cannot_be_is_said(change, message):
+    given = {"velocity_std": 1.0, "z_std": 0.5, "velocity_z_corr": 0.3} | change
+    with pytest.raises(ValueError, match=message):
+        sl.equivalent_coefficients(**given)
