@@ -84,6 +84,18 @@ class Case:
         return first, second
 
     @property
+    def oscillators(self) -> tuple[Building, Building]:
+        """The two buildings, for what takes no storeys; an error if one is described by them."""
+        first, second = self.pair
+        if isinstance(first, StoreyBuilding) or isinstance(second, StoreyBuilding):
+            raise ValueError(
+                f"{self.file}: describes the storeys of its buildings; this takes two oscillators, each "
+                "by its period, damping and strength; 'stochlin gap', 'probability', 'mitigate' and "
+                "'pound' take storeys"
+            )
+        return first, second
+
+    @property
     def slabs_on_columns(self) -> tuple[SlabOnColumn, ...]:
         """Where a floor of one building meets its neighbour between two floors, from the ground up."""
         return slabs_of_row(self.buildings)

@@ -35,9 +35,7 @@ def answer_lines(answer: ProbabilityAnswer) -> list[str]:
     step = max(1, (table.sizes["time"] - 1) // (ROWS - 1))
     lines += [_instant(table.isel(time=index), shown) for index in range(0, table.sizes["time"], step)]
     by_formula = STEM in table
-    formulas = (
-        f"{float(table.required_gap):.4f} m by formula, {_corrected(table)}, " if by_formula else ""
-    )
+    formulas = _formulas(table) if by_formula else ""
     lines += [
         "",
         f"Gap for a confidence of {case.confidence:g}: {formulas}"
@@ -68,10 +66,8 @@ def _instant(row: xr.Dataset, shown: Sequence[tuple[str, str]]) -> str:
 
 def _formulas(table: xr.Dataset) -> str:
     known = bool(table.required_gap_corrected.notnull())
-    corrected = (
-        f"{float(table.required_gap_corrected):.4f} m corrected" if known else "correction unknown"
-    )
-    return f"{float(table.required_gap):.4f} m by formula, {corrected}, "
+    value = f"{float(table.required_gap_corrected):.4f} m corrected" if known else "correction unknown"
+    return f"{float(table.required_gap):.4f} m by formula, {value}, "
 
 
 def _number(value: xr.DataArray, width: int) -> str:
