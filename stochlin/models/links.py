@@ -8,7 +8,6 @@ import numpy as np
 import xarray as xr
 
 from stochlin.messages import brief
-from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, parameter
 from stochlin.models.structures import HARDENING
 
@@ -108,19 +107,3 @@ def _two_numbers(name: str, given: object) -> tuple[int, int]:
         if whole and min(one, two) >= 1:
             return int(one), int(two)
     raise ValueError(f"Link: {name} = {brief(given)}; allowed: two whole numbers from 1")
-
-
-def check_linked(first: object, second: object) -> tuple[float, float]:
-    """The masses [kg] of two bilinear structures; an error says what is missing."""
-    masses = []
-    for role, structure in (("first", first), ("second", second)):
-        if not isinstance(structure, Bilinear):
-            raise TypeError(
-                f"{role} = {brief(structure)} cannot be linked; allowed: Bilinear, or no link"
-            )
-        if structure.mass is None:
-            raise ValueError(
-                f"{role}: mass is not given; a link acts on masses, allowed: 0 < value, in kg"
-            )
-        masses.append(float(structure.mass))
-    return masses[0], masses[1]

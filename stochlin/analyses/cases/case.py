@@ -14,6 +14,7 @@ import xarray as xr
 
 from stochlin.analyses.cases.buildings import (
     AnyBuilding,
+    Building,
     building_keys,
     read_buildings,
     read_gaps,

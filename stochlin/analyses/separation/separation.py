@@ -184,7 +184,7 @@ def separation(
             solid = strength_in_metres(first, ground), strength_in_metres(second, ground)
             pair = StoreysInMotion(solid, ground, motions, confidence, seconds)
         rules = all_rules(pair, floors_align, zone, unverified)
-        table = _judged(rules, pair).assign(pair.quantities())
+        table = _judged(rules, pair)
         table.attrs = {name: motions.attrs[name] for name in MOTION}
         if records is None:
             return table
@@ -243,6 +243,7 @@ def _judged(rules: list[Rule], pair: PairInMotion) -> xr.Dataset:
         },
         coords={"rule": ("rule", [rule.name for rule in rules]), **columns},
     )
+    table = table.assign(pair.quantities())
     for name in ("separation_mean", "separation_mean_standard_error"):
         table[name] = float(motions[name][0, 1])
     return table if np.isnan(pair.heights).all() else table.merge(_by_height(rules, pair))

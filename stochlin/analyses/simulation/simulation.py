@@ -31,6 +31,7 @@ from stochlin.models.systems import STRUCTURES, AnyStructure, floor_count
 
 SCALARS = "scalars, one structure an entry; correlate(method='simulation') takes arrays"
 STEPS_PER_PERIOD = 32
+ROUNDING = 1e-13  # share of its terms that a sum may miss 0 by
 NOT_STATIONARY = 5.0  # standard errors between the variances of the two halves of a run
 
 
@@ -141,7 +142,10 @@ def simulate(
         lost = roles[f"structures[{int(np.argmin(run.valid))}]"].describe()
         raise ArithmeticError(f"the elastic response of {lost} is beyond what can be computed")
     models: dict[str, Model] = {f"structure_{n}": s for n, s in enumerate(structures, start=1)}
-    models |= {f"link_{n}": each for n, each in enumerate(riders.links, start=1) if each is not None}
+    if isinstance(link, Link):
+        models["link"] = link
+    else:
+        models |= {f"link_{n}": each for n, each in enumerate(riders.links, start=1) if each is not None}
     what = f"Simulation of {len(structures)} structures"
     if duration is not None:
         table = simulate_finite(riders, run, duration, envelope, quantiles, progress)
@@ -260,7 +264,8 @@ def _estimates(sums: Sums, paths: int) -> tuple[Array, Array, Array, Array, Arra
         - rho * (share_1 + share_2)
         + 0.25 * rho**2 * (own[:, None] + own + 2 * sums.own / unit**2)
     )
-    rho_error = np.sqrt(np.maximum(spread, 0) / (paths * (paths - 1)))
+    spread = np.where(spread > ROUNDING * sums.squares / unit**2, spread, 0.0)
+    rho_error = np.sqrt(spread / (paths * (paths - 1)))
     variance_error = np.sqrt((np.diag(sums.own) - paths * variance**2) / (paths * (paths - 1)))
     change = sums.change / paths
     change_error = np.sqrt((sums.change_squares / paths - change**2) / (paths - 1))
