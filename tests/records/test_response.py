@@ -604,13 +604,10 @@ def test_parameters_out_of_range(arguments, message):
 def test_structures_that_follow_no_record():
     good, record = sl.Bilinear(1.0, 0.05), synthetic()
     reduced = sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=4)
-    other = sl.BoucWen(1.0, 0.05, 0.05, yield_displacement=0.01)
     with pytest.raises(ValueError, match=r"reduction_factor has no meaning .*; give yield_displacement"):
         sl.respond(reduced, record)
     with pytest.raises(ValueError, match="second: reduction_factor has no meaning"):
         sl.recorded_gap(good, reduced, record)
-    with pytest.raises(ValueError, match="BoucWen cannot follow a record"):
-        sl.respond(other, record)
     with pytest.raises(TypeError, match="structure = 3 is of the wrong kind"):
         sl.respond(3, record)
     with pytest.raises(ValueError, match="period is an array; allowed: scalars"):

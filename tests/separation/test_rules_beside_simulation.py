@@ -153,12 +153,6 @@ def test_confidence_is_a_probability(confidence):
         sl.separation(building(0.6), building(1.0), FIRM, 20.0, confidence=confidence)
 
 
-def test_structure_that_cannot_ride_on_records_is_refused():
-    other = sl.BoucWen(1.0, 0.05, 0.1, reduction_factor=3)
-    with pytest.raises(TypeError, match="second = BoucWen cannot ride on records"):
-        sl.separation(building(0.6), other, FIRM, 20.0, records=[])
-
-
 def test_cells_of_a_table_are_those_of_single_calls():
     period = xr.DataArray([0.5, -1.0, 0.8], dims="T", coords={"T": [0.5, -1.0, 0.8]})
     factor = xr.DataArray([3.0, 5.0], dims="R")

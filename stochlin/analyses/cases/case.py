@@ -27,7 +27,6 @@ from stochlin.analyses.tables.checks import as_path
 from stochlin.models.contacts import Contact
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
-from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.measures import Measure
 from stochlin.models.parameters import Range
 from stochlin.models.rules.codes import ZONES
@@ -123,18 +122,6 @@ class Case:
             if left is not None and right is not None and abs(left - right) > 0.01 * left:
                 return one, other
         return None
-
-    @property
-    def motions(self) -> Mapping[str, xr.DataArray]:
-        """The records for the two buildings to ride on; an error if there are some and they cannot."""
-        for number, building in enumerate(self.pair, start=1):
-            if self.records and not isinstance(building.structure, Bilinear):
-                raise ValueError(
-                    f"{self.file}: building_{number} is a {type(building.structure).__name__}, which "
-                    "cannot ride on records here; allowed: bilinear buildings, or no [[site.records]]; "
-                    "'stochlin pound' takes bilinear and bouc_wen on records"
-                )
-        return self.records
 
     @property
     def first(self) -> AnyBuilding:

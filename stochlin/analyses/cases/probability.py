@@ -7,9 +7,9 @@ from typing import NamedTuple
 import xarray as xr
 
 from stochlin.analyses.cases.case import Case
-from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.analyses.probability.probability import pounding_probability
 from stochlin.kernels.basics.parallel import Progress
+from stochlin.models.laws.bilinear import Bilinear
 
 
 class ProbabilityAnswer(NamedTuple):
@@ -28,8 +28,8 @@ def judge_gap(case: Case, gap: float, progress: Progress | None = None) -> Proba
     `stochlin.pounding_probability`.
     """
     first, second = case.pair
-    storeys = any(isinstance(building, StoreyBuilding) for building in case.pair)
-    motions = {} if storeys else case.motions  # the hybrid method is of oscillators
+    bilinear = all(isinstance(building.structure, Bilinear) for building in case.pair)
+    motions = case.records if bilinear else {}  # the hybrid method is of these alone
     asked = first.structure, second.structure, case.ground, gap
     table = pounding_probability(*asked, **case.motion, progress=progress)
     records = {

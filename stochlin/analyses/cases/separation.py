@@ -75,7 +75,7 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
         floors_align=case.floors_align,
         zone=case.zone,
         unverified=case.unverified,
-        records=dict(case.motions) or None,
+        records=dict(case.records) or None,
         progress=part(0.0 if case.gap is None else SEARCHES, 1.0),
     )
     return CaseAnswer(case, table, existing, _spectrum(case), rms_acceleration(case.ground))

@@ -22,6 +22,7 @@ from stochlin.messages import sentence
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
+from stochlin.models.systems import STRUCTURES, AnyStructure
 
 Records = xr.DataArray | Sequence[xr.DataArray] | Mapping[str, xr.DataArray]
 """One record, as `read_record` gives it, or several: a list, or a mapping with their names."""
@@ -87,15 +88,10 @@ def checked_motions(record: Records) -> Motions:
     return Motions(grounds, names)
 
 
-def check_structure(structure: Structure, role: str) -> None:
+def check_structure(structure: AnyStructure, role: str) -> None:
     """Raise for a structure that cannot follow a record."""
-    expect(structure, Structure, role)
-    if not isinstance(structure, Bilinear):
-        raise ValueError(
-            f"{role}: {type(structure).__name__} cannot follow a record; allowed: Bilinear, elastic or "
-            "with yield_displacement"
-        )
-    if structure.reduction_factor is not None:
+    expect(structure, STRUCTURES, role)
+    if isinstance(structure, Structure) and structure.reduction_factor is not None:
         raise ValueError(
             f"{role}: reduction_factor has no meaning on a record, for it refers to the elastic "
             "response to a ground model; give yield_displacement, for instance the one that linearize "

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.records.cells import (
+    Motions,
     Records,
     cells_of,
     check_run,
@@ -14,14 +15,17 @@ from stochlin.analyses.records.cells import (
     dims_of,
     table_over,
 )
+from stochlin.analyses.records.stepped import stepped_gap
 from stochlin.analyses.records.variables import VARIABLES
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.cells import over_cells
 from stochlin.kernels.records import oscillator as recorded
 from stochlin.kernels.records.runs import PAIR, gaps_on_records
 from stochlin.models.laws.bilinear import Bilinear
+from stochlin.models.systems import AnyStructure
 
 
-def recorded_gap(first: Bilinear, second: Bilinear, record: Records) -> xr.Dataset:
+def recorded_gap(first: AnyStructure, second: AnyStructure, record: Records) -> xr.Dataset:
     """Gap that would just have been enough between two structures in a recorded motion.
 
     ``max (u_1 - u_2)`` over the motion, ``first`` on the left: nothing random is left in it, and no rule
@@ -29,8 +33,8 @@ def recorded_gap(first: Bilinear, second: Bilinear, record: Records) -> xr.Datas
 
     Parameters
     ----------
-    first, second : Bilinear
-        Elastic, or with ``yield_displacement``; their parameters broadcast by dimension name.
+    first, second : Bilinear, BoucWen, Hysteretic or ShearBuilding
+        Elastic, or with strengths in metres; parameters of oscillators broadcast by dimension name.
     record : xarray.DataArray, or list or mapping of them
         Ground acceleration [m/s^2] over ``time``, as `read_record` gives it. Several records make
         a dimension ``record``.
@@ -39,20 +43,24 @@ def recorded_gap(first: Bilinear, second: Bilinear, record: Records) -> xr.Datas
     -------
     xarray.Dataset
         Over the dimensions of the parameters: ``separation`` [m]; ``peak_1`` and ``peak_2`` [m],
-        ``max |u|`` of each; ``pseudo_energy_radius_1`` and ``_2`` [m]; ``srss`` [m] of the two
+        ``max |u|`` of each, of a building where the lower roof meets the other; ``srss`` [m] of the two
         peaks and ``separation_over_srss`` [-]; ``rho`` [-], ``int u_1 u_2 dt`` over the root of
         ``int u_1^2 dt int u_2^2 dt``, about the position before the motion; ``status``,
-        ``elastic_limit`` where neither yielded.
+        ``elastic_limit`` where neither yielded. Of two `Bilinear` also ``pseudo_energy_radius_1`` and
+        ``_2`` [m], of others ``step_error`` [-]: what halving the step changed last. With storeys
+        ``separation`` holds at all heights, and there are ``separation_at_height`` [m] over ``height``,
+        ``peak_drift`` [m] and ``ductility`` [-] over ``element``.
 
     Raises
     ------
     ValueError, TypeError
-        As in `response_spectrum`; or if a structure is not a `Bilinear` or has a reduction factor.
+        As in `response_spectrum`; or if a structure has a reduction factor.
 
     Notes
     -----
-    Exact for a ground that is linear between samples, as `response_spectrum`; both structures take
-    common sub-steps, chosen by the stiffer of them.
+    Two `Bilinear`: exact for a ground that is linear between samples, as `response_spectrum`; both take
+    common sub-steps, chosen by the stiffer of them. Others in the steps of `simulate`, which are halved
+    until no peak changes by more than 1e-4.
 
     References
     ----------
@@ -73,6 +81,22 @@ def recorded_gap(first: Bilinear, second: Bilinear, record: Records) -> xr.Datas
     for role, structure in (("first", first), ("second", second)):
         check_structure(structure, role)
     motions = checked_motions(record)
+    if isinstance(first, Bilinear) and isinstance(second, Bilinear):
+        table = _exactly(first, second, motions)
+    else:
+        table = over_cells(
+            lambda first, second: stepped_gap(first, second, motions), {"first": first, "second": second}
+        )
+    return labels.with_run_information(
+        labels.label(table.assign_attrs(records=motions.describe()), VARIABLES),
+        "Gap of two structures in recorded motions",
+        "recorded_gap()",
+        {"first": first, "second": second},
+    )
+
+
+def _exactly(first: Bilinear, second: Bilinear, motions: Motions) -> xr.Dataset:
+    """Every cell, without labels."""
     like = dims_of(first, second)
     one, two = (cells_of(structure, like, motions) for structure in (first, second))
     valid = one.valid & two.valid
@@ -90,10 +114,4 @@ def recorded_gap(first: Bilinear, second: Bilinear, record: Records) -> xr.Datas
         stayed &= peak <= parameters[:, 3]
     columns["srss"] = np.hypot(columns["peak_1"], columns["peak_2"])
     columns["separation_over_srss"] = columns["separation"] / columns["srss"]
-    table = table_over(columns, stayed, like, motions, valid)
-    return labels.with_run_information(
-        labels.label(table.assign_attrs(records=motions.describe()), VARIABLES),
-        "Gap of two structures in recorded motions",
-        "recorded_gap()",
-        {"first": first, "second": second},
-    )
+    return table_over(columns, stayed, like, motions, valid)

@@ -15,6 +15,7 @@ from stochlin.analyses.records.cells import (
     dims_of,
     table_over,
 )
+from stochlin.analyses.records.stepped import stepped_history
 from stochlin.analyses.records.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_scalars, check_whole, is_number
@@ -22,6 +23,8 @@ from stochlin.kernels.records import oscillator as recorded
 from stochlin.kernels.records.runs import history, peaks_on_records
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Parameter
+from stochlin.models.structures import Structure
+from stochlin.models.systems import AnyStructure
 
 REFERENCES = (
     f"{labels.PAPER} Nigam, N. C. and Jennings, P. C. (1969). Calculation of response spectra from "
@@ -167,13 +170,13 @@ def response_spectrum(
     return _with_information(table, "Response spectrum", "response_spectrum()", structure)
 
 
-def respond(structure: Bilinear, record: xr.DataArray, *, refine: int = 1) -> xr.Dataset:
+def respond(structure: AnyStructure, record: xr.DataArray, *, refine: int = 1) -> xr.Dataset:
     """History of the response of one structure to a record, from rest.
 
     Parameters
     ----------
-    structure : Bilinear
-        Scalar parameters; elastic, or with ``yield_displacement``.
+    structure : Bilinear, BoucWen, Hysteretic or ShearBuilding
+        Scalar parameters; elastic, or with strengths in metres.
     record : xarray.DataArray
         Ground acceleration [m/s^2] over ``time``, as `read_record` gives it; linear between samples.
     refine : int
@@ -185,13 +188,16 @@ def respond(structure: Bilinear, record: xr.DataArray, *, refine: int = 1) -> xr
     xarray.Dataset
         Over ``time`` [s]: ``displacement`` [m] and ``velocity`` [m/s], relative to the ground;
         ``radius`` [m], ``sqrt(u^2 + (u'/w)^2)`` of eq. (1); with a strength ``z`` [-], the hysteretic
-        displacement over ``uy``, in [-1, 1].
+        displacement over ``uy``, in [-1, 1] for the bilinear law. Of a building displacement and
+        velocity are over ``floor``, and there are ``drift`` [m] and ``z`` over ``element``. What is
+        not a `Bilinear` takes the steps of `simulate`, halved until no peak changes by more than 1e-4:
+        ``step_error`` [-] is what it changed last.
 
     Raises
     ------
     ValueError, TypeError
-        If the structure is not a `Bilinear`, has arrays or a reduction factor, the record is not
-        one, or ``refine`` is not a whole number from 1.
+        If the structure has arrays or a reduction factor, the record is not one, or ``refine`` is not a
+        whole number from 1.
 
     References
     ----------
@@ -208,17 +214,24 @@ def respond(structure: Bilinear, record: xr.DataArray, *, refine: int = 1) -> xr
     (1997, 1.0)
     """
     check_structure(structure, "structure")
-    check_scalars(structure, "structure", SCALARS)
+    if isinstance(structure, Structure):
+        check_scalars(structure, "structure", SCALARS)
     check_whole("refine", refine, 1)
     if not isinstance(record, xr.DataArray):
         raise TypeError(f"record is a {type(record).__name__}; allowed: one xarray.DataArray")
     motions = checked_motions(record)
     [ground] = motions.grounds
+    start = float(record["time"][0])
+    intervals = ground.acceleration.size - 1
+    time = start + ground.dt / refine * np.arange(refine * intervals + 1)
+    time[::refine] = record["time"]
+    title, call = "Response to a record", f"respond(refine={refine})"
+    if not isinstance(structure, Bilinear):
+        table = stepped_history(structure, ground, int(refine))
+        table = table.assign_coords(time=("time", time, {"units": "s", "long_name": "time"}))
+        return _with_information(table.assign_attrs(records=motions.describe()), title, call, structure)
     parameters = cells_of(structure, dims_of(structure), motions).parameters[0]
     displacement, velocity, strain = history(ground, parameters, int(refine))
-    start = float(record["time"][0])
-    time = start + ground.dt / refine * np.arange(displacement.size)
-    time[::refine] = record["time"]
     table = xr.Dataset(
         {
             "displacement": ("time", displacement),
@@ -229,11 +242,10 @@ def respond(structure: Bilinear, record: xr.DataArray, *, refine: int = 1) -> xr
     )
     if structure.yields:
         table["z"] = ("time", strain / parameters[3])
-    title = "Response to a record"
     table = table.assign_attrs(records=motions.describe())
-    return _with_information(table, title, f"respond(refine={refine})", structure)
+    return _with_information(table, title, call, structure)
 
 
-def _with_information(table: xr.Dataset, title: str, call: str, structure: Bilinear) -> xr.Dataset:
+def _with_information(table: xr.Dataset, title: str, call: str, structure: AnyStructure) -> xr.Dataset:
     models = {"structure": structure}
     return labels.with_run_information(labels.label(table, VARIABLES), title, call, models, REFERENCES)

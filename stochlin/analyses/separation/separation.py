@@ -29,7 +29,6 @@ from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
-from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import expect
 from stochlin.models.rules.codes import BuildingPeaks, check_zone
 from stochlin.models.structures import Structure
@@ -102,7 +101,7 @@ def separation(
     unverified : bool
         Whether to include rules whose formulas could not be verified.
     records : DataArray, or list or mapping of them, optional
-        Recorded motions, as `read_record` returns them; bilinear structures only.
+        Recorded motions, as `read_record` returns them.
     progress : callable, optional
         Called with the share of a simulation that is done.
 
@@ -152,11 +151,6 @@ def separation(
     both = {"first": first, "second": second}
     for role, structure in both.items():
         expect(structure, STRUCTURES, role)
-        if records is not None and not isinstance(structure, Bilinear):
-            raise TypeError(
-                f"{role} = {type(structure).__name__} cannot ride on records; allowed: Bilinear, or "
-                "no records"
-            )
     expect(ground, Ground, "ground")
     check_duration(duration, both)
     storeys = any(isinstance(structure, ShearBuilding) for structure in both.values())

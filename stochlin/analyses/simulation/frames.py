@@ -37,20 +37,29 @@ class Frame(NamedTuple):
 
 def frames_of(system: System) -> tuple[list[Frame], list[int]]:
     """The frames of a system, and the structures that are oscillators on their own."""
+    frames, alone = [], []
+    for members in _tied(system):
+        if members.size == 1 and system.stacks[members[0]].is_oscillator:
+            alone.append(int(members[0]))
+        else:
+            frames.append(_frame(system, members))
+    return frames, alone
+
+
+def all_frames(system: System) -> list[Frame]:
+    """The frames of a system, oscillators on their own as buildings of one storey among them."""
+    return [_frame(system, members) for members in _tied(system)]
+
+
+def _tied(system: System) -> list[Array]:
+    """Structures, counted from 0, that links tie to one another."""
     count = len(system.stacks)
     tied = np.zeros((count, count))
     owner = np.repeat(np.arange(count), np.diff(system.first))
     for tie in system.ties:
         tied[owner[tie.one], owner[tie.two]] = 1
     _, group = scipy.sparse.csgraph.connected_components(tied, directed=False)
-    frames, alone = [], []
-    for number in dict.fromkeys(group):
-        members = np.flatnonzero(group == number)
-        if members.size == 1 and system.stacks[members[0]].is_oscillator:
-            alone.append(int(members[0]))
-        else:
-            frames.append(_frame(system, members))
-    return frames, alone
+    return [np.flatnonzero(group == number) for number in dict.fromkeys(group)]
 
 
 def _frame(system: System, members: Array) -> Frame:

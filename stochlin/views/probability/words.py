@@ -18,7 +18,7 @@ COLUMNS = (
     ("simulated", "_simulated"),
 )
 STEM = "confidence_of_no_pounding"
-NO_RECORDS = "In the records nothing is said of them: the hybrid method is of oscillators."
+NO_RECORDS = "Nothing is said of the records: the hybrid method is of bilinear oscillators."
 
 
 def answer_lines(answer: ProbabilityAnswer) -> list[str]:
@@ -46,13 +46,13 @@ def answer_lines(answer: ProbabilityAnswer) -> list[str]:
     if not by_formula:
         lines.append(
             "Buildings with storeys are simulated only; the gap is kept at all heights at once."
-            + (f" {NO_RECORDS}" if case.records else "")
         )
     yields = case.first.structure.yields or case.second.structure.yields
     if by_formula and yields and bool(table.permanent_set.any()):
         end = table.attrs["strong_shaking_end_s"]
         lines.append(f"After {end:.3g} s the formula has lost the permanent set of yielding buildings.")
     lines += [_in_record(name, found) for name, found in records.items()]
+    lines += [NO_RECORDS] if case.records and not records else []
     if "comment" in table.attrs:
         lines.append(table.attrs["comment"].replace("α", "hardening").replace("≤", "<="))
     return lines

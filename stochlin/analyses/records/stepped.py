@@ -1,0 +1,192 @@
+"""Structures of any law, and buildings with storeys, in a recorded motion: in steps that are halved."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.records.cells import RECORD, Motions
+from stochlin.analyses.simulation.frames import Frame, all_frames
+from stochlin.analyses.simulation.views import Terms, apart, displacements, drifts_of, pairs_of
+from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.floors import ELEMENT, FLOOR, element_coordinates, floor_coordinates
+from stochlin.analyses.tables.work import check_work
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.records.runs import SampledGround
+from stochlin.kernels.simulation.stepping import LANES
+from stochlin.models.buildings import ShearBuilding
+from stochlin.models.systems import AnyStructure, System, system_of
+
+STEPS_PER_PERIOD = 32  # to begin with
+CLOSE, HALVINGS = 1e-4, 6  # of the peaks, from one step length to the next; how often it is halved
+STEP = 6e-7  # [s] of a core, that a step of a storey takes, roughly
+AT_ONCE = 4096  # steps
+
+
+class Ridden(NamedTuple):
+    """What a system did in a record: functions of its floors at the ends of all steps."""
+
+    values: Array  # (steps + 1, m) [m]
+    cuts: int  # steps to an interval of the record
+    error: float  # largest change of a peak when the step was halved for the last time, over the peak
+
+
+class States(NamedTuple):
+    """Floors and storeys of a system at the samples of a record (samples, n)."""
+
+    displacement: Array  # [m]
+    velocity: Array  # [m/s]
+    z: Array  # [m], of the storeys
+
+
+def ridden(system: System, ground: SampledGround, functions: Sequence[Terms]) -> Ridden:
+    """Functions of the floors from rest, in steps so short that their peaks stand still.
+
+    Second order: the error that is left is about a third of the last change.
+    """
+    weights = np.zeros((len(functions), int(system.first[-1])))
+    for row, terms in zip(weights, functions, strict=True):
+        row[list(terms)] = list(terms.values())
+    frames = all_frames(system)
+    shortest = min(frame.shortest for frame in frames)
+    cuts = max(1, int(np.ceil(ground.dt * STEPS_PER_PERIOD / shortest)))
+    steps = float(cuts) * ground.acceleration.size
+    check_work(
+        f"{ground.acceleration.size} samples at {ground.dt:g} s, with a shortest period of "
+        f"{shortest:.3g} s, would take",
+        "take softer structures, or a shorter record",
+        seconds=2 * 2.0**2 * STEP * weights.shape[1] * steps,
+        memory=8 * 2.0**2 * len(functions) * steps,
+    )
+    values, change = _values(frames, weights, ground, cuts), np.inf
+    for _ in range(HALVINGS):
+        coarse, cuts = peaks_of(values), 2 * cuts
+        values = _values(frames, weights, ground, cuts)
+        fine = peaks_of(values)
+        change = float(np.max(np.abs(fine - coarse) / np.where(fine > 0, fine, 1.0)))
+        if change <= CLOSE:
+            break
+    return Ridden(values, cuts, change)
+
+
+def states(system: System, ground: SampledGround, cuts: int) -> States:
+    """Floors and storeys at the samples, in ``cuts`` steps to an interval."""
+    f, dt = _forcing(ground, cuts), ground.dt / cuts
+    samples, n = ground.acceleration.size, int(system.first[-1])
+    found = States(*(np.zeros((samples, n)) for _ in States._fields))
+    for frame in all_frames(system):
+        size, floors = frame.part.size, frame.floors
+        block, state, out = frame.part.block(dt), np.zeros((3, size, LANES)), np.empty((1, size, LANES))
+        heights = np.linalg.inv(frame.part.elements.drifts[: floors.size])
+        for sample in range(1, samples):
+            block(f[(sample - 1) * cuts : sample * cuts], *state, cuts, out)
+            d, v, z = state[:, : floors.size, 0]
+            for array, values in zip(found, (heights @ d, heights @ v, z), strict=True):
+                array[sample, floors] = values
+    return found
+
+
+def stepped_history(structure: AnyStructure, ground: SampledGround, refine: int) -> xr.Dataset:
+    """What `respond` says of a structure, ``refine`` points to an interval of the record; no times."""
+    system = system_of([structure])
+    samples = np.arange(ground.acceleration.size)
+    between = np.arange(refine * samples[-1] + 1) / refine
+    finer = SampledGround(np.interp(between, samples, ground.acceleration), ground.dt / refine)
+    first = ridden(system, finer, [{floor: 1.0} for floor in range(int(system.first[-1]))])
+    u, v, z = states(system, finer, first.cuts)
+    strength = system.all("strength")
+    over = ("time", FLOOR)
+    if not isinstance(structure, ShearBuilding):
+        radius = np.hypot(u[:, 0], v[:, 0] * float(structure.arrays()["period"]) / (2 * np.pi))
+        table = xr.Dataset({"displacement": ("time", u[:, 0]), "velocity": ("time", v[:, 0])})
+        table["radius"] = ("time", radius)
+        if structure.yields:
+            table["z"] = ("time", z[:, 0] / strength[0])
+        return table.assign(step_error=first.error)
+    below = np.where(system.below >= 0, u[:, system.below], 0.0)
+    table = xr.Dataset({"displacement": (over, u), "velocity": (over, v)})
+    table["drift"] = (("time", ELEMENT), u - below)
+    if structure.yields:
+        table["z"] = (("time", ELEMENT), z / strength)
+    table = table.assign(step_error=first.error)
+    return table.assign_coords({**floor_coordinates(system), **element_coordinates(system)})
+
+
+def stepped_gap(first: AnyStructure, second: AnyStructure, motions: Motions) -> xr.Dataset:
+    """What `recorded_gap` says of two structures with scalar parameters, without labels."""
+    system = system_of([first, second])
+    pairs = pairs_of(system)
+    functions = [
+        *displacements(system, pairs[-1]),
+        *drifts_of(system),
+        *(apart(system, pair) for pair in pairs),
+    ]
+    tables = [_in_one(system, ridden(system, ground, functions)) for ground in motions.grounds]
+    if motions.names is None:
+        return tables[0]
+    names = xr.DataArray(motions.names, dims=RECORD, attrs={"long_name": "record"})
+    return xr.concat(tables, names.rename(RECORD), data_vars="all", coords="minimal", compat="equals")
+
+
+def _in_one(system: System, motion: Ridden) -> xr.Dataset:
+    """Of one record; the functions are both displacements, all drifts, and what lies between both."""
+    n, values = int(system.first[-1]), motion.values
+    peak_1, peak_2, *drifts = np.abs(values[:, : 2 + n]).max(axis=0)
+    at_height = np.maximum(values[:, 2 + n :].max(axis=0), 0.0)
+    one, two = values[:, 0], values[:, 1]
+    srss = np.hypot(peak_1, peak_2)
+    strength = system.all("strength")
+    stayed = (np.array(drifts) <= strength).all()
+    with np.errstate(invalid="ignore", divide="ignore"):
+        table = xr.Dataset(
+            {
+                "separation": at_height.max(),
+                "rho": np.trapezoid(one * two) / np.sqrt(np.trapezoid(one**2) * np.trapezoid(two**2)),
+                "peak_1": peak_1,
+                "peak_2": peak_2,
+                "srss": srss,
+                "separation_over_srss": at_height.max() / srss,
+                "step_error": motion.error,
+                "status": np.int8(labels.ELASTIC_LIMIT if stayed else labels.CONVERGED),
+            }
+        )
+    if all(stack.is_oscillator for stack in system.stacks):
+        return table
+    heights = np.array([pair.height for pair in pairs_of(system)])
+    attrs = {"units": "m", "long_name": "height above the ground"}
+    return table.assign(
+        separation_at_height=("height", at_height),
+        peak_drift=(ELEMENT, drifts),
+        ductility=(ELEMENT, np.array(drifts) / strength),
+    ).assign_coords({"height": ("height", heights, attrs), **element_coordinates(system)})
+
+
+def peaks_of(values: Array) -> Array:
+    """Largest values, and smallest as positive numbers (2 m,)."""
+    return np.maximum(np.concatenate([values.max(axis=0), -values.min(axis=0)]), 0.0)
+
+
+def _forcing(ground: SampledGround, cuts: int) -> Array:
+    """Mean of less the ground acceleration, which is linear between samples, over each step."""
+    share = (np.arange(cuts) + 0.5) / cuts
+    rise = np.diff(ground.acceleration)
+    f = -(ground.acceleration[:-1, None] + rise[:, None] * share).ravel()
+    return np.repeat(f[:, None], LANES, axis=1)
+
+
+def _values(frames: Sequence[Frame], weights: Array, ground: SampledGround, cuts: int) -> Array:
+    f, dt = _forcing(ground, cuts), ground.dt / cuts
+    values = np.zeros((len(f) + 1, len(weights)))
+    for frame in frames:
+        size, floors = frame.part.size, frame.floors
+        block, state = frame.part.block(dt), np.zeros((3, size, LANES))
+        for begin in range(0, len(f), AT_ONCE):
+            part = f[begin : begin + AT_ONCE]
+            out = np.empty((len(part), size, LANES))
+            block(part, *state, 1, out)
+            moved = out[:, : floors.size, 0] @ weights[:, floors].T
+            values[begin + 1 : begin + 1 + len(part)] += moved
+    return values
