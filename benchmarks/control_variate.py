@@ -32,7 +32,7 @@ def linear_block(f, steps, gains, state, every, out):
                     state[n, i, lane] = row[0] * a + row[1] * b + row[2] * c + gains[n, i] * f[s, lane]
             if (s + 1) % every == 0:
                 for lane in range(LANES):
-                    out[lane, n, (s + 1) // every - 1] = state[n, 0, lane]
+                    out[(s + 1) // every - 1, n, lane] = state[n, 0, lane]
 
 
 def linear_steps(structure, ground, dt):
@@ -62,13 +62,13 @@ def second_moments(structures, ground):
     moments = np.zeros((2, plan.groups, LANES, 2, 2))
     for group in range(plan.groups):
         motion, state = Motion(run.crowd, run.ground, run.root, plan, group), np.zeros((2, 3, LANES))
-        linear = np.empty((LANES, 2, plan.samples))
+        linear = np.empty((plan.samples, 2, LANES))
         for block in range(plan.burn_in + plan.recorded):
             out = motion.block()
             linear_block(motion.f, steps, gains, state, plan.every, linear)
             if block >= plan.burn_in:
                 for total, sample in zip(moments, (out, linear), strict=True):
-                    total[group] += sample @ sample.transpose(0, 2, 1)
+                    total[group] += np.einsum("snl,sml->lnm", sample, sample)
     return moments.reshape(2, -1, 2, 2)
 
 

@@ -108,6 +108,8 @@ class ShearBuilding(Model):
     [3.5, 7.0, 10.5]
     """
 
+    instead = "storeys are for linearize_system, simulate and pound, or give the building's oscillator()"
+
     masses: Parameter = parameter("kg", "mass of the floor", POSITIVE)
     stiffnesses: Parameter = parameter("N/m", "stiffness of the storey", POSITIVE)
     heights: Parameter = parameter("m", "height of the storey", POSITIVE)

@@ -67,6 +67,7 @@ class Model:
     """
 
     of_arguments: ClassVar[bool] = False  # of a function, whose messages name the argument alone
+    instead: ClassVar[str] = ""  # where it is not taken: what to call, or to give
 
     def __post_init__(self) -> None:
         prefix = "" if self.of_arguments else f"{type(self).__name__}: "
@@ -148,7 +149,9 @@ def expect(value: object, kind: type[Model] | tuple[type[Model], ...], role: str
     if not isinstance(value, kind):
         kinds = kind if isinstance(kind, tuple) else (kind,)
         names = sorted(c.__name__ for each in kinds for c in each.kinds())
-        raise TypeError(f"{role} = {brief(value)} is of the wrong kind; allowed: {', '.join(names)}")
+        instead = f"; {value.instead}" if isinstance(value, Model) and value.instead else ""
+        allowed = f"allowed: {', '.join(names)}{instead}"
+        raise TypeError(f"{role} = {brief(value)} is of the wrong kind; {allowed}")
 
 
 def check(prefix: str, name: str, value: Any, declared: Mapping[str, Any]) -> float | xr.DataArray:

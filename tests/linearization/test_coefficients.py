@@ -94,7 +94,7 @@ def test_tables_by_dimension_name_and_cells_that_cannot_be():
         ({"law": "other"}, "law = 'other' is not a known law; allowed: bilinear"),
         ({"law": "hysteretic"}, "give the sympy expression"),
         ({"law": V + Z**2}, "is not odd"),
-        ({"exponent": 2.0}, "exponent is not one of the law; allowed: none"),
+        ({"exponent": 2.0}, "the law has no exponent; allowed: none"),
         ({"law": "bouc_wen", "exponent": 0.5}, "exponent = 0.5 is out of range"),
         ({"law": "bouc_wen", "closure": "clipped"}, "closure = 'clipped' is not available for BoucWen"),
         ({"closure": "drift"}, "adds the drift"),

@@ -13,6 +13,7 @@ from stochlin.analyses.correlation.drifting import drifting_pairs
 from stochlin.analyses.correlation.effective import EQ_4, effective_pair
 from stochlin.analyses.correlation.linearized import SHOWN, linearized_pairs
 from stochlin.analyses.correlation.simulated import SimulationSettings, simulate_pairs
+from stochlin.analyses.correlation.storeys import floor_pairs
 from stochlin.analyses.correlation.variables import VARIABLES
 from stochlin.analyses.linearization.equivalent_systems import (
     check_closure,
@@ -32,6 +33,7 @@ from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Parameter, expect
 from stochlin.models.rules.effective_properties import EffectiveRule, effective_rule
 from stochlin.models.structures import DRIFT, LinearPair, Structure
+from stochlin.models.systems import STRUCTURES
 
 
 def correlate(
@@ -58,7 +60,7 @@ def correlate(
 
     Parameters
     ----------
-    first, second : Bilinear, BoucWen or Hysteretic
+    first, second : Bilinear, BoucWen, Hysteretic or ShearBuilding
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
         All parameters broadcast by dimension name.
     method : str
@@ -93,6 +95,10 @@ def correlate(
         ``ductility_std``. Simulation adds ``rho_standard_error``,
         ``displacement_std_standard_error_1`` and ``_2`` [m], and ``drift_1`` and ``_2``; where a
         drift exceeds 5 the run was too short to be stationary, and the cell is ``not_converged``.
+        With a building with storeys, by linearization or simulation: ``rho`` of all floors of the
+        first, over ``floor``, with those of the second, over ``floor_2``, standard deviations over
+        one of them, ductilities of the storeys below; by linearization also
+        ``relative_displacement_std`` [m].
 
     Raises
     ------
@@ -127,17 +133,23 @@ def correlate(
         raise ValueError(f"method = {brief(method)} is not known; allowed: {', '.join(METHODS)}")
     tolerance = Tolerance(rtol, atol, max_iterations)
     for role, structure in (("first", first), ("second", second)):
-        expect(structure, Structure, role)
-        check_closure(structure, closure)
+        expect(structure, STRUCTURES, role)
     expect(ground, Ground, "ground")
-    check_work(
-        "the table would take",
-        "take fewer cells at a time, or arrays in chunks of dask",
-        memory=(DRIFTING if closure == DRIFT else BYTES[method]) * count_cells(first, second, ground),
-    )
     settings = partial(SimulationSettings, paths, seed, steps_per_period, relaxation_times, progress)
-    asked = Question((first, second), ground, closure, tolerance, rule, settings)
-    table, details = METHODS[method](asked)
+    if isinstance(first, Structure) and isinstance(second, Structure):
+        check_closure(first, closure)
+        check_closure(second, closure)
+        check_work(
+            "the table would take",
+            "take fewer cells at a time, or arrays in chunks of dask",
+            memory=(DRIFTING if closure == DRIFT else BYTES[method])
+            * count_cells(first, second, ground),
+        )
+        asked = Question((first, second), ground, closure, tolerance, rule, settings)
+        table, details = METHODS[method](asked)
+    else:
+        both = first, second
+        table, details = floor_pairs(both, ground, method, closure, tolerance, settings)
     table = labels.label(table, VARIABLES)
     case = f"correlate({first.describe()}, {second.describe()}, {ground.describe()})"
     labels.raise_if_lone_failure(table, case)

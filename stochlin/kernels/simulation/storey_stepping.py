@@ -123,7 +123,7 @@ def _either(number: int, middle: Any, others: Any) -> Any:
 
 
 @called_often
-def _multiply(matrix, i, rows, out):
+def multiply(matrix, i, rows, out):
     """Add the products of row ``i`` of a matrix with the rows (m, LANES), four at a time."""
     m = matrix.shape[1]
     j = 0
@@ -233,7 +233,7 @@ def storey_block(f, owned, law, d, v, z, every, out, version):
                 change[i, lane] = push * f[s, lane]
                 slip[i, lane] = 0.0
         for i in range(e):
-            _multiply(steps.move, i, known, change)
+            multiply(steps.move, i, known, change)
         _slips(law, steps, d, z, change, slip, new)
         for i in range(e):
             for lane in range(LANES):

@@ -1,0 +1,78 @@
+"""Correlation of the floors of two structures, at least one of them a building with storeys."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.correlation.simulated import SimulationSettings
+from stochlin.analyses.linearization.systems.systems import linearize_system
+from stochlin.analyses.linearization.tolerance import Tolerance
+from stochlin.analyses.simulation.simulation import simulate
+from stochlin.analyses.tables.floors import FLOOR
+from stochlin.models.grounds import Ground
+from stochlin.models.systems import AnyStructure
+
+LINEARIZATION, SIMULATION = "linearization", "simulation"
+OF_FLOORS = ("displacement_std", "displacement_std_standard_error", "drift")
+
+
+def floor_pairs(
+    pair: tuple[AnyStructure, AnyStructure],
+    ground: Ground,
+    method: str,
+    closure: str,
+    tolerance: Tolerance,
+    settings: Callable[[], SimulationSettings],
+) -> tuple[xr.Dataset, str]:
+    """What `correlate` says of all pairs of floors, and how it was made."""
+    if method == LINEARIZATION:
+        limits = {"rtol": tolerance.rtol, "max_iterations": tolerance.max_iterations}
+        table = linearize_system(pair, ground, closure=closure, **limits)  # type: ignore[arg-type]
+        return _between(table), f"closure={closure!r}"
+    if method != SIMULATION:
+        raise ValueError(
+            f"method = {method!r} is of oscillators; allowed for buildings with storeys: linearization, "
+            "simulation; or give their oscillator()"
+        )
+    wanted = settings()
+    table = simulate(
+        pair,
+        ground,
+        paths=wanted.paths,
+        seed=wanted.seed,
+        steps_per_period=wanted.steps_per_period,
+        relaxation_times=wanted.relaxation_times,
+        progress=wanted.progress,
+    )
+    return _between(table), f"paths={wanted.paths}, seed={wanted.seed}"
+
+
+def _between(table: xr.Dataset) -> xr.Dataset:
+    """Floors of the first over ``floor``, those of the second over ``floor_2``."""
+    owner = table.floor_structure.values
+    sides = [np.flatnonzero(owner == n) for n in (1, 2)]
+    dims = (FLOOR, f"{FLOOR}_2")
+    found = xr.Dataset(
+        {
+            name: (dims, table[name].values[np.ix_(*sides)])
+            for name in ("rho", "rho_standard_error", "relative_displacement_std")
+            if name in table
+        },
+        attrs={name: told for name, told in table.attrs.items() if not name.startswith("structure_")},
+    )
+    for number, (dim, own) in enumerate(zip(dims, sides, strict=True), start=1):
+        for name in OF_FLOORS:
+            if name in table:
+                found[f"{name}_{number}"] = (dim, table[name].values[own])
+        found[f"ductility_std_{number}"] = (dim, table.ductility_std.values[own])
+        attrs = {"units": "m", "long_name": f"level of the floor, structure {number}"}
+        found = found.assign_coords(
+            {
+                dim: (dim, table.floor.values[own], {"long_name": f"floor of structure {number}"}),
+                dim.replace(FLOOR, "level"): (dim, table.level.values[own], attrs),
+            }
+        )
+    return found.assign(status=np.int8(table.status.values.max()))

@@ -1,0 +1,157 @@
+"""Gaps, probabilities and measures of buildings with storeys: limits, consistency, bad input."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import stochlin as sl
+
+pytestmark = pytest.mark.oracle
+
+FIRM = sl.named_ground("firm", intensity=0.012)
+QUAKE = {"duration": 12.0, "envelope": sl.AminAng(3.0, 8.0, 0.35)}
+FEW = {"paths": 128, "seed": 3} | QUAKE
+
+
+def building(storeys, height=3.2, period=None):
+    return sl.ShearBuilding.regular(
+        period=period or 0.14 * storeys,
+        storeys=storeys,
+        storey_height=height,
+        mass=3e5,
+        damping=0.05,
+        hardening=0.1,
+        base_shear_coefficient=0.2,
+    )
+
+
+@pytest.fixture(scope="module")
+def answer():
+    return sl.separation(building(3), building(2, 3.5), FIRM, **FEW)
+
+
+def test_buildings_of_one_storey_get_the_answer_of_oscillators():
+    one, two = building(1, period=0.5), building(1, period=0.8)
+    storeys = sl.separation(one, two, FIRM, **FEW)
+    heights = {"height_1": 3.2, "height_2": 3.2}
+    plain = sl.separation(one.oscillator(), two.oscillator(), FIRM, **heights, **FEW)
+    assert storeys.height.values.tolist() == [3.2]
+    known = [name for name in plain.rule.values if name not in ("eq_3_drift", "eq_3_simulated")]
+    for name in ("gap", "no_pounding_probability", "rho"):
+        np.testing.assert_allclose(
+            storeys[name].sel(rule=known), plain[name].sel(rule=known), rtol=1e-7, err_msg=name
+        )
+    for name in ("ductility_1", "yield_displacement_2", "reduction_factor_1", "peak_2"):
+        assert float(storeys[name]) == pytest.approx(float(plain[name]), rel=1e-8), name
+
+
+def test_one_gap_holds_at_all_heights_and_each_height_asks_for_no_more(answer):
+    gap, at_height = answer.gap.sel(rule="simulation"), answer.gap_at_height.sel(rule="simulation")
+    assert answer.height.values.tolist() == pytest.approx([3.2, 3.5, 6.4, 7.0])
+    assert float(gap) == pytest.approx(float(np.quantile(answer.separation_samples, 0.9)), rel=1e-12)
+    assert float(gap) >= float(at_height.max())
+    assert float(answer.governing_height[0]) == float(at_height.height[int(np.argmax(at_height.values))])
+    codes = answer.gap_at_height.sel(rule="srss")
+    peaks = np.hypot(answer.peak_at_height_1, answer.peak_at_height_2)
+    np.testing.assert_allclose(codes, peaks, rtol=1e-12)
+    assert float(answer.gap.sel(rule="srss")) == pytest.approx(float(codes.max()), rel=1e-12)
+
+
+def test_a_rule_that_storeys_have_not_says_so(answer):
+    drift = answer.sel(rule="eq_3_drift")
+    assert np.isnan(drift.gap)
+    assert np.isnan(drift.governing_height)
+    assert "of oscillators" in drift.missing.item()
+
+
+def test_linearized_rule_is_that_of_the_system(answer):
+    table = sl.linearize_system([building(3), building(2, 3.5)], FIRM)
+    floors = {name: float(table.displacement_std.sel(floor=name)) for name in ("1.2", "1.3", "2.2")}
+    rho = table.rho.sel(floor_2="2.2")
+    share = (7.0 - 6.4) / 3.2  # of the third storey of the first at the roof of the second
+    one = {"1.2": 1 - share, "1.3": share}
+    shared = sum(w * float(rho.sel(floor=f)) * floors[f] * floors["2.2"] for f, w in one.items())
+    own = float(table.rho.sel(floor="1.2", floor_2="1.3")) * floors["1.2"] * floors["1.3"]
+    variance = sum((w * floors[f]) ** 2 for f, w in one.items()) + 2 * share * (1 - share) * own
+    expected = shared / (np.sqrt(variance) * floors["2.2"])
+    assert float(answer.rho.sel(rule="eq_3_linearized")) == pytest.approx(expected, rel=1e-9)
+
+
+def test_existing_gap_asks_for_the_same(answer):
+    found = sl.existing_gap(building(3), building(2, 3.5), FIRM, gap=0.06, **FEW)
+    assert float(found.required_gap) == pytest.approx(float(answer.gap[0]), rel=1e-12)
+    apart = float((answer.separation_samples <= 0.06).mean())
+    assert float(found.no_pounding_probability) == pytest.approx(apart, rel=1e-12)
+
+
+def test_probability_over_time_ends_where_the_samples_say(answer):
+    gap = float(answer.separation_samples.median())
+    options = {"paths": 512, "seed": 1} | QUAKE
+    pair = building(3), building(2, 3.5)
+    table = sl.pounding_probability(*pair, FIRM, gap, points=11, **options).isel(time=-1)
+    low, high = (
+        float(table[f"confidence_of_no_pounding_simulated_{end}"]) for end in ("lower", "upper")
+    )
+    share = float((answer.separation_samples <= gap).mean())
+    spread = 3 * np.sqrt(share * (1 - share) / 128)
+    assert low - spread < share < high + spread
+    fragility = sl.pounding_fragility(*pair, FIRM, [gap], [0.012], **options)
+    assert float(fragility.pounding_probability_simulated[0, 0]) == pytest.approx(
+        1 - float(table.confidence_of_no_pounding_simulated), abs=1e-12
+    )
+
+
+def test_measures_help_and_least_ones_are_found():
+    pair = building(3), building(2)
+    measures = {
+        "dampers": sl.Measure(0.15, 0.15),
+        "link": sl.Measure(link=sl.Link(0.0, 4e6, floors=(2, 2))),
+    }
+    table = sl.mitigate(*pair, FIRM, gap=0.02, measures=measures, **FEW)
+    required = table.required_gap
+    assert float(required.sel(measure="dampers")) < 0.8 * float(required[0])
+    assert float(required.sel(measure="link")) < 0.8 * float(required[0])
+    linked = sl.linearize_system(pair, FIRM, [measures["link"].link])
+    apart = linked.relative_displacement_std.sel(floor="1.2", floor_2="2.2")
+    seen = table.relative_displacement_std.sel(measure="link")
+    assert float(seen) == pytest.approx(float(apart), rel=1e-9)
+    least = table.sel(measure="least dashpot between")
+    assert float(least.required_gap) == pytest.approx(0.02, rel=0.02) or np.isnan(least.required_gap)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"floors_align": True}, r"floors_align = True, but at 3\.2, 3\.5, 6\.4, 7 m only one of both"),
+        ({"height_1": 20.0}, r"height_1 = 20 m, but the storeys of that building add up to 9\.6 m"),
+        ({"duration": 0.2}, "shorter than the period of first"),
+    ],
+)
+def test_what_contradicts_the_storeys_is_refused(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        sl.separation(building(3), building(2, 3.5), FIRM, **(FEW | arguments))
+
+
+def test_formulas_of_oscillators_say_what_to_do_instead():
+    pair = building(3), building(2)
+    with pytest.raises(TypeError, match=r"method='hybrid' is of oscillators: give its oscillator\(\)"):
+        sl.pounding_probability(*pair, FIRM, 0.05, method="hybrid")
+    with pytest.raises(ValueError, match=r"is of oscillators; allowed .*linearization, simulation"):
+        sl.correlate(*pair, FIRM, method="effective")
+    with pytest.raises(TypeError, match=r"or give the building's oscillator\(\)"):
+        sl.linearize(pair[0], FIRM)
+
+
+def test_correlation_of_floors_is_that_of_the_system_and_of_the_simulation():
+    pair = building(3), building(2)
+    linear, system = sl.correlate(*pair, FIRM), sl.linearize_system(pair, FIRM)
+    expected = system.rho.sel(floor=["1.1", "1.2", "1.3"], floor_2=["2.1", "2.2"])
+    np.testing.assert_array_equal(linear.rho, expected)
+    options = {"paths": 64, "seed": 2, "relaxation_times": 5.0}
+    simulated, alone = (
+        sl.correlate(*pair, FIRM, method="simulation", **options),
+        sl.simulate(pair, FIRM, **options),
+    )
+    np.testing.assert_array_equal(simulated.rho, alone.rho.values[:3, 3:])
+    np.testing.assert_array_equal(simulated.displacement_std_2, alone.displacement_std.values[3:])
