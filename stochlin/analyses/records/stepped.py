@@ -108,7 +108,7 @@ def stepped_history(structure: AnyStructure, ground: SampledGround, refine: int)
         return table.assign(step_error=first.error)
     below = np.where(system.below >= 0, u[:, system.below], 0.0)
     table = xr.Dataset({"displacement": (over, u), "velocity": (over, v)})
-    table["drift"] = (("time", ELEMENT), u - below)
+    table["storey_drift"] = (("time", ELEMENT), u - below)
     if structure.yields:
         table["z"] = (("time", ELEMENT), z / strength)
     table = table.assign(step_error=first.error)

@@ -16,7 +16,7 @@ VARIABLES: Variables = {
     "permanent_set": ("m", "displacement at rest after the motion"),
     "peak": ("m", "largest absolute displacement"),
     "separation_at_height": ("m", "largest displacement towards structure_2 at this height"),
-    "drift": ("m", "drift of the storey"),
+    "storey_drift": ("m", "drift of the storey"),
     "peak_drift": ("m", "largest absolute drift of the storey"),
     "ductility": ("1", "largest drift over the drift at yield"),
     "step_error": ("1", "largest change of a peak when the step was halved for the last time"),
