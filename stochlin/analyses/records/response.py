@@ -189,9 +189,9 @@ def respond(structure: AnyStructure, record: xr.DataArray, *, refine: int = 1) -
         Over ``time`` [s]: ``displacement`` [m] and ``velocity`` [m/s], relative to the ground;
         ``radius`` [m], ``sqrt(u^2 + (u'/w)^2)`` of eq. (1); with a strength ``z`` [-], the hysteretic
         displacement over ``uy``, in [-1, 1] for the bilinear law. Of a building displacement and
-        velocity are over ``floor``, and there are ``storey_drift`` [m] and ``z`` over ``element``. What is
-        not a `Bilinear` takes the steps of `simulate`, halved until no peak changes by more than 1e-4:
-        ``step_error`` [-] is what it changed last.
+        velocity are over ``floor``, and there are ``storey_drift`` [m] and ``z`` over ``element``. What
+        is not a `Bilinear` takes the steps of `simulate`, halved until no peak changes by more than
+        1e-4: ``step_error`` [-] is what it changed last.
 
     Raises
     ------
