@@ -92,6 +92,21 @@ class Link(Model):
         told = [f"{n}={getattr(self, n)}" for n in ("floors", "structures") if getattr(self, n)]
         return ", ".join([super().describe()[:-1], *told]) + ")"
 
+    @property
+    def spring(self) -> tuple[float, float, float]:
+        """``post``, ``couple`` [N/m] and strength [m]: its force is ``post x + couple z``.
+
+        ``x`` is ``u1 - u2``, or of a spring with slack, which is its strength, ``u2 - u1``; ``z`` is the
+        part of it that is elastic.
+        """
+        k = self.number("stiffness")
+        if self.slack is not None:
+            return 0.0, k, self.number("slack")
+        if not self.yields:
+            return k, 0.0, np.inf
+        hardening = self.number("hardening")
+        return hardening * k, (1 - hardening) * k, self.number("yield_displacement")
+
     def number(self, name: str) -> float:
         """A parameter of one system; an error if it is an array."""
         value = self.arrays().get(name, xr.DataArray(np.nan))

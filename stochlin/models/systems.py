@@ -101,6 +101,18 @@ class System(NamedTuple):
         return np.concatenate([getattr(stack, name) for stack in self.stacks])
 
     @property
+    def extensions(self) -> Array:
+        """Of the springs by the displacements of the floors (s, n): storeys, then ties, ``u1 - u2``."""
+        n, ties = int(self.first[-1]), self.ties
+        found = np.zeros((n + len(ties), n))
+        found[np.arange(n), np.arange(n)] = 1.0
+        above = np.flatnonzero(self.below >= 0)
+        found[above, self.below[above]] = -1.0
+        for row, tie in enumerate(ties, start=n):
+            found[row, tie.one], found[row, tie.two] = 1.0, -1.0
+        return found
+
+    @property
     def damping(self) -> Array:
         """Of all floors (n, n) [N s/m], without links."""
         whole: Array = scipy.linalg.block_diag(*[stack.damping for stack in self.stacks])
@@ -144,6 +156,25 @@ def stack_of(structure: AnyStructure) -> Stack:
         levels=np.full(1, np.nan),
         law=structure,
     )
+
+
+def check_stationary(system: System) -> None:
+    """Raise a ValueError if some storey has no stiffness left when it yields."""
+    for structure, storey in system.without_stationary_answer:
+        left = system.stacks[structure - 1].post[storey - 1]
+        raise ValueError(
+            f"structures, number {structure}: the weight above takes all post-yield stiffness of storey "
+            f"{storey} ({left:.3g} N/m with it): its drift grows without end, with no stationary value; "
+            "simulate motions of finite length, so give a duration; or more hardening, or p_delta=False"
+        )
+
+
+def shares_at(levels: Array, height: float) -> dict[int, float]:
+    """Displacement at a height as shares of the floors, from 0: linear between them and the ground."""
+    upper = int(np.searchsorted(levels, height))
+    below = float(levels[upper - 1]) if upper else 0.0
+    share = float((height - below) / (levels[upper] - below))
+    return {upper: share} | ({upper - 1: 1 - share} if upper and share < 1 else {})
 
 
 def floor_count(structure: AnyStructure) -> int:
@@ -234,9 +265,13 @@ def slabs_on_columns(one: Array, two: Array) -> list[tuple[int, int]]:
 
 
 def check_links(name: str, links: object, count: int) -> tuple[Link | None, ...]:
-    """The links of a list between so many structures, None where there is none."""
+    """The links of a list between so many structures, None where there is none; one may stand alone."""
+    if links is None:
+        return ()
+    if isinstance(links, Link):
+        links = [links]
     if not isinstance(links, (list, tuple)):
-        raise TypeError(f"{name} = {brief(links)}; allowed: a list of Link and None")
+        raise TypeError(f"{name} = {brief(links)}; allowed: a Link, or a list of Link and None")
     for number, link in enumerate(links, start=1):
         if link is not None:
             expect(link, Link, f"{name}, number {number}" if len(links) > 1 else name)

@@ -20,7 +20,17 @@ from stochlin.models.laws.bouc_wen import BoucWen
 from stochlin.models.links import Link
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
-from stochlin.models.systems import LEVEL, Stack, System, Tie, check_links, system_of
+from stochlin.models.systems import (
+    LEVEL,
+    Stack,
+    System,
+    Tie,
+    check_links,
+    first_period,
+    shares_at,
+    slabs_on_columns,
+    system_of,
+)
 
 Building = Structure | ShearBuilding
 
@@ -111,10 +121,7 @@ def checked_gaps(gaps: npt.ArrayLike, count: int) -> Array:
 
 def checked_links(link: Link | Sequence[Link | None] | None, count: int) -> tuple[Link | None, ...]:
     """Links between ``count`` structures; one will do for two."""
-    if link is not None and not isinstance(link, (Link, list, tuple)):
-        raise TypeError(f"link = {brief(link)}; allowed: a Link, or a list of Link and None")
-    given = [link] if isinstance(link, Link) else list(link or ())
-    links = check_links("link", given, count) if link is not None else ()
+    links = check_links("link", link, count)
     for each in links:
         if each is not None:
             check_scalars(each, "link", NUMBERS)
@@ -160,6 +167,7 @@ def build_row(
     meeting = 1.0 / (shares[:, 0] + shares[:, 1] + shares[:, 2])
     element = contact if isinstance(contact, Element) else None
     columns = [m for m in places if m.struck]
+    shortest = min(float(first_period(structure)) for structure in structures)
     if element is None and columns:
         raise ValueError(
             f"contact = {contact.describe()}: velocities jump only where slabs meet, and of the "
@@ -188,7 +196,7 @@ def build_row(
         element=law_table(laws),
         jumps=element is None,
         restitution=1.0 if element else float(contact.e),
-        slow=SLOW * float(np.abs(motion).max()) * min(map(shortest_period, structures)) / (2 * np.pi),
+        slow=SLOW * float(np.abs(motion).max()) * shortest / (2 * np.pi),
         tied=np.array([(tie.one, tie.two) for tie in system.ties], np.int64).reshape(-1, 2),
         tie=np.array([_tie(tie) for tie in system.ties], float).reshape(-1, 4),
         tie_law=np.array([_tie_law(tie.link) for tie in system.ties], np.int64),
@@ -196,28 +204,15 @@ def build_row(
     return row, places
 
 
-def shortest_period(structure: Building) -> float:
-    """Period of the structure, of a building's first mode [s]."""
-    if isinstance(structure, ShearBuilding):
-        return float(structure.periods()[0])
-    return float(structure.arrays()["period"])
-
-
 def _facing(b: int, one: Array, two: Array) -> list[Meeting]:
     """Contacts of two neighbours, up to the lower roof: floors at one level, and floors at columns."""
     pairs = [(i, j) for i in range(one.size) for j in range(two.size) if abs(one[i] - two[j]) < LEVEL]
     found = [Meeting(b, i, j, float(0.5 * (one[i] + two[j]))) for i, j in pairs]
-    roof = min(one[-1], two[-1]) + LEVEL
-    for levels, other, side in ((one, two, 0), (two, one, 1)):
-        met = {pair[side] for pair in pairs}
-        for i, level in enumerate(levels):
-            if level >= roof or i in met:
-                continue
-            above = int(np.searchsorted(other, level))
-            under = other[above - 1] if above else 0.0
-            share = float((level - under) / (other[above] - under))
-            floors, struck = ((above, i), "left") if side else ((i, above), "right")
-            found.append(Meeting(b, *floors, float(level), struck, share))
+    for side, floor in slabs_on_columns(one, two):
+        i, (levels, other) = floor - 1, ((one, two), (two, one))[side]
+        above, share = next(iter(shares_at(other, levels[i]).items()))
+        floors, struck = ((above, i), "left") if side else ((i, above), "right")
+        found.append(Meeting(b, *floors, float(levels[i]), struck, share))
     return found
 
 
@@ -244,10 +239,5 @@ def _tie_law(link: Link) -> int:
 
 def _tie(tie: Tie) -> tuple[float, float, float, float]:
     """A link as a kernel takes it: see `Row`."""
-    k, c = tie.link.number("stiffness"), tie.link.number("damping_constant")
-    if tie.link.yields:
-        hardening = tie.link.number("hardening")
-        return hardening * k, c, (1 - hardening) * k, tie.link.number("yield_displacement")
-    if tie.link.slack is not None:
-        return 0.0, c, k, tie.link.number("slack")
-    return k, c, 0.0, np.inf
+    post, couple, strength = tie.link.spring
+    return post, tie.link.number("damping_constant"), couple, strength

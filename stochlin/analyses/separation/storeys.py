@@ -22,7 +22,14 @@ from stochlin.models.buildings import ShearBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.structures import DRIFT, Structure
-from stochlin.models.systems import LEVEL, AnyStructure, System, first_mode, slabs_on_columns, stack_of
+from stochlin.models.systems import (
+    LEVEL,
+    AnyStructure,
+    System,
+    first_mode,
+    slabs_on_columns,
+    system_of,
+)
 
 PATHS, RELAXATION_TIMES = 64, 5.0  # of the stationary simulation, which tells rho to about .01
 NO_DRIFT = "the drift closure is of oscillators; storeys have none"
@@ -35,7 +42,7 @@ class StoreysInMotion(PairInMotion):
     @cached_property
     def system(self) -> System:
         """Both, unlinked."""
-        return System(tuple(stack_of(structure) for structure in self.structures), ())
+        return system_of(self.structures)
 
     @cached_property
     def heights(self) -> Array:
@@ -150,7 +157,7 @@ def linearized_at_roof(
 ) -> tuple[float, float]:
     """Correlation and standard deviation of the difference [m] where the lower roof meets the other."""
     motion = linearized_motion(structures, ground, links)
-    system = System(tuple(stack_of(structure) for structure in structures), ())
+    system = system_of(structures)
     height = meeting_heights(*system.stacks)[-1]
     one, two = (weights(system, number, height)[None] for number in (0, 1))
     return float(correlation_of(motion, one, two)[0]), float(motion.std(one - two)[0])

@@ -20,7 +20,7 @@ from stochlin.kernels.simulation.storey_stepping import (
 )
 from stochlin.models.links import Link
 from stochlin.models.structures import Structure
-from stochlin.models.systems import Stack, System
+from stochlin.models.systems import System
 
 LEAST_SHARE = 0.01  # of the mass, in a mode that steps are to follow closely; all are followed stably
 
@@ -65,14 +65,9 @@ def _tied(system: System) -> list[Array]:
 def _frame(system: System, members: Array) -> Frame:
     first = system.first
     floors = np.concatenate([np.arange(first[m], first[m + 1]) for m in members])
-    ties = [tie for tie in system.ties if tie.one in floors]
-    position = {int(floor): i for i, floor in enumerate(floors)}
-    n = floors.size
-    drifts = np.eye(n)
-    for i, floor in enumerate(floors):
-        below = int(system.below[floor])
-        if below >= 0:
-            drifts[i, position[below]] = -1.0
+    springs = np.flatnonzero(np.abs(system.extensions[:, floors]).any(axis=1))
+    drifts = system.extensions[np.ix_(springs, floors)]
+    ties = [system.ties[spring - int(first[-1])] for spring in springs[floors.size :]]
     damping = system.damping[np.ix_(floors, floors)].copy()
     stacks = [system.stacks[m] for m in members]
     laws = _Laws()
@@ -83,15 +78,12 @@ def _frame(system: System, members: Array) -> Frame:
         for i in range(stack.mass.size)
     ]
     own = [row for stack in stacks for row in stack.law_parameters]
-    for tie in ties:
-        along = np.zeros(n)
-        along[position[tie.one]], along[position[tie.two]] = 1.0, -1.0
-        kind, *spring = _spring(tie.link)
-        force.append(spring)
+    for along, tie in zip(drifts[floors.size :], ties, strict=True):
+        force.append(list(tie.link.spring))
         damping += tie.link.number("damping_constant") * np.outer(along, along)
-        drifts = np.vstack([drifts, -along if kind == SLACK else along])
-        kinds.append(kind)
+        kinds.append(_kind(tie.link))
         own.append(np.empty(0))
+    drifts[np.array(kinds) == SLACK] *= -1  # these pull where the floors part
     widest = max(row.size for row in own)
     post, couple, strength = np.array(force, float).T.copy()
     elements = Elements(
@@ -105,21 +97,17 @@ def _frame(system: System, members: Array) -> Frame:
         np.array([np.pad(row, (0, widest - row.size), constant_values=np.nan) for row in own]),
     )
     stiffness = (elements.drifts.T * (elements.post + elements.couple)) @ elements.drifts
-    modes = [_modes(stack.mass, _chain(stack)) for stack in stacks]
-    modes.append(_modes(elements.mass, stiffness))
+    modes = [_modes(elements.mass, stiffness)]
+    for stack in stacks:
+        chain = System((stack,), ()).extensions
+        modes.append(_modes(stack.mass, (chain.T * stack.elastic) @ chain))
     return Frame(
         Storeys(elements, law_of(tuple(laws.middles))),
         floors,
         shortest=min(float(periods[shares >= LEAST_SHARE].min()) for periods, shares in modes),
         slowest=1 / float(-np.linalg.eigvals(elements.elastic()).real.max()),
-        period=float(modes[-1][0].max()),
+        period=float(modes[0][0].max()),
     )
-
-
-def _chain(stack: Stack) -> Array:
-    """Elastic stiffness of the floors of one structure."""
-    k = stack.elastic
-    return np.diag(k + np.append(k[1:], 0.0)) - np.diag(k[1:], 1) - np.diag(k[1:], -1)
 
 
 def _modes(mass: Array, stiffness: Array) -> tuple[Array, Array]:
@@ -129,15 +117,8 @@ def _modes(mass: Array, stiffness: Array) -> tuple[Array, Array]:
     return 2 * np.pi / np.sqrt(squares), shares
 
 
-def _spring(link: Link) -> tuple[int, float, float, float]:
-    """Kind, ``post``, ``couple`` and strength of the spring of a link."""
-    k = link.number("stiffness")
-    if link.slack is not None:
-        return SLACK, 0.0, k, link.number("slack")
-    if not link.yields:
-        return LINEAR, k, 0.0, np.inf
-    alpha = link.number("hardening")
-    return BILINEAR, alpha * k, (1 - alpha) * k, link.number("yield_displacement")
+def _kind(link: Link) -> int:
+    return BILINEAR if link.yields else LINEAR if link.slack is None else SLACK
 
 
 class _Laws:

@@ -17,7 +17,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.structures import Structure
-from stochlin.models.systems import AnyStructure, System, check_links, system_of
+from stochlin.models.systems import AnyStructure, System, check_links, check_stationary, system_of
 
 STRUCTURE = "structure"
 
@@ -31,7 +31,7 @@ class Riders(NamedTuple):
     frames: list[Frame]
     links: tuple[Link | None, ...]
     strength: Array  # (n,) [m]: drift at yield of the storey below each floor
-    drift_times: Array | None
+    drift_times: Array  # (n,) [s], of the plastic drift of that storey; 0 where it is not asked for
 
     @property
     def has_storeys(self) -> bool:
@@ -83,15 +83,15 @@ def riders_of(
     stationary: bool,
 ) -> Riders:
     """Lay out the structures; for a stationary run, with their drift by linearization."""
-    links = _as_links(link, len(structures))
+    links = check_links("link", link, len(structures))
     tied = {s for n, one in enumerate(links, 1) if one is not None for s in one.structures or (n, n + 1)}
     in_metres: list[AnyStructure] = [
         strength_in_metres(one, ground) if n in tied and isinstance(one, Structure) else one
         for n, one in enumerate(structures, start=1)
     ]
     system = system_of(in_metres, links)
-    if stationary and system.without_stationary_answer:
-        raise ValueError(no_stationary_answer(system))
+    if stationary:
+        check_stationary(system)
     frames, alone = frames_of(system)
     floors = [int(system.first[n]) for n in alone]
     strength = system.all("strength")
@@ -120,22 +120,3 @@ def _drift_times(
     except ArithmeticError:  # the run tells by its own drift whether it was too short
         return np.zeros(int(system.first[-1]))
     return relaxation_times(system, k_eq[: int(system.first[-1])])
-
-
-def no_stationary_answer(system: System) -> str:
-    """Why there is none: some storey has no stiffness left when it yields."""
-    structure, storey = system.without_stationary_answer[0]
-    stack = system.stacks[structure - 1]
-    return (
-        f"structure {structure}: the weight above takes all post-yield stiffness of storey {storey}, "
-        f"which is {stack.post[storey - 1]:.3g} N/m with it: its drift grows without end and has no "
-        "stationary value; give a duration, more hardening, or p_delta=False"
-    )
-
-
-def _as_links(link: Link | Sequence[Link | None] | None, count: int) -> tuple[Link | None, ...]:
-    if link is None:
-        return ()
-    if isinstance(link, Link):
-        return check_links("link", [link], max(count, 2) if link.structures is None else count)
-    return check_links("link", link, count)

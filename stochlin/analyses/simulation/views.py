@@ -8,7 +8,7 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.ensemble import View
-from stochlin.models.systems import Stack, System
+from stochlin.models.systems import Stack, System, shares_at
 
 Terms = dict[int, float]  # floors of the system, and their weights
 
@@ -38,13 +38,7 @@ def displacement_at(stack: Stack, height: float) -> Terms:
     """Displacement of a structure at a height, linear between its floors and the ground."""
     if stack.is_oscillator:
         return {0: 1.0}
-    upper = int(np.searchsorted(stack.levels, height))
-    below = stack.levels[upper - 1] if upper else 0.0
-    share = float((height - below) / (stack.levels[upper] - below))
-    terms = {upper: share}
-    if upper and share < 1:
-        terms[upper - 1] = 1 - share
-    return terms
+    return shares_at(stack.levels, height)
 
 
 def pairs_of(system: System) -> list[Pair]:

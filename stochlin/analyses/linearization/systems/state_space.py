@@ -60,15 +60,7 @@ class Equations:
     @cached_property
     def extensions(self) -> Array:
         """Of the springs by the displacements of the floors (s, n)."""
-        n, ties = len(self.system.floors), self.system.ties
-        found = np.zeros((n + len(ties), n))
-        found[np.arange(n), np.arange(n)] = 1.0
-        for floor, below in enumerate(self.system.below):
-            if below >= 0:
-                found[floor, below] = -1.0
-        for row, tie in enumerate(ties, start=n):
-            found[row, tie.one], found[row, tie.two] = 1.0, -1.0
-        return found
+        return self.system.extensions
 
     def states(self, own: Array) -> list[str]:
         """Names of the states, where these elements (e,) have a ``z``: by structures, links last."""
@@ -124,13 +116,11 @@ class Equations:
 
     @cached_property
     def _post(self) -> Array:
-        hardening = np.nan_to_num(self._of_links("hardening"), nan=1.0)
-        return np.append(self.system.all("post"), hardening * self._of_links("stiffness"))
+        return np.append(self.system.all("post"), [tie.link.spring[0] for tie in self.system.ties])
 
     @cached_property
     def _couple(self) -> Array:
-        hardening = np.nan_to_num(self._of_links("hardening"), nan=1.0)
-        return np.append(self.system.all("couple"), (1 - hardening) * self._of_links("stiffness"))
+        return np.append(self.system.all("couple"), [tie.link.spring[1] for tie in self.system.ties])
 
     def _of_links(self, name: str, *, yields: bool = False) -> Array:
         """A parameter of all links, or of those that yield."""

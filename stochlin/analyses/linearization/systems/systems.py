@@ -23,7 +23,7 @@ from stochlin.models.buildings import ShearBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.structures import GAUSSIAN
-from stochlin.models.systems import AnyStructure, system_of
+from stochlin.models.systems import AnyStructure, check_stationary, system_of
 
 SECONDS = 2e-8  # of ten rounds, for each element and state cubed
 
@@ -163,12 +163,7 @@ def equations_of(
         for structure in structures
     ]
     system = system_of(solid, links)
-    for number, storey in system.without_stationary_answer:
-        raise ValueError(
-            f"structures, number {number}: the weight above takes all stiffness that storey {storey} "
-            "has beyond yield, so that its drift has no stationary variance; give more hardening, or "
-            "p_delta=False, or simulate motions of finite length"
-        )
+    check_stationary(system)
     return Equations(system, ground)
 
 
