@@ -120,6 +120,18 @@ def test_measures_help_and_least_ones_are_found():
     assert float(least.required_gap) == pytest.approx(0.02, rel=0.02) or np.isnan(least.required_gap)
 
 
+def test_finite_motions_are_answered_where_there_is_no_stationary_one():
+    """The weight takes the hardening of a storey: linearized numbers are missing, the rest is there."""
+    soft = sl.ShearBuilding([4e5] * 2, [4e7] * 2, [3.0] * 2, 0.05, 0.05, yield_drifts=0.02, p_delta=True)
+    measures = {"dampers": sl.Measure(0.1, 0.1)}
+    table = sl.mitigate(soft, building(2), FIRM, gap=0.5, measures=measures, **FEW)
+    assert np.isfinite(table.required_gap).all()
+    assert np.isnan(table.rho).all()
+    answer = sl.separation(soft, building(2), FIRM, **FEW)
+    assert np.isfinite(answer.gap.sel(rule="simulation"))
+    assert "no stationary value" in answer.missing.sel(rule="eq_3_linearized").item()
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

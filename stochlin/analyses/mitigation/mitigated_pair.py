@@ -93,7 +93,7 @@ class MitigatedPair:
                 table = correlate_linked(*pair, self.ground, measure.link)
                 return {name: float(table[name]) for name in ("rho", "relative_displacement_std")}
             table = correlate(*pair, self.ground)
-        except ArithmeticError:
+        except (ArithmeticError, ValueError):  # not solved; or storeys without a stationary answer
             return {"rho": np.nan, "relative_displacement_std": np.nan}
         apart = float(double_difference(table.displacement_std_1, table.displacement_std_2, table.rho))
         return {"rho": float(table.rho), "relative_displacement_std": apart}
