@@ -11,6 +11,7 @@ from .models.grounds import (
     WhiteNoise as WhiteNoise,
     KanaiTajimi as KanaiTajimi,
     CloughPenzien as CloughPenzien,
+    ParallelGround as ParallelGround,
 )
 from .models.grounds.named import (
     named_ground as named_ground,

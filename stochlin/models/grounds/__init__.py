@@ -4,6 +4,16 @@ from stochlin.kernels.linearization.filters import Filter
 from stochlin.models.grounds.base import GROUNDS, Fit, Ground
 from stochlin.models.grounds.clough_penzien import CloughPenzien
 from stochlin.models.grounds.kanai_tajimi import KanaiTajimi
+from stochlin.models.grounds.parallel import ParallelGround
 from stochlin.models.grounds.white_noise import WhiteNoise
 
-__all__ = ["GROUNDS", "CloughPenzien", "Filter", "Fit", "Ground", "KanaiTajimi", "WhiteNoise"]
+__all__ = [
+    "GROUNDS",
+    "CloughPenzien",
+    "Filter",
+    "Fit",
+    "Ground",
+    "KanaiTajimi",
+    "ParallelGround",
+    "WhiteNoise",
+]

@@ -1,0 +1,98 @@
+"""Several grounds at once: their accelerations add, and so do their spectra."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, ClassVar
+
+import xarray as xr
+
+from stochlin.kernels.linearization.filters import Filter
+from stochlin.kernels.linearization.parallel_filters import in_parallel
+from stochlin.messages import brief
+from stochlin.models.grounds.base import Ground
+from stochlin.models.parameters import POSITIVE, Parameter, expect, parameter
+
+
+@dataclass(frozen=True)
+class ParallelGround(Ground):
+    """Independent grounds whose accelerations add: the PSD is the sum of theirs.
+
+    One filter has a spectrum with one hump; a design spectrum needs two to be met within a few per cent.
+
+    Parameters
+    ----------
+    grounds : sequence of KanaiTajimi, CloughPenzien or an extension
+        Two or more, filtered, each parameter a number. Their intensities are their shares.
+    intensity : float or array, optional
+        Sum of the two-sided PSDs ``S0`` of their white noises [m^2/s^3], positive. Given, it scales the
+        grounds together; by default it is the sum of theirs.
+    source : str
+        Where the numbers come from.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a ground is of another kind, has arrays or no filter (`WhiteNoise`).
+
+    Notes
+    -----
+    A Gaussian motion is known by its PSD, so that one white noise through the spectral factor of the
+    sum stands for the several: state space, linearization and time steps are those of one filter.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> slow = sl.CloughPenzien(1.0, 0.4, 5.0, 0.6, intensity=0.01)
+    >>> fast = sl.CloughPenzien(0.2, 0.5, 1.0, 0.6, intensity=0.02)
+    >>> both = sl.ParallelGround([slow, fast])
+    >>> both.intensity, round(float(both.psd(6.0) / (slow.psd(6.0) + fast.psd(6.0))), 9)
+    (0.03, 1.0)
+    """
+
+    name: ClassVar[str] = "several in parallel"
+    grounds: Sequence[Ground] = ()
+    intensity: Parameter = parameter("m^2/s^3", "two-sided PSD of the white noises", POSITIVE, None)
+
+    def __post_init__(self) -> None:
+        if isinstance(self.grounds, Ground) or not isinstance(self.grounds, Sequence):
+            raise TypeError(
+                f"ParallelGround: grounds = {brief(self.grounds)}; allowed: a list of grounds"
+            )
+        object.__setattr__(self, "grounds", tuple(self.grounds))
+        if len(self.grounds) < 2:
+            raise ValueError(f"ParallelGround: {len(self.grounds)} grounds; allowed: two or more")
+        for number, ground in enumerate(self.grounds, 1):
+            role = f"ParallelGround: grounds, number {number}"
+            expect(ground, Ground, role)
+            if any(array.ndim for array in ground.arrays().values()):
+                raise ValueError(f"{role}: {ground.describe()} has an array; allowed: numbers")
+        if self.intensity is None:
+            object.__setattr__(self, "intensity", self._own_intensity)
+        super().__post_init__()
+        _ = self._filter  # of grounds that do not go together it raises
+
+    @cached_property
+    def _own_intensity(self) -> float:
+        return float(sum(ground.arrays()["intensity"] for ground in self.grounds))
+
+    @cached_property
+    def _filter(self) -> Filter:
+        """Of the intensity 1."""
+        filters = [ground.lone_filter() for ground in self.grounds]
+        return in_parallel([replace(f, intensity=f.intensity / self._own_intensity) for f in filters])
+
+    def filter(self, values: Mapping[str, Any]) -> Filter:  # type: ignore[override]
+        """Of all grounds together, at this intensity."""
+        return replace(self._filter, intensity=values["intensity"])
+
+    def _transmission(self, frequency: xr.DataArray) -> xr.DataArray:
+        parts = [ground.psd(frequency) for ground in self.grounds]
+        return sum(parts[1:], parts[0]) / self._own_intensity
+
+    def describe(self) -> str:
+        """One line: the grounds, and the intensity of all."""
+        parts = " + ".join(ground.describe() for ground in self.grounds)
+        return f"ParallelGround({parts}, {super().describe().partition('(')[2]}"
