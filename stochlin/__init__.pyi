@@ -18,6 +18,13 @@ from .models.grounds.named import (
     ground_names as ground_names,
 )
 
+# Design spectra
+from .analyses.sites.design_spectra import (
+    eurocode_8 as eurocode_8,
+    asce_7 as asce_7,
+)
+from .analyses.sites.spectrum_files import read_spectrum as read_spectrum
+
 # Records and envelopes
 from .analyses.records.records import (
     read_record as read_record,

@@ -1,0 +1,1 @@
+"""Sites: design spectra, grounds that deliver them, motions with the energy of a record."""

@@ -1,0 +1,204 @@
+"""Elastic design spectra of codes: pseudo-acceleration over the period."""
+
+from __future__ import annotations
+
+import warnings
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.records.files import METRES
+from stochlin.analyses.sites.spectra import labelled
+from stochlin.analyses.tables.checks import is_number
+from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import DoubtfulInput, brief
+
+STEP = 0.01  # s, between the periods that are given
+_EC8_LONGEST, _ASCE_LONGEST = 4.0, 10.0  # s
+
+
+class _Soil(NamedTuple):
+    """Factor ``S`` and corner periods ``TB``, ``TC``, ``TD`` [s] of a ground type."""
+
+    factor: float
+    rise: float
+    plateau: float
+    long: float
+
+
+# EN 1998-1:2004, tables 3.2 and 3.3.
+_EUROCODE = {
+    1: {
+        "A": _Soil(1.0, 0.15, 0.4, 2.0),
+        "B": _Soil(1.2, 0.15, 0.5, 2.0),
+        "C": _Soil(1.15, 0.2, 0.6, 2.0),
+        "D": _Soil(1.35, 0.2, 0.8, 2.0),
+        "E": _Soil(1.4, 0.15, 0.5, 2.0),
+    },
+    2: {
+        "A": _Soil(1.0, 0.05, 0.25, 1.2),
+        "B": _Soil(1.35, 0.05, 0.25, 1.2),
+        "C": _Soil(1.5, 0.1, 0.25, 1.2),
+        "D": _Soil(1.8, 0.1, 0.3, 1.2),
+        "E": _Soil(1.6, 0.05, 0.25, 1.2),
+    },
+}
+
+
+def eurocode_8(ag: float, soil: str, type: int = 1, damping: float = 0.05) -> xr.DataArray:
+    """Elastic response spectrum of Eurocode 8, horizontal.
+
+    EN 1998-1:2004, eqs. (3.2) to (3.6), with the recommended values of tables 3.2 and 3.3; a national
+    annex may have others (then `read_spectrum`).
+
+    Parameters
+    ----------
+    ag : float
+        Design ground acceleration on ground type A, with the importance factor [m/s^2], positive.
+    soil : str
+        Ground type, ``"A"`` to ``"E"``.
+    type : {1, 2}
+        1 where earthquakes of a surface-wave magnitude above 5.5 count most, else 2.
+    damping : float
+        Damping ratio [-] between 0 and 1: the factor ``eta = sqrt(10/(5 + 100 xi)) >= .55``.
+
+    Returns
+    -------
+    xarray.DataArray
+        Pseudo-acceleration [m/s^2] over ``period`` [s], from 0 (the peak ground acceleration) to 4 s.
+        The attributes ``damping`` and ``source`` say of what.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a value is out of range or a ground type unknown.
+
+    Warns
+    -----
+    UserWarning
+        If ``ag S`` is at most .05 g, for which the code need not be applied, or more than 3 g: is
+        ``ag`` in m/s^2?
+
+    References
+    ----------
+    EN 1998-1:2004, Eurocode 8: Design of structures for earthquake resistance, 3.2.2.2.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> spectrum = sl.eurocode_8(0.25 * 9.80665, "C")
+    >>> spectrum.sel(period=[0.0, 0.4, 1.0], method="nearest").values.round(3).tolist()
+    [2.819, 7.049, 4.229]
+    """
+    _check_positive("ag", ag, "in m/s^2")
+    if not is_number(type) or type not in _EUROCODE:
+        raise ValueError(f"type = {brief(type)} is unknown; allowed: 1, 2")
+    soils = _EUROCODE[int(type)]
+    name = soil.strip().upper() if isinstance(soil, str) else soil
+    if name not in soils:
+        raise ValueError(f"soil = {brief(soil)} is no ground type; allowed: {', '.join(soils)}")
+    if not (is_number(damping) and 0 <= damping < 1):
+        raise ValueError(f"damping = {brief(damping)} is out of range; allowed: 0 <= damping < 1")
+    s, rise, plateau, long = soils[name]
+    peak = ag * s
+    if peak <= 0.05 * METRES["g"]:
+        _doubt(
+            f"ag = {ag:g} m/s^2 with S = {s:g} is {peak / METRES['g']:.3g} g, and up to .05 g "
+            "Eurocode 8 need not be applied; is ag in m/s^2?"
+        )
+    eta = max(np.sqrt(10 / (5 + 100 * damping)), 0.55)
+    period = STEP * np.arange(round(_EC8_LONGEST / STEP) + 1)
+    after = np.maximum(period, plateau)
+    shape = np.where(
+        period < rise,
+        1 + period / rise * (2.5 * eta - 1),
+        2.5 * eta * plateau / after * np.minimum(1, long / after),
+    )
+    source = f"Eurocode 8, type {int(type)}, ground {name}, ag = {ag:g} m/s^2"
+    return _code_spectrum(period, peak * shape, damping, source)
+
+
+def asce_7(sds: float, sd1: float, tl: float) -> xr.DataArray:
+    """Design response spectrum of ASCE 7, damping .05.
+
+    ASCE 7-16, 11.4.6: ``.4 + .6 T/T0`` below ``T0 = .2 TS``, the plateau ``SDS`` to ``TS = SD1/SDS``,
+    ``SD1/T`` to ``TL``, then ``SD1 TL/T^2``.
+
+    Parameters
+    ----------
+    sds, sd1 : float
+        Design spectral accelerations at short periods and at 1 s [m/s^2], positive: times 9.80665 if
+        they are in g, as maps have them.
+    tl : float
+        Long-period transition [s], positive.
+
+    Returns
+    -------
+    xarray.DataArray
+        As `eurocode_8` gives it, from 0 to 10 s.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a value is out of range, or ``TS`` is not before ``tl``.
+
+    Warns
+    -----
+    UserWarning
+        If ``sds`` is below .05 g or its peak ground acceleration above 3 g: is it in m/s^2?
+
+    References
+    ----------
+    ASCE/SEI 7-16, Minimum design loads and associated criteria, 11.4.6.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> spectrum = sl.asce_7(sds=1.0 * 9.80665, sd1=0.6 * 9.80665, tl=8.0)
+    >>> in_g = spectrum.sel(period=[0.0, 0.3, 2.0], method="nearest") / 9.80665
+    >>> in_g.values.round(3).tolist()
+    [0.4, 1.0, 0.3]
+    """
+    for name, value in (("sds", sds), ("sd1", sd1)):
+        _check_positive(name, value, "in m/s^2")
+    _check_positive("tl", tl, "in seconds")
+    corner = sd1 / sds
+    if corner >= tl:
+        raise ValueError(
+            f"tl = {tl:g} s is not after TS = sd1/sds = {corner:.4g} s; allowed: tl > sd1/sds"
+        )
+    if sds < 0.05 * METRES["g"]:
+        _doubt(f"sds = {sds:g} m/s^2 is {sds / METRES['g']:.3g} g; is it in m/s^2?")
+    grid = STEP * np.arange(round(_ASCE_LONGEST / STEP) + 1)
+    corners = [t for t in (0.2 * corner, corner, tl) if t < _ASCE_LONGEST]
+    near = np.abs(grid[:, None] - corners).min(axis=1) < 1e-6
+    period = np.union1d(grid[~near], corners)
+    after = np.maximum(period, corner)
+    shape = np.where(
+        period < 0.2 * corner,
+        0.4 + 0.6 * period / (0.2 * corner),
+        corner / after * np.minimum(1, tl / after),
+    )
+    source = f"ASCE 7, SDS = {sds:g}, SD1 = {sd1:g} m/s^2, TL = {tl:g} s"
+    return _code_spectrum(period, sds * shape, 0.05, source)
+
+
+def _code_spectrum(period: Array, values: Array, damping: float, source: str) -> xr.DataArray:
+    if values[0] > 3 * METRES["g"]:
+        _doubt(
+            f"{source}: its peak ground acceleration is {values[0] / METRES['g']:.3g} g, and more "
+            "than 3 g has hardly been recorded; are the accelerations in m/s^2?"
+        )
+    return labelled(period, values, damping, source)
+
+
+def _check_positive(name: str, value: object, units: str) -> None:
+    if not (is_number(value) and 0 < value < np.inf):
+        raise ValueError(
+            f"{name} = {brief(value)} is out of range; allowed: 0 < {name}, finite, {units}"
+        )
+
+
+def _doubt(message: str) -> None:
+    warnings.warn(message, DoubtfulInput, stacklevel=3)

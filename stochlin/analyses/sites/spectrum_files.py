@@ -1,0 +1,87 @@
+"""Response spectra from files: columns of periods and accelerations."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.records.files import (
+    METRES,
+    Column,
+    acceleration_units,
+    allowed_units,
+    read_series,
+)
+from stochlin.analyses.sites.spectra import USUAL_DAMPING, check_ordinates, labelled
+from stochlin.analyses.tables.checks import as_path, is_number
+from stochlin.messages import brief, plain
+
+
+def read_spectrum(
+    path: str | os.PathLike[str],
+    *,
+    units: str | None = None,
+    damping: float = USUAL_DAMPING,
+    column: Column | None = None,
+    period_column: Column = 0,
+) -> xr.DataArray:
+    r"""Read an elastic response spectrum: columns of text, as `read_record` reads them.
+
+    Parameters
+    ----------
+    path : str or path
+        The file, text in UTF-8, with or without a row of names; text after ``#`` or ``%`` is a comment.
+    units : {"g", "m/s^2", "cm/s^2", "gal", "mm/s^2"}, optional
+        Units of the accelerations. Not needed where the row of names has them, as ``Sa [g]``.
+    damping : float
+        Damping ratio [-] of the spectrum, between 0 and 1.
+    column, period_column : int or str
+        Columns of the acceleration and of the period [s]: index from 0, or name. The first may be
+        left out where one column remains.
+
+    Returns
+    -------
+    xarray.DataArray
+        Pseudo-acceleration [m/s^2] over ``period`` [s]; ``damping`` and ``source`` among its attributes.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If units are missing or contradict the file; if the periods do not increase or leave a gap, an
+        ordinate is not positive, there are fewer than 4 points; if the spectrum looks divided by a
+        behaviour factor: it hardly rises above its value at a period of zero, or is level at long
+        periods.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib
+    >>> import stochlin as sl
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "site.csv"
+    >>> rows = ["period,Sa [g]", "0,0.2", "0.1,0.4", "0.2,0.5", "0.4,0.5", "0.8,0.25", "1.6,0.12"]
+    >>> _ = path.write_text("\n".join(rows), encoding="utf-8")
+    >>> spectrum = sl.read_spectrum(path)
+    >>> round(float(spectrum.sel(period=0.4)), 4), spectrum.attrs["damping"]
+    (4.9033, 0.05)
+    """
+    path = as_path("path", path)
+    if not (is_number(damping) and 0 < damping < 1):
+        raise ValueError(f"damping = {brief(damping)} is out of range; allowed: 0 < damping < 1")
+    units = None if units is None else acceleration_units(units, "units")
+    name = plain(path.name)
+    series = read_series(path, column, period_column)
+    if units and series.units and units != series.units:
+        raise ValueError(
+            f"units = {brief(units)} contradicts {name}, which states {brief(series.units)}; correct "
+            "it, or leave it out"
+        )
+    stated = units or series.units
+    if stated is None:
+        raise ValueError(f"units is missing and {name} does not state it; allowed: {allowed_units()}")
+    assert series.time is not None  # a column was asked for
+    period, values = np.asarray(series.time), series.values * METRES[stated]
+    check_ordinates(period, values, damping, [f"{name}, row {n}" for n in range(1, period.size + 1)])
+    return labelled(period, values, damping, name)
