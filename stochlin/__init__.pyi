@@ -24,13 +24,14 @@ from .analyses.sites.design_spectra import (
     asce_7 as asce_7,
 )
 from .analyses.sites.spectrum_files import read_spectrum as read_spectrum
+from .analyses.sites.simulated_spectra import simulated_spectrum as simulated_spectrum
 
 # Records and envelopes
 from .analyses.records.records import (
     read_record as read_record,
     strong_part as strong_part,
 )
-from .analyses.records.ground_fit import fit_ground as fit_ground
+from .analyses.sites.ground_fit import fit_ground as fit_ground
 from .analyses.records.spectra import fit_spectra as fit_spectra
 from .analyses.records.envelope_fit import (
     fit_envelope as fit_envelope,
@@ -42,6 +43,7 @@ from .models.envelopes import (
     GammaEnvelope as GammaEnvelope,
     HsuBernard as HsuBernard,
 )
+from .analyses.simulation.ground_motions import simulated_motions as simulated_motions
 from .analyses.records.evolutionary_spectra import evolutionary_psd as evolutionary_psd
 from .analyses.records.response import (
     respond as respond,

@@ -42,6 +42,9 @@ WITHOUT_FORMULA = {
     "peak_factor_names",
     "read_case",
     "read_record",
+    "read_spectrum",
+    "simulated_motions",
+    "simulated_spectrum",
     "write_atlas",
 }
 VARIABLES = [

@@ -9,9 +9,10 @@ from typing import Any
 import xarray as xr
 
 from stochlin.analyses.cases.values import Quantity, Section
-from stochlin.analyses.records.ground_fit import fit_ground, fitted_grounds
+from stochlin.analyses.records.ground_fit import fitted_grounds
 from stochlin.analyses.records.records import read_record
 from stochlin.analyses.records.spectra import ESTIMATORS
+from stochlin.analyses.sites.ground_fit import fit_ground
 from stochlin.models.envelopes import ENVELOPES, Envelope
 from stochlin.models.grounds import GROUNDS, Ground, WhiteNoise
 from stochlin.models.grounds.named import ground_names, named_ground

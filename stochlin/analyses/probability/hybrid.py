@@ -10,7 +10,7 @@ from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.probability.variables import VARIABLES
 from stochlin.analyses.records.cells import SCALARS, check_structure
 from stochlin.analyses.records.gaps import recorded_gap
-from stochlin.analyses.records.ground_fit import fit_ground
+from stochlin.analyses.records.ground_fit import ground_of_record
 from stochlin.analyses.records.response import respond
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_scalars
@@ -45,7 +45,7 @@ def hybrid_pounding(
         expect(structure, Bilinear, role)
         check_scalars(structure, role, SCALARS)
     if ground is None:
-        ground = fit_ground(record)
+        ground = ground_of_record(record)
     expect(ground, Ground, "ground")
     one, two = (_rideable(s, ground, role) for s, role in ((first, "first"), (second, "second")))
     rho = float(correlate(one, two, ground).rho)

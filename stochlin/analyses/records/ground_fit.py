@@ -86,7 +86,7 @@ def fitted_grounds() -> dict[str, type[Ground]]:
     return {name: kind for name, kind in GROUNDS.items() if kind.fit is not None}
 
 
-def fit_ground(
+def ground_of_record(
     record: xr.DataArray,
     model: str = "kanai_tajimi",
     estimator: str = "psd",
@@ -94,75 +94,7 @@ def fit_ground(
     part: Part = STRONG_PART,
     frequency_range: tuple[float, float] | None = None,
 ) -> Any:
-    """Fit a ground to the power spectral density of a record.
-
-    The model is compared with the raw periodogram of the part without its mean: there is no
-    smoothing bandwidth to choose, and the peak of a narrow-band ground keeps its height. The part
-    is padded with zeros to four times its length, so that the result does not depend on where the
-    Fourier frequencies fall; with ``estimator="psd"`` this is the least-squares fit of the sample
-    autocovariance at all lags (Parseval). The two other estimators also see the frequencies at
-    which the ground is weak, where leakage from the peak counts: for them a tenth of the part is
-    under a cosine taper. The search starts from a grid of periods and dampings.
-
-    Parameters
-    ----------
-    record : xarray.DataArray
-        Ground acceleration [m/s^2] with the dimension ``time`` [s], as `read_record` gives it.
-    model : str
-        The kind of ground: ``"kanai_tajimi"``, ``"clough_penzien"``, or an extension that can be fitted.
-    estimator : {"psd", "log_psd", "whittle"}
-        What the fit minimizes: the squared difference of the spectra, which follows the peak; the
-        squared difference of their logarithms, in which each frequency of the range counts alike;
-        or the Whittle likelihood, the most accurate one if the model is true. On a record that
-        the model does not describe they differ widely: look at it with `fit_spectra`.
-    part : tuple of two floats
-        Fractions of the cumulative energy between which the record is used, see `strong_part`;
-        (0, 1) is all of it.
-    frequency_range : tuple of two floats, optional
-        Lowest and highest circular frequency used [rad/s]. By default those below which the part
-        has .01 % (and one cycle at least) and 99 % of its energy. They matter little to ``"psd"``
-        and much to the other two.
-
-    Returns
-    -------
-    KanaiTajimi, CloughPenzien or an extension
-        With ``intensity`` [m^2/s^3], the two-sided PSD per rad/s of the white noise. ``source``
-        names the estimator, the record, the part and the range, and gives relative standard errors.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If the record is not one, an option is unknown, the range holds too few frequencies, or
-        the fit fails or ends on a bound, as it does where the record does not define a parameter.
-
-    Notes
-    -----
-    The standard errors are those of a stationary Gaussian process of the fitted spectrum [1]_,
-    which a part of a record is only roughly. Short records of narrow-band ground say little: in 200
-    simulated ones of 71 s with ``wg=3.09``, ``xig=.054`` the damping found over the true one was .21
-    to 2.0 with ``"psd"`` (median .5) and .63 to 1.8 with ``"whittle"`` (median 1.1), in nine cases of
-    ten. A periodogram of duration d cannot tell a damping ratio below about ``2.8/(wg d)`` from a
-    sinusoid; ``source`` says so where the result is less than twice that.
-
-    References
-    ----------
-    .. [1] P. Whittle, "Estimation and information in stationary time series", Arkiv foer
-       Matematik 2, 423-434, 1953.
-
-    Examples
-    --------
-    >>> import numpy as np, xarray as xr
-    >>> import stochlin as sl
-    >>> time, step = 0.02 * np.arange(20000), 2 * np.pi / 400
-    >>> psd = sl.KanaiTajimi(period=1.0, damping=0.3, intensity=0.01).psd(step * np.arange(10001))
-    >>> phase = np.random.default_rng(1).uniform(0, 2 * np.pi, psd.size)
-    >>> spectrum = np.sqrt(psd.values * step) * np.exp(1j * phase)
-    >>> history = np.fft.irfft(spectrum) * time.size
-    >>> record = xr.DataArray(history, dims="time", coords={"time": time})
-    >>> ground = sl.fit_ground(record, part=(0, 1))
-    >>> round(ground.period, 2), round(ground.damping, 1), round(ground.intensity, 3)
-    (1.0, 0.3, 0.01)
-    """
+    """What `fit_ground` gives for a record."""
     kinds = fitted_grounds()
     _check_name("model", model, kinds)
     _check_name("estimator", estimator, ESTIMATORS)

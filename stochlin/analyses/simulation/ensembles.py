@@ -20,6 +20,7 @@ from stochlin.analyses.tables.cellwise import row_of
 from stochlin.analyses.tables.checks import check_whole, is_number
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.simulation.ensemble import Crowd, Oscillators, Plan, Storeys
 from stochlin.kernels.simulation.stepping import LANES, FilterSteps, bilinear_block, filter_steps
 from stochlin.kernels.simulation.storey_stepping import SLACK
@@ -161,9 +162,7 @@ def prepare(
     rows, scale, period = np.full(count, -1), np.full(count, np.nan), np.full(count, np.nan)
     drift_time, parts = np.zeros(count), list[Oscillators | Storeys]()
     soil = ground.lone_filter()
-    matrix, noise, output = soil.arrays
-    intensity = 2 * np.pi * soil.intensity
-    rates = -np.linalg.eigvals(matrix).real if soil.states else np.array([np.inf])
+    rates = -np.linalg.eigvals(soil.arrays.matrix).real if soil.states else np.array([np.inf])
     periods = [float(2 * np.pi / np.float64(soil.fastest))] if soil.states else []
     memory = float((1 / rates).max())
     if cells is not None:
@@ -190,14 +189,20 @@ def prepare(
         Crowd(tuple(parts)),
         rows[known],
         scale[known],
-        filter_steps(matrix, noise, output, intensity, dt),
-        _root(matrix, noise, intensity),
+        *ground_steps(soil, dt),
         Plan(dt, every, burn_in=0, recorded=0, groups=int(np.ceil(paths / LANES)), seed=seed),
         memory,
         known,
         period[known],
         drift_time[known],
     )
+
+
+def ground_steps(soil: Filter, dt: float) -> tuple[FilterSteps, Array]:
+    """How the filter of a ground steps, and the square root of its stationary covariance."""
+    matrix, noise, output = soil.arrays
+    intensity = 2 * np.pi * soil.intensity
+    return filter_steps(matrix, noise, output, intensity, dt), _root(matrix, noise, intensity)
 
 
 def check_settings(

@@ -136,7 +136,8 @@ def asce_7(sds: float, sd1: float, tl: float) -> xr.DataArray:
     Returns
     -------
     xarray.DataArray
-        As `eurocode_8` gives it, from 0 to 10 s.
+        Pseudo-acceleration [m/s^2] over ``period`` [s], from 0 (the peak ground acceleration) to 10 s.
+        The attributes ``damping`` and ``source`` say of what.
 
     Raises
     ------
@@ -150,7 +151,7 @@ def asce_7(sds: float, sd1: float, tl: float) -> xr.DataArray:
 
     References
     ----------
-    ASCE/SEI 7-16, Minimum design loads and associated criteria, 11.4.6.
+    ASCE/SEI 7-16 (2016), Minimum design loads and associated criteria, 11.4.6.
 
     Examples
     --------

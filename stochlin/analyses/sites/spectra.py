@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TypeGuard
+
 import numpy as np
 import xarray as xr
 
@@ -11,6 +13,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
 
 USUAL_DAMPING = 0.05
+SHORTEST = 0.05  # s: below, a spectrum is not fitted and not looked at
 FEWEST = 4  # points
 WIDEST = 2.0  # ratio of two periods next to each other
 # Elastic spectra of 5 % rise to 2 to 3 times the ground's peak; divided by q or R they do not.
@@ -34,7 +37,7 @@ def labelled(period: Array, values: Array, damping: float, source: str) -> xr.Da
     )
 
 
-def is_spectrum(target: object) -> bool:
+def is_spectrum(target: object) -> TypeGuard[xr.DataArray]:
     """Whether this is meant as a spectrum: it is over ``period``."""
     return isinstance(target, xr.DataArray) and "period" in target.dims
 
@@ -70,6 +73,13 @@ def checked_spectrum(spectrum: xr.DataArray) -> tuple[Array, Array, float]:
     places = [f"spectrum, number {n}" for n in range(1, period.size + 1)]
     check_ordinates(period, values, float(damping), places)
     return period, values, float(damping)
+
+
+def interpolated(period: Array, values: Array, at: Array) -> Array:
+    """Ordinates at other periods above 0, on straight lines in logarithms."""
+    above = period > 0
+    found: Array = np.exp(np.interp(np.log(at), np.log(period[above]), np.log(values[above])))
+    return found
 
 
 def check_ordinates(period: Array, values: Array, damping: float, places: list[str]) -> None:

@@ -249,6 +249,28 @@ def finite_extremes(
     return Extremes(*(np.concatenate(field, axis=1).T for field in zip(*groups, strict=True)))
 
 
+def ground_motions(
+    ground: FilterSteps, output: Array, root: Array, plan: Plan, steps: int, progress: Progress | None
+) -> Array:
+    """Ground acceleration ``output q`` at the beginning of each step, (motions, steps).
+
+    The motions are those under which a crowd moves by this plan; white noise, which has no value at an
+    instant, is given by its mean over the step.
+    """
+    at_instants = ground._replace(row=output, direct=0.0) if output.size else ground
+
+    def run(group: int) -> Array:
+        motion = Motion(Crowd(()), at_instants, root, plan, plan.first_group + group)
+        history = np.empty((steps, LANES))
+        for begin in range(0, steps, plan.samples):
+            motion.block()
+            part = history[begin : begin + plan.samples]
+            part[:] = motion.f[: len(part)]
+        return history.T
+
+    return np.concatenate(list(in_order(run, plan.groups, progress)))
+
+
 def _gram(motion: Motion, view: View | None, blocks: int) -> Array:
     """Sums of ``x_i x_j`` over the samples of the blocks, (LANES, m, m)."""
     size = motion.crowd.size if view is None else len(view.row)

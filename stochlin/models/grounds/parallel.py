@@ -42,6 +42,10 @@ class ParallelGround(Ground):
     A Gaussian motion is known by its PSD, so that one white noise through the spectral factor of the
     sum stands for the several: state space, linearization and time steps are those of one filter.
 
+    References
+    ----------
+    Papoulis, A. (1991), Probability, random variables, and stochastic processes, for the factor.
+
     Examples
     --------
     >>> import stochlin as sl

@@ -326,8 +326,8 @@ def _flags(names: Iterable[str]) -> str:
 
 def site(record: Path, options: dict[str, Any]) -> tuple[xr.DataArray, Ground]:
     """The record and the ground fitted to it."""
-    from stochlin.analyses.records.ground_fit import fit_ground
     from stochlin.analyses.records.records import read_record
+    from stochlin.analyses.sites.ground_fit import fit_ground
 
     columns = {
         name: int(value) if value is not None and value.isdigit() else value

@@ -1,0 +1,108 @@
+"""The ground motions under which structures are simulated, as records."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.simulation.ensembles import check_settings, ground_steps
+from stochlin.analyses.simulation.finite_motions import BLOCK
+from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.checks import check_duration, check_scalars, is_number
+from stochlin.analyses.tables.work import check_work
+from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.simulation.ensemble import Plan, ground_motions
+from stochlin.kernels.simulation.stepping import LANES
+from stochlin.messages import brief
+from stochlin.models.envelopes import Envelope
+from stochlin.models.grounds import Ground
+from stochlin.models.parameters import expect
+
+USUAL_STEP = 0.01  # s
+
+
+def simulated_motions(
+    ground: Ground,
+    duration: float,
+    envelope: Envelope | None = None,
+    *,
+    paths: int = 32,
+    seed: int = 0,
+    step: float = USUAL_STEP,
+    progress: Progress | None = None,
+) -> xr.DataArray:
+    """Ground motions, each of them a record for `pound`, `respond`, `recorded_gap` or another program.
+
+    The ground's filter is stationary at the start, and what comes out is multiplied by the envelope.
+    With the same seed and as ``step`` the ``step_s`` that `simulate` states of its result, these are the
+    motions under which its structures move.
+
+    Parameters
+    ----------
+    ground : WhiteNoise, KanaiTajimi, CloughPenzien or ParallelGround
+        With scalar parameters.
+    duration : float
+        Length of each motion [s], positive.
+    envelope : AminAng, ShinozukaSato, GammaEnvelope or HsuBernard, optional
+        Without it the motion is stationary.
+    paths : int
+        Number of motions, from 2.
+    seed : int
+        The same seed gives the same motions, whatever the number of cores.
+    step : float
+        Time step [s], positive; of white noise each value is the mean over a step.
+    progress : callable, optional
+        Called with the share of the work that is done.
+
+    Returns
+    -------
+    xarray.DataArray
+        Ground acceleration [m/s^2] over ``path`` and ``time`` [s], named ``acceleration``.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a number is out of range, the ground has arrays, or the motions would not fit into memory.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> ground = sl.named_ground("firm", intensity=0.01)
+    >>> motions = sl.simulated_motions(ground, 20.0, sl.AminAng(2.0, 12.0, 0.4), paths=4)
+    >>> table = sl.recorded_gap(sl.Bilinear(0.5, 0.05), sl.Bilinear(1.0, 0.05), motions[0])
+    >>> motions.dims, motions.shape, bool(table.separation > 0)
+    (('path', 'time'), (4, 2001), True)
+    """
+    expect(ground, Ground, "ground")
+    check_scalars(ground, "ground", "numbers")
+    if envelope is not None:
+        expect(envelope, Envelope, "envelope")
+    check_duration(duration)
+    check_settings(paths, seed)
+    if not (is_number(step) and 0 < step <= duration):
+        raise ValueError(
+            f"step = {brief(step)} is out of range; allowed: 0 < step <= duration, in seconds"
+        )
+    steps = int(np.ceil(duration / step * (1 - 1e-12))) + 1
+    check_work(
+        f"{paths} motions of {duration:g} s in steps of {step:g} s would take",
+        "shorten them, lower paths, or give a longer step",
+        memory=16.0 * steps * paths,
+    )
+    soil, time = ground.lone_filter(), step * np.arange(steps)
+    plan = Plan(step, 1, 0, 0, groups=-(-paths // LANES), seed=seed, samples=BLOCK)
+    made, root = ground_steps(soil, step)
+    values = ground_motions(made, soil.arrays.output, root, plan, steps, progress)[:paths]
+    # The forcing of a structure is the ground acceleration turned round.
+    values *= -1.0 if envelope is None else -envelope.at(time)
+    motions = xr.DataArray(
+        values,
+        dims=("path", "time"),
+        coords={"time": ("time", time, {"units": "s", "long_name": "time"})},
+        name="acceleration",
+        attrs={"units": "m/s^2", "long_name": "ground acceleration", "dt": step},
+    )
+    models = {"ground": ground} if envelope is None else {"ground": ground, "envelope": envelope}
+    call = f"simulated_motions(duration={duration}, paths={paths}, seed={seed}, step={step})"
+    table = labels.with_run_information(motions.to_dataset(), "Simulated motions", call, models)
+    return motions.assign_attrs(table.attrs | {"source": f"simulated, {ground.describe()}"})

@@ -1,0 +1,176 @@
+"""The response spectrum of simulated motions, and how far it is from a target."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.simulation.ensembles import Run, cells_of_all, check_settings, prepare
+from stochlin.analyses.simulation.finite_motions import BLOCK, check_finite
+from stochlin.analyses.simulation.ground_motions import simulated_motions
+from stochlin.analyses.simulation.views import view_of
+from stochlin.analyses.sites.spectra import (
+    SHORTEST,
+    USUAL_DAMPING,
+    checked_spectrum,
+    interpolated,
+    is_spectrum,
+)
+from stochlin.analyses.sites.variables import VARIABLES
+from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.checks import as_numbers, check_duration, check_scalars, is_number
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.simulation.ensemble import finite_extremes
+from stochlin.messages import brief
+from stochlin.models.envelopes import Envelope
+from stochlin.models.grounds import Ground
+from stochlin.models.laws.bilinear import Bilinear
+from stochlin.models.parameters import Model, expect
+
+PERIODS = 48  # of a target that are looked at
+QUANTILES = (0.16, 0.5, 0.84)
+STEPS_PER_PERIOD = 16  # of the shortest: half a per cent of its spectrum
+TOGETHER = 24  # oscillators of neighbouring periods on one step
+
+
+def simulated_spectrum(
+    ground: Ground,
+    target: xr.DataArray | Sequence[float],
+    duration: float,
+    envelope: Envelope | None = None,
+    *,
+    damping: float | None = None,
+    paths: int = 1024,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Response spectrum of simulated motions, beside a target.
+
+    Parameters
+    ----------
+    ground : WhiteNoise, KanaiTajimi, CloughPenzien or ParallelGround
+        With scalar parameters.
+    target : xarray.DataArray or sequence of float
+        A spectrum, as `eurocode_8` and `read_spectrum` give it: 48 of its periods are looked at, from
+        .05 s on. Or the periods themselves [s], positive and increasing.
+    duration : float
+        Length of each motion [s], positive.
+    envelope : AminAng, ShinozukaSato, GammaEnvelope or HsuBernard, optional
+        Without it the motion is stationary; the oscillators start from rest.
+    damping : float, optional
+        Damping ratio [-]; by default that of the target, or .05.
+    paths : int
+        Independent motions, rounded up to a multiple of 32.
+    seed : int
+        The same seed gives the same answer, whatever the number of cores.
+    progress : callable, optional
+        Called with the share of the work that is done.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``period`` [s]: ``pseudo_acceleration`` [m/s^2], the mean over the motions,
+        ``pseudo_acceleration_standard_error``, and over ``quantile`` ``pseudo_acceleration_quantile``;
+        ``peak_ground_acceleration`` [m/s^2], the mean, with its standard error. Of a target that is a
+        spectrum also ``target`` [m/s^2] and ``ratio`` [-], the mean over it, with its standard error.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a number is out of range, the target is no elastic spectrum, or the work is too much.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> ground = sl.named_ground("firm", intensity=0.01)
+    >>> table = sl.simulated_spectrum(ground, [0.2, 0.5, 1.0], 20.0, paths=256)
+    >>> table.pseudo_acceleration.dims, bool((table.pseudo_acceleration > 0).all())
+    (('period',), True)
+    """
+    expect(ground, Ground, "ground")
+    check_scalars(ground, "ground", "numbers")
+    check_duration(duration)
+    check_settings(paths, seed)
+    if envelope is not None:
+        expect(envelope, Envelope, "envelope")
+    periods, wanted, own = _asked(target)
+    ratio = own if damping is None else damping
+    if not (is_number(ratio) and 0 < ratio < 1):
+        raise ValueError(f"damping = {brief(damping)} is out of range; allowed: 0 < damping < 1")
+    peaks = peak_accelerations(
+        periods, ratio, ground, duration, envelope, paths=paths, seed=seed, progress=progress
+    )
+    table = xr.Dataset(coords={"period": labels.axis("period", "period", periods, "s")})
+    table = table.assign_coords(quantile=labels.axis("quantile", "quantile", np.array(QUANTILES)))
+    table["pseudo_acceleration"] = "period", peaks.mean(axis=0)
+    error = peaks.std(axis=0, ddof=1) / np.sqrt(len(peaks))
+    table["pseudo_acceleration_standard_error"] = "period", error
+    quantiles = np.quantile(peaks, QUANTILES, axis=0)
+    table["pseudo_acceleration_quantile"] = ("quantile", "period"), quantiles
+    motions = simulated_motions(ground, duration, envelope, paths=paths, seed=seed)
+    highest = np.abs(motions.to_numpy()).max(axis=1)
+    table["peak_ground_acceleration"] = (), highest.mean()
+    error_of_peak = highest.std(ddof=1) / np.sqrt(highest.size)
+    table["peak_ground_acceleration_standard_error"] = (), error_of_peak
+    if wanted is not None:
+        table["target"] = "period", wanted
+        table["ratio"] = table.pseudo_acceleration / table.target
+        table["ratio_standard_error"] = table.pseudo_acceleration_standard_error / table.target
+    models: dict[str, Model] = {"ground": ground}
+    if envelope is not None:
+        models["envelope"] = envelope
+    call = f"simulated_spectrum(duration={duration}, damping={ratio}, paths={paths}, seed={seed})"
+    title = "Response spectrum of simulated motions"
+    return labels.with_run_information(labels.label(table, VARIABLES), title, call, models)
+
+
+def _asked(target: xr.DataArray | Sequence[float]) -> tuple[Array, Array | None, float]:
+    """Periods, the spectrum wanted there, and its damping."""
+    if is_spectrum(target):
+        period, values, damping = checked_spectrum(target)
+        sought = np.geomspace(max(SHORTEST, period[period > 0][0]), period[-1], PERIODS)
+        return sought, interpolated(period, values, sought), damping
+    periods = as_numbers("target", target, "a spectrum, or periods in seconds").astype(float)
+    if periods.ndim != 1 or not periods.size or not (np.diff(periods, prepend=0.0) > 0).all():
+        raise ValueError(f"target = {brief(target)}; allowed: a spectrum, or increasing periods above 0")
+    return periods, None, USUAL_DAMPING
+
+
+def peak_accelerations(
+    periods: Array,
+    damping: float,
+    ground: Ground,
+    duration: float,
+    envelope: Envelope | None,
+    *,
+    paths: int,
+    seed: int,
+    progress: Progress | None = None,
+) -> Array:
+    """Pseudo-accelerations [m/s^2] of elastic oscillators, (paths, periods)."""
+    found = np.empty((paths, periods.size))
+    order = np.argsort(periods)
+    for mine in np.array_split(order, -(-periods.size // TOGETHER)):
+        run = prepare(
+            cells_of_all([Bilinear(float(t), damping) for t in periods[mine]], ground, False),
+            ground,
+            paths=paths,
+            seed=seed,
+            steps_per_period=STEPS_PER_PERIOD,
+        )
+        check_finite(run, duration, mine.size)
+        peaks = _peaks(run, duration, envelope, progress)
+        found[:, mine] = (2 * np.pi / periods[mine]) ** 2 * peaks[:paths]
+    return found
+
+
+def _peaks(run: Run, duration: float, envelope: Envelope | None, progress: Progress | None) -> Array:
+    plan = run.plan._replace(every=1, samples=BLOCK)
+    middle = plan.dt * (np.arange(int(np.ceil(duration / plan.dt))) + 0.5)
+    shape = np.ones_like(middle) if envelope is None else envelope.at(middle)
+    each = view_of([{n: 1.0} for n in range(run.order.size)], run.order, run.scale)
+    extremes = finite_extremes(run.crowd, each, run.ground, run.root, plan, shape, progress)
+    return np.maximum(extremes.highest, -extremes.lowest)

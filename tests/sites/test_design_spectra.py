@@ -1,0 +1,153 @@
+"""Design spectra against the formulas of their codes, written out by hand; files of spectra."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import stochlin as sl
+
+G = 9.80665
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize(
+    ("soil", "kind", "period", "over_ag"),
+    [
+        ("A", 1, 0.0, 1.0),
+        ("A", 1, 0.06, 1.6),
+        ("A", 1, 0.3, 2.5),
+        ("A", 1, 1.0, 2.5 * 0.4),
+        ("A", 1, 3.0, 2.5 * 0.4 * 2.0 / 9.0),
+        ("B", 1, 0.5, 1.2 * 2.5),
+        ("C", 1, 1.2, 1.15 * 2.5 * 0.5),
+        ("D", 1, 4.0, 1.35 * 2.5 * 0.8 * 2.0 / 16.0),
+        ("E", 1, 1.0, 1.4 * 2.5 * 0.5),
+        ("A", 2, 0.05, 2.5),
+        ("B", 2, 1.0, 1.35 * 2.5 * 0.25),
+        ("C", 2, 2.0, 1.5 * 2.5 * 0.25 * 1.2 / 4.0),
+        ("d", 2, 0.3, 1.8 * 2.5),
+        ("E", 2, 0.0, 1.6),
+    ],
+)
+def test_eurocode_8(soil, kind, period, over_ag):
+    spectrum = sl.eurocode_8(2.0, soil, kind)
+    assert float(spectrum.sel(period=period, method="nearest")) == pytest.approx(2.0 * over_ag)
+
+
+@pytest.mark.oracle
+def test_damping_of_eurocode_8():
+    two, five, thirty = (sl.eurocode_8(2.0, "B", damping=x).sel(period=0.3) for x in (0.02, 0.05, 0.3))
+    assert float(two / five) == pytest.approx(np.sqrt(10 / 7))
+    assert float(thirty / five) == pytest.approx(0.55)
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize(
+    ("period", "over_g"),
+    [(0.0, 0.4), (0.06, 0.7), (0.12, 1.0), (0.6, 1.0), (1.2, 0.5), (8.0, 0.075), (10.0, 0.048)],
+)
+def test_asce_7(period, over_g):
+    spectrum = sl.asce_7(G, 0.6 * G, 8.0)
+    assert float(spectrum.sel(period=period, method="nearest")) == pytest.approx(over_g * G)
+
+
+@pytest.mark.oracle
+def test_corners_of_asce_7_are_among_its_periods():
+    spectrum = sl.asce_7(1.3 * G, 0.4567 * G, 6.0)
+    for corner in (0.2 * 0.4567 / 1.3, 0.4567 / 1.3, 6.0):
+        assert np.abs(spectrum.period - corner).min() < 1e-12
+    assert float(spectrum.max()) == pytest.approx(1.3 * G)
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: sl.eurocode_8(-1.0, "A"), "ag = -1.0 is out of range; allowed: 0 < ag"),
+        (lambda: sl.eurocode_8(2.0, "F"), "soil = 'F' is no ground type; allowed: A, B, C, D, E"),
+        (lambda: sl.eurocode_8(2.0, "A", 3), "type = 3 is unknown; allowed: 1, 2"),
+        (lambda: sl.eurocode_8(2.0, "A", damping=5), "damping = 5 is out of range"),
+        (lambda: sl.asce_7(G, 9 * G, 8.0), "tl = 8 s is not after TS = sd1/sds = 9 s"),
+        (lambda: sl.asce_7(G, 0.0, 8.0), "sd1 = 0.0 is out of range"),
+    ],
+)
+def test_values_out_of_range_are_refused(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: sl.eurocode_8(0.25, "C"),
+        lambda: sl.eurocode_8(250.0, "C"),
+        lambda: sl.asce_7(0.3, 0.1, 8.0),
+        lambda: sl.asce_7(100.0, 60.0, 8.0),
+    ],
+)
+def test_units_that_are_hardly_meant_are_asked_about(call):
+    with pytest.warns(UserWarning, match="m/s.2"):
+        call()
+
+
+def written(path, rows, head="T,Sa [g]"):
+    path.write_text("\n".join([head, *rows]), encoding="utf-8")
+    return path
+
+
+def of_code(divided=1.0, floor=0.0):
+    period = np.array([0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.7, 1, 1.4, 2, 2.8, 4])
+    shape = sl.eurocode_8(2.0, "B").interp(period=period).values / G
+    shape[1:] = np.maximum(shape[1:] / divided, floor)
+    return [f"{t:g},{a:.9g}" for t, a in zip(period, shape, strict=True)]
+
+
+def test_a_file_gives_what_was_written(tmp_path):
+    spectrum = sl.read_spectrum(written(tmp_path / "site.csv", of_code()))
+    np.testing.assert_allclose(
+        spectrum, sl.eurocode_8(2.0, "B").interp(period=spectrum.period), rtol=1e-8
+    )
+    assert spectrum.attrs["source"] == "site.csv"
+    same = sl.read_spectrum(written(tmp_path / "plain.csv", of_code(), "T,Sa"), units="g", damping=0.02)
+    np.testing.assert_array_equal(same, spectrum)
+    assert same.attrs["damping"] == 0.02
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize(
+    ("rows", "head", "message"),
+    [
+        (of_code(), "T,Sa", "units is missing and site.csv does not state it; allowed: 'g'"),
+        ([*of_code()[:5], "1.9,.1", "4,.1"], None, "row 6: nothing stands between 0.2 and 1.9 s"),
+        ([*of_code()[:5], "0.25,-1"], None, "row 6: the acceleration at 0.25 s is -9.8.*allowed: posit"),
+        ([*of_code()[:5], "0.15,1"], None, "(time|period|increas)"),
+        (of_code()[:3], None, "spectrum has 3 points; allowed: 4 or more"),
+        (of_code(divided=3.0), None, "row 1: the spectrum rises to .* divided by a behaviour factor"),
+        (of_code(floor=0.16)[1:], None, "row 11: the spectrum is level from 2 s on"),
+    ],
+)
+def test_a_file_that_holds_no_elastic_spectrum_is_refused(tmp_path, rows, head, message):
+    with pytest.raises(ValueError, match=message):
+        sl.read_spectrum(written(tmp_path / "site.csv", rows, head or "T,Sa [g]"))
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize(
+    ("change", "error", "message"),
+    [
+        (lambda s: s.to_numpy(), TypeError, "ndarray"),
+        (lambda s: s.assign_attrs(units="g"), ValueError, "units 'g'; allowed: m/s"),
+        (lambda s: xr.DataArray(s.values, coords=s.coords), ValueError, "no units; allowed: m/s"),
+        (lambda s: s.assign_attrs(damping=5), ValueError, "damping 5; allowed: 0 < damping < 1"),
+        (lambda s: s[::-1], ValueError, "allowed: increasing periods, so sort them"),
+        (lambda s: s.where(s.period != 1.0), ValueError, "at 1 s is nan; allowed: positive"),
+        (lambda s: s.sel(period=slice(0.2, 0.5)), ValueError, "half a decade"),
+    ],
+)
+def test_an_array_that_is_no_spectrum_is_refused(change, error, message):
+    spectrum = sl.eurocode_8(2.0, "B")
+    with pytest.raises(error, match=message):
+        sl.fit_ground(change(spectrum), duration=20.0)

@@ -1,0 +1,152 @@
+"""Simulated motions have the spectrum that their ground was fitted to."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import integrate
+
+import stochlin as sl
+
+G = 9.80665
+ENVELOPE = sl.AminAng(2.0, 12.0, 0.4)
+PAIR = sl.Bilinear(0.5, 0.05, 0.05, yield_displacement=0.01), sl.Bilinear(1.0, 0.05)
+EUROCODE = [(kind, soil) for kind in (1, 2) for soil in "ABCDE"]
+CODES = {
+    f"Eurocode 8, type {kind}, {soil}": sl.eurocode_8(0.25 * G, soil, kind) for kind, soil in EUROCODE
+}
+CODES |= {
+    "ASCE 7, Los Angeles": sl.asce_7(1.31 * G, 0.80 * G, 8.0),
+    "ASCE 7, Memphis": sl.asce_7(0.68 * G, 0.39 * G, 12.0),
+    "ASCE 7, Seattle": sl.asce_7(0.93 * G, 0.58 * G, 6.0),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.oracle
+@pytest.mark.parametrize("name", CODES)
+def test_motions_deliver_the_spectrum(name):
+    ground = sl.fit_ground(CODES[name], duration=20.0, envelope=ENVELOPE)
+    table = sl.simulated_spectrum(ground, CODES[name], 20.0, ENVELOPE, paths=2048, seed=77)
+    seen = table.sel(period=slice(0.1, 4.0))
+    # The aim is 3 and 6 %; the scatter of 2048 motions is within .8 %.
+    assert float(np.sqrt(((seen.ratio - 1) ** 2).mean())) < 0.03
+    assert float(abs(seen.ratio - 1).max()) < 0.06
+    assert "errors of" in ground.source
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize(("duration", "envelope"), [(8.0, None), (60.0, sl.HsuBernard(12.0))])
+def test_other_motions_deliver_it_too(duration, envelope):
+    target = CODES["Eurocode 8, type 1, B"]
+    ground = sl.fit_ground(target, duration=duration, envelope=envelope)
+    table = sl.simulated_spectrum(ground, target, duration, envelope, paths=2048, seed=77)
+    assert float(abs(table.sel(period=slice(0.1, 4.0)).ratio - 1).max()) < 0.06
+
+
+@pytest.mark.invariant
+def test_intensity_follows_the_square_of_the_spectrum():
+    target = CODES["Eurocode 8, type 1, A"]
+    one, two = (
+        sl.fit_ground(
+            factor * target.assign_attrs(target.attrs), duration=15.0, filters=1, envelope=ENVELOPE
+        )
+        for factor in (1.0, 1.0)
+    )
+    assert one == two
+    doubled = (2 * target).assign_attrs(target.attrs)
+    twice = sl.fit_ground(doubled, duration=15.0, filters=1, envelope=ENVELOPE)
+    assert twice.intensity == pytest.approx(4 * one.intensity, rel=1e-3)
+    assert twice.period == pytest.approx(one.period, rel=1e-3)
+
+
+@pytest.mark.invariant
+def test_number_of_filters():
+    target = CODES["Eurocode 8, type 1, D"]
+    assert isinstance(sl.fit_ground(target, duration=20.0, filters=1), sl.CloughPenzien)
+    assert len(sl.fit_ground(target, duration=20.0, filters=2).grounds) == 2
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({}, "duration is missing; a spectrum does not say"),
+        ({"duration": 20.0, "model": "kanai_tajimi"}, "model = 'kanai_tajimi' is not fitted to a spec"),
+        ({"duration": 20.0, "estimator": "psd"}, "estimator, part and frequency_range go with a record"),
+        ({"duration": 20.0, "filters": 4}, "filters = 4"),
+        ({"duration": -20.0}, "duration = -20.0"),
+    ],
+)
+def test_options_that_do_not_go_with_a_spectrum_are_refused(options, message):
+    with pytest.raises(ValueError, match=message):
+        sl.fit_ground(CODES["Eurocode 8, type 1, A"], **options)
+
+
+@pytest.mark.invariant
+def test_options_that_do_not_go_with_a_record_are_refused():
+    record = sl.simulated_motions(sl.named_ground("firm", 0.01), 20.0, paths=2)[0]
+    with pytest.raises(ValueError, match="duration goes with a spectrum"):
+        sl.fit_ground(record, duration=20.0)
+
+
+@pytest.mark.oracle
+def test_a_simulated_spectrum_is_that_of_its_motions():
+    """The same motions, followed by the exact solution for records."""
+    ground, step = sl.named_ground("firm", 0.01), 0.0025
+    motions = sl.simulated_motions(ground, 10.0, ENVELOPE, paths=256, seed=1, step=step)
+    periods = np.array([0.2, 0.5, 1.0])
+    found = sl.simulated_spectrum(ground, periods, 10.0, ENVELOPE, paths=1024, seed=2)
+    each = [sl.response_spectrum(motion, periods, 0.05).pseudo_acceleration for motion in motions]
+    mean, error = np.mean(each, axis=0), np.std(each, axis=0) / np.sqrt(256)
+    off = np.abs(found.pseudo_acceleration - mean)
+    assert (off < 4 * np.hypot(error, found.pseudo_acceleration_standard_error)).all()
+
+
+@pytest.mark.oracle
+def test_motions_are_those_of_simulate():
+    options = {"duration": 10.0, "envelope": ENVELOPE, "paths": 32, "seed": 4}
+    ground = sl.named_ground("firm", intensity=0.02)
+    table = sl.simulate(PAIR, ground, steps_per_period=64, **options)
+    motions = sl.simulated_motions(ground, step=table.attrs["step_s"], **options)
+    gaps = [float(sl.recorded_gap(*PAIR, motion).separation) for motion in motions[:8]]
+    # Time steps against the exact solution between samples: second order.
+    np.testing.assert_allclose(gaps, table.separation[:8, 0, 1], rtol=2e-3)
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize("ground", [sl.named_ground("firm", 0.01), sl.KanaiTajimi(0.4, 0.3, 0.02)])
+def test_variance_of_stationary_motions(ground):
+    motions = sl.simulated_motions(ground, 20.0, paths=512, seed=2, step=0.005)
+    exact = 2 * integrate.quad(lambda w: float(ground.psd(w)), 0, np.inf, limit=500)[0]
+    each = (motions**2).mean("time")
+    assert abs(float(each.mean()) - exact) < 4 * float(each.std()) / np.sqrt(512) + 0.01 * exact
+
+
+@pytest.mark.invariant
+def test_a_seed_is_an_answer_and_fewer_paths_are_the_first():
+    ground = sl.named_ground("firm", 0.01)
+    many, few = (sl.simulated_motions(ground, 5.0, paths=paths, seed=9) for paths in (40, 3))
+    np.testing.assert_array_equal(many[:3], few)
+    louder = sl.simulated_motions(replace(ground, intensity=0.04), 5.0, paths=3, seed=9)
+    np.testing.assert_allclose(louder, 2 * few)
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize(
+    ("options", "error", "message"),
+    [
+        ({"duration": 0.0}, ValueError, "duration = 0.0; allowed: a positive number"),
+        ({"step": 30.0}, ValueError, "step = 30.0 is out of range; allowed: 0 < step <= duration"),
+        ({"paths": 1}, ValueError, "paths = 1"),
+        ({"paths": 10**9}, ValueError, "allowed: .* GB; shorten them"),
+        ({"envelope": 3}, TypeError, "envelope = 3 is of the wrong kind"),
+        ({"ground": sl.KanaiTajimi([0.4, 0.5], 0.3)}, ValueError, "period is an array"),
+    ],
+)
+def test_motions_that_cannot_be_made_are_refused(options, error, message):
+    usual = {"ground": sl.named_ground("firm"), "duration": 10.0}
+    with pytest.raises(error, match=message):
+        sl.simulated_motions(**usual | options)
