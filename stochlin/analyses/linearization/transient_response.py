@@ -9,7 +9,9 @@ from stochlin.analyses.linearization.transient_systems import (
     POINTS,
     check_course,
     course_of,
+    oscillators_of,
     over_time,
+    shortest_period,
     side_of,
     solve_course,
     spread_over,
@@ -90,10 +92,10 @@ def transient_response(
     labels.raise_if_lone_failure(xr.Dataset({"status": side.status}), "transient_response")
     if not side.cells.period.size:
         raise ValueError("no structure has valid parameters; correct those that are out of range")
-    course = course_of(envelope, seconds, float(side.cells.period.min()), points)
+    course = course_of(envelope, seconds, shortest_period([side]), points)
     own = solve_course([side], ground, np.zeros((2, 0), int), course).own
     shown = course.shown
-    uy = side.cells.yield_displacement
+    uy = oscillators_of([side]).yield_displacement
     values = {
         "displacement_std": np.sqrt(np.maximum(own.displacement[shown], 0)),
         "velocity_std": np.sqrt(np.maximum(own.velocity[shown], 0)),
