@@ -252,3 +252,35 @@ def test_fragility_is_the_probability_at_each_intensity():
     assert float(table.pounding_probability[1, 1]) == pytest.approx(
         1 - float(alone.confidence_of_no_pounding), abs=1e-5
     )
+
+
+def test_gap_and_structure_may_share_a_dimension():
+    periods, gaps = (xr.DataArray(values, dims="case") for values in ([0.4, 0.6], [0.05, 0.08]))
+    options = {"points": 3, "duration": 5.0, "paths": 64}
+    table = probability(TALL, sl.Bilinear(periods, 0.05), FIRM, gaps, **options)
+    assert table.confidence_of_no_pounding_simulated.dims == ("time", "case")
+    alone = probability(TALL, sl.Bilinear(0.6, 0.05), FIRM, 0.08, **options)
+    for name in ("confidence_of_no_pounding_simulated", "required_gap_simulated"):
+        np.testing.assert_array_equal(table[name].isel(case=1), alone[name])
+
+
+# --- Bad input ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["time", "height"])
+def test_names_of_the_result_are_refused_for_dimensions(name):
+    gaps = xr.DataArray([0.05, 0.1], dims=name)
+    with pytest.raises(ValueError, match=f"gap: a dimension is named '{name}'"):
+        probability(TALL, LOW, FIRM, gaps)
+
+
+def test_storeys_beyond_what_can_be_computed_are_named():
+    with pytest.raises(ValueError, match="check the units of masses and stiffnesses"):
+        probability(replace(LOW, masses=[1e-300] * 2), TALL, FIRM, 0.1)
+    with pytest.raises(ArithmeticError, match=r"^first, elastic: .*; use storeys"):
+        probability(replace(LOW, stiffnesses=[1e30, 1e8]), TALL, FIRM, 0.1)
+    many = sl.ShearBuilding.regular(period=4.0, storeys=200, storey_height=3.0, mass=1e5, damping=0.05)
+    with pytest.raises(ValueError, match=r"200 storeys, would take .* storeys together"):
+        probability(many, many, FIRM, 0.1)
+    with pytest.raises(ValueError, match="lost by rounding; the stiffest has"):
+        sl.simulate([TALL, LOW], FIRM, duration=5.0, paths=32, link=sl.Link(1e30, floors=(1, 1)))

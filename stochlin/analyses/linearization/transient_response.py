@@ -7,7 +7,9 @@ import xarray as xr
 
 from stochlin.analyses.linearization.transient_systems import (
     POINTS,
+    TIME,
     check_course,
+    check_names,
     course_of,
     oscillators_of,
     over_time,
@@ -89,6 +91,7 @@ def transient_response(
     check_whole("points", points, 2)
     seconds = check_course(duration, envelope)
     side = side_of(structure, ground, seconds, "structure", 0)
+    check_names("structure and ground", side.position.dims, (TIME,))
     labels.raise_if_lone_failure(xr.Dataset({"status": side.status}), "transient_response")
     if not side.cells.period.size:
         raise ValueError("no structure has valid parameters; correct those that are out of range")

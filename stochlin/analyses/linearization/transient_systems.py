@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Hashable, Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
 from typing import Any, NamedTuple
@@ -21,6 +21,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.augmented import Solved
 from stochlin.kernels.linearization.filters import Matrices
 from stochlin.kernels.linearization.fixed_point import Closure
+from stochlin.kernels.linearization.lyapunov import UnsolvableError
 from stochlin.kernels.linearization.transient import (
     Coefficients,
     Difference,
@@ -44,6 +45,7 @@ INSTANT = 6e-4  # [s] of integration, roughly
 RATES = 7  # times that the equations are evaluated, roughly, for each radian of the fastest mode
 PRODUCT = 8e-11  # [s] of each, for the states of a structure cubed
 POINTS = 101  # instants of a result
+TIME = "time"
 LACKING = {"yield_displacement": np.inf, "scale": 1.0}  # of storeys that others have; else 0
 
 
@@ -142,6 +144,15 @@ def check_course(duration: float | None, envelope: Envelope | None) -> float:
     return seconds
 
 
+def check_names(roles: str, dims: Collection[Hashable], own: Sequence[str]) -> None:
+    """Raise a ValueError if a dimension has the name of one that the result has of its own."""
+    for name in own:
+        if name in dims:
+            raise ValueError(
+                f"{roles}: a dimension is named {name!r}, as one of the result is; give it another name"
+            )
+
+
 def side_of(structure: AnyStructure, ground: Ground, duration: float, role: str, first: int) -> Side:
     """The cells of a structure, numbered from ``first``; those longer than the motion are invalid.
 
@@ -149,7 +160,7 @@ def side_of(structure: AnyStructure, ground: Ground, duration: float, role: str,
     """
     check_duration(duration, {role: structure})
     if isinstance(structure, ShearBuilding):
-        return _building(structure, ground, first)
+        return _building(structure, ground, role, first)
     period = structure.arrays()["period"]
     elastic = solve_elastic(structure, ground)
     values = structure.arrays()
@@ -181,17 +192,23 @@ def side_of(structure: AnyStructure, ground: Ground, duration: float, role: str,
     )
 
 
-def _building(structure: ShearBuilding, ground: Ground, first: int) -> Side:
+def _building(structure: ShearBuilding, ground: Ground, role: str, first: int) -> Side:
     valid = ground.valid()
     position = numbered(valid, first)
     below = {name: of_cells(array, position).astype(float) for name, array in ground.arrays().items()}
     stack, count = stack_of(structure), int(valid.sum())
     system = System((stack,), ())
     elastic, none = np.full(structure.storeys, -1.0), np.zeros(structure.storeys)
-    drifts = [
-        Solved(Equations(system, soil).augmented(elastic, none, none > 0)).std(system.extensions)
-        for soil in (ground_of(ground, below, cell) for cell in range(count))
-    ]
+    drifts = []
+    for cell in range(count):
+        equations = Equations(system, ground_of(ground, below, cell))
+        try:
+            motion = Solved(equations.augmented(elastic, none, none > 0))
+        except UnsolvableError as error:
+            raise ArithmeticError(
+                f"{role}, elastic: {error}; use storeys whose stiffness over mass differs less"
+            ) from error
+        drifts.append(motion.std(system.extensions))
     return Side(
         structure,
         Storeys(
@@ -280,7 +297,7 @@ def solve_course(sides: Sequence[Side], ground: Ground, pairs: Array, course: Co
 
 def over_time(table: xr.Dataset, course: Course) -> xr.Dataset:
     """The table with its instants, the envelope there, and whether strong shaking is over."""
-    time = labels.axis("time", "time", course.times[course.shown], "s")
+    time = labels.axis(TIME, "time", course.times[course.shown], "s")
     flag = {
         "long_name": f"whether the envelope has fallen for good below {STRONG:g} of its largest value",
         "flag_values": np.arange(2, dtype=np.int8),

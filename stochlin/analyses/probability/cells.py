@@ -11,8 +11,10 @@ from numpy.typing import ArrayLike
 from stochlin.analyses.correlation.correlation import correlate
 from stochlin.analyses.linearization.linearization import linearize
 from stochlin.analyses.linearization.transient_systems import (
+    TIME,
     Moments,
     Side,
+    check_names,
     course_of,
     numbered,
     of_cells,
@@ -85,6 +87,8 @@ class PairTable(NamedTuple):
                 f"length: {sentence(error)}; give them different dimension names for a table"
             ) from error
         left, right = xr.broadcast(one.position, two.position)
+        own = (TIME, HEIGHT) if one.has_storeys or two.has_storeys else (TIME,)
+        check_names("first, second, ground and gap", {*left.dims, *gap.dims}, own)
         both = (left >= 0) & (right >= 0)
         pair_number = numbered(both)
         spread, wide = xr.broadcast(pair_number, gap)

@@ -30,11 +30,11 @@ def storeys_in_motion(
 ) -> xr.Dataset:
     """What simulated motions say, with errors; ``counts`` are paths and seed.
 
-    The gap is kept at all heights at once. Each cell of the ground is a simulation of its own.
+    The gap is kept at all heights at once. Each cell of models is a simulation of its own.
     """
     paths, seed = counts
 
-    def of_ground(first: AnyStructure, second: AnyStructure, ground: Ground) -> xr.Dataset:
+    def of_cell(first: AnyStructure, second: AnyStructure, ground: Ground, distance: Gap) -> xr.Dataset:
         riders = riders_of([first, second], ground, None, stationary=False)
         run = riders.run(ground, paths=paths, seed=seed, steps_per_period=STEPS_PER_PERIOD)
         gap = distance.arrays()["gap"]
@@ -50,4 +50,5 @@ def storeys_in_motion(
         heights = height_numbers([pair.height for pair in pairs])
         return simulated_table(found, cell, heights, confidence, seed)
 
-    return over_cells(of_ground, {"first": first, "second": second, "ground": ground})
+    models = {"first": first, "second": second, "ground": ground}
+    return over_cells(of_cell, models, beside={"distance": distance})

@@ -8,6 +8,8 @@ residual, computed with the matrix as it stands, until it stands still.
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import scipy.linalg
 
@@ -86,7 +88,9 @@ class Lyapunov:
         x = covariance / np.outer(self.scale, self.scale)
         rates = c @ self.matrix
         with_c = x @ c.T
-        logarithm = np.real(scipy.linalg.logm(-self.matrix))
+        with warnings.catch_warnings():  # of a last digit or two
+            warnings.filterwarnings("ignore", "logm result may be inaccurate", RuntimeWarning)
+            logarithm = np.real(scipy.linalg.logm(-self.matrix))
         l1 = (2 / np.pi) * np.einsum("ki,ik->k", rates, logarithm @ with_c)
         return np.einsum("ki,ik->k", c, with_c), l1, np.einsum("ki,ij,kj->k", rates, x, rates)
 
