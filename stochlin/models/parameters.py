@@ -92,7 +92,10 @@ class Model:
     @classmethod
     def kinds(cls) -> Collection[type[Model]]:
         """What there is of this kind, for messages."""
-        return {kind for own in cls.__subclasses__() for kind in own.kinds()} or {cls}
+        made = cls.__subclasses__()
+        # A base is what its own package makes kinds of; a kind that is extended elsewhere stays one.
+        is_base = _package(cls) in map(_package, made)
+        return {kind for each in made for kind in each.kinds()} if is_base else {cls}
 
     @classmethod
     def parameter_names(cls) -> tuple[str, ...]:
@@ -142,6 +145,10 @@ class Model:
         """One line with the parameters, long arrays by their range: for metadata and charts."""
         parts = [f"{name}={_brief(value)}" for name, value in self.arrays().items()]
         return f"{type(self).__name__}({', '.join(parts)})"
+
+
+def _package(kind: type) -> str:
+    return kind.__module__.partition(".")[0]
 
 
 def expect(value: object, kind: type[Model] | tuple[type[Model], ...], role: str) -> None:

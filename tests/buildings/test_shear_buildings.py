@@ -571,7 +571,7 @@ def test_links_without_a_place_are_refused(structures, links, message):
 @pytest.mark.parametrize(
     ("links", "error", "message"),
     [
-        (3, TypeError, "links = 3; allowed: a list of Link and None"),
+        (3, TypeError, "links = 3; allowed: a Link, or a list of Link and None"),
         ([3, None], TypeError, "links, number 1 = 3 is of the wrong kind; allowed: Link"),
         ([Link(1)], ValueError, "links: 1 given; allowed: one between each two neighbours, 2 in all"),
         ([None] * 4, ValueError, "links: 4 given; allowed: one between"),

@@ -84,6 +84,13 @@ def test_what_cannot_pound_is_refused(arguments, error, message):
         sl.pound(**(usual | arguments))
 
 
+def test_a_kind_that_somebody_extends_is_still_allowed():
+    with pytest.raises(TypeError, match=r"allowed: Bilinear$"):
+        sl.pounding_probability(
+            sl.BoucWen(0.5, 0.05), Pinched(0.6, 0.05), None, 0.1, method="hybrid", record=MOTION
+        )
+
+
 @pytest.mark.parametrize("mass", [0.0, -1.0, np.inf, np.nan])
 def test_masses_out_of_range_are_refused(mass):
     with pytest.raises(ValueError, match="mass = "):
