@@ -137,7 +137,7 @@ def linearized_motion(
     structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None] = ()
 ) -> Solved:
     """The equivalent linear motion by the Gaussian closure, of which any displacement can be asked."""
-    equations = equations_of(structures, ground, links)
+    equations = equations_of(structures, ground, checked_system(structures, ground, links))
     solution = Loop(equations, GAUSSIAN, USUAL).solve()
     if solution.motion is None or solution.status >= labels.NOT_CONVERGED:
         raise ArithmeticError(
