@@ -28,10 +28,23 @@ MEGA = 1e-6
 
 @styled(AS_GIVEN)
 def draw_floors(dataset: xr.Dataset) -> Figure:
-    """Draw what floors and storeys bear in one dataset of ``stochlin pound``, from memory or from file.
+    """Draw what floors and storeys bear in one dataset of ``stochlin pound``.
 
-    Side by side, over height: the largest accelerations and storey shears, each also as the building
-    standing alone has it; where slabs hit columns, the largest force on each.
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        As `stochlin.charts.pound_case` makes them of rows with storeys, from memory or from file.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Side by side, over height: the largest accelerations and storey shears, each also as the building
+        standing alone has it; where slabs hit columns, the largest force on each.
+
+    Raises
+    ------
+    ValueError
+        If the dataset is another one.
     """
     from matplotlib.figure import Figure
 

@@ -26,9 +26,26 @@ CENTIMETRES = 100.0
 
 @styled(AS_GIVEN | {"font.size": 10})
 def draw_heights(dataset: xr.Dataset, caption: bool = True) -> Figure:
-    """Draw what `stochlin.separation` returns for buildings with storeys, from memory or from file.
+    """Draw what `stochlin.separation` returns for buildings with storeys.
 
-    Above the required gap over height, below the mean peak drifts of the storeys.
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of one pair, at least one of them a `ShearBuilding`; from memory or as ``stochlin gap`` saves it.
+    caption : bool
+        Whether to say below of what it is.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Above the gap that is needed at each height, by simulation with its 95 % interval and by
+        formulas, and the height that governs; below the mean peak drift of each storey, and its drift
+        at yield.
+
+    Raises
+    ------
+    ValueError
+        If the dataset is another one.
     """
     from matplotlib.figure import Figure
 
