@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +11,7 @@ import xarray as xr
 from stochlin.analyses.cases.pounding import is_oscillator
 from stochlin.analyses.records.files import METRES
 from stochlin.views.pounding.pictures import caption_of
+from stochlin.views.shared.screen import cut
 from stochlin.views.shared.style import AS_GIVEN, CURVES, styled
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ def _profiles(
 ) -> None:
     """Peaks of one building at its floors, and at the middle of its storeys."""
     middle = levels if is_oscillator(one) else 0.5 * (levels + np.append(0.0, levels[:-1]))
-    name = textwrap.shorten(f"{int(one.structure)}  {one.building.item()}", NAME)
+    name = cut(f"{int(one.structure)} {one.building.item()}", NAME)
     for axes, peak, scale, at in (
         (panels[0], "peak_acceleration", 1 / METRES["g"], levels),
         (panels[1], "peak_storey_shear", MEGA, middle),

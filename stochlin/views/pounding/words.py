@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from stochlin.analyses.cases.case import Case
 
 LONGEST_NAME, SHORTER_NAME = 26, 20
+BASE = "Base: largest base shear."
 SINKS = {"viscous": "damping took", "hysteretic": "yielding", "contacts": "the contacts"}
 TIMES = "Times: largest displacement with pounding over that without."
 ESTIMATE = (
@@ -126,8 +127,8 @@ def _buildings(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
 def _borne(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
     """Heads and rows: accelerations, shears, and what the hits give to each building."""
     storeys = "floor" in table.dims
-    heads = ["building", "accel. [g]", "alone", *["floor"] * storeys, "base shear [MN]", "alone"]
-    heads += [*["storey shear, times"] * storeys, "hits give [kJ]"]
+    heads = ["building", "accel. [g]", "alone", *["floor"] * storeys, "base [MN]", "alone"]
+    heads += [*["storey shear"] * storeys, "hits give [kJ]"]
     rows = []
     for number, name in enumerate(table.building.values):
         one = table.isel(structure=number)
@@ -207,8 +208,7 @@ def _notes(case: Case, table: xr.Dataset) -> str:
     notes += [TIMES, ROOF if "floor" in table.dims else f"{ESTIMATE} {DUCTILITY}"]
     notes += [FLOOR] if "floor" in table.dims else []
     jumps = table.sizes["impact"] and bool(table.largest_force.isnull().all())
-    notes += [JUMPS] if jumps else []
-    notes += [HITS, CLOSEST]
+    notes += [BASE, *[JUMPS] * bool(jumps), HITS, CLOSEST]
     if any(building.strength in ("reduction_factor", "ductility") for building in case.buildings):
         notes.append(STRENGTH.format(case.site))
     return " ".join(notes)

@@ -95,9 +95,9 @@ def _pictures(answer: CaseAnswer) -> list[Picture]:
             (
                 "Height by height, storey by storey",
                 lambda answer: draw_heights(answer.table(), caption=False),
-                "Above, the gap that is needed at each height, and where it governs: one gap for all "
-                "heights takes the largest, a joint that tapers takes each. Below, how far storeys "
-                "drift, and where they yield.",
+                "Above, the gap that is needed at each height, and where it governs. One gap for all "
+                "heights takes the largest, or more: motions need it at different heights. Below, how "
+                "far storeys drift, and where they yield.",
             ),
         )
     if answer.case.records:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 WIDTH, PANEL, LOW, AXIS = 4.6, 2.5, 0.6, 0.55  # inches; a low panel is of one height
-LEGEND, LINE = 0.17, 0.14  # inches: a line of text
+LEGEND, LINE, MARGIN = 0.17, 0.14, 0.05  # inches: lines of text, and above all of it
 LEFT, RIGHT = 0.15, 0.97  # of the width
 CAPTION = 66  # characters
 FORMULAS = ("eq_3_linearized", "linearization", "srss")  # beside the simulation, where they are known
@@ -62,7 +62,8 @@ def draw_heights(dataset: xr.Dataset, caption: bool = True) -> Figure:
     _drifts(panels[1], dataset)
     inner = [PANEL if dataset.sizes["height"] > 1 else LOW, PANEL]
     heads = [LEGEND * ((len(axes.get_legend_handles_labels()[1]) + 1) // 2) for axes in panels]
-    height = top = sum(inner) + sum(heads) + AXIS * len(panels) + foot
+    height = sum(inner) + sum(heads) + AXIS * len(panels) + foot + MARGIN
+    top = height - MARGIN
     figure.set_size_inches(WIDTH, height)
     for axes, own, head in zip(panels, inner, heads, strict=True):
         top -= own + head
@@ -90,8 +91,9 @@ def _gaps(axes: Axes, dataset: xr.Dataset) -> None:
         return np.append(0.0, values) if grounded else values
 
     low, high = (at_height(f"gap_at_height_{end}", "simulation") for end in ("lower", "upper"))
-    known = [rule for rule in FORMULAS if np.isfinite(dataset.gap.sel(rule=rule))]
-    for rule, (color, dash), marker in zip(("simulation", *known), CURVES, "o^vD", strict=False):
+    for rule, (color, dash), marker in zip(("simulation", *FORMULAS), CURVES, "o^vD", strict=False):
+        if not np.isfinite(dataset.gap.sel(rule=rule)):
+            continue
         values = at_height("gap_at_height", rule)
         style: Any = {"color": color, "linestyle": dash, "marker": marker, "ms": 4, "lw": 1.3}
         style["markerfacecolor"] = color if rule == "simulation" else "none"
@@ -104,6 +106,8 @@ def _gaps(axes: Axes, dataset: xr.Dataset) -> None:
         governs = float(dataset.governing_height.sel(rule="simulation"))
         style = {"color": "0.35", "lw": 0.8, "ls": (0, (1, 1.5))}
         axes.axhline(governs, label=f"governs: {governs:.4g} m up", **style)
+        whole = CENTIMETRES * float(dataset.gap.sel(rule="simulation"))
+        axes.axvline(whole, color="0.1", lw=0.9, ls=(0, (4, 2)), label="one for all heights")
     if "existing_gap_m" in dataset.attrs:
         now = CENTIMETRES * float(dataset.attrs["existing_gap_m"])
         axes.axvline(now, color="0.35", lw=1.0, ls=(0, (8, 2, 1, 2, 1, 2)), label="the gap there is")
