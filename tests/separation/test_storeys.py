@@ -65,6 +65,16 @@ def test_a_rule_that_storeys_have_not_says_so(answer):
     assert "of oscillators" in drift.missing.item()
 
 
+def test_a_storey_that_hardly_yields_does_not_hold_up_the_answer():
+    """Its drift relaxes in hours, which a stationary simulation would have to last."""
+    stiff = sl.ShearBuilding([3e5, 3e5], [2e8, 1.6e8], [3.2, 3.2], 0.05, 0.05, [0.006, 0.018])
+    answer = sl.separation(building(3), stiff, FIRM, **FEW)
+    refused = answer.sel(rule="eq_3_simulated")
+    assert np.isnan(refused.gap)
+    assert "yields so rarely that its drift relaxes in" in str(refused.missing.values)
+    assert np.isfinite(answer.gap.sel(rule=["simulation", "linearization"])).all()
+
+
 def test_linearized_rule_is_that_of_the_system(answer):
     table = sl.linearize_system([building(3), building(2, 3.5)], FIRM)
     floors = {name: float(table.displacement_std.sel(floor=name)) for name in ("1.2", "1.3", "2.2")}

@@ -19,7 +19,12 @@ from stochlin.analyses.separation.rules import (
 )
 from stochlin.analyses.separation.storeys import StoreysInMotion, check_levels
 from stochlin.analyses.separation.variables import VARIABLES
-from stochlin.analyses.simulation.finite_motions import keeping_apart, pair_separation, required_gaps
+from stochlin.analyses.simulation.finite_motions import (
+    keeping_apart,
+    pair_separation,
+    quantile_intervals,
+    required_gaps,
+)
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import over_cells
@@ -116,7 +121,10 @@ def separation(
         the quantiles that rules are fed with, ``peak_mean_1`` and ``_2``, ``separation_mean`` [m] with
         standard errors, ``separation_samples`` [m] over ``path``, ``ductility_1`` and ``_2`` [-] (mean
         peak), ``yield_displacement_1`` and ``_2`` [m], ``reduction_factor_1`` and ``_2`` [-]. With
-        records, over ``record``: what `recorded_gap` gives, with the prefix ``record_``.
+        records, over ``record``: what `recorded_gap` gives, with the prefix ``record_``. With storeys,
+        over ``rule`` and ``height`` [m]: ``gap_at_height`` [m], that of the simulation with its 95 %
+        interval, ``_lower`` and ``_upper``, and ``governing_height`` [m]; over ``element``, storey by
+        storey: ``peak_drift_mean`` [m] with its standard error, and ``ductility`` [-].
 
     Raises
     ------
@@ -247,12 +255,18 @@ def _by_height(rules: list[Rule], pair: PairInMotion) -> xr.Dataset:
     """What is required at each height, and where the answer is governed."""
     samples = pair.motions.separation_at_height.isel(structure=0, structure_2=1, drop=True)
     samples = samples.sel(height=pair.heights)
-    simulated = np.quantile(samples.values, pair.confidence, axis=0)
+    levels = np.array([pair.confidence])
+    simulated, *interval = (ends[0] for ends in quantile_intervals(samples.values, levels))
     gaps = [simulated, *(np.broadcast_to(rule.gaps, simulated.shape) for rule in rules[1:])]
+    unknown = np.full((len(rules) - 1, simulated.size), np.nan)
     peaks = xr.DataArray(pair.peaks, dims=("structure", "height"))
     return xr.Dataset(
         {
             "gap_at_height": (("rule", "height"), np.array(gaps)),
+            **{
+                f"gap_at_height_{end}": (("rule", "height"), np.vstack([values, unknown]))
+                for end, values in zip(("lower", "upper"), interval, strict=True)
+            },
             "governing_height": ("rule", [_where_largest(g, pair.heights) for g in gaps]),
             **{f"peak_at_height_{n + 1}": peaks[n] for n in (0, 1)},
         },

@@ -14,6 +14,7 @@ from stochlin.analyses.linearization.strength import reduction_factor
 from stochlin.analyses.linearization.systems.systems import linearized_motion
 from stochlin.analyses.separation.rules import PairInMotion, effective_arguments
 from stochlin.analyses.simulation.finite_motions import pair_peaks
+from stochlin.analyses.simulation.riders import riders_of
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.simulation.views import at_height, meeting_heights
 from stochlin.kernels.basics.arrays import Array
@@ -32,6 +33,7 @@ from stochlin.models.systems import (
 )
 
 PATHS, RELAXATION_TIMES = 64, 5.0  # of the stationary simulation, which tells rho to about .01
+SLOWEST = 20.0  # relaxation time of a drift, over the duration, up to which that simulation is made
 NO_DRIFT = "the drift closure is of oscillators; storeys have none"
 
 
@@ -79,7 +81,15 @@ class StoreysInMotion(PairInMotion):
         return np.array(found)
 
     def simulated_rho(self) -> Array:
-        """See `PairInMotion`."""
+        """See `PairInMotion`; refused where the drift of a storey is far slower than the motion."""
+        duration = float(self.motions.attrs["duration_s"])
+        riders = riders_of(self.structures, self.ground, None, stationary=True)
+        slowest = float(riders.drift_times.max())
+        if slowest > SLOWEST * duration:
+            raise ValueError(
+                f"a storey yields so rarely that its drift relaxes in {slowest:.3g} s: a stationary "
+                f"simulation says nothing of {duration:g} s"
+            )
         table = simulate(self.structures, self.ground, paths=PATHS, relaxation_times=RELAXATION_TIMES)
         sigma = table.displacement_std.values
         covariance = table.rho.values * np.outer(sigma, sigma)
