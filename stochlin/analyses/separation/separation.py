@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -244,19 +244,25 @@ def _judged(rules: list[Rule], pair: PairInMotion) -> xr.Dataset:
 
 
 def _by_height(rules: list[Rule], pair: PairInMotion) -> xr.Dataset:
-    """What is required at each height, and where the answer is governed."""
+    """What is required at each height, and how far both go there."""
     samples = pair.motions.separation_at_height.isel(structure=0, structure_2=1, drop=True)
     samples = samples.sel(height=pair.heights)
     simulated = np.quantile(samples.values, pair.confidence, axis=0)
-    gaps = [simulated, *(np.broadcast_to(rule.gaps, simulated.shape) for rule in rules[1:])]
     peaks = xr.DataArray(pair.peaks, dims=("structure", "height"))
+    table = gaps_by_height([simulated, *(rule.gaps for rule in rules[1:])], pair.heights)
+    table = table.assign({f"peak_at_height_{n + 1}": peaks[n] for n in (0, 1)})
+    return table.assign_coords(height=samples.height)
+
+
+def gaps_by_height(gaps: Sequence[Array], heights: Array) -> xr.Dataset:
+    """What each rule requires at each height, and where it is governed."""
+    gaps = [np.broadcast_to(each, heights.shape) for each in gaps]
     return xr.Dataset(
         {
             "gap_at_height": (("rule", "height"), np.array(gaps)),
-            "governing_height": ("rule", [_where_largest(g, pair.heights) for g in gaps]),
-            **{f"peak_at_height_{n + 1}": peaks[n] for n in (0, 1)},
+            "governing_height": ("rule", [_where_largest(each, heights) for each in gaps]),
         },
-        coords={"height": samples.height},
+        coords={"height": heights},
     )
 
 

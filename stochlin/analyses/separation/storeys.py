@@ -17,6 +17,7 @@ from stochlin.analyses.simulation.finite_motions import pair_peaks
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.simulation.views import at_height, meeting_heights
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.linearization.augmented import Solved
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.grounds import Ground
@@ -80,14 +81,7 @@ class StoreysInMotion(PairInMotion):
 
     def simulated_rho(self) -> Array:
         """See `PairInMotion`."""
-        table = simulate(self.structures, self.ground, paths=PATHS, relaxation_times=RELAXATION_TIMES)
-        sigma = table.displacement_std.values
-        covariance = table.rho.values * np.outer(sigma, sigma)
-        one, two = self._weights
-        variances = [np.einsum("hi,ij,hj->h", w, covariance, w) for w in (one, two)]
-        shared = np.einsum("hi,ij,hj->h", one, covariance, two)
-        rho: Array = shared / np.sqrt(variances[0] * variances[1])
-        return rho
+        return correlation_in(stationary_motions(self.structures, self.ground), *self._weights)
 
     def linearized_rho(self, closure: str) -> Array:
         """See `PairInMotion`."""
@@ -167,6 +161,33 @@ def correlation_of(motion: Solved, one: Array, two: Array) -> Array:
     """Of displacements that are sums over floors with these weights (k, floors)."""
     first, second, apart = (motion.std(row) for row in (one, two, one - two))
     rho: Array = (first**2 + second**2 - apart**2) / (2 * first * second)
+    return rho
+
+
+def stationary_motions(
+    structures: Sequence[AnyStructure],
+    ground: Ground,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """A stationary simulation that is long enough for a correlation."""
+    return simulate(
+        structures,
+        ground,
+        paths=PATHS,
+        seed=seed,
+        relaxation_times=RELAXATION_TIMES,
+        progress=progress,
+    )
+
+
+def correlation_in(table: xr.Dataset, one: Array, two: Array) -> Array:
+    """Of such displacements in a stationary simulation."""
+    sigma = table.displacement_std.values
+    covariance = table.rho.values * np.outer(sigma, sigma)
+    variances = [np.einsum("hi,ij,hj->h", w, covariance, w) for w in (one, two)]
+    shared = np.einsum("hi,ij,hj->h", one, covariance, two)
+    rho: Array = shared / np.sqrt(variances[0] * variances[1])
     return rho
 
 
