@@ -346,6 +346,13 @@ def test_figures_and_words_of_storeys(changed):
     assert "no map of its bias for storeys" in words.caution_of_storeys(scene)[0]
 
 
+def test_buildings_that_move_as_one_have_no_gap_by_height():
+    table = gap_rules(dataclasses.replace(REGULARS, storey_count_2=4, period_2=REGULARS.period_1))
+    assert np.isnan(table.gap.sel(rule="linearization"))
+    json.dumps(charts.gaps_figure(table), allow_nan=False)
+    assert "It is needed at" not in words.gaps(table)
+
+
 def test_storeys_that_stay_elastic_need_no_caution():
     elastic = dataclasses.replace(REGULARS, yields_1=False, yields_2=False)
     assert words.caution_of_storeys(elastic) == (words.ELASTIC, "")

@@ -105,8 +105,8 @@ def gaps_figure(table: xr.Dataset) -> Figure:
     layout["height"] = 130 + 21 * len(names)
     layout["shapes"] = [_vertical(100 * table.attrs["gap_m"], "dash")]
     layout["annotations"] = [_note(100 * table.attrs["gap_m"], "existing gap")]
-    if "gap_at_height" in table and table.sizes["height"] > 1:
-        curves.append(_over_height(table))
+    if rule := told_by_height(table):
+        curves.append(_over_height(table.sel(rule=rule)))
         share = HEIGHT_CHART / (layout["height"] + HEIGHT_CHART)
         layout["height"] += HEIGHT_CHART
         layout["legend"] = layout["legend"] | {"y": -60 / layout["height"]}
@@ -119,11 +119,18 @@ def gaps_figure(table: xr.Dataset) -> Figure:
     return _figure(curves, layout)
 
 
-def _over_height(table: xr.Dataset) -> Figure:
-    """The gap that would do at each height."""
-    rule = next(name for name in BY_HEIGHT if name in table.rule)
-    gaps = 100 * table.gap_at_height.sel(rule=rule).values
-    curve = _curve(gaps, table.height.values, 1, f"{label(rule)}, by height")
+def told_by_height(table: xr.Dataset) -> str:
+    """The rule whose gap is shown over the height; none where there is one height, or no gap."""
+    if "gap_at_height" not in table or table.sizes["height"] < 2:
+        return ""
+    known = table.rule.values[table.gap.notnull().values]
+    return next((name for name in BY_HEIGHT if name in known), "")
+
+
+def _over_height(row: xr.Dataset) -> Figure:
+    """The gap that would do at each height, by one rule."""
+    name = f"{label(str(row.rule.values))}, by height"
+    curve = _curve(100 * row.gap_at_height.values, row.height.values, 1, name)
     return curve | {"yaxis": "y2", "hovertemplate": "%{y:.1f} m: %{x:.1f} cm<extra></extra>"}
 
 

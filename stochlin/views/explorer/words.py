@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from stochlin.views.explorer.pictures import BY_HEIGHT
+from stochlin.views.explorer.pictures import told_by_height
 from stochlin.views.shared.words import SPACE, centimetres, label, length, per_cent
 
 if TYPE_CHECKING:
@@ -105,9 +105,8 @@ def gaps(table: xr.Dataset) -> str:
             "Nothing is simulated: peaks are those of the drift closure, but for eq. (3) linearized and "
             "for linearization, which are linearized alone."
         )
-    if "governing_height" in table and table.sizes["height"] > 1:
-        governs = next(name for name in BY_HEIGHT if name in table.rule)
-        height = float(table.governing_height.sel(rule=governs))
+    if rule := told_by_height(table):
+        height = float(table.governing_height.sel(rule=rule))
         words += f" It is needed at {height:.4g}{SPACE}m; below, the gap by height would do."
     lacking = table[["missing"]].where(table.missing != "", drop=True)
     missing = [
