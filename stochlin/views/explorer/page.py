@@ -145,6 +145,7 @@ class Page:
         if not messages and scene != self._scene:
             self._scene = scene
             self._interrupt()
+            self._drop()  # at once: the next round may begin before the refresh
             self._simulated = {}
             self._told.text = words.START
             background_tasks.create(self._refresh())
@@ -157,8 +158,6 @@ class Page:
         """Start the rounds that are not under way: those that are go on to the latest values."""
         for key in set(PATIENT).difference(_at_once(self._scene)):
             self._panels[key].wait()
-        if self._patience is not None:
-            self._patience.stop()
         await self._fast_round()  # first, for both want the processor
         await self._slow_round()
 
@@ -252,6 +251,11 @@ class Page:
         if self._job is not None:
             self._job.stop()
 
+    def _drop(self) -> None:
+        """Stop what the patient one does for values that are gone."""
+        if self._patience is not None:
+            self._patience.stop()
+
     def _running(self, running: bool) -> None:
         self._start.set_enabled(not running)
         for element in (self._stop, self._bar):
@@ -276,8 +280,7 @@ class Page:
 
     def _leave(self) -> None:
         self._closed = True
-        if self._patience is not None:
-            self._patience.stop()
+        self._drop()
         self._interrupt()
 
 
