@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -252,25 +252,29 @@ def _judged(rules: list[Rule], pair: PairInMotion) -> xr.Dataset:
 
 
 def _by_height(rules: list[Rule], pair: PairInMotion) -> xr.Dataset:
-    """What is required at each height, and where the answer is governed."""
+    """What is required at each height, and how far both go there."""
     samples = pair.motions.separation_at_height.isel(structure=0, structure_2=1, drop=True)
     samples = samples.sel(height=pair.heights)
     levels = np.array([pair.confidence])
     simulated, *interval = (ends[0] for ends in quantile_intervals(samples.values, levels))
-    gaps = [simulated, *(np.broadcast_to(rule.gaps, simulated.shape) for rule in rules[1:])]
-    unknown = np.full((len(rules) - 1, simulated.size), np.nan)
     peaks = xr.DataArray(pair.peaks, dims=("structure", "height"))
+    table = gaps_by_height([simulated, *(rule.gaps for rule in rules[1:])], pair.heights)
+    unknown = np.full((len(rules) - 1, simulated.size), np.nan)
+    for end, values in zip(("lower", "upper"), interval, strict=True):
+        table[f"gap_at_height_{end}"] = ("rule", "height"), np.vstack([values, unknown])
+    table = table.assign({f"peak_at_height_{n + 1}": peaks[n] for n in (0, 1)})
+    return table.assign_coords(height=samples.height)
+
+
+def gaps_by_height(gaps: Sequence[Array], heights: Array) -> xr.Dataset:
+    """What each rule requires at each height, and where it is governed."""
+    gaps = [np.broadcast_to(each, heights.shape) for each in gaps]
     return xr.Dataset(
         {
             "gap_at_height": (("rule", "height"), np.array(gaps)),
-            **{
-                f"gap_at_height_{end}": (("rule", "height"), np.vstack([values, unknown]))
-                for end, values in zip(("lower", "upper"), interval, strict=True)
-            },
-            "governing_height": ("rule", [_where_largest(g, pair.heights) for g in gaps]),
-            **{f"peak_at_height_{n + 1}": peaks[n] for n in (0, 1)},
+            "governing_height": ("rule", [_where_largest(each, heights) for each in gaps]),
         },
-        coords={"height": samples.height},
+        coords={"height": heights},
     )
 
 

@@ -18,6 +18,7 @@ from stochlin.analyses.simulation.riders import riders_of
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.simulation.views import at_height, meeting_heights
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.linearization.augmented import Solved
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.grounds import Ground
@@ -81,23 +82,10 @@ class StoreysInMotion(PairInMotion):
         return np.array(found)
 
     def simulated_rho(self) -> Array:
-        """See `PairInMotion`; refused where the drift of a storey is far slower than the motion."""
+        """See `PairInMotion`."""
         duration = float(self.motions.attrs["duration_s"])
-        riders = riders_of(self.structures, self.ground, None, stationary=True)
-        slowest = float(riders.drift_times.max())
-        if slowest > SLOWEST * duration:
-            raise ValueError(
-                f"a storey yields so rarely that its drift relaxes in {slowest:.3g} s: a stationary "
-                f"simulation says nothing of {duration:g} s"
-            )
-        table = simulate(self.structures, self.ground, paths=PATHS, relaxation_times=RELAXATION_TIMES)
-        sigma = table.displacement_std.values
-        covariance = table.rho.values * np.outer(sigma, sigma)
-        one, two = self._weights
-        variances = [np.einsum("hi,ij,hj->h", w, covariance, w) for w in (one, two)]
-        shared = np.einsum("hi,ij,hj->h", one, covariance, two)
-        rho: Array = shared / np.sqrt(variances[0] * variances[1])
-        return rho
+        motions = stationary_motions(self.structures, self.ground, duration)
+        return correlation_in(motions, *self._weights)
 
     def linearized_rho(self, closure: str) -> Array:
         """See `PairInMotion`."""
@@ -177,6 +165,43 @@ def correlation_of(motion: Solved, one: Array, two: Array) -> Array:
     """Of displacements that are sums over floors with these weights (k, floors)."""
     first, second, apart = (motion.std(row) for row in (one, two, one - two))
     rho: Array = (first**2 + second**2 - apart**2) / (2 * first * second)
+    return rho
+
+
+def stationary_motions(
+    structures: Sequence[AnyStructure],
+    ground: Ground,
+    duration: float,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """A stationary simulation that is long enough for a correlation.
+
+    Raises a ValueError where the drift of a storey is far slower than motions of the duration [s].
+    """
+    slowest = float(riders_of(structures, ground, None, stationary=True).drift_times.max())
+    if slowest > SLOWEST * duration:
+        raise ValueError(
+            f"a storey yields so rarely that its drift relaxes in {slowest:.3g} s: a stationary "
+            f"simulation says nothing of {duration:g} s"
+        )
+    return simulate(
+        structures,
+        ground,
+        paths=PATHS,
+        seed=seed,
+        relaxation_times=RELAXATION_TIMES,
+        progress=progress,
+    )
+
+
+def correlation_in(table: xr.Dataset, one: Array, two: Array) -> Array:
+    """Of such displacements in a stationary simulation."""
+    sigma = table.displacement_std.values
+    covariance = table.rho.values * np.outer(sigma, sigma)
+    variances = [np.einsum("hi,ij,hj->h", w, covariance, w) for w in (one, two)]
+    shared = np.einsum("hi,ij,hj->h", one, covariance, two)
+    rho: Array = shared / np.sqrt(variances[0] * variances[1])
     return rho
 
 
