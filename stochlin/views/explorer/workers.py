@@ -65,7 +65,7 @@ class Worker:
     def close(self) -> None:
         """Stop what is running."""
         self._board[STOPPED] = EVERY_JOB
-        self._pool.shutdown(wait=False, cancel_futures=True)
+        self._pool.shutdown(cancel_futures=True)  # waits, as the exit would, which may race with it
 
     def _start(self) -> ProcessPoolExecutor:
         return ProcessPoolExecutor(1, self._context, _begin, (self._board,))
