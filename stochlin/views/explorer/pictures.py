@@ -144,8 +144,6 @@ def probability_figure(table: xr.Dataset) -> Figure:
         curves.append(edge | {"x": _plain(time), "y": _plain(low), "showlegend": False})
         band: Figure = {"fill": "tonexty", "fillcolor": "#cfcfcf", "name": "simulation, 95 %"}
         curves.append(edge | band | {"x": _plain(time), "y": _plain(high)})
-        if stem not in table:
-            curves.append(_curve(time, table[f"{stem}_simulated"].values, 0, "simulation"))
     for number, (ending, text) in enumerate(ESTIMATES):
         if known(table, stem + ending):
             curves.append(_curve(time, table[stem + ending].values, (0, 3, 1, 2)[number], text))

@@ -120,26 +120,17 @@ def gaps(table: xr.Dataset) -> str:
 def probability(table: xr.Dataset) -> str:
     """The probability at the end of the motion, by every way to it."""
     last, stem = table.isel(time=-1), "confidence_of_no_pounding"
-    parts = []
-    if stem in table:
-        parts.append(f"{per_cent(float(last[stem]))} by formula")
-        corrected = float(last[f"{stem}_corrected"])
-        known = np.isfinite(corrected)
-        parts.append(
-            f"{per_cent(corrected)} corrected for its bias" if known else "correction unknown here"
-        )
+    corrected = float(last[f"{stem}_corrected"])
+    known = np.isfinite(corrected)
+    parts = [
+        f"{per_cent(float(last[stem]))} by formula",
+        f"{per_cent(corrected)} corrected for its bias" if known else "correction unknown here",
+    ]
     if f"{stem}_simulated" in table:
         low, high = (float(last[f"{stem}_simulated_{end}"]) for end in ("lower", "upper"))
         share = per_cent(float(last[f"{stem}_simulated"]))
         parts.append(f"{share} simulated ({per_cent(low)} to {per_cent(high)})")
     words = f"No pounding to the end of the motion: {', '.join(parts)}."
-    if stem not in table:
-        low, high = (float(table[f"required_gap_simulated_{end}"]) for end in ("lower", "upper"))
-        words += (
-            f" {per_cent(table.attrs['confidence'])} take a gap of "
-            f"{length(float(table.required_gap_simulated))} ({centimetres(low)} to {length(high)}), by "
-            f"{table.attrs['paths']} simulated motions."
-        )
     if "comment" in table.attrs:
         words += " The formula is linearized: too sure where buildings yield."
     return words

@@ -40,9 +40,7 @@ def draw_pounding(dataset: xr.Dataset) -> Figure:
     Confidence of no pounding above, standard deviations or radii below.
     """
     stem = "confidence_of_no_pounding"
-    if not any(
-        name in dataset and dataset[name].dims == ("time",) for name in (stem, f"{stem}_simulated")
-    ):
+    if stem not in dataset or dataset[stem].dims != ("time",):
         raise ValueError(
             f"dataset has the dimensions {tuple(dataset.dims)}; allowed: a probability of pounding over "
             "time alone, so select one pair and one gap"
@@ -53,12 +51,9 @@ def draw_pounding(dataset: xr.Dataset) -> Figure:
     _estimates(upper, dataset, stem, time)
     upper.set(ylim=(-0.02, 1.02), ylabel="confidence of no pounding")
     upper.tick_params(labelbottom=False)
-    first, *_, last = SIZES
-    alone = known(dataset, last[0]) and not known(dataset, first[0])  # its label says of what it is
     for (color, dash), (name, label) in zip(CURVES, SIZES, strict=False):
         if known(dataset, name):
-            told = f"{first[1]}, {label}" if alone else label
-            lower.plot(time, dataset[name], color=color, linestyle=dash, label=told)
+            lower.plot(time, dataset[name], color=color, linestyle=dash, label=label)
     lower.set(ylabel="[m]", xlabel="time [s]")
     if "permanent_set" in dataset and bool(dataset.permanent_set.any()):
         for axes in (upper, lower):
@@ -75,9 +70,7 @@ def draw_fragility(dataset: xr.Dataset) -> Figure:
     """Draw what `pounding_fragility` returns: probability over intensity, a curve a gap."""
     name = "pounding_probability"
     simulated, corrected = f"{name}_simulated", f"{name}_corrected"
-    if not any(
-        each in dataset and set(dataset[each].dims) == {"intensity", "gap"} for each in (name, simulated)
-    ):
+    if name not in dataset or set(dataset[name].dims) != {"intensity", "gap"}:
         raise ValueError(
             f"dataset has the dimensions {tuple(dataset.dims)}; allowed: a fragility, over intensity "
             "and gap"
@@ -89,13 +82,11 @@ def draw_fragility(dataset: xr.Dataset) -> Figure:
     for (color, dash), index in zip(cycle(CURVES), chosen, strict=False):
         one = dataset.isel(gap=int(index))
         label = f"gap {float(one.gap):.3g} m"
-        if name in one:
-            axes.plot(one.intensity, one[name], color=color, linestyle=dash, label=label)
+        axes.plot(one.intensity, one[name], color=color, linestyle=dash, label=label)
         if known(one, corrected):
             axes.plot(one.intensity, one[corrected], color=color, linestyle=dash, lw=0.6)
         if simulated in one:
-            curve = {"linestyle": "none"} if name in one else {"linestyle": dash, "label": label}
-            axes.plot(one.intensity, one[simulated], color=color, marker="o", ms=3, **curve)
+            axes.plot(one.intensity, one[simulated], color=color, linestyle="none", marker="o", ms=3)
     if known(dataset, corrected):
         axes.plot([], [], color="0.3", lw=0.6, label="thin: bias corrected")
     if simulated in dataset:
