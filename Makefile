@@ -9,13 +9,13 @@ charts: $(VENV)/.run
 	$(BIN)/stochlin charts --out figures
 
 test: $(VENV)/.dev
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist loadfile
 
 check: $(VENV)/.dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist loadfile
 
 # Mutated case files, records and specifications for an hour or so; the suite has a minute of it.
 fuzz: $(VENV)/.dev

@@ -22,7 +22,9 @@ from stochlin.analyses.charts.verification import verify_chart as verify_chart
 from stochlin.analyses.linearization.bias_map import bias_map as bias_map
 from stochlin.views.charts.charts import PICTURES as PICTURES
 from stochlin.views.charts.charts import draw as draw
+from stochlin.views.pounding.floors import draw_floors as draw_floors
 from stochlin.views.pounding.pictures import draw_pound as draw_pound
+from stochlin.views.separation.storeys import draw_heights as draw_heights
 from stochlin.views.shared.style import CURVES as CURVES
 from stochlin.views.shared.style import STYLE as STYLE
 from stochlin.views.shared.style import ratio_ticks as ratio_ticks

@@ -426,8 +426,15 @@ class ShearBuilding(Model):
         """Circular frequencies and mode shapes of unit modal mass, one a column."""
         root = np.sqrt(self.arrays()["masses"].to_numpy())
         k = self.arrays()["stiffnesses"].to_numpy() - self.geometric_stiffness()
-        diagonal = (k + np.append(k[1:], 0.0)) / root**2
-        squares, vectors = scipy.linalg.eigh_tridiagonal(diagonal, -k[1:] / (root[:-1] * root[1:]))
+        with np.errstate(all="ignore"):
+            diagonal = (k + np.append(k[1:], 0.0)) / root**2
+            beside = -k[1:] / (root[:-1] * root[1:])
+        if not (np.isfinite(diagonal).all() and np.isfinite(beside).all()):
+            raise ValueError(
+                f"{type(self).__name__}: stiffness over mass is beyond all numbers; check the units of "
+                "masses and stiffnesses"
+            )
+        squares, vectors = scipy.linalg.eigh_tridiagonal(diagonal, beside)
         return np.sqrt(squares), vectors / root[:, None]
 
 

@@ -27,7 +27,7 @@ class Link(Model):
     damping_constant : float or array
         ``c`` [N s/m], not negative.
     hardening : float or array, optional
-        Post-yield over elastic stiffness [-], in (0, 1]; needed with ``yield_displacement``.
+        Post-yield over elastic stiffness [-], in (0, 1]; with ``yield_displacement``, and only then.
     yield_displacement : float or array, optional
         ``u1 - u2`` at which the spring yields [m], positive.
     slack : float or array, optional
@@ -42,8 +42,9 @@ class Link(Model):
     Raises
     ------
     ValueError, TypeError
-        If a scalar is out of range, a value is not a number, a spring is to yield and to have slack, or
-        numbers of floors or structures are not two whole numbers from 1.
+        If a scalar is out of range, a value is not a number, a spring is to yield and to have slack or
+        has one of hardening and yield displacement alone, or numbers of floors or structures are not two
+        whole numbers from 1.
 
     References
     ----------
@@ -72,6 +73,11 @@ class Link(Model):
         if self.yield_displacement is not None and self.hardening is None:
             raise ValueError(
                 f"Link: hardening is not given; a link that yields needs it, allowed: {HARDENING}"
+            )
+        if self.hardening is not None and self.yield_displacement is None:
+            raise ValueError(
+                f"Link: hardening = {brief(self.hardening)} is of a link that yields; allowed: beside a "
+                "yield_displacement, so give that, too, or leave it out"
             )
         if self.yield_displacement is not None and self.slack is not None:
             raise ValueError("Link: yield_displacement and slack are both given; allowed: one of them")

@@ -198,5 +198,7 @@ def _brief(value: xr.DataArray) -> str:
         return f"{float(value):.6g}"
     if value.chunks is not None:  # not computed to be described
         return f"[{value.size} values in chunks over {', '.join(map(str, value.dims))}]"
-    low, high = float(value.min()), float(value.max())
-    return f"[{low:.6g} to {high:.6g} over {', '.join(map(str, value.dims))}]"
+    low, high = f"{float(value.min()):.6g}", f"{float(value.max()):.6g}"
+    many = f"{value.size} times {low}" if value.size > 1 else low
+    shown = f"{low} to {high}" if low != high else many
+    return f"[{shown} over {', '.join(map(str, value.dims))}]"

@@ -523,6 +523,11 @@ def test_what_is_no_regular_building_is_refused(arguments, error, message):
             "hardening is not given; a link that yields needs it",
         ),
         (
+            {"hardening": 0.1},
+            ValueError,
+            r"hardening = 0\.1 is of a link that yields; allowed: beside a yield_displacement",
+        ),
+        (
             {"yield_displacement": 0.01, "hardening": 0.1, "slack": 0.1},
             ValueError,
             "yield_displacement and slack are both given; allowed: one of them",

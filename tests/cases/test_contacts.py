@@ -225,8 +225,6 @@ def test_buildings_by_storeys(tmp_path: Path) -> None:
     assert [b.name for b in case.buildings] == ["Building 1", "Old"]
     assert all(isinstance(b, StoreyBuilding) and b.height == 7.0 for b in case.buildings)
     assert (case.first, case.second, case.gap) == (*case.buildings, 0.05)
-    with pytest.raises(ValueError, match="describes the storeys of its buildings; this takes two osc"):
-        _ = case.oscillators
 
 
 def test_one_drift_is_that_of_every_storey(tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import xarray as xr
 from click.testing import CliRunner
@@ -197,6 +198,22 @@ class Browser:
         self.press(text or Keys.DELETE)
         time.sleep(0.5)  # longer than an entry waits for another key
 
+    def choose(self, label: str, text: str) -> None:
+        from selenium.webdriver.common.keys import Keys
+
+        find = "e.getAttribute('aria-label') == arguments[0]"
+        lists = "[...document.querySelectorAll('[role=combobox]')]"
+        self.script(f"{lists}.find(e => {find}).focus()", label)
+        self.press(Keys.SPACE)
+        choose = """const found = [...document.querySelectorAll('.q-menu [role=option]')]
+            .find(e => e.innerText == arguments[0]); if (found) found.click(); return !!found"""
+        wait(lambda: self.script(choose, text))
+        wait(lambda: not self.script("return !!document.querySelector('.q-menu')"))
+
+    def shows(self, name: str) -> bool:
+        found = "return document.querySelector(arguments[0]).offsetParent !== null"
+        return bool(self.script(found, f"[data-slider={name}]"))
+
     def click(self, mark: str) -> None:
         self.driver.find_element("css selector", f"[data-{mark}]").click()
 
@@ -218,7 +235,7 @@ class Browser:
     def downloaded(self, name: str) -> Path:
         path = self.downloads / name
         wait(path.exists)
-        return path
+        return path.rename(path.with_stem(f"{path.stem} {time.monotonic_ns()}"))  # the next has its name
 
 
 @pytest.fixture(scope="module")
@@ -385,16 +402,49 @@ def test_nothing_is_wider_than_the_screen(page, address, width):
     assert page.script(wide, width) == 0
 
 
-def test_another_ground_has_other_controls(page):
-    from selenium.webdriver.common.keys import Keys
+def test_a_building_becomes_one_with_storeys_and_an_oscillator_again(page):
+    gone, there = "reduction_factor_1", "base_shear_coefficient_1"
+    assert page.shows(gone)
+    assert not page.shows(there)
+    page.choose("Building 1 described as", "regular storeys")
+    wait(lambda: page.shows(there) and not page.shows(gone))
+    page.idle()
+    assert page.value("storey_count_1") == "8"  # as the file says of the oscillator
+    assert page.value("storey_height_1") == "3"
+    assert "no map of its bias for storeys" in page.text("caution")
+    assert "lower roof" in page.text("panel=correlation")
+    assert "simulated (" in page.text("panel=probability")
+    before = page.curve("spectra", 1), page.curve("gaps", 0), page.curve("probability", 2)
+    page.enter("storey_count_1", "2.5")
+    wait(lambda: "allowed: a whole number from 1 to 60" in page.text("alert"))
+    assert page.curve("spectra", 1) == before[0]
+    page.enter("storey_count_1", "6")
+    page.choose("Building 2 described as", "regular storeys")
+    wait(lambda: "Floors are not level" not in page.text("panel=gaps") and page.shows("storey_count_2"))
+    page.idle()
+    assert page.curve("spectra", 1) != before[0]
+    assert "It is needed at" in page.text("panel=gaps")
+    page.enter("storey_height_2", "3.5")
+    wait(lambda: "Floors are not level: floor 1 of Office block" in page.text("panel=gaps"))
+    page.idle()
+    page.enter("gap", "11")
+    page.idle()
+    page.click("save-case")
+    case = sl.read_case(page.downloaded("case.toml"))
+    assert case.gap == 0.11
+    assert [building.structure.storeys for building in case.buildings] == [6, 5]
+    np.testing.assert_allclose(case.second.structure.heights, 3.5)
+    page.choose("Building 1 described as", "oscillator")
+    page.choose("Building 2 described as", "oscillator")
+    wait(lambda: page.shows(gone))
+    page.idle()
+    assert "bias" not in page.text("caution").replace("the map of its bias", "")
 
+
+def test_another_ground_has_other_controls(page):
     shown = "return document.querySelector('[data-slider=ground_period]').offsetParent !== null"
     assert page.script(shown) is False
-    page.script("document.querySelector('[role=combobox]').focus()")
-    page.press(Keys.SPACE)
-    choose = """const found = [...document.querySelectorAll('.q-menu [role=option]')]
-        .find(e => e.innerText == 'kanai_tajimi'); if (found) found.click(); return !!found"""
-    wait(lambda: page.script(choose))
+    page.choose("Kind of ground", "kanai_tajimi")
     wait(lambda: page.script(shown))
     page.idle()
     assert re.search("too small for building 1", page.text("caution"))

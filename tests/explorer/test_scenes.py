@@ -12,7 +12,7 @@ import xarray as xr
 import stochlin as sl
 from stochlin.analyses.explorer.case_text import case_text
 from stochlin.analyses.explorer.formulas import correlation, gap_rules, probability, spectra
-from stochlin.analyses.explorer.scene import ALLOWED, SHAPES, SITES, Scene, scene_of
+from stochlin.analyses.explorer.scene import ALLOWED, SHAPES, SITES, WHOLE, Scene, scene_of
 from stochlin.analyses.explorer.simulations import merge_tables, simulations
 from stochlin.analyses.linearization.equivalent_systems import INTERNAL, solve_structure
 from stochlin.analyses.linearization.tolerance import USUAL
@@ -41,7 +41,7 @@ def test_a_scene_survives_its_case_file(seed, tmp_path):
     drawn = {
         name: float(rng.uniform(*sorted((control.low, control.high))))
         for name, control in NUMBERS.items()
-        if name not in ("paths", "gap", "strong_end", "fast", "duration")
+        if name not in (*WHOLE, "gap", "strong_end", "fast", "duration")
     }
     scene = Scene(
         **drawn,
@@ -321,7 +321,7 @@ def test_words_caution_where_linearization_is_unsafe():
 
 
 def test_every_number_of_a_scene_has_a_control_whose_slider_is_allowed():
-    assert set(NUMBERS) == {*ALLOWED, "paths"}
+    assert set(NUMBERS) == {*ALLOWED, *WHOLE}
     names = [control.name for group in GROUPS for control in group.controls]
     assert len(set(names)) == len(names)
     for control in NUMBERS.values():

@@ -134,6 +134,14 @@ def test_a_reader_that_has_seen_enough_is_no_error() -> None:
     assert "Error" not in done.stderr
 
 
+def test_the_package_runs_without_its_script() -> None:
+    for arguments, says in ((["--version"], "stochlin, version"), (["rho"], "python -m stochlin rho")):
+        command = [sys.executable, "-m", "stochlin", *arguments]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert says in done.stdout + done.stderr
+        assert (done.returncode == 0) == (arguments == ["--version"])
+
+
 def test_named_ground_and_white_noise_method() -> None:
     result = run(
         "rho", "--period-1", "1s", "--period-2", "1.5s", "--ground", "firm", "--method", "white_noise"

@@ -155,7 +155,7 @@ def test_symbols_are_known_by_name_whatever_their_assumptions():
         ("v - z", TypeError, "sympy expression"),
         (None, TypeError, "sympy expression"),
         (1.0, TypeError, "sympy expression"),
-        (lambda v, z: v - z, TypeError, "sympy expression"),
+        pytest.param(lambda v, z: v - z, TypeError, "sympy expression", id="a function"),
     ],
     ids=str,
 )

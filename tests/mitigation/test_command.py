@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import xarray as xr
-from cases import recorded_example
+from cases import recorded_example, storeyed_building, with_buildings
 from click.testing import CliRunner
 
 import stochlin as sl
@@ -96,6 +96,23 @@ def test_bad_cases(tmp_path, changes, told):
     result = run(case_file(tmp_path, *changes))
     assert result.exit_code == 2
     assert told in " ".join(result.output.split())
+
+
+def test_floors_that_are_not_level_are_told_and_links_have_to_say_theirs(tmp_path):
+    storeys = [storeyed_building(n, start) for n, start in ((1, "period"), (2, "masses"))]
+    path = tmp_path / "case.toml"
+    path.write_text(with_buildings(*storeys).replace(*FEW).replace("align = true", "align = false"))
+    refused = run(path)
+    assert refused.exit_code == 2
+    told = "case.toml: 'Dampers between both' links the buildings, and no two of their floors are at one"
+    assert told in " ".join(refused.output.split())
+    assert "as link_floors = [3, 3]" in " ".join(refused.output.split())
+    constant = 'link_damping_constant = "5 MN s/m"'
+    path.write_text(path.read_text().replace(constant, f"{constant}\nlink_floors = [3, 3]"))
+    result = run(path)
+    assert result.exit_code == 0, result.output
+    assert "Floors are not level: floor 1 of Block 1, at 3 m" in " ".join(result.output.split())
+    assert "least dashpot between: not looked for" in result.output
 
 
 def test_the_picture_takes_nothing_else():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from hypothesis import strategies as st
 import stochlin as sl
 from stochlin.models.contacts.base import CONTACTS
 from stochlin.views.command import main
+from stochlin.views.pounding.floors import draw_floors
 from stochlin.views.pounding.pictures import draw_pound
 
 pytestmark = pytest.mark.cli
@@ -211,6 +213,14 @@ def test_slabs_that_hit_columns_are_said_loudly(tmp_path: Path) -> None:
         assert f"{float(one.level):.4g} m up: the columns of storey {int(one.storey)} of " in shown
         assert f"take {float(one.column_force) / 1e6:.3g} MN" in shown
         assert done.output.count(" m up*") == table.sizes["contact"] == 4
+        struck = int(one[str(one.column.item())])
+        cells = f"{int(one.storey)} {float(one.level):.4g} {float(one.column_force) / 1e6:.3g}"
+        assert f"{struck} Building {struck} {cells} " in shown
+        panels = draw_floors(table).axes
+        assert [axes.get_xlabel() for axes in panels][2] == "force on columns [MN]"
+        drawn = sorted(x for line in panels[2].get_lines() for x in line.get_xdata())
+        forces = table.column_force.values
+        assert drawn == pytest.approx(sorted(forces[forces > 0] / 1e6))
         labels = [text.get_text() for text in draw_pound(table).axes[0].get_legend().get_texts()]
         assert "SLAB AGAINST COLUMN" in labels
         tall, low = (table.displacement.sel(structure=n) for n in (1, 2))
@@ -219,6 +229,56 @@ def test_slabs_that_hit_columns_are_said_loudly(tmp_path: Path) -> None:
         assert float(table.least_clearance[0]) == pytest.approx(least, rel=1e-9)
     weak = run(case_file(tmp_path, ("r", 0.001), text=text))
     assert "SLABS FACE COLUMNS" in weak.output
+    assert "columns of" not in weak.output
+
+
+def test_what_floors_and_storeys_bear_is_said_and_drawn(tmp_path: Path) -> None:
+    """In a row of a tower between two oscillators, which have no floors, and of these alone."""
+    single = 'period = "0.3 s"\ndamping = "5 %"\nelastic = true\nmass = "600 t"\n'
+    tall = STOREYS.format(
+        masses=["300 t"] * 4,
+        stiffnesses=["350 MN/m"] * 4,
+        heights=["3 m"] * 4,
+        strength='hardening = 0.05\nyield_drifts = "1 cm"',
+    )
+    example = sl.example_case()
+    start, end = example.index("[building_1]"), example.index("[separation]")
+    gaps = 'existing = ["1 cm", "1 cm"] '
+    for middle in (tall, single.replace("0.3 s", "0.7 s")):
+        name = "A tower of a long name" if middle is tall else "Middle"
+        rows = f"[building_1]\n{single}[building_2]\nname = '{name}'\n{middle}[building_3]\n{single}"
+        text = (example[:start] + rows + example[end:]).replace('existing = "5 cm" ', gaps)
+        folder = tmp_path / ("storeys" if middle is tall else "single")
+        folder.mkdir()
+        done = run(case_file(folder, ("r", 0.4), text=text), "--picture", folder / "p.png")
+        assert done.exit_code == 0, done.output
+        shown = " ".join(done.output.split())
+        assert (folder / "p-storeys.png").exists() == (middle is tall)
+        assert max(map(len, done.output.replace(str(folder), "").splitlines())) <= 100
+        with xr.open_dataset(folder / "p.nc") as table:
+            given = sum(
+                float(table.energy_transferred.sel(side=side).sum()) for side in ("left", "right")
+            )
+            assert float(table.energy_received.sum()) == pytest.approx(given)
+            for n, name in enumerate(table.building.values):
+                one = table.isel(structure=n)
+                head = f"{n + 1}  {str(name)[:17]}"
+                lines = [line for line in done.output.splitlines() if line.startswith(head)]
+                cells = lines[1][len(head) + 3 :].split()
+                assert cells[0] == f"{float(one.peak_acceleration.max()) / 9.80665:.2f}"
+                assert f"{float(one.peak_base_shear) / 1e6:.3g}" in cells
+                assert cells[-1] == f"{float(one.energy_received) / 1e3:+.3g}"
+            if middle is not tall:
+                with pytest.raises(ValueError, match="of a row with storeys"):
+                    draw_floors(table)
+                continue
+            assert table.floor_level.sel(structure=2).values.tolist() == [3.0, 6.0, 9.0, 12.0]
+            assert bool(table.floor_level.sel(structure=[1, 3]).isnull().all())
+            panels = draw_floors(table).axes
+            assert len(panels) == 2
+            lines = [line for line in panels[0].get_lines() if "2 A tower" in str(line.get_label())]
+            np.testing.assert_allclose(lines[0].get_xdata(), table.peak_acceleration[1] / 9.80665)
+            assert re.search(r"Building 1 [\d.]+ [\d.]+ [\d.]+ [\d.]+ 2 ", shown)  # the worst: no floor
 
 
 @pytest.mark.parametrize(

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import pytest
 import xarray as xr
+from cases import storeyed_building, with_buildings
 from click.testing import CliRunner
 
 import stochlin as sl
 from stochlin.views.probability.command import probability
+from stochlin.views.probability.pictures import draw_pounding
 
 pytestmark = pytest.mark.cli
 
@@ -33,6 +35,25 @@ def test_prints_saves_and_draws(case, tmp_path):
     with xr.open_dataset(out, engine="scipy") as table:
         last = float(table.confidence_of_no_pounding_simulated[-1])
     assert f"{last:11.4f}" in done.output
+
+
+def test_buildings_with_storeys_have_all_parameters_in_the_picture(tmp_path):
+    path, out = tmp_path / "case.toml", tmp_path / "p.nc"
+    storeys = [storeyed_building(n, start) for n, start in ((1, "period"), (2, "masses"))]
+    text = with_buildings(*storeys).replace("2048", "100").replace("align = true", "align = false")
+    path.write_text(text, encoding="utf-8")
+    done = run(path, "--out", out)
+    assert done.exit_code == 0, done.output
+    assert "Floors are not level: floor 1 of Block 1" in done.output
+    with xr.open_dataset(out, engine="scipy") as table:
+        figure = draw_pounding(table)
+    labels = [text.get_text() for axes in figure.axes for text in axes.get_legend().get_texts()]
+    assert "crossings in clumps" in labels
+    assert {"std of $u_1 - u_2$", "simulated"} <= set(labels)
+    caption = figure.texts[-1]
+    assert "gap: Gap(gap=0.05)" in caption.get_text()
+    figure.draw_without_rendering()
+    assert caption.get_window_extent().y0 >= 0
 
 
 @pytest.mark.parametrize(

@@ -14,10 +14,12 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 import xarray as xr
+from cases import with_buildings
 from click.testing import CliRunner, Result
 
 import stochlin as sl
 from stochlin.views.command import main
+from stochlin.views.separation.storeys import draw_heights
 
 pytestmark = pytest.mark.cli
 
@@ -40,9 +42,9 @@ class Done(NamedTuple):
         return (self.folder / "gap.html").read_text(encoding="utf-8")
 
 
-def done(folder: Path, text: str) -> Done:
+def done(folder: Path, text: str, *more: object) -> Done:
     (folder / "case.toml").write_text(text, encoding="utf-8")
-    out = ("--report", folder / "gap.html", "--out", folder / "gap.nc")
+    out = ("--report", folder / "gap.html", "--out", folder / "gap.nc", *more)
     return Done(run(folder / "case.toml", *out), folder)
 
 
@@ -239,6 +241,93 @@ def test_too_few_motions_for_an_interval_are_said_to_be(tmp_path: Path) -> None:
     assert "too few motions" in " ".join(one.result.output.split())
 
 
+OFFICE, ANNEX = (
+    f"""[building_{n}]
+name = "Block {n}"
+period = "{period} s"
+storeys = {storeys}
+storey_height = "{height} m"
+floor_mass = "300 t"
+damping = "5 %"
+hardening = "5 %"
+base_shear_coefficient = 0.15
+"""
+    for n, period, storeys, height in ((1, 0.5, 3, 3.2), (2, 0.3, 2, 3.5))
+)
+KIOSK = """[building_2]
+name = "Kiosk"
+period = "0.4 s"
+damping = "5 %"
+hardening = "5 %"
+reduction_factor = 3
+height = "4 m"
+"""
+
+
+@pytest.fixture(scope="module")
+def storeyed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Done]:
+    """Floors that are not level, and a building beside an oscillator, each with its picture."""
+    found = {}
+    for name, second in (("uneven", ANNEX), ("mixed", KIOSK)):
+        folder = tmp_path_factory.mktemp(name)
+        text = (
+            with_buildings(OFFICE, second)
+            .replace("2048", "128")
+            .replace("align = true", "align = false")
+        )
+        found[name] = done(folder, text, "--picture", folder / "gap.svg")
+        assert found[name].result.exit_code == 0, found[name].result.output
+    return found
+
+
+def test_storeys_are_told_and_drawn_from_the_saved_data(storeyed: dict[str, Done]) -> None:
+    for name, one in storeyed.items():
+        shown = " ".join(one.result.output.split())
+        with xr.open_dataset(one.folder / "gap.nc") as table:
+            for variable in table.data_vars.values():
+                assert "long_name" in variable.attrs
+            first = table.isel(element=table.element_structure.values == 1)
+            worst = first.isel(element=int(first.ductility.argmax("element")))
+            drift = 100 * float(worst.peak_drift_mean)
+            told = f"{drift:.1f} cm, {drift / 3.2:.2f} % of its height"
+            told += f", ductility {float(worst.ductility):.1f}"
+            assert f"storey {int(worst.storey)} of Block 1, {told}" in shown
+            figure = draw_heights(table)
+            line = figure.axes[0].get_lines()[0]
+            gaps = 100 * table.gap_at_height.sel(rule="simulation")
+            np.testing.assert_allclose(line.get_xdata()[-gaps.size :], gaps)
+            low, high = (table[f"gap_at_height_{end}"][0] for end in ("lower", "upper"))
+            assert bool((low < gaps / 100).all() & (gaps / 100 < high).all())
+            drawn = [line.get_label() for line in figure.axes[1].get_lines()]
+            assert ("building 2, mean peak" in drawn) == (name == "uneven")
+            caption = figure.texts[-1].get_text()
+            assert "ShearBuilding(masses=[3 times 300000" in caption
+            assert "128 motions of 20 s" in caption
+        assert "Height by height, storey by storey" in one.page
+        assert (one.folder / "gap.svg").read_text(encoding="utf-8").startswith("<?xml")
+    assert "beside the roof of Block 1, 9.6 m up, although it is 4 m high" in " ".join(
+        storeyed["mixed"].result.output.split()
+    )
+    words = " ".join(" ".join(Page(storeyed["mixed"].page).words).split())
+    assert "Block 1 is a row of bilinear storeys, Kiosk is one bilinear oscillator" in words
+    assert "mass of the floor 300 t" in words
+
+
+def test_a_table_of_storeys_has_a_row_a_rule(storeyed: dict[str, Done]) -> None:
+    for one in storeyed.values():
+        out = one.folder / "t.csv"
+        assert run(one.folder / "case.toml", "--out", out).exit_code == 0
+        assert len(out.read_text().splitlines()) == 21
+
+
+def test_a_picture_over_height_needs_heights(example: Done, tmp_path: Path) -> None:
+    with xr.open_dataset(example.folder / "gap.nc") as table, pytest.raises(ValueError, match="storeys"):
+        draw_heights(table)
+    text = sl.example_case().replace("2048", "128")
+    assert done(tmp_path, text, "--picture", tmp_path / "gap.png").result.exit_code == 0
+    assert (tmp_path / "gap.png").stat().st_size > 10_000
+
+
 # What to change into what; where the message points to, and what it says.
 WRONG = [
     ('period = "0.6 s"', "period = 0.6", "period = 0.6", ["building_2.period = 0.6", "has no unit"]),
@@ -278,6 +367,7 @@ def test_bad_files_write_nothing(old: str, new: str, at: str, says: list[str], t
         (("nowhere.toml",), "nowhere.toml"),
         (("case.toml", "--report", "case.toml"), "allowed: .html or .htm"),
         (("case.toml", "--out", "t.xlsx"), "allowed: .nc or .csv"),
+        (("case.toml", "--picture", "t.nc"), "allowed: .png or .svg or .pdf"),
         (("case.toml", "--report", "no/such/gap.html"), "there is no folder no/such"),
     ],
 )

@@ -65,6 +65,16 @@ def test_a_rule_that_storeys_have_not_says_so(answer):
     assert "of oscillators" in drift.missing.item()
 
 
+def test_a_storey_that_hardly_yields_does_not_hold_up_the_answer():
+    """Its drift relaxes in hours, which a stationary simulation would have to last."""
+    stiff = sl.ShearBuilding([3e5, 3e5], [2e8, 1.6e8], [3.2, 3.2], 0.05, 0.05, [0.006, 0.018])
+    answer = sl.separation(building(3), stiff, FIRM, **FEW)
+    refused = answer.sel(rule="eq_3_simulated")
+    assert np.isnan(refused.gap)
+    assert "yields so rarely that its drift relaxes in" in str(refused.missing.values)
+    assert np.isfinite(answer.gap.sel(rule=["simulation", "linearization"])).all()
+
+
 def test_linearized_rule_is_that_of_the_system(answer):
     table = sl.linearize_system([building(3), building(2, 3.5)], FIRM)
     floors = {name: float(table.displacement_std.sel(floor=name)) for name in ("1.2", "1.3", "2.2")}
@@ -118,6 +128,14 @@ def test_measures_help_and_least_ones_are_found():
     assert float(seen) == pytest.approx(float(apart), rel=1e-9)
     least = table.sel(measure="least dashpot between")
     assert float(least.required_gap) == pytest.approx(0.02, rel=0.02) or np.isnan(least.required_gap)
+
+
+def test_a_link_with_slack_has_no_linearization():
+    """It pulls one way; it used to count as a spring that pushes, too."""
+    measures = {"slack": sl.Measure(link=sl.Link(1e7, slack=0.01))}
+    table = sl.mitigate(building(3), building(2), FIRM, gap=0.5, measures=measures, **FEW)
+    assert table.rho.notnull().values.tolist()[:2] == [True, False]
+    assert np.isfinite(table.required_gap).all()
 
 
 def test_finite_motions_are_answered_where_there_is_no_stationary_one():

@@ -14,7 +14,6 @@ import xarray as xr
 
 from stochlin.analyses.cases.buildings import (
     AnyBuilding,
-    Building,
     building_keys,
     read_buildings,
     read_gaps,
@@ -43,8 +42,7 @@ class Case:
     ``inputs`` are the file itself and those of its records: nothing may be written over them.
 
     ``buildings`` stand in a row from left to right, oscillators and buildings with storeys. What is
-    about two asks for ``pair``, ``first``, ``second`` and ``gap``; what takes no storeys yet for
-    ``oscillators``.
+    about two asks for ``pair``, ``first``, ``second`` and ``gap``.
     """
 
     file: str
@@ -80,18 +78,6 @@ class Case:
             raise ValueError(
                 f"{self.file}: describes {len(self.buildings)} buildings; this takes two, building_1 "
                 "and building_2, so leave the others out; 'stochlin pound' takes any number"
-            )
-        return first, second
-
-    @property
-    def oscillators(self) -> tuple[Building, Building]:
-        """The two buildings, for what takes no storeys; an error if one is described by them."""
-        first, second = self.pair
-        if isinstance(first, StoreyBuilding) or isinstance(second, StoreyBuilding):
-            raise ValueError(
-                f"{self.file}: describes the storeys of its buildings; this takes two oscillators, each "
-                "by its period, damping and strength; 'stochlin gap', 'probability', 'mitigate' and "
-                "'pound' take storeys"
             )
         return first, second
 

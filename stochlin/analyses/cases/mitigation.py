@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import numpy as np
 import xarray as xr
 
 from stochlin.analyses.cases.case import Case
 from stochlin.analyses.mitigation.mitigation import mitigate
 from stochlin.kernels.basics.parallel import Progress
+from stochlin.messages import brief
+from stochlin.models.buildings import ShearBuilding
+from stochlin.models.systems import LEVEL
 
 
 def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
@@ -29,6 +33,8 @@ def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
                 f"{case.file}: {name} links the buildings, which takes their masses; write "
                 'mass = "1500 t" in [building_1] and [building_2]'
             )
+        if measure.link is not None and measure.link.floors is None:
+            _check_level(case, name)
     pounding = bool(case.records) and case.contact is not None and weighed
     table = mitigate(
         first.structure,
@@ -43,3 +49,17 @@ def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
         progress=progress,
     )
     return table.assign_attrs(title=f"{case.title}: {table.attrs['title']}", case=case.title)
+
+
+def _check_level(case: Case, name: str) -> None:
+    """Raise a ValueError if a link without floors has none at one level that it could tie."""
+    pair = [building.structure for building in case.pair]
+    levels = [structure.levels() for structure in pair if isinstance(structure, ShearBuilding)]
+    if len(levels) < len(pair) or (np.abs(levels[0][:, None] - levels[1]) < LEVEL).any():
+        return
+    roof = min(own[-1] for own in levels)
+    nearest = [int(np.abs(own - roof).argmin()) + 1 for own in levels]
+    raise ValueError(
+        f"{case.file}: {brief(name)} links the buildings, and no two of their floors are at one level; "
+        f"write which floors it ties, as link_floors = {nearest}, in its table of [measures]"
+    )

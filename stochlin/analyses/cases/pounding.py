@@ -44,7 +44,9 @@ def pound_case(case: Case, progress: Progress | None = None) -> dict[str, xr.Dat
         ``storeys`` or ``yield_displacement`` [m] and ``peak_ductility`` [-], NaN where elastic; over
         ``contact`` its ``gap`` [m], ``impacts``, ``hardest_force`` [N], ``fastest_approach`` [m/s],
         ``longest_impact`` [s], ``contact_energy`` [J] that it has taken and ``least_clearance`` [m] at
-        the instants of ``time``; over ``sink`` the ``energy_share`` [-] of the input, at the end.
+        the instants of ``time``; over ``structure`` the ``energy_received`` [J] from all impacts, and
+        over ``floor``, too, its ``floor_level`` [m]; over ``sink`` the ``energy_share`` [-] of the
+        input, at the end.
 
     Raises
     ------
@@ -118,6 +120,12 @@ def _described(table: xr.Dataset, case: Case, structures: list[Structure | Shear
     if "floor" in table.dims:
         storeys = [b.storeys if isinstance(b, StoreyBuilding) else 1 for b in case.buildings]
         table = table.assign_coords(storeys=("structure", storeys, {"long_name": "number of storeys"}))
+        levels = np.full(table.peak.shape, np.nan)
+        for row, structure in zip(levels, structures, strict=True):
+            if isinstance(structure, ShearBuilding):
+                row[: structure.storeys] = structure.levels()
+        about = {"units": "m", "long_name": "height of the floor, not known of an oscillator"}
+        table = table.assign_coords(floor_level=(("structure", "floor"), levels, about))
     else:
         table["yield_displacement"] = ("structure", np.array(strengths, float))
         table["peak_ductility"] = table.peak / table.yield_displacement
@@ -139,6 +147,11 @@ def _with_tallies(table: xr.Dataset) -> xr.Dataset:
         most = np.array([np.maximum.reduce(values.values[own], initial=-np.inf) for own in hit])
         table[name] = ("contact", np.where(np.isfinite(most), most, np.nan))
     table["contact_energy"] = ("contact", hit @ table.energy_lost.values)
+    received = np.zeros(table.sizes["structure"])
+    for side in table.side.values:
+        structures = table[str(side)].values[table.impact_contact.values - 1] - 1
+        np.add.at(received, structures, table.energy_transferred.sel(side=side).values)
+    table["energy_received"] = ("structure", received)
     table["gap"] = ("contact", np.array(table.attrs["gaps"])[table.left.values - 1])
     left, right = (displacement_beside(table, side) for side in ("left", "right"))
     table["least_clearance"] = table.gap - (left - right).max("time")
@@ -155,7 +168,8 @@ def displacement_beside(table: xr.Dataset, side: str) -> xr.DataArray:
         share = table.share.where(table.column == side, 1.0)
         below = table.displacement.shift(floor=1, fill_value=0.0).sel(at)
         beside = share * beside + (1.0 - share) * below
-    return beside.drop_vars(["structure", "floor", "building", "storeys"], errors="ignore")
+    of_floors = ["structure", "floor", "building", "storeys", "floor_level"]
+    return beside.drop_vars(of_floors, errors="ignore")
 
 
 def _with_energies(table: xr.Dataset) -> xr.Dataset:
@@ -175,14 +189,20 @@ def energy_of(table: xr.Dataset, where: str) -> xr.DataArray:
     return sum(totals[1:], totals[0])
 
 
+def is_oscillator(one: xr.Dataset) -> bool:
+    """Whether a structure in a row with storeys has none: its floor has no height."""
+    return bool(one.floor_level.isnull().all())
+
+
 def hardest_contacts(table: xr.Dataset) -> list[int]:
-    """Of each gap the contact that is hit fastest, or that comes nearest."""
+    """Of each gap the contact that is hit hardest, else fastest, or that comes nearest."""
     chosen = []
     for left in np.unique(table.left.values):
         there = np.flatnonzero(table.left.values == left)
-        speed = table.fastest_approach.values[there]
+        force, speed = (table[name].values[there] for name in ("hardest_force", "fastest_approach"))
+        most = force if np.isfinite(force).any() else speed
         clearance = table.least_clearance.values[there]
-        best = np.nanargmax(speed) if np.isfinite(speed).any() else np.argmin(clearance)
+        best = np.nanargmax(most) if np.isfinite(most).any() else np.argmin(clearance)
         chosen.append(int(there[best]))
     return chosen
 

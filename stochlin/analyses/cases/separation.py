@@ -32,13 +32,13 @@ class CaseAnswer:
     rms_acceleration: float  # m/s^2; infinite for white noise
 
     def table(self, samples: bool = True) -> xr.Dataset:
-        """All of it for a file; without samples, only what there is one of, and a row a rule."""
+        """All of it for a file; without samples, only what there is one of, or one of each rule."""
         table = self.separation
         if self.existing is not None:
             existing = {f"existing_{name}": array for name, array in self.existing.items()}
             table = table.assign(existing).assign_attrs(existing_gap_m=self.existing.attrs["gap_m"])
         table = table.assign_attrs(title=f"{self.case.title}: {table.attrs['title']}")
-        return table if samples else table.drop_dims(["path", "record"], errors="ignore")
+        return table if samples else table.drop_dims(set(table.dims) - {"rule"})
 
     def worst(self) -> int:
         """Row of the smallest gap among those that are unsafe."""

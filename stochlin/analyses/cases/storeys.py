@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -38,11 +38,15 @@ DRIFT_LIMIT = 0.1  # of the height of a storey: a larger drift at yield is doubt
 
 @dataclass(frozen=True)
 class StoreyBuilding:
-    """A building of a case that is meant by its storeys; ``strength`` is the key that gives that."""
+    """A building of a case that is meant by its storeys; ``strength`` is the key that gives that.
+
+    ``regular`` is what `ShearBuilding.regular` was told, None of one given storey by storey.
+    """
 
     name: str
     structure: ShearBuilding
     strength: str
+    regular: Mapping[str, Any] | None = None
 
     @property
     def height(self) -> float:
@@ -139,7 +143,8 @@ def read_storeys(one: Section, number: int) -> StoreyBuilding:
     structure = (_singly if singly else _regular)(one, strength, values)
     if strength != "elastic":
         _doubt_strength(one, strength, structure)
-    return StoreyBuilding(one.text("name", default=f"Building {number}"), structure, strength)
+    known = one.text("name", default=f"Building {number}")
+    return StoreyBuilding(known, structure, strength, None if singly else values)
 
 
 def strength_key(one: Section, keys: Sequence[str], example: str) -> str:

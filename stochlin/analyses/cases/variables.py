@@ -13,6 +13,7 @@ VARIABLES: Variables = {
     "longest_impact": ("s", "duration of the longest impact"),
     "contact_energy": ("J", "energy that the contact has taken"),
     "least_clearance": ("m", "least distance between the floors, negative where they press"),
+    "energy_received": ("J", "work of all impacts on the structure"),
     "energy_share": ("1", "share of the input energy, at the end"),
     "peak_ductility": ("1", "largest displacement over yield displacement"),
 }

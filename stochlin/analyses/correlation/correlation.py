@@ -213,8 +213,7 @@ def _by_effective_properties(asked: Question) -> Answer:
 
 def _by_simulation(asked: Question) -> Answer:
     settings = asked.settings()
-    table = simulate_pairs(*asked.pair, asked.ground, settings)
-    return table, f"paths={settings.paths}, seed={settings.seed}"
+    return simulate_pairs(*asked.pair, asked.ground, settings), settings.told
 
 
 DRIFTING, WHITE_NOISE = 100, 80  # bytes that a cell takes, roughly

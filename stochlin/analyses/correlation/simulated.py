@@ -19,7 +19,7 @@ from stochlin.models.structures import Structure
 
 @dataclass(frozen=True)
 class SimulationSettings:
-    """How to simulate, as `simulate` describes it."""
+    """How to simulate: arguments of `simulate`, which describes them."""
 
     paths: int
     seed: int
@@ -29,6 +29,11 @@ class SimulationSettings:
 
     def __post_init__(self) -> None:
         check_settings(self.paths, self.seed, self.steps_per_period, self.relaxation_times)
+
+    @property
+    def told(self) -> str:
+        """What the history of a result says of them."""
+        return f"paths={self.paths}, seed={self.seed}"
 
 
 def simulate_pairs(

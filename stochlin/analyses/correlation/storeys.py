@@ -38,16 +38,7 @@ def floor_pairs(
             "simulation; or give their oscillator()"
         )
     wanted = settings()
-    table = simulate(
-        pair,
-        ground,
-        paths=wanted.paths,
-        seed=wanted.seed,
-        steps_per_period=wanted.steps_per_period,
-        relaxation_times=wanted.relaxation_times,
-        progress=wanted.progress,
-    )
-    return _between(table), f"paths={wanted.paths}, seed={wanted.seed}"
+    return _between(simulate(pair, ground, **vars(wanted))), wanted.told
 
 
 def _between(table: xr.Dataset) -> xr.Dataset:

@@ -3,11 +3,20 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable, Mapping
+from typing import Any
 
+import numpy as np
+
+from stochlin.analyses.explorer.buildings import REGULAR
 from stochlin.analyses.explorer.scene import Scene
+from stochlin.models.buildings import RegularBuilding, ShearBuilding
 from stochlin.models.envelopes import ENVELOPES
 from stochlin.models.grounds import GROUNDS
+from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Model
+from stochlin.models.structures import Structure
+from stochlin.models.systems import AnyStructure
 
 HEAD = """\
 # A case for 'stochlin gap', saved by 'stochlin explore'. Lengths in m, times in s; 'stochlin gap
@@ -38,7 +47,7 @@ def case_text(scene: Scene) -> str:
     for number in (1, 2):
         lines += ["", *_building(scene, number)]
     lines += ["", "[separation]", f"confidence = {scene.confidence!r}", f'existing = "{scene.gap!r} m"']
-    lines += [f"floors_align = {_written(scene.floors_align)}"]
+    lines += [f"floors_align = {_written(scene.for_codes()['floors_align'])}"]
     lines += [f"zone = {_written(scene.zone)}"] if scene.zone else []
     lines += [f"unverified = {_written(scene.unverified)}"]
     lines += ["", "[simulation]", f"paths = {scene.paths}", f"seed = {scene.seed}", ""]
@@ -47,22 +56,50 @@ def case_text(scene: Scene) -> str:
 
 def _building(scene: Scene, number: int) -> list[str]:
     structure = scene.structure(number)
-    names = ("period", "damping", "hardening", "reduction_factor")
-    values = {name: getattr(structure, name) for name in names}
     lines = [f"[building_{number}]", f"name = {_written(scene.names[number - 1])}"]
-    lines += _numbers(type(structure), {k: v for k, v in values.items() if v is not None})
-    lines += [] if structure.yields else ["elastic = true"]
+    if isinstance(structure, Structure):
+        lines += _oscillator(scene, number)
+    elif getattr(scene, f"description_{number}") == REGULAR:
+        lines += _regular(scene, number, structure)
+    else:
+        lines += _numbers(ShearBuilding, _given(structure, ShearBuilding.parameter_names()))
+        lines += [f"law = {_written(str(structure.law))}", f"p_delta = {_written(structure.p_delta)}"]
+        own: Mapping[str, Any] = structure.law_parameters or {}
+        lines += [f"{name} = {_quantity(value)}" for name, value in own.items()]
+    return lines + ([] if structure.yields else ["elastic = true"])
+
+
+def _oscillator(scene: Scene, number: int) -> list[str]:
+    names = ("period", "damping", "hardening", "reduction_factor")
+    lines = _numbers(Bilinear, _given(scene.structure(number), names))
     height, storeys = scene.heights[number - 1], scene.storeys[number - 1]
     lines += [f'height = "{height!r} m"'] if height is not None else []
     return lines + ([f"storeys = {storeys}"] if storeys is not None else [])
 
 
-def _numbers(kind: type[Model], values: dict[str, float]) -> list[str]:
+def _regular(scene: Scene, number: int, structure: ShearBuilding) -> list[str]:
+    names = ["period", "storey_height", *(["base_shear_coefficient"] if structure.yields else [])]
+    few = {name: getattr(scene, f"{name}_{number}") for name in names}
+    lines = [f"storeys = {structure.storeys}", *_numbers(RegularBuilding, few)]
+    lines += [f'floor_mass = "{scene.floor_masses[number - 1]!r} kg"']
+    return lines + _numbers(ShearBuilding, _given(structure, ("damping", "hardening")))
+
+
+def _given(structure: AnyStructure, names: Iterable[str]) -> dict[str, Any]:
+    """Those parameters that are set."""
+    return {name: value for name in names if (value := getattr(structure, name)) is not None}
+
+
+def _numbers(kind: type[Model], values: dict[str, Any]) -> list[str]:
     """Lines of a model's parameters, with the units that it declares."""
-    return [
-        f"{name} = {value!r}" if kind.units(name) == "1" else f'{name} = "{value!r} {kind.units(name)}"'
-        for name, value in values.items()
-    ]
+    return [f"{name} = {_quantity(value, kind.units(name))}" for name, value in values.items()]
+
+
+def _quantity(value: Any, unit: str = "1") -> str:
+    """A number, or a list of them, with a unit if it has one."""
+    if np.ndim(value):
+        return f"[{', '.join(_quantity(one, unit) for one in np.asarray(value).tolist())}]"
+    return f"{value!r}" if unit == "1" else f'"{value!r} {unit}"'
 
 
 def _written(value: str | bool) -> str:

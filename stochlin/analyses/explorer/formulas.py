@@ -1,6 +1,7 @@
 """What the explorer shows of a scene by formula: spectra, correlation, gaps by rule, probability.
 
-Where linearization fails, each raises an ArithmeticError.
+Where linearization fails, each raises an ArithmeticError. With storeys the probability is simulated,
+and the correlation takes its time.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from stochlin.analyses.correlation.correlation import rho_white_noise
 from stochlin.analyses.correlation.drifting import correlation_with_drift
 from stochlin.analyses.correlation.linearized import pairs_of_solved
 from stochlin.analyses.correlation.variables import VARIABLES as OF_PAIRS
+from stochlin.analyses.explorer import storeys
 from stochlin.analyses.explorer.scene import Scene
 from stochlin.analyses.linearization.equivalent_systems import INTERNAL, solve_structure
 from stochlin.analyses.linearization.peaks import relative_moments, response_moments
@@ -23,23 +25,31 @@ from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.probability.probability import pounding_probability
 from stochlin.analyses.separation.rules import (
     EQ_3,
+    Rule,
     code_rules,
     equation_3_rule,
     linearized_rule,
-    peak_quantile,
     strong_seconds,
 )
-from stochlin.analyses.separation.separation import TEXTS
+from stochlin.analyses.separation.separation import TEXTS, gaps_by_height
 from stochlin.analyses.separation.variables import VARIABLES as OF_GAPS
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.linearization.covariance import EquivalentSystem
 from stochlin.models.parameters import Model
 from stochlin.models.structures import DRIFT, Structure
 
 FREQUENCIES = 301
+FEW_PATHS = 512  # of a simulation that follows a slider
 _EVEN = np.linspace(-1, 1, 49)
 RATIOS = 4.0 ** (np.sign(_EVEN) * np.abs(_EVEN) ** 1.5)  # of T2 to T1, closer around 1
+RATIOS_OF_STOREYS = RATIOS[::2]  # each of them takes its time
+RHO = {
+    "rho_white_noise": "eq. (4)",
+    "rho_linearized": "linearization, Gaussian closure",
+    "rho_drift": "linearization, drift closure",
+}
 LINEARIZED_PEAKS = "peaks of linearization"
 DRIFTED_PEAKS = "peaks by standard deviations of the drift closure and peak factors of linearization"
 
@@ -62,7 +72,7 @@ def _solved(scene: Scene) -> _SolvedScene:
     ratio = scene.period_2 / scene.period_1
     ratios = np.union1d(RATIOS, ratio)
     own = int(np.searchsorted(ratios, ratio))
-    structures = scene.structure(1), swept(scene, ratios)
+    structures = scene.oscillator(1), swept(scene, ratios)
     ground = scene.ground()
     one, other, one_drifting, other_drifting = (
         solve_structure(structure, ground, closure, USUAL)
@@ -70,8 +80,8 @@ def _solved(scene: Scene) -> _SolvedScene:
         for structure in structures
     )
     pair = _SolvedScene(structures, (one, other), (one_drifting, other_drifting), own)
-    for structure, side in zip(scene.structures(), pair.single(pair.gaussian), strict=True):
-        labels.raise_if_lone_failure(side, structure.describe())
+    for number, side in enumerate(pair.single(pair.gaussian), start=1):
+        labels.raise_if_lone_failure(side, scene.oscillator(number).describe())
     return pair
 
 
@@ -79,37 +89,58 @@ def spectra(scene: Scene) -> xr.Dataset:
     """Spectra of the ground and of both buildings' displacements, linearized.
 
     Over ``frequency`` [rad/s], with the coordinate ``period`` [s]: ``psd_ground`` [m^2/s^3] and
-    ``displacement_psd_1`` and ``_2`` [m^2 s], two-sided.
+    ``displacement_psd_1`` and ``_2`` [m^2 s], two-sided; with storeys at the lower roof, whose height is
+    the attribute ``height_m``.
     """
     ground = scene.ground()
-    periods = periods_of(*scene.structures(), ground)
+    periods = [scene.period_1, scene.period_2, *periods_of(ground)]
     low, high = min(periods) / AROUND, max(periods) * AROUND
     # The periods themselves belong to the grid: a resonance is narrow.
     period = np.unique(np.concatenate([np.geomspace(low, high, FREQUENCIES), periods]))[::-1]
     frequency = 2 * np.pi / period
     density = ground.psd(frequency)
     table = density.rename("psd_ground").to_dataset()
-    pair = _solved(scene)
-    for number, side in enumerate(pair.single(pair.gaussian), start=1):
-        system = EquivalentSystem(*(side[name].to_numpy() for name in INTERNAL[:5]))
-        response = density * system.transfer_squared(frequency)
+    if scene.has_storeys:
+        *responses, height = storeys.displacement_densities(scene, frequency)
+        table = table.assign_attrs(height_m=height)
+    else:
+        responses = _displacement_densities(_solved(scene), density.to_numpy(), frequency)
+    for number, response in enumerate(responses, start=1):
         told = f"two-sided PSD of the displacement, building {number}, linearized"
-        response.attrs = {"units": "m^2 s", "long_name": told}
-        table[f"displacement_psd_{number}"] = response
+        attrs = {"units": "m^2 s", "long_name": told}
+        table[f"displacement_psd_{number}"] = ("frequency", response, attrs)
     attrs = {"units": "s", "long_name": "period"}
     table = table.assign_coords(period=("frequency", period, attrs))
     table.frequency.attrs = {"units": "rad/s", "long_name": "circular frequency"}
     return _described(scene, table, "Spectra of ground and displacements", "spectra")
 
 
-@lru_cache(maxsize=8)
-def correlation(scene: Scene) -> xr.Dataset:
-    """Correlation over the ratio of the periods, that of building 1 fixed: eq. (4) and two closures.
+def _displacement_densities(pair: _SolvedScene, ground: Array, frequency: Array) -> list[Array]:
+    systems = [
+        EquivalentSystem(*(side[name].to_numpy() for name in INTERNAL[:5]))
+        for side in pair.single(pair.gaussian)
+    ]
+    return [ground * system.transfer_squared(frequency) for system in systems]
 
-    Over ``period_ratio`` [-], ``T2/T1``, that of the scene among the values: ``rho_white_noise`` [-],
-    eq. (4), ``rho_linearized`` [-] (Gaussian closure) and ``rho_drift`` [-]; ``bias``, ``bias_1`` and
-    ``bias_2`` of the Gaussian closure and its flag ``caution``. The scene's own ratio is an attribute.
+
+def correlation(scene: Scene, progress: Progress | None = None) -> xr.Dataset:
+    """Correlation over the ratio of the periods, that of building 1 fixed: eq. (4) and linearization.
+
+    Over ``period_ratio`` [-], ``T2/T1``, that of the scene among the values, which is also an
+    attribute. Of oscillators: ``rho_white_noise`` [-], eq. (4), ``rho_linearized`` [-] (Gaussian
+    closure) and ``rho_drift`` [-]; ``bias``, ``bias_1`` and ``bias_2`` of the Gaussian closure and its
+    flag ``caution``. With storeys ``rho_white_noise`` of the first modes and ``rho_linearized`` at the
+    lower roof, all stiffnesses of building 2 in one proportion. ``progress`` is told of storeys only.
     """
+    if not scene.has_storeys:
+        return _of_oscillators(scene)
+    ratio = scene.period_2 / scene.period_1
+    table = storeys.correlation(scene, np.union1d(RATIOS_OF_STOREYS, ratio), progress)
+    return _of_ratios(scene, table.assign_attrs(period_ratio=ratio))
+
+
+@lru_cache(maxsize=8)
+def _of_oscillators(scene: Scene) -> xr.Dataset:
     pair, ground = _solved(scene), scene.ground()
     first, second = pair.structures
     sides = list(pair.gaussian)
@@ -121,41 +152,50 @@ def correlation(scene: Scene) -> xr.Dataset:
         "rho_linearized": table.rho.drop_attrs(),
         "rho_drift": correlation_with_drift(pair.structures, list(pair.drift), ground, USUAL),
     }
-    texts = ("eq. (4)", "linearization, Gaussian closure", "linearization, drift closure")
-    for name, text in zip(list(shown)[-3:], texts, strict=True):
-        shown[name].attrs = {"units": "1", "long_name": f"correlation coefficient, {text}"}
-    ratio = scene.period_2 / scene.period_1
-    found = labels.label(xr.Dataset(shown), OF_PAIRS).assign_attrs(period_ratio=ratio)
-    if scene.yields_1 or scene.yields_2:
-        found.attrs["comment"] = f"{labels.CAUTION_RHO} {labels.CAUTION_SIGMA}"
-    return _described(scene, found, "Correlation over the ratio of periods", "correlation")
+    return _of_ratios(scene, xr.Dataset(shown, attrs={"period_ratio": scene.period_2 / scene.period_1}))
+
+
+def _of_ratios(scene: Scene, table: xr.Dataset) -> xr.Dataset:
+    """With labels, and a caution where linearization asks for one."""
+    for name, text in RHO.items():
+        if name in table:
+            table[name].attrs = {"units": "1", "long_name": f"correlation coefficient, {text}"}
+    table = labels.label(table, OF_PAIRS)
+    if any(structure.yields for structure in scene.structures()):
+        table.attrs["comment"] = f"{labels.CAUTION_RHO} {labels.CAUTION_SIGMA}"
+    return _described(scene, table, "Correlation over the ratio of periods", "correlation")
 
 
 def gap_rules(scene: Scene) -> xr.Dataset:
     """The gap by the rules that need no simulation.
 
     Peaks are standard deviations of the drift closure times peak factors of linearization; those of
-    linearization alone only in ``eq_3_linearized`` and ``linearization``. Over ``rule``: ``gap`` [m],
-    NaN where the rule has none, and ``rho`` [-]; the coordinates of `separation`.
+    linearization alone only in ``eq_3_linearized`` and ``linearization``; of all rules with storeys,
+    which have no drift closure. Over ``rule``: ``gap`` [m], NaN where the rule has none, and ``rho``
+    [-]; the coordinates of `separation`; with storeys ``gap_at_height`` [m] over ``height``, too.
     """
-    ground, seconds = scene.ground(), strong_seconds(scene.duration, scene.motion_envelope())
-    pair = _solved(scene)
+    seconds = strong_seconds(scene.duration, scene.motion_envelope())
+    if scene.has_storeys:
+        rules, heights = storeys.rules(scene, seconds)
+        by_height = gaps_by_height([rule.gaps for rule in rules], heights)
+        return _of_rules(scene, rules, "linearized", by_height)
+    return _of_rules(scene, _rules(scene, seconds), "drift closure")
+
+
+def _rules(scene: Scene, seconds: float) -> list[Rule]:
+    """Of oscillators."""
+    ground, pair = scene.ground(), _solved(scene)
     solved, drifting = pair.single(pair.gaussian), pair.single(pair.drift)
     moments = [response_moments(side, ground) for side in solved]
     both = tuple(xr.concat(parts, "building") for parts in zip(*moments, strict=True))
-    peaks = peak_quantile(both, seconds, scene.confidence, 2).to_numpy()
-    if not np.isfinite(peaks).all():
-        raise ValueError(
-            f"duration = {scene.duration:g} s is too short for these periods to tell a peak; allowed: "
-            "some periods and more"
-        )
+    peaks = storeys.peaks_of(scene, both, seconds)
     drifted = peaks * [
         float(d.displacement_std / s.displacement_std) for d, s in zip(drifting, solved, strict=True)
     ]
     rho = correlation(scene).isel(period_ratio=pair.own)
     linear = {"mark": "C", "assumptions": f"{EQ_3}; {LINEARIZED_PEAKS}"}
     drift = {"mark": "C", "assumptions": f"{EQ_3}; {DRIFTED_PEAKS}"}
-    rules = [
+    return [
         equation_3_rule(drifted[:, None], "eq_3_drift", rho.rho_drift.values, **drift),
         equation_3_rule(drifted[:, None], "eq_3_white_noise", rho.rho_white_noise.values, **drift),
         equation_3_rule(peaks[:, None], "eq_3_linearized", rho.rho_linearized.values, **linear),
@@ -166,29 +206,42 @@ def gap_rules(scene: Scene) -> xr.Dataset:
         ),
         *code_rules(drifted[:, None], scene.heights, scene.floors_align, scene.zone),
     ]
+
+
+def _of_rules(
+    scene: Scene, rules: list[Rule], peaks: str, by_height: xr.Dataset | None = None
+) -> xr.Dataset:
+    """One dataset of all of them, fed with these peaks."""
     columns = {name: ("rule", [getattr(rule, name) for rule in rules]) for name in TEXTS}
     table = xr.Dataset(
         {name: ("rule", [getattr(rule, name) for rule in rules]) for name in ("gap", "rho")},
         coords={"rule": ("rule", [rule.name for rule in rules]), **columns},
     )
+    if by_height is not None:
+        table = table.merge(by_height)
+        table.height.attrs = {"units": "m", "long_name": "height above the ground"}
     for name, text in TEXTS.items():
         table[name].attrs["long_name"] = text
-    table = table.assign_attrs(peaks="drift closure", gap_m=scene.gap, confidence=scene.confidence)
+    table = table.assign_attrs(peaks=peaks, gap_m=scene.gap, confidence=scene.confidence)
     table = labels.label(table, OF_GAPS)
     return _described(scene, table, "Gap by rules without simulation", "gap_rules")
 
 
-def probability(scene: Scene) -> xr.Dataset:
-    """Probability of no pounding over time, by formula: `pounding_probability` without simulation."""
-    return pounding_probability(
-        *scene.structures(), scene.ground(), scene.gap, **scene.motion(), paths=0
-    )
+def probability(scene: Scene, progress: Progress | None = None) -> xr.Dataset:
+    """Probability of no pounding over time, as `pounding_probability` has it.
+
+    By formula without simulation; with storeys, of which there is none, by a simulation of few motions.
+    """
+    paths = min(FEW_PATHS, scene.paths) if scene.has_storeys else 0
+    first, second = scene.structures()
+    motions = scene.motion() | {"paths": paths, "seed": scene.seed, "progress": progress}
+    return pounding_probability(first, second, scene.ground(), scene.gap, **motions)
 
 
 def swept(scene: Scene, ratios: Array) -> Structure:
     """Building 2 with every ratio of its period to that of building 1."""
     ratio = labels.axis("period_ratio", "ratio of the periods, T2/T1", ratios)
-    return scene.structure(2, period=scene.period_1 * ratio)
+    return scene.oscillator(2, period=scene.period_1 * ratio)
 
 
 def models_of(scene: Scene) -> dict[str, Model]:

@@ -7,26 +7,46 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from stochlin.analyses.cases.buildings import Building
 from stochlin.analyses.cases.case import FEWEST_PATHS, Case
 from stochlin.analyses.cases.site import FITTED, NONE
+from stochlin.analyses.cases.storeys import SlabOnColumn, StoreyBuilding, slabs_of_row
+from stochlin.analyses.explorer.buildings import (
+    DESCRIPTIONS,
+    OF_FILE,
+    OSCILLATOR,
+    REGULAR,
+    StoreysOfFile,
+)
 from stochlin.analyses.linearization.strength import reduction_factor
 from stochlin.analyses.linearization.transient_systems import check_course
 from stochlin.analyses.tables.checks import check_confidence, check_duration, check_whole
 from stochlin.messages import brief
+from stochlin.models.buildings import PLAUSIBLE_COEFFICIENT, ShearBuilding
 from stochlin.models.envelopes import ENVELOPES, AminAng, Envelope, GammaEnvelope, ShinozukaSato
 from stochlin.models.grounds import GROUNDS, Ground, KanaiTajimi
 from stochlin.models.grounds.named import ground_names, named_ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import POSITIVE, Model, Range, parameter
 from stochlin.models.structures import DAMPING, HARDENING
+from stochlin.models.systems import AnyStructure
 
 SITES = (*ground_names(), *GROUNDS)
 SHAPES = (*ENVELOPES, NONE)
-MOST_PATHS = 20_000
 # So that no entry asks for work of hours.
+MOST_PATHS, MOST_STOREYS = 20_000, 60
 PERIOD = Range(0.02, 20.0, True, True)
 FACTOR = Range(upper=100.0, include_upper=True)
+STOREY_HEIGHT = Range(1.0, 20.0, True, True)
+COEFFICIENT = Range(upper=PLAUSIBLE_COEFFICIENT, include_upper=True, reason="a share of the weight")
+WHOLE = {
+    "paths": (FEWEST_PATHS, MOST_PATHS),
+    "storey_count_1": (1, MOST_STOREYS),
+    "storey_count_2": (1, MOST_STOREYS),
+}
+"""Whole numbers of a scene, with the least and the largest."""
 DURATION = Range(1.0, 300.0, True, True)
 SOIL = KanaiTajimi.allowed("damping")
 
@@ -60,8 +80,10 @@ def names_of(kind: type[Model] | None) -> dict[str, str]:
 class Scene(Model):
     """Ground, two buildings, gap and motion: what the explorer's controls hold, in SI.
 
-    Of ground and envelope only the parameters of the chosen ``site`` and ``envelope`` count; the
-    others wait for another choice. What no control shows is kept for the case file.
+    Of ground, envelope and a building only the parameters of the chosen ``site``, ``envelope`` and
+    ``description`` count; the others wait for another choice. What no control shows is kept for the
+    case file: ``storeys`` and ``heights`` of oscillators; ``floor_masses`` [kg] of regular buildings, on
+    which nothing that is shown depends.
     """
 
     site: str = "firm"
@@ -75,11 +97,29 @@ class Scene(Model):
     yields_1: bool = True
     hardening_1: float = parameter("1", "hardening ratio", HARDENING, 0.05)
     reduction_factor_1: float = parameter("1", "reduction factor R", FACTOR, 4.0)
+    description_1: str = OSCILLATOR
+    storey_count_1: int = 8
+    storey_height_1: float = parameter("m", "storey height", STOREY_HEIGHT, 3.0)
+    base_shear_coefficient_1: float = parameter(
+        "1", "base shear at yield over the weight", COEFFICIENT, 0.15
+    )
+    strength_factor_1: float = parameter(
+        "1", "storey shears at yield over those of the file", FACTOR, 1.0
+    )
     period_2: float = parameter("s", "period", PERIOD, 0.6)
     damping_2: float = parameter("1", "damping ratio", DAMPING, 0.05)
     yields_2: bool = True
     hardening_2: float = parameter("1", "hardening ratio", HARDENING, 0.05)
     reduction_factor_2: float = parameter("1", "reduction factor R", FACTOR, 4.0)
+    description_2: str = OSCILLATOR
+    storey_count_2: int = 5
+    storey_height_2: float = parameter("m", "storey height", STOREY_HEIGHT, 3.0)
+    base_shear_coefficient_2: float = parameter(
+        "1", "base shear at yield over the weight", COEFFICIENT, 0.15
+    )
+    strength_factor_2: float = parameter(
+        "1", "storey shears at yield over those of the file", FACTOR, 1.0
+    )
     gap: float = parameter("m", "existing gap", POSITIVE, 0.05)
     confidence: float = parameter("1", "confidence of no pounding", Range(upper=1.0), 0.9)
     duration: float = parameter("s", "duration", DURATION, 20.0)
@@ -96,20 +136,32 @@ class Scene(Model):
     names: tuple[str, str] = ("Building 1", "Building 2")
     heights: tuple[float | None, float | None] = (None, None)
     storeys: tuple[int | None, int | None] = (None, None)
+    floor_masses: tuple[float, float] = (4e5, 4e5)
+    storeys_of_file: tuple[StoreysOfFile | None, StoreysOfFile | None] = (None, None)
     floors_align: bool = False
     zone: str | None = None
     unverified: bool = False
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name, value, allowed in (("site", self.site, SITES), ("envelope", self.envelope, SHAPES)):
-            if value not in allowed:
+        chosen = {
+            "site": SITES,
+            "envelope": SHAPES,
+            **{f"description_{n}": self.ways_to_describe(n) for n in (1, 2)},
+        }
+        for name, allowed in chosen.items():
+            if (value := getattr(self, name)) not in allowed:
                 raise ValueError(f"{name} = {brief(value)} is not known; allowed: {', '.join(allowed)}")
-        check_count("paths", self.paths)
+        for name, (lowest, highest) in WHOLE.items():
+            check_whole(name, getattr(self, name), lowest, highest)
         check_confidence(self.confidence)
         check_course(self.duration, self.motion_envelope())
         one, two = self.structures()
         check_duration(self.duration, {"building 1": one, "building 2": two})
+
+    def ways_to_describe(self, number: int) -> tuple[str, ...]:
+        """The ways to describe building 1 or 2; the file's storeys are one where there are some."""
+        return DESCRIPTIONS if self.storeys_of_file[number - 1] else DESCRIPTIONS[:-1]
 
     def ground(self) -> Ground:
         """The ground of the site, at this intensity."""
@@ -123,16 +175,57 @@ class Scene(Model):
         kind = GROUNDS[self.site if self.site in GROUNDS else "white_noise"]  # a name has its strength
         return {own: getattr(self, name) for name, own in names_of(kind).items()}
 
-    def structures(self) -> tuple[Bilinear, Bilinear]:
+    def structures(self) -> tuple[AnyStructure, AnyStructure]:
         """Both buildings, the left one first."""
         return self.structure(1), self.structure(2)
 
-    def structure(self, number: int, **changed: Any) -> Bilinear:
-        """Building 1 or 2, with other parameters where they are given."""
+    @property
+    def has_storeys(self) -> bool:
+        """Whether one of both is described by them."""
+        return (self.description_1, self.description_2) != (OSCILLATOR, OSCILLATOR)
+
+    def structure(self, number: int, period: float | None = None) -> AnyStructure:
+        """Building 1 or 2, with another period if one is given."""
+        described = getattr(self, f"description_{number}")
+        if described == OSCILLATOR:
+            return self.oscillator(number, **({} if period is None else {"period": period}))
+        own = self._of(number, "period", "damping", "hardening", "base_shear_coefficient")
+        period = own["period"] if period is None else period
+        hardening = own["hardening"] if getattr(self, f"yields_{number}") else None
+        storeys = self.storeys_of_file[number - 1]
+        if described == OF_FILE and storeys is not None:
+            factor = getattr(self, f"strength_factor_{number}")
+            return storeys.building(period, own["damping"], hardening, factor)
+        return ShearBuilding.regular(
+            period=period,
+            storeys=getattr(self, f"storey_count_{number}"),
+            storey_height=getattr(self, f"storey_height_{number}"),
+            mass=self.floor_masses[number - 1],
+            damping=own["damping"],
+            hardening=hardening,
+            base_shear_coefficient=own["base_shear_coefficient"] if hardening else None,
+        )
+
+    def oscillator(self, number: int, **changed: Any) -> Bilinear:
+        """Building 1 or 2, which is one, with other parameters where they are given."""
         names = ["period", "damping"]
         if getattr(self, f"yields_{number}"):
             names += ["hardening", "reduction_factor"]
-        return Bilinear(**{name: getattr(self, f"{name}_{number}") for name in names} | changed)
+        return Bilinear(**self._of(number, *names) | changed)
+
+    def _of(self, number: int, *names: str) -> dict[str, Any]:
+        return {name: getattr(self, f"{name}_{number}") for name in names}
+
+    @property
+    def slabs_on_columns(self) -> tuple[SlabOnColumn, ...]:
+        """Where a floor of one building meets the other between two floors, from the ground up."""
+        both = zip(self.names, self.structures(), strict=True)
+        return slabs_of_row(
+            [
+                StoreyBuilding(name, one, "") if isinstance(one, ShearBuilding) else one
+                for name, one in both
+            ]
+        )
 
     def motion_envelope(self) -> Envelope | None:
         """The envelope, None where shaking has none."""
@@ -152,20 +245,17 @@ class Scene(Model):
         }
 
     def for_codes(self) -> dict[str, Any]:
-        """What building codes ask for beside the peaks."""
-        height_1, height_2 = self.heights
+        """What building codes ask for beside the peaks; storeys say their heights themselves."""
+        heights = [
+            None if isinstance(structure, ShearBuilding) else height
+            for structure, height in zip(self.structures(), self.heights, strict=True)
+        ]
         return {
-            "height_1": height_1,
-            "height_2": height_2,
-            "floors_align": self.floors_align,
+            "height_1": heights[0],
+            "height_2": heights[1],
+            "floors_align": self.floors_align and not self.slabs_on_columns,
             "zone": self.zone,
         }
-
-
-def check_count(name: str, value: object) -> int:
-    """A number of simulated motions; raises a ValueError for another value."""
-    check_whole(name, value, FEWEST_PATHS, MOST_PATHS)
-    return value  # type: ignore[return-value]
 
 
 def scene_of(case: Case) -> tuple[Scene, list[str]]:
@@ -173,7 +263,6 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
 
     A ValueError if a number lies beyond what the explorer takes.
     """
-    one, other = case.oscillators
     notes = []
     site, given = case.site, _numbers(case.ground)
     if site == FITTED:
@@ -181,29 +270,26 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
         notes.append(f"The ground is fitted to {next(iter(case.records))}: held by its parameters here.")
     if case.records:
         notes.append("Records are left out here, and in a case file saved from here.")
-    if case.contact is not None or case.measures or any(b.structure.mass for b in (one, other)):
-        notes.append(
-            "Masses, contact and measures are left out here, and in a case file saved from here."
-        )
+    if lost := _left_out(case):
+        notes.append(f"{lost} left out here, and in a case file saved from here.")
     if site not in GROUNDS:
         given = {"intensity": given["intensity"]}
     names = case.ground.beside_structures()
     values: dict[str, Any] = {name: given[own] for name, own in names.items() if own in given}
     values["envelope"] = NONE
-    for number, building in enumerate((one, other), start=1):
-        structure = _bilinear(case, building)
-        if building.strength in ("yield_displacement", "ductility"):
-            notes.append(
-                f"The strength of {building.name}, given by {building.strength.replace('_', ' ')}, is "
-                "held as a reduction factor here: another ground or period changes its yield "
-                "displacement."
-            )
-        if building.strength == "yield_displacement":
-            factor = float(reduction_factor(structure, case.ground).reduction_factor)
-            structure = dataclasses.replace(structure, yield_displacement=None, reduction_factor=factor)
-        shown = _numbers(structure).items()
-        values |= {f"{n}_{number}": value for n, value in shown if n not in ("peak_factor", "mass")}
-        values[f"yields_{number}"] = structure.yields
+    masses, storeys = list(Scene.floor_masses), list[StoreysOfFile | None](Scene.storeys_of_file)
+    for number, building in enumerate(case.pair, start=1):
+        if isinstance(building, Building):
+            shown, told = _shown_oscillator(case, building)
+            notes += told
+        else:
+            _check_storeys(case, building)
+            masses[number - 1] = float(building.structure.arrays()["masses"].mean())
+            shown = _shown_storeys(building)
+            if shown["description"] == OF_FILE:
+                storeys[number - 1] = StoreysOfFile.of(building.structure)
+        values |= {f"{name}_{number}": value for name, value in shown.items()}
+        values[f"yields_{number}"] = building.structure.yields
     if case.envelope is not None:
         values["envelope"] = next(n for n, kind in ENVELOPES.items() if type(case.envelope) is kind)
         values |= _numbers(case.envelope)
@@ -214,13 +300,78 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
     kept = ("title", "confidence", "duration", "floors_align", "zone", "unverified", "paths", "seed")
     scene = Scene(
         site=site,
-        names=(one.name, other.name),
-        heights=(one.height, other.height),
-        storeys=(one.storeys, other.storeys),
+        names=(case.first.name, case.second.name),
+        heights=(case.first.height, case.second.height),
+        storeys=(case.first.storeys, case.second.storeys),
+        floor_masses=(masses[0], masses[1]),
+        storeys_of_file=(storeys[0], storeys[1]),
         **values,
         **{name: getattr(case, name) for name in kept},
     )
     return scene, notes
+
+
+def _left_out(case: Case) -> str:
+    """What of the file pounding alone asks for, as the beginning of a sentence."""
+    weighed = any(isinstance(one, Building) and one.weighed for one in case.pair)
+    there = {"masses": weighed, "contact": case.contact is not None, "measures": case.measures}
+    parts = [name for name, given in there.items() if given]
+    if not parts:
+        return ""
+    *others, last = parts
+    listed = f"{', '.join(others)} and {last}" if others else last
+    return f"{listed.capitalize()} {'is' if parts == ['contact'] else 'are'}"
+
+
+def _shown_oscillator(case: Case, building: Building) -> tuple[dict[str, Any], list[str]]:
+    """Its numbers, and what they do not hold of it."""
+    structure, notes = _bilinear(case, building), []
+    if building.strength in ("yield_displacement", "ductility"):
+        notes.append(
+            f"The strength of {building.name}, given by {building.strength.replace('_', ' ')}, is "
+            "held as a reduction factor here: another ground or period changes its yield "
+            "displacement."
+        )
+    if building.strength == "yield_displacement":
+        factor = float(reduction_factor(structure, case.ground).reduction_factor)
+        structure = dataclasses.replace(structure, yield_displacement=None, reduction_factor=factor)
+    shown: dict[str, Any] = _numbers(structure)
+    shown = {name: value for name, value in shown.items() if name not in ("peak_factor", "mass")}
+    if building.storeys and building.storeys <= MOST_STOREYS:  # to start from, described by them
+        shown["storey_count"] = building.storeys
+        if building.storey_height and STOREY_HEIGHT.contains(building.storey_height):
+            shown["storey_height"] = building.storey_height
+    return shown, notes
+
+
+def _shown_storeys(building: StoreyBuilding) -> dict[str, Any]:
+    """Its numbers: those of a regular one, if they say all, or what changes the storeys of the file."""
+    structure, told = building.structure, building.regular
+    shown: dict[str, Any] = {"storey_count": structure.storeys, "damping": structure.damping}
+    if structure.yields:
+        shown["hardening"] = structure.hardening
+    if told is not None and _plainly_regular(told):
+        names = ("period", "storey_height", "base_shear_coefficient")
+        return shown | {"description": REGULAR} | {name: told[name] for name in names if name in told}
+    return shown | {"description": OF_FILE, "period": StoreysOfFile.of(structure).period}
+
+
+def _plainly_regular(told: Mapping[str, Any]) -> bool:
+    return (
+        np.ndim(told["storey_height"]) == 0
+        and told["law"] == "bilinear"
+        and not told["p_delta"]
+        and not np.any(told.get("dampers", 0.0))
+        and bool(COEFFICIENT.contains(told.get("base_shear_coefficient", PLAUSIBLE_COEFFICIENT)))
+    )
+
+
+def _check_storeys(case: Case, building: StoreyBuilding) -> None:
+    if building.storeys > MOST_STOREYS:
+        raise ValueError(
+            f"{case.file}: {building.name} has {building.storeys} storeys; allowed in the explorer: 1 "
+            f"to {MOST_STOREYS}; 'stochlin gap' and 'stochlin probability' take more"
+        )
 
 
 def _bilinear(case: Case, building: Building) -> Bilinear:

@@ -8,12 +8,15 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.correlation.correlation import correlate
+from stochlin.analyses.explorer.buildings import storeys_table
 from stochlin.analyses.explorer.formulas import models_of, swept
 from stochlin.analyses.explorer.scene import Scene
+from stochlin.analyses.explorer.storeys import simulated_correlation
 from stochlin.analyses.probability.probability import pounding_probability
 from stochlin.analyses.separation.separation import separation
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress
+from stochlin.models.buildings import ShearBuilding
 
 SIMULATED_RATIOS = np.geomspace(0.25, 4.0, 13)
 RATIO_PATHS = 256  # correlations need fewer motions than quantiles
@@ -22,9 +25,10 @@ RATIO_PATHS = 256  # correlations need fewer motions than quantiles
 def simulations(scene: Scene, progress: Progress | None = None) -> dict[str, xr.Dataset]:
     """The same questions to the exact laws, by simulation.
 
-    ``correlation`` over the ratio of periods, as `correlate`; ``gaps``, as `separation`;
-    ``probability``, as `pounding_probability`. ``progress`` is called with the share that is done, and
-    may stop the work by raising. What would not fit into memory, or take hours, raises a ValueError.
+    ``correlation`` over the ratio of periods, as `correlate`, with storeys at the scene's own ratio, at
+    the lower roof; ``gaps``, as `separation`; ``probability``, as `pounding_probability`. ``progress``
+    is called with the share that is done, and may stop the work by raising. What would not fit into
+    memory, or take hours, raises a ValueError.
     """
 
     def part(number: int) -> Progress:
@@ -36,24 +40,40 @@ def simulations(scene: Scene, progress: Progress | None = None) -> dict[str, xr.
     rules = scene.for_codes() | {"unverified": scene.unverified}
     gaps = separation(first, second, ground, **motions, **rules, progress=part(0))
     chances = pounding_probability(first, second, ground, scene.gap, **motions, progress=part(1))
-    ratio = scene.period_2 / scene.period_1
-    other = swept(scene, np.union1d(SIMULATED_RATIOS, ratio))
-    shared = {"paths": RATIO_PATHS, "seed": scene.seed, "progress": part(2)}
-    rho = correlate(first, other, ground, "simulation", **shared)  # type: ignore[arg-type]
     return {
-        "correlation": rho.assign_attrs(period_ratio=ratio),
+        **_correlation(scene, part(2)),
         "gaps": gaps.drop_dims("path").assign_attrs(peaks="simulated", gap_m=scene.gap),
         "probability": chances,
     }
 
 
+def _correlation(scene: Scene, progress: Progress) -> dict[str, xr.Dataset]:
+    """None where a storey yields without a stationary answer, which gaps do without."""
+    if scene.has_storeys:
+        try:
+            return {"correlation": simulated_correlation(scene, progress)}
+        except (ArithmeticError, ValueError):
+            return {}
+    ratio = scene.period_2 / scene.period_1
+    other = swept(scene, np.union1d(SIMULATED_RATIOS, ratio))
+    shared = {"paths": RATIO_PATHS, "seed": scene.seed, "progress": progress}
+    rho = correlate(scene.oscillator(1), other, scene.ground(), "simulation", **shared)  # type: ignore[arg-type]
+    return {"correlation": rho.assign_attrs(period_ratio=ratio)}
+
+
 def merge_tables(scene: Scene, tables: Mapping[str, xr.Dataset]) -> xr.Dataset:
     """One dataset of all that is shown, for a file, from datasets by the name of what they show.
 
-    Variables, coordinates and dimensions have the name of their table before their own.
+    Variables, coordinates and dimensions have the name of their table before their own; what describes
+    the storeys of a building, ``building_1`` or ``building_2``.
     """
     whole = xr.Dataset()
-    for name, table in tables.items():
+    storeys = {
+        f"building_{number}": storeys_table(structure)
+        for number, structure in enumerate(scene.structures(), start=1)
+        if isinstance(structure, ShearBuilding)
+    }
+    for name, table in (storeys | dict(tables)).items():
         flat = table.reset_coords(set(table.coords) - set(table.dims))
         flat = flat.rename({part: f"{name}_{part}" for part in {*flat.variables, *flat.dims}})
         whole = whole.merge(flat)

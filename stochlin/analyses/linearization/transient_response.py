@@ -7,9 +7,13 @@ import xarray as xr
 
 from stochlin.analyses.linearization.transient_systems import (
     POINTS,
+    TIME,
     check_course,
+    check_names,
     course_of,
+    oscillators_of,
     over_time,
+    shortest_period,
     side_of,
     solve_course,
     spread_over,
@@ -87,13 +91,14 @@ def transient_response(
     check_whole("points", points, 2)
     seconds = check_course(duration, envelope)
     side = side_of(structure, ground, seconds, "structure", 0)
+    check_names("structure and ground", side.position.dims, (TIME,))
     labels.raise_if_lone_failure(xr.Dataset({"status": side.status}), "transient_response")
     if not side.cells.period.size:
         raise ValueError("no structure has valid parameters; correct those that are out of range")
-    course = course_of(envelope, seconds, float(side.cells.period.min()), points)
+    course = course_of(envelope, seconds, shortest_period([side]), points)
     own = solve_course([side], ground, np.zeros((2, 0), int), course).own
     shown = course.shown
-    uy = side.cells.yield_displacement
+    uy = oscillators_of([side]).yield_displacement
     values = {
         "displacement_std": np.sqrt(np.maximum(own.displacement[shown], 0)),
         "velocity_std": np.sqrt(np.maximum(own.velocity[shown], 0)),

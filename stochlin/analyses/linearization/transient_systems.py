@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Hashable, Mapping, Sequence
+from dataclasses import replace
 from itertools import groupby
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.linalg
 import xarray as xr
 
 from stochlin.analyses.linearization.equivalent_systems import solve_elastic
+from stochlin.analyses.linearization.systems.state_space import Equations
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import row_of
 from stochlin.analyses.tables.checks import check_duration
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.linearization.augmented import Solved
 from stochlin.kernels.linearization.filters import Matrices
 from stochlin.kernels.linearization.fixed_point import Closure
+from stochlin.kernels.linearization.lyapunov import UnsolvableError
 from stochlin.kernels.linearization.transient import (
     Coefficients,
     Difference,
@@ -26,17 +30,23 @@ from stochlin.kernels.linearization.transient import (
     Structures,
     Transient,
 )
+from stochlin.models.buildings import ShearBuilding
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
+from stochlin.models.systems import AnyStructure, Stack, System, stack_of
 
 STEPS_PER_PERIOD = 16  # of the shortest period, for integrals over time
 STRONG = 0.5  # of the envelope's largest value: shaking is strong until it falls below for good
 SCANNED = 4096  # instants at which an envelope is looked at
 COLUMNS = 8  # numbers that are held of each structure and pair at an instant
 INSTANT = 6e-4  # [s] of integration, roughly
+RATES = 7  # times that the equations are evaluated, roughly, for each radian of the fastest mode
+PRODUCT = 8e-11  # [s] of each, for the states of a structure cubed
 POINTS = 101  # instants of a result
+TIME = "time"
+LACKING = {"yield_displacement": np.inf, "scale": 1.0}  # of storeys that others have; else 0
 
 
 class Oscillators(NamedTuple):
@@ -49,15 +59,46 @@ class Oscillators(NamedTuple):
     elastic_std: Array  # of the displacement, were it elastic [m]
 
 
+class Storeys(NamedTuple):
+    """A building with storeys, on each of its grounds (n,)."""
+
+    stack: Stack
+    period: Array  # (n,), the same for all
+    elastic_std: Array  # (n, m) of the drifts, were it elastic [m]
+
+
 class Side(NamedTuple):
     """One structure: its cells in a row, and where each is."""
 
-    structure: Structure
-    cells: Oscillators
-    law: Array  # (k, n)
+    structure: AnyStructure
+    cells: Oscillators | Storeys
+    law: Array  # (k, n m): of all storeys, cell by cell
     ground: Mapping[str, Array]  # its parameters, (n,) each
     status: xr.DataArray
     position: xr.DataArray  # of each cell in the row of all sides, -1 where invalid
+    seen: Array  # (h, m): displacements that are looked at, by those of the floors
+
+    @property
+    def has_storeys(self) -> bool:
+        """Whether it is a building."""
+        return isinstance(self.cells, Storeys)
+
+    def stack(self, cell: int) -> Stack:
+        """The structure of a cell, of a mass of 1 kg if it is an oscillator."""
+        if isinstance(self.cells, Storeys):
+            return self.cells.stack
+        period, damping, hardening, uy, _ = (column[cell : cell + 1] for column in self.cells)
+        assert isinstance(self.structure, Structure)
+        w, share = 2 * np.pi / period, np.where(np.isinf(uy), 1.0, hardening)
+        return Stack(
+            mass=np.ones(1),
+            post=share * w**2,
+            couple=(1 - share) * w**2,
+            strength=uy,
+            damping=(2 * damping * w)[None],
+            levels=np.full(1, np.nan),
+            law=self.structure,
+        )
 
 
 class Course(NamedTuple):
@@ -103,10 +144,24 @@ def check_course(duration: float | None, envelope: Envelope | None) -> float:
     return seconds
 
 
-def side_of(structure: Structure, ground: Ground, duration: float, role: str, first: int) -> Side:
-    """The cells of a structure, numbered from ``first``; those longer than the motion are invalid."""
-    period = structure.arrays()["period"]
+def check_names(roles: str, dims: Collection[Hashable], own: Sequence[str]) -> None:
+    """Raise a ValueError if a dimension has the name of one that the result has of its own."""
+    for name in own:
+        if name in dims:
+            raise ValueError(
+                f"{roles}: a dimension is named {name!r}, as one of the result is; give it another name"
+            )
+
+
+def side_of(structure: AnyStructure, ground: Ground, duration: float, role: str, first: int) -> Side:
+    """The cells of a structure, numbered from ``first``; those longer than the motion are invalid.
+
+    Of a building its roof is looked at.
+    """
     check_duration(duration, {role: structure})
+    if isinstance(structure, ShearBuilding):
+        return _building(structure, ground, role, first)
+    period = structure.arrays()["period"]
     elastic = solve_elastic(structure, ground)
     values = structure.arrays()
     like = elastic.yield_displacement
@@ -133,7 +188,46 @@ def side_of(structure: Structure, ground: Ground, duration: float, role: str, fi
         {name: row(array) for name, array in ground.arrays().items()},
         status,
         position,
+        np.ones((1, 1)),
     )
+
+
+def _building(structure: ShearBuilding, ground: Ground, role: str, first: int) -> Side:
+    valid = ground.valid()
+    position = numbered(valid, first)
+    below = {name: of_cells(array, position).astype(float) for name, array in ground.arrays().items()}
+    stack, count = stack_of(structure), int(valid.sum())
+    system = System((stack,), ())
+    elastic, none = np.full(structure.storeys, -1.0), np.zeros(structure.storeys)
+    drifts = []
+    for cell in range(count):
+        equations = Equations(system, ground_of(ground, below, cell))
+        try:
+            motion = Solved(equations.augmented(elastic, none, none > 0))
+        except UnsolvableError as error:
+            raise ArithmeticError(
+                f"{role}, elastic: {error}; use storeys whose stiffness over mass differs less"
+            ) from error
+        drifts.append(motion.std(system.extensions))
+    return Side(
+        structure,
+        Storeys(
+            stack,
+            np.full(count, float(structure.periods()[0])),
+            np.array(drifts).reshape(count, structure.storeys),
+        ),
+        np.tile(stack.law_parameters.T, count),
+        below,
+        labels.status_where(valid),
+        position,
+        np.eye(structure.storeys)[-1:],
+    )
+
+
+def ground_of(ground: Ground, values: Mapping[str, Array], cell: int) -> Ground:
+    """The ground of one cell."""
+    own: dict[str, Any] = {name: float(row[cell]) for name, row in values.items()}
+    return replace(ground, **own)
 
 
 def numbered(valid: xr.DataArray, first: int = 0) -> xr.DataArray:
@@ -149,8 +243,13 @@ def of_cells(array: xr.DataArray, at: xr.DataArray) -> Array:
 
 
 def oscillators_of(sides: Sequence[Side]) -> Oscillators:
-    """The structures of all sides in one row."""
+    """The structures of all sides in one row; none of them has storeys."""
     return Oscillators(*map(np.concatenate, zip(*(side.cells for side in sides), strict=True)))
+
+
+def shortest_period(sides: Sequence[Side]) -> float:
+    """Of all cells, of buildings that of their first mode [s]."""
+    return float(np.concatenate([side.cells.period for side in sides]).min())
 
 
 def grounds_of(sides: Sequence[Side]) -> dict[str, Array]:
@@ -180,19 +279,17 @@ def course_of(envelope: Envelope | None, duration: float, shortest: float, point
 
 def solve_course(sides: Sequence[Side], ground: Ground, pairs: Array, course: Course) -> Moments:
     """Second moments of all structures and pairs (2, p) of them, from rest."""
-    period, damping, hardening, uy, scale = oscillators_of(sides)
+    structures = _structures(sides)
+    fastest = np.sqrt(np.abs(structures.stiffness).sum(axis=-1).max())
+    n, m = structures.scale.shape
     check_work(
-        f"{pairs.shape[1]} pairs at {course.times.size} instants need",
-        "take fewer cells at a time",
-        memory=8 * COLUMNS * course.times.size * (period.size + pairs.shape[1]),
-    )
-    w = 2 * np.pi / period
-    elastic = np.isinf(uy)
-    structures = Structures(
-        w, 2 * damping * w, np.where(elastic, 0.0, (1 - hardening) * w**2), uy, scale
+        f"{pairs.shape[1]} pairs at {course.times.size} instants, with {m} storeys, would take",
+        "take fewer cells at a time, storeys together, or a shorter motion",
+        memory=8 * COLUMNS * course.times.size * m * (n + pairs.shape[1]),
+        seconds=RATES * fastest * course.duration * PRODUCT * (n + 2 * pairs.shape[1]) * (3 * m) ** 3,
     )
     filters = _filters(ground, grounds_of(sides))
-    closure = _coefficients(sides) if not elastic.all() else None
+    closure = _coefficients(sides) if np.isfinite(structures.yield_displacement).any() else None
     transient = Transient(structures, filters, pairs, closure, course.value)
     kinks = () if course.envelope is None else course.envelope.kinks()
     return Moments(*transient.solve(course.times, kinks), tuple(sides), course)
@@ -200,7 +297,7 @@ def solve_course(sides: Sequence[Side], ground: Ground, pairs: Array, course: Co
 
 def over_time(table: xr.Dataset, course: Course) -> xr.Dataset:
     """The table with its instants, the envelope there, and whether strong shaking is over."""
-    time = labels.axis("time", "time", course.times[course.shown], "s")
+    time = labels.axis(TIME, "time", course.times[course.shown], "s")
     flag = {
         "long_name": f"whether the envelope has fallen for good below {STRONG:g} of its largest value",
         "flag_values": np.arange(2, dtype=np.int8),
@@ -220,22 +317,77 @@ def over_time(table: xr.Dataset, course: Course) -> xr.Dataset:
     )
 
 
+def _structures(sides: Sequence[Side]) -> Structures:
+    """All cells of all sides, as wide as the one with most storeys."""
+    parts = [
+        _storeys(side.cells, side.seen) if isinstance(side.cells, Storeys) else _oscillators(side.cells)
+        for side in sides
+    ]
+    widest = max(part.scale.shape[1] for part in parts)
+    kinds = zip(Structures._fields, zip(*parts, strict=True), strict=True)
+    return Structures(
+        *(np.concatenate([_widened(name, array, widest) for array in arrays]) for name, arrays in kinds)
+    )
+
+
+def _widened(name: str, array: Array, storeys: int) -> Array:
+    """With the storeys that a structure lacks."""
+    lead = 2 if name == "seen" else 1
+    wider = [(0, 0) if axis < lead else (0, storeys - n) for axis, n in enumerate(array.shape)]
+    return np.pad(array, wider, constant_values=LACKING.get(name, 0.0))
+
+
+def _oscillators(cells: Oscillators) -> Structures:
+    period, damping, hardening, uy, scale = cells
+    w = 2 * np.pi / period
+    coupling = np.where(np.isinf(uy), 0.0, (1 - hardening) * w**2)
+    by_drift, by_rate, by_slip = (c[:, None, None] for c in (w**2, 2 * damping * w, coupling))
+    seen = np.ones((w.size, 1, 1))
+    return Structures(w, by_drift, by_rate, by_slip, uy[:, None], scale[:, None], seen)
+
+
+def _storeys(cells: Storeys, seen: Array) -> Structures:
+    """Of the drifts: floors ``M u'' = -C u' - T' (k d - h y) + M 1 f`` by ``d = T u``."""
+    stack, period, scale = cells
+    drifts = System((stack,), ()).extensions
+    floors = np.linalg.inv(drifts)
+    shears = (drifts / stack.mass) @ drifts.T
+
+    def everywhere(array: Array) -> Array:
+        return np.broadcast_to(array, (period.size, *array.shape))
+
+    return Structures(
+        2 * np.pi / period,
+        everywhere(shears * stack.elastic),
+        everywhere((drifts / stack.mass) @ stack.damping @ floors),
+        everywhere(shears * stack.couple),
+        everywhere(stack.strength),
+        scale,
+        everywhere(seen @ floors),
+    )
+
+
 def _coefficients(sides: Sequence[Side]) -> Coefficients:
-    """Equivalent coefficients of all cells, each by the closure of its law; neighbours alike at once."""
+    """Equivalent coefficients of all storeys that yield, by the closures of their laws."""
+    yielding = [side for side in sides if side.structure.yields]
 
-    def closure_of(side: Side) -> Closure | None:
-        return side.structure.closure("gaussian") if side.structure.yields else None
+    def closure_of(side: Side) -> Closure:
+        return side.stack(0).law.closure("gaussian")
 
-    alike = [(closure, [s.law for s in members]) for closure, members in groupby(sides, closure_of)]
-    groups = [(closure, np.concatenate(laws, axis=1)) for closure, laws in alike]
+    def law_of(side: Side) -> Array:
+        cells = side.cells
+        uy = cells.stack.strength if isinstance(cells, Storeys) else cells.yield_displacement
+        return side.law[:, np.isfinite(np.resize(uy, side.law.shape[1]))]
+
+    groups = [
+        (closure, np.concatenate([law_of(side) for side in members], axis=1))
+        for closure, members in groupby(yielding, closure_of)
+    ]
     ends = np.cumsum([law.shape[1] for _, law in groups])[:-1]
 
     def coefficients(latent: Array) -> Array:
         parts = zip(groups, np.split(latent, ends, axis=1), strict=True)
-        found = [
-            closure(part, law).coefficients if closure else np.zeros((2, law.shape[1]))
-            for (closure, law), part in parts
-        ]
+        found = [closure(part, law).coefficients for (closure, law), part in parts]
         return np.concatenate(found, axis=1)
 
     return coefficients

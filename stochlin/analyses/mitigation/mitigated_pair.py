@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -10,10 +11,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.correlation.correlation import correlate
-from stochlin.analyses.correlation.linked import correlate_linked
 from stochlin.analyses.pounding.pounding import pound
-from stochlin.analyses.separation.critical_gap import double_difference
 from stochlin.analyses.separation.storeys import linearized_at_roof
 from stochlin.analyses.simulation.finite_motions import (
     keeping_apart,
@@ -23,7 +21,6 @@ from stochlin.analyses.simulation.finite_motions import (
 )
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.kernels.basics.arrays import Array
-from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Contact
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
@@ -82,21 +79,12 @@ class MitigatedPair:
 
     def linearized(self, measure: Measure) -> dict[str, float]:
         """Correlation and standard deviation of ``u_1 - u_2`` by linearization; NaN if not solved."""
-        pair = self.changed(measure)
-        storeys = any(isinstance(structure, ShearBuilding) for structure in pair)
         links = [] if measure.link is None else [measure.link]
-        try:
-            if storeys:
-                rho, apart = linearized_at_roof(pair, self.ground, links)
-                return {"rho": rho, "relative_displacement_std": apart}
-            if measure.link is not None:
-                table = correlate_linked(*pair, self.ground, measure.link)
-                return {name: float(table[name]) for name in ("rho", "relative_displacement_std")}
-            table = correlate(*pair, self.ground)
-        except (ArithmeticError, ValueError):  # not solved; or storeys without a stationary answer
-            return {"rho": np.nan, "relative_displacement_std": np.nan}
-        apart = float(double_difference(table.displacement_std_1, table.displacement_std_2, table.rho))
-        return {"rho": float(table.rho), "relative_displacement_std": apart}
+        rho = apart = np.nan
+        # Not solved; or nothing stationary: a link with slack, storeys without stiffness beyond yield.
+        with suppress(ArithmeticError, ValueError):
+            rho, apart = linearized_at_roof(self.changed(measure), self.ground, links)
+        return {"rho": rho, "relative_displacement_std": apart}
 
     def recorded(self, measure: Measure) -> dict[str, Array]:
         """What the records say (records,): amplification of the peaks as built and alone, impacts."""

@@ -6,22 +6,29 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
+from numpy.typing import ArrayLike
 
 from stochlin.analyses.correlation.correlation import correlate
 from stochlin.analyses.linearization.linearization import linearize
 from stochlin.analyses.linearization.transient_systems import (
+    TIME,
     Moments,
+    Side,
+    check_names,
     course_of,
     numbered,
     of_cells,
     oscillators_of,
+    shortest_period,
     side_of,
     solve_course,
     spread_over,
 )
-from stochlin.analyses.probability.crossings import bandwidths, chances, gap_for
+from stochlin.analyses.probability.bandwidths import bandwidths
+from stochlin.analyses.probability.crossings import chances, gap_for
 from stochlin.analyses.probability.simulated import simulate_course
 from stochlin.analyses.simulation.finite_motions import quantile_intervals, share_interval
+from stochlin.analyses.simulation.views import displacement_at, meeting_heights
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
@@ -31,25 +38,37 @@ from stochlin.messages import sentence
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Gap, Structure
+from stochlin.models.systems import AnyStructure
+
+HEIGHT = "height"
+AT_HEIGHT = (
+    "confidence_of_no_pounding",
+    "instantaneous_probability",
+    "difference_std",
+    "difference_std_simulated",
+    "difference_std_simulated_standard_error",
+    "required_gap",
+    "required_gap_simulated",
+    "rho",
+)
 
 
 class PairTable(NamedTuple):
-    """Cells, moments, and where each pair and gap is."""
+    """Cells, moments, and where each pair and gap is; with storeys, at all heights where they meet."""
 
     structures_of_pair: Array  # (2, p): numbers of both
     moments: Moments
-    pair_number: xr.DataArray  # number of the pair, -1 where invalid
-    cell_number: xr.DataArray  # number of the (pair, gap), likewise
+    pair_number: xr.DataArray  # number of the pair, -1 where invalid; h of them with storeys, by height
+    cell_number: xr.DataArray  # number of the (pair, height, gap), likewise
     gap: Array  # (c,)
-    pair_of_cell: Array  # (c,)
+    pair_of_cell: Array  # (c,), with its height
     status: xr.DataArray
-    solved: tuple[xr.Dataset, xr.Dataset]  # both, linearized in the stationary motion
 
     @classmethod
     def of(
         cls,
-        first: Structure,
-        second: Structure,
+        first: AnyStructure,
+        second: AnyStructure,
         ground: Ground,
         distance: Gap,
         duration: float,
@@ -57,7 +76,6 @@ class PairTable(NamedTuple):
         points: int,
     ) -> PairTable:
         """Check, number and solve the cells."""
-        solved = linearize(first, ground), linearize(second, ground)
         one = side_of(first, ground, duration, "first", 0)
         two = side_of(second, ground, duration, "second", one.cells.period.size)
         gap = distance.arrays()["gap"]
@@ -69,6 +87,8 @@ class PairTable(NamedTuple):
                 f"length: {sentence(error)}; give them different dimension names for a table"
             ) from error
         left, right = xr.broadcast(one.position, two.position)
+        own = (TIME, HEIGHT) if one.has_storeys or two.has_storeys else (TIME,)
+        check_names("first, second, ground and gap", {*left.dims, *gap.dims}, own)
         both = (left >= 0) & (right >= 0)
         pair_number = numbered(both)
         spread, wide = xr.broadcast(pair_number, gap)
@@ -76,32 +96,54 @@ class PairTable(NamedTuple):
         status = xr.apply_ufunc(np.maximum, one.status, two.status)
         status = status.broadcast_like(good).where((spread < 0) | good, labels.INVALID_INPUT)
         structures = np.stack([of_cells(side, pair_number) for side in (left, right)])
-        cell_number = numbered(good)
         if not good.any():
             raise ValueError("no pair has valid parameters; correct those that are out of range")
-        sides = (one, two)
-        shortest = float(oscillators_of(sides).period.min())
-        course = course_of(envelope, duration, shortest, points)
+        sides, heights = _where_they_meet(one, two)
+        at_height = (pair_number * heights.size + heights).where(pair_number >= 0, -1).astype(int)
+        cell_number = numbered(xr.broadcast(good, heights)[0])
+        course = course_of(envelope, duration, shortest_period(sides), points)
         return cls(
             structures,
             solve_course(sides, ground, structures, course),
-            pair_number,
+            at_height,
             cell_number,
             of_cells(wide, cell_number).astype(float),
-            of_cells(spread, cell_number),
+            of_cells(at_height, cell_number),
             status.transpose(*good.dims).astype(np.int8),
-            solved,
         )
+
+
+def _where_they_meet(one: Side, two: Side) -> tuple[tuple[Side, Side], xr.DataArray]:
+    """Both with the displacements at the heights where they meet, and numbers of these."""
+    if not (one.has_storeys or two.has_storeys):
+        return (one, two), xr.DataArray(0)
+    stacks = one.stack(0), two.stack(0)
+    heights = meeting_heights(*stacks)
+    seen = tuple(np.zeros((heights.size, stack.mass.size)) for stack in stacks)
+    for row, height in enumerate(heights):
+        for displacements, stack in zip(seen, stacks, strict=True):
+            terms = displacement_at(stack, float(height))
+            displacements[row, list(terms)] = list(terms.values())
+    sides = one._replace(seen=seen[0]), two._replace(seen=seen[1])
+    return sides, height_numbers(heights)
+
+
+def height_numbers(heights: ArrayLike) -> xr.DataArray:
+    """Numbers along ``height`` [m]."""
+    axis = labels.axis(HEIGHT, "height above the ground", np.asarray(heights), "m")
+    return axis.copy(data=np.arange(axis.size))
 
 
 def by_formula(pairs: PairTable, ground: Ground, confidence: float) -> xr.Dataset:
     """What linearization says, and what it says with the drift put back."""
     moments, course = pairs.moments, pairs.moments.course
     bandwidth = bandwidths(moments, pairs.structures_of_pair, ground)
-    both = moments.difference
+    own, both = moments.own.displacement, moments.difference
+    heights = both.d_d.shape[1] // pairs.structures_of_pair.shape[1]
+    of_pair = pairs.structures_of_pair[..., None] * heights + np.arange(heights)
     table, required = xr.Dataset(), None
-    nothing = np.zeros_like(moments.own.displacement), np.zeros_like(both.d_d)
-    for ending, (own, apart) in (("", nothing), ("_corrected", _drift(pairs, ground))):
+    nothing = np.zeros_like(own), np.zeros_like(both.d_d)
+    for ending, (drift, apart) in (("", nothing), ("_corrected", _drift(pairs, ground))):
         if required is None or np.isnan(apart).any() or apart.any():
             found = chances(both, bandwidth, apart, pairs.gap, pairs.pair_of_cell, course)
             required = gap_for(both, bandwidth, apart, confidence, course)
@@ -109,18 +151,45 @@ def by_formula(pairs: PairTable, ground: Ground, confidence: float) -> xr.Datase
         table[f"confidence_of_no_pounding{ending}"] = spread_over(found.vanmarcke, pairs.cell_number)
         if not ending:
             table["confidence_of_no_pounding_poisson"] = spread_over(found.poisson, pairs.cell_number)
-        shown = np.sqrt(np.maximum((moments.own.displacement + own)[course.shown], 0))
+        shown = np.sqrt(np.maximum((own + drift)[course.shown], 0))[:, heights - 1 :: heights]
         for number, side in enumerate(moments.sides, start=1):
             table[f"displacement_std{ending}_{number}"] = spread_over(shown, side.position)
         spread = np.sqrt((both.d_d + apart)[course.shown])
         table[f"difference_std{ending}"] = spread_over(spread, pairs.pair_number)
         table[f"required_gap{ending}"] = spread_over(required, pairs.pair_number)
-    one, two = (
-        np.sqrt(moments.own.displacement[course.shown][:, side]) for side in pairs.structures_of_pair
-    )
+    one, two = (np.sqrt(own[course.shown][:, side.ravel()]) for side in of_pair)
     with np.errstate(invalid="ignore", divide="ignore"):
-        rho = moments.difference.product[course.shown] / (one * two)
-    return table.assign(rho=spread_over(np.where(one * two > 0, rho, np.nan), pairs.pair_number))
+        rho = both.product[course.shown] / (one * two)
+    table["rho"] = spread_over(np.where(one * two > 0, rho, np.nan), pairs.pair_number)
+    return _bounds(table) if HEIGHT in pairs.pair_number.dims else table
+
+
+def over_heights(table: xr.Dataset) -> xr.Dataset:
+    """Of all heights the worst, of moments those at the highest, and some of both by height."""
+    whole = xr.Dataset()
+    for name, array in table.items():
+        kind = str(name).partition("_")[0]
+        if HEIGHT not in array.dims:
+            whole[name] = array
+        elif kind == "confidence":
+            whole[name] = array.min(HEIGHT, skipna=False)
+        elif kind in ("instantaneous", "required"):
+            whole[name] = array.max(HEIGHT, skipna=False)
+        else:
+            whole[name] = array.isel({HEIGHT: -1}, drop=True)
+        if name in AT_HEIGHT and HEIGHT in array.dims:
+            whole[f"{name}_at_height"] = array
+    return whole
+
+
+def _bounds(table: xr.Dataset) -> xr.Dataset:
+    """What the formulas of single heights say of all at once, and which height is the worst."""
+    missed = (1 - table.confidence_of_no_pounding).sum(HEIGHT, skipna=False)
+    governing = table.required_gap.fillna(-1.0).idxmax(HEIGHT)
+    return over_heights(table).assign(
+        confidence_of_no_pounding_at_least=(1 - missed).clip(0),
+        governing_height=governing.where(table.required_gap.notnull().all(HEIGHT)),
+    )
 
 
 def by_simulation(
@@ -142,7 +211,10 @@ def by_simulation(
 def simulated_table(
     found: Histories, cell: xr.DataArray, pair: xr.DataArray, confidence: float, seed: int
 ) -> xr.Dataset:
-    """Probabilities and standard deviations; numbers of gaps and pairs say where they are in a table."""
+    """Probabilities and standard deviations; numbers of gaps and pairs say where they are in a table.
+
+    With several heights the pairs are those of one pair, by height.
+    """
     n = len(found.largest)
     alive = found.survivors
     lower, upper = share_interval(alive, n)
@@ -163,17 +235,30 @@ def simulated_table(
     for row, name in enumerate(names):
         table[name] = spread_over(np.sqrt(mean[:, row]), pair)
     table["difference_std_simulated_standard_error"] = spread_over(error[:, 2], pair)
-    gaps = quantile_intervals(found.largest, np.array([confidence]))
-    for ending, (values,) in zip(("", "_lower", "_upper"), gaps, strict=True):
-        table[f"required_gap_simulated{ending}"] = spread_over(values, pair)
+    table = table.assign(_simulated_gaps(found.largest, pair, confidence))
+    if HEIGHT in pair.dims:
+        whole = _simulated_gaps(found.largest.max(axis=1, keepdims=True), xr.DataArray(0), confidence)
+        table = over_heights(table).assign(whole)
     return table.assign_attrs(paths=n, seed=seed)
+
+
+def _simulated_gaps(largest: Array, pair: xr.DataArray, confidence: float) -> dict[str, xr.DataArray]:
+    """The gap that keeps the confidence, of samples (motions, pairs), and its 95 % interval."""
+    gaps = quantile_intervals(largest, np.array([confidence]))
+    return {
+        f"required_gap_simulated{ending}": spread_over(values, pair)
+        for ending, (values,) in zip(("", "_lower", "_upper"), gaps, strict=True)
+    }
 
 
 def _drift(pairs: PairTable, ground: Ground) -> tuple[Array, Array]:
     """Variances of the drift; NaN where the map of the bias does not reach."""
     own, both, sides, course = pairs.moments
     first, second = (side.structure for side in sides)
-    solved = zip(pairs.solved, sides, strict=True)
+    if not (isinstance(first, Structure) and isinstance(second, Structure)):
+        unknown = np.nan if first.yields or second.yields else 0.0  # the map is one of oscillators
+        return np.full_like(own.displacement, unknown), np.full_like(both.d_d, unknown)
+    solved = zip((linearize(first, ground), linearize(second, ground)), sides, strict=True)
     biases = [of_cells(table.bias, side.position) for table, side in solved]
     shared = of_cells(correlate(first, second, ground).bias, pairs.pair_number)
     hardening, bias = oscillators_of(sides).hardening, np.concatenate(biases)

@@ -19,8 +19,12 @@ from stochlin.models.structures import Gap
 from stochlin.models.systems import STRUCTURES, AnyStructure
 
 POINTS = 11  # instants at which a simulation is looked at; only the last is reported
-OPPOSITE = {"_simulated_lower": "_simulated_upper", "_simulated_upper": "_simulated_lower"}
-ENDINGS = ("", "_poisson", "_corrected", "_simulated", *OPPOSITE)
+OPPOSITE = {
+    "_simulated_lower": "_simulated_upper",
+    "_simulated_upper": "_simulated_lower",
+    "_at_most": "_at_least",
+}
+ENDINGS = ("", "_poisson", "_corrected", "_simulated", *OPPOSITE, "_at_height")
 
 
 def pounding_fragility(
@@ -45,7 +49,7 @@ def pounding_fragility(
     Parameters
     ----------
     first, second : Bilinear, BoucWen, Hysteretic or ShearBuilding
-        With a building there is what is simulated only.
+        Of a building at the worst height, as in `pounding_probability`.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
         With the intensity at which the strengths are defined.
     gap : float or array
@@ -60,8 +64,9 @@ def pounding_fragility(
     xarray.Dataset
         Over ``intensity`` and ``gap``: ``pounding_probability`` [-] in the whole motion, crossings in
         clumps; ``_poisson``; ``_corrected``; ``_simulated`` with a 95 % interval, ``_lower`` and
-        ``_upper``. Over ``intensity``: ``required_gap`` [m], ``_corrected`` and ``_simulated``.
-        ``status``.
+        ``_upper``; with a building ``_at_height`` and ``_at_most``, which the formulas of all heights
+        allow for them together. Over ``intensity``: ``required_gap`` [m], ``_corrected`` and
+        ``_simulated``; ``status``.
 
     Raises
     ------

@@ -14,7 +14,7 @@ from stochlin.analyses.probability.hybrid import hybrid_pounding
 from stochlin.analyses.probability.storeys import storeys_in_motion
 from stochlin.analyses.probability.variables import VARIABLES
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_confidence, check_duration, check_whole
+from stochlin.analyses.tables.checks import check_confidence, check_whole
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import brief
 from stochlin.models.envelopes import Envelope
@@ -53,9 +53,8 @@ def pounding_probability(
     Parameters
     ----------
     first, second : Bilinear, BoucWen, Hysteretic or ShearBuilding
-        All parameters of oscillators broadcast by dimension name. With a building there is what is
-        simulated only: the gap is kept at all heights at once, and standard deviations are those at the
-        lower roof.
+        All parameters of oscillators broadcast by dimension name. With a building the gap is kept at
+        all heights at once; see the notes.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
         Stationary, before it is modulated. For ``"hybrid"`` it may be None: it is then fitted to the
         record.
@@ -106,6 +105,16 @@ def pounding_probability(
     simulation by -.15 to +.06 (Poisson -.32 to 0), most for small gaps and structures of very different
     periods or light damping; the 90 % gap by -4 to +4 %.
 
+    Buildings meet at the levels of both, up to the lower roof: between these nothing is larger. The
+    formulas are those of each height by itself (``_at_height``: confidence, instantaneous probability,
+    ``difference_std``, ``required_gap``, ``rho``). The confidence without it is that of the worst
+    height, which the two together at all heights do not exceed; as the formulas have it,
+    ``confidence_of_no_pounding_at_least`` is left of it at the worst (Boole: the probabilities of all
+    heights added), however the heights depend on one another. Likewise ``required_gap`` is that of
+    ``governing_height``, and no less is needed. Simulated is what holds at all heights at once.
+    ``displacement_std``, ``difference_std`` and ``rho`` are those at the highest of them. There is no
+    map of the bias for storeys: ``_corrected`` is NaN where they yield.
+
     Where structures yield (hardening .05, firm ground, R from 4 to 6), linearized standard deviations
     are 34 to 40 % too small at the end of strong shaking, and by far more after it, when the permanent
     set remains; the confidence is too large by up to .24. Corrected standard deviations err by about
@@ -151,30 +160,19 @@ def pounding_probability(
     if paths == 1:
         raise ValueError("paths = 1; allowed: 0 for no simulation, or a whole number from 2")
     seconds = check_course(duration, envelope)
-    if isinstance(first, Structure) and isinstance(second, Structure):
-        pairs = PairTable.of(first, second, ground, distance, seconds, envelope, points)
-        table = by_formula(pairs, ground, confidence)
-        if paths:
-            simulated = by_simulation(pairs, ground, confidence, (paths, seed), progress)
-            table = table.assign(simulated.data_vars).assign_attrs(simulated.attrs)
-        table = over_time(table, pairs.moments.course).assign(status=pairs.status)
-    else:
-        check_duration(seconds, {"first": first, "second": second})
-        table = storeys_in_motion(
-            first,
-            second,
-            ground,
-            distance,
-            seconds,
-            envelope,
-            points,
-            confidence=confidence,
-            counts=(paths, seed),
-            progress=progress,
-        )
+    pairs = PairTable.of(first, second, ground, distance, seconds, envelope, points)
+    table, course = by_formula(pairs, ground, confidence), pairs.moments.course
+    if paths:
+        options = confidence, (paths, seed), progress
+        if any(side.has_storeys for side in pairs.moments.sides):
+            simulated = storeys_in_motion(first, second, ground, distance, course, *options)
+        else:
+            simulated = by_simulation(pairs, ground, *options)
+        table = table.assign(simulated.data_vars).assign_attrs(simulated.attrs)
+    table = over_time(table, course).assign(status=pairs.status)
     table = labels.label(table.assign_attrs(confidence=confidence), VARIABLES)
     labels.raise_if_lone_failure(table, "pounding_probability")
-    if "confidence_of_no_pounding" in table and (first.yields or second.yields):
+    if first.yields or second.yields:
         table = table.assign_attrs(comment=labels.CAUTION_SIGMA)
     return labels.with_run_information(
         table,

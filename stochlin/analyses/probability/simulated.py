@@ -53,7 +53,7 @@ def simulate_course(
         hardening,
         uy / amplitude,
         joined_laws([side.law.T for side in sides]),
-        np.concatenate([np.full(side.cells.period.size, side.structure.block()) for side in sides]),
+        np.concatenate([np.full(side.cells.period.size, side.stack(0).law.block()) for side in sides]),
         1 / (damping * 2 * np.pi / period),
         np.zeros(period.size),
         np.ones(period.size, bool),

@@ -37,4 +37,22 @@ VARIABLES: Variables = {
     "difference_std_simulated": ("m", "standard deviation of u_1 - u_2, simulated"),
     "difference_std_simulated_standard_error": ("m", "its standard error"),
     "separation": ("m", "gap that the record itself takes"),
+    "governing_height": ("m", "height at which the gap by formula has to be the widest"),
+    "confidence_of_no_pounding_at_least": (
+        "1",
+        "least that the formulas of all heights allow for them together (Boole)",
+    ),
+    "pounding_probability_at_most": (
+        "1",
+        "most that the formulas of all heights allow for them together (Boole)",
+    ),
+    "confidence_of_no_pounding_at_height": ("1", "probability of no pounding at this height so far"),
+    "instantaneous_probability_at_height": ("1", "probability of being beyond the gap at this height"),
+    "difference_std_at_height": ("m", "standard deviation of u_1 - u_2 at this height"),
+    "difference_std_simulated_at_height": ("m", "the same, simulated"),
+    "difference_std_simulated_standard_error_at_height": ("m", "its standard error"),
+    "required_gap_at_height": ("m", "gap that keeps the confidence at this height"),
+    "required_gap_simulated_at_height": ("m", "gap that keeps the confidence at this height, simulated"),
+    "rho_at_height": ("1", "correlation coefficient of the displacements at this height"),
+    "pounding_probability_at_height": ("1", "probability of pounding at this height in the motion"),
 }

@@ -42,15 +42,14 @@ class States(NamedTuple):
     z: Array  # [m], of the storeys
 
 
-def ridden(system: System, ground: SampledGround, functions: Sequence[Terms]) -> Ridden:
+def ridden(frames: Sequence[Frame], ground: SampledGround, functions: Sequence[Terms]) -> Ridden:
     """Functions of the floors from rest, in steps so short that their peaks stand still.
 
     Second order: the error that is left is about a third of the last change.
     """
-    weights = np.zeros((len(functions), int(system.first[-1])))
+    weights = np.zeros((len(functions), _floors(frames)))
     for row, terms in zip(weights, functions, strict=True):
         row[list(terms)] = list(terms.values())
-    frames = all_frames(system)
     shortest = min(frame.shortest for frame in frames)
     cuts = max(1, int(np.ceil(ground.dt * STEPS_PER_PERIOD / shortest)))
     steps = float(cuts) * ground.acceleration.size
@@ -72,12 +71,12 @@ def ridden(system: System, ground: SampledGround, functions: Sequence[Terms]) ->
     return Ridden(values, cuts, change)
 
 
-def states(system: System, ground: SampledGround, cuts: int) -> States:
+def states(frames: Sequence[Frame], ground: SampledGround, cuts: int) -> States:
     """Floors and storeys at the samples, in ``cuts`` steps to an interval."""
     f, dt = _forcing(ground, cuts), ground.dt / cuts
-    samples, n = ground.acceleration.size, int(system.first[-1])
-    found = States(*(np.zeros((samples, n)) for _ in States._fields))
-    for frame in all_frames(system):
+    samples = ground.acceleration.size
+    found = States(*(np.zeros((samples, _floors(frames))) for _ in States._fields))
+    for frame in frames:
         size, floors = frame.part.size, frame.floors
         block, state, out = frame.part.block(dt), np.zeros((3, size, LANES)), np.empty((1, size, LANES))
         heights = np.linalg.inv(frame.part.elements.drifts[: floors.size])
@@ -95,8 +94,9 @@ def stepped_history(structure: AnyStructure, ground: SampledGround, refine: int)
     samples = np.arange(ground.acceleration.size)
     between = np.arange(refine * samples[-1] + 1) / refine
     finer = SampledGround(np.interp(between, samples, ground.acceleration), ground.dt / refine)
-    first = ridden(system, finer, [{floor: 1.0} for floor in range(int(system.first[-1]))])
-    u, v, z = states(system, finer, first.cuts)
+    frames = all_frames(system)
+    first = ridden(frames, finer, [{floor: 1.0} for floor in range(_floors(frames))])
+    u, v, z = states(frames, finer, first.cuts)
     strength = system.all("strength")
     over = ("time", FLOOR)
     if not isinstance(structure, ShearBuilding):
@@ -124,7 +124,8 @@ def stepped_gap(first: AnyStructure, second: AnyStructure, motions: Motions) -> 
         *drifts_of(system),
         *(apart(system, pair) for pair in pairs),
     ]
-    tables = [_in_one(system, ridden(system, ground, functions)) for ground in motions.grounds]
+    frames = all_frames(system)
+    tables = [_in_one(system, ridden(frames, ground, functions)) for ground in motions.grounds]
     if motions.names is None:
         return tables[0]
     names = xr.DataArray(motions.names, dims=RECORD, attrs={"long_name": "record"})
@@ -167,6 +168,10 @@ def _in_one(system: System, motion: Ridden) -> xr.Dataset:
 def peaks_of(values: Array) -> Array:
     """Largest values, and smallest as positive numbers (2 m,)."""
     return np.maximum(np.concatenate([values.max(axis=0), -values.min(axis=0)]), 0.0)
+
+
+def _floors(frames: Sequence[Frame]) -> int:
+    return sum(frame.floors.size for frame in frames)
 
 
 def _forcing(ground: SampledGround, cuts: int) -> Array:

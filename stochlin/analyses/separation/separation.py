@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,12 @@ from stochlin.analyses.separation.rules import (
 )
 from stochlin.analyses.separation.storeys import StoreysInMotion, check_levels
 from stochlin.analyses.separation.variables import VARIABLES
-from stochlin.analyses.simulation.finite_motions import keeping_apart, pair_separation, required_gaps
+from stochlin.analyses.simulation.finite_motions import (
+    keeping_apart,
+    pair_separation,
+    quantile_intervals,
+    required_gaps,
+)
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import over_cells
@@ -116,7 +121,10 @@ def separation(
         the quantiles that rules are fed with, ``peak_mean_1`` and ``_2``, ``separation_mean`` [m] with
         standard errors, ``separation_samples`` [m] over ``path``, ``ductility_1`` and ``_2`` [-] (mean
         peak), ``yield_displacement_1`` and ``_2`` [m], ``reduction_factor_1`` and ``_2`` [-]. With
-        records, over ``record``: what `recorded_gap` gives, with the prefix ``record_``.
+        records, over ``record``: what `recorded_gap` gives, with the prefix ``record_``. With storeys,
+        over ``rule`` and ``height`` [m]: ``gap_at_height`` [m], that of the simulation with its 95 %
+        interval, ``_lower`` and ``_upper``, and ``governing_height`` [m]; over ``element``, storey by
+        storey: ``peak_drift_mean`` [m] with its standard error, and ``ductility`` [-].
 
     Raises
     ------
@@ -244,19 +252,29 @@ def _judged(rules: list[Rule], pair: PairInMotion) -> xr.Dataset:
 
 
 def _by_height(rules: list[Rule], pair: PairInMotion) -> xr.Dataset:
-    """What is required at each height, and where the answer is governed."""
+    """What is required at each height, and how far both go there."""
     samples = pair.motions.separation_at_height.isel(structure=0, structure_2=1, drop=True)
     samples = samples.sel(height=pair.heights)
-    simulated = np.quantile(samples.values, pair.confidence, axis=0)
-    gaps = [simulated, *(np.broadcast_to(rule.gaps, simulated.shape) for rule in rules[1:])]
+    levels = np.array([pair.confidence])
+    simulated, *interval = (ends[0] for ends in quantile_intervals(samples.values, levels))
     peaks = xr.DataArray(pair.peaks, dims=("structure", "height"))
+    table = gaps_by_height([simulated, *(rule.gaps for rule in rules[1:])], pair.heights)
+    unknown = np.full((len(rules) - 1, simulated.size), np.nan)
+    for end, values in zip(("lower", "upper"), interval, strict=True):
+        table[f"gap_at_height_{end}"] = ("rule", "height"), np.vstack([values, unknown])
+    table = table.assign({f"peak_at_height_{n + 1}": peaks[n] for n in (0, 1)})
+    return table.assign_coords(height=samples.height)
+
+
+def gaps_by_height(gaps: Sequence[Array], heights: Array) -> xr.Dataset:
+    """What each rule requires at each height, and where it is governed."""
+    gaps = [np.broadcast_to(each, heights.shape) for each in gaps]
     return xr.Dataset(
         {
             "gap_at_height": (("rule", "height"), np.array(gaps)),
-            "governing_height": ("rule", [_where_largest(g, pair.heights) for g in gaps]),
-            **{f"peak_at_height_{n + 1}": peaks[n] for n in (0, 1)},
+            "governing_height": ("rule", [_where_largest(each, heights) for each in gaps]),
         },
-        coords={"height": samples.height},
+        coords={"height": heights},
     )
 
 

@@ -14,9 +14,11 @@ from stochlin.analyses.linearization.strength import reduction_factor
 from stochlin.analyses.linearization.systems.systems import linearized_motion
 from stochlin.analyses.separation.rules import PairInMotion, effective_arguments
 from stochlin.analyses.simulation.finite_motions import pair_peaks
+from stochlin.analyses.simulation.riders import riders_of
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.simulation.views import at_height, meeting_heights
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.linearization.augmented import Solved
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.grounds import Ground
@@ -32,6 +34,7 @@ from stochlin.models.systems import (
 )
 
 PATHS, RELAXATION_TIMES = 64, 5.0  # of the stationary simulation, which tells rho to about .01
+SLOWEST = 20.0  # relaxation time of a drift, over the duration, up to which that simulation is made
 NO_DRIFT = "the drift closure is of oscillators; storeys have none"
 
 
@@ -80,14 +83,9 @@ class StoreysInMotion(PairInMotion):
 
     def simulated_rho(self) -> Array:
         """See `PairInMotion`."""
-        table = simulate(self.structures, self.ground, paths=PATHS, relaxation_times=RELAXATION_TIMES)
-        sigma = table.displacement_std.values
-        covariance = table.rho.values * np.outer(sigma, sigma)
-        one, two = self._weights
-        variances = [np.einsum("hi,ij,hj->h", w, covariance, w) for w in (one, two)]
-        shared = np.einsum("hi,ij,hj->h", one, covariance, two)
-        rho: Array = shared / np.sqrt(variances[0] * variances[1])
-        return rho
+        duration = float(self.motions.attrs["duration_s"])
+        motions = stationary_motions(self.structures, self.ground, duration)
+        return correlation_in(motions, *self._weights)
 
     def linearized_rho(self, closure: str) -> Array:
         """See `PairInMotion`."""
@@ -167,6 +165,43 @@ def correlation_of(motion: Solved, one: Array, two: Array) -> Array:
     """Of displacements that are sums over floors with these weights (k, floors)."""
     first, second, apart = (motion.std(row) for row in (one, two, one - two))
     rho: Array = (first**2 + second**2 - apart**2) / (2 * first * second)
+    return rho
+
+
+def stationary_motions(
+    structures: Sequence[AnyStructure],
+    ground: Ground,
+    duration: float,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """A stationary simulation that is long enough for a correlation.
+
+    Raises a ValueError where the drift of a storey is far slower than motions of the duration [s].
+    """
+    slowest = float(riders_of(structures, ground, None, stationary=True).drift_times.max())
+    if slowest > SLOWEST * duration:
+        raise ValueError(
+            f"a storey yields so rarely that its drift relaxes in {slowest:.3g} s: a stationary "
+            f"simulation says nothing of {duration:g} s"
+        )
+    return simulate(
+        structures,
+        ground,
+        paths=PATHS,
+        seed=seed,
+        relaxation_times=RELAXATION_TIMES,
+        progress=progress,
+    )
+
+
+def correlation_in(table: xr.Dataset, one: Array, two: Array) -> Array:
+    """Of such displacements in a stationary simulation."""
+    sigma = table.displacement_std.values
+    covariance = table.rho.values * np.outer(sigma, sigma)
+    variances = [np.einsum("hi,ij,hj->h", w, covariance, w) for w in (one, two)]
+    shared = np.einsum("hi,ij,hj->h", one, covariance, two)
+    rho: Array = shared / np.sqrt(variances[0] * variances[1])
     return rho
 
 

@@ -113,6 +113,11 @@ def _frame(system: System, members: Array) -> Frame:
 def _modes(mass: Array, stiffness: Array) -> tuple[Array, Array]:
     """Periods [s], and the shares of the mass that the ground moves in each mode."""
     squares, shapes = scipy.linalg.eigh(stiffness, np.diag(mass))
+    if squares[0] <= 0:
+        raise ValueError(
+            "storeys and links differ so much in stiffness that the longest period is lost by rounding; "
+            f"the stiffest has {stiffness.max():.3g} N/m: lower it"
+        )
     shares = (mass @ shapes) ** 2 / mass.sum()
     return 2 * np.pi / np.sqrt(squares), shares
 

@@ -11,20 +11,24 @@ import xarray as xr
 from stochlin.analyses.tables import labels
 from stochlin.models.parameters import Model
 
+CELL = "_cell"  # while tables are put together; models have dimensions of any other name
+
 
 def over_cells(
     function: Callable[..., xr.Dataset],
     models: Mapping[str, Model],
     usable: xr.DataArray | None = None,
+    beside: Mapping[str, Model] | None = None,
 ) -> xr.Dataset:
     """``function`` of scalar models, for every cell of models whose arrays broadcast by name.
 
-    A cell whose parameters are out of range, or that is not ``usable``, is NaN, with the status of
-    invalid input.
+    What stands ``beside`` keeps the dimensions that the others lack. A cell whose parameters are out of
+    range, or that is not ``usable``, is NaN, with the status of invalid input.
     """
     arrays = [array for model in models.values() for array in model.over_cells().values()]
+    whole = {**models, **(beside or {})}
     if not any(array.ndim for array in arrays):
-        return function(**models)
+        return function(**whole)
     shape = xr.broadcast(*arrays)[0]
     places = list(np.ndindex(shape.shape))
     done: list[xr.Dataset | None] = []
@@ -33,7 +37,7 @@ def over_cells(
         good = [model.valid() for model in models.values()]
         good += [] if usable is None else [usable]
         valid = all(bool(one.isel(where, missing_dims="ignore")) for one in good)
-        cell = {role: model.isel(where) for role, model in models.items()} if valid else {}
+        cell = {role: model.isel(where) for role, model in whole.items()} if valid else {}
         done.append(function(**cell) if valid else None)
     known = next((table for table in done if table is not None), None)
     if known is None:
@@ -42,15 +46,15 @@ def over_cells(
     index = pd.MultiIndex.from_product([range(n) for n in shape.shape], names=list(map(str, shape.dims)))
     stacked = xr.concat(
         tables,
-        "cell",
+        CELL,
         data_vars="all",
         coords="minimal",
         compat="override",
         combine_attrs="override",
         join="outer",
     )
-    coordinates = xr.Coordinates.from_pandas_multiindex(index, "cell")
-    table = stacked.assign_coords(coordinates).unstack("cell").drop_vars(list(map(str, shape.dims)))
+    coordinates = xr.Coordinates.from_pandas_multiindex(index, CELL)
+    table = stacked.assign_coords(coordinates).unstack(CELL).drop_vars(list(map(str, shape.dims)))
     table = table.assign_coords({name: shape.coords[name] for name in shape.coords})
     return table.assign_attrs({role: model.describe() for role, model in models.items()})
 

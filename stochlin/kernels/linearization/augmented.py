@@ -146,6 +146,13 @@ class Solved:
         rows = weights @ self.turn.back[self.system.displacements]
         return SpectralMoments(*self._equation.spectral_moments(rows, self._turned))
 
+    def spectral_density(self, weights: Array, frequency: Array) -> Array:
+        """Of such sums (k, f) [m^2 s], two-sided."""
+        rows, noise = weights @ self.turn.back[self.system.displacements], self.system.noise
+        transfer = self._equation.transfer(rows, self.turn.into @ noise, frequency)
+        density: Array = self.system.intensity / (2 * np.pi) * np.abs(transfer) ** 2
+        return density
+
     def _std(self, rows: Array) -> Array:
         found: Array = np.sqrt(np.maximum(((rows @ self._turned) * rows).sum(axis=1), 0.0))
         return found

@@ -8,6 +8,8 @@ residual, computed with the matrix as it stands, until it stands still.
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import scipy.linalg
 
@@ -86,9 +88,16 @@ class Lyapunov:
         x = covariance / np.outer(self.scale, self.scale)
         rates = c @ self.matrix
         with_c = x @ c.T
-        logarithm = np.real(scipy.linalg.logm(-self.matrix))
+        with warnings.catch_warnings():  # of a last digit or two
+            warnings.filterwarnings("ignore", "logm result may be inaccurate", RuntimeWarning)
+            logarithm = np.real(scipy.linalg.logm(-self.matrix))
         l1 = (2 / np.pi) * np.einsum("ki,ik->k", rates, logarithm @ with_c)
         return np.einsum("ki,ik->k", c, with_c), l1, np.einsum("ki,ij,kj->k", rates, x, rates)
+
+    def transfer(self, rows: Array, noise: Array, frequency: Array) -> Array:
+        """``c (i w - A)^-1 b`` for ``rows`` of ``c`` (k, n) and circular frequencies (f,)."""
+        c, b, one = rows * self.scale, noise / self.scale, np.eye(noise.size)
+        return np.stack([c @ np.linalg.solve(1j * w * one - self.matrix, b) for w in frequency], axis=1)
 
     def _solve(self, right: Array) -> Array:
         x = self.turn @ self._triangular(self.turn.T @ right @ self.turn) @ self.turn.T

@@ -10,8 +10,10 @@ of ``f`` does to ``x``,
 
 on white noise ``2 pi S0 m^2 b b'`` in place of the brackets. ``A`` of a yielding structure follows
 ``X``: these are as many nonlinear equations as there are structures; the pairs' are linear and ride
-along. States are ``u/s``, ``u'/(s w)`` and ``y/s`` with ``y = u - uy z`` the slip, as in `covariance`,
-and a scale ``s`` of the structure's own: all of order one.
+along. A structure is a stack of storeys, an oscillator one of them. States are, storey by storey,
+``d/s``, ``d'/(s w)`` and ``y/s`` with its drift ``d`` and the slip ``y = d - uy z``, as in `covariance`,
+and a scale ``s`` of the storey's own: all of order one. Where structures have fewer storeys than others,
+the states that they lack stand still.
 """
 
 from __future__ import annotations
@@ -33,13 +35,18 @@ ROUNDING = 1e-9  # a relative variance of the difference below is none
 
 
 class Structures(NamedTuple):
-    """Structures on their grounds; arrays (n,) unless said otherwise."""
+    """Of up to ``m`` storeys: ``d'' = -damping d' - stiffness d + coupling y``, and ``f`` in the first.
 
-    frequency: Array  # w [rad/s]
-    damping: Array  # 2 xi w [1/s]
-    coupling: Array  # (1 - alpha) w^2 [1/s^2], 0 where elastic
-    yield_displacement: Array  # [m], infinite where elastic
-    scale: Array  # [m]
+    Storeys that a structure lacks have zeros, a scale of 1 and are elastic.
+    """
+
+    frequency: Array  # (n,) w [rad/s]
+    stiffness: Array  # (n, m, m) [1/s^2]
+    damping: Array  # (n, m, m) [1/s]
+    coupling: Array  # (n, m, m) [1/s^2], 0 where elastic
+    yield_displacement: Array  # (n, m) [m], infinite where elastic
+    scale: Array  # (n, m) [m]
+    seen: Array  # (n, h, m): by drifts, the displacements that are looked at
 
 
 class Filters(NamedTuple):
@@ -52,17 +59,17 @@ class Filters(NamedTuple):
 
 
 class Own(NamedTuple):
-    """Second moments of structures over (times, n), and the coefficients that hold then."""
+    """Second moments of each structure, and the coefficients that hold then."""
 
-    displacement: Array  # variance [m^2]
+    displacement: Array  # variance [m^2], over (times, n h)
     velocity: Array  # variance [m^2/s^2]
-    z: Array  # variance [m^2]
+    z: Array  # variance [m^2], of the storeys: over (times, n m)
     slip: Array  # 1 + c_e
     relaxation: Array  # k_e [1/s]
 
 
 class Difference(NamedTuple):
-    """Second moments of ``d = u_1 - u_2`` over (times, pairs)."""
+    """Second moments of ``d = u_1 - u_2`` over (times, pairs h)."""
 
     d_d: Array  # [m^2]
     d_v: Array  # [m^2/s], E[d d']
@@ -87,14 +94,23 @@ class Transient:
     ) -> None:
         self.structures, self.filters, self.envelope = structures, filters, envelope
         self.pairs, self.closure = pairs, closure
-        w, n, k = structures.frequency, structures.frequency.size, filters.output.shape[1]
-        self.shapes = ((n, 3, k), (n, 3, 3), (pairs.shape[1], 3, 3))
-        self.push = 1 / (structures.scale * w)
+        w, s, k = structures.frequency, structures.scale, filters.output.shape[1]
+        n, m = s.shape
+        self.shapes = ((n, 3 * m, k), (n, 3 * m, 3 * m), (pairs.shape[1], 3 * m, 3 * m))
+        d, v, y = self.parts = slice(m), slice(m, 2 * m), slice(2 * m, 3 * m)
+        self.yields = np.isfinite(structures.yield_displacement)
+        self.unit = (s / structures.yield_displacement)[self.yields]
+        self.frequency = np.broadcast_to(w[:, None], s.shape)[self.yields]
+        self.seen = structures.seen * s[:, None]
+        self.push = 1 / (s[:, 0] * w)
         self.ground_push = np.einsum("nij,nj->ni", filters.covariance, filters.output)
-        self.matrix = np.zeros((n, 3, 3))
-        self.matrix[:, 0, 1], self.matrix[:, 1, 0] = w, -w
-        self.matrix[:, 1, 1] = -structures.damping
-        self.matrix[:, 1, 2] = structures.coupling / w
+        ratio, rate = s[:, None] / s[..., None], w[:, None, None]
+        self.matrix = np.zeros((n, 3 * m, 3 * m))
+        _diagonal(self.matrix[:, d, v])[...] = w[:, None]
+        self.matrix[:, v, d] = -structures.stiffness * ratio / rate
+        self.matrix[:, v, v] = -structures.damping * ratio
+        self.matrix[:, v, y] = structures.coupling * ratio / rate
+        self.slips = tuple(_diagonal(self.matrix[:, y, part]) for part in self.parts)
 
     def solve(self, times: Array, kinks: Sequence[float] = ()) -> tuple[Own, Difference]:
         """From rest at 0; ``times`` increase from 0. At the envelope's kinks the steps begin anew.
@@ -140,55 +156,64 @@ class Transient:
     def _rate(self, time: float, state: Array) -> Array:
         c, x, both = self._split(state)
         slip, relaxation = self.coefficients(x)
-        a = self.matrix
-        a[:, 2, 0], a[:, 2, 1], a[:, 2, 2] = relaxation, slip * self.structures.frequency, -relaxation
+        by_drift, by_rate, by_slip = self.slips
+        by_drift[...], by_slip[...] = relaxation, -relaxation
+        by_rate[...] = slip * self.structures.frequency[:, None]
+        a, first = self.matrix, self.parts[1].start  # the ground moves the first storey
         m = self.envelope(time)
         one, two = self.pairs
         push = m * self.push
         c_rate = a @ c + c @ self.filters.matrix.transpose(0, 2, 1)
-        c_rate[:, 1] += push[:, None] * self.ground_push
+        c_rate[:, first] += push[:, None] * self.ground_push
         half = a @ x
         both_rate = a[one] @ both + both @ a[two].transpose(0, 2, 1)
         if c.shape[2]:
             forced = np.einsum("nij,nj->ni", c, self.filters.output)
-            half[:, 1] += push[:, None] * forced
-            both_rate[:, 1, :] += push[one, None] * forced[two]
-            both_rate[:, :, 1] += push[two, None] * forced[one]
+            half[:, first] += push[:, None] * forced
+            both_rate[:, first, :] += push[one, None] * forced[two]
+            both_rate[:, :, first] += push[two, None] * forced[one]
         else:
-            half[:, 1, 1] += 0.5 * self.filters.intensity * push**2
-            both_rate[:, 1, 1] += self.filters.intensity[one] * push[one] * push[two]
+            half[:, first, first] += 0.5 * self.filters.intensity * push**2
+            both_rate[:, first, first] += self.filters.intensity[one] * push[one] * push[two]
         x_rate = half + half.transpose(0, 2, 1)
         return np.concatenate([c_rate.ravel(), x_rate.ravel(), both_rate.ravel()])
 
     @np.errstate(under="ignore")
     def coefficients(self, x: Array) -> tuple[Array, Array]:
-        """``1 + c_e`` and ``k_e`` that the closure finds for the covariances (n, 3, 3)."""
+        """``1 + c_e`` and ``k_e`` (n, m) that the closure finds for the covariances (n, 3 m, 3 m)."""
+        slip, relaxation = np.zeros((2, *self.structures.scale.shape))
         if self.closure is None:
-            return np.zeros(len(x)), np.zeros(len(x))
-        s = self.structures
-        unit = s.scale / s.yield_displacement
-        z_z, v_z = x[:, 0, 0] - 2 * x[:, 0, 2] + x[:, 2, 2], x[:, 1, 0] - x[:, 1, 2]
-        sz, sv = np.sqrt(np.maximum(z_z, 0)), np.sqrt(np.maximum(x[:, 1, 1], 0))
+            return slip, relaxation
+        d, v, y = self.parts
+        z_z = (_diagonal(x[:, d, d]) - 2 * _diagonal(x[:, d, y]) + _diagonal(x[:, y, y]))[self.yields]
+        v_z = (_diagonal(x[:, v, d]) - _diagonal(x[:, v, y]))[self.yields]
+        v_v, unit = _diagonal(x[:, v, v])[self.yields], self.unit
+        sz, sv = np.sqrt(np.maximum(z_z, 0)), np.sqrt(np.maximum(v_v, 0))
         moving = (sz * unit > LEAST_Z) & (sv > 0)
         with np.errstate(invalid="ignore", divide="ignore"):
             r = np.where(moving, v_z / (sv * sz), 0.0)
         r = np.clip(r, -LARGEST_CORRELATION, LARGEST_CORRELATION)
-        latent = np.stack(
-            [np.where(moving, sv * unit * s.frequency, 1.0), np.where(moving, sz * unit, 1.0), r]
-        )
-        values = np.where(moving, self.closure(latent), 0.0)
-        return values[0], values[1]
+        rates = np.where(moving, sv * unit * self.frequency, 1.0)
+        latent = np.stack([rates, np.where(moving, sz * unit, 1.0), r])
+        found = np.where(moving, self.closure(latent), 0.0)
+        slip[self.yields], relaxation[self.yields] = found
+        return slip, relaxation
 
     def _moments(self, state: Array) -> tuple[Own, Difference]:
         _, x, both = self._split(state)
-        s, w = self.structures.scale, self.structures.frequency
-        u_u, v_v, u_v = s**2 * x[:, 0, 0], (s * w) ** 2 * x[:, 1, 1], s**2 * w * x[:, 0, 1]
-        z_z = s**2 * (x[:, 0, 0] - 2 * x[:, 0, 2] + x[:, 2, 2])
-        one, two = self.pairs
-        unit = s[one] * s[two]
-        product = unit * both[:, 0, 0]
-        crossed = unit * (w[two] * both[:, 0, 1] + w[one] * both[:, 1, 0])
-        velocities = unit * w[one] * w[two] * both[:, 1, 1]
+        w, (one, two) = self.structures.frequency[:, None], self.pairs
+        d, v, y = self.parts
+
+        def seen(left: Array, blocks: Array, right: Array) -> Array:
+            return ((left @ blocks) * right).sum(axis=-1)
+
+        own, first, second = self.seen, self.seen[one], self.seen[two]
+        u_u, v_v = seen(own, x[:, d, d], own), w**2 * seen(own, x[:, v, v], own)
+        u_v = w * seen(own, x[:, d, v], own)
+        product = seen(first, both[:, d, d], second)
+        crossed = w[two] * seen(first, both[:, d, v], second)
+        crossed += w[one] * seen(first, both[:, v, d], second)
+        velocities = w[one] * w[two] * seen(first, both[:, v, v], second)
         d_d = u_u[one] + u_u[two] - 2 * product
         difference = Difference(
             np.where(d_d > ROUNDING * (u_u[one] + u_u[two]), d_d, 0.0),
@@ -196,4 +221,11 @@ class Transient:
             v_v[one] + v_v[two] - 2 * velocities,
             product,
         )
-        return Own(u_u, v_v, z_z, *self.coefficients(x)), difference
+        z_z = _diagonal(x[:, d, d]) - 2 * _diagonal(x[:, d, y]) + _diagonal(x[:, y, y])
+        structures = Own(u_u, v_v, self.structures.scale**2 * z_z, *self.coefficients(x))
+        return Own(*map(np.ravel, structures)), Difference(*map(np.ravel, difference))
+
+
+def _diagonal(blocks: Array) -> Array:
+    """Diagonals of matrices (n, m, m), as a view that can be written to (n, m)."""
+    return np.einsum("nii->ni", blocks)

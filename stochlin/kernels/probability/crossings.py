@@ -55,7 +55,7 @@ def hazards(gap: Array, d_d: Array, d_v: Array, v_v: Array, bandwidth: Array) ->
     h = np.where(moving, gap / s, np.inf)
     finite = np.where(moving, h, 0.0)
     spread = np.sqrt((1 - kappa) * (1 + kappa))
-    with np.errstate(under="ignore", invalid="ignore", divide="ignore"):
+    with np.errstate(all="ignore"):
         below = np.exp(-0.5 * h * h)
         rate = positive_part(kappa * finite, spread)
         envelope = SQRT_2PI * finite * positive_part(kappa * finite, spread * bandwidth)

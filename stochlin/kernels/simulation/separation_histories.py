@@ -19,7 +19,7 @@ class Watched(NamedTuple):
 
     first: View  # (r,): displacements [m] of the left structures, height by height, pair by pair
     second: View  # (r,)
-    start: Array  # (p,): the first height of each pair; its last is what is shown of the pair
+    start: Array  # (p,): the first height of each pair
     gap: Array  # (c,) [m]
     pair: Array  # (c,) the pair that the gap is between
 
@@ -29,9 +29,9 @@ class Histories(NamedTuple):
 
     survivors: Array  # (blocks + 1, c): motions in which the gap has not been reached yet
     beyond: Array  # (blocks + 1, c): motions that are beyond the gap at the instant
-    squares: Array  # (blocks + 1, 3, p): of u_1, u_2 and u_1 - u_2 [m^2]
-    fourths: Array  # (blocks + 1, 3, p)
-    largest: Array  # (motions, p): max of u_1 - u_2 [m]
+    squares: Array  # (blocks + 1, 3, r): of u_1, u_2 and u_1 - u_2 [m^2], pair by pair at all heights
+    fourths: Array  # (blocks + 1, 3, r)
+    largest: Array  # (motions, r): max of u_1 - u_2 [m]
 
 
 def separation_histories(
@@ -45,27 +45,27 @@ def separation_histories(
 ) -> Histories:
     """Motions from rest under an envelope (steps,), a whole number of the plan's blocks long."""
     blocks = envelope.size // plan.samples
-    shown = np.append(watched.start[1:], len(watched.first.row)) - 1
+    rows = len(watched.first.row)
 
     def farthest(apart: Array) -> Array:
         """Of each pair (LANES, p), over its heights."""
-        return np.maximum.reduceat(apart, watched.start, axis=0).T
+        return np.maximum.reduceat(apart, watched.start, axis=1)
 
     def run(group: int) -> Histories:
         motion = Motion(crowd, ground, root, plan, plan.first_group + group)
-        pairs, cells = watched.start.size, watched.gap.size
+        cells = watched.gap.size
         survivors = np.full((blocks + 1, cells), LANES)
         beyond = np.zeros((blocks + 1, cells), int)
-        squares, fourths = np.zeros((2, blocks + 1, 3, pairs))
-        largest = np.zeros((LANES, pairs))
+        squares, fourths = np.zeros((2, blocks + 1, 3, rows))
+        largest = np.zeros((LANES, rows))
         for block in range(blocks):
             out = motion.block(envelope[block * plan.samples : (block + 1) * plan.samples])
             one, two = watched.first.of(out), watched.second.of(out)
             apart = one - two
-            np.maximum(largest, farthest(apart.max(axis=0)), out=largest)
-            now = np.stack([part[-1, shown].T for part in (one, two, apart)], axis=1)
-            survivors[block + 1] = (largest[:, watched.pair] <= watched.gap).sum(axis=0)
-            beyond[block + 1] = (farthest(apart[-1])[:, watched.pair] > watched.gap).sum(axis=0)
+            np.maximum(largest, apart.max(axis=0).T, out=largest)
+            now = np.stack([part[-1].T for part in (one, two, apart)], axis=1)
+            survivors[block + 1] = (farthest(largest)[:, watched.pair] <= watched.gap).sum(axis=0)
+            beyond[block + 1] = (farthest(now[:, 2])[:, watched.pair] > watched.gap).sum(axis=0)
             squares[block + 1], fourths[block + 1] = (now**2).sum(axis=0), (now**4).sum(axis=0)
         return Histories(survivors, beyond, squares, fourths, largest)
 

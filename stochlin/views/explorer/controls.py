@@ -6,7 +6,9 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from stochlin.analyses.explorer.scene import ALLOWED, SHAPES, SITES, Scene, check_count, names_of
+from stochlin.analyses.explorer.buildings import DESCRIPTIONS, OF_FILE, OSCILLATOR, REGULAR
+from stochlin.analyses.explorer.scene import ALLOWED, SHAPES, SITES, WHOLE, Scene, names_of
+from stochlin.analyses.tables.checks import check_whole
 from stochlin.messages import brief
 from stochlin.models.envelopes import ENVELOPES
 from stochlin.models.grounds import GROUNDS
@@ -41,8 +43,10 @@ class Control(NamedTuple):
             value = float(shown) / SCALES.get(self.unit, 1.0)
         except ValueError as error:
             raise ValueError(f"= {brief(shown)} is no number; allowed: {self.range}") from error
-        if self.name == "paths":
-            return check_count("", int(value) if value.is_integer() else value)
+        if self.name in WHOLE:
+            whole = int(value) if value.is_integer() else value
+            check_whole("", whole, *WHOLE[self.name])
+            return whole
         if not ALLOWED[self.name].metadata["allowed"].contains(value):
             raise ValueError(f"= {shown} is out of range; allowed: {self.range}")
         return value
@@ -50,8 +54,8 @@ class Control(NamedTuple):
     @property
     def range(self) -> str:
         """What may be entered, in words."""
-        if self.name == "paths":
-            return "a whole number"
+        if self.name in WHOLE:
+            return "a whole number from {} to {}".format(*WHOLE[self.name])
         allowed = ALLOWED[self.name].metadata["allowed"]
         scale = SCALES.get(self.unit, 1.0)
         return str(
@@ -66,6 +70,12 @@ class Choice(NamedTuple):
     label: str
     options: Sequence[str] = ()
 
+    def offered(self, scene: Scene) -> Sequence[str]:
+        """What can be chosen: the storeys of a file where one gives some."""
+        if self.options is not DESCRIPTIONS:
+            return self.options
+        return scene.ways_to_describe(int(self.name.rpartition("_")[2]))
+
 
 class Group(NamedTuple):
     """Controls that belong together."""
@@ -78,10 +88,15 @@ def _building(number: int, side: str) -> Group:
     return Group(
         f"Building {number}, {side}",
         (
+            Choice(f"description_{number}", f"Building {number} described as", DESCRIPTIONS),
             Control(f"period_{number}", "Period", 0.1, 4.0, 0.01, "s"),
+            Control(f"storey_count_{number}", "Storeys", 1, 30, 1),
+            Control(f"storey_height_{number}", "Storey height", 2.5, 6.0, 0.05, "m"),
             Control(f"damping_{number}", "Damping ratio", 0.005, 0.3, 0.005),
             Choice(f"yields_{number}", "Yields (off: elastic)"),
             Control(f"reduction_factor_{number}", "Reduction factor R", 0.5, 10.0, 0.1),
+            Control(f"base_shear_coefficient_{number}", "Base shear coefficient", 0.02, 0.6, 0.01),
+            Control(f"strength_factor_{number}", "Strength factor", 0.1, 4.0, 0.05),
             Control(f"hardening_{number}", "Hardening ratio", 0.01, 1.0, 0.01),
         ),
     )
@@ -142,6 +157,17 @@ def _declared(name: str) -> Control:
     return Control(name, str(about["long_name"]).capitalize(), low, high, step, unit)
 
 
+# In which descriptions of a building a control has a say, where it has not in all.
+OF_BUILDINGS: Mapping[str, Sequence[str]] = {
+    "storey_count": (REGULAR,),
+    "storey_height": (REGULAR,),
+    "yields": DESCRIPTIONS,
+    "hardening": DESCRIPTIONS,
+    "reduction_factor": (OSCILLATOR,),
+    "base_shear_coefficient": (REGULAR,),
+    "strength_factor": (OF_FILE,),
+}
+STRENGTHS = ("hardening", "reduction_factor", "base_shear_coefficient", "strength_factor")
 OF_KINDS: Mapping[str, Mapping[str, type[Model]]] = {"Ground": GROUNDS, "Motion": ENVELOPES}
 GROUPS = tuple(_with_others(group, OF_KINDS.get(group.title, {})) for group in SHOWN)
 NUMBERS: Mapping[str, Control] = {
@@ -158,6 +184,12 @@ def counts(name: str, values: Mapping[str, Any]) -> bool:
         if any(name in names_of(kind) for kind in kinds.values()):
             return name == "intensity" or name in names_of(kinds.get(values[role]))
     stem, _, number = name.rpartition("_")
-    if stem in ("hardening", "reduction_factor"):
-        return bool(values[f"yields_{number}"])
-    return True
+    if stem not in OF_BUILDINGS:
+        return True
+    described, storeys = values[f"description_{number}"], values["storeys_of_file"][int(number) - 1]
+    can_yield = described != OF_FILE or "yield_drifts" in storeys.given
+    if stem == "yields":
+        return can_yield
+    return described in OF_BUILDINGS[stem] and (
+        stem not in STRENGTHS or (can_yield and bool(values[f"yields_{number}"]))
+    )

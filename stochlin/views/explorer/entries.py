@@ -88,7 +88,7 @@ def choice_entry(choice: Choice, group: str, scene: Scene, changed: Changed) -> 
     value = getattr(scene, choice.name)
     with ui.element("div").classes("entry wide") as row:
         if choice.options:
-            entry: Any = ui.select(list(choice.options), label=choice.label, value=value)
+            entry: Any = ui.select(list(choice.offered(scene)), label=choice.label, value=value)
             entry.props("outlined options-dense")
         else:
             entry = ui.switch(choice.label, value=value)

@@ -14,12 +14,21 @@ from stochlin.analyses.explorer import formulas as exploration
 from stochlin.analyses.explorer.case_text import case_text
 from stochlin.analyses.explorer.simulations import merge_tables
 from stochlin.analyses.tables.storage import as_netcdf
+from stochlin.models.systems import floor_count
 from stochlin.views.explorer import pictures as charts
 from stochlin.views.explorer import words
 from stochlin.views.explorer.controls import GROUPS, Control, counts
 from stochlin.views.explorer.entries import NumberEntry, choice_entry
 from stochlin.views.explorer.panels import Panel
-from stochlin.views.explorer.workers import PROBABILITY, SIMULATIONS, Stopped
+from stochlin.views.explorer.workers import (
+    CORRELATION,
+    GAPS,
+    PROBABILITY,
+    SIMULATIONS,
+    SPECTRA,
+    Stopped,
+)
+from stochlin.views.shared.words import columns_hit
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -31,19 +40,21 @@ if TYPE_CHECKING:
 
 REFUSED = (ValueError, ArithmeticError, MemoryError, OSError)
 PANELS = {
-    "spectra": ("Spectra", "Power spectral densities of ground and displacements over period"),
-    "correlation": ("Correlation", "Correlation coefficient over the ratio of the periods"),
-    "gaps": ("Required gap by rule", "Required gap by rule, beside the existing gap"),
-    "probability": ("No pounding so far", "Probability of no pounding over time"),
+    SPECTRA: ("Spectra", "Power spectral densities of ground and displacements over period"),
+    CORRELATION: ("Correlation", "Correlation coefficient over the ratio of the periods"),
+    GAPS: ("Required gap by rule", "Required gap by rule, beside the existing gap"),
+    PROBABILITY: ("No pounding so far", "Probability of no pounding over time"),
 }
 FOLD = "if (innerWidth < 720) document.querySelectorAll('details').forEach(d => d.open = false)"
 KEPT = "The charts keep the last values."
 LOG = logging.getLogger("stochlin")
 FORMULAS: dict[str, Callable[[Scene], xr.Dataset]] = {
-    "correlation": exploration.correlation,
-    "spectra": exploration.spectra,
-    "gaps": exploration.gap_rules,
+    CORRELATION: exploration.correlation,
+    SPECTRA: exploration.spectra,
+    GAPS: exploration.gap_rules,
 }
+PATIENT = (SPECTRA, GAPS, PROBABILITY, CORRELATION)  # in this order, what is not there at once
+FEW_STOREYS = 24  # of both buildings, with which spectra and gaps are there at once
 LOOK = 0.2  # s between two looks at how far a simulation is
 # One thread for all pages: numpy's work between Python's steps gains nothing from more.
 _FAST = ThreadPoolExecutor(1, thread_name_prefix="explorer")
@@ -59,6 +70,7 @@ class Page:
         self._rows: dict[str, Any] = {}
         self._fast, self._slow = False, False  # whether a round is under way
         self._job: Job | None = None
+        self._patience: Job | None = None  # the last that was asked of the patient one
         self._simulated: Mapping[str, xr.Dataset] = {}
         self._closed = False
         self._build(notes)
@@ -133,6 +145,7 @@ class Page:
         if not messages and scene != self._scene:
             self._scene = scene
             self._interrupt()
+            self._drop()  # at once: the next round may begin before the refresh
             self._simulated = {}
             self._told.text = words.START
             background_tasks.create(self._refresh())
@@ -143,7 +156,8 @@ class Page:
 
     async def _refresh(self) -> None:
         """Start the rounds that are not under way: those that are go on to the latest values."""
-        self._panels["probability"].wait()
+        for key in set(PATIENT).difference(_at_once(self._scene)):
+            self._panels[key].wait()
         await self._fast_round()  # first, for both want the processor
         await self._slow_round()
 
@@ -154,8 +168,8 @@ class Page:
         loop = asyncio.get_running_loop()
         while done is not self._scene and not self._closed:
             done = scene = self._scene
-            for key, function in FORMULAS.items():
-                await self._answer(key, scene, loop.run_in_executor(_FAST, function, scene))
+            for key in _at_once(scene):
+                await self._answer(key, scene, loop.run_in_executor(_FAST, FORMULAS[key], scene))
         self._fast = False
 
     async def _slow_round(self) -> None:
@@ -164,8 +178,10 @@ class Page:
         self._slow, done = True, None
         while done is not self._scene and not self._closed:
             done = scene = self._scene
-            job = self._patient.ask(PROBABILITY, scene)
-            await self._answer("probability", scene, asyncio.wrap_future(job.answer))
+            for key in PATIENT:
+                if key not in _at_once(scene) and scene is self._scene:
+                    self._patience = self._patient.ask(key, scene)
+                    await self._answer(key, scene, asyncio.wrap_future(self._patience.answer))
         self._slow = False
 
     async def _answer(self, key: str, scene: Scene, answer: asyncio.Future[xr.Dataset]) -> None:
@@ -176,6 +192,8 @@ class Page:
                 self._draw(key, table, scene)
                 if scene is not self._scene:
                     self._panels[key].wait()
+        except (Stopped, asyncio.CancelledError):  # for the sake of other values
+            self._panels[key].wait()
         except Exception as error:
             self._panels[key].fail(_why(error, key, scene))
 
@@ -184,13 +202,18 @@ class Page:
         simulated = self._simulated.get(key) if scene is self._scene else None
         shown = table if simulated is None else simulated
         panel = self._panels[key]
-        if key == "spectra":
-            panel.show(table, charts.spectra_figure(table, (scene.period_1, scene.period_2)), "")
-        elif key == "correlation":
-            self._caution.text, self._why.text = words.caution(table)
-            panel.show(table, charts.correlation_figure(table, simulated), words.CORRELATION)
-        elif key == "gaps":
-            panel.show(shown, charts.gaps_figure(shown), words.gaps(shown))
+        if key == SPECTRA:
+            if scene.has_storeys:
+                self._caution.text, self._why.text = words.caution_of_storeys(scene)
+            periods = scene.period_1, scene.period_2
+            panel.show(table, charts.spectra_figure(table, periods), words.spectra(table))
+        elif key == CORRELATION:
+            if not scene.has_storeys:
+                self._caution.text, self._why.text = words.caution(table)
+            panel.show(table, charts.correlation_figure(table, simulated), words.correlation(table))
+        elif key == GAPS:
+            told = [words.gaps(shown), columns_hit(scene.slabs_on_columns)]
+            panel.show(shown, charts.gaps_figure(shown), " ".join(filter(None, told)))
         else:
             panel.show(shown, charts.probability_figure(shown), words.probability(shown))
 
@@ -228,6 +251,11 @@ class Page:
         if self._job is not None:
             self._job.stop()
 
+    def _drop(self) -> None:
+        """Stop what the patient one does for values that are gone."""
+        if self._patience is not None:
+            self._patience.stop()
+
     def _running(self, running: bool) -> None:
         self._start.set_enabled(not running)
         for element in (self._stop, self._bar):
@@ -240,8 +268,8 @@ class Page:
 
     def _save_data(self) -> None:
         tables = {key: p.table for key, p in self._panels.items() if p.table is not None}
-        if "correlation" in self._simulated:
-            tables["simulation"] = self._simulated["correlation"]
+        if CORRELATION in self._simulated:
+            tables["simulation"] = self._simulated[CORRELATION]
         if self._alert.text:
             self._told.text = words.SAVED_LAST
         missing = [PANELS[key][0] for key in self._panels if key not in tables]
@@ -252,7 +280,16 @@ class Page:
 
     def _leave(self) -> None:
         self._closed = True
+        self._drop()
         self._interrupt()
+
+
+def _at_once(scene: Scene) -> list[str]:
+    """What is answered while a slider moves; all else in a process of its own."""
+    if not scene.has_storeys:
+        return list(FORMULAS)
+    few = sum(floor_count(structure) for structure in scene.structures()) <= FEW_STOREYS
+    return [SPECTRA, GAPS] if few else []
 
 
 def _why(error: Exception, what: str, scene: Scene) -> str:

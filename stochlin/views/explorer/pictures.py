@@ -21,6 +21,8 @@ KINDS = {  # of rules: marker and name
     "linearization": ("diamond", "linearization"),
     "code": ("square", "building codes"),
 }
+BY_HEIGHT = ("simulation", "linearization")  # the first that there is
+HEIGHT_CHART = 170  # px
 RATIO_TICKS = (0.25, 0.5, 1, 2, 4)
 RHO = (
     ("rho_drift", 0, "linearization, drift closure"),
@@ -57,7 +59,8 @@ def spectra_figure(table: xr.Dataset, periods: tuple[float, float]) -> Figure:
 def correlation_figure(table: xr.Dataset, simulated: xr.Dataset | None = None) -> Figure:
     """Rho over the ratio of periods; simulation, if there is one, as points with 95 % intervals."""
     ratio = table.period_ratio.values
-    curves = [_curve(ratio, table[name].values, style, text) for name, style, text in RHO]
+    shown = [one for one in RHO if one[0] in table]
+    curves = [_curve(ratio, table[name].values, style, text) for name, style, text in shown]
     if simulated is not None:
         error = NORMAL * simulated.rho_standard_error.values
         curves.append(
@@ -70,7 +73,7 @@ def correlation_figure(table: xr.Dataset, simulated: xr.Dataset | None = None) -
                 "name": "simulation, 95 %",
             }
         )
-    values = [table[name] for name, _, _ in RHO] + ([] if simulated is None else [simulated.rho])
+    values = [table[name] for name, _, _ in shown] + ([] if simulated is None else [simulated.rho])
     low = min(float(v.min()) for v in values)
     layout = _layout("ratio of periods T2/T1", "correlation coefficient ρ")
     layout["xaxis"] |= {"type": "log", "range": _log_range(ratio), "tickvals": list(RATIO_TICKS)}
@@ -82,7 +85,10 @@ def correlation_figure(table: xr.Dataset, simulated: xr.Dataset | None = None) -
 
 
 def gaps_figure(table: xr.Dataset) -> Figure:
-    """The gap by every rule that has one, and the gap there is; errors where simulation tells them."""
+    """The gap by every rule that has one, and the gap there is; errors where simulation tells them.
+
+    Of buildings with storeys below it the gap over the height, by the simulation or by linearization.
+    """
     known = table.isel(rule=np.flatnonzero(table.gap.notnull().values)[::-1])
     names = [label(str(rule)) for rule in known.rule.values]
     gaps = 100 * known.gap.values
@@ -99,7 +105,33 @@ def gaps_figure(table: xr.Dataset) -> Figure:
     layout["height"] = 130 + 21 * len(names)
     layout["shapes"] = [_vertical(100 * table.attrs["gap_m"], "dash")]
     layout["annotations"] = [_note(100 * table.attrs["gap_m"], "existing gap")]
+    if rule := told_by_height(table):
+        curves.append(_over_height(table.sel(rule=rule)))
+        share = HEIGHT_CHART / (layout["height"] + HEIGHT_CHART)
+        layout["height"] += HEIGHT_CHART
+        layout["legend"] = layout["legend"] | {"y": -60 / layout["height"]}
+        layout["yaxis"] |= {"domain": [share, 1]}
+        title = {"text": "height [m]", "standoff": 6}
+        top = 1.05 * float(table.height[-1])
+        layout["yaxis2"] = layout["xaxis"] | {"title": title, "range": [0, top], "anchor": "x"}
+        layout["yaxis2"] |= {"domain": [0, 0.8 * share], "automargin": True}
+        layout["xaxis"] |= {"anchor": "y2"}
     return _figure(curves, layout)
+
+
+def told_by_height(table: xr.Dataset) -> str:
+    """The rule whose gap is shown over the height; none where there is one height, or no gap."""
+    if "gap_at_height" not in table or table.sizes["height"] < 2:
+        return ""
+    known = table.rule.values[table.gap.notnull().values]
+    return next((name for name in BY_HEIGHT if name in known), "")
+
+
+def _over_height(row: xr.Dataset) -> Figure:
+    """The gap that would do at each height, by one rule."""
+    name = f"{label(str(row.rule.values))}, by height"
+    curve = _curve(100 * row.gap_at_height.values, row.height.values, 1, name)
+    return curve | {"yaxis": "y2", "hovertemplate": "%{y:.1f} m: %{x:.1f} cm<extra></extra>"}
 
 
 def probability_figure(table: xr.Dataset) -> Figure:

@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from stochlin.analyses.explorer.scene import Scene
 
 RUNNING, SHARE, STOPPED = range(3)  # on the board: a job, how far it is, the job to be stopped
-PROBABILITY, SIMULATIONS = "probability", "simulations"
+CORRELATION, GAPS, PROBABILITY, SPECTRA = "correlation", "gaps", "probability", "spectra"
+SIMULATIONS = "simulations"
 EVERY_JOB = -1.0
 _board: Any = None  # of this process, if it is a worker
 
@@ -52,7 +53,7 @@ class Worker:
         self._pool = self._start()
 
     def ask(self, question: str, scene: Scene) -> Job:
-        """Put a question, one of the two."""
+        """Put a question."""
         self._count += 1
         try:
             answer = self._pool.submit(_answer, self._count, question, scene)
@@ -64,7 +65,7 @@ class Worker:
     def close(self) -> None:
         """Stop what is running."""
         self._board[STOPPED] = EVERY_JOB
-        self._pool.shutdown(wait=False, cancel_futures=True)
+        self._pool.shutdown(cancel_futures=True)  # waits, as the exit would, which may race with it
 
     def _start(self) -> ProcessPoolExecutor:
         return ProcessPoolExecutor(1, self._context, _begin, (self._board,))
@@ -86,7 +87,7 @@ def _end_with_the_page() -> None:
 
 
 def _answer(number: int, question: str, scene: Scene) -> Any:
-    from stochlin.analyses.explorer.formulas import probability
+    from stochlin.analyses.explorer import formulas
     from stochlin.analyses.explorer.simulations import simulations
 
     _board[RUNNING], _board[SHARE] = number, 0.0
@@ -96,4 +97,13 @@ def _answer(number: int, question: str, scene: Scene) -> Any:
             raise Stopped
         _board[SHARE] = share
 
-    return simulations(scene, progress) if question == SIMULATIONS else probability(scene)
+    if question == SPECTRA:
+        return formulas.spectra(scene)
+    if question == GAPS:
+        return formulas.gap_rules(scene)
+    long = {
+        CORRELATION: formulas.correlation,
+        PROBABILITY: formulas.probability,
+        SIMULATIONS: simulations,
+    }
+    return long[question](scene, progress)

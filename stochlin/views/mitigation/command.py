@@ -47,5 +47,5 @@ def mitigate(case: Path, out: Path | None, picture: Path | None) -> None:
         check_target("--picture", picture, PICTURES, described.inputs)
         with progress_bar("measures") as progress:
             table = mitigate_case(described, progress)
-        show(answer_lines(table, described.title))
+        show(answer_lines(table, described))
         write(table, data, picture, draw_measures)

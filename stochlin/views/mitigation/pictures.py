@@ -74,7 +74,10 @@ def _gaps(axes: Axes, dataset: xr.Dataset) -> None:
                 needed[shown], place[shown], xerr=ends, markerfacecolor=face, label=label, **style
             )
     for row in place[~np.isfinite(needed)]:
-        axes.text(0.02, row, "none found", transform=axes.get_yaxis_transform(), size=7, va="center")
+        axes.text(
+            *(0.02, row, "none found"), transform=axes.get_yaxis_transform(), size=7, va="center",
+            bbox={"color": "white", "pad": 1},
+        )  # fmt: skip
     gap = 100 * float(dataset.attrs["gap_m"])
     axes.axvline(gap, color=CURVES[2][0], linestyle=CURVES[2][1], label="the gap there is")
     axes.set(xlim=(0, None), xlabel=f"needed gap [cm], {100 * float(dataset.attrs['confidence']):.4g} %")

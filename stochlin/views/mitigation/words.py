@@ -8,10 +8,20 @@ import numpy as np
 
 from stochlin.analyses.separation.separation import NOT_AVAILABLE, SAFE, UNSAFE
 from stochlin.views.shared.screen import columns, cut, paragraph
-from stochlin.views.shared.words import MISSING, SPACE, centimetres, length, per_cent, short
+from stochlin.views.shared.words import (
+    MISSING,
+    SPACE,
+    centimetres,
+    floors,
+    length,
+    per_cent,
+    short,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from stochlin.analyses.cases.case import Case
 
 WIDE = 34  # characters of a name
 NOTES = (
@@ -21,20 +31,27 @@ NOTES = (
     "the relative displacement by linearization, which is too small where buildings yield. All measures "
     "ride on the same motions."
 )
+NO_DASHPOT = (
+    "least dashpot between: not looked for; it needs masses, and a floor of each building at one level."
+)
 TIMES = (
     "Times: largest displacement over that as built and standing alone, of building 1 and 2. What "
     "bumpers do shows here alone."
 )
 
 
-def answer_lines(table: xr.Dataset, title: str) -> list[str]:
+def answer_lines(table: xr.Dataset, case: Case) -> list[str]:
     """All that the screen shows."""
-    lines = [title, "", *paragraph(headline(table)), "", *columns(*_motions(table)), ""]
+    lines = [case.title, *paragraph(floors(case)), "", *paragraph(headline(table)), ""]
+    lines += [*columns(*_motions(table)), ""]
     for record in table.record.values if "record" in table.dims else ():
         lines += [f"In {record}:", *columns(*_recorded(table.sel(record=record))), ""]
     for one in _rows(table):
         if one.missing.item():
             lines += paragraph(f"{one.measure.item()}: {one.missing.item()}.", "  ")
+    searched = table.measure.values[(table.kind == "least").values]
+    if searched.size and not any("dashpot" in str(name) for name in searched):
+        lines += paragraph(NO_DASHPOT, "  ")
     return [*lines, *paragraph(NOTES), *paragraph(TIMES if "record" in table.dims else "")]
 
 

@@ -32,7 +32,12 @@ TABLES = (".nc",)
 @click.option(
     "--out", type=FILE, help="Save histories and impacts, .nc; of several records one file each."
 )
-@click.option("--picture", type=FILE, help="Draw them, .png, .svg or .pdf; the data is saved beside it.")
+@click.option(
+    "--picture",
+    type=FILE,
+    help="Draw them, .png, .svg or .pdf; the data is saved beside it, and, of buildings with storeys, a "
+    "second picture, NAME-storeys, of what floors and storeys bear.",
+)
 def pound(case: Path, out: Path | None, picture: Path | None) -> None:
     """What happens when buildings that stand too near meet in a recorded motion.
 
@@ -49,24 +54,33 @@ def pound(case: Path, out: Path | None, picture: Path | None) -> None:
     with bad_input():
         from stochlin.analyses.cases.case import read_case
         from stochlin.analyses.cases.pounding import pound_case
+        from stochlin.analyses.cases.storeys import StoreyBuilding
+        from stochlin.views.pounding.floors import draw_floors
         from stochlin.views.pounding.pictures import draw_pound
         from stochlin.views.pounding.words import answer_lines
 
         described = read_case(case)
         data = out if out or not picture else picture.with_suffix(TABLES[0])
         drawn = _by_record("--picture", picture, PICTURES, described)
+        stepped = any(isinstance(building, StoreyBuilding) for building in described.buildings)
+        of_storeys = picture if stepped else None
+        storeys = _by_record("--picture", of_storeys, PICTURES, described, "-storeys")
         saved = _by_record("--out" if out else "--picture", data, TABLES, described)
         with progress_bar("pounding") as progress:
             tables = pound_case(described, progress)
         show(answer_lines(described, tables))
         for record, table in tables.items():
             write(table, saved.get(record), drawn.get(record), draw_pound)
+            write(table, None, storeys.get(record), draw_floors)
 
 
-def _by_record(option: str, path: Path | None, allowed: Sequence[str], case: Case) -> dict[str, Path]:
+def _by_record(
+    option: str, path: Path | None, allowed: Sequence[str], case: Case, ending: str = ""
+) -> dict[str, Path]:
     """The file of each record: the one that is asked for, or, of several, one with its name in it."""
     if path is None:
         return {}
+    path = path.with_name(f"{path.stem}{ending}{path.suffix}")
     named = dict.fromkeys(case.records, path)
     if len(named) > 1:
         words = {record: re.sub(r"[^\w.]+", "_", record) for record in named}

@@ -48,7 +48,7 @@ def draw_pound(dataset: xr.Dataset) -> Figure:
     -------
     matplotlib.figure.Figure
         Over time: for each gap the displacements of both sides, of buildings with storeys at the contact
-        that is hit hardest; forces of these contacts; energies. Impacts are marked.
+        that is hit hardest; forces of all impacts; energies. Impacts are marked.
 
     Raises
     ------
@@ -64,7 +64,7 @@ def draw_pound(dataset: xr.Dataset) -> Figure:
     shown = hardest_contacts(dataset)
     hits = bool(dataset.sizes["impact"])
     heights = [*[GAP] * len(shown), FORCE, ENERGY, *[CLOSE_UP] * hits]
-    caption = _caption(dataset)
+    caption = caption_of(dataset)
     foot = AXIS + LINE * (caption.count("\n") + 1) + 0.1
     height = HEAD + sum(heights) + BETWEEN * (len(heights) - 1) + AXIS * hits + foot
     figure = Figure(figsize=(WIDTH, height))
@@ -105,14 +105,17 @@ def _sides(axes: Axes, dataset: xr.Dataset, number: int) -> None:
         axes.plot(time, values, color=color, linestyle=dash, lw=0.9, label=name)
     hits = dataset.impact_time.values[dataset.impact_contact.values == number + 1]
     hits = hits[(hits >= time[0]) & (hits <= time[-1])]
+    struck = "level" in dataset.coords and str(one.kind.item()) == COLUMN
     if hits.size:
         style: Any = {"marker": "v", "color": "#2166ac", "ls": "", "ms": 4, "clip_on": False}
+        if struck:
+            style |= {"marker": "X", "color": "#b2182b", "ms": 6}
         transform = axes.get_xaxis_transform()
         axes.plot(hits, np.full(hits.size, 1.0), transform=transform, label="impact", **style)
     if "level" in dataset.coords:
         axes.plot([], [], ls="", label=f"{float(one.level):.4g} m up")
-        if str(one.kind.item()) == COLUMN:
-            axes.plot([], [], marker="X", color="#b2182b", ls="", ms=6, label="SLAB AGAINST COLUMN")
+    if struck:
+        axes.plot([], [], ls="", label="SLAB AGAINST COLUMN")
     axes.set_ylabel("place [cm]")
 
 
@@ -142,7 +145,8 @@ def _forces(axes: Axes, dataset: xr.Dataset, shown: list[int]) -> None:
     forces = name == "largest_force"
     scale = MEGA if forces else 1.0
     for number, (color, _), marker in zip(shown, cycle(CURVES), cycle("osD^v"), strict=False):
-        mine = dataset.impact_contact.values == number + 1
+        same = dataset.left.values == int(dataset.left[number])  # all contacts across this gap
+        mine = same[dataset.impact_contact.values - 1]
         time, values = dataset.impact_time.values[mine], scale * dataset[name].values[mine]
         axes.vlines(time, 0, values, color=color, lw=0.8)
         label = " |\n".join(_names(dataset, dataset.isel(contact=number)))
@@ -159,7 +163,8 @@ def _energies(axes: Axes, dataset: xr.Dataset) -> None:
     axes.set(ylim=(0, None), ylabel="energy [MJ]" if many else "energy [kJ]")
 
 
-def _caption(dataset: xr.Dataset) -> str:
+def caption_of(dataset: xr.Dataset) -> str:
+    """The buildings, the contact and the gaps, in lines."""
     told = [
         f"{name}: {dataset.attrs[f'structure_{number}']}"
         for number, name in enumerate(dataset.building.values, start=1)

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stochlin.analyses.cases.pounding import energy_of
+from stochlin.analyses.cases.pounding import energy_of, is_oscillator
 from stochlin.analyses.pounding.rows import COLUMN as SLAB_TO_COLUMN
+from stochlin.analyses.records.files import METRES
 from stochlin.views.shared.screen import columns, cut, paragraph
 from stochlin.views.shared.words import MISSING, centimetres, floors, length, per_cent, short
 
@@ -17,7 +18,8 @@ if TYPE_CHECKING:
 
     from stochlin.analyses.cases.case import Case
 
-LONGEST_NAME = 26
+LONGEST_NAME, SHORTER_NAME = 26, 20
+BASE = "Base: largest base shear."
 SINKS = {"viscous": "damping took", "hysteretic": "yielding", "contacts": "the contacts"}
 TIMES = "Times: largest displacement with pounding over that without."
 ESTIMATE = (
@@ -28,6 +30,12 @@ DUCTILITY = "Ductility: largest displacement over that at yield."
 ROOF = (
     "Peaks are those of the roof. Worst: the floor that pounding moves most beyond what it does alone."
 )
+FLOOR = (
+    "Floor: where the acceleration is largest; alone: there, without pounding. Storey shear: where it "
+    "grows most, over that without."
+)
+JUMPS = "Velocities jump at this contact: accelerations and shears are those between the blows."
+HITS = "Hits give: work of all hits on the building, minus where it has lost energy by them."
 COLUMN = "Contacts with a star: a slab meets a column between two floors."
 CLOSEST = "Closest: least distance in the motion; minus where the contact is pressed in."
 STRENGTH = (
@@ -41,8 +49,10 @@ def answer_lines(case: Case, tables: Mapping[str, xr.Dataset]) -> list[str]:
     lines = [case.title, *paragraph(floors(case))]
     for record, table in tables.items():
         lines += ["", *paragraph(f"{record}: {headline(table)}"), ""]
-        lines += [*paragraph(columns_met(table)), ""] if "column" in table.coords else []
-        lines += [*columns(*_buildings(table)), "", *columns(*_contacts(table)), ""]
+        if "column" in table.coords:
+            lines += [*paragraph(columns_met(table)), "", *_struck(table)]
+        lines += [*columns(*_buildings(table)), "", *columns(*_borne(table)), ""]
+        lines += [*columns(*_contacts(table)), ""]
         lines += paragraph(energies(table))
     return [*lines, "", *paragraph(_notes(case, next(iter(tables.values()))))]
 
@@ -64,18 +74,18 @@ def headline(table: xr.Dataset) -> str:
 
 def columns_met(table: xr.Dataset) -> str:
     """What slabs do to columns, said loudly."""
-    met = table.column_force.notnull().values
+    met = int(table.column_force.notnull().sum())
     hit = int((table.column_force > 0).sum())
     begin = "SLABS FACE COLUMNS: the floors are not level"
     if not hit:
-        return f"{begin} at {int(met.sum())} contacts; in this record no column is hit."
+        return f"{begin} at {met} contact{'s' * (met > 1)}; in this record no column is hit."
     one = table.isel(contact=int(table.column_force.argmax("contact")))
     struck = int(one[str(one.column.item())])
     force = f"{short(float(one.column_force) / 1e6)} MN"
     if np.isfinite(float(one.column_force_share)):
         force += f", {per_cent(float(one.column_force_share))} of the storey's shear at yield"
     return (
-        f"SLABS HIT COLUMNS at {hit} contacts, since the floors are not level. Hardest, "
+        f"SLABS HIT COLUMNS at {hit} contact{'s' * (hit > 1)}, since the floors are not level. Hardest, "
         f"{float(one.level):.4g} m up: the columns of storey {int(one.storey)} of building {struck} "
         f"take {force}. They bear the building above: check them in bending and shear, or widen the gap."
     )
@@ -114,13 +124,63 @@ def _buildings(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
     return heads, [list(row) for row in zip(*columns, strict=True)]
 
 
+def _borne(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
+    """Heads and rows: accelerations, shears, and what the hits give to each building."""
+    storeys = "floor" in table.dims
+    heads = ["building", "accel. [g]", "alone", *["floor"] * storeys, "base [MN]", "alone"]
+    heads += [*["storey shear"] * storeys, "hits give [kJ]"]
+    rows = []
+    for number, name in enumerate(table.building.values):
+        one = table.isel(structure=number)
+        known = storeys and not is_oscillator(one)
+        most = one.isel(floor=int(one.peak_acceleration.argmax("floor"))) if storeys else one
+        row = [f"{number + 1}  {cut(str(name), SHORTER_NAME)}"]
+        row += [f"{float(most[f'peak_acceleration{end}']) / METRES['g']:.2f}" for end in ("", "_alone")]
+        row += [str(int(most.floor)) if known else MISSING] if storeys else []
+        row += [short(float(one[f"peak_base_shear{end}"]) / 1e6) for end in ("", "_alone")]
+        row += [_shear(one) if known else MISSING] if storeys else []
+        given = float(one.energy_received) / 1e3
+        rows.append([*row, f"{given:+.3g}" if given else "0"])
+    return heads, rows
+
+
+def _shear(one: xr.Dataset) -> str:
+    """The storey whose shear grows most."""
+    times = one.peak_storey_shear / one.peak_storey_shear_alone
+    worst = times.isel(floor=int(times.argmax("floor")))
+    return f"{float(worst):.2f}, storey {int(worst.floor)}"
+
+
+def _struck(table: xr.Dataset) -> list[str]:
+    """A table of the columns that slabs have hit, storey by storey; nothing if none was."""
+    hit = table.isel(contact=np.flatnonzero(table.column_force > 0))
+    worst: dict[tuple[int, int], xr.Dataset] = {}
+    for one in (hit.isel(contact=n) for n in range(hit.sizes["contact"])):
+        place = int(one[str(one.column.item())]), int(one.storey)
+        if place not in worst or one.column_force > worst[place].column_force:
+            worst[place] = one
+    rows = [
+        [
+            f"{building}  {cut(str(table.building.values[building - 1]), LONGEST_NAME)}",
+            str(storey),
+            f"{float(one.level):.4g}",
+            short(float(one.column_force) / 1e6),
+            per_cent(float(one.column_force_share)),
+        ]
+        for (building, storey), one in sorted(worst.items(), key=lambda item: item[0])
+    ]
+    heads = ["columns of", "storey", "hit at [m]", "force [MN]", "of the shear at yield"]
+    return [*columns(heads, rows), ""] if rows else []
+
+
 def _roof(one: xr.Dataset) -> list[str]:
     top, worst = one.sel(floor=int(one.storeys)), one.isel(floor=int(one.amplification.argmax("floor")))
     return [
         centimetres(float(top.peak)),
         centimetres(float(top.peak_alone)),
         f"{float(top.amplification):.2f}",
-        f"{float(worst.amplification):.2f}, floor {int(worst.floor)}",
+        f"{float(worst.amplification):.2f}"
+        + ("" if is_oscillator(one) else f", floor {int(worst.floor)}"),
     ]
 
 
@@ -145,7 +205,10 @@ def _contacts(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
 
 def _notes(case: Case, table: xr.Dataset) -> str:
     notes = [COLUMN] if "column" in table.coords else []
-    notes += [TIMES, ROOF if "floor" in table.dims else f"{ESTIMATE} {DUCTILITY}", CLOSEST]
+    notes += [TIMES, ROOF if "floor" in table.dims else f"{ESTIMATE} {DUCTILITY}"]
+    notes += [FLOOR] if "floor" in table.dims else []
+    jumps = table.sizes["impact"] and bool(table.largest_force.isnull().all())
+    notes += [BASE, *[JUMPS] * bool(jumps), HITS, CLOSEST]
     if any(building.strength in ("reduction_factor", "ductility") for building in case.buildings):
         notes.append(STRENGTH.format(case.site))
     return " ".join(notes)

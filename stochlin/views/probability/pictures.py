@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-SIZE = (7.2, 5.4)  # inches
+SIZE = (7.2, 5.4)  # inches, with a caption that is not longer than
+LINES, LINE = 6, 0.14  # these; more of them, each so many inches, make it taller
 WIDTH = 105  # characters of the caption
 CURVES_AT_MOST = 6
 ESTIMATES = (
@@ -39,15 +40,13 @@ def draw_pounding(dataset: xr.Dataset) -> Figure:
     Confidence of no pounding above, standard deviations or radii below.
     """
     stem = "confidence_of_no_pounding"
-    if not any(
-        name in dataset and dataset[name].dims == ("time",) for name in (stem, f"{stem}_simulated")
-    ):
+    if stem not in dataset or dataset[stem].dims != ("time",):
         raise ValueError(
             f"dataset has the dimensions {tuple(dataset.dims)}; allowed: a probability of pounding over "
             "time alone, so select one pair and one gap"
         )
     figure = _captioned(dataset)
-    upper, lower = figure.add_axes((0.1, 0.55, 0.6, 0.38)), figure.add_axes((0.1, 0.25, 0.6, 0.26))
+    upper, lower = _panel(figure, 0.1, 0.55, 0.6, 0.38), _panel(figure, 0.1, 0.25, 0.6, 0.26)
     time = dataset.time.values
     _estimates(upper, dataset, stem, time)
     upper.set(ylim=(-0.02, 1.02), ylabel="confidence of no pounding")
@@ -58,7 +57,8 @@ def draw_pounding(dataset: xr.Dataset) -> Figure:
     lower.set(ylabel="[m]", xlabel="time [s]")
     if "permanent_set" in dataset and bool(dataset.permanent_set.any()):
         for axes in (upper, lower):
-            axes.axvline(dataset.attrs["strong_shaking_end_s"], color="0.5", lw=0.8)
+            end = dataset.attrs["strong_shaking_end_s"]
+            axes.axvline(end, color="0.5", lw=0.8, label="end of strong shaking")
     for axes in (upper, lower):
         axes.set_xlim(time[0], time[-1])
         legend_beside(axes)
@@ -70,27 +70,23 @@ def draw_fragility(dataset: xr.Dataset) -> Figure:
     """Draw what `pounding_fragility` returns: probability over intensity, a curve a gap."""
     name = "pounding_probability"
     simulated, corrected = f"{name}_simulated", f"{name}_corrected"
-    if not any(
-        each in dataset and set(dataset[each].dims) == {"intensity", "gap"} for each in (name, simulated)
-    ):
+    if name not in dataset or set(dataset[name].dims) != {"intensity", "gap"}:
         raise ValueError(
             f"dataset has the dimensions {tuple(dataset.dims)}; allowed: a fragility, over intensity "
             "and gap"
         )
     figure = _captioned(dataset)
-    axes = figure.add_axes((0.1, 0.25, 0.6, 0.66))
+    axes = _panel(figure, 0.1, 0.25, 0.6, 0.66)
     gaps = dataset.sizes["gap"]
     chosen = np.unique(np.linspace(0, gaps - 1, min(gaps, CURVES_AT_MOST)).astype(int))
     for (color, dash), index in zip(cycle(CURVES), chosen, strict=False):
         one = dataset.isel(gap=int(index))
         label = f"gap {float(one.gap):.3g} m"
-        if name in one:
-            axes.plot(one.intensity, one[name], color=color, linestyle=dash, label=label)
+        axes.plot(one.intensity, one[name], color=color, linestyle=dash, label=label)
         if known(one, corrected):
             axes.plot(one.intensity, one[corrected], color=color, linestyle=dash, lw=0.6)
         if simulated in one:
-            curve = {"linestyle": "none"} if name in one else {"linestyle": dash, "label": label}
-            axes.plot(one.intensity, one[simulated], color=color, marker="o", ms=3, **curve)
+            axes.plot(one.intensity, one[simulated], color=color, linestyle="none", marker="o", ms=3)
     if known(dataset, corrected):
         axes.plot([], [], color="0.3", lw=0.6, label="thin: bias corrected")
     if simulated in dataset:
@@ -110,32 +106,42 @@ def draw_evolutionary_psd(density: xr.DataArray) -> Figure:
 
     roles = {role: density.attrs[role] for role in ("ground", "envelope") if role in density.attrs}
     figure = _captioned(xr.Dataset(attrs={"title": "Evolutionary power spectral density", **roles}))
-    axes = figure.add_axes((0.1, 0.25, 0.62, 0.66))
+    axes = _panel(figure, 0.1, 0.25, 0.62, 0.66)
     values = density.transpose("frequency", "time")
     shades = axes.contourf(density.time, density.frequency, values, levels=12, cmap=colormaps["Greys"])
     axes.set(xlabel="time [s]", ylabel="circular frequency [rad/s]")
-    bar = figure.colorbar(shades, cax=figure.add_axes((0.75, 0.25, 0.025, 0.66)))
+    bar = figure.colorbar(shades, cax=_panel(figure, 0.75, 0.25, 0.025, 0.66))
     bar.set_label(r"two-sided PSD [m$^2$/s$^3$]")
     return figure
 
 
 def known(dataset: xr.Dataset, name: str) -> bool:
-    """Whether there is anything to draw under this name."""
-    return name in dataset and bool(dataset[name].notnull().any())
+    """Whether there is a curve to draw under this name."""
+    return name in dataset and int(dataset[name].notnull().sum()) > 1
 
 
 def _captioned(dataset: xr.Dataset) -> Figure:
     """A figure that says of what it is."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=SIZE)
-    figure.text(0.1, 0.95, dataset.attrs["title"], size=10)
     roles = ("first", "second", "ground", "envelope", "envelope_model", "gap", "record")
     caption = filled(
         (f"{role}: {dataset.attrs[role]}" for role in roles if role in dataset.attrs), WIDTH
     )
-    figure.text(0.1, 0.165, caption, va="top", size=7.5)
+    width, height = SIZE
+    lift = LINE * max(caption.count("\n") + 1 - LINES, 0)
+    figure = Figure(figsize=(width, height + lift))
+    title, below = ((lift + share * height) / (height + lift) for share in (0.95, 0.165))
+    figure.text(0.1, title, dataset.attrs["title"], size=10)
+    figure.text(0.1, below, caption, va="top", size=7.5)
     return figure
+
+
+def _panel(figure: Figure, left: float, bottom: float, wide: float, high: float) -> Axes:
+    """Axes at a place in the size that is usual; the caption has what the figure is taller."""
+    tall = float(figure.get_figheight())
+    lift = tall - SIZE[1]
+    return figure.add_axes((left, (lift + bottom * SIZE[1]) / tall, wide, high * SIZE[1] / tall))
 
 
 def _estimates(axes: Axes, dataset: xr.Dataset, stem: str, x: np.ndarray) -> None:
@@ -146,3 +152,5 @@ def _estimates(axes: Axes, dataset: xr.Dataset, stem: str, x: np.ndarray) -> Non
     if simulated in dataset:
         band = dataset[f"{simulated}_lower"], dataset[f"{simulated}_upper"]
         axes.fill_between(x, *band, color="0.8", label="simulated, 95 %")
+    if simulated in dataset and not present:
+        axes.plot(x, dataset[simulated], color=CURVES[0][0], label="simulated")

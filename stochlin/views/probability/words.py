@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from stochlin.views.shared.screen import paragraph
+from stochlin.views.shared.words import floors
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -28,27 +31,27 @@ def answer_lines(answer: ProbabilityAnswer) -> list[str]:
     lines = [
         case.title,
         f"{case.first.name} (left) and {case.second.name}, gap {gap:.4g} m, {case.duration:.4g} s",
+        *paragraph(floors(case)),
         "",
         "Confidence of no pounding so far",
         f"{'time [s]':>9}" + "".join(f"{name:>11}" for name, _ in shown) + f"{'95 % interval':>20}",
     ]
     step = max(1, (table.sizes["time"] - 1) // (ROWS - 1))
     lines += [_instant(table.isel(time=index), shown) for index in range(0, table.sizes["time"], step)]
-    by_formula = STEM in table
-    formulas = _formulas(table) if by_formula else ""
     lines += [
         "",
-        f"Gap for a confidence of {case.confidence:g}: {formulas}"
+        f"Gap for a confidence of {case.confidence:g}: {_formulas(table)}"
         f"{float(table.required_gap_simulated):.4f} m simulated "
         f"({float(table.required_gap_simulated_lower):.4f} - "
         f"{float(table.required_gap_simulated_upper):.4f})",
     ]
-    if not by_formula:
+    if "governing_height" in table:
         lines.append(
-            "Buildings with storeys are simulated only; the gap is kept at all heights at once."
+            f"Formulas are of the worst height, {float(table.governing_height):.4g} m; simulated is "
+            "what holds at all heights at once."
         )
     yields = case.first.structure.yields or case.second.structure.yields
-    if by_formula and yields and bool(table.permanent_set.any()):
+    if yields and bool(table.permanent_set.any()):
         end = table.attrs["strong_shaking_end_s"]
         lines.append(f"After {end:.3g} s the formula has lost the permanent set of yielding buildings.")
     lines += [_in_record(name, found) for name, found in records.items()]

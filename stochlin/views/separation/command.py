@@ -6,7 +6,16 @@ from pathlib import Path
 
 import click
 
-from stochlin.views.shared.screen import COMMANDS, FILE, bad_input, check_target, progress_bar, show
+from stochlin.views.shared.screen import (
+    COMMANDS,
+    FILE,
+    PICTURES,
+    bad_input,
+    check_target,
+    progress_bar,
+    show,
+    write,
+)
 
 REPORTS = (".html", ".htm")
 
@@ -16,8 +25,16 @@ REPORTS = (".html", ".htm")
 @click.argument("case", required=False, type=FILE)
 @click.option("--report", type=FILE, help="Write a page with table and pictures, .html.")
 @click.option("--out", type=FILE, help="Save the table, .nc (everything) or .csv (a row a rule).")
+@click.option(
+    "--picture",
+    type=FILE,
+    help="Draw the gap over height and the drifts of storeys, or, without storeys, the gaps by rule: "
+    ".png, .svg or .pdf; the data is saved beside it.",
+)
 @click.option("--example", is_flag=True, help="Print a case file to start from, and stop.")
-def gap(case: Path | None, report: Path | None, out: Path | None, example: bool) -> None:
+def gap(
+    case: Path | None, report: Path | None, out: Path | None, picture: Path | None, example: bool
+) -> None:
     """How far apart two buildings must stand, by simulation and by every rule.
 
     CASE is a file that describes the site, the motion and the buildings.
@@ -27,6 +44,7 @@ def gap(case: Path | None, report: Path | None, out: Path | None, example: bool)
       stochlin gap --example > case.toml
       stochlin gap case.toml
       stochlin gap case.toml --report gap.html --out gap.nc
+      stochlin gap case.toml --picture gap.png
     """
     with bad_input():
         if example:
@@ -40,20 +58,22 @@ def gap(case: Path | None, report: Path | None, out: Path | None, example: bool)
             )
         from stochlin.analyses.cases.case import read_case
         from stochlin.analyses.cases.separation import answer_case
-        from stochlin.analyses.tables.storage import FORMATS, save_table, whole_file
+        from stochlin.analyses.tables.storage import FORMATS, whole_file
+        from stochlin.views.separation.pictures import answer_figure
         from stochlin.views.separation.report import report_page
         from stochlin.views.separation.words import answer_lines
 
         described = read_case(case)
         check_target("--report", report, REPORTS, described.inputs)
-        check_target("--out", out, FORMATS, described.inputs)
+        data = out if out or not picture else picture.with_suffix(".nc")
+        check_target("--out" if out else "--picture", data, FORMATS, described.inputs)
+        check_target("--picture", picture, PICTURES, described.inputs)
         with progress_bar("simulating") as progress:
             answer = answer_case(described, progress)
         page = report_page(answer) if report else ""
         show(answer_lines(answer))
-        if out is not None:
-            save_table(answer.table(samples=out.suffix.lower() == ".nc"), out)
-            click.echo(f"saved {out}")
+        table = answer.table(samples=data is not None and data.suffix.lower() == ".nc")
+        write(table, data, picture, lambda _: answer_figure(answer))
         if report is not None:
             with whole_file(report) as temporary:
                 temporary.write_text(page, encoding="utf-8")

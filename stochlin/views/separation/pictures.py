@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stochlin.views.separation.storeys import draw_heights
 from stochlin.views.separation.words import RuleLine, rows
-from stochlin.views.shared.style import CURVES, STYLE
+from stochlin.views.shared.style import CURVES, STYLE, styled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,6 +28,13 @@ VERDICTS = {
 EDGE = "#1b1b1b"
 NEAR, CHARACTER = 0.015, 0.017  # of the axis: gaps as near as this share a label; width of a digit
 TOP, LEVELS = 1.4, 5  # of the distribution: upper end of its axis, heights of labels
+
+
+@styled(PAGE_STYLE)
+def answer_figure(answer: CaseAnswer) -> Figure:
+    """The picture that stands alone: over height where there are storeys, else the gaps by rule."""
+    table = answer.table()
+    return draw_heights(table) if "height" in table.dims else rules_figure(answer)
 
 
 def rules_figure(answer: CaseAnswer) -> Figure:

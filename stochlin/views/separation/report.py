@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from stochlin.views.separation import facts as small_print
 from stochlin.views.separation import pictures, words
+from stochlin.views.separation.storeys import draw_heights
 from stochlin.views.shared.words import centimetres
 
 if TYPE_CHECKING:
@@ -88,6 +89,17 @@ def _pictures(answer: CaseAnswer) -> list[Picture]:
             "the buildings. Yielding lengthens them.",
         ),
     ]
+    if "height" in answer.separation.dims:
+        drawn.insert(
+            1,
+            (
+                "Height by height, storey by storey",
+                lambda answer: draw_heights(answer.table(), caption=False),
+                "Above, the gap that is needed at each height, and where it governs. One gap for all "
+                "heights takes the largest, or more: motions need it at different heights. Below, how "
+                "far storeys drift, and where they yield.",
+            ),
+        )
     if answer.case.records:
         drawn.append(
             (

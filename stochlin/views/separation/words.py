@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.views.shared.screen import paragraph
 from stochlin.views.shared.words import SPACE, centimetres, floors, label, length, per_cent
 
@@ -114,9 +115,10 @@ def summary(answer: CaseAnswer) -> list[str]:
         f"With that gap they do not touch in {confidence} of motions like the one "
         f"described. This comes from simulating {case.paths} such motions; the 95{SPACE}% interval of "
         f"the gap is {interval}.",
-        _heights(table),
+        _heights(answer),
         _alike(table),
         _yielding(table),
+        _storeys(answer),
         _verdicts(answer),
     ]
     if answer.existing is not None and case.gap is not None:
@@ -150,10 +152,18 @@ def allowances(answer: CaseAnswer) -> list[str]:
     ]
 
 
-def _heights(table: xr.Dataset) -> str:
+def _heights(answer: CaseAnswer) -> str:
     """Where the gap is governed, and what is needed lower down; nothing of oscillators."""
-    if "gap_at_height" not in table or table.sizes["height"] < 2:
+    table = answer.separation
+    if "height" not in table.dims:
         return ""
+    for one, other in (answer.case.pair, answer.case.pair[::-1]):
+        if not isinstance(one, StoreyBuilding):
+            told = f", although it is {one.height:.4g}{SPACE}m high" if one.height else ""
+            return (
+                f"{one.name} is described without storeys: it is taken to move beside the roof of "
+                f"{other.name}, {other.height:.4g}{SPACE}m up{told}."
+            )
     governs = float(table.governing_height[0])
     lower = table.gap_at_height[0].sel(height=table.height < governs)
     places = np.linspace(0, max(lower.size - 1, 0), min(MOST_SHOWN, lower.size))
@@ -184,6 +194,23 @@ def _yielding(table: xr.Dataset) -> str:
     if np.nanmax(values) > MUCH:
         return f"{sentence}: more than most buildings bear. Loss of strength is not in the model."
     return f"{sentence}."
+
+
+def _storeys(answer: CaseAnswer) -> str:
+    """The storey of each building that yields most, or that drifts most if none does."""
+    table, parts = answer.separation, []
+    for number, building in enumerate(answer.case.pair, start=1):
+        if not isinstance(building, StoreyBuilding):
+            continue
+        own = table.isel(element=np.flatnonzero(table.element_structure == number))
+        yields = building.structure.yields
+        worst = own.ductility if yields else own.peak_drift_mean
+        one = own.isel(element=int(worst.argmax("element")))
+        drift, storey = float(one.peak_drift_mean), int(one.storey)
+        share = drift / float(building.structure.arrays()["heights"][storey - 1])
+        told = f"storey {storey} of {building.name}, {length(drift)}, {per_cent(share, 2)} of its height"
+        parts.append(f"{told}, ductility {float(one.ductility):.1f}" if yields else told)
+    return f"Mean peak drifts of the worst storeys: {'; '.join(parts)}." if parts else ""
 
 
 def _verdicts(answer: CaseAnswer) -> str:

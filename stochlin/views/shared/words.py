@@ -7,7 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from stochlin.analyses.cases.case import Case
+    from stochlin.analyses.cases.storeys import SlabOnColumn
 
 MISSING, MINUS, SPACE = "\N{EN DASH}", "\N{MINUS SIGN}", "\N{NO-BREAK SPACE}"
 CAPITALS = {"asce": "ASCE", "is": "IS", "ubc": "UBC", "e030": "E.030", "fema": "FEMA", "srss": "SRSS"}
@@ -56,12 +59,19 @@ def short(value: float) -> str:
     return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"
 
 
+def columns_hit(slabs: Sequence[SlabOnColumn]) -> str:
+    """That slabs meet columns, and what codes say of that; empty where none does."""
+    if not slabs:
+        return ""
+    more = {0: "", 1: ", and one more does"}.get(len(slabs) - 1, f", and {len(slabs) - 1} more do")
+    return f"Floors are not level: {slabs[0]}{more}. {SLABS}"
+
+
 def floors(case: Case) -> str:
     """That floors are not level, and what codes say of that; empty where that is not known."""
     slabs, unlike = case.slabs_on_columns, case.unlike_storeys
     if slabs:
-        more = {0: "", 1: ", and one more does"}.get(len(slabs) - 1, f", and {len(slabs) - 1} more do")
-        return f"Floors are not level: {slabs[0]}{more}. {SLABS}"
+        return columns_hit(slabs)
     if unlike:
         names, heights = zip(*((one.name, f"{one.storey_height:.2f} m") for one in unlike), strict=True)
         said = ", although the file says so" if case.floors_align else ""

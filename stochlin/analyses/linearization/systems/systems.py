@@ -137,14 +137,20 @@ def linearized_motion(
     structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None] = ()
 ) -> Solved:
     """The equivalent linear motion by the Gaussian closure, of which any displacement can be asked."""
-    equations = equations_of(structures, ground, links)
+    motion = solved(equations_of(structures, ground, checked_system(structures, ground, links))).motion
+    assert motion is not None
+    return motion
+
+
+def solved(equations: Equations) -> Solution:
+    """By the Gaussian closure; an ArithmeticError if there is none."""
     solution = Loop(equations, GAUSSIAN, USUAL).solve()
     if solution.motion is None or solution.status >= labels.NOT_CONVERGED:
         raise ArithmeticError(
-            f"linearization of {len(structures)} structures: "
+            f"linearization of {len(equations.system.stacks)} structures: "
             f"{labels.STATUS_MEANINGS[solution.status].replace('_', ' ')}"
         )
-    return solution.motion
+    return solution
 
 
 def check_laws(structures: Sequence[AnyStructure], closure: str) -> None:

@@ -1,0 +1,180 @@
+"""What the explorer shows of a scene in which a building has storeys.
+
+All by linearization, but for the correlation that is simulated.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.correlation.correlation import rho_white_noise
+from stochlin.analyses.correlation.variables import VARIABLES as OF_PAIRS
+from stochlin.analyses.explorer.scene import Scene
+from stochlin.analyses.linearization.systems.solution import Solution
+from stochlin.analyses.linearization.systems.state_space import Equations
+from stochlin.analyses.linearization.systems.systems import equations_of, solved
+from stochlin.analyses.separation.rules import (
+    EQ_3,
+    Rule,
+    code_rules,
+    equation_3_rule,
+    linearized_rule,
+    peak_quantile,
+)
+from stochlin.analyses.separation.storeys import (
+    correlation_in,
+    correlation_of,
+    stationary_motions,
+    weights,
+)
+from stochlin.analyses.simulation.views import meeting_heights
+from stochlin.analyses.tables import labels
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.linearization.augmented import Solved
+from stochlin.models.parameters import Parameter
+from stochlin.models.systems import AnyStructure
+
+RATIO = "period_ratio", "ratio of the periods, T2/T1"
+LINEARIZED_PEAKS = "peaks of linearization, storey by storey"
+
+
+class Motion(NamedTuple):
+    """Both structures, linearized, and their displacements where they can meet."""
+
+    motion: Solved
+    heights: Array  # [m], from the ground up to the lower roof
+    one: Array  # weights of all floors (heights, floors)
+    two: Array
+
+
+class Alone(NamedTuple):
+    """A structure by itself, linearized: a neighbour that no link ties to it changes nothing of it."""
+
+    structure: AnyStructure
+    solution: Solution
+
+
+@lru_cache(maxsize=8)
+def in_motion(scene: Scene) -> Motion:
+    """Both with their own periods."""
+    equations_of(scene.structures(), scene.ground(), ())  # says which storey has nothing stationary
+    return _together(scene, _alone(scene, scene.structure(1)), _alone(scene, scene.structure(2)))
+
+
+def _alone(scene: Scene, structure: AnyStructure) -> Alone:
+    return Alone(structure, solved(equations_of([structure], scene.ground(), ())))
+
+
+def _together(scene: Scene, first: Alone, second: Alone) -> Motion:
+    both = first, second
+    equations = equations_of([one.structure for one in both], scene.ground(), ())
+    c_eq, k_eq = (
+        np.concatenate([getattr(one.solution, name) for one in both]) for name in ("c_eq", "k_eq")
+    )
+    own = np.isfinite(equations.strength) & ((c_eq != -1) | (k_eq != 0))
+    heights = meeting_heights(*equations.system.stacks)
+    one, two = (_weights(equations, number, heights) for number in (0, 1))
+    return Motion(Solved(equations.augmented(c_eq, k_eq, own)), heights, one, two)
+
+
+def _weights(equations: Equations, number: int, heights: Array) -> Array:
+    return np.array([weights(equations.system, number, height) for height in heights])
+
+
+def displacement_densities(scene: Scene, frequency: Array) -> tuple[Array, Array, float]:
+    """Two-sided PSD [m^2 s] of both at the lower roof, and its height [m]."""
+    motion, heights, one, two = in_motion(scene)
+    of_one, of_two = motion.spectral_density(np.stack([one[-1], two[-1]]), frequency)
+    return of_one, of_two, float(heights[-1])
+
+
+def correlation(scene: Scene, ratios: Array, progress: Progress | None) -> xr.Dataset:
+    """Over the ratio of the first periods, all stiffnesses of building 2 in one proportion.
+
+    `rho_linearized` at the lower roof and `rho_white_noise` of the first modes.
+    """
+    _ = in_motion(scene)  # raises if these very values have no answer
+    first, found = _alone(scene, scene.structure(1)), []
+    for done, ratio in enumerate(ratios, start=1):
+        try:
+            second = _alone(scene, scene.structure(2, scene.period_1 * float(ratio)))
+            motion, _, one, two = _together(scene, first, second)
+            found.append(float(correlation_of(motion, one[-1:], two[-1:])[0]))
+        except (ArithmeticError, ValueError):  # the weight above may take all stiffness, too
+            found.append(np.nan)
+        if progress is not None:
+            progress(done / len(ratios))
+    ratio = labels.axis(*RATIO, ratios)
+    rho = xr.DataArray(found, dims=ratio.dims, coords=ratio.coords)
+    of_modes = _of_first_modes(scene, scene.period_1 * ratio)
+    table = xr.Dataset(
+        {
+            "status": labels.status_where(rho.notnull()),
+            "rho_white_noise": of_modes.drop_attrs(),
+            "rho_linearized": rho,
+        }
+    )
+    return table.assign_attrs(height_m=float(in_motion(scene).heights[-1]))
+
+
+def _of_first_modes(scene: Scene, period_2: Parameter) -> xr.DataArray:
+    """By eq. (4)."""
+    return rho_white_noise(scene.period_1, period_2, scene.damping_1, scene.damping_2).rho
+
+
+def rules(scene: Scene, seconds: float) -> tuple[list[Rule], Array]:
+    """The rules that need no simulation, with peaks of linearization; heights [m]."""
+    motion, heights, one, two = in_motion(scene)
+    count, dims = len(heights), ("building", "height")
+    moments = motion.spectral_moments(np.concatenate([one, two, one - two]))
+    both = tuple(xr.DataArray(m[: 2 * count].reshape(2, count), dims=dims) for m in moments)
+    peaks = peaks_of(scene, both, seconds)
+    apart = [m[2 * count :] for m in moments]
+    texts = {"mark": "C", "assumptions": f"{EQ_3}; {LINEARIZED_PEAKS}"}
+    of_modes = _of_first_modes(scene, scene.period_2).values
+    listed = [
+        equation_3_rule(peaks, "eq_3_white_noise", of_modes, **texts),
+        equation_3_rule(peaks, "eq_3_linearized", correlation_of(motion, one, two), **texts),
+        linearized_rule(lambda: tuple(apart), seconds, scene.confidence),
+        *code_rules(peaks, (heights, heights), scene.for_codes()["floors_align"], scene.zone),
+    ]
+    return listed, heights
+
+
+def peaks_of(scene: Scene, moments: tuple[xr.DataArray, ...], seconds: float) -> Array:
+    """Largest displacements [m] that a Gaussian motion does not exceed with the scene's confidence."""
+    peaks: Array = peak_quantile(moments, seconds, scene.confidence, 2).to_numpy()
+    if not np.isfinite(peaks).all():
+        raise ValueError(
+            f"duration = {scene.duration:g} s is too short for these periods to tell a peak; allowed: "
+            "some periods and more"
+        )
+    return peaks
+
+
+def simulated_correlation(scene: Scene, progress: Progress | None) -> xr.Dataset:
+    """At the lower roof, of these very values: each other ratio would take as long.
+
+    Between two floors the standard error is taken between theirs.
+    """
+    _, heights, one, two = in_motion(scene)
+    motions = stationary_motions(
+        scene.structures(), scene.ground(), scene.duration, scene.seed, progress
+    )
+    one, two = one[-1:], two[-1:]
+    error = one @ motions.rho_standard_error.values @ two.T
+    ratio = labels.axis(*RATIO, [scene.period_2 / scene.period_1])
+    table = xr.Dataset(
+        {
+            "rho": ("period_ratio", correlation_in(motions, one, two)),
+            "rho_standard_error": ("period_ratio", error[0]),
+        },
+        coords=ratio.coords,
+        attrs={name: motions.attrs[name] for name in ("title", "history", "paths", "seed")},
+    )
+    return labels.label(table, OF_PAIRS).assign_attrs(height_m=float(heights[-1]))

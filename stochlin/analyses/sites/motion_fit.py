@@ -1,0 +1,214 @@
+"""Ground and envelope of a record together: motions that carry its energy and have its spectrum."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.records.envelope_fit import fit_envelope
+from stochlin.analyses.records.records import checked_record, strong_part
+from stochlin.analyses.records.response import response_spectrum
+from stochlin.analyses.simulation.ground_motions import simulated_motions
+from stochlin.analyses.sites.simulated_spectra import simulated_spectrum
+from stochlin.analyses.sites.spectra import SHORTEST, USUAL_DAMPING
+from stochlin.analyses.sites.spectrum_fit import LONGEST, POINTS, Wanted, deliver
+from stochlin.analyses.sites.variables import VARIABLES
+from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.checks import check_whole
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.linearization.filters import stationary
+from stochlin.models.envelopes import Envelope
+from stochlin.models.grounds import Ground
+
+FILTERS, PATHS = 2, 512
+CYCLES = 4.0  # of the longest period that are in a record
+SHORTEST_RECORD = 2.0  # s
+
+
+@dataclass(frozen=True)
+class FittedMotion:
+    """A motion of finite length, as `fit_motion` gives it.
+
+    Parameters
+    ----------
+    ground : CloughPenzien or ParallelGround
+        Stationary, before it is modulated.
+    envelope : AminAng, ShinozukaSato, GammaEnvelope or HsuBernard
+    duration : float
+        Length [s].
+    """
+
+    ground: Ground
+    envelope: Envelope
+    duration: float
+
+
+def fit_motion(
+    record: xr.DataArray,
+    envelope: str = "amin_ang",
+    *,
+    filters: int = FILTERS,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> FittedMotion:
+    """Ground, envelope and duration whose motions are as strong as a record.
+
+    The envelope is that of `fit_envelope`. The ground is the one whose motions under this envelope have
+    the response spectrum of the record in the mean, from .05 to 4 s, and its energy:
+    ``sigma^2 Int m^2 dt = Int a^2 dt``, which the intensity then meets exactly. `fit_ground` with
+    `fit_envelope` has not: a ground fitted to the strong part is right where the envelope is 1, and the
+    motions carry half of the record's energy.
+
+    Parameters
+    ----------
+    record : xarray.DataArray
+        Ground acceleration [m/s^2] over ``time`` [s], as `read_record` gives it, of 2 s or more.
+    envelope : str
+        As in `fit_envelope`.
+    filters : int
+        Clough-Penzien filters in parallel, 1 to 3.
+    seed : int
+        Of the motions that are simulated in between.
+    progress : callable, optional
+        Called with the share of the work of each simulation that is done.
+
+    Returns
+    -------
+    FittedMotion
+        ``ground``, ``envelope`` and ``duration`` [s], that of the record; for `simulate`,
+        `separation`, `simulated_motions` and whatever takes the three.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the record is not one, is shorter than 2 s, or an option is unknown.
+    ArithmeticError
+        If no envelope is found.
+
+    Notes
+    -----
+    One record tells one earthquake: the scatter between earthquakes is not in the motions.
+
+    References
+    ----------
+    Husid, R. (1969), Rev. IDIEM 8, for the envelope; Vanmarcke, E. H. (1975), J. Appl. Mech. 42.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> shape = sl.AminAng(3.0, 10.0, 0.3)
+    >>> record = sl.simulated_motions(sl.named_ground("firm", 0.01), 25.0, shape, paths=2)[0]
+    >>> motion = sl.fit_motion(record)
+    >>> table = sl.compare_motions(record, motion)
+    >>> bool(abs(table.energy_ratio - 1) < 4 * table.energy_ratio_standard_error)
+    True
+    """
+    values, dt = checked_record(record)
+    check_whole("filters", filters, 1, 3)
+    check_whole("seed", seed, 0)
+    duration = dt * values.size
+    if duration < SHORTEST_RECORD:
+        raise ValueError(
+            f"record lasts {duration:.3g} s; allowed: {SHORTEST_RECORD:g} s or more, for a spectrum"
+        )
+    shape = fit_envelope(record, envelope)
+    of_envelope = _energy(shape.at(dt * np.arange(values.size)), dt)
+    std = float(np.sqrt(_energy(values, dt) / of_envelope))
+    periods = np.geomspace(SHORTEST, min(LONGEST, duration / CYCLES), POINTS)
+    spectrum = response_spectrum(record, periods, USUAL_DAMPING).pseudo_acceleration.values.ravel()
+    wanted = Wanted(periods, spectrum, USUAL_DAMPING, duration, shape, std)
+    found = deliver(wanted, filters, seed, progress, PATHS).ground
+    changed: dict[str, Any] = {
+        "intensity": float(found.arrays()["intensity"]) * (std / _std(found)) ** 2,
+        "source": f"energy and response spectrum of {record.attrs.get('source', 'a record')}",
+    }
+    return FittedMotion(replace(found, **changed), shape, duration)
+
+
+def compare_motions(
+    record: xr.DataArray, motion: FittedMotion, *, paths: int = 256, seed: int = 0
+) -> xr.Dataset:
+    """A record beside the motions that were fitted to it: energy, length, response spectrum.
+
+    Parameters
+    ----------
+    record : xarray.DataArray
+        Ground acceleration [m/s^2] over ``time`` [s].
+    motion : FittedMotion
+        As `fit_motion` gives it.
+    paths : int
+        Motions that are simulated.
+    seed : int
+        The same seed gives the same answer.
+
+    Returns
+    -------
+    xarray.Dataset
+        What `simulated_spectrum` gives over ``period`` [s], with the record's own spectrum, damping .05,
+        as ``target`` [m/s^2], so that ``ratio`` is that of the motions over the record;
+        ``energy_ratio`` [-], ``Int a^2 dt`` of the motions over the record's, and
+        ``significant_duration`` [s], from 5 to 95 % of it, the mean, with standard errors;
+        ``record_energy`` [m^2/s^3] and ``record_significant_duration`` [s].
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the record or the motion is not one, or a number is out of range.
+
+    References
+    ----------
+    Trifunac, M. D. and Brady, A. G. (1975), Bull. Seismol. Soc. Am. 65, for the duration.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> record = sl.simulated_motions(sl.named_ground("firm", 0.01), 10.0, paths=2)[0]
+    >>> table = sl.compare_motions(record, sl.fit_motion(record), paths=64)
+    >>> table.ratio.dims, bool(table.significant_duration < 10)
+    (('period',), True)
+    """
+    values, dt = checked_record(record)
+    if not isinstance(motion, FittedMotion):
+        raise TypeError(f"motion is a {type(motion).__name__}; allowed: what fit_motion gives")
+    longest = min(LONGEST, motion.duration / CYCLES)
+    periods = np.geomspace(SHORTEST, longest, POINTS)
+    own = response_spectrum(record, periods, USUAL_DAMPING).pseudo_acceleration.values.ravel()
+    given = (motion.duration, motion.envelope)
+    table = simulated_spectrum(motion.ground, periods, *given, paths=paths, seed=seed)
+    table["target"] = "period", own
+    table["ratio"] = table.pseudo_acceleration / table.target
+    table["ratio_standard_error"] = table.pseudo_acceleration_standard_error / table.target
+    motions = simulated_motions(motion.ground, *given, paths=paths, seed=seed)
+    energy = _energy(values, dt)
+    of_motions = _energy(motions.to_numpy(), motions.attrs["dt"]) / energy
+    lengths = np.array([_significant(one) for one in motions])
+    for name, samples in (("energy_ratio", of_motions), ("significant_duration", lengths)):
+        table[name] = (), samples.mean()
+        table[f"{name}_standard_error"] = (), samples.std(ddof=1) / np.sqrt(samples.size)
+    table["record_energy"] = (), energy
+    table["record_significant_duration"] = (), _significant(record)
+    call = f"compare_motions(paths={paths}, seed={seed})"
+    models = {"ground": motion.ground, "envelope": motion.envelope}
+    title = f"{record.attrs.get('source', 'A record')} and the motions fitted to it"
+    return labels.with_run_information(labels.label(table, VARIABLES), title, call, models)
+
+
+def _energy(values: Array, dt: float) -> Array:
+    return np.trapezoid(values**2, dx=dt, axis=-1)
+
+
+def _significant(record: xr.DataArray) -> float:
+    part = strong_part(record)
+    return float(part.time[-1] - part.time[0])
+
+
+def _std(ground: Ground) -> float:
+    """Of the stationary ground acceleration [m/s^2]."""
+    soil = ground.lone_filter()
+    matrix, noise, output = soil.arrays
+    covariance = stationary(matrix[None], noise[None])[0]
+    return float(np.sqrt(2 * np.pi * soil.intensity * output @ covariance @ output))

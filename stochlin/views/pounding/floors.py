@@ -1,0 +1,124 @@
+"""The picture of what floors and storeys bear: accelerations, shears, forces on columns, over height."""
+
+from __future__ import annotations
+
+from itertools import cycle
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.cases.pounding import is_oscillator
+from stochlin.analyses.records.files import METRES
+from stochlin.views.pounding.pictures import caption_of
+from stochlin.views.shared.screen import cut
+from stochlin.views.shared.style import AS_GIVEN, CURVES, styled
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+WIDTH, HEAD, PANEL, AXIS, LINE = 7.2, 0.35, 2.9, 0.62, 0.135  # inches; the last of a line of text
+LEFT, RIGHT, BETWEEN = 0.09, 0.98, 0.03  # of the width
+NAME, IN_A_ROW = 24, 3  # characters of a name in the legend, and how many of them
+MEGA = 1e-6
+
+
+@styled(AS_GIVEN)
+def draw_floors(dataset: xr.Dataset) -> Figure:
+    """Draw what floors and storeys bear in one dataset of ``stochlin pound``.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        As `stochlin.charts.pound_case` makes them of rows with storeys, from memory or from file.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Side by side, over height: the largest accelerations and storey shears, each also as the building
+        standing alone has it; where slabs hit columns, the largest force on each.
+
+    Raises
+    ------
+    ValueError
+        If the dataset is another one.
+    """
+    from matplotlib.figure import Figure
+
+    if "floor_level" not in dataset.coords:
+        raise ValueError(
+            f"dataset has the dimensions {tuple(dataset.dims)}; allowed: one that 'stochlin pound' "
+            "saves of a row with storeys"
+        )
+    struck = "column_force" in dataset and bool((dataset.column_force > 0).any())
+    labels = ["acceleration [g]", "storey shear [MN]", *["force on columns [MN]"] * struck]
+    caption = caption_of(dataset)
+    foot = AXIS + LINE * (caption.count("\n") + 1)
+    legend = 1.4 * LINE * (1 + dataset.sizes["structure"] // IN_A_ROW)
+    height = HEAD + legend + PANEL + foot
+    figure = Figure(figsize=(WIDTH, height))
+    wide = (RIGHT - LEFT - BETWEEN * (len(labels) - 1)) / len(labels)
+    panels = [
+        figure.add_axes((LEFT + n * (wide + BETWEEN), foot / height, wide, PANEL / height))
+        for n in range(len(labels))
+    ]
+    looks = cycle(zip(CURVES, "osD^vP", strict=True))
+    for number, ((color, dash), marker) in zip(range(dataset.sizes["structure"]), looks, strict=False):
+        style: Any = {"color": color, "linestyle": dash, "marker": marker, "ms": 4, "lw": 1.3}
+        _profiles(panels, dataset.isel(structure=number), _levels(dataset, number), style)
+        if struck:
+            _columns(panels[2], dataset, number, style)
+    style = {"color": "0.35", "marker": "o", "mfc": "white", "ms": 4, "lw": 0.7}
+    panels[0].plot([], [], label="open, thin: standing alone", **style)
+    for axes, name in zip(panels, labels, strict=True):
+        axes.set(xlim=(0, None), ylim=(0, 1.04 * _top(dataset)), xlabel=name)
+        axes.tick_params(labelleft=axes is panels[0])
+    panels[0].set_ylabel("height [m]")
+    panels[0].legend(
+        loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=IN_A_ROW, borderaxespad=0.2, fontsize=8,
+        handlelength=3,
+    )  # fmt: skip
+    figure.text(LEFT, 1 - 0.2 / height, dataset.attrs["title"], size=10)
+    figure.text(LEFT, (foot - AXIS) / height, caption, va="top", size=7.5)
+    return figure
+
+
+def _profiles(
+    panels: Sequence[Axes], one: xr.Dataset, levels: np.ndarray, style: dict[str, Any]
+) -> None:
+    """Peaks of one building at its floors, and at the middle of its storeys."""
+    middle = levels if is_oscillator(one) else 0.5 * (levels + np.append(0.0, levels[:-1]))
+    name = cut(f"{int(one.structure)} {one.building.item()}", NAME)
+    for axes, peak, scale, at in (
+        (panels[0], "peak_acceleration", 1 / METRES["g"], levels),
+        (panels[1], "peak_storey_shear", MEGA, middle),
+    ):
+        with_hits, alone = (scale * one[f"{peak}{end}"].values[: at.size] for end in ("", "_alone"))
+        axes.plot(alone, at, **style | {"mfc": "white", "lw": 0.7})
+        axes.plot(with_hits, at, label=name, **style)
+
+
+def _columns(axes: Axes, dataset: xr.Dataset, number: int, style: dict[str, Any]) -> None:
+    """The largest force on each column of this building that a slab hits."""
+    sides = {side: dataset[side].values == number + 1 for side in ("left", "right")}
+    own = np.select([dataset.column.values == side for side in sides], list(sides.values()), False)
+    hit = dataset.isel(contact=own & (dataset.column_force > 0).values)
+    force = MEGA * hit.column_force.values
+    axes.hlines(hit.level.values, 0, force, color=style["color"], lw=style["lw"])
+    axes.plot(force, hit.level.values, **style | {"linestyle": "none"})
+
+
+def _levels(dataset: xr.Dataset, number: int) -> np.ndarray:
+    """Heights of the floors of a building; an oscillator moves where it meets its neighbours."""
+    levels = dataset.floor_level.values[number]
+    if np.isfinite(levels).any():
+        return levels[np.isfinite(levels)]
+    beside = (dataset.left.values == number + 1) | (dataset.right.values == number + 1)
+    return np.atleast_1d(np.nanmax(dataset.level.values[beside], initial=0.0))
+
+
+def _top(dataset: xr.Dataset) -> float:
+    return float(np.nanmax([*dataset.floor_level.values.ravel(), *dataset.level.values]))

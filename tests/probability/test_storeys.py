@@ -1,0 +1,286 @@
+"""Probability of pounding of buildings with storeys: the formula, at all heights at once."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.integrate
+import xarray as xr
+
+import stochlin as sl
+
+pytestmark = pytest.mark.oracle
+
+FIRM = sl.KanaiTajimi(2 * np.pi / 15, 0.6, intensity=0.01)
+QUAKE = {"envelope": sl.AminAng(4.0, 10.0, 0.35), "duration": 14.0}
+TALL = sl.ShearBuilding(
+    [2e5, 2e5, 2e5, 1.5e5],
+    [1.1e8, 0.9e8, 0.8e8, 0.5e8],
+    [4.0, 3.0, 3.0, 3.0],
+    damping=0.05,
+    hardening=0.05,
+    yield_drifts=[0.010, 0.010, 0.009, 0.008],
+)
+LOW = sl.ShearBuilding(
+    [1.5e5] * 2, [1.2e8, 0.9e8], [3.2] * 2, 0.03, 0.1, yield_drifts=0.006, dampers=[5e5, 0.0]
+)
+
+
+def elastic(building):
+    return replace(building, hardening=None, yield_drifts=None)
+
+
+def probability(*args, **changes):
+    return sl.pounding_probability(*args, **({"paths": 0} | QUAKE | changes))
+
+
+def one_storey(oscillator):
+    """The same as a building."""
+    strength = {"yield_drifts": oscillator.yield_displacement} if oscillator.yields else {}
+    law = {"beta": oscillator.beta, "gamma": oscillator.gamma} if hasattr(oscillator, "beta") else {}
+    return sl.ShearBuilding(
+        [1e5],
+        [1e5 * (2 * np.pi / oscillator.period) ** 2],
+        [3.0],
+        oscillator.damping,
+        oscillator.hardening,
+        **strength,
+        law="bouc_wen" if law else "bilinear",
+        law_parameters=law or None,
+    )
+
+
+# --- One storey is an oscillator ------------------------------------------------------------------
+
+
+PAIRS = {
+    "elastic": (sl.Bilinear(0.6, 0.05), sl.Bilinear(1.0, 0.03)),
+    "bilinear": (
+        sl.Bilinear(0.6, 0.05, 0.05, yield_displacement=0.02),
+        sl.Bilinear(1.0, 0.03, 0.1, yield_displacement=0.03),
+    ),
+    "Bouc-Wen": (
+        sl.BoucWen(0.6, 0.05, 0.1, yield_displacement=0.02, beta=0.6, gamma=0.4),
+        sl.Bilinear(1.0, 0.03),
+    ),
+}
+
+
+@pytest.mark.parametrize("pair", PAIRS.values(), ids=list(PAIRS))
+def test_one_storey_is_the_oscillator(pair):
+    expected = probability(*pair, FIRM, 0.1)
+    one, two = (one_storey(oscillator) for oscillator in pair)
+    for building in ((one, two), (one, pair[1])):
+        found = probability(*building, FIRM, 0.1)
+        for name in ("confidence_of_no_pounding", "confidence_of_no_pounding_poisson", "required_gap"):
+            np.testing.assert_allclose(found[name], expected[name], rtol=0, atol=1e-9, err_msg=name)
+        least = found.confidence_of_no_pounding_at_least  # of one height
+        np.testing.assert_allclose(least, found.confidence_of_no_pounding, rtol=0, atol=1e-15)
+        # The steps of the integration go by rounding where structures yield; their tolerance is 1e-7.
+        share = 1e-8 if one.yields else 1e-9
+        for name in ("displacement_std_1", "displacement_std_2", "difference_std", "rho"):
+            atol = share * float(abs(expected[name]).max())
+            np.testing.assert_allclose(found[name], expected[name], rtol=0, atol=atol, err_msg=name)
+
+
+# --- Moments --------------------------------------------------------------------------------------
+
+
+def seen(table, state, floors):
+    """Row of the states that gives a sum of displacements."""
+    row = np.zeros(table.sizes["state"])
+    for name, share in floors.items():
+        row[table.state.values.tolist().index(f"{state}_{name}")] = share
+    return row
+
+
+@pytest.mark.parametrize("ground", [sl.WhiteNoise(0.01), FIRM], ids=["white", "firm"])
+def test_linear_moments_are_those_of_the_lyapunov_differential_equation(ground):
+    """P' = A P + P A' + Q of the matrix that `statespace` writes, integrated by itself."""
+    pair = replace(elastic(TALL), p_delta=True), elastic(LOW)
+    found = probability(*pair, ground, 0.1, points=8)
+    space = sl.statespace(pair, ground, c_eq=[-1.0] * 6, k_eq=[0.0] * 6)
+    matrix, noise = space.state_matrix.values, space.noise_vector.values
+    soil = np.array([str(name).startswith("x") for name in space.state.values])
+    strength, n = float(space.noise_intensity), len(matrix)
+    start = np.zeros_like(matrix)
+    if soil.any():
+        among = np.ix_(soil, soil)
+        start[among] = scipy.linalg.solve_continuous_lyapunov(
+            matrix[among], -strength * np.outer(noise[soil], noise[soil])
+        )
+
+    def rate(time, flat):
+        now, push, m = matrix.copy(), noise.copy(), float(QUAKE["envelope"].at(np.array(time)))
+        now[np.ix_(~soil, soil)] *= m
+        push[~soil] *= m
+        flow = now @ flat.reshape(n, n)
+        return (flow + flow.T + strength * np.outer(push, push)).ravel()
+
+    rows, state, begin = [start.ravel()], start.ravel(), 0.0
+    times = found.time.values
+    for end in (4.0, 10.0, 14.0):  # the envelope's kinks are ends of pieces
+        inside = times[(times > begin) & (times <= end)]
+        piece = scipy.integrate.solve_ivp(
+            rate, (begin, end), state, "DOP853", np.union1d(inside, end), rtol=1e-11, atol=1e-18
+        )
+        rows += list(piece.y[:, : inside.size].T)
+        state, begin = piece.y[:, -1], end
+    p = np.array(rows).reshape(-1, n, n)
+    share = (6.4 - 4.0) / 3.0  # of the second floor of TALL at the roof of LOW
+    places = {
+        3.2: ({"1.1": 0.8}, {"2.1": 1.0}),
+        4.0: ({"1.1": 1.0}, {"2.1": 0.75, "2.2": 0.25}),
+        6.4: ({"1.1": 1 - share, "1.2": share}, {"2.2": 1.0}),
+    }
+    assert found.height.values.tolist() == pytest.approx(list(places))
+    for number, (one, two) in enumerate(places.values()):
+        u_1, u_2 = seen(space, "u", one), seen(space, "u", two)
+        apart = u_1 - u_2
+        std_1, std_2, both = (np.sqrt(np.einsum("i,tij,j->t", r, p, r)) for r in (u_1, u_2, apart))
+        atol = 1e-8 * both.max()
+        here = found.isel(height=number)
+        np.testing.assert_allclose(here.difference_std_at_height, both, rtol=0, atol=atol)
+        rho = np.einsum("i,tij,j->t", u_1, p, u_2)[1:] / (std_1 * std_2)[1:]
+        np.testing.assert_allclose(here.rho_at_height[1:], rho, rtol=0, atol=1e-7)
+    np.testing.assert_allclose(found.displacement_std_1, std_1, rtol=0, atol=atol)
+    np.testing.assert_allclose(found.difference_std, both, rtol=0, atol=atol)
+
+
+def test_linear_moments_at_all_heights_are_those_of_simulated_motions():
+    pair = elastic(TALL), elastic(LOW)
+    table = probability(*pair, FIRM, 0.05, paths=2048, points=6).isel(time=slice(1, None))
+    off = table.difference_std_at_height - table.difference_std_simulated_at_height
+    error = table.difference_std_simulated_standard_error_at_height
+    # four standard errors of 15 numbers, and the length of the steps
+    assert bool((abs(off) <= 4 * error + 0.005 * table.difference_std_at_height).all())
+    np.testing.assert_allclose(
+        table.instantaneous_probability, table.instantaneous_probability_simulated, atol=0.03
+    )
+    gaps = table.required_gap_at_height / table.required_gap_simulated_at_height - 1
+    assert float(abs(gaps).max()) < 0.1
+    assert float(table.required_gap) == pytest.approx(float(table.required_gap_simulated), rel=0.06)
+    assert float(table.required_gap_simulated) >= float(table.required_gap_simulated_at_height.max())
+
+
+def test_storeys_that_yield_come_to_rest_at_the_stationary_linearization():
+    pair = replace(TALL, heights=[3.2] * 4, hardening=0.3), replace(LOW, hardening=0.3)
+    strong = replace(FIRM, intensity=0.03)
+    table = probability(*pair, strong, 0.1, envelope=None, duration=40.0, points=3).isel(time=-1)
+    still = sl.linearize_system(pair, strong)
+    assert float(still.ductility_std.min()) > 0.7
+    for number, here in enumerate((table.isel(height=0), table.isel(height=1)), start=1):
+        floors = {"floor": f"1.{number}", "floor_2": f"2.{number}"}
+        both, rho = (float(still[name].sel(floors)) for name in ("relative_displacement_std", "rho"))
+        assert float(here.difference_std_at_height) == pytest.approx(both, rel=1e-4)
+        assert float(here.rho_at_height) == pytest.approx(rho, abs=1e-4)
+
+
+# --- All heights at once --------------------------------------------------------------------------
+
+
+def test_bounds_of_all_heights_and_their_order():
+    gaps = xr.DataArray([0.01, 0.03, 0.06, 0.1, 1.0], dims="gap")
+    table = probability(TALL, LOW, FIRM, gaps)
+    by_height = table.confidence_of_no_pounding_at_height
+    np.testing.assert_array_equal(table.confidence_of_no_pounding, by_height.min("height"))
+    least = table.confidence_of_no_pounding_at_least
+    assert bool((least <= table.confidence_of_no_pounding).all())
+    assert bool((least >= 0).all())
+    np.testing.assert_allclose(least[..., -1], 1.0, atol=1e-12)
+    assert float(table.required_gap) == float(table.required_gap_at_height.max())
+    governing = table.required_gap_at_height.sel(height=table.governing_height)
+    assert float(governing) == float(table.required_gap)
+    assert bool((table.confidence_of_no_pounding.diff("gap") >= 0).all())
+    assert table.confidence_of_no_pounding_corrected.isnull().all()
+    for name, variable in table.variables.items():
+        assert variable.attrs.get("long_name") or name in ("gap", "status"), name
+
+
+def test_elastic_storeys_need_no_correction():
+    table = probability(elastic(TALL), elastic(LOW), FIRM, 0.05, points=5)
+    np.testing.assert_array_equal(
+        table.confidence_of_no_pounding, table.confidence_of_no_pounding_corrected
+    )
+
+
+def test_the_formula_knows_what_the_weight_takes():
+    """It eats the hardening of a storey: no stationary answer, but one for a motion that ends."""
+    soft = sl.ShearBuilding([4e5] * 2, [4e7] * 2, [3.0] * 2, 0.05, 0.05, yield_drifts=0.02)
+    with pytest.raises(ValueError, match="grows without end"):
+        sl.linearize_system([replace(soft, p_delta=True)], FIRM)
+    leaning = probability(replace(soft, p_delta=True), LOW, FIRM, 0.2)
+    upright = probability(soft, LOW, FIRM, 0.2)
+    for table in (leaning, upright):
+        assert bool(table.confidence_of_no_pounding.notnull().all())
+    assert float(leaning.displacement_std_1[-1]) > float(upright.displacement_std_1[-1])
+
+
+def test_cells_of_a_table_are_what_they_are_alone():
+    periods = xr.DataArray([0.5, -1.0, 1.1], dims="period")
+    intensities = xr.DataArray([0.003, 0.03], dims="intensity")
+    shop = {"damping": 0.05, "hardening": 0.1, "yield_displacement": 0.03}
+    options = {"points": 5, "duration": 10.0}
+    ground = sl.KanaiTajimi(2 * np.pi / 15, 0.6, intensity=intensities)
+    table = probability(TALL, sl.Bilinear(periods, **shop), ground, 0.1, **options)
+    assert table.confidence_of_no_pounding.isel(period=1).isnull().all()
+    assert (table.status.isel(period=1) == 3).all()
+    for i in (0, 2):
+        for j in range(2):
+            alone = probability(
+                TALL,
+                sl.Bilinear(float(periods[i]), **shop),
+                replace(ground, intensity=float(intensities[j])),
+                0.1,
+                **options,
+            )
+            cell = table.isel(period=i, intensity=j)
+            for name in ("displacement_std_1", "difference_std", "confidence_of_no_pounding"):
+                scale = float(alone[name].max())
+                np.testing.assert_allclose(cell[name], alone[name], atol=1e-5 * scale, err_msg=name)
+
+
+def test_fragility_is_the_probability_at_each_intensity():
+    gaps, intensities = [0.05, 0.1], [0.005, 0.02]
+    table = sl.pounding_fragility(TALL, LOW, FIRM, gaps, intensities, paths=0, **QUAKE)
+    assert table.pounding_probability.dims == ("intensity", "gap")
+    assert bool((table.pounding_probability_at_most >= table.pounding_probability).all())
+    assert (table.pounding_probability_at_height.max("height") == table.pounding_probability).all()
+    alone = probability(TALL, LOW, replace(FIRM, intensity=0.02), 0.1, points=11).isel(time=-1)
+    assert float(table.pounding_probability[1, 1]) == pytest.approx(
+        1 - float(alone.confidence_of_no_pounding), abs=1e-5
+    )
+
+
+def test_gap_and_structure_may_share_a_dimension():
+    periods, gaps = (xr.DataArray(values, dims="case") for values in ([0.4, 0.6], [0.05, 0.08]))
+    options = {"points": 3, "duration": 5.0, "paths": 64}
+    table = probability(TALL, sl.Bilinear(periods, 0.05), FIRM, gaps, **options)
+    assert table.confidence_of_no_pounding_simulated.dims == ("time", "case")
+    alone = probability(TALL, sl.Bilinear(0.6, 0.05), FIRM, 0.08, **options)
+    for name in ("confidence_of_no_pounding_simulated", "required_gap_simulated"):
+        np.testing.assert_array_equal(table[name].isel(case=1), alone[name])
+
+
+# --- Bad input ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["time", "height"])
+def test_names_of_the_result_are_refused_for_dimensions(name):
+    gaps = xr.DataArray([0.05, 0.1], dims=name)
+    with pytest.raises(ValueError, match=f"gap: a dimension is named '{name}'"):
+        probability(TALL, LOW, FIRM, gaps)
+
+
+def test_storeys_beyond_what_can_be_computed_are_named():
+    with pytest.raises(ValueError, match="check the units of masses and stiffnesses"):
+        probability(replace(LOW, masses=[1e-300] * 2), TALL, FIRM, 0.1)
+    with pytest.raises(ArithmeticError, match=r"^first, elastic: .*; use storeys"):
+        probability(replace(LOW, stiffnesses=[1e30, 1e8]), TALL, FIRM, 0.1)
+    many = sl.ShearBuilding.regular(period=4.0, storeys=200, storey_height=3.0, mass=1e5, damping=0.05)
+    with pytest.raises(ValueError, match=r"200 storeys, would take .* storeys together"):
+        probability(many, many, FIRM, 0.1)
+    with pytest.raises(ValueError, match="lost by rounding; the stiffest has"):
+        sl.simulate([TALL, LOW], FIRM, duration=5.0, paths=32, link=sl.Link(1e30, floors=(1, 1)))
