@@ -44,6 +44,11 @@ from .models.envelopes import (
     HsuBernard as HsuBernard,
 )
 from .analyses.simulation.ground_motions import simulated_motions as simulated_motions
+from .analyses.sites.motion_fit import (
+    fit_motion as fit_motion,
+    compare_motions as compare_motions,
+    FittedMotion as FittedMotion,
+)
 from .analyses.records.evolutionary_spectra import evolutionary_psd as evolutionary_psd
 from .analyses.records.response import (
     respond as respond,

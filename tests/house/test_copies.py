@@ -35,6 +35,12 @@ GIVEN: dict[str, dict[str, Any]] = {
     "ShinozukaSato": {"fast": 2.0},
     "Hysteretic": {"law": V - abs(V) * Z, "hardening": 0.1, "reduction_factor": 4},
     "Measure": {"added_damping_1": 0.1, "link": sl.Link(damping_constant=1e5)},
+    "ParallelGround": {"grounds": [sl.KanaiTajimi(0.4, 0.6), sl.KanaiTajimi(1.0, 0.3)]},
+    "FittedMotion": {
+        "ground": sl.KanaiTajimi(0.4, 0.6),
+        "envelope": sl.HsuBernard(5.0),
+        "duration": 20.0,
+    },
     "ShearBuilding": {"masses": [1e5], "stiffnesses": [1e8], "heights": [3.0], "damping": 0.05},
 }
 UNHASHABLE = {"ShearBuilding", "AtlasSpecification"}  # they hold arrays and mappings

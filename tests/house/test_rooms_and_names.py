@@ -28,6 +28,7 @@ FLOORS = tuple(ROOMS)
 MOST_MODULES = 12  # of a folder
 # Lists, readers, and look-ups of what carries its own ``reference`` or ``source``.
 WITHOUT_FORMULA = {
+    "FittedMotion",
     "WhiteNoise",
     "code_rule",
     "code_rule_names",

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.records.envelope_fit import fit_envelope
+from stochlin.analyses.records.files import METRES
 from stochlin.analyses.records.records import checked_record, strong_part
 from stochlin.analyses.records.response import response_spectrum
 from stochlin.analyses.simulation.ground_motions import simulated_motions
@@ -17,12 +18,13 @@ from stochlin.analyses.sites.spectra import SHORTEST, USUAL_DAMPING
 from stochlin.analyses.sites.spectrum_fit import LONGEST, POINTS, Wanted, deliver
 from stochlin.analyses.sites.variables import VARIABLES
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_whole
+from stochlin.analyses.tables.checks import check_duration, check_whole
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.linearization.filters import stationary
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
+from stochlin.models.parameters import expect
 
 FILTERS, PATHS = 2, 512
 CYCLES = 4.0  # of the longest period that are in a record
@@ -40,11 +42,28 @@ class FittedMotion:
     envelope : AminAng, ShinozukaSato, GammaEnvelope or HsuBernard
     duration : float
         Length [s].
+
+    Raises
+    ------
+    TypeError, ValueError
+        If one of them is of another kind, or the duration is no positive time.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> motion = sl.FittedMotion(sl.named_ground("firm", 0.01), sl.AminAng(2.0, 12.0, 0.4), 20.0)
+    >>> motion.duration
+    20.0
     """
 
     ground: Ground
     envelope: Envelope
     duration: float
+
+    def __post_init__(self) -> None:
+        expect(self.ground, Ground, "FittedMotion: ground")
+        expect(self.envelope, Envelope, "FittedMotion: envelope")
+        check_duration(self.duration)
 
 
 def fit_motion(
@@ -152,7 +171,7 @@ def compare_motions(
         as ``target`` [m/s^2], so that ``ratio`` is that of the motions over the record;
         ``energy_ratio`` [-], ``Int a^2 dt`` of the motions over the record's, and
         ``significant_duration`` [s], from 5 to 95 % of it, the mean, with standard errors;
-        ``record_energy`` [m^2/s^3] and ``record_significant_duration`` [s].
+        ``record_arias_intensity`` [m/s] and ``record_significant_duration`` [s].
 
     Raises
     ------
@@ -189,7 +208,7 @@ def compare_motions(
     for name, samples in (("energy_ratio", of_motions), ("significant_duration", lengths)):
         table[name] = (), samples.mean()
         table[f"{name}_standard_error"] = (), samples.std(ddof=1) / np.sqrt(samples.size)
-    table["record_energy"] = (), energy
+    table["record_arias_intensity"] = (), np.pi / (2 * METRES["g"]) * energy
     table["record_significant_duration"] = (), _significant(record)
     call = f"compare_motions(paths={paths}, seed={seed})"
     models = {"ground": motion.ground, "envelope": motion.envelope}

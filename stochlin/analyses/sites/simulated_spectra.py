@@ -38,7 +38,7 @@ TOGETHER = 24  # oscillators of neighbouring periods on one step
 
 def simulated_spectrum(
     ground: Ground,
-    target: xr.DataArray | Sequence[float],
+    target: xr.DataArray | Sequence[float] | Array,
     duration: float,
     envelope: Envelope | None = None,
     *,
@@ -127,7 +127,9 @@ def simulated_spectrum(
     return labels.with_run_information(labels.label(table, VARIABLES), title, call, models)
 
 
-def _asked(target: xr.DataArray | Sequence[float]) -> tuple[Array, Array | None, float]:
+def _asked(
+    target: xr.DataArray | Sequence[float] | Array,
+) -> tuple[Array, Array | None, float]:
     """Periods, the spectrum wanted there, and its damping."""
     if is_spectrum(target):
         period, values, damping = checked_spectrum(target)

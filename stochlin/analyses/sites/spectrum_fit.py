@@ -27,6 +27,7 @@ GOOD_RMS, GOOD_WORST = 0.02, 0.06  # relative errors at which no further filter 
 PATHS = 2048
 # Error of the delivered spectrum at which a correction ends, and how often it is made at most.
 DELIVERED_RMS, DELIVERED_WORST, CORRECTIONS = 0.02, 0.05, 3
+_GROUND_WEIGHT = 10.0  # of the ground's own standard deviation, beside one oscillator
 _ROUNDS = 4  # in which peak factors and filters come to agree
 _FIRST_FACTOR = 2.5
 
@@ -49,6 +50,7 @@ class Wanted(NamedTuple):
     damping: float
     duration: float  # [s]
     envelope: Envelope | None
+    ground_std: float | None = None  # [m/s^2] of the stationary ground, where that is known
 
     @property
     def strong(self) -> float:
@@ -93,6 +95,7 @@ class _Oscillators:
         x = (self.frequency / w[:, None]) ** 2
         response = 1 / (w[:, None] ** 4 * ((1 - x) ** 2 + 4 * damping[:, None] ** 2 * x))
         self.moments = [2 * _STEP * response * self.frequency ** (k + 1) for k in range(3)]
+        self.ground = 2 * _STEP * self.frequency  # of the variance of the ground itself
         self._strong = wanted.strong
 
     def variance(self, psd: Array) -> Array:
@@ -125,12 +128,14 @@ class _Filters(NamedTuple):
         return parts[0] if len(parts) == 1 else ParallelGround(parts)
 
 
-def deliver(wanted: Wanted, filters: int | None, seed: int, progress: Progress | None) -> Delivered:
+def deliver(
+    wanted: Wanted, filters: int | None, seed: int, progress: Progress | None, paths: int = PATHS
+) -> Delivered:
     """The ground that delivers a spectrum, by so many filters, or by the fewest that do it well."""
-    oscillators = _Oscillators(wanted)
+    search = _Search(wanted)
     found = None
     for count in range(1, MOST_FILTERS + 1) if filters is None else [filters]:
-        found = _by_formula(oscillators, wanted, count)
+        found = search.by_formula(count)
         if found.good:
             break
     assert found is not None
@@ -142,7 +147,7 @@ def deliver(wanted: Wanted, filters: int | None, seed: int, progress: Progress |
             found.ground(),
             wanted.duration,
             wanted.envelope,
-            paths=PATHS,
+            paths=paths,
             seed=seed + attempt,  # a correction must not fit the scatter of one sample
             progress=progress,
         ).mean(axis=0)
@@ -151,21 +156,9 @@ def deliver(wanted: Wanted, filters: int | None, seed: int, progress: Progress |
             best = now
         if best.rms <= DELIVERED_RMS and best.worst <= DELIVERED_WORST:
             break
-        simulated = means * (wanted.periods / (2 * np.pi)) ** 2
-        variance = oscillators.variance(_psd(found.logs, oscillators.frequency)[0])
-        found = _search(oscillators, wanted.displacements * np.sqrt(variance) / simulated, [found.logs])
+        found = search.corrected(found, means)
     assert best is not None
     return best
-
-
-def _by_formula(oscillators: _Oscillators, wanted: Wanted, count: int) -> _Filters:
-    factors = np.full(wanted.periods.size, _FIRST_FACTOR)
-    starts = list(_starts(count))
-    for _ in range(_ROUNDS):
-        found = _search(oscillators, wanted.displacements / factors, starts)
-        factors = oscillators.peak_factors(_psd(found.logs, oscillators.frequency)[0])
-        starts = [found.logs]
-    return found
 
 
 def _starts(count: int) -> Iterable[Array]:
@@ -176,27 +169,59 @@ def _starts(count: int) -> Iterable[Array]:
     return (np.array([ones[i] for i in draw.choice(len(ones), count, False)]) for _ in range(_DRAWN))
 
 
-def _search(oscillators: _Oscillators, std: Array, starts: Iterable[Array]) -> _Filters:
-    """Least squares of the logarithm of standard deviations [m], from several starts."""
-    target, frequency = np.log(std), oscillators.frequency
+class _Search:
+    """Least squares of the logarithms of standard deviations, of oscillators and of the ground."""
 
-    def residual(logs: Array) -> Array:
-        return 0.5 * np.log(oscillators.variance(_psd(logs, frequency)[0])) - target
+    def __init__(self, wanted: Wanted) -> None:
+        self.wanted, self.oscillators = wanted, _Oscillators(wanted)
+        self._rows, self._weight = self.oscillators.moments[0], np.ones(wanted.periods.size)
+        self._ground = np.zeros(0)
+        if wanted.ground_std is not None:
+            self._rows = np.vstack([self._rows, self.oscillators.ground])
+            self._weight = np.append(self._weight, _GROUND_WEIGHT)
+            self._ground = np.array([wanted.ground_std])
 
-    def slope(logs: Array) -> Array:
-        psd, slopes = _psd(logs, frequency)
-        found: Array = 0.5 * (oscillators.moments[0] @ slopes) / oscillators.variance(psd)[:, None]
+    def by_formula(self, count: int) -> _Filters:
+        """By so many filters, with the peak factors of the formula."""
+        factors = np.full(self.wanted.periods.size, _FIRST_FACTOR)
+        starts = list(_starts(count))
+        for _ in range(_ROUNDS):
+            found = self._best(factors, starts)
+            factors = self.oscillators.peak_factors(self._psd(found))
+            starts = [found.logs]
         return found
 
-    fits = []
-    for start in starts:
-        logs = start.copy()
-        logs[:, -1] -= 2 * residual(logs).mean()
-        lower, upper = (np.tile(bound, len(start)) for bound in (_LOWER, _UPPER))
-        inside = np.clip(logs.ravel(), lower + _SLACK, upper - _SLACK)
-        fits.append(optimize.least_squares(residual, inside, slope, (lower, upper)))
-    best = min(fits, key=lambda fit: float(fit.cost))
-    return _Filters(best.x.reshape(-1, 5), best.fun)
+    def corrected(self, found: _Filters, accelerations: Array) -> _Filters:
+        """With the peak factors of a simulation, whose mean spectrum this is."""
+        peaks = accelerations * (self.wanted.periods / (2 * np.pi)) ** 2
+        std = np.sqrt(self.oscillators.variance(self._psd(found)))
+        return self._best(peaks / std, [found.logs])
+
+    def _psd(self, found: _Filters) -> Array:
+        return _psd(found.logs, self.oscillators.frequency)[0]
+
+    def _best(self, factors: Array, starts: Iterable[Array]) -> _Filters:
+        frequency, rows, weight = self.oscillators.frequency, self._rows, self._weight
+        target = np.log(np.append(self.wanted.displacements / factors, self._ground))
+
+        def residual(logs: Array) -> Array:
+            found: Array = weight * (0.5 * np.log(rows @ _psd(logs, frequency)[0]) - target)
+            return found
+
+        def slope(logs: Array) -> Array:
+            psd, slopes = _psd(logs, frequency)
+            found: Array = 0.5 * weight[:, None] * (rows @ slopes) / (rows @ psd)[:, None]
+            return found
+
+        fits = []
+        for start in starts:
+            logs = start.copy()
+            logs[:, -1] -= 2 * (residual(logs) / weight).mean()
+            lower, upper = (np.tile(bound, len(start)) for bound in (_LOWER, _UPPER))
+            inside = np.clip(logs.ravel(), lower + _SLACK, upper - _SLACK)
+            fits.append(optimize.least_squares(residual, inside, slope, (lower, upper)))
+        best = min(fits, key=lambda fit: float(fit.cost))
+        return _Filters(best.x.reshape(-1, 5), best.fun[: target.size - self._ground.size])
 
 
 def _psd(logs: Array, frequency: Array) -> tuple[Array, Array]:

@@ -57,7 +57,7 @@ class ParallelGround(Ground):
     """
 
     name: ClassVar[str] = "several in parallel"
-    grounds: Sequence[Ground] = ()
+    grounds: Sequence[Ground]
     intensity: Parameter = parameter("m^2/s^3", "two-sided PSD of the white noises", POSITIVE, None)
 
     def __post_init__(self) -> None:

@@ -1,0 +1,31 @@
+"""From a spectrum to motions, and from a motion back to a ground and an envelope."""
+
+from pathlib import Path
+
+import numpy as np
+
+import stochlin as sl
+
+G = 9.80665
+some = slice(None, None, 40)
+sl.asce_7(G, 0.6 * G, 8.0)[some].to_netcdf("asce_7.nc")
+code = sl.eurocode_8(0.25 * G, "B")
+code[some].to_netcdf("eurocode_8.nc")
+periods = np.round(0.05 * np.arange(81), 2)
+rows = [f"{t:g},{a / G:.6f}" for t, a in zip(periods, code.interp(period=periods).values, strict=True)]
+Path("site.csv").write_text("T [s],Sa [g]\n" + "\n".join(rows) + "\n", encoding="utf-8")
+target = sl.read_spectrum("site.csv")
+Path("site.csv").unlink()
+envelope = sl.AminAng(2.0, 12.0, 0.4)
+ground = sl.fit_ground(target, duration=20.0, envelope=envelope, filters=1)
+print(ground.source)
+both = sl.ParallelGround([ground, sl.CloughPenzien(0.1, 0.5, 1.0, 0.6, intensity=1e-3)])
+print(both.psd([1.0, 10.0, 100.0]).values)
+spectrum = sl.simulated_spectrum(ground, target, 20.0, envelope, paths=64)
+spectrum.isel(period=slice(None, None, 8)).to_netcdf("spectrum.nc")
+motions = sl.simulated_motions(ground, 20.0, envelope, paths=2, step=0.02)
+motions[:, ::50].to_netcdf("motions.nc")
+motion = sl.fit_motion(motions[1], filters=1)
+print(isinstance(motion, sl.FittedMotion), motion.duration)
+table = sl.compare_motions(motions[1], motion, paths=64)
+table.isel(period=slice(None, None, 12)).to_netcdf("compared.nc")
