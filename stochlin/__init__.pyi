@@ -44,6 +44,11 @@ from .models.envelopes import (
     HsuBernard as HsuBernard,
 )
 from .analyses.simulation.ground_motions import simulated_motions as simulated_motions
+from .analyses.records.at2 import to_at2 as to_at2
+from .analyses.sites.suites import (
+    read_records as read_records,
+    scale_records as scale_records,
+)
 from .analyses.sites.motion_fit import (
     fit_motion as fit_motion,
     compare_motions as compare_motions,

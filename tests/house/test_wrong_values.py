@@ -20,6 +20,7 @@ import stochlin as sl
 
 pytestmark = pytest.mark.invariant
 
+SPECTRUM = "0 .4\n.1 .8\n.2 1\n.4 1\n.8 .5\n1.6 .25"
 LONGEST = 500  # characters, with the list of what is allowed
 TIME = 0.02 * np.arange(200)
 V, Z = sympy.symbols("v z")
@@ -57,6 +58,7 @@ WRONG: dict[str, Any] = {
 }
 # These decide how long a call lasts or where it writes: what is allowed of them is tested elsewhere.
 LASTING = {"paths", "max_iterations", "relaxation_times", "progress", "scheduler"}
+WRITTEN = ("to_at2", "path")
 INNER = re.compile(
     r"YieldingPair|LinearPair|CorrelatedPeaks|DuctilityTarget|StationaryMotion|0x[0-9a-f]{6}"
 )
@@ -93,6 +95,8 @@ def usual() -> Mapping[str, Any]:
         "k_eq": [0.0, 0.0],
         "space": sl.statespace([sl.Bilinear(1.0, 0.05)], ground, [-1.0], [0.0]),
         "frequency": [1.0, 2.0],
+        "records": {"a": record, "b": record},
+        "grounds": [ground, sl.KanaiTajimi(0.4, 0.6, 0.01)],
     }
 
 
@@ -133,6 +137,16 @@ OWN: dict[str, dict[str, Any]] = {
     "peak_factor_model": {"name": "davenport_1964"},
     "Hysteretic": {"hardening": 0.1, "reduction_factor": 4, "law": V - abs(V) * Z},
     "read_record": {"dt": 0.02, "units": "g"},
+    "read_records": {"dt": 0.02, "units": "g"},
+    "read_spectrum": {"units": "g"},
+    "eurocode_8": {"ag": 2.0, "soil": "B"},
+    "asce_7": {"sds": 9.8, "sd1": 5.0, "tl": 8.0},
+    "fit_ground": {"target": sl.eurocode_8(2.0, "B"), "duration": 4.0, "filters": 1},
+    "simulated_spectrum": {"target": [0.4, 0.8]},
+    "scale_records": {"pga": 1.0},
+    "compare_motions": {
+        "motion": sl.FittedMotion(sl.KanaiTajimi(1.0, 0.3, 0.01), sl.HsuBernard(2.0), 4.0)
+    },
     "pounding_probability": {"duration": 3.0},
     "ShearBuilding": {
         "hardening": 0.1,
@@ -182,9 +196,10 @@ def arguments(name: str, tmp: Path) -> dict[str, Any]:
         if one.default is one.empty and one.kind not in (one.VAR_KEYWORD, one.VAR_POSITIONAL)
     }
     if "path" in parameters:
-        text = sl.example_case() if name == "read_case" else "\n".join(map(str, np.sin(TIME)))
+        texts = {"read_case": sl.example_case(), "read_spectrum": SPECTRUM}
+        text = texts.get(name, "\n".join(map(str, np.sin(TIME))))
         (tmp / "file.txt").write_text(text, encoding="utf-8")
-        chosen["path"] = tmp / "file.txt"
+        chosen["path"] = tmp if name == "read_records" else tmp / "file.txt"
     return chosen | {key: value for key, value in OWN.get(name, {}).items() if key in parameters}
 
 
@@ -217,7 +232,11 @@ def test_what_is_wrong_is_said_in_a_line_that_names_the_parameter(name: str, tmp
     assert complaint(call, given) is None
     said = []
     for parameter, one in parameters.items():
-        if parameter in LASTING or one.kind in (one.VAR_KEYWORD, one.VAR_POSITIONAL):
+        if (
+            parameter in LASTING
+            or (name, parameter) == WRITTEN
+            or one.kind in (one.VAR_KEYWORD, one.VAR_POSITIONAL)
+        ):
             continue
         for kind, value in WRONG.items():
             error = complaint(call, given | {parameter: value})

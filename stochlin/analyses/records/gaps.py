@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.records.cells import (
+    RECORD,
     Motions,
     Records,
     cells_of,
@@ -17,12 +18,15 @@ from stochlin.analyses.records.cells import (
 )
 from stochlin.analyses.records.stepped import stepped_gap
 from stochlin.analyses.records.variables import VARIABLES
+from stochlin.analyses.simulation.finite_motions import quantile_intervals
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import over_cells
 from stochlin.kernels.records import oscillator as recorded
 from stochlin.kernels.records.runs import PAIR, gaps_on_records
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.systems import AnyStructure
+
+QUANTILES = np.array([0.5, 0.84, 0.9, 0.95])
 
 
 def recorded_gap(first: AnyStructure, second: AnyStructure, record: Records) -> xr.Dataset:
@@ -49,7 +53,9 @@ def recorded_gap(first: AnyStructure, second: AnyStructure, record: Records) -> 
         ``elastic_limit`` where neither yielded. Of two `Bilinear` also ``pseudo_energy_radius_1`` and
         ``_2`` [m], of others ``step_error`` [-]: what halving the step changed last. With storeys
         ``separation`` holds at all heights, and there are ``separation_at_height`` [m] over ``height``,
-        ``peak_drift`` [m] and ``ductility`` [-] over ``element``.
+        ``peak_drift`` [m] and ``ductility`` [-] over ``element``. Of several records also
+        ``separation_quantile`` [m] over ``quantile``, with a 95 % interval, ``_lower`` and ``_upper``:
+        infinite where the records are too few to bound it.
 
     Raises
     ------
@@ -87,12 +93,26 @@ def recorded_gap(first: AnyStructure, second: AnyStructure, record: Records) -> 
         table = over_cells(
             lambda first, second: stepped_gap(first, second, motions), {"first": first, "second": second}
         )
+    if RECORD in table.dims:
+        table = table.assign(_over_records(table.separation))
     return labels.with_run_information(
         labels.label(table.assign_attrs(records=motions.describe()), VARIABLES),
         "Gap of two structures in recorded motions",
         "recorded_gap()",
         {"first": first, "second": second},
     )
+
+
+def _over_records(separation: xr.DataArray) -> dict[str, xr.DataArray]:
+    """Quantiles over the records, with their 95 % intervals."""
+    samples = separation.transpose(RECORD, ...)
+    found = quantile_intervals(samples.to_numpy(), QUANTILES)
+    like = samples.isel({RECORD: 0}, drop=True)
+    level = labels.axis("quantile", "quantile", QUANTILES)
+    return {
+        f"separation_quantile{end}": like.expand_dims(quantile=level).copy(data=values)
+        for end, values in zip(("", "_lower", "_upper"), found, strict=True)
+    }
 
 
 def _exactly(first: Bilinear, second: Bilinear, motions: Motions) -> xr.Dataset:

@@ -21,6 +21,7 @@ VARIABLES: Variables = {
     "ductility": ("1", "largest drift over the drift at yield"),
     "step_error": ("1", "largest change of a peak when the step was halved for the last time"),
     "separation": ("m", "largest displacement of the structure towards structure_2"),
+    "separation_quantile": ("m", "gap that this share of the records keeps"),
     "srss": ("m", "root of the sum of squares of the peaks"),
     "separation_over_srss": ("1", "separation over SRSS of the peaks"),
     "rho": ("1", "correlation coefficient of the displacements"),

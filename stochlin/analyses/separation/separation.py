@@ -191,7 +191,7 @@ def separation(
         if records is None:
             return table
         one, other = (strength_in_metres(structure, ground) for structure in (first, second))
-        recorded = recorded_gap(one, other, records)
+        recorded = recorded_gap(one, other, records).drop_dims("quantile", errors="ignore")
         return table.assign({f"record_{name}": recorded[name] for name in recorded.data_vars})
 
     models: dict[str, Any] = {**both, "ground": ground}

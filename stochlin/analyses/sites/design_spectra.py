@@ -95,7 +95,7 @@ def eurocode_8(ag: float, soil: str, type: int = 1, damping: float = 0.05) -> xr
     if not is_number(type) or type not in _EUROCODE:
         raise ValueError(f"type = {brief(type)} is unknown; allowed: 1, 2")
     soils = _EUROCODE[int(type)]
-    name = soil.strip().upper() if isinstance(soil, str) else soil
+    name = soil.strip().upper() if isinstance(soil, str) else ""
     if name not in soils:
         raise ValueError(f"soil = {brief(soil)} is no ground type; allowed: {', '.join(soils)}")
     if not (is_number(damping) and 0 <= damping < 1):

@@ -147,10 +147,20 @@ def fit_ground(
     >>> bool(abs(table.ratio.sel(period=slice(0.1, 4)) - 1).max() < 0.06)
     True
     """
+    if not isinstance(target, xr.DataArray):
+        raise TypeError(
+            f"target is a {type(target).__name__}; allowed: an xarray.DataArray, a record over time or "
+            "a spectrum over period"
+        )
     if not is_spectrum(target):
+        if "time" not in target.dims:
+            raise ValueError(
+                f"target has the dimensions {target.dims}; allowed: time, of a record, or period, of a "
+                "spectrum"
+            )
         others = {"duration": duration, "envelope": envelope, "filters": filters}
         given = [name for name, value in others.items() if value is not None]
-        if given and isinstance(target, xr.DataArray):
+        if given:
             raise ValueError(f"{given[0]} goes with a spectrum; a record has its own, so leave it out")
         return ground_of_record(
             target,
@@ -159,9 +169,9 @@ def fit_ground(
             part=part,
             frequency_range=frequency_range,
         )
-    if model not in {None, _OF_SPECTRA}:
+    if not (model is None or (isinstance(model, str) and model == _OF_SPECTRA)):
         raise ValueError(f"model = {brief(model)} is not fitted to a spectrum; allowed: {_OF_SPECTRA}")
-    if estimator is not None or frequency_range is not None or part != STRONG_PART:
+    if estimator is not None or frequency_range is not None or part is not STRONG_PART:
         raise ValueError("estimator, part and frequency_range go with a record; leave them out")
     if filters is not None:
         check_whole("filters", filters, 1, MOST_FILTERS)

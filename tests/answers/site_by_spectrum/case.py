@@ -1,5 +1,6 @@
 """From a spectrum to motions, and from a motion back to a ground and an envelope."""
 
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +26,14 @@ spectrum = sl.simulated_spectrum(ground, target, 20.0, envelope, paths=64)
 spectrum.isel(period=slice(None, None, 8)).to_netcdf("spectrum.nc")
 motions = sl.simulated_motions(ground, 20.0, envelope, paths=2, step=0.02)
 motions[:, ::50].to_netcdf("motions.nc")
+Path("suite").mkdir()
+for name, each in zip("ab", motions, strict=True):
+    sl.to_at2(each, f"suite/{name}.at2")
+suite = sl.scale_records(sl.read_records("suite"), sa=5.0, period=0.5)
+print({name: f"{record.attrs['scale']:.5f}" for name, record in suite.items()})
+one, two = (sl.Bilinear(T, 0.05) for T in (0.5, 0.8))
+print(sl.recorded_gap(one, two, suite).separation_quantile.values)
+shutil.rmtree("suite")
 motion = sl.fit_motion(motions[1], filters=1)
 print(isinstance(motion, sl.FittedMotion), motion.duration)
 table = sl.compare_motions(motions[1], motion, paths=64)

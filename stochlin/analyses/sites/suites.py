@@ -1,0 +1,246 @@
+"""Suites of records: read from a folder or a table, and scaled, one factor each."""
+
+from __future__ import annotations
+
+import csv
+import os
+import warnings
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.records.files import Column
+from stochlin.analyses.records.records import checked_record, read_record
+from stochlin.analyses.records.response import response_spectrum
+from stochlin.analyses.sites.spectra import (
+    USUAL_DAMPING,
+    checked_spectrum,
+    interpolated,
+)
+from stochlin.analyses.tables.checks import as_path, check_truth, check_two_numbers, is_number
+from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import DoubtfulInput, brief, plain
+
+ENDINGS = {".at2", ".txt", ".csv", ".dat", ".acc"}
+FILE = "file"  # the column of a table that names the records
+LARGEST_FACTOR = 10.0
+BAND_POINTS = 40
+
+Suite = dict[str, xr.DataArray]
+
+
+def read_records(
+    path: str | os.PathLike[str],
+    *,
+    dt: float | None = None,
+    units: str | None = None,
+    column: Column | None = None,
+    time_column: Column | None = None,
+    skip_unreadable: bool = False,
+) -> Suite:
+    r"""Read a suite of records: all files of a folder, or those that a table lists.
+
+    Parameters
+    ----------
+    path : str or path
+        A folder, whose files that end in .at2, .txt, .csv, .dat or .acc are read in the order of their
+        names, with those of the folders in it. Or a table, comma-separated with a row of names: its
+        column ``file`` holds paths from the folder of the table; ``dt`` [s] and ``units``, where it has
+        them, are those of the file. Units as ``"t s, g"`` say that a column of times stands before
+        that of accelerations; what follows a semicolon is a remark.
+    dt, units, column, time_column
+        As in `read_record`, of all files for which the table says nothing else.
+    skip_unreadable : bool
+        True: a file that cannot be read is left out, with a warning that names it.
+
+    Returns
+    -------
+    dict of str to xarray.DataArray
+        The records [m/s^2] over ``time`` [s], by their paths as the table has them, or from the folder
+        on: as `recorded_gap`, `response_spectrum` and `separation` take them.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such folder or table.
+    ValueError
+        If a file cannot be read (the message names it, and the line of the table), or there is none.
+
+    Warns
+    -----
+    UserWarning
+        As `read_record`; for each file that is left out.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib
+    >>> import stochlin as sl
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> for name, motion in zip("ab", sl.simulated_motions(sl.WhiteNoise(0.01), 5.0, paths=2)):
+    ...     sl.to_at2(motion, folder / f"{name}.at2")
+    >>> list(sl.read_records(folder))
+    ['a.at2', 'b.at2']
+    """
+    path = as_path("path", path)
+    check_truth("skip_unreadable", skip_unreadable)
+    usual = {"dt": dt, "units": units, "column": column, "time_column": time_column}
+    if not path.exists():
+        raise FileNotFoundError(f"path = {brief(str(path))} is neither a folder nor a table")
+    listed = _of_folder(path) if path.is_dir() else _of_table(path)
+    suite: Suite = {}
+    folder = path if path.is_dir() else path.parent
+    for name, where, own in listed:
+        if name in suite:
+            raise ValueError(f"{where} is there twice; allowed: each file once")
+        try:
+            suite[name] = read_record(folder / name, **usual | own)
+        except (OSError, ValueError) as error:
+            if not skip_unreadable:
+                raise ValueError(f"{where}: {error}") from error
+            warnings.warn(f"{where} is left out: {error}", DoubtfulInput, stacklevel=2)
+    if not suite:
+        raise ValueError(f"{plain(path.name)} holds no record that can be read; allowed: one at least")
+    return suite
+
+
+def _of_folder(path: Path) -> Iterator[tuple[str, str, dict[str, Any]]]:
+    """Name, place for messages and options of each file."""
+    for file in sorted(path.rglob("*")):
+        if file.suffix.lower() in ENDINGS and file.is_file():
+            name = file.relative_to(path).as_posix()
+            yield name, plain(name), {}
+
+
+def _of_table(path: Path) -> Iterator[tuple[str, str, dict[str, Any]]]:
+    with path.open(encoding="utf-8-sig", newline="") as file:
+        table = csv.DictReader(file, skipinitialspace=True)
+        if FILE not in (table.fieldnames or ()):
+            raise ValueError(
+                f"{plain(path.name)} has the columns {', '.join(map(plain, table.fieldnames or ()))}; "
+                f"allowed: a table with a column {FILE!r}, or give the folder of the records"
+            )
+        for row in table:
+            name = str(row[FILE] or "").strip()
+            where = f"{plain(path.name)}, line {table.line_num}, {plain(name)}"
+            yield name, where, _options(row, where)
+
+
+def _options(row: Mapping[str, str | None], where: str) -> dict[str, Any]:
+    options: dict[str, Any] = {}
+    units, step = (str(row.get(key) or "").strip() for key in ("units", "dt"))
+    of_columns = [part.strip() for part in units.partition(";")[0].split(",")]
+    if of_columns[-1]:
+        options["units"] = of_columns[-1]
+    if len(of_columns) == 2 and of_columns[0].split() == ["t", "s"]:
+        return options | {"time_column": 0, "column": 1, "dt": None}
+    if len(of_columns) > 1:
+        raise ValueError(f"{where}: units = {brief(units)}; allowed: one unit, or 't s, ' before it")
+    if step:
+        try:
+            options["dt"] = float(step)
+        except ValueError:
+            raise ValueError(f"{where}: dt = {brief(step)} is no number; allowed: seconds") from None
+    return options
+
+
+def scale_records(
+    records: Mapping[str, xr.DataArray],
+    *,
+    pga: float | None = None,
+    sa: float | None = None,
+    period: float | None = None,
+    spectrum: xr.DataArray | None = None,
+    band: tuple[float, float] = (0.2, 2.0),
+    damping: float = USUAL_DAMPING,
+) -> Suite:
+    """Scale each record of a suite by one factor.
+
+    Parameters
+    ----------
+    records : mapping of str to xarray.DataArray
+        A suite, as `read_records` gives it.
+    pga : float, optional
+        Peak ground acceleration [m/s^2] that each is to have.
+    sa, period : float, optional
+        Or the pseudo-acceleration [m/s^2] that each is to have at this period [s].
+    spectrum : xarray.DataArray, optional
+        Or the spectrum to which that of each is to be equal in the mean of the logarithm over the
+        ``band``; as `eurocode_8` gives it.
+    band : tuple of two floats
+        Periods [s] between which a spectrum is compared, evenly in the logarithm.
+    damping : float
+        Damping ratio [-] for ``sa``; a spectrum has its own.
+
+    Returns
+    -------
+    dict of str to xarray.DataArray
+        The suite; ``scale`` among the attributes of each is its factor.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If it is not said to what, or twice; if a number is out of range; if a record is none.
+
+    Warns
+    -----
+    UserWarning
+        If a factor is above 10 or below .1: such a record is hardly one of the earthquake that is meant.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> motions = sl.simulated_motions(sl.named_ground("firm", 0.01), 10.0, paths=2)
+    >>> suite = sl.scale_records({"a": motions[0], "b": motions[1]}, pga=3.0)
+    >>> [round(float(abs(record).max()), 6) for record in suite.values()]
+    [3.0, 3.0]
+    """
+    if not isinstance(records, Mapping) or not records:
+        raise TypeError(f"records = {brief(records)}; allowed: a suite, as read_records gives it")
+    wanted = {"pga": pga, "sa": sa, "spectrum": spectrum}
+    given = [name for name, value in wanted.items() if value is not None]
+    if len(given) != 1:
+        raise ValueError(
+            f"{' and '.join(given) or 'nothing'} is given; allowed: one of pga, sa with a period, "
+            "spectrum"
+        )
+    numbers = {"pga": pga, "sa": sa, "period": period}
+    for name, value in numbers.items():
+        if value is not None and not (is_number(value) and 0 < value < np.inf):
+            raise ValueError(f"{name} = {brief(value)} is out of range; allowed: 0 < {name}, finite")
+    if (sa is None) != (period is None):
+        raise ValueError("sa and period go together; allowed: both, or neither")
+    check_two_numbers("band", band)
+    if not 0 < band[0] < band[1] < np.inf:
+        raise ValueError(f"band = {brief(band)}; allowed: 0 < lower < upper, in seconds")
+    periods = np.geomspace(*band, BAND_POINTS) if sa is None else np.array([float(period or 0.0)])
+    target = np.array([pga if sa is None else sa], float)
+    if spectrum is not None:
+        own_periods, values, damping = checked_spectrum(spectrum)
+        if not own_periods[own_periods > 0][0] <= band[0] < band[1] <= own_periods[-1]:
+            raise ValueError(
+                f"band = {brief(band)} is not within the spectrum, {own_periods[0]:g} to "
+                f"{own_periods[-1]:g} s; allowed: periods that it has"
+            )
+        target = interpolated(own_periods, values, periods)
+    suite = {}
+    for name, record in records.items():
+        acceleration, _ = checked_record(record)
+        own = np.abs(acceleration).max() if pga is not None else _spectrum(record, periods, damping)
+        factor = float(np.exp(np.mean(np.log(target / own))))
+        if not 1 / LARGEST_FACTOR <= factor <= LARGEST_FACTOR:
+            warnings.warn(
+                f"{plain(name)} is scaled by {factor:.3g}; between .1 and 10 a record is still one of "
+                "its kind",
+                DoubtfulInput,
+                stacklevel=2,
+            )
+        suite[name] = (factor * record).assign_attrs(record.attrs, scale=factor)
+    return suite
+
+
+def _spectrum(record: xr.DataArray, periods: Array, damping: float) -> Array:
+    found: Array = response_spectrum(record, periods, damping).pseudo_acceleration.to_numpy().ravel()
+    return found
