@@ -19,6 +19,7 @@ from stochlin.analyses.cases.buildings import (
     read_gaps,
 )
 from stochlin.analyses.cases.contacts import read_amplification_limit, read_contact, read_measures
+from stochlin.analyses.cases.design_spectrum import SPECTRUM, ground_of_design, spectrum_file
 from stochlin.analyses.cases.site import FITTED, TIME, read_envelope, read_ground, read_records
 from stochlin.analyses.cases.storeys import SlabOnColumn, StoreyBuilding, slabs_of_row
 from stochlin.analyses.cases.values import Quantity, read_sections
@@ -192,24 +193,32 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     site, motion, wanted = (whole.section(key) for key in ("site", "motion", "separation"))
     wanted.only("confidence", "existing", "floors_align", "zone", "unverified")
     records = read_records(site, path.parent)
-    ground = read_ground(site, records)
+    envelope, duration = read_envelope(motion), motion.number("duration", TIME)
+    by_spectrum = SPECTRUM in site
+    if by_spectrum:
+        ground = ground_of_design(site, path.parent, duration, envelope)
+    else:
+        ground = read_ground(site, records)
     buildings = read_buildings(whole, ground)
     align = wanted.truth("floors_align")
     slabs = slabs_of_row(buildings)
     if align and slabs:
         wanted.doubt("floors_align", f"is not so: {slabs[0]}; codes are asked as if it were false")
-    envelope = read_envelope(motion)
     simulated = whole.section("simulation", needed=False)
     simulated.only("paths", "seed")
     names = [building.name for building in buildings]
     return Case(
         file=path.name,
-        inputs=(path, *(path.parent / one.text("path") for one in site.sections("records"))),
+        inputs=(
+            path,
+            *spectrum_file(site, path.parent),
+            *(path.parent / one.text("path") for one in site.sections("records")),
+        ),
         title=whole.text("title", default=f"{', '.join(names[:-1])} and {names[-1]}"),
-        site=site.text("ground"),
+        site=site.text(SPECTRUM if by_spectrum else "ground"),
         ground=ground,
         buildings=buildings,
-        duration=motion.number("duration", TIME),
+        duration=duration,
         envelope=envelope,
         records=records,
         confidence=wanted.number("confidence", SHARE),

@@ -28,6 +28,7 @@ UNITS: Mapping[str, Mapping[str, float]] = {
     "kg": {"kg": 1.0, "t": 1e3},
     "N/m": {"N/m": 1.0, "kN/m": 1e3, "MN/m": 1e6},
     "N s/m": {"N s/m": 1.0, "kN s/m": 1e3, "MN s/m": 1e6},
+    "m/s^2": {"g": 9.80665, "m/s^2": 1.0, "cm/s^2": 1e-2},
     "m^2/s^3": {"m^2/s^3": 1.0, "cm^2/s^3": 1e-4},
     "1": {"%": 1e-2},
 }

@@ -266,8 +266,11 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
     notes = []
     site, given = case.site, _numbers(case.ground)
     if site == FITTED:
-        site = next(name for name, kind in GROUNDS.items() if type(case.ground) is kind)
+        site = _kind_of(case)
         notes.append(f"The ground is fitted to {next(iter(case.records))}: held by its parameters here.")
+    elif site not in SITES:
+        notes.append(f"The ground delivers the spectrum {site}: held by its parameters here.")
+        site = _kind_of(case)
     if case.records:
         notes.append("Records are left out here, and in a case file saved from here.")
     if lost := _left_out(case):
@@ -309,6 +312,16 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
         **{name: getattr(case, name) for name in kept},
     )
     return scene, notes
+
+
+def _kind_of(case: Case) -> str:
+    for name, kind in GROUNDS.items():
+        if type(case.ground) is kind:
+            return name
+    raise ValueError(
+        f"{case.file}: the ground is of several filters in parallel; the explorer holds one, so write "
+        "filters = 1 in [site]"
+    )
 
 
 def _left_out(case: Case) -> str:

@@ -1,0 +1,77 @@
+"""Case files with a design spectrum in place of a ground."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import stochlin as sl
+from stochlin.analyses.cases.case import Case
+from stochlin.analyses.explorer.scene import scene_of
+
+pytestmark = pytest.mark.invariant
+
+G = 9.80665
+EXAMPLE = sl.example_case()
+CODE = 'spectrum = "eurocode_8"\nag = "0.25 g"\nsoil = "C"\n'
+
+
+def read(folder: Path, site: str) -> Case:
+    start, end = EXAMPLE.index("[site]"), EXAMPLE.index("[motion]")
+    path = folder / "case.toml"
+    path.write_text(f"{EXAMPLE[:start]}[site]\n{site}\n{EXAMPLE[end:]}", encoding="utf-8")
+    return sl.read_case(path)
+
+
+def test_the_ground_delivers_the_spectrum_in_the_motion_of_the_file(tmp_path):
+    case = read(tmp_path, CODE + "filters = 1\n")
+    target = sl.eurocode_8(0.25 * G, "C")
+    motion = {"duration": case.duration, "envelope": case.envelope}
+    assert case.ground == sl.fit_ground(target, filters=1, **motion)
+    assert case.site == "eurocode_8"
+    assert "Eurocode 8, type 1, ground C" in case.ground.source
+    scene, notes = scene_of(case)
+    assert scene.ground() == case.ground
+    assert any("delivers the spectrum eurocode_8" in note for note in notes)
+
+
+def test_a_file_of_a_spectrum_is_read_and_kept_from_being_overwritten(tmp_path):
+    period = np.geomspace(0.05, 4.0, 60)
+    values = sl.asce_7(G, 0.6 * G, 8.0).interp(period=period).values
+    rows = [f"{t:.6g},{a:.9g}" for t, a in zip(period, values, strict=True)]
+    (tmp_path / "site.csv").write_text("\n".join(["T,Sa", *rows]), encoding="utf-8")
+    one = read(tmp_path, 'spectrum = "site.csv"\nunits = "m/s^2"\nfilters = 1\n')
+    two = read(tmp_path, 'spectrum = "asce_7"\nsds = "1 g"\nsd1 = "0.6 g"\ntl = "8 s"\nfilters = 1\n')
+    assert tmp_path / "site.csv" in one.inputs
+    frequency = np.array([2.0, 5.0, 20.0])
+    np.testing.assert_allclose(one.ground.psd(frequency), two.ground.psd(frequency), rtol=0.03)
+
+
+def test_the_explorer_says_what_it_cannot_hold(tmp_path):
+    case = read(tmp_path, CODE + "filters = 2\n")
+    assert isinstance(case.ground, sl.ParallelGround)
+    with pytest.raises(ValueError, match=r"several filters in parallel.*write filters = 1 in \[site\]"):
+        scene_of(case)
+
+
+@pytest.mark.parametrize(
+    ("site", "message"),
+    [
+        (f'{CODE}ground = "firm"\n', "line 17: site.ground = 'firm' is given beside a spectrum"),
+        (CODE.replace("0.25 g", "0.25"), "site.ag = '0.25' has no unit; allowed: .*\"0.25 g\""),
+        (CODE.replace('"C"', '"F"'), "site.soil = 'F' is not known; allowed: A, B, C, D, E"),
+        (f"{CODE}type = 3\n", "site.type = 3 is no whole number from 1 on; allowed: 1 to 2"),
+        (f'{CODE}tl = "8 s"\n', "site.tl = '8 s' is not a key that is known here"),
+        (f"{CODE}filters = 9\n", "site.filters = 9 is no whole number"),
+        ('spectrum = "eurocode_9"\n', "is no code, and no file beside this one; allowed: eurocode_8"),
+        (
+            'spectrum = "asce_7"\nsds = "1 g"\nsd1 = "9 g"\ntl = "8 s"\n',
+            "cannot be used: tl = 8 s is not",
+        ),
+    ],
+)
+def test_what_is_wrong_is_said_with_its_line(tmp_path, site, message):
+    with pytest.raises(ValueError, match=message):
+        read(tmp_path, site)
