@@ -264,10 +264,13 @@ def _oscillators(
 
 
 def _root(matrix: Array, noise: Array, intensity: float) -> Array:
-    """Square root of the stationary covariance of the filter: paths start stationary."""
+    """Square root of the stationary covariance of the filter: paths start stationary.
+
+    The symmetric one, which is unique: eigenvectors alone may change sign with the last digit.
+    """
     if not len(noise):
         return np.zeros((0, 0))
     covariance = scipy.linalg.solve_continuous_lyapunov(matrix, -intensity * np.outer(noise, noise))
     values, vectors = np.linalg.eigh(0.5 * (covariance + covariance.T))
-    root: Array = vectors * np.sqrt(np.maximum(values, 0))
+    root: Array = vectors * np.sqrt(np.maximum(values, 0)) @ vectors.T
     return root

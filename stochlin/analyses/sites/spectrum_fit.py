@@ -17,7 +17,7 @@ from scipy import optimize
 from stochlin.analyses.sites.simulated_spectra import peak_accelerations
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.models.envelopes import Envelope
+from stochlin.models.envelopes import Envelope, strong_seconds
 from stochlin.models.grounds import CloughPenzien, Ground, ParallelGround
 from stochlin.models.rules.peak_factors import peak_factor_model
 
@@ -40,6 +40,7 @@ _SOILS = np.log([(4.0, 0.3), (4.0, 0.8), (12.0, 0.3), (12.0, 0.8), (30.0, 0.5)])
 _HIGH_PASS = np.log([(0.6, 0.6), (2.5, 0.6)])
 _DRAWN = 6  # combinations of them that two or three filters start from
 _SLACK = 1e-6  # that a start keeps from the bounds
+_END = 1e-11  # of the search: valleys are flat
 
 
 class Wanted(NamedTuple):
@@ -54,11 +55,8 @@ class Wanted(NamedTuple):
 
     @property
     def strong(self) -> float:
-        """``Int m^2 dt`` [s]: how long a stationary motion of the same energy lasts."""
-        if self.envelope is None:
-            return self.duration
-        time = np.linspace(0, self.duration, 4001)
-        return float(np.trapezoid(self.envelope.at(time) ** 2, time))
+        """How long a stationary motion of the same energy lasts [s]."""
+        return strong_seconds(self.duration, self.envelope)
 
     @property
     def displacements(self) -> Array:
@@ -219,7 +217,11 @@ class _Search:
             logs[:, -1] -= 2 * (residual(logs) / weight).mean()
             lower, upper = (np.tile(bound, len(start)) for bound in (_LOWER, _UPPER))
             inside = np.clip(logs.ravel(), lower + _SLACK, upper - _SLACK)
-            fits.append(optimize.least_squares(residual, inside, slope, (lower, upper)))
+            fits.append(
+                optimize.least_squares(
+                    residual, inside, slope, (lower, upper), ftol=_END, xtol=_END, gtol=_END
+                )
+            )
         best = min(fits, key=lambda fit: float(fit.cost))
         return _Filters(best.x.reshape(-1, 5), best.fun[: target.size - self._ground.size])
 
