@@ -20,7 +20,7 @@ from stochlin.analyses.cases.buildings import (
 )
 from stochlin.analyses.cases.contacts import read_amplification_limit, read_contact, read_measures
 from stochlin.analyses.cases.design_spectrum import SPECTRUM, ground_of_design, spectrum_file
-from stochlin.analyses.cases.site import FITTED, TIME, read_envelope, read_ground, read_records
+from stochlin.analyses.cases.site import FITTED, TIME, read_envelope, read_ground, recorded_motions
 from stochlin.analyses.cases.storeys import SlabOnColumn, StoreyBuilding, slabs_of_row
 from stochlin.analyses.cases.values import Quantity, read_sections
 from stochlin.analyses.tables.checks import as_path
@@ -192,7 +192,7 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     whole.only("title", *TABLES[:2], *keys, *TABLES[2:])
     site, motion, wanted = (whole.section(key) for key in ("site", "motion", "separation"))
     wanted.only("confidence", "existing", "floors_align", "zone", "unverified")
-    records = read_records(site, path.parent)
+    records = recorded_motions(site, path.parent)
     envelope, duration = read_envelope(motion), motion.number("duration", TIME)
     by_spectrum = SPECTRUM in site
     if by_spectrum:

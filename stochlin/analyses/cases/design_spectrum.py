@@ -24,9 +24,10 @@ _OF_FILES = ("units", "damping", "column", "period_column")
 
 
 def spectrum_file(site: Section, folder: Path) -> list[Path]:
-    """The file that the spectrum is read from, if it is."""
-    name = site.text(SPECTRUM) if SPECTRUM in site else "eurocode_8"
-    return [] if name in _CODES else [folder / name]
+    """The file that the spectrum is read from, if there is one."""
+    if SPECTRUM not in site or site.text(SPECTRUM) in _CODES:
+        return []
+    return [folder / site.text(SPECTRUM)]
 
 
 def ground_of_design(site: Section, folder: Path, duration: float, envelope: Envelope | None) -> Ground:
@@ -76,8 +77,7 @@ def _of_file(site: Section, folder: Path) -> xr.DataArray:
         options["damping"] = site.number("damping", DAMPING)
     for key in ("column", "period_column"):
         if key in site:
-            known = isinstance(site.values[key], str)
-            options[key] = site.text(key) if known else site.whole(key, 0)
+            options[key] = site.column(key)
     return read_spectrum(folder / name, **options)
 
 

@@ -12,10 +12,9 @@ from stochlin.analyses.records.spectra import fit_spectra
 from stochlin.analyses.separation.existing_gap import existing_gap
 from stochlin.analyses.separation.separation import UNSAFE, separation
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.models.grounds import Ground, WhiteNoise
-from stochlin.models.parameters import Model, expect
+from stochlin.models.grounds import rms_acceleration
+from stochlin.models.parameters import Model
 
-FREQUENCIES = np.geomspace(1e-4, 1e4, 16001)  # times 2 pi rad/s: four decades to either side
 POINTS = 401
 SEARCHES = 0.95  # share of the work that an existing gap takes, where there is one
 AROUND = 5.0  # how far the spectrum goes beyond the periods of buildings and ground
@@ -79,19 +78,6 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
         progress=part(0.0 if case.gap is None else SEARCHES, 1.0),
     )
     return CaseAnswer(case, table, existing, _spectrum(case), rms_acceleration(case.ground))
-
-
-def rms_acceleration(ground: Ground) -> float:
-    """Standard deviation of the ground acceleration [m/s^2]; infinite for white noise.
-
-    For Kanai-Tajimi ground it is ``sqrt(pi S0 wg (1 + 4 xig^2)/(2 xig))``.
-    """
-    expect(ground, Ground, "ground")
-    if isinstance(ground, WhiteNoise):
-        return np.inf
-    frequency = 2 * np.pi * FREQUENCIES
-    density = ground.psd(frequency).values * frequency  # over log w, on which the steps are even
-    return float(np.sqrt(2 * np.trapezoid(density, np.log(frequency))))
 
 
 def periods_of(*models: Model) -> list[float]:

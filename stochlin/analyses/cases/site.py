@@ -22,7 +22,7 @@ FITTED, NONE = "fitted", "none"
 TIME = Quantity("s", POSITIVE)
 
 
-def read_records(site: Section, folder: Path) -> dict[str, xr.DataArray]:
+def recorded_motions(site: Section, folder: Path) -> dict[str, xr.DataArray]:
     """The records by name, in the order of the file."""
     records: dict[str, xr.DataArray] = {}
     for one in site.sections("records"):
@@ -34,8 +34,7 @@ def read_records(site: Section, folder: Path) -> dict[str, xr.DataArray]:
             options["dt"] = one.number("dt", TIME)
         for key in ("column", "time_column"):
             if key in one:
-                known = isinstance(one.values[key], str)
-                options[key] = one.text(key) if known else one.whole(key, 0)
+                options[key] = one.column(key)
         if name in records:
             raise one.error("name" if "name" in one else "path", "is there twice; give it another name")
         try:

@@ -169,6 +169,10 @@ class Section:
             raise self.error(key, f"is not known; {hint}allowed: {', '.join(choices)}")
         return value
 
+    def column(self, key: str) -> str | int:
+        """A column of a file: its name, or its index from 0."""
+        return self.text(key) if isinstance(self.values[key], str) else self.whole(key, 0)
+
     def truth(self, key: str, default: bool = False) -> bool:
         """True or false."""
         value = self.values.get(key, default)

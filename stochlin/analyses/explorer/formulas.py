@@ -29,7 +29,6 @@ from stochlin.analyses.separation.rules import (
     code_rules,
     equation_3_rule,
     linearized_rule,
-    strong_seconds,
 )
 from stochlin.analyses.separation.separation import TEXTS, gaps_by_height
 from stochlin.analyses.separation.variables import VARIABLES as OF_GAPS
@@ -37,6 +36,7 @@ from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.linearization.covariance import EquivalentSystem
+from stochlin.models.envelopes import strong_seconds
 from stochlin.models.parameters import Model
 from stochlin.models.structures import DRIFT, Structure
 

@@ -31,7 +31,7 @@ from stochlin.kernels.linearization.transient import (
     Transient,
 )
 from stochlin.models.buildings import ShearBuilding
-from stochlin.models.envelopes import Envelope
+from stochlin.models.envelopes import Envelope, envelope_at
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
@@ -271,7 +271,7 @@ def course_of(envelope: Envelope | None, duration: float, shortest: float, point
     times = np.linspace(0, duration, stretches * each + 1)
     shown = np.arange(points) * each
     scan = np.linspace(0, duration, SCANNED)
-    values = np.ones(SCANNED) if envelope is None else envelope.at(scan)
+    values = envelope_at(envelope, scan)
     strong = np.flatnonzero(values >= STRONG * values.max())
     last = duration if strong[-1] == SCANNED - 1 else float(scan[strong[-1] + 1])
     return Course(envelope, float(duration), times, shown, last)

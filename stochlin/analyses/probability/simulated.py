@@ -15,6 +15,7 @@ from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.simulation.separation_histories import Histories, Watched, separation_histories
 from stochlin.kernels.simulation.stepping import LANES, filter_steps
+from stochlin.models.envelopes import envelope_at
 from stochlin.models.grounds import Ground
 
 STEPS_PER_PERIOD = 32
@@ -85,5 +86,5 @@ def histories_of(
     steps = filter_steps(*soil.arrays, 2 * np.pi * soil.intensity, dt)
     plan = run.plan._replace(dt=dt, every=1, samples=samples)
     middle = dt * (np.arange(blocks * samples) + 0.5)
-    shape = np.ones_like(middle) if course.envelope is None else course.envelope.at(middle)
+    shape = envelope_at(course.envelope, middle)
     return separation_histories(run.crowd, steps, run.root, plan, shape, watched, progress)

@@ -277,6 +277,19 @@ def allowed_units() -> str:
     return ", ".join(f"{unit!r}" for unit in (*METRES, "gal"))
 
 
+def stated_units(series: Series, name: str, units: str | None) -> str:
+    """Units of a file, as given or as it states them; a ValueError if neither, or if they differ."""
+    if units and series.units and units != series.units:
+        raise ValueError(
+            f"units = {brief(units)} contradicts {name}, which states {brief(series.units)}; correct "
+            "it, or leave it out"
+        )
+    stated = units or series.units
+    if stated is None:
+        raise ValueError(f"units is missing and {name} does not state it; allowed: {allowed_units()}")
+    return stated
+
+
 def _bracketed(column: str) -> str | None:
     """Unit in a column name such as ``acc [g]``."""
     found = re.search(r"[(\[](.+)[)\]]", column)

@@ -16,9 +16,9 @@ from stochlin.analyses.records.files import (
     Column,
     Series,
     acceleration_units,
-    allowed_units,
     read_series,
     spelled,
+    stated_units,
 )
 from stochlin.analyses.tables.checks import as_path, is_number
 from stochlin.messages import DoubtfulInput, brief, plain
@@ -207,13 +207,7 @@ def checked_record(record: xr.DataArray) -> tuple[npt.NDArray[np.float64], float
 
 
 def _labelled(series: Series, name: str, dt: float | None, units: str | None) -> xr.DataArray:
-    if units and series.units and units != series.units:
-        raise ValueError(
-            f"units = {brief(units)} contradicts {name}, which states {brief(series.units)}; {_CURE}"
-        )
-    stated = units or series.units
-    if stated is None:
-        raise ValueError(f"units is missing and {name} does not state it; allowed: {allowed_units()}")
+    stated = stated_units(series, name, units)
     if dt and series.dt and not np.isclose(dt, series.dt, rtol=_STEP_TOLERANCE, atol=0):
         raise ValueError(f"dt = {dt:g} contradicts {name}, which states {series.dt:g}; {_CURE}")
     step, start = dt or series.dt, 0.0

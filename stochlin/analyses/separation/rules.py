@@ -21,13 +21,11 @@ from stochlin.analyses.separation.code_gaps import code_gaps
 from stochlin.analyses.separation.critical_gap import double_difference
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.kernels.basics.arrays import Array
-from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.rules.effective_properties import effective_rule, effective_rule_names
 from stochlin.models.rules.peak_factors.vanmarcke import Vanmarcke1975
 from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
 
-STEPS = 2000  # of the envelope, for the length of motion that it stands for
 GUMBEL = np.sqrt(6) / np.pi
 EQ_3 = "eq. (3) with the peaks of both structures"
 
@@ -185,14 +183,6 @@ def effective_arguments(structures: Sequence[Structure], ductilities: Array) -> 
         arguments[f"hardening_{n + 1}"] = float(given["hardening"]) if own else 1.0
         arguments[f"ductility_{n + 1}"] = float(ductilities[n]) if own else 1.0
     return arguments
-
-
-def strong_seconds(duration: float, envelope: Envelope | None) -> float:
-    """Length [s] of the stationary motion that an envelope stands for: the integral of its square."""
-    if envelope is None:
-        return duration
-    middle = (np.arange(STEPS) + 0.5) * duration / STEPS
-    return duration * float(np.mean(envelope.at(middle) ** 2))
 
 
 def all_rules(pair: PairInMotion, floors_align: bool, zone: str | None, unverified: bool) -> list[Rule]:

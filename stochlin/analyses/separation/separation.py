@@ -15,7 +15,6 @@ from stochlin.analyses.separation.rules import (
     PairInMotion,
     Rule,
     all_rules,
-    strong_seconds,
 )
 from stochlin.analyses.separation.storeys import StoreysInMotion, check_levels
 from stochlin.analyses.separation.variables import VARIABLES
@@ -32,7 +31,7 @@ from stochlin.analyses.tables.checks import check_confidence, check_duration, ch
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.buildings import ShearBuilding
-from stochlin.models.envelopes import Envelope
+from stochlin.models.envelopes import Envelope, strong_seconds
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
 from stochlin.models.rules.codes import BuildingPeaks, check_zone

@@ -27,10 +27,10 @@ from stochlin.analyses.tables.floors import ELEMENT, element_coordinates
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.simulation.ensemble import finite_extremes
+from stochlin.kernels.simulation.ensemble import Plan, finite_extremes
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.messages import brief
-from stochlin.models.envelopes import Envelope
+from stochlin.models.envelopes import Envelope, envelope_at
 from stochlin.models.parameters import expect
 from stochlin.models.systems import AnyStructure
 
@@ -72,6 +72,13 @@ def check_finite(run: Run, duration: float, functions: int, times: int = 1) -> N
     )
 
 
+def finite_steps(run: Run, duration: float, envelope: Envelope | None) -> tuple[Plan, Array]:
+    """The plan of a finite motion, which takes every step, and the envelope at the middle of each."""
+    plan = run.plan._replace(every=1, samples=BLOCK)
+    middle = plan.dt * (np.arange(int(np.ceil(duration / plan.dt))) + 0.5)
+    return plan, envelope_at(envelope, middle)
+
+
 def simulate_finite(
     riders: Riders,
     run: Run,
@@ -83,9 +90,7 @@ def simulate_finite(
     """What `simulate` returns for a duration."""
     levels = np.asarray(quantiles, float)
     check_finite(run, duration, riders.functions)
-    plan = run.plan._replace(every=1, samples=BLOCK)
-    middle = plan.dt * (np.arange(int(np.ceil(duration / plan.dt))) + 0.5)
-    shape = np.ones_like(middle) if envelope is None else envelope.at(middle)
+    plan, shape = finite_steps(run, duration, envelope)
     system, pairs = riders.system, pairs_of(riders.system)
     n = run.valid.size
     storeys = drifts_of(system) if riders.has_storeys else []

@@ -14,7 +14,7 @@ from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.ensemble import Plan, ground_motions
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.messages import brief
-from stochlin.models.envelopes import Envelope
+from stochlin.models.envelopes import Envelope, envelope_at
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
 
@@ -94,7 +94,7 @@ def simulated_motions(
     made, root = ground_steps(soil, step)
     values = ground_motions(made, soil.arrays.output, root, plan, steps, progress)[:paths]
     # The forcing of a structure is the ground acceleration turned round.
-    values *= -1.0 if envelope is None else -envelope.at(time)
+    values *= -envelope_at(envelope, time)
     motions = xr.DataArray(
         values,
         dims=("path", "time"),

@@ -12,8 +12,8 @@ from stochlin.analyses.records.envelope_fit import fit_envelope
 from stochlin.analyses.records.files import METRES
 from stochlin.analyses.records.records import checked_record, strong_part
 from stochlin.analyses.records.response import response_spectrum
-from stochlin.analyses.simulation.ground_motions import simulated_motions
-from stochlin.analyses.sites.simulated_spectra import simulated_spectrum
+from stochlin.analyses.simulation.ensembles import check_settings
+from stochlin.analyses.sites.simulated_spectra import spectrum_and_motions
 from stochlin.analyses.sites.spectra import SHORTEST, USUAL_DAMPING
 from stochlin.analyses.sites.spectrum_fit import LONGEST, POINTS, Wanted, deliver
 from stochlin.analyses.sites.variables import VARIABLES
@@ -21,9 +21,8 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_duration, check_whole
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.linearization.filters import stationary
 from stochlin.models.envelopes import Envelope
-from stochlin.models.grounds import Ground
+from stochlin.models.grounds import Ground, rms_acceleration
 from stochlin.models.parameters import expect
 
 FILTERS, PATHS = 2, 512
@@ -142,7 +141,7 @@ def fit_motion(
     wanted = Wanted(periods, spectrum, USUAL_DAMPING, duration, shape, std)
     found = deliver(wanted, filters, seed, progress, PATHS).ground
     changed: dict[str, Any] = {
-        "intensity": float(found.arrays()["intensity"]) * (std / _std(found)) ** 2,
+        "intensity": float(found.arrays()["intensity"]) * (std / rms_acceleration(found)) ** 2,
         "source": f"energy and response spectrum of {record.attrs.get('source', 'a record')}",
     }
     return FittedMotion(replace(found, **changed), shape, duration)
@@ -193,15 +192,12 @@ def compare_motions(
     values, dt = checked_record(record)
     if not isinstance(motion, FittedMotion):
         raise TypeError(f"motion is a {type(motion).__name__}; allowed: what fit_motion gives")
+    check_settings(paths, seed)
     longest = min(LONGEST, motion.duration / CYCLES)
     periods = np.geomspace(SHORTEST, longest, POINTS)
     own = response_spectrum(record, periods, USUAL_DAMPING).pseudo_acceleration.values.ravel()
     given = (motion.duration, motion.envelope)
-    table = simulated_spectrum(motion.ground, periods, *given, paths=paths, seed=seed)
-    table["target"] = "period", own
-    table["ratio"] = table.pseudo_acceleration / table.target
-    table["ratio_standard_error"] = table.pseudo_acceleration_standard_error / table.target
-    motions = simulated_motions(motion.ground, *given, paths=paths, seed=seed)
+    table, motions = spectrum_and_motions(motion.ground, periods, own, *given, paths=paths, seed=seed)
     energy = _energy(values, dt)
     of_motions = _energy(motions.to_numpy(), motions.attrs["dt"]) / energy
     lengths = np.array([_significant(one) for one in motions])
@@ -223,11 +219,3 @@ def _energy(values: Array, dt: float) -> Array:
 def _significant(record: xr.DataArray) -> float:
     part = strong_part(record)
     return float(part.time[-1] - part.time[0])
-
-
-def _std(ground: Ground) -> float:
-    """Of the stationary ground acceleration [m/s^2]."""
-    soil = ground.lone_filter()
-    matrix, noise, output = soil.arrays
-    covariance = stationary(matrix[None], noise[None])[0]
-    return float(np.sqrt(2 * np.pi * soil.intensity * output @ covariance @ output))

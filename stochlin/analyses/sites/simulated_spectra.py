@@ -8,19 +8,20 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.simulation.ensembles import Run, cells_of_all, check_settings, prepare
-from stochlin.analyses.simulation.finite_motions import BLOCK, check_finite
+from stochlin.analyses.simulation.finite_motions import check_finite, finite_steps
 from stochlin.analyses.simulation.ground_motions import simulated_motions
 from stochlin.analyses.simulation.views import view_of
 from stochlin.analyses.sites.spectra import (
     SHORTEST,
     USUAL_DAMPING,
+    check_damping,
     checked_spectrum,
     interpolated,
     is_spectrum,
 )
 from stochlin.analyses.sites.variables import VARIABLES
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import as_numbers, check_duration, check_scalars, is_number
+from stochlin.analyses.tables.checks import as_numbers, check_duration, check_scalars
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.ensemble import finite_extremes
@@ -63,7 +64,7 @@ def simulated_spectrum(
     damping : float, optional
         Damping ratio [-]; by default that of the target, or .05.
     paths : int
-        Independent motions, rounded up to a multiple of 32.
+        Independent motions, from 2.
     seed : int
         The same seed gives the same answer, whatever the number of cores.
     progress : callable, optional
@@ -97,11 +98,41 @@ def simulated_spectrum(
     if envelope is not None:
         expect(envelope, Envelope, "envelope")
     periods, wanted, own = _asked(target)
-    ratio = own if damping is None else damping
-    if not (is_number(ratio) and 0 < ratio < 1):
-        raise ValueError(f"damping = {brief(damping)} is out of range; allowed: 0 < damping < 1")
+    ratio = own if damping is None else check_damping(damping)
+    table, _ = spectrum_and_motions(
+        ground,
+        periods,
+        wanted,
+        duration,
+        envelope,
+        damping=ratio,
+        paths=paths,
+        seed=seed,
+        progress=progress,
+    )
+    models: dict[str, Model] = {"ground": ground}
+    if envelope is not None:
+        models["envelope"] = envelope
+    call = f"simulated_spectrum(duration={duration}, damping={ratio}, paths={paths}, seed={seed})"
+    title = "Response spectrum of simulated motions"
+    return labels.with_run_information(labels.label(table, VARIABLES), title, call, models)
+
+
+def spectrum_and_motions(
+    ground: Ground,
+    periods: Array,
+    wanted: Array | None,
+    duration: float,
+    envelope: Envelope | None,
+    *,
+    damping: float = USUAL_DAMPING,
+    paths: int,
+    seed: int,
+    progress: Progress | None = None,
+) -> tuple[xr.Dataset, xr.DataArray]:
+    """What `simulated_spectrum` returns, beside a spectrum if one is wanted, and the motions."""
     peaks = peak_accelerations(
-        periods, ratio, ground, duration, envelope, paths=paths, seed=seed, progress=progress
+        periods, damping, ground, duration, envelope, paths=paths, seed=seed, progress=progress
     )
     table = xr.Dataset(coords={"period": labels.axis("period", "period", periods, "s")})
     table = table.assign_coords(quantile=labels.axis("quantile", "quantile", np.array(QUANTILES)))
@@ -119,12 +150,7 @@ def simulated_spectrum(
         table["target"] = "period", wanted
         table["ratio"] = table.pseudo_acceleration / table.target
         table["ratio_standard_error"] = table.pseudo_acceleration_standard_error / table.target
-    models: dict[str, Model] = {"ground": ground}
-    if envelope is not None:
-        models["envelope"] = envelope
-    call = f"simulated_spectrum(duration={duration}, damping={ratio}, paths={paths}, seed={seed})"
-    title = "Response spectrum of simulated motions"
-    return labels.with_run_information(labels.label(table, VARIABLES), title, call, models)
+    return table, motions
 
 
 def _asked(
@@ -170,9 +196,7 @@ def peak_accelerations(
 
 
 def _peaks(run: Run, duration: float, envelope: Envelope | None, progress: Progress | None) -> Array:
-    plan = run.plan._replace(every=1, samples=BLOCK)
-    middle = plan.dt * (np.arange(int(np.ceil(duration / plan.dt))) + 0.5)
-    shape = np.ones_like(middle) if envelope is None else envelope.at(middle)
+    plan, shape = finite_steps(run, duration, envelope)
     each = view_of([{n: 1.0} for n in range(run.order.size)], run.order, run.scale)
     extremes = finite_extremes(run.crowd, each, run.ground, run.root, plan, shape, progress)
     return np.maximum(extremes.highest, -extremes.lowest)

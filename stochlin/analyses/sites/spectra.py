@@ -75,6 +75,13 @@ def checked_spectrum(spectrum: xr.DataArray) -> tuple[Array, Array, float]:
     return period, values, float(damping)
 
 
+def check_damping(damping: object) -> float:
+    """The damping ratio of oscillators; a ValueError unless it is between 0 and 1."""
+    if not (is_number(damping) and 0 < damping < 1):
+        raise ValueError(f"damping = {brief(damping)} is out of range; allowed: 0 < damping < 1")
+    return damping
+
+
 def interpolated(period: Array, values: Array, at: Array) -> Array:
     """Ordinates at other periods above 0, on straight lines in logarithms."""
     above = period > 0

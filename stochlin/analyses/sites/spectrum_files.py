@@ -11,12 +11,12 @@ from stochlin.analyses.records.files import (
     METRES,
     Column,
     acceleration_units,
-    allowed_units,
     read_series,
+    stated_units,
 )
-from stochlin.analyses.sites.spectra import USUAL_DAMPING, check_ordinates, labelled
-from stochlin.analyses.tables.checks import as_path, is_number
-from stochlin.messages import brief, plain
+from stochlin.analyses.sites.spectra import USUAL_DAMPING, check_damping, check_ordinates, labelled
+from stochlin.analyses.tables.checks import as_path
+from stochlin.messages import plain
 
 
 def read_spectrum(
@@ -68,19 +68,11 @@ def read_spectrum(
     (4.9033, 0.05)
     """
     path = as_path("path", path)
-    if not (is_number(damping) and 0 < damping < 1):
-        raise ValueError(f"damping = {brief(damping)} is out of range; allowed: 0 < damping < 1")
+    check_damping(damping)
     units = None if units is None else acceleration_units(units, "units")
     name = plain(path.name)
     series = read_series(path, column, period_column)
-    if units and series.units and units != series.units:
-        raise ValueError(
-            f"units = {brief(units)} contradicts {name}, which states {brief(series.units)}; correct "
-            "it, or leave it out"
-        )
-    stated = units or series.units
-    if stated is None:
-        raise ValueError(f"units is missing and {name} does not state it; allowed: {allowed_units()}")
+    stated = stated_units(series, name, units)
     assert series.time is not None  # a column was asked for
     period, values = np.asarray(series.time), series.values * METRES[stated]
     check_ordinates(period, values, damping, [f"{name}, row {n}" for n in range(1, period.size + 1)])

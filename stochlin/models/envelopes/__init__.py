@@ -1,8 +1,17 @@
 """Envelopes of finite motions: how the strength of shaking rises and falls."""
 
 from stochlin.models.envelopes.amin_ang import AminAng
-from stochlin.models.envelopes.base import ENVELOPES, Envelope
+from stochlin.models.envelopes.base import ENVELOPES, Envelope, envelope_at, strong_seconds
 from stochlin.models.envelopes.gamma import GammaEnvelope, HsuBernard
 from stochlin.models.envelopes.shinozuka_sato import ShinozukaSato
 
-__all__ = ["ENVELOPES", "AminAng", "Envelope", "GammaEnvelope", "HsuBernard", "ShinozukaSato"]
+__all__ = [
+    "ENVELOPES",
+    "AminAng",
+    "Envelope",
+    "GammaEnvelope",
+    "HsuBernard",
+    "ShinozukaSato",
+    "envelope_at",
+    "strong_seconds",
+]

@@ -1,7 +1,7 @@
 """Grounds: stationary random ground acceleration as filtered white noise."""
 
 from stochlin.kernels.linearization.filters import Filter
-from stochlin.models.grounds.base import GROUNDS, Fit, Ground
+from stochlin.models.grounds.base import GROUNDS, Fit, Ground, rms_acceleration
 from stochlin.models.grounds.clough_penzien import CloughPenzien
 from stochlin.models.grounds.kanai_tajimi import KanaiTajimi
 from stochlin.models.grounds.parallel import ParallelGround
@@ -16,4 +16,5 @@ __all__ = [
     "KanaiTajimi",
     "ParallelGround",
     "WhiteNoise",
+    "rms_acceleration",
 ]

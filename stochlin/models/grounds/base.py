@@ -11,8 +11,8 @@ import numpy as np
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.linearization.filters import Filter
-from stochlin.models.parameters import Model, Parameter, Range
+from stochlin.kernels.linearization.filters import Filter, stationary
+from stochlin.models.parameters import Model, Parameter, Range, expect
 from stochlin.registry import Registry
 
 GROUNDS: Registry[type[Ground]] = Registry("ground", "stochlin.models.grounds")
@@ -88,3 +88,17 @@ class Ground(Model):
 
         arrays = self.arrays().values()
         return xr.apply_ufunc(of_cells, frequency, *arrays, join="exact")
+
+
+def rms_acceleration(ground: Ground) -> float:
+    """Standard deviation of the stationary ground acceleration [m/s^2]; infinite for white noise.
+
+    For Kanai-Tajimi ground it is ``sqrt(pi S0 wg (1 + 4 xig^2)/(2 xig))``.
+    """
+    expect(ground, Ground, "ground")
+    soil = ground.lone_filter()
+    if not soil.states:
+        return np.inf
+    matrix, noise, output = soil.arrays
+    covariance = stationary(matrix[None], noise[None])[0]
+    return float(np.sqrt(2 * np.pi * soil.intensity * output @ covariance @ output))
