@@ -148,6 +148,7 @@ def prepare(
     frames: Sequence[Frame] = (),
     floors: Sequence[int] | None = None,
     drift_times: Array | None = None,
+    scatter: float = 0.0,
 ) -> Run:
     """Choose the step from cells and ground and lay out the ensemble; it has no length yet.
 
@@ -190,7 +191,7 @@ def prepare(
         rows[known],
         scale[known],
         *ground_steps(soil, dt),
-        Plan(dt, every, burn_in=0, recorded=0, groups=int(np.ceil(paths / LANES)), seed=seed),
+        Plan(dt, every, 0, 0, groups=int(np.ceil(paths / LANES)), seed=seed, scatter=scatter),
         memory,
         known,
         period[known],

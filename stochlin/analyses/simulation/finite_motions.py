@@ -22,7 +22,7 @@ from stochlin.analyses.simulation.views import (
     view_of,
 )
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_duration, is_number
+from stochlin.analyses.tables.checks import check_duration, check_scatter, is_number
 from stochlin.analyses.tables.floors import ELEMENT, element_coordinates
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
@@ -42,13 +42,20 @@ ENVELOPES, RESULTS = 6, 6  # numbers that are held at once, of each step and of 
 def check_motion(
     duration: float | None,
     envelope: Envelope | None,
+    scatter: float,
     quantiles: Sequence[float],
     structures: Mapping[str, AnyStructure],
 ) -> None:
     """Raise for what is no finite motion; to be called before any work."""
+    check_scatter(scatter)
     if duration is None:
         if envelope is not None:
             raise ValueError("envelope is given without a duration; allowed: both, or neither")
+        if scatter:
+            raise ValueError(
+                f"scatter = {scatter:g} is given without a duration; motions differ in strength from "
+                "one to another, and a stationary response is that of one strength: give a duration"
+            )
         return
     check_duration(duration, structures)
     levels = np.asarray(quantiles, float)
@@ -143,6 +150,7 @@ def simulate_finite(
         step_s=plan.dt,
         duration_s=float(duration),
         envelope="none" if envelope is None else envelope.describe(),
+        scatter=plan.scatter,
     )
 
 

@@ -8,7 +8,7 @@ import xarray as xr
 from stochlin.analyses.simulation.ensembles import check_settings, ground_steps
 from stochlin.analyses.simulation.finite_motions import BLOCK
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_duration, check_scalars, is_number
+from stochlin.analyses.tables.checks import check_duration, check_scalars, check_scatter, is_number
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.ensemble import Plan, ground_motions
@@ -29,6 +29,7 @@ def simulated_motions(
     paths: int = 32,
     seed: int = 0,
     step: float = USUAL_STEP,
+    scatter: float = 0.0,
     progress: Progress | None = None,
 ) -> xr.DataArray:
     """Ground motions, each of them a record for `pound`, `respond`, `recorded_gap` or another program.
@@ -51,6 +52,8 @@ def simulated_motions(
         The same seed gives the same motions, whatever the number of cores.
     step : float
         Time step [s], positive; of white noise each value is the mean over a step.
+    scatter : float
+        As in `simulate`, with the same factors for the same seed.
     progress : callable, optional
         Called with the share of the work that is done.
 
@@ -79,6 +82,7 @@ def simulated_motions(
         expect(envelope, Envelope, "envelope")
     check_duration(duration)
     check_settings(paths, seed)
+    check_scatter(scatter)
     if not (is_number(step) and 0 < step <= duration):
         raise ValueError(
             f"step = {brief(step)} is out of range; allowed: 0 < step <= duration, in seconds"
@@ -90,7 +94,8 @@ def simulated_motions(
         memory=16.0 * steps * paths,
     )
     soil, time = ground.lone_filter(), step * np.arange(steps)
-    plan = Plan(step, 1, 0, 0, groups=-(-paths // LANES), seed=seed, samples=BLOCK)
+    groups = -(-paths // LANES)
+    plan = Plan(step, 1, 0, 0, groups, seed, BLOCK, scatter=float(scatter))
     made, root = ground_steps(soil, step)
     values = ground_motions(made, soil.arrays.output, root, plan, steps, progress)[:paths]
     # The forcing of a structure is the ground acceleration turned round.
@@ -100,7 +105,12 @@ def simulated_motions(
         dims=("path", "time"),
         coords={"time": ("time", time, {"units": "s", "long_name": "time"})},
         name="acceleration",
-        attrs={"units": "m/s^2", "long_name": "ground acceleration", "dt": step},
+        attrs={
+            "units": "m/s^2",
+            "long_name": "ground acceleration",
+            "dt": step,
+            "scatter": plan.scatter,
+        },
     )
     models = {"ground": ground} if envelope is None else {"ground": ground, "envelope": envelope}
     call = f"simulated_motions(duration={duration}, paths={paths}, seed={seed}, step={step})"

@@ -62,7 +62,9 @@ class Riders(NamedTuple):
         coords: dict[str, Any] = floor_coordinates(self.system)
         return coords | {f"{FLOOR}_2": coords[FLOOR][1]}
 
-    def run(self, ground: Ground, *, paths: int, seed: int, steps_per_period: int) -> Run:
+    def run(
+        self, ground: Ground, *, paths: int, seed: int, steps_per_period: int, scatter: float = 0.0
+    ) -> Run:
         """The ensemble, which has no length yet."""
         return prepare(
             self.cells,
@@ -73,6 +75,7 @@ class Riders(NamedTuple):
             frames=self.frames,
             floors=self.alone,
             drift_times=self.drift_times,
+            scatter=scatter,
         )
 
 

@@ -56,6 +56,7 @@ def simulate(
     relaxation_times: float = 20.0,
     duration: float | None = None,
     envelope: Envelope | None = None,
+    scatter: float = 0.0,
     quantiles: Sequence[float] = (0.5, 0.84, 0.95),
     link: Link | Sequence[Link | None] | None = None,
     progress: Progress | None = None,
@@ -85,6 +86,10 @@ def simulate(
         Length of each motion [s], at least a period; without it, the stationary response.
     envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
         Of a finite motion; without it, the motion is stationary from its start.
+    scatter : float
+        Of finite motions: standard deviation of the natural logarithm of a factor on the ground
+        acceleration, 0 to 2; one factor a motion, median 1, independent from motion to motion: the
+        difference from earthquake to earthquake that no ground holds. All else stays as with 0.
     quantiles : sequence of float
         Of the separation in finite motions, between 0 and 1.
     link : Link or list of Link and None, optional
@@ -134,10 +139,12 @@ def simulate(
     """
     check_settings(paths, seed, steps_per_period, relaxation_times)
     roles = checked_structures(structures, ground)
-    check_motion(duration, envelope, quantiles, roles)
+    check_motion(duration, envelope, scatter, quantiles, roles)
     check_memory(sum(floor_count(structure) for structure in structures), paths)
     riders = riders_of(structures, ground, link, stationary=duration is None)
-    run = riders.run(ground, paths=paths, seed=seed, steps_per_period=steps_per_period)
+    run = riders.run(
+        ground, paths=paths, seed=seed, steps_per_period=steps_per_period, scatter=float(scatter)
+    )
     if not run.valid.all() and (riders.has_storeys or duration is not None):
         lost = roles[f"structures[{int(np.argmin(run.valid))}]"].describe()
         raise ArithmeticError(f"the elastic response of {lost} is beyond what can be computed")

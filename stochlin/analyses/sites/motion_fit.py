@@ -18,7 +18,7 @@ from stochlin.analyses.sites.spectra import SHORTEST, USUAL_DAMPING
 from stochlin.analyses.sites.spectrum_fit import LONGEST, POINTS, Wanted, deliver
 from stochlin.analyses.sites.variables import VARIABLES
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_duration, check_whole
+from stochlin.analyses.tables.checks import check_duration, check_scatter, check_whole
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.envelopes import Envelope
@@ -28,6 +28,7 @@ from stochlin.models.parameters import expect
 FILTERS, PATHS = 2, 512
 CYCLES = 4.0  # of the longest period that are in a record
 SHORTEST_RECORD = 2.0  # s
+RECORD_TO_RECORD = 0.4  # scatter that suites of records show about motions of one ground
 
 
 @dataclass(frozen=True)
@@ -41,11 +42,14 @@ class FittedMotion:
     envelope : AminAng, ShinozukaSato, GammaEnvelope or HsuBernard
     duration : float
         Length [s].
+    scatter : float
+        From earthquake to earthquake, as `simulate` takes it: what one record cannot know, and suites of
+        records show. 0 for motions like this very record.
 
     Raises
     ------
     TypeError, ValueError
-        If one of them is of another kind, or the duration is no positive time.
+        If one of them is of another kind or out of range.
 
     Examples
     --------
@@ -58,11 +62,13 @@ class FittedMotion:
     ground: Ground
     envelope: Envelope
     duration: float
+    scatter: float = RECORD_TO_RECORD
 
     def __post_init__(self) -> None:
         expect(self.ground, Ground, "FittedMotion: ground")
         expect(self.envelope, Envelope, "FittedMotion: envelope")
         check_duration(self.duration)
+        check_scatter(self.scatter)
 
 
 def fit_motion(
@@ -97,8 +103,8 @@ def fit_motion(
     Returns
     -------
     FittedMotion
-        ``ground``, ``envelope`` and ``duration`` [s], that of the record; for `simulate`,
-        `separation`, `simulated_motions` and whatever takes the three.
+        ``ground``, ``envelope``, ``duration`` [s], that of the record, and the usual ``scatter``; for
+        `simulate`, `separation`, `simulated_motions` and whatever takes the four.
 
     Raises
     ------
@@ -109,7 +115,8 @@ def fit_motion(
 
     Notes
     -----
-    One record tells one earthquake: the scatter between earthquakes is not in the motions.
+    One record tells one earthquake. Its ground and envelope make motions that are like it; how much the
+    next earthquake differs is their ``scatter``, which is not fitted to the record.
 
     References
     ----------

@@ -18,6 +18,7 @@ from stochlin.models.systems import AnyStructure, first_period
 LONGEST_LABEL, LONGEST_PATH = 200, 4096
 A_LABEL = f"some words on one line, {LONGEST_LABEL} characters at most, no control characters"
 LARGEST = int(np.finfo(float).max)
+MOST_SCATTER = 2.0  # a factor from .14 to 7 is within a standard deviation
 LARGEST_WHOLE = 2**63 - 1  # what files and compiled code can hold
 
 
@@ -116,6 +117,18 @@ def check_confidence(confidence: object) -> None:
     """Raise a ValueError unless it is a probability between 0 and 1."""
     if not is_number(confidence) or not 0 < confidence < 1:
         raise ValueError(f"confidence = {brief(confidence)}; allowed: a probability between 0 and 1")
+
+
+def check_scatter(scatter: object) -> None:
+    """Raise a ValueError unless it is the standard deviation of the logarithm of a factor on motions."""
+    if not is_number(scatter) or not 0 <= scatter <= MOST_SCATTER:
+        cure = ""
+        if is_number(scatter) and MOST_SCATTER < scatter <= 100:
+            cure = f"; for {scatter:g} % write {scatter / 100:g}"
+        raise ValueError(
+            f"scatter = {brief(scatter)}; allowed: 0 to {MOST_SCATTER:g}, the standard deviation of the "
+            f"natural logarithm of a factor on each motion{cure}"
+        )
 
 
 def check_existing(gap: object, duration: object, structures: Mapping[str, AnyStructure]) -> None:

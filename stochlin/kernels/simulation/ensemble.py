@@ -2,7 +2,8 @@
 
 Motions come in groups of LANES; a group draws from a stream of its own, spawned from the seed by its
 number. Groups are independent tasks and are summed in their order: a seed gives the same answer
-whatever the number of threads.
+whatever the number of threads. How strong the motions are among one another is drawn from yet another
+stream of the group: they are the same motions with and without this scatter.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from stochlin.kernels.simulation.stepping import (
 )
 from stochlin.kernels.simulation.storey_stepping import VERSION, Elements, steps_of, storey_block
 
+STRENGTHS = 1  # the stream of a group that these come from
 SAMPLES = 32  # of each block, unless a plan says otherwise: it then fits the second-level cache
 
 Block = Callable[..., None]
@@ -108,6 +110,7 @@ class Plan(NamedTuple):
     seed: int
     samples: int = SAMPLES  # of a block
     first_group: int = 0  # number of the first stream
+    scatter: float = 0.0  # standard deviation of ln of a factor on each motion, of median 1
 
     @property
     def block(self) -> float:
@@ -139,6 +142,7 @@ class Motion:
     def __init__(self, crowd: Crowd, ground: FilterSteps, root: Array, plan: Plan, group: int) -> None:
         self.crowd, self.ground, self.plan = crowd, ground, plan
         self.random = generator_state(plan.seed, group, LANES)
+        self.strength = strengths(plan, group) if plan.scatter else None
         start = np.empty((len(root), LANES))
         fill_normal(self.random, start)
         self.q = np.ascontiguousarray(root @ start)
@@ -155,12 +159,22 @@ class Motion:
         ground_block(self.xi, self.q, *self.ground, self.f)
         if envelope is not None:
             self.f *= envelope[:, None]
+        if self.strength is not None:
+            self.f *= self.strength
         begin = 0
         for part, block in zip(self.crowd.parts, self.blocks, strict=True):
             rows = slice(begin, begin + part.size)
             block(self.f, *self.state[:, rows], plan.every, out[:, rows])
             begin = rows.stop
         return out
+
+
+def strengths(plan: Plan, group: int) -> Array:
+    """The factors (LANES,) of the motions of a group."""
+    normal = np.empty((1, LANES))
+    fill_normal(generator_state(plan.seed, group, LANES, STRENGTHS), normal)
+    factors: Array = np.exp(plan.scatter * normal[0])
+    return factors
 
 
 def stationary_sums(

@@ -26,9 +26,12 @@ _FIELD = np.uint64(0xFFFF)
 _S16, _S17, _S19, _S32, _S45, _S48 = (np.uint64(n) for n in (16, 17, 19, 32, 45, 48))
 
 
-def generator_state(seed: int, stream: int, lanes: int) -> State:
-    """State (4, lanes) of the generators of one stream; streams of a seed are independent."""
-    sequence = np.random.SeedSequence(seed, spawn_key=(stream,))
+def generator_state(seed: int, stream: int, lanes: int, *within: int) -> State:
+    """State (4, lanes) of the generators of one stream, or of one within it.
+
+    All streams of a seed are independent.
+    """
+    sequence = np.random.SeedSequence(seed, spawn_key=(stream, *within))
     return sequence.generate_state(4 * lanes, np.uint64).astype(np.uint64).reshape(4, lanes)
 
 

@@ -1,0 +1,110 @@
+"""Scatter from motion to motion: the same motions, each times a lognormal factor of its own."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.stats
+
+import stochlin as sl
+from stochlin.kernels.basics import parallel
+
+FIRM = sl.named_ground("firm", intensity=0.01)
+QUAKE = {"duration": 20.0, "envelope": sl.AminAng(2.0, 12.0, 0.4)}
+ELASTIC = [sl.Bilinear(0.6, 0.05), sl.Bilinear(1.0, 0.05)]
+YIELDING = [sl.Bilinear(T, 0.05, 0.05, yield_displacement=0.03) for T in (0.6, 1.0)]
+SCATTER = 0.4
+
+
+def simulated(structures=ELASTIC, scatter=SCATTER, **more):
+    return sl.simulate(structures, FIRM, **{"paths": 2048, **QUAKE, **more}, scatter=scatter)
+
+
+def factors(**more):
+    one, none = (simulated(scatter=scatter, **more).separation for scatter in (SCATTER, 0.0))
+    return (one / none).values[:, 0, 1]
+
+
+@pytest.mark.invariant
+def test_no_scatter_is_every_bit_as_before():
+    table = sl.simulate(YIELDING, FIRM, paths=64, **QUAKE)
+    assert simulated(YIELDING, 0, paths=64).identical(table)
+    assert table.attrs["scatter"] == 0
+    motions = sl.simulated_motions(FIRM, paths=4, **QUAKE)
+    assert motions.identical(sl.simulated_motions(FIRM, paths=4, **QUAKE, scatter=0.0))
+
+
+@pytest.mark.oracle
+def test_factors_are_lognormal_with_median_1_and_independent():
+    logarithm = np.log(factors(paths=8192)) / SCATTER
+    # The numbers of the simulation are normal within 9e-4 of the distribution function.
+    assert scipy.stats.kstest(logarithm, "norm").pvalue > 1e-3
+    assert abs(np.corrcoef(logarithm[1:], logarithm[:-1])[0, 1]) < 4 / np.sqrt(logarithm.size)
+
+
+@pytest.mark.oracle
+def test_variances_of_the_logarithm_of_an_elastic_peak_add_up():
+    """``ln peak`` of a motion and ``ln`` of its factor are independent; its median stays."""
+    one, none = (np.log(simulated(scatter=s, paths=8192).peak.values[:, 0]) for s in (SCATTER, 0.0))
+    # The standard error of a variance that is nearly normal.
+    error = one.var(ddof=1) * np.sqrt(2 / one.size)
+    assert abs(one.var(ddof=1) - none.var(ddof=1) - SCATTER**2) < 4 * error
+    assert abs(np.median(one) - np.median(none)) < 4 * 1.25 * SCATTER / np.sqrt(one.size)
+
+
+@pytest.mark.invariant
+def test_elastic_structures_and_ground_go_by_one_factor_a_motion():
+    """Whatever the structures, their number, the steps and the quantity."""
+    own = factors(paths=64)
+    others = factors(structures=[*ELASTIC, sl.Bilinear(0.2, 0.02)], paths=64)
+    dense = factors(paths=64, steps_per_period=64)
+    more = factors(paths=128)[:64]
+    twice = simulated(scatter=2 * SCATTER, paths=64).peak / simulated(scatter=0.0, paths=64).peak
+    ground = [sl.simulated_motions(FIRM, paths=64, **QUAKE, scatter=s, step=0.05) for s in (0, SCATTER)]
+    shaken = (ground[1].isel(time=50) / ground[0].isel(time=50)).values
+    for found in (others, dense, more, np.sqrt(twice.values[:, 1]), shaken):
+        np.testing.assert_allclose(found, own, rtol=1e-9)
+
+
+@pytest.mark.invariant
+def test_a_yielding_structure_is_that_under_a_motion_that_much_stronger():
+    """The factor multiplies the ground, not the response: compared on the motions themselves."""
+    table = simulated(YIELDING, paths=32)
+    options = {"paths": 32, "step": table.attrs["step_s"], **QUAKE}
+    motions = sl.simulated_motions(FIRM, **options, scatter=SCATTER)
+    strongest = int(np.abs(motions.values).max(axis=1).argmax())
+    response = sl.respond(YIELDING[1], motions[strongest])
+    peak = float(np.abs(response.displacement).max())
+    # The record is interpolated between its samples, the ground of a simulation is not.
+    assert peak == pytest.approx(float(table.peak[strongest, 1]), rel=0.02)
+
+
+@pytest.mark.invariant
+def test_a_seed_gives_the_same_factors_on_any_number_of_threads(monkeypatch):
+    one = simulated(paths=256)
+    monkeypatch.setattr(parallel.os, "cpu_count", lambda: 1)
+    assert simulated(paths=256).identical(one)
+    assert not simulated(paths=256, seed=1).equals(one)
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize("wrong", [-0.1, 2.1, np.nan, np.inf, "0.4", [0.4], None, True])
+def test_scatter_out_of_range_is_refused(wrong):
+    for call in (
+        lambda: simulated(scatter=wrong),
+        lambda: sl.simulated_motions(FIRM, 5.0, scatter=wrong),
+    ):
+        with pytest.raises(ValueError, match=r"scatter = .*; allowed: 0 to 2"):
+            call()
+
+
+@pytest.mark.invariant
+def test_scatter_in_per_cent_is_told_as_a_number():
+    with pytest.raises(ValueError, match=r"scatter = 40; .*for 40 % write 0\.4"):
+        simulated(scatter=40)
+
+
+@pytest.mark.invariant
+def test_scatter_needs_a_duration():
+    with pytest.raises(ValueError, match=r"scatter = 0\.4 is given without a duration"):
+        sl.simulate(ELASTIC, FIRM, scatter=SCATTER)
