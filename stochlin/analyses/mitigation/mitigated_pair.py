@@ -39,6 +39,7 @@ class MitigatedPair:
     duration: float
     envelope: Envelope | None
     confidence: float
+    scatter: float
     paths: int
     seed: int
     contact: Contact | None
@@ -120,6 +121,7 @@ class MitigatedPair:
             seed=self.seed,
             duration=self.duration,
             envelope=self.envelope,
+            scatter=self.scatter,
             quantiles=[self.confidence],
             link=measure.link,
         )

@@ -17,7 +17,13 @@ from stochlin.analyses.records.records import checked_record
 from stochlin.analyses.separation.separation import NOT_AVAILABLE, VERDICT_ATTRS, verdict_of
 from stochlin.analyses.simulation.simulation import check_repeated
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_confidence, check_existing, check_label, is_number
+from stochlin.analyses.tables.checks import (
+    check_confidence,
+    check_existing,
+    check_label,
+    check_scatter,
+    is_number,
+)
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import brief
 from stochlin.models.contacts import Contact
@@ -50,6 +56,7 @@ def mitigate(
     *,
     envelope: Envelope | None = None,
     confidence: float = 0.9,
+    scatter: float = 0.0,
     paths: int = 2048,
     seed: int = 0,
     contact: Contact | None = None,
@@ -72,7 +79,7 @@ def mitigate(
         The existing gap [m], positive.
     measures : mapping of str to Measure
         By name; may be empty.
-    envelope, confidence, paths, seed
+    envelope, confidence, scatter, paths, seed
         As in `separation`.
     contact : Contact, optional
         What they meet at as built; records need it.
@@ -127,6 +134,7 @@ def mitigate(
     """
     one, two = _checked(first, second, ground, measures, contact, records, amplification_limit)
     check_confidence(confidence)
+    check_scatter(scatter)
     check_existing(gap, duration, {"first": first, "second": second})
     check_repeated([one, two], ground, duration, paths, seed, len(measures) + SIMULATIONS)
     if progress is not None:
@@ -138,6 +146,7 @@ def mitigate(
         duration=duration,
         envelope=envelope,
         confidence=confidence,
+        scatter=scatter,
         paths=paths,
         seed=seed,
         contact=contact,
@@ -159,7 +168,12 @@ def mitigate(
     models = {"first": first, "second": second, "ground": ground}
     return labels.with_run_information(
         _table(rows, columns, site).assign_attrs(
-            gap_m=float(gap), confidence=confidence, duration_s=duration, paths=paths, seed=seed
+            gap_m=float(gap),
+            confidence=confidence,
+            scatter=float(scatter),
+            duration_s=duration,
+            paths=paths,
+            seed=seed,
         ),
         f"Measures against pounding, {ground.name} ground",
         f"mitigate(gap={gap:g}, duration={duration:g}, confidence={confidence:g}, seed={seed})",

@@ -26,7 +26,8 @@ from stochlin.analyses.linearization.transient_systems import (
 )
 from stochlin.analyses.probability.bandwidths import bandwidths
 from stochlin.analyses.probability.crossings import chances, gap_for
-from stochlin.analyses.probability.simulated import simulate_course
+from stochlin.analyses.probability.simulated import Draws, simulate_course
+from stochlin.analyses.probability.strengths import ALONE, STRENGTH
 from stochlin.analyses.simulation.finite_motions import quantile_intervals, share_interval
 from stochlin.analyses.simulation.views import displacement_at, meeting_heights
 from stochlin.analyses.tables import labels
@@ -56,7 +57,9 @@ AT_HEIGHT = (
 class PairTable(NamedTuple):
     """Cells, moments, and where each pair and gap is; with storeys, at all heights where they meet."""
 
-    structures_of_pair: Array  # (2, p): numbers of both
+    weights: Array  # (k,) of the strengths of the motion
+    every_pair: xr.DataArray  # number of the pair at a strength: those of one come after another's
+    structures_of_pair: Array  # (2, k p): numbers of both
     moments: Moments
     pair_number: xr.DataArray  # number of the pair, -1 where invalid; h of them with storeys, by height
     cell_number: xr.DataArray  # number of the (pair, height, gap), likewise
@@ -74,8 +77,9 @@ class PairTable(NamedTuple):
         duration: float,
         envelope: Envelope | None,
         points: int,
+        weights: Array = ALONE,
     ) -> PairTable:
-        """Check, number and solve the cells."""
+        """Check, number and solve the cells; with several weights the ground has a `STRENGTH`."""
         one = side_of(first, ground, duration, "first", 0)
         two = side_of(second, ground, duration, "second", one.cells.period.size)
         gap = distance.arrays()["gap"]
@@ -89,13 +93,16 @@ class PairTable(NamedTuple):
         left, right = xr.broadcast(one.position, two.position)
         own = (TIME, HEIGHT) if one.has_storeys or two.has_storeys else (TIME,)
         check_names("first, second, ground and gap", {*left.dims, *gap.dims}, own)
-        both = (left >= 0) & (right >= 0)
-        pair_number = numbered(both)
+        both, status = (left >= 0) & (right >= 0), xr.apply_ufunc(np.maximum, one.status, two.status)
+        every_pair = pair_number = numbered(both)
+        if weights.size > 1:
+            both, status = both.all(STRENGTH), status.max(STRENGTH)
+            every_pair = numbered(both.broadcast_like(left).transpose(STRENGTH, ...))
+            pair_number = numbered(both)
         spread, wide = xr.broadcast(pair_number, gap)
         good = (spread >= 0) & (wide > 0) & np.isfinite(wide)
-        status = xr.apply_ufunc(np.maximum, one.status, two.status)
         status = status.broadcast_like(good).where((spread < 0) | good, labels.INVALID_INPUT)
-        structures = np.stack([of_cells(side, pair_number) for side in (left, right)])
+        structures = np.stack([of_cells(side, every_pair) for side in (left, right)])
         if not good.any():
             raise ValueError("no pair has valid parameters; correct those that are out of range")
         sides, heights = _where_they_meet(one, two)
@@ -103,6 +110,8 @@ class PairTable(NamedTuple):
         cell_number = numbered(xr.broadcast(good, heights)[0])
         course = course_of(envelope, duration, shortest_period(sides), points)
         return cls(
+            weights,
+            every_pair,
             structures,
             solve_course(sides, ground, structures, course),
             at_height,
@@ -141,27 +150,37 @@ def by_formula(pairs: PairTable, ground: Ground, confidence: float) -> xr.Datase
     own, both = moments.own.displacement, moments.difference
     heights = both.d_d.shape[1] // pairs.structures_of_pair.shape[1]
     of_pair = pairs.structures_of_pair[..., None] * heights + np.arange(heights)
-    table, required = xr.Dataset(), None
+    table, required, weights = xr.Dataset(), None, pairs.weights
     nothing = np.zeros_like(own), np.zeros_like(both.d_d)
     for ending, (drift, apart) in (("", nothing), ("_corrected", _drift(pairs, ground))):
         if required is None or np.isnan(apart).any() or apart.any():
-            found = chances(both, bandwidth, apart, pairs.gap, pairs.pair_of_cell, course)
-            required = gap_for(both, bandwidth, apart, confidence, course)
+            cells = pairs.gap, pairs.pair_of_cell
+            found = chances(both, bandwidth, apart, *cells, course, weights)
+            required = gap_for(both, bandwidth, apart, confidence, course, weights)
         table[f"instantaneous_probability{ending}"] = spread_over(found.now, pairs.cell_number)
         table[f"confidence_of_no_pounding{ending}"] = spread_over(found.vanmarcke, pairs.cell_number)
         if not ending:
             table["confidence_of_no_pounding_poisson"] = spread_over(found.poisson, pairs.cell_number)
-        shown = np.sqrt(np.maximum((own + drift)[course.shown], 0))[:, heights - 1 :: heights]
+        shown = np.maximum((own + drift)[course.shown], 0)[:, heights - 1 :: heights]
         for number, side in enumerate(moments.sides, start=1):
-            table[f"displacement_std{ending}_{number}"] = spread_over(shown, side.position)
-        spread = np.sqrt((both.d_d + apart)[course.shown])
+            variance = spread_over(shown, side.position)
+            if STRENGTH in variance.dims:
+                variance = variance.dot(xr.DataArray(weights, dims=STRENGTH))
+            table[f"displacement_std{ending}_{number}"] = np.sqrt(variance)
+        spread = np.sqrt(_mean((both.d_d + apart)[course.shown], weights))
         table[f"difference_std{ending}"] = spread_over(spread, pairs.pair_number)
         table[f"required_gap{ending}"] = spread_over(required, pairs.pair_number)
-    one, two = (np.sqrt(own[course.shown][:, side.ravel()]) for side in of_pair)
+    one, two = (np.sqrt(_mean(own[course.shown][:, side.ravel()], weights)) for side in of_pair)
     with np.errstate(invalid="ignore", divide="ignore"):
-        rho = both.product[course.shown] / (one * two)
+        rho = _mean(both.product[course.shown], weights) / (one * two)
     table["rho"] = spread_over(np.where(one * two > 0, rho, np.nan), pairs.pair_number)
     return _bounds(table) if HEIGHT in pairs.pair_number.dims else table
+
+
+def _mean(moments: Array, weights: Array) -> Array:
+    """Moments (times, k p) over the strengths of the motion."""
+    mean: Array = np.einsum("k,tkp->tp", weights, moments.reshape(len(moments), weights.size, -1))
+    return mean
 
 
 def over_heights(table: xr.Dataset) -> xr.Dataset:
@@ -196,16 +215,15 @@ def by_simulation(
     pairs: PairTable,
     ground: Ground,
     confidence: float,
-    counts: tuple[int, int],
+    draws: Draws,
     progress: Progress | None,
 ) -> xr.Dataset:
-    """What simulated motions say, with errors; ``counts`` are paths and seed."""
-    paths, seed = counts
+    """What simulated motions say, with errors; the table is that of one strength of the motion."""
     cells, moments = (pairs.gap, pairs.pair_of_cell), pairs.moments
     found = simulate_course(
-        moments.sides, pairs.structures_of_pair, cells, ground, moments.course, paths, seed, progress
+        moments.sides, pairs.structures_of_pair, cells, ground, moments.course, draws, progress
     )
-    return simulated_table(found, pairs.cell_number, pairs.pair_number, confidence, seed)
+    return simulated_table(found, pairs.cell_number, pairs.pair_number, confidence, draws.seed)
 
 
 def simulated_table(
@@ -260,6 +278,6 @@ def _drift(pairs: PairTable, ground: Ground) -> tuple[Array, Array]:
         return np.full_like(own.displacement, unknown), np.full_like(both.d_d, unknown)
     solved = zip((linearize(first, ground), linearize(second, ground)), sides, strict=True)
     biases = [of_cells(table.bias, side.position) for table, side in solved]
-    shared = of_cells(correlate(first, second, ground).bias, pairs.pair_number)
+    shared = of_cells(correlate(first, second, ground).bias, pairs.every_pair)
     hardening, bias = oscillators_of(sides).hardening, np.concatenate(biases)
     return drift_variances(own, both, pairs.structures_of_pair, course.times, hardening, bias, shared)

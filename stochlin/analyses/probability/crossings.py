@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import elementwise
 
 from stochlin.analyses.linearization.transient_systems import Course
+from stochlin.analyses.probability.strengths import ALONE
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.transient import Difference
 from stochlin.kernels.probability.crossings import accumulated, exceeding, hazards
@@ -29,24 +31,33 @@ class Chances(NamedTuple):
 
 
 def chances(
-    both: Difference, bandwidth: Array, drift: Array, gap: Array, pair: Array, course: Course
+    both: Difference,
+    bandwidth: Array,
+    drift: Array,
+    gap: Array,
+    pair: Array,
+    course: Course,
+    weights: Array = ALONE,
 ) -> Chances:
     """Probabilities for gaps (c,) [m] and the pair of each.
 
     ``drift`` (times, pairs) is the variance [m^2] of a slow part that ``both`` lacks. Within one motion
     it is one Gaussian number times its growing standard deviation: it moves the gap, and the
-    probabilities of no pounding are averaged over it.
+    probabilities of no pounding are averaged over it. With several ``weights``, which add up to 1, the
+    moments are those of as many strengths of the motion, all pairs of one after those of the other, and
+    the probabilities are averaged over these, too.
     """
     shape = (course.shown.size, gap.size)
-    result = Chances(np.empty(shape), np.zeros(shape), np.zeros(shape))
-    step = max(1, AT_ONCE // course.times.size)
-    for begin in range(0, gap.size, step):
+    result = Chances(*np.zeros((3, *shape)))
+    step, pairs = max(1, AT_ONCE // course.times.size), drift.shape[1] // weights.size
+    parts = itertools.product(range(0, gap.size, step), enumerate(weights))
+    for begin, (strength, share) in parts:
         cells = slice(begin, begin + step)
-        which = pair[cells]
+        which = strength * pairs + pair[cells]
         moments = (both.d_d[:, which], both.d_v[:, which], both.v_v[:, which])
         slow = drift[:, which]
-        result.now[:, cells] = exceeding(gap[cells], (moments[0] + slow)[course.shown])
-        nodes = zip(_NODES, _WEIGHTS, strict=True) if slow.any() else ((0.0, 1.0),)
+        result.now[:, cells] += share * exceeding(gap[cells], (moments[0] + slow)[course.shown])
+        nodes = zip(_NODES, share * _WEIGHTS, strict=True) if slow.any() else ((0.0, share),)
         for number, weight in nodes:
             level = np.maximum(gap[cells] - number * np.sqrt(slow), LEAST_LEVEL * gap[cells])
             rates = hazards(level, *moments, bandwidth[:, which])
@@ -61,11 +72,17 @@ def chances(
 
 
 def gap_for(
-    both: Difference, bandwidth: Array, drift: Array, confidence: float, course: Course
+    both: Difference,
+    bandwidth: Array,
+    drift: Array,
+    confidence: float,
+    course: Course,
+    weights: Array = ALONE,
 ) -> Array:
     """Gap (p,) [m] that keeps the confidence to the end, crossings in clumps; 0 where nothing moves."""
-    known = np.isfinite(drift).all(axis=0)
-    widest = np.sqrt(np.max(both.d_d + np.nan_to_num(drift), axis=0))
+    known = np.isfinite(drift).all(axis=0).reshape(weights.size, -1).all(axis=0)
+    largest = np.sqrt(np.max(both.d_d + np.nan_to_num(drift), axis=0)).reshape(weights.size, -1)
+    least, widest = largest.min(axis=0), largest.max(axis=0)
     moving = np.flatnonzero((widest > 0) & known)
     required = np.where(known, 0.0, np.nan)
     last = course._replace(shown=course.shown[-1:])
@@ -73,12 +90,12 @@ def gap_for(
     def off(level: Array, pair: Array) -> Array:
         which = pair.astype(int)
         gap = (level * widest[which]).ravel()
-        found = chances(both, bandwidth, drift, gap, which.ravel(), last)
+        found = chances(both, bandwidth, drift, gap, which.ravel(), last, weights)
         return (found.vanmarcke[0] - confidence).reshape(level.shape)
 
     root = elementwise.find_root(
         off,
-        (np.full(moving.size, NARROWEST), np.full(moving.size, WIDEST)),
+        (NARROWEST * (least / np.where(widest > 0, widest, 1.0))[moving], np.full(moving.size, WIDEST)),
         args=(moving.astype(float),),
         tolerances={"xrtol": CLOSE},
     )

@@ -37,6 +37,7 @@ def pounding_fragility(
     duration: float,
     envelope: Envelope | None = None,
     confidence: float = 0.9,
+    scatter: float = 0.0,
     paths: int = 1024,
     seed: int = 0,
     progress: Progress | None = None,
@@ -56,7 +57,7 @@ def pounding_fragility(
         Gaps [m]; a plain array gets the dimension ``gap``.
     intensity : float or array
         Intensities ``S0`` [m^2/s^3]; a plain array gets the dimension ``intensity``.
-    duration, envelope, confidence, paths, seed, progress
+    duration, envelope, confidence, scatter, paths, seed, progress
         As in `pounding_probability`.
 
     Returns
@@ -102,6 +103,7 @@ def pounding_fragility(
         envelope=envelope,
         duration=duration,
         confidence=confidence,
+        scatter=scatter,
         points=POINTS,
         paths=paths,
         seed=seed,

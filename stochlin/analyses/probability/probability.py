@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import xarray as xr
 
+from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.linearization.transient_systems import (
     POINTS,
     check_course,
@@ -11,10 +12,12 @@ from stochlin.analyses.linearization.transient_systems import (
 )
 from stochlin.analyses.probability.cells import PairTable, by_formula, by_simulation
 from stochlin.analyses.probability.hybrid import hybrid_pounding
+from stochlin.analyses.probability.simulated import Draws
 from stochlin.analyses.probability.storeys import storeys_in_motion
+from stochlin.analyses.probability.strengths import at_strengths, strengths
 from stochlin.analyses.probability.variables import VARIABLES
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_confidence, check_whole
+from stochlin.analyses.tables.checks import check_confidence, check_scatter, check_whole
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import brief
 from stochlin.models.envelopes import Envelope
@@ -41,6 +44,7 @@ def pounding_probability(
     method: str = "evolutionary",
     record: xr.DataArray | None = None,
     confidence: float = 0.9,
+    scatter: float = 0.0,
     points: int = POINTS,
     paths: int = 2048,
     seed: int = 0,
@@ -71,6 +75,9 @@ def pounding_probability(
         For ``"hybrid"``: ground acceleration [m/s^2] over ``time``, as `read_record` gives it.
     confidence : float
         Probability of no pounding, for ``required_gap``; between 0 and 1.
+    scatter : float
+        From motion to motion, as in `simulate`. Formulas are averaged over it, structures keeping the
+        strength in metres that they have in ``ground``. Not for ``"hybrid"``.
     points : int
         Instants of the result.
     paths, seed : int
@@ -142,14 +149,19 @@ def pounding_probability(
     for role, structure in (("first", first), ("second", second)):
         expect(structure, STRUCTURES, role)
     check_confidence(confidence)
+    check_scatter(scatter)
     if not isinstance(method, str) or method not in METHODS:
         raise ValueError(f"method = {brief(method)}; allowed: {', '.join(METHODS)}")
     distance = Gap(gap)
     if method == "hybrid":
         if envelope is not None or duration is not None:
             raise ValueError("envelope and duration do not go with method='hybrid': the record has both")
-        one, two = (_oscillator(*pair) for pair in (("first", first), ("second", second)))
-        return hybrid_pounding(one, two, ground, distance, record, confidence)
+        if scatter:
+            raise ValueError(
+                f"scatter = {scatter:g} does not go with method='hybrid': a record has one strength"
+            )
+        left, right = (_oscillator(*pair) for pair in (("first", first), ("second", second)))
+        return hybrid_pounding(left, right, ground, distance, record, confidence)
     if record is not None:
         raise ValueError("record goes with method='hybrid'; allowed here: envelope and duration")
     expect(ground, Ground, "ground")
@@ -161,16 +173,23 @@ def pounding_probability(
         raise ValueError("paths = 1; allowed: 0 for no simulation, or a whole number from 2")
     seconds = check_course(duration, envelope)
     pairs = PairTable.of(first, second, ground, distance, seconds, envelope, points)
-    table, course = by_formula(pairs, ground, confidence), pairs.moments.course
+    course, of_formula, below = pairs.moments.course, pairs, ground
+    if scatter:
+        factors, weights = strengths(scatter)
+        below = at_strengths(ground, factors)
+        one, two = (strength_in_metres(structure, ground) for structure in (first, second))
+        of_formula = PairTable.of(one, two, below, distance, seconds, envelope, points, weights)
+    table = by_formula(of_formula, below, confidence)
     if paths:
-        options = confidence, (paths, seed), progress
+        options = confidence, Draws(paths, seed, float(scatter)), progress
         if any(side.has_storeys for side in pairs.moments.sides):
             simulated = storeys_in_motion(first, second, ground, distance, course, *options)
         else:
             simulated = by_simulation(pairs, ground, *options)
         table = table.assign(simulated.data_vars).assign_attrs(simulated.attrs)
-    table = over_time(table, course).assign(status=pairs.status)
-    table = labels.label(table.assign_attrs(confidence=confidence), VARIABLES)
+    table = over_time(table, course).assign(status=of_formula.status)
+    table = table.assign_attrs(confidence=confidence, scatter=float(scatter))
+    table = labels.label(table, VARIABLES)
     labels.raise_if_lone_failure(table, "pounding_probability")
     if first.yields or second.yields:
         table = table.assign_attrs(comment=labels.CAUTION_SIGMA)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,14 +24,21 @@ ENVELOPES, RESULTS = 6, 6  # numbers that are held at once, of each step and of 
 WATCHED = 200.0  # to watch a pair, over the time that its difference alone takes
 
 
+class Draws(NamedTuple):
+    """What is drawn beside the formulas."""
+
+    paths: int
+    seed: int
+    scatter: float  # standard deviation of ln of a factor on each motion
+
+
 def simulate_course(
     sides: Sequence[Side],
     pairs: Array,
     gaps: tuple[Array, Array],
     ground: Ground,
     course: Course,
-    paths: int,
-    seed: int,
+    draws: Draws,
     progress: Progress | None,
 ) -> Histories:
     """All pairs (2, p) on the same motions, at the instants of the result.
@@ -59,7 +67,7 @@ def simulate_course(
         np.zeros(period.size),
         np.ones(period.size, bool),
     )
-    run = prepare(cells, lone, paths=paths, seed=seed, steps_per_period=STEPS_PER_PERIOD)
+    run = prepare(cells, lone, steps_per_period=STEPS_PER_PERIOD, **draws._asdict())
     metres = run.scale * amplitude
     one, two = (view_of([{int(n): 1.0} for n in side], run.order, metres) for side in pairs)
     watched = Watched(one, two, np.arange(pairs.shape[1]), *gaps)

@@ -7,7 +7,7 @@ import xarray as xr
 
 from stochlin.analyses.linearization.transient_systems import Course, numbered, of_cells
 from stochlin.analyses.probability.cells import height_numbers, simulated_table
-from stochlin.analyses.probability.simulated import STEPS_PER_PERIOD, histories_of
+from stochlin.analyses.probability.simulated import STEPS_PER_PERIOD, Draws, histories_of
 from stochlin.analyses.simulation.riders import riders_of
 from stochlin.analyses.simulation.views import displacements, pairs_of, view_of
 from stochlin.analyses.tables.cells import over_cells
@@ -25,18 +25,17 @@ def storeys_in_motion(
     distance: Gap,
     course: Course,
     confidence: float,
-    counts: tuple[int, int],
+    draws: Draws,
     progress: Progress | None,
 ) -> xr.Dataset:
-    """What simulated motions say, with errors; ``counts`` are paths and seed.
+    """What simulated motions say, with errors.
 
     The gap is kept at all heights at once. Each cell of models is a simulation of its own.
     """
-    paths, seed = counts
 
     def of_cell(first: AnyStructure, second: AnyStructure, ground: Ground, distance: Gap) -> xr.Dataset:
         riders = riders_of([first, second], ground, None, stationary=False)
-        run = riders.run(ground, paths=paths, seed=seed, steps_per_period=STEPS_PER_PERIOD)
+        run = riders.run(ground, steps_per_period=STEPS_PER_PERIOD, **draws._asdict())
         gap = distance.arrays()["gap"]
         cell = numbered((gap > 0) & np.isfinite(gap))
         pairs = pairs_of(riders.system)
@@ -48,7 +47,7 @@ def storeys_in_motion(
         watched = Watched(one, two, np.zeros(1, int), gaps, np.zeros(gaps.size, int))
         found = histories_of(run, ground.lone_filter(), course, watched, progress)
         heights = height_numbers([pair.height for pair in pairs])
-        return simulated_table(found, cell, heights, confidence, seed)
+        return simulated_table(found, cell, heights, confidence, draws.seed)
 
     models = {"first": first, "second": second, "ground": ground}
     return over_cells(of_cell, models, beside={"distance": distance})

@@ -18,7 +18,7 @@ from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.simulation.finite_motions import keeping_apart, pair_separation
 from stochlin.analyses.simulation.simulation import check_repeated, simulate
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_confidence, check_existing
+from stochlin.analyses.tables.checks import check_confidence, check_existing, check_scatter
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
@@ -41,6 +41,7 @@ def existing_gap(
     *,
     envelope: Envelope | None = None,
     confidence: float = 0.9,
+    scatter: float = 0.0,
     paths: int = 2048,
     seed: int = 0,
     progress: Progress | None = None,
@@ -55,7 +56,7 @@ def existing_gap(
         As in `separation`.
     gap : float
         The existing gap [m], positive.
-    envelope, confidence, paths, seed
+    envelope, confidence, scatter, paths, seed
         As in `separation`.
     progress : callable, optional
         Called with the share of the work that is done, by a guess.
@@ -90,6 +91,7 @@ def existing_gap(
     (True, True)
     """
     check_confidence(confidence)
+    check_scatter(scatter)
     for role, structure in (("first", first), ("second", second)):
         expect(structure, STRUCTURES, role)
     check_existing(gap, duration, {"first": first, "second": second})
@@ -100,8 +102,9 @@ def existing_gap(
     done = itertools.count(1)
 
     def separations(pair: Sequence[AnyStructure], ground: Ground) -> xr.DataArray:
-        options: dict[str, Any] = {"paths": paths, "seed": seed, "envelope": envelope}
-        motions = simulate(list(pair), ground, duration=duration, quantiles=[confidence], **options)
+        options: dict[str, Any] = {"duration": duration, "envelope": envelope, "scatter": scatter}
+        drawn: dict[str, Any] = {"paths": paths, "seed": seed, "quantiles": [confidence]}
+        motions = simulate(list(pair), ground, **options, **drawn)
         if progress is not None:
             progress(min(next(done) / SIMULATIONS, 1.0))
         return pair_separation(motions)
@@ -130,7 +133,9 @@ def existing_gap(
     )
     table = labels.label(table, VARIABLES)
     return labels.with_run_information(
-        table.assign_attrs(gap_m=float(gap), confidence=confidence, searched=searched),
+        table.assign_attrs(
+            gap_m=float(gap), confidence=confidence, scatter=float(scatter), searched=searched
+        ),
         f"What an existing gap allows, {ground.name} ground",
         f"existing_gap(gap={gap:g}, duration={duration:g}, confidence={confidence:g}, seed={seed})",
         {"first": first, "second": second, "ground": ground},

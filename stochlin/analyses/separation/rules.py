@@ -194,7 +194,12 @@ def all_rules(pair: PairInMotion, floors_align: bool, zone: str | None, unverifi
             pair, "drift", "linearization with plastic drift", lambda: pair.linearized_rho(DRIFT)
         ),
         *(_with_effective_rho(pair, name) for name in effective_rule_names(unverified)),
-        linearized_rule(pair.relative_moments, pair.strong_seconds, pair.confidence),
+        linearized_rule(
+            pair.relative_moments,
+            pair.strong_seconds,
+            pair.confidence,
+            float(pair.motions.attrs["scatter"]),
+        ),
         *code_rules(pair.peaks, pair.code_heights, floors_align, zone),
     ]
 
@@ -232,18 +237,24 @@ def _nothing(pair: PairInMotion) -> Array:
     return np.full(pair.heights.size, np.nan)
 
 
-def linearized_rule(moments: Callable[[], tuple[Any, ...]], seconds: float, confidence: float) -> Rule:
-    """Linearization alone: a Gaussian difference, its one-sided peak by Vanmarcke."""
+def linearized_rule(
+    moments: Callable[[], tuple[Any, ...]], seconds: float, confidence: float, scatter: float = 0.0
+) -> Rule:
+    """Linearization alone: a Gaussian difference, its one-sided peak by Vanmarcke.
+
+    It is of the median strength of the motions; with ``scatter`` it says so.
+    """
     l0, l1, l2 = (xr.DataArray(np.atleast_1d(moment), dims="height") for moment in moments())
     gaps = peak_quantile((l0, l1, l2), seconds, confidence, sides=1).values
     missing = "" if np.isfinite(gaps).all() else "not solved, or the motion is too short to hold a peak"
+    without = f", without the scatter of {scatter:g} between motions" if scatter else ""
     return Rule(
         "linearization",
         "linearization",
         gaps,
         reference=Vanmarcke1975.reference,
         mark="C",
-        assumptions=f"stationary for {seconds:.3g} s, Gaussian; nothing simulated",
+        assumptions=f"stationary for {seconds:.3g} s, Gaussian; nothing simulated{without}",
         missing=missing,
     )
 

@@ -27,7 +27,13 @@ from stochlin.analyses.simulation.finite_motions import (
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import over_cells
-from stochlin.analyses.tables.checks import check_confidence, check_duration, check_scalars, check_truth
+from stochlin.analyses.tables.checks import (
+    check_confidence,
+    check_duration,
+    check_scalars,
+    check_scatter,
+    check_truth,
+)
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.buildings import ShearBuilding
@@ -46,7 +52,7 @@ VERDICT_ATTRS: Mapping[str, Any] = {
     "flag_meanings": " ".join(VERDICTS),
 }
 EXACT = "exact laws, no model error"
-MOTION = ("paths", "seed", "step_s", "duration_s", "envelope")
+MOTION = ("paths", "seed", "step_s", "duration_s", "envelope", "scatter")
 TEXTS: Mapping[str, str] = {
     "kind": "simulation, eq. (3) with a correlation, linearization, or building code",
     "reference": "source of the rule",
@@ -65,6 +71,7 @@ def separation(
     *,
     envelope: Envelope | None = None,
     confidence: float = 0.9,
+    scatter: float = 0.0,
     paths: int = 2048,
     seed: int = 0,
     height_1: float | None = None,
@@ -94,6 +101,8 @@ def separation(
         Of the motions; without it they are stationary from their start.
     confidence : float
         Probability of no pounding that is asked for, between 0 and 1.
+    scatter : float
+        From motion to motion, as in `simulate`; in the answer, and in the peaks that feed the rules.
     paths, seed : int
         As in `simulate`.
     height_1, height_2 : float, optional
@@ -135,7 +144,9 @@ def separation(
     -----
     A rule is called safe or unsafe if the 95 % interval of its probability lies on that side of the
     confidence. The codes' own load factors, minimum distances and definitions of displacement are
-    not judged by this: see ``assumptions``.
+    not judged by this: see ``assumptions``. With scatter the rules follow by their peaks; correlations
+    that are solved for stationary motions are those of the median strength, and so is all of
+    ``linearization``, which takes no simulated peaks.
 
     References
     ----------
@@ -150,6 +161,7 @@ def separation(
     True
     """
     check_confidence(confidence)
+    check_scatter(scatter)
     check_zone(zone)
     check_truth("floors_align", floors_align)
     check_truth("unverified", unverified)
@@ -173,6 +185,7 @@ def separation(
             seed=seed,
             duration=duration,
             envelope=envelope,
+            scatter=scatter,
             quantiles=[confidence],
             progress=progress,
         )

@@ -1,0 +1,124 @@
+"""Probabilities in motions that differ in strength: formulas averaged, simulation, a convolution."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import stochlin as sl
+from stochlin.analyses.probability.strengths import strengths
+
+GROUND = sl.KanaiTajimi(2 * np.pi / 15, 0.6, 0.01)
+QUAKE = {"duration": 15.0, "envelope": sl.AminAng(2.0, 9.0, 0.4)}
+ELASTIC = [sl.Bilinear(T, 0.05) for T in (0.6, 1.0)]
+YIELDING = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=2) for T in (0.6, 1.0)]
+BUILDINGS = [
+    sl.ShearBuilding([1e5] * 2, [1e8] * 2, [3.0, 3.0], 0.05),
+    sl.ShearBuilding([1e5] * 3, [6e7] * 3, [3.0] * 3, 0.05),
+]
+SCATTER = 0.4
+GAPS = xr.DataArray([0.05, 0.1, 0.15, 0.2], dims="gap")
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize("scatter", [1e-3, 0.1, 0.4, 0.7, 2.0])
+@pytest.mark.parametrize("width", [0.15, 0.4])
+def test_strengths_average_a_lognormal_peak(scatter, width):
+    """A peak of this standard deviation of its logarithm times a lognormal factor is lognormal."""
+    normal = pytest.importorskip("scipy.stats").norm.cdf
+    factors, weights = strengths(scatter)
+    level = np.linspace(-4, 4, 81) * np.hypot(scatter, width)
+    found = weights @ normal((level - np.log(factors)[:, None]) / width)
+    assert weights.sum() == pytest.approx(1)
+    assert np.abs(found - normal(level / np.hypot(scatter, width))).max() < 2e-3
+
+
+@pytest.mark.oracle
+def test_an_elastic_pair_by_the_mean_over_its_gap_over_the_factor():
+    """Linear structures under ``a`` times the motion meet across a gap as across ``gap/a``."""
+    factors, weights = strengths(SCATTER)
+    shares = xr.DataArray(factors, dims="factor"), xr.DataArray(weights, dims="factor")
+    single = sl.pounding_probability(*ELASTIC, GROUND, GAPS / shares[0], paths=0, points=11, **QUAKE)
+    found = sl.pounding_probability(*ELASTIC, GROUND, GAPS, paths=0, points=11, scatter=SCATTER, **QUAKE)
+    for ending in ("", "_poisson", "_corrected"):
+        name = f"confidence_of_no_pounding{ending}"
+        np.testing.assert_allclose(found[name], single[name].dot(shares[1]), rtol=1e-6)
+    now = single.instantaneous_probability.dot(shares[1])
+    np.testing.assert_allclose(found.instantaneous_probability, now, rtol=1e-6)
+    square = float(weights @ factors**2)
+    assert square == pytest.approx(np.exp(2 * SCATTER**2), rel=0.02)
+    for name in ("displacement_std_1", "displacement_std_2", "difference_std"):
+        np.testing.assert_allclose(found[name], single[name] * np.sqrt(square), rtol=1e-6)
+    np.testing.assert_allclose(found.rho, single.rho, rtol=1e-6)
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize("pair", [ELASTIC, BUILDINGS], ids=["oscillators", "buildings"])
+def test_the_formulas_are_as_near_to_simulation_as_without_scatter(pair):
+    gap = GAPS if pair is ELASTIC else GAPS / 5
+    options = {"paths": 2048, "points": 11, "scatter": SCATTER}
+    table = sl.pounding_probability(*pair, GROUND, gap, **options, **QUAKE)
+    last = table.isel(time=-1)
+    off = last.confidence_of_no_pounding - last.confidence_of_no_pounding_simulated
+    # What the docstring says of linear structures, with an error of .01 of the simulation.
+    assert off.min() > -0.15
+    assert off.max() < 0.07
+    assert abs(float(last.required_gap / last.required_gap_simulated) - 1) < 0.12
+    spread = last.difference_std / last.difference_std_simulated
+    assert abs(float(spread) - 1) < 0.06
+
+
+@pytest.mark.invariant
+def test_the_required_gap_keeps_the_confidence():
+    required = sl.pounding_probability(
+        *YIELDING, GROUND, 0.1, paths=0, points=11, scatter=SCATTER, **QUAKE
+    ).required_gap
+    kept = sl.pounding_probability(
+        *YIELDING, GROUND, float(required), paths=0, points=11, scatter=SCATTER, **QUAKE
+    )
+    assert float(kept.confidence_of_no_pounding[-1]) == pytest.approx(0.9, abs=1e-4)
+
+
+@pytest.mark.invariant
+def test_cells_of_a_table_are_what_they_are_alone_and_invalid_ones_harm_no_other():
+    factor = xr.DataArray([2.0, -1.0, 4.0], dims="factor")
+    first = sl.Bilinear(0.6, 0.05, 0.05, reduction_factor=factor)
+    options = {"paths": 0, "points": 11, "scatter": SCATTER, **QUAKE}
+    table = sl.pounding_probability(first, ELASTIC[1], GROUND, GAPS, **options)
+    assert table.status[1].all()
+    assert table.required_gap[1].isnull()
+    for number in (0, 2):
+        alone = sl.Bilinear(0.6, 0.05, 0.05, reduction_factor=float(factor[number]))
+        one = sl.pounding_probability(alone, ELASTIC[1], GROUND, GAPS, **options)
+        for name in ("confidence_of_no_pounding", "required_gap", "displacement_std_1", "rho"):
+            own = table[name].isel(factor=number) if "factor" in table[name].dims else table[name]
+            # The integration chooses its steps for all cells together.
+            np.testing.assert_allclose(own, one[name], rtol=1e-4, atol=1e-9)
+
+
+@pytest.mark.oracle
+def test_a_fragility_widens_as_the_convolution_with_the_scatter_says():
+    """Over ``ln a``, half of ``ln S0``: the curve without scatter, averaged over a normal shift."""
+    logarithm = np.arange(-8, 9) * 0.25
+    intensity = 0.01 * np.exp(2 * logarithm)
+    curves = [
+        sl.pounding_fragility(*ELASTIC, GROUND, 0.15, intensity, scatter=s, paths=1024, **QUAKE)
+        for s in (0.0, SCATTER)
+    ]
+    shift = np.linspace(-4, 4, 401) * SCATTER
+    weights = np.exp(-0.5 * (shift / SCATTER) ** 2)
+    inner = slice(6, 12)  # elsewhere the shift leaves the table
+    for ending, error in (("", 0.01), ("_simulated", 0.04)):
+        none, found = (curve[f"pounding_probability{ending}"].values for curve in curves)
+        spread = np.interp(logarithm[:, None] + shift, logarithm, none) @ weights / weights.sum()
+        assert np.abs(found - spread)[inner].max() < error
+        # Steeper in the middle without scatter.
+        assert np.ptp(none[inner]) > np.ptp(found[inner])
+
+
+@pytest.mark.invariant
+def test_a_record_has_no_scatter():
+    motion = sl.simulated_motions(GROUND, **QUAKE, paths=2)[0]
+    with pytest.raises(ValueError, match=r"scatter = 0\.4 does not go with method='hybrid'"):
+        sl.pounding_probability(*ELASTIC, GROUND, 0.1, method="hybrid", record=motion, scatter=SCATTER)

@@ -1,0 +1,75 @@
+"""Gaps in motions that differ in strength: of a linear pair they go by the factors of the motions."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import stochlin as sl
+
+FIRM = sl.named_ground("firm", intensity=0.01)
+QUAKE = {"duration": 15.0, "envelope": sl.AminAng(2.0, 9.0, 0.4)}
+ELASTIC = [sl.Bilinear(T, 0.05, mass=1e6) for T in (0.6, 1.0)]
+OPTIONS = {**QUAKE, "paths": 512}
+SCATTER = 0.4
+
+
+@pytest.fixture(scope="module")
+def tables():
+    return [sl.separation(*ELASTIC, FIRM, **OPTIONS, scatter=scatter) for scatter in (0.0, SCATTER)]
+
+
+@pytest.mark.invariant
+def test_separations_are_those_without_scatter_times_the_factors(tables):
+    none, scattered = tables
+    motions = [sl.simulated_motions(FIRM, **OPTIONS, step=0.1, scatter=s) for s in (0.0, SCATTER)]
+    factors = (motions[1] / motions[0])[:, 40].values
+    expected = none.separation_samples * factors
+    np.testing.assert_allclose(scattered.separation_samples, expected, rtol=1e-9)
+    assert float(scattered.gap[0]) == pytest.approx(float(np.quantile(expected, 0.9)), rel=1e-9)
+    assert scattered.attrs["scatter"] == SCATTER
+
+
+@pytest.mark.invariant
+def test_rules_follow_by_their_peaks_and_linearization_says_that_it_does_not(tables):
+    none, scattered = tables
+    follows = scattered.peak_1 / none.peak_1, scattered.peak_2 / none.peak_2
+    ratio = (scattered.gap / none.gap).dropna("rule").drop_sel(rule="linearization")
+    low, high = min(map(float, follows)), max(map(float, follows))
+    assert ratio.min() > 1.1
+    assert low > 1.1
+    assert high < float(np.exp(1.2816 * SCATTER)) * 1.1
+    alone = [table.sel(rule="linearization") for table in tables]
+    assert alone[0].gap == alone[1].gap
+    assert "scatter" not in str(alone[0].assumptions.item())
+    assert "without the scatter of 0.4" in str(alone[1].assumptions.item())
+
+
+@pytest.mark.invariant
+def test_every_answer_about_one_gap_is_of_the_same_motions(tables):
+    """The required gap, what there is, the measures, and the probability at the end."""
+    required = float(tables[1].gap[0])
+    options = {**OPTIONS, "scatter": SCATTER}
+    existing = sl.existing_gap(*ELASTIC, FIRM, gap=required, **options)
+    assert float(existing.required_gap) == pytest.approx(required, rel=1e-9)
+    assert float(existing.no_pounding_probability) == pytest.approx(0.9, abs=1 / 512)
+    measures = sl.mitigate(*ELASTIC, FIRM, gap=required, measures={}, **options)
+    assert float(measures.required_gap[0]) == pytest.approx(required, rel=1e-9)
+    chances = sl.pounding_probability(*ELASTIC, FIRM, required, **options, points=11)
+    # Its steps are other ones, so that a whole number goes between two instants: two per cent.
+    assert float(chances.required_gap_simulated) == pytest.approx(required, rel=0.05)
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize("wrong", [-0.1, 40, np.nan, "0.4", [0.4]])
+def test_scatter_out_of_range_is_refused_by_all(wrong):
+    calls = {
+        sl.separation: {},
+        sl.existing_gap: {"gap": 0.1},
+        sl.mitigate: {"gap": 0.1, "measures": {}},
+        sl.pounding_probability: {"gap": 0.1},
+        sl.pounding_fragility: {"gap": 0.1, "intensity": [0.01]},
+    }
+    for verb, given in calls.items():
+        with pytest.raises(ValueError, match=r"scatter = .*; allowed: 0 to 2"):
+            verb(*ELASTIC, FIRM, **given, **OPTIONS, scatter=wrong)
