@@ -10,6 +10,7 @@ import pytest
 import stochlin as sl
 from stochlin.analyses.cases.case import Case
 from stochlin.analyses.explorer.scene import scene_of
+from stochlin.analyses.sites.motion_fit import RECORD_TO_RECORD
 
 pytestmark = pytest.mark.invariant
 
@@ -34,6 +35,8 @@ def test_the_ground_delivers_the_spectrum_in_the_motion_of_the_file(tmp_path):
     assert "Eurocode 8, type 1, ground C" in case.ground.source
     scene, notes = scene_of(case)
     assert scene.ground() == case.ground
+    assert scene.scatter == case.scatter == case.motion["scatter"] == RECORD_TO_RECORD
+    assert any("Motions scatter by" in note for note in notes)
     assert any("delivers the spectrum eurocode_8" in note for note in notes)
 
 

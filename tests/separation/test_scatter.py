@@ -71,5 +71,5 @@ def test_scatter_out_of_range_is_refused_by_all(wrong):
         sl.pounding_fragility: {"gap": 0.1, "intensity": [0.01]},
     }
     for verb, given in calls.items():
-        with pytest.raises(ValueError, match=r"scatter = .*; allowed: 0 to 2"):
+        with pytest.raises(ValueError, match=r"scatter = .*; allowed: a number from 0 to 2"):
             verb(*ELASTIC, FIRM, **given, **OPTIONS, scatter=wrong)

@@ -20,7 +20,15 @@ from stochlin.analyses.cases.buildings import (
 )
 from stochlin.analyses.cases.contacts import read_amplification_limit, read_contact, read_measures
 from stochlin.analyses.cases.design_spectrum import SPECTRUM, ground_of_design, spectrum_file
-from stochlin.analyses.cases.site import FITTED, TIME, read_envelope, read_ground, recorded_motions
+from stochlin.analyses.cases.site import (
+    FITTED,
+    TIME,
+    read_envelope,
+    read_ground,
+    read_scatter,
+    recorded_motions,
+    usual_scatter,
+)
 from stochlin.analyses.cases.storeys import SlabOnColumn, StoreyBuilding, slabs_of_row
 from stochlin.analyses.cases.values import Quantity, read_sections
 from stochlin.analyses.tables.checks import as_path
@@ -54,6 +62,7 @@ class Case:
     buildings: tuple[AnyBuilding, ...]
     duration: float
     envelope: Envelope | None
+    scatter: float
     records: Mapping[str, xr.DataArray]
     confidence: float
     gaps: tuple[float, ...]
@@ -70,6 +79,11 @@ class Case:
     def fitted(self) -> bool:
         """Whether the ground is fitted to the first record."""
         return self.site == FITTED
+
+    @property
+    def usual_scatter(self) -> float:
+        """The scatter of a file that says none."""
+        return usual_scatter(self.site)
 
     @property
     def pair(self) -> tuple[AnyBuilding, AnyBuilding]:
@@ -96,7 +110,7 @@ class Case:
     @property
     def motion(self) -> dict[str, Any]:
         """What simulations are of, and how many, as the verbs take them."""
-        names = ("duration", "envelope", "confidence", "paths", "seed")
+        names = ("duration", "envelope", "scatter", "confidence", "paths", "seed")
         return {name: getattr(self, name) for name in names}
 
     @property
@@ -157,7 +171,8 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     Case
         With ``ground``, ``first`` and ``second`` (each with its ``structure``, an oscillator or a
         `ShearBuilding`), ``duration`` [s],
-        ``envelope``, ``records``, ``confidence``, ``gap`` [m] and the rest, as `separation` takes them;
+        ``envelope``, ``scatter``, ``records``, ``confidence``, ``gap`` [m] and the rest, as `separation`
+        takes them;
         ``buildings`` and ``gaps`` [m] of a longer row, ``contact``, ``measures`` and
         ``amplification_limit`` [-], as `pound` takes them.
 
@@ -199,6 +214,7 @@ def read_case(path: str | os.PathLike[str]) -> Case:
         ground = ground_of_design(site, path.parent, duration, envelope)
     else:
         ground = read_ground(site, records)
+    of_site = site.text(SPECTRUM if by_spectrum else "ground")
     buildings = read_buildings(whole, ground)
     align = wanted.truth("floors_align")
     slabs = slabs_of_row(buildings)
@@ -215,11 +231,12 @@ def read_case(path: str | os.PathLike[str]) -> Case:
             *(path.parent / one.text("path") for one in site.sections("records")),
         ),
         title=whole.text("title", default=f"{', '.join(names[:-1])} and {names[-1]}"),
-        site=site.text(SPECTRUM if by_spectrum else "ground"),
+        site=of_site,
         ground=ground,
         buildings=buildings,
         duration=duration,
         envelope=envelope,
+        scatter=read_scatter(motion, usual_scatter(of_site)),
         records=records,
         confidence=wanted.number("confidence", SHARE),
         gaps=read_gaps(wanted, len(buildings)),

@@ -13,6 +13,8 @@ from stochlin.analyses.records.ground_fit import fitted_grounds
 from stochlin.analyses.records.records import read_record
 from stochlin.analyses.records.spectra import ESTIMATORS
 from stochlin.analyses.sites.ground_fit import fit_ground
+from stochlin.analyses.sites.motion_fit import RECORD_TO_RECORD
+from stochlin.analyses.tables.checks import check_scatter
 from stochlin.models.envelopes import ENVELOPES, Envelope
 from stochlin.models.grounds import GROUNDS, Ground, WhiteNoise
 from stochlin.models.grounds.named import ground_names, named_ground
@@ -69,5 +71,20 @@ def read_envelope(motion: Section) -> Envelope | None:
     """How the shaking rises and falls, if it is said."""
     name = motion.text("envelope", (*ENVELOPES, NONE), NONE)
     names = () if name == NONE else ENVELOPES[name].parameter_names()
-    motion.only("duration", "envelope", *names)
+    motion.only("duration", "envelope", "scatter", *names)
     return None if name == NONE else motion.model(ENVELOPES[name], names)
+
+
+def usual_scatter(site: str) -> float:
+    """That of a site by its spectrum or a record; 0 where the strength of the ground is given."""
+    return 0.0 if site in (*ground_names(), *GROUNDS) else RECORD_TO_RECORD
+
+
+def read_scatter(motion: Section, usual: float) -> float:
+    """How motions differ in strength, as the verbs take it."""
+    scatter = motion.values.get("scatter", usual)
+    try:
+        check_scatter(scatter)
+    except ValueError as error:
+        raise motion.error("scatter", f"cannot be used: {error}") from error
+    return float(scatter)

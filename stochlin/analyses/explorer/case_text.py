@@ -40,6 +40,7 @@ def case_text(scene: Scene) -> str:
         "",
         "[motion]",
         f'duration = "{scene.duration!r} s"',
+        f"scatter = {scene.scatter!r}",
         f"envelope = {_written(scene.envelope)}",
     ]
     if scene.envelope in ENVELOPES:

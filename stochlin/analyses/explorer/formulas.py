@@ -203,6 +203,7 @@ def _rules(scene: Scene, seconds: float) -> list[Rule]:
             lambda: relative_moments(solved[0], solved[1], ground),
             seconds,
             scene.confidence,
+            scene.scatter,
         ),
         *code_rules(drifted[:, None], scene.heights, scene.floors_align, scene.zone),
     ]

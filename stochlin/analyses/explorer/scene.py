@@ -22,7 +22,7 @@ from stochlin.analyses.explorer.buildings import (
 )
 from stochlin.analyses.linearization.strength import reduction_factor
 from stochlin.analyses.linearization.transient_systems import check_course
-from stochlin.analyses.tables.checks import check_confidence, check_duration, check_whole
+from stochlin.analyses.tables.checks import check_confidence, check_duration, check_scatter, check_whole
 from stochlin.messages import brief
 from stochlin.models.buildings import PLAUSIBLE_COEFFICIENT, ShearBuilding
 from stochlin.models.envelopes import ENVELOPES, AminAng, Envelope, GammaEnvelope, ShinozukaSato
@@ -33,6 +33,7 @@ from stochlin.models.parameters import POSITIVE, Model, Range, parameter
 from stochlin.models.structures import DAMPING, HARDENING
 from stochlin.models.systems import AnyStructure
 
+MEDIAN = "gaps by rules without simulation are those of the median strength"
 SITES = (*ground_names(), *GROUNDS)
 SHAPES = (*ENVELOPES, NONE)
 # So that no entry asks for work of hours.
@@ -82,8 +83,8 @@ class Scene(Model):
 
     Of ground, envelope and a building only the parameters of the chosen ``site``, ``envelope`` and
     ``description`` count; the others wait for another choice. What no control shows is kept for the
-    case file: ``storeys`` and ``heights`` of oscillators; ``floor_masses`` [kg] of regular buildings, on
-    which nothing that is shown depends.
+    case file: ``scatter``; ``storeys`` and ``heights`` of oscillators; ``floor_masses`` [kg] of regular
+    buildings, on which nothing that is shown depends.
     """
 
     site: str = "firm"
@@ -130,6 +131,7 @@ class Scene(Model):
     slow: float = parameter("1/s", "slow rate", ShinozukaSato.allowed("slow"), 0.1)
     fast: float = parameter("1/s", "fast rate", ShinozukaSato.allowed("fast"), 1.0)
     power: float = parameter("1", "power of the rise", GammaEnvelope.allowed("power"), 2.0)
+    scatter: float = 0.0
     paths: int = 2048
     seed: int = 0
     title: str = "Two buildings"
@@ -155,6 +157,7 @@ class Scene(Model):
         for name, (lowest, highest) in WHOLE.items():
             check_whole(name, getattr(self, name), lowest, highest)
         check_confidence(self.confidence)
+        check_scatter(self.scatter)
         check_course(self.duration, self.motion_envelope())
         one, two = self.structures()
         check_duration(self.duration, {"building 1": one, "building 2": two})
@@ -242,6 +245,7 @@ class Scene(Model):
             "duration": self.duration,
             "envelope": self.motion_envelope(),
             "confidence": self.confidence,
+            "scatter": self.scatter,
         }
 
     def for_codes(self) -> dict[str, Any]:
@@ -300,7 +304,8 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
         notes.append(f"The file states no existing gap: {Scene.gap:g} m is shown, as a start.")
     else:
         values["gap"] = case.gap
-    kept = ("title", "confidence", "duration", "floors_align", "zone", "unverified", "paths", "seed")
+    notes += [f"Motions scatter by {case.scatter:g}, as in the file; {MEDIAN}."] if case.scatter else []
+    kept = ("title", "confidence", "duration", "scatter", "floors_align", "zone", "unverified")
     scene = Scene(
         site=site,
         names=(case.first.name, case.second.name),
@@ -309,7 +314,7 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
         floor_masses=(masses[0], masses[1]),
         storeys_of_file=(storeys[0], storeys[1]),
         **values,
-        **{name: getattr(case, name) for name in kept},
+        **{name: getattr(case, name) for name in (*kept, "paths", "seed")},
     )
     return scene, notes
 

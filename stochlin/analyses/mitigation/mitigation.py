@@ -170,7 +170,7 @@ def mitigate(
         _table(rows, columns, site).assign_attrs(
             gap_m=float(gap),
             confidence=confidence,
-            scatter=float(scatter),
+            **labels.of_scatter(scatter),
             duration_s=duration,
             paths=paths,
             seed=seed,

@@ -76,8 +76,8 @@ def pounding_probability(
     confidence : float
         Probability of no pounding, for ``required_gap``; between 0 and 1.
     scatter : float
-        From motion to motion, as in `simulate`. Formulas are averaged over it, structures keeping the
-        strength in metres that they have in ``ground``. Not for ``"hybrid"``.
+        As in `simulate`. Formulas are averaged over it, structures keeping the strength in metres that
+        they have in ``ground``. Not for ``"hybrid"``.
     points : int
         Instants of the result.
     paths, seed : int
@@ -188,7 +188,7 @@ def pounding_probability(
             simulated = by_simulation(pairs, ground, *options)
         table = table.assign(simulated.data_vars).assign_attrs(simulated.attrs)
     table = over_time(table, course).assign(status=of_formula.status)
-    table = table.assign_attrs(confidence=confidence, scatter=float(scatter))
+    table = table.assign_attrs(confidence=confidence, **labels.of_scatter(scatter))
     table = labels.label(table, VARIABLES)
     labels.raise_if_lone_failure(table, "pounding_probability")
     if first.yields or second.yields:

@@ -134,7 +134,7 @@ def existing_gap(
     table = labels.label(table, VARIABLES)
     return labels.with_run_information(
         table.assign_attrs(
-            gap_m=float(gap), confidence=confidence, scatter=float(scatter), searched=searched
+            gap_m=float(gap), confidence=confidence, searched=searched, **labels.of_scatter(scatter)
         ),
         f"What an existing gap allows, {ground.name} ground",
         f"existing_gap(gap={gap:g}, duration={duration:g}, confidence={confidence:g}, seed={seed})",

@@ -198,7 +198,7 @@ def all_rules(pair: PairInMotion, floors_align: bool, zone: str | None, unverifi
             pair.relative_moments,
             pair.strong_seconds,
             pair.confidence,
-            float(pair.motions.attrs["scatter"]),
+            pair.motions.attrs.get("scatter", 0.0),
         ),
         *code_rules(pair.peaks, pair.code_heights, floors_align, zone),
     ]

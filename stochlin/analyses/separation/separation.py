@@ -52,7 +52,7 @@ VERDICT_ATTRS: Mapping[str, Any] = {
     "flag_meanings": " ".join(VERDICTS),
 }
 EXACT = "exact laws, no model error"
-MOTION = ("paths", "seed", "step_s", "duration_s", "envelope", "scatter")
+MOTION = ("paths", "seed", "step_s", "duration_s", "envelope")
 TEXTS: Mapping[str, str] = {
     "kind": "simulation, eq. (3) with a correlation, linearization, or building code",
     "reference": "source of the rule",
@@ -102,7 +102,7 @@ def separation(
     confidence : float
         Probability of no pounding that is asked for, between 0 and 1.
     scatter : float
-        From motion to motion, as in `simulate`; in the answer, and in the peaks that feed the rules.
+        As in `simulate`; in the answer, and in the peaks that feed the rules.
     paths, seed : int
         As in `simulate`.
     height_1, height_2 : float, optional
@@ -199,7 +199,7 @@ def separation(
             pair = StoreysInMotion(solid, ground, motions, confidence, seconds)
         rules = all_rules(pair, floors_align, zone, unverified)
         table = _judged(rules, pair)
-        table.attrs = {name: motions.attrs[name] for name in MOTION}
+        table.attrs = {name: motions.attrs[name] for name in MOTION} | labels.of_scatter(scatter)
         if records is None:
             return table
         one, other = (strength_in_metres(structure, ground) for structure in (first, second))

@@ -150,7 +150,7 @@ def simulate_finite(
         step_s=plan.dt,
         duration_s=float(duration),
         envelope="none" if envelope is None else envelope.describe(),
-        scatter=plan.scatter,
+        **labels.of_scatter(plan.scatter),
     )
 
 

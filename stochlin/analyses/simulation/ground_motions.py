@@ -105,12 +105,8 @@ def simulated_motions(
         dims=("path", "time"),
         coords={"time": ("time", time, {"units": "s", "long_name": "time"})},
         name="acceleration",
-        attrs={
-            "units": "m/s^2",
-            "long_name": "ground acceleration",
-            "dt": step,
-            "scatter": plan.scatter,
-        },
+        attrs={"units": "m/s^2", "long_name": "ground acceleration", "dt": step}
+        | labels.of_scatter(scatter),
     )
     models = {"ground": ground} if envelope is None else {"ground": ground, "envelope": envelope}
     call = f"simulated_motions(duration={duration}, paths={paths}, seed={seed}, step={step})"

@@ -87,8 +87,8 @@ def simulate(
     envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
         Of a finite motion; without it, the motion is stationary from its start.
     scatter : float
-        Of finite motions: standard deviation of the natural logarithm of a factor on the ground
-        acceleration, 0 to 2; one factor a motion, median 1, independent from motion to motion: the
+        Of finite motions: standard deviation [-] of the natural logarithm of a factor on the
+        ground acceleration, 0 to 2; one factor a motion, of median 1, independent of the others: the
         difference from earthquake to earthquake that no ground holds. All else stays as with 0.
     quantiles : sequence of float
         Of the separation in finite motions, between 0 and 1.

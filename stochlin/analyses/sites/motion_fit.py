@@ -43,8 +43,8 @@ class FittedMotion:
     duration : float
         Length [s].
     scatter : float
-        From earthquake to earthquake, as `simulate` takes it: what one record cannot know, and suites of
-        records show. 0 for motions like this very record.
+        From earthquake to earthquake [-], as `simulate` takes it: what one record cannot know, and
+        suites of records show. 0 for motions like this very record.
 
     Raises
     ------

@@ -126,8 +126,8 @@ def check_scatter(scatter: object) -> None:
         if is_number(scatter) and MOST_SCATTER < scatter <= 100:
             cure = f"; for {scatter:g} % write {scatter / 100:g}"
         raise ValueError(
-            f"scatter = {brief(scatter)}; allowed: 0 to {MOST_SCATTER:g}, the standard deviation of the "
-            f"natural logarithm of a factor on each motion{cure}"
+            f"scatter = {brief(scatter)}; allowed: a number from 0 to {MOST_SCATTER:g}, the standard "
+            f"deviation of the natural logarithm of a factor on each motion{cure}"
         )
 
 

@@ -96,6 +96,11 @@ def with_run_information(
     return dataset
 
 
+def of_scatter(scatter: float) -> dict[str, float]:
+    """What the attributes say of motions that differ in strength; nothing where they do not."""
+    return {"scatter": float(scatter)} if scatter else {}
+
+
 def status_where(good: xr.DataArray, otherwise: int = INVALID_INPUT) -> xr.DataArray:
     """Converged where this is true."""
     return xr.full_like(good, CONVERGED, np.int8).where(good, otherwise).astype(np.int8)

@@ -15,6 +15,7 @@ from stochlin.views.shared.words import (
     floors,
     length,
     per_cent,
+    scatter,
     short,
 )
 
@@ -42,7 +43,8 @@ TIMES = (
 
 def answer_lines(table: xr.Dataset, case: Case) -> list[str]:
     """All that the screen shows."""
-    lines = [case.title, *paragraph(floors(case)), "", *paragraph(headline(table)), ""]
+    lines = [case.title, *paragraph(floors(case)), "", *paragraph(headline(table))]
+    lines += [*paragraph(scatter(case)), ""]
     lines += [*columns(*_motions(table)), ""]
     for record in table.record.values if "record" in table.dims else ():
         lines += [f"In {record}:", *columns(*_recorded(table.sel(record=record))), ""]

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from stochlin.views.shared.screen import paragraph
-from stochlin.views.shared.words import floors
+from stochlin.views.shared.words import floors, scatter
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,6 +32,7 @@ def answer_lines(answer: ProbabilityAnswer) -> list[str]:
         case.title,
         f"{case.first.name} (left) and {case.second.name}, gap {gap:.4g} m, {case.duration:.4g} s",
         *paragraph(floors(case)),
+        *paragraph(scatter(case)),
         "",
         "Confidence of no pounding so far",
         f"{'time [s]':>9}" + "".join(f"{name:>11}" for name, _ in shown) + f"{'95 % interval':>20}",

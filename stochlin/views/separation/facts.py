@@ -32,7 +32,8 @@ def uncertainties(answer: CaseAnswer) -> list[str]:
         f"Chance: the interval covers the sampling of {case.paths} motions only. Four times as many "
         "would halve it.",
         "The ground: a stationary random motion with an envelope, its spectrum and intensity taken as "
-        "given. How strong the next earthquake will be is the largest unknown, and not in the interval.",
+        "given. How strong the next earthquake will be is the largest unknown, and not in the interval"
+        f"{f'; a scatter of {case.scatter:g} about that is in the answer' if case.scatter else ''}.",
         f"The buildings: {_models(case)}, torsion, soil under the foundations, and loss of strength are "
         "left out, and so is the error of the periods and dampings that you gave.",
         "The rules: all are fed with the simulated peaks of these buildings, so that the table judges "
@@ -85,6 +86,7 @@ def facts(answer: CaseAnswer) -> list[tuple[str, str, str]]:
     motion = [("Motion", "duration", f"{case.duration:g} s")]
     motion.append(("Motion", "envelope", type(case.envelope).__name__ if case.envelope else "none"))
     motion += [("Motion", *fact) for fact in (_parameters(case.envelope) if case.envelope else [])]
+    motion.append(("Motion", "scatter from motion to motion", f"{case.scatter:g}"))
     wanted = [
         ("confidence", per_cent(case.confidence, 1)),
         ("existing gap", "none" if case.gap is None else length(case.gap)),

@@ -8,7 +8,7 @@ import numpy as np
 
 from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.views.shared.screen import paragraph
-from stochlin.views.shared.words import SPACE, centimetres, floors, label, length, per_cent
+from stochlin.views.shared.words import SPACE, centimetres, floors, label, length, per_cent, scatter
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -115,6 +115,7 @@ def summary(answer: CaseAnswer) -> list[str]:
         f"With that gap they do not touch in {confidence} of motions like the one "
         f"described. This comes from simulating {case.paths} such motions; the 95{SPACE}% interval of "
         f"the gap is {interval}.",
+        scatter(case),
         _heights(answer),
         _alike(table),
         _yielding(table),

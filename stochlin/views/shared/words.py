@@ -67,6 +67,20 @@ def columns_hit(slabs: Sequence[SlabOnColumn]) -> str:
     return f"Floors are not level: {slabs[0]}{more}. {SLABS}"
 
 
+def scatter(case: Case) -> str:
+    """How motions differ in strength, and where that number is from; empty where it is 0 as usual."""
+    usual = case.usual_scatter
+    if not case.scatter:
+        told = f"suites of records show a scatter of {usual:g} about such a site"
+        return f"With scatter = 0 in [motion] all motions are of one strength; {told}." if usual else ""
+    shown = "what suites of records show about such a site; scatter = 0 in [motion] leaves it out"
+    return (
+        "From earthquake to earthquake the motions differ in strength by a lognormal factor of median 1 "
+        f"and scatter {case.scatter:g} (standard deviation of its natural logarithm): "
+        f"{shown if case.scatter == usual else 'scatter in [motion] of the file'}."
+    )
+
+
 def floors(case: Case) -> str:
     """That floors are not level, and what codes say of that; empty where that is not known."""
     slabs, unlike = case.slabs_on_columns, case.unlike_storeys

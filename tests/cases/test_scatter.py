@@ -1,0 +1,92 @@
+"""The scatter from motion to motion in a case file: where it is from, what it does, what is wrong."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+import stochlin as sl
+from stochlin.analyses.cases.case import Case
+from stochlin.analyses.explorer.case_text import case_text
+from stochlin.analyses.explorer.scene import scene_of
+from stochlin.analyses.sites.motion_fit import RECORD_TO_RECORD
+from stochlin.views.command import main
+from stochlin.views.shared.words import scatter
+
+pytestmark = pytest.mark.cli
+
+EXAMPLE = sl.example_case().replace("paths = 2048", "paths = 128")
+CODE = 'spectrum = "eurocode_8"\nag = "0.25 g"\nsoil = "C"\nfilters = 1\n'
+
+
+def write(folder: Path, line: str = "", site: str = "") -> Path:
+    """The example with one more line in its motion, and another site."""
+    text = EXAMPLE.replace('duration = "20 s"\n', f'duration = "20 s"\n{line}\n')
+    if site:
+        text = f"{text[: text.index('[site]')]}[site]\n{site}\n{text[text.index('[motion]') :]}"
+    path = folder / "case.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def read(folder: Path, line: str = "", site: str = "") -> Case:
+    return sl.read_case(write(folder, line, site))
+
+
+def test_the_usual_one_is_none_where_the_strength_of_the_ground_is_given(tmp_path):
+    case = read(tmp_path)
+    assert case.scatter == case.motion["scatter"] == case.usual_scatter == 0
+    assert not scatter(case)
+
+
+def test_it_is_read_said_and_kept_by_the_explorer(tmp_path):
+    case = read(tmp_path, "scatter = 0.3")
+    assert case.scatter == case.motion["scatter"] == 0.3
+    assert "scatter 0.3 (standard deviation" in scatter(case)
+    assert scatter(case).endswith("scatter in [motion] of the file.")
+    scene, notes = scene_of(case)
+    assert scene.scatter == scene.motion()["scatter"] == 0.3
+    assert any("Motions scatter by 0.3" in note for note in notes)
+    (tmp_path / "saved.toml").write_text(case_text(scene), encoding="utf-8")
+    assert sl.read_case(tmp_path / "saved.toml").scatter == 0.3
+
+
+def test_of_a_spectrum_it_is_what_suites_show_and_can_be_left_out(tmp_path):
+    case = read(tmp_path, site=CODE)
+    assert case.scatter == case.usual_scatter == RECORD_TO_RECORD
+    assert "scatter = 0 in [motion] leaves it out" in scatter(case)
+    none = read(tmp_path, "scatter = 0", site=CODE)
+    assert none.scatter == 0
+    assert f"suites of records show a scatter of {RECORD_TO_RECORD:g}" in scatter(none)
+
+
+@pytest.mark.parametrize("command", [["gap"], ["probability"], ["mitigate"]])
+def test_every_command_simulates_and_says_it(tmp_path, command):
+    outputs = []
+    for line in ("scatter = 0", "scatter = 0.5"):
+        result = CliRunner().invoke(main, [*command, str(write(tmp_path, line))])
+        assert result.exit_code == 0, result.output
+        outputs.append(result.output)
+    assert "scatter 0.5" in " ".join(outputs[1].split())
+    assert "scatter" not in outputs[0]
+    assert outputs[0] != outputs[1]
+
+
+def test_the_page_says_it_among_the_facts(tmp_path):
+    page = tmp_path / "gap.html"
+    result = CliRunner().invoke(
+        main, ["gap", str(write(tmp_path, "scatter = 0.5")), "--report", str(page)]
+    )
+    assert result.exit_code == 0, result.output
+    text = " ".join(page.read_text(encoding="utf-8").split())
+    assert "scatter from motion to motion" in text
+    assert "a scatter of 0.5 about that is in the answer" in text
+
+
+@pytest.mark.parametrize("wrong", ["-0.1", "40", '"40 %"', "nan", "[0.4]", "true", '"much"'])
+def test_what_is_wrong_is_said_with_its_line(tmp_path, wrong):
+    said = r"case\.toml, line \d+: motion\.scatter = .* cannot be used: .*allowed: a number from 0 to 2"
+    with pytest.raises(ValueError, match=said):
+        read(tmp_path, f"scatter = {wrong}")
