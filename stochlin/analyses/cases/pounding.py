@@ -131,31 +131,9 @@ def _described(table: xr.Dataset, case: Case, structures: list[Structure | Shear
         table["peak_ductility"] = table.peak / table.yield_displacement
         if "largest_radius_amplification" not in table:  # it is estimated for bilinear buildings
             table["largest_radius_amplification"] = np.nan * table.amplification
-    return labels.label(_with_energies(_with_tallies(table)), VARIABLES)
-
-
-def _with_tallies(table: xr.Dataset) -> xr.Dataset:
-    """What the impacts of each contact come to."""
-    hit = table.impact_contact.values == table.contact.values[:, None]
-    table["impacts"] = ("contact", hit.sum(axis=1))
-    at_most = {
-        "hardest_force": table.largest_force,
-        "fastest_approach": table.approach_velocity,
-        "longest_impact": table.impact_duration,
-    }
-    for name, values in at_most.items():  # NaN without an impact, or where one has no such value
-        most = np.array([np.maximum.reduce(values.values[own], initial=-np.inf) for own in hit])
-        table[name] = ("contact", np.where(np.isfinite(most), most, np.nan))
-    table["contact_energy"] = ("contact", hit @ table.energy_lost.values)
-    received = np.zeros(table.sizes["structure"])
-    for side in table.side.values:
-        structures = table[str(side)].values[table.impact_contact.values - 1] - 1
-        np.add.at(received, structures, table.energy_transferred.sel(side=side).values)
-    table["energy_received"] = ("structure", received)
-    table["gap"] = ("contact", np.array(table.attrs["gaps"])[table.left.values - 1])
     left, right = (displacement_beside(table, side) for side in ("left", "right"))
     table["least_clearance"] = table.gap - (left - right).max("time")
-    return table
+    return labels.label(_with_energies(table), VARIABLES)
 
 
 def displacement_beside(table: xr.Dataset, side: str) -> xr.DataArray:
