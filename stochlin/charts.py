@@ -4,6 +4,7 @@
 """
 
 from stochlin.analyses.cases.pounding import pound_case as pound_case
+from stochlin.analyses.cases.pounding import pound_motions as pound_motions
 from stochlin.analyses.charts.charts import CHARTS as CHARTS
 from stochlin.analyses.charts.charts import ChartSettings as ChartSettings
 from stochlin.analyses.charts.charts import chart_functions as chart_functions
@@ -22,6 +23,7 @@ from stochlin.analyses.charts.verification import verify_chart as verify_chart
 from stochlin.analyses.linearization.bias_map import bias_map as bias_map
 from stochlin.views.charts.charts import PICTURES as PICTURES
 from stochlin.views.charts.charts import draw as draw
+from stochlin.views.pounding.ensembles import draw_ensemble as draw_ensemble
 from stochlin.views.pounding.floors import draw_floors as draw_floors
 from stochlin.views.pounding.pictures import draw_pound as draw_pound
 from stochlin.views.separation.storeys import draw_heights as draw_heights

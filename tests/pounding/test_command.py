@@ -428,3 +428,110 @@ def test_energy_of_any_case_is_balanced(model: str, data: st.DataObject) -> None
             assert float(table.contact_energy.sum()) == pytest.approx(float(lost), rel=1e-9)
             for variable in ("viscous_energy", "contact_lost_energy"):
                 assert float(table[variable].diff("time").min()) >= -1e-9 * float(given_energy.max())
+
+
+# --- Many motions -----------------------------------------------------------------------------------
+
+
+def regular(storeys: int, period: float) -> str:
+    return (
+        f'period = "{period} s"\ndamping = "5 %"\nstoreys = {storeys}\nstorey_height = "3 m"\n'
+        'floor_mass = "400 t"\nhardening = "5 %"\nbase_shear_coefficient = 0.2\n'
+    )
+
+
+def of_storeys(low_storey: str = "3 m") -> str:
+    example = sl.example_case()
+    start, end = example.index("[building_1]"), example.index("[separation]")
+    tall, low = (regular(*one) for one in ((4, 0.6), (2, 0.3)))
+    low = low.replace("3 m", low_storey)
+    towers = f"[building_1]\n{tall}\n[building_2]\n{low}\n"
+    return (example[:start] + towers + example[end:]).replace('existing = "5 cm" ', 'existing = "1 cm" ')
+
+
+@pytest.mark.parametrize("kind", ["oscillators", "storeys", "columns"])
+def test_simulated_motions_are_said_saved_and_drawn_together(kind: str, tmp_path: Path) -> None:
+    text = {
+        "oscillators": sl.example_case(),
+        "storeys": of_storeys(),
+        "columns": of_storeys("3.6 m").replace("floors_align = true", "floors_align = false"),
+    }[kind]
+    path = case_file(tmp_path, text=text)
+    done = run(path, "--motions", 8, "--out", tmp_path / "p.nc", "--picture", tmp_path / "p.png")
+    assert done.exit_code == 0, done.output
+    assert {p.name for p in tmp_path.glob("p*")} == {"p.nc", "p.png"}
+    lines = done.output.replace(str(tmp_path), "").splitlines()
+    assert max(map(len, lines)) <= 100
+    done.output.encode("ascii")
+    shown = " ".join(done.output.split())
+    with xr.open_dataset(tmp_path / "p.nc") as table:
+        case = sl.read_case(path)
+        again = sl.charts.pound_motions(case, 8)
+        np.testing.assert_array_equal(table.impacts, again.impacts)
+        assert f"hit in {100 * float(table.pounding_probability[0]):.0f} % of them" in shown
+        mean, error = (float(table[f"impacts_between_mean{end}"][0]) for end in ("", "_standard_error"))
+        assert f"impacts {mean:.3g} +- {error:.2g}" in shown
+        force = 1e-6 * float(table.hardest_force_between_quantile[1, 0])
+        assert f" {force:.3g} (" in shown or f" {force:.2g} (" in shown
+        assert ("SLABS FACE COLUMNS" in shown) == (kind == "columns")
+        assert (", floor " in shown) == (kind != "oscillators")
+        for name, variable in table.variables.items():
+            assert "long_name" in variable.attrs, name
+        panels = sl.charts.draw_ensemble(table).axes
+        assert len(panels) == 4
+        steps = panels[0].get_lines()[0]
+        assert sorted(steps.get_xdata()[1:]) == sorted(table.impacts_between[:, 0].values)
+        assert steps.get_ydata()[-1] == pytest.approx(0.0)
+        assert table.attrs["seed"] == case.seed
+    sheet = run(path, "--motions", 8, "--out", tmp_path / "p.csv")
+    assert sheet.exit_code == 0, sheet.output
+    rows = [line.split(",") for line in (tmp_path / "p.csv").read_text().splitlines()]
+    assert len(rows) == 9
+    assert {len(row) for row in rows} == {len(rows[0])}
+    impacts = [float(row[rows[0].index("impacts_between_1-2")]) for row in rows[1:]]
+    assert impacts == again.impacts_between[:, 0].values.tolist()
+
+
+def test_six_records_are_shown_together(tmp_path: Path) -> None:
+    records = [(f"r {n}", 0.1 * n) for n in range(1, 7)]
+    done = run(case_file(tmp_path, *records), "--out", tmp_path / "p.nc")
+    assert done.exit_code == 0, done.output
+    assert "6 records: buildings 1 and 2 hit in " in done.output
+    with xr.open_dataset(tmp_path / "p.nc") as table:
+        assert [str(name) for name in table.record.values] == [name for name, _ in records]
+        assert np.isfinite(table.impacts_quantile_upper[0]).all()
+    with pytest.raises(ValueError, match="allowed: one that 'stochlin pound' saves of many motions"):
+        sl.charts.draw_ensemble(xr.Dataset({"rho": 0.3}))
+
+
+def test_motions_that_failed_are_said_loudly(tmp_path: Path) -> None:
+    weak = of_storeys().replace("base_shear_coefficient = 0.2", "base_shear_coefficient = 0.01", 1)
+    weak = weak.replace('hardening = "5 %"', "hardening = 0.01\np_delta = true", 1)
+    path = case_file(tmp_path, text=weak.replace("0.01 m^2/s^3", "0.0015 m^2/s^3", 1))
+    table = sl.charts.pound_motions(sl.read_case(path), 16)
+    failed = int((table.status > 0).sum())
+    assert 0 < failed < 16
+    done = run(path, "--motions", 16)
+    assert f"{failed} of 16 motions FAILED and are left out: pound: structure 1 falls over" in " ".join(
+        done.output.split()
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("--motions", "1"), "1 is not in the range x>=2"),
+        (("--motions", "some"), "'some' is not a valid integer"),
+        (("--motions", "8", "--out", "p.txt"), "allowed: .nc or .csv"),
+        (("--motions", "8", "--picture", "p.csv"), "allowed: .png or .svg or .pdf"),
+        ((), "--motions 100 for simulated ones"),
+    ],
+)
+def test_bad_commands_of_many_motions(
+    arguments: tuple[str, ...], says: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    done = run(case_file(tmp_path), *arguments)
+    assert done.exit_code == 2
+    assert says in " ".join(done.output.split())
+    assert {path.name for path in tmp_path.iterdir()} == {"case.toml"}

@@ -1,4 +1,4 @@
-"""Pounding of the buildings of a case file, in each of its records."""
+"""Pounding of the buildings of a case file, in each of its records, or in many motions together."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.analyses.cases.variables import VARIABLES
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.pounding.pounding import pound
+from stochlin.analyses.records.cells import Records
+from stochlin.analyses.simulation.ground_motions import simulated_motions
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.buildings import ShearBuilding
@@ -60,13 +62,7 @@ def pound_case(case: Case, progress: Progress | None = None) -> dict[str, xr.Dat
     A reduction factor, or the strength that a ductility asks for, refers to the elastic response to the
     ground of the case, whatever the record.
     """
-    contact = _checked(case)
-    structures: list[Structure | ShearBuilding] = [
-        strength_in_metres(building.structure, case.ground)
-        if isinstance(building, Building)
-        else building.structure
-        for building in case.buildings
-    ]
+    contact, structures = _checked(case), _in_metres(case)
     tables: dict[str, xr.Dataset] = {}
 
     def of_all(share: float) -> None:
@@ -78,18 +74,89 @@ def pound_case(case: Case, progress: Progress | None = None) -> dict[str, xr.Dat
             table = pound(structures, list(case.gaps), contact, record, progress=of_all)
         except (ValueError, TypeError, ArithmeticError) as error:
             raise type(error)(f"{case.file}, record {name}: {error}") from error
-        tables[name] = _described(table, case, structures).assign_attrs(
+        tables[name] = _described(_named(table, case, structures)).assign_attrs(
             title=f"{case.title}: pounding in {name}", record=name, case=case.title
         )
     return tables
 
 
-def _checked(case: Case) -> Contact:
+def pound_motions(
+    case: Case, motions: int | None = None, progress: Progress | None = None
+) -> xr.Dataset:
+    """The buildings of a case through many motions, with means and quantiles.
+
+    Parameters
+    ----------
+    case : Case
+        As in `pound_case`.
+    motions : int, optional
+        So many simulated ones of the case's site, with its seed; the records of the case if left out.
+    progress : callable, optional
+        Called with the share of the motions that is done.
+
+    Returns
+    -------
+    xarray.Dataset
+        What `stochlin.pound` returns of several motions, over ``path`` or ``record``; over ``structure``
+        also the name of the ``building`` and the rest as in `pound_case`.
+
+    Raises
+    ------
+    ValueError, TypeError, ArithmeticError
+        As in `pound_case`.
+    """
+    contact, structures = _checked(case, simulated=motions is not None), _in_metres(case)
+    shaking: Records = dict(case.records)
+    told = {"title": f"{case.title}: pounding in {len(case.records)} records"}
+    if motions is not None:
+        quake = case.ground, case.duration, case.envelope
+        shaking = simulated_motions(*quake, paths=motions, seed=case.seed)
+        told = {name: shaking.attrs[name] for name in ("ground", "envelope") if name in shaking.attrs}
+        told["title"] = f"{case.title}: pounding in {motions} simulated motions"
+    try:
+        table = pound(structures, list(case.gaps), contact, shaking, progress=progress)
+    except (ValueError, TypeError, ArithmeticError) as error:
+        raise type(error)(f"{case.file}: {error}") from error
+    if motions is not None:
+        table = table.assign_attrs(duration_s=case.duration, seed=case.seed)
+    table = _named(table, case, structures).assign_attrs(told, case=case.title)
+    return labels.label(table, VARIABLES)
+
+
+def by_motion(table: xr.Dataset) -> xr.Dataset:
+    """A table over motions as a sheet: a row a motion, a column for each floor, contact and so on."""
+    over = str(table.status.dims[0])
+    sheet = xr.Dataset(coords={name: table[name] for name in (over, "missing") if name in table.coords})
+    for name, values in table.data_vars.items():
+        others = [dim for dim in values.dims if dim != over]
+        if over not in values.dims or "quantile" in others:
+            continue
+        for place in np.ndindex(*(values.sizes[dim] for dim in others)):
+            at = dict(zip(others, place, strict=True))
+            one = values.isel(at).reset_coords(drop=True)
+            labels_there = [str(table[dim].values[n]).replace(" | ", "-") for dim, n in at.items()]
+            if bool(one.notnull().any()) or "floor" not in others:
+                sheet["_".join([str(name), *labels_there])] = (over, one.values)
+    return sheet
+
+
+def _in_metres(case: Case) -> list[Structure | ShearBuilding]:
+    """The buildings, with their strengths in metres."""
+    return [
+        strength_in_metres(building.structure, case.ground)
+        if isinstance(building, Building)
+        else building.structure
+        for building in case.buildings
+    ]
+
+
+def _checked(case: Case, simulated: bool = False) -> Contact:
     """The contact, once nothing else is missing either."""
     needs = f"{case.file}: pounding needs"
-    if not case.records:
+    if not case.records and not simulated:
         raise ValueError(
-            f"{needs} a recorded motion; write [[site.records]], and below it its path, units and dt"
+            f"{needs} a recorded motion; write [[site.records]], and below it its path, units and dt; "
+            "or --motions 100 for simulated ones"
         )
     if not case.gaps:
         raise ValueError(
@@ -109,8 +176,17 @@ def _checked(case: Case) -> Contact:
     return case.contact
 
 
-def _described(table: xr.Dataset, case: Case, structures: list[Structure | ShearBuilding]) -> xr.Dataset:
-    """The dataset with the names of the case, and with what its impacts and energies add up to."""
+def _described(table: xr.Dataset) -> xr.Dataset:
+    """The dataset with what its energies add up to, and how near they come."""
+    if "floor" not in table.dims and "largest_radius_amplification" not in table:
+        table["largest_radius_amplification"] = np.nan * table.amplification  # of bilinear buildings
+    left, right = (displacement_beside(table, side) for side in ("left", "right"))
+    table["least_clearance"] = table.gap - (left - right).max("time")
+    return labels.label(_with_energies(table), VARIABLES)
+
+
+def _named(table: xr.Dataset, case: Case, structures: list[Structure | ShearBuilding]) -> xr.Dataset:
+    """The dataset with the names of the case, its floors or its strengths."""
     names = [building.name for building in case.buildings]
     strengths = [
         structure.yield_displacement if isinstance(structure, Structure) and structure.yields else np.nan
@@ -120,7 +196,7 @@ def _described(table: xr.Dataset, case: Case, structures: list[Structure | Shear
     if "floor" in table.dims:
         storeys = [b.storeys if isinstance(b, StoreyBuilding) else 1 for b in case.buildings]
         table = table.assign_coords(storeys=("structure", storeys, {"long_name": "number of storeys"}))
-        levels = np.full(table.peak.shape, np.nan)
+        levels = np.full((table.sizes["structure"], table.sizes["floor"]), np.nan)
         for row, structure in zip(levels, structures, strict=True):
             if isinstance(structure, ShearBuilding):
                 row[: structure.storeys] = structure.levels()
@@ -129,32 +205,6 @@ def _described(table: xr.Dataset, case: Case, structures: list[Structure | Shear
     else:
         table["yield_displacement"] = ("structure", np.array(strengths, float))
         table["peak_ductility"] = table.peak / table.yield_displacement
-        if "largest_radius_amplification" not in table:  # it is estimated for bilinear buildings
-            table["largest_radius_amplification"] = np.nan * table.amplification
-    return labels.label(_with_energies(_with_tallies(table)), VARIABLES)
-
-
-def _with_tallies(table: xr.Dataset) -> xr.Dataset:
-    """What the impacts of each contact come to."""
-    hit = table.impact_contact.values == table.contact.values[:, None]
-    table["impacts"] = ("contact", hit.sum(axis=1))
-    at_most = {
-        "hardest_force": table.largest_force,
-        "fastest_approach": table.approach_velocity,
-        "longest_impact": table.impact_duration,
-    }
-    for name, values in at_most.items():  # NaN without an impact, or where one has no such value
-        most = np.array([np.maximum.reduce(values.values[own], initial=-np.inf) for own in hit])
-        table[name] = ("contact", np.where(np.isfinite(most), most, np.nan))
-    table["contact_energy"] = ("contact", hit @ table.energy_lost.values)
-    received = np.zeros(table.sizes["structure"])
-    for side in table.side.values:
-        structures = table[str(side)].values[table.impact_contact.values - 1] - 1
-        np.add.at(received, structures, table.energy_transferred.sel(side=side).values)
-    table["energy_received"] = ("structure", received)
-    table["gap"] = ("contact", np.array(table.attrs["gaps"])[table.left.values - 1])
-    left, right = (displacement_beside(table, side) for side in ("left", "right"))
-    table["least_clearance"] = table.gap - (left - right).max("time")
     return table
 
 

@@ -11,6 +11,5 @@ VARIABLES: Variables = {
     "added_damping": ("1", "added damping ratio"),
     "link_stiffness": ("N/m", "stiffness of the link"),
     "link_damping_constant": ("N s/m", "damping constant of the link"),
-    "impacts": ("1", "number of impacts"),
     "amplification": ("1", "peak over that as built and standing alone"),
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -19,30 +20,32 @@ from stochlin.models.links import Link
 SIDES = "left", "right"  # of a contact
 
 
-def by_floor(
-    values: Array, row: Row, structures: Sequence[Building], time: Array | None = None
-) -> xr.DataArray:
+def by_floor(values: Array, row: Row, structures: Sequence[Building], *over: str) -> xr.DataArray:
     """Values (..., n) over ``structure`` and, for shear buildings, ``floor``: NaN above the roof."""
     sizes = np.diff(row.first)
-    over = np.full((*values.shape[:-1], sizes.size, sizes.max()), np.nan)
+    wide = np.full((*values.shape[:-1], sizes.size, sizes.max()), np.nan)
     for b, size in enumerate(sizes):
-        over[..., b, :size] = values[..., row.first[b] : row.first[b + 1]]
+        wide[..., b, :size] = values[..., row.first[b] : row.first[b + 1]]
     coords = {"structure": ("structure", np.arange(1, sizes.size + 1), {"long_name": "structure"})}
     dims: tuple[str, ...] = ("structure", "floor")
     if any(isinstance(structure, ShearBuilding) for structure in structures):
         coords["floor"] = ("floor", np.arange(1, sizes.max() + 1), {"long_name": "floor"})
     else:
-        over, dims = over[..., 0], ("structure",)
-    if time is not None:
-        dims = ("time", *dims)
-        coords["time"] = ("time", time, {"units": "s", "long_name": "time"})
-    return xr.DataArray(over, dims=dims, coords=coords)
+        wide, dims = wide[..., 0], ("structure",)
+    return xr.DataArray(wide, dims=(*over, *dims), coords=coords)
 
 
-def histories(
-    row: Row, structures: Sequence[Building], run: kernel.Run, start: float, time: Array
-) -> xr.Dataset:
-    """Histories of a run at the times ``time``, its impacts, and the balance of its energies."""
+class Course(NamedTuple):
+    """What a row goes through at the times asked for, by name: of its floors, structures and so on."""
+
+    floors: dict[str, Array]  # (times, n)
+    structures: dict[str, Array]  # (times, s)
+    links: dict[str, Array]  # (times, l)
+    whole: dict[str, Array]  # (times,)
+
+
+def course(row: Row, run: kernel.Run) -> Course:
+    """Motions, forces and the balance of the energies."""
     n, s = row.mass.size, row.first.size - 1
     c, ties = row.gap.size, len(row.tied)
     u, v, slip, entering, viscous, hysteretic, lost, drained, creep = np.split(
@@ -58,7 +61,7 @@ def histories(
         "viscous_energy": viscous,
         "hysteretic_energy": hysteretic,
     }
-    squeezed = np.zeros(time.size)
+    squeezed = np.zeros(len(u))
     if not row.jumps:
         one, two, low = row.weight.T
         apart = one * u[:, row.left] + two * u[:, row.right] + low * u[:, row.lower]
@@ -71,86 +74,73 @@ def histories(
     missing = entering.sum(1) - sum(energy.sum(1) for energy in kept) - squeezed - lost.sum(1)
     missing -= strained + drained.sum(1)
     most = np.maximum.accumulate(np.abs(entering.sum(axis=1)))
-    line = run.impacts.T
-    force, gone = line[impacts.LARGEST], line[impacts.AFTER] - line[impacts.BEFORE]
-    right = line[impacts.HANDED]
+    error = np.divide(np.abs(missing), most, out=np.zeros_like(most), where=most > 0)
     floors = {
         "displacement": u,
         "velocity": v,
         "acceleration": run.accelerations,
         "storey_shear": shear,
     }
-    table = xr.Dataset(
+    whole = {
+        "contact_stored_energy": squeezed,
+        "contact_lost_energy": lost.sum(axis=1),
+        "energy_balance_error": error,
+    }
+    if not ties:
+        return Course(floors, {"base_shear": shear[:, row.first[:-1]], **energies}, {}, whole)
+    whole |= {"link_stored_energy": strained, "link_lost_energy": drained.sum(axis=1)}
+    pulls = {"link_force": post * stretch + couple * held + dashpot * pace}
+    return Course(floors, {"base_shear": shear[:, row.first[:-1]], **energies}, pulls, whole)
+
+
+def histories(
+    found: Course,
+    row: Row,
+    structures: Sequence[Building],
+    run: kernel.Run,
+    start: float,
+    time: Array,
+) -> xr.Dataset:
+    """Histories of a run at the times ``time``, and its impacts."""
+    line = run.impacts.T
+    return xr.Dataset(
         {
-            **{name: by_floor(values, row, structures, time) for name, values in floors.items()},
-            "base_shear": (("time", "structure"), shear[:, row.first[:-1]]),
+            **{name: by_floor(values, row, structures, "time") for name, values in found.floors.items()},
+            **{name: (("time", "structure"), values) for name, values in found.structures.items()},
+            **{name: (("time", "link"), values) for name, values in found.links.items()},
+            **{name: ("time", values) for name, values in found.whole.items()},
             "contact_force": (("time", "contact"), run.forces),
-            **{name: (("time", "structure"), energy) for name, energy in energies.items()},
-            "contact_stored_energy": ("time", squeezed),
-            "contact_lost_energy": ("time", lost.sum(axis=1)),
-            "energy_balance_error": (
-                "time",
-                np.divide(np.abs(missing), most, out=np.zeros_like(most), where=most > 0),
-            ),
             "impact_time": ("impact", start + line[impacts.BEGIN]),
             "impact_contact": ("impact", line[impacts.CONTACT].astype(np.int64) + 1),
             "approach_velocity": ("impact", line[impacts.APPROACH]),
-            "largest_force": ("impact", np.where(np.isfinite(force), force, np.nan)),
+            "largest_force": ("impact", largest_force(run)),
             "impact_duration": ("impact", line[impacts.END] - line[impacts.BEGIN]),
-            "energy_lost": ("impact", gone),
-            "energy_transferred": (
-                ("impact", "side"),
-                np.stack([-right - gone - line[impacts.STORED], right], axis=-1),
-            ),
+            "energy_lost": ("impact", energy_lost(run)),
+            "energy_transferred": (("impact", "side"), energy_transferred(run)),
         },
-        coords={"side": ("side", list(SIDES), {"long_name": "side of the contact"})},
-    )
-    if not len(row.tied):
-        return table
-    return table.assign(
-        link_force=(("time", "link"), post * stretch + couple * held + dashpot * pace),
-        link_stored_energy=("time", strained),
-        link_lost_energy=("time", drained.sum(axis=1)),
+        coords={
+            "time": ("time", time, {"units": "s", "long_name": "time"}),
+            "side": ("side", list(SIDES), {"long_name": "side of the contact"}),
+        },
     )
 
 
-def peaks(
-    table: xr.Dataset, row: Row, structures: Sequence[Building], run: kernel.Run, alone: kernel.Run
-) -> dict[str, xr.DataArray]:
-    """Largest absolute values in the row, and standing alone; those between outputs too."""
-    found: dict[str, xr.DataArray] = {}
-    for ending, one in (("", run), ("_alone", alone)):
-        values = {
-            "peak": np.abs(one.peaks).max(axis=0),
-            "peak_acceleration": one.most.acceleration,
-            "peak_storey_shear": one.most.shear,
-        }
-        found |= {f"{name}{ending}": by_floor(each, row, structures) for name, each in values.items()}
-        base = one.most.shear[row.first[:-1]]
-        found[f"peak_base_shear{ending}"] = xr.DataArray(base, dims="structure")
-    for name in ("acceleration", "storey_shear", "base_shear"):  # outputs may lie between steps
-        found[f"peak_{name}"] = xr.ufuncs.maximum(found[f"peak_{name}"], abs(table[name]).max("time"))
-    if len(row.tied):
-        most = np.maximum(run.most.pull, np.abs(table.link_force.values).max(axis=0))
-        found["peak_link_force"] = xr.DataArray(most, dims="link")
-    return found
+def largest_force(run: kernel.Run) -> Array:
+    """Of each impact [N]; NaN where velocities jump."""
+    force = run.impacts[:, impacts.LARGEST]
+    return np.where(np.isfinite(force), force, np.nan)
 
 
-def columns(table: xr.Dataset, row: Row, places: Sequence[Meeting]) -> dict[str, xr.DataArray]:
-    """What columns bear that a floor of the neighbour meets; NaN where slabs meet."""
-    struck = np.array([bool(m.struck) for m in places])
-    if not struck.any():
-        return {}
-    most = np.zeros(struck.size)
-    np.maximum.at(most, table.impact_contact.values - 1, table.largest_force.values)
-    floor = np.where([m.struck == "left" for m in places], row.left, row.right)
-    strength = (row.post[floor] + row.couple[floor]) * row.strength[floor]
-    force = np.where(struck, most, np.nan)
-    share = np.where(np.isfinite(strength), force / strength, np.nan)
-    return {
-        "column_force": xr.DataArray(force, dims="contact"),
-        "column_force_share": xr.DataArray(share, dims="contact"),
-    }
+def energy_lost(run: kernel.Run) -> Array:
+    """What each impact has taken [J]."""
+    lost: Array = run.impacts[:, impacts.AFTER] - run.impacts[:, impacts.BEFORE]
+    return lost
+
+
+def energy_transferred(run: kernel.Run) -> Array:
+    """Work of each impact (impacts, 2) on the structures on its left and right [J]."""
+    right = run.impacts[:, impacts.HANDED]
+    return np.stack([-right - energy_lost(run) - run.impacts[:, impacts.STORED], right], axis=-1)
 
 
 def contacts(places: Sequence[Meeting], links: Sequence[Link | None]) -> xr.Dataset:

@@ -1,4 +1,4 @@
-"""Histories of buildings in a row that pound against each other in a recorded motion."""
+"""Buildings in a row that pound against each other: histories in one motion, statistics of many."""
 
 from __future__ import annotations
 
@@ -8,27 +8,29 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from stochlin.analyses.pounding.ensembles import checked_ensemble, over_motions, with_statistics
 from stochlin.analyses.pounding.estimates import pounding_estimate
-from stochlin.analyses.pounding.histories import columns, contacts, histories, peaks
+from stochlin.analyses.pounding.histories import contacts, course, histories
 from stochlin.analyses.pounding.rows import (
     Building,
+    Meeting,
     build_row,
     checked_buildings,
     checked_gaps,
     checked_links,
 )
+from stochlin.analyses.pounding.runs import ON_GRID, alone, check_runs, in_row
+from stochlin.analyses.pounding.summaries import labelled, summary
 from stochlin.analyses.pounding.variables import VARIABLES
-from stochlin.analyses.records.records import checked_record
+from stochlin.analyses.records.cells import Records
 from stochlin.analyses.records.response import pseudo_energy_radius
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import is_number
-from stochlin.analyses.tables.work import check_work
+from stochlin.analyses.tables.checks import checked_quantiles, is_number
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, in_order
-from stochlin.kernels.pounding import run as kernel
 from stochlin.kernels.pounding.rows import Row
+from stochlin.kernels.records.runs import SampledGround
 from stochlin.messages import brief
-from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Contact
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.links import Link
@@ -38,21 +40,22 @@ REFERENCES = (
     f"{labels.PAPER} Hairer, E., Norsett, S. P. and Wanner, G. (1993), Solving Ordinary Differential "
     "Equations I, section II.10."
 )
-STEP, STEPS_PER_PERIOD = 2.5e-6, 10.0  # [s] of a floor, and of the shortest period, roughly
-ON_GRID = 1e-9  # of a step: times this close to a sample of the record are that
 
 
 def pound(
     structures: Sequence[Building],
     gaps: npt.ArrayLike,
     contact: Contact,
-    motion: xr.DataArray,
+    motion: Records,
     *,
     link: Link | Sequence[Link | None] | None = None,
     output_step: float | None = None,
+    quantiles: Sequence[float] = (0.5, 0.84, 0.95),
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Buildings in a row through a motion, from rest, with all their impacts.
+    """Buildings in a row through a motion or many, from rest, with all their impacts.
+
+    Of one motion there are histories, of several what each comes to, with means and quantiles.
 
     Parameters
     ----------
@@ -64,17 +67,21 @@ def pound(
         Between neighbours [m], not negative: 0 touches. For two structures a number will do.
     contact : Contact
         What all neighbours meet at, for instance `Kelvin` or `Stereomechanical`.
-    motion : xarray.DataArray
+    motion : xarray.DataArray, or list or mapping of them
         Ground acceleration [m/s^2] over ``time``, as `read_record` gives it; linear between samples.
+        Several: over ``path``, too, as `simulated_motions` gives them, or records, as `read_records`
+        does. Those need not be of one length or step.
     link : Link or list of Link and None, optional
         Springs and dashpots, linear, that yield or have slack. Without ``floors`` a link ties the
         highest at one level, without ``structures`` two neighbours: then there is one for each two, None
         where there is no link.
     output_step : float, optional
-        Time from output to output [s]; the record's own if left out. The response does not depend on
-        it.
+        Time from output to output [s] of one motion; the record's own if left out. The response does
+        not depend on it.
+    quantiles : sequence of float
+        Of what several motions come to, between 0 and 1.
     progress : callable, optional
-        Called with the share of the two runs, in the row and alone, that is done.
+        Called with the share that is done of the motions; of one, of its two runs, in the row and alone.
 
     Returns
     -------
@@ -90,8 +97,11 @@ def pound(
         ``approach_velocity`` [m/s], ``largest_force`` [N] (NaN where velocities jump),
         ``impact_duration`` [s], ``energy_lost`` [J], and over ``side`` ``energy_transferred`` [J], the
         work on the structure there. ``peak`` and ``peak_alone`` [m], in the row and standing alone, and
-        ``amplification`` [-], one over the other; likewise ``peak_acceleration``,
-        ``peak_storey_shear`` and ``peak_base_shear``. Where all structures are
+        ``amplification`` [-], one over the other; likewise ``peak_acceleration`` [m/s^2],
+        ``peak_storey_shear`` [N] and ``peak_base_shear`` [N], each also ``_alone``. Over ``contact``:
+        ``gap`` [m], the number of ``impacts``, ``hardest_force`` [N], ``fastest_approach`` [m/s],
+        ``longest_impact`` [s] (these three NaN without an impact) and ``contact_energy`` [J] that it has
+        taken; over ``structure`` ``energy_received`` [J] from all impacts. Where all structures are
         `Bilinear` also ``largest_radius_amplification`` [-], the worst that `pounding_estimate` gives
         for a hit at the largest energy of both, without links. With links also, over ``time`` and
         ``link``, ``link_force`` [N], over ``time`` ``link_stored_energy`` and ``link_lost_energy`` [J],
@@ -103,19 +113,36 @@ def pound(
         displacement, and ``column_force`` [N], the largest force on the columns of that storey, and
         ``column_force_share`` [-], that over the storey's shear at yield.
 
+        Of several motions no histories, and of the rest, over ``path`` or ``record``, too: peaks, those
+        ``_alone``, ``amplification``, what there is over ``contact``, ``energy_received`` and the
+        largest ``energy_balance_error``; over ``neighbours``, for all contacts of a gap together,
+        ``impacts_between``, ``hardest_force_between`` [N] and ``contact_energy_between`` [J];
+        ``status``, and ``missing``, which says what has gone wrong in a motion that is NaN. Over all
+        motions that are not: ``_mean`` with ``_mean_standard_error``, and ``_quantile`` over
+        ``quantile`` with its 95 % interval, ``_lower`` and ``_upper`` (infinite where the motions are
+        too few to bound it), of all that but ``longest_impact`` and energies received, where a motion
+        without an impact counts with a force and an approach of 0; ``pounding_probability`` and
+        ``no_pounding_probability`` [-] over ``neighbours``, the shares of motions with an impact and
+        without, with their 95 % intervals.
+
     Raises
     ------
     ValueError, TypeError
         If there are fewer than two structures, a law is another one, a mass is missing, velocities are
         to jump (`Stereomechanical`) where a slab meets a column, parameters are arrays, a link has no
         place, a gap is negative, the number of gaps or links is wrong, the output step is not
-        positive, or the motion is not a record, has NaN or only zeros.
+        positive or given with several motions, a motion is not a record, has NaN or only zeros, there
+        is none, or they would take too long.
     ArithmeticError
         If a step cannot be completed, with the time and the state; or if a building falls over, as the
-        weight above can make it (``p_delta``).
+        weight above can make it (``p_delta``). Of several motions that one is NaN; if all fail, the
+        first says why.
 
     Notes
     -----
+    Of several motions each is what it is alone, to the bit. One that fails, as where a building falls
+    over, is no mild one: where some are missing, the quantiles of the others are too small.
+
     Displacements are positive to the right, where structure 2 stands beside structure 1. Steps of the
     8th order method of Dormand and Prince with an error of 1e-10 of the largest displacement, velocity
     and energy so far; they end at the samples of the record and wherever a structure yields or unloads,
@@ -130,7 +157,8 @@ def pound(
 
     References
     ----------
-    Valles-Mattox and Reinhorn (1996), eqs. (13) to (16); Hairer, Norsett and Wanner (1993).
+    Valles-Mattox and Reinhorn (1996), eqs. (13) to (16); Hairer, Norsett and Wanner (1993); Clopper and
+    Pearson (1934), Biometrika 26, for the intervals of shares.
 
     Examples
     --------
@@ -145,67 +173,80 @@ def pound(
     (10, True)
     >>> bool(table.energy_balance_error.max() < 1e-6)
     True
+    >>> motions = sl.simulated_motions(sl.named_ground("firm", intensity=0.01), 5.0, paths=16)
+    >>> many = sl.pound([soft, stiff], gaps=0.1, contact=bumper, motion=motions)
+    >>> many.impacts.dims, float(many.pounding_probability[0])
+    (('path', 'contact'), 0.3125)
     """
     row_of = checked_buildings(structures)
     spaces = checked_gaps(gaps, len(row_of))
+    levels = checked_quantiles(quantiles)
     try:
-        ground, dt = checked_record(motion)
+        ensemble = checked_ensemble(motion)
     except (TypeError, ValueError) as error:
         raise type(error)(f"motion: {error}") from error
     links = checked_links(link, len(row_of))
-    row, places = build_row(row_of, spaces, contact, ground, links)
-    _check_work(row_of, dt * (ground.size - 1))
-    times = _output_times(output_step, ground.size - 1, dt)
-    asked = _intervals(times, dt, ground.size - 1)
-    oscillators = [structure for structure in row_of if isinstance(structure, Bilinear)]
-    estimated = len(oscillators) == len(row_of) and not any(links)
+    motions, over, _ = ensemble
+    row, places = build_row(row_of, spaces, contact, motions.grounds[0].acceleration, links)
+    check_runs(row_of, row, motions.grounds)
+    if over is not None and output_step is not None:
+        raise ValueError(
+            f"output_step = {brief(output_step)} goes with one motion; allowed here: none, for of "
+            "several motions no histories are kept"
+        )
     if progress is not None:
         progress(0.0)
-    never = np.empty(0, np.int64), np.empty(0)
-    runs = (row, asked), (kernel.standing_alone(row), never)
-    done, alone = in_order(
-        lambda i: _completed(row_of, runs[i][0], kernel.SampledMotion(ground, dt, *runs[i][1])),
-        2,
-        progress,
-    )
-    worst = _estimates(oscillators, spaces, contact, motion) if estimated else None
-    start = float(motion["time"][0])
-    time = motion["time"].to_numpy().astype(float) if output_step is None else start + times
-    table = histories(row, row_of, done, start, time)
-    table = table.merge(contacts(places, links))
-    table = table.assign(peaks(table, row, row_of, done, alone) | columns(table, row, places))
-    table["amplification"] = table.peak / table.peak_alone.where(table.peak_alone > 0)
-    if worst is not None:
-        table["largest_radius_amplification"] = ("structure", worst)
-    table = labels.label(table, VARIABLES)
-    table.attrs.update(
-        gaps=spaces.tolist(), steps=done.steps, motion=f"{ground.size} samples at {dt:g} s"
-    )
+    lines = contacts(places, links)
+    if over is None:
+        assert isinstance(motion, xr.DataArray)
+        ground = motions.grounds[0]
+        times = _output_times(output_step, ground)
+        table = _of_one(row_of, row, places, ground, motion["time"], times, progress).merge(lines)
+        oscillators = [structure for structure in row_of if isinstance(structure, Bilinear)]
+        if len(oscillators) == len(row_of) and not any(links):
+            worst = _estimates(oscillators, spaces, contact, motion)
+            table["largest_radius_amplification"] = ("structure", worst)
+        call = f"pound(output_step={output_step})"
+    else:
+        table = over_motions(row_of, row, places, ensemble, progress).merge(lines)
+        table = with_statistics(table, over, levels)
+        call = f"pound(quantiles={levels.tolist()})"
+    table["gap"] = ("contact", row.gap)
+    table = labels.label(table, VARIABLES).assign_attrs(gaps=spaces.tolist(), motion=ensemble.describe())
     models: dict[str, Model] = {f"structure_{n}": each for n, each in enumerate(row_of, start=1)}
     models |= {f"link_{n}": each for n, each in enumerate(links, start=1) if each is not None}
-    call = f"pound(output_step={output_step})"
     return labels.with_run_information(
-        table, "Pounding of buildings in a row", call, models | {"contact": contact}, REFERENCES
+        table,
+        "Pounding of buildings in a row",
+        call,
+        models | {"contact": contact},
+        REFERENCES,
     )
 
 
-def _check_work(structures: Sequence[Building], seconds: float) -> None:
-    """Raise a ValueError if steps for the shortest periods take too long; before the work."""
-    modes = [
-        structure.periods() if isinstance(structure, ShearBuilding) else structure.arrays()["period"]
-        for structure in structures
-    ]
-    shortest = min(float(periods.min()) for periods in modes)
-    check_work(
-        f"{seconds:g} s of motion, with a shortest period of {shortest:.3g} s, would take",
-        "take softer structures, or a shorter record",
-        seconds=STEP * sum(periods.size for periods in modes) * STEPS_PER_PERIOD * seconds / shortest,
-    )
+def _of_one(
+    structures: Sequence[Building],
+    row: Row,
+    places: Sequence[Meeting],
+    ground: SampledGround,
+    time: xr.DataArray,
+    times: Array | None,
+    progress: Progress | None,
+) -> xr.Dataset:
+    """Histories of one motion, and what it comes to."""
+    runs = (lambda: in_row(structures, row, ground, times)), (lambda: alone(structures, row, ground))
+    done, lone = in_order(lambda i: runs[i](), len(runs), progress)
+    start, found = float(time[0]), course(row, done)
+    at = time.to_numpy().astype(float) if times is None else start + times
+    table = histories(found, row, structures, done, start, at)
+    values = summary(row, places, found, done, lone)
+    return table.assign(labelled(values, row, structures)).assign_attrs(steps=done.steps)
 
 
-def _output_times(output_step: float | None, intervals: int, dt: float) -> Array:
+def _output_times(output_step: float | None, ground: SampledGround) -> Array | None:
+    """Times since the beginning [s]; None for the samples of the motion."""
     if output_step is None:
-        return dt * np.arange(intervals + 1)
+        return None
     if not is_number(output_step):
         raise TypeError(
             f"output_step = {brief(output_step)} is not a number; allowed: seconds, positive"
@@ -214,17 +255,8 @@ def _output_times(output_step: float | None, intervals: int, dt: float) -> Array
         raise ValueError(
             f"output_step = {brief(output_step)} is out of range; allowed: 0 < value, finite"
         )
-    return output_step * np.arange(int(intervals * dt / output_step * (1 + ON_GRID)) + 1)
-
-
-def _intervals(times: Array, dt: float, intervals: int) -> tuple[Array, Array]:
-    """Interval of the record and time since its beginning; samples are the ends of intervals."""
-    scaled = times / dt
-    whole = np.rint(scaled)
-    scaled = np.where(np.abs(scaled - whole) < ON_GRID, whole, scaled)
-    number = np.clip(np.ceil(scaled).astype(np.int64) - 1, 0, intervals - 1)
-    share = np.clip(scaled - number, 0.0, 1.0)
-    return number, share * dt
+    length = (len(ground.acceleration) - 1) * ground.dt
+    return output_step * np.arange(int(length / output_step * (1 + ON_GRID)) + 1)
 
 
 def _estimates(
@@ -249,35 +281,3 @@ def _estimates(
             most = float(hit[f"largest_radius_amplification_{side + 1}"])
             worst[b + side] = max(worst[b + side], most)
     return worst
-
-
-def _completed(structures: Sequence[Building], row: Row, motion: kernel.SampledMotion) -> kernel.Run:
-    run = kernel.run(row, motion)
-    _check_standing(structures, row, run)
-    if run.completed:
-        return run
-    n = row.mass.size
-    u, v = ([f"{value:.6g}" for value in run.last[part : part + n]] for part in (0, n))
-    raise ArithmeticError(
-        f"pound: the step from {run.time:.9g} s after the beginning could not be completed, after "
-        f"{run.steps} steps; displacements of the floors [{', '.join(u)}] m, velocities "
-        f"[{', '.join(v)}] m/s; use a softer or less damped contact, or a smaller restitution"
-    )
-
-
-def _check_standing(structures: Sequence[Building], row: Row, run: kernel.Run) -> None:
-    """Raise an ArithmeticError if the weight has made a storey drift by more than its height."""
-    for number, structure in enumerate(structures, start=1):
-        if not isinstance(structure, ShearBuilding) or not structure.p_delta:
-            continue
-        u = run.last[row.first[number - 1] : row.first[number]]
-        heights = structure.arrays()["heights"].to_numpy()
-        excess = np.abs(np.diff(u, prepend=0.0)) / heights
-        if excess.max() > 1:
-            worst = int(np.argmax(excess))
-            raise ArithmeticError(
-                f"pound: structure {number} falls over: by {run.time:.4g} s after the beginning its "
-                f"storey {worst + 1} has drifted by more than its height of {heights[worst]:g} m, for "
-                "after yield the weight above takes more stiffness than it has; give it more hardening "
-                "or strength, or a weaker motion"
-            )

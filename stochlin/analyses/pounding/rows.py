@@ -167,7 +167,6 @@ def build_row(
     meeting = 1.0 / (shares[:, 0] + shares[:, 1] + shares[:, 2])
     element = contact if isinstance(contact, Element) else None
     columns = [m for m in places if m.struck]
-    shortest = min(float(first_period(structure)) for structure in structures)
     if element is None and columns:
         raise ValueError(
             f"contact = {contact.describe()}: velocities jump only where slabs meet, and of the "
@@ -196,12 +195,22 @@ def build_row(
         element=law_table(laws),
         jumps=element is None,
         restitution=1.0 if element else float(contact.e),
-        slow=SLOW * float(np.abs(motion).max()) * shortest / (2 * np.pi),
+        slow=slow_approach(shortest_period(structures), motion),
         tied=np.array([(tie.one, tie.two) for tie in system.ties], np.int64).reshape(-1, 2),
         tie=np.array([_tie(tie) for tie in system.ties], float).reshape(-1, 4),
         tie_law=np.array([_tie_law(tie.link) for tie in system.ties], np.int64),
     )
     return row, places
+
+
+def shortest_period(structures: Sequence[Building]) -> float:
+    """Of the first modes [s]."""
+    return min(float(first_period(structure)) for structure in structures)
+
+
+def slow_approach(shortest: float, motion: Array) -> float:
+    """Approach [m/s] that counts as none in this motion, see `Row.slow`."""
+    return SLOW * float(np.abs(motion).max()) * shortest / (2 * np.pi)
 
 
 def _facing(b: int, one: Array, two: Array) -> list[Meeting]:

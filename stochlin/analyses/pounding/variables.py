@@ -3,7 +3,7 @@
 from stochlin.analyses.records.variables import VARIABLES as RECORDS
 from stochlin.analyses.tables.labels import Variables
 
-VARIABLES: Variables = {
+_SINGLE: Variables = {
     **RECORDS,
     "peak_alone": ("m", "largest absolute displacement without pounding"),
     "acceleration": ("m/s^2", "absolute acceleration"),
@@ -43,4 +43,34 @@ VARIABLES: Variables = {
     "velocity_before": ("m/s", "velocity before the hit"),
     "velocity_after": ("m/s", "velocity after the hit"),
     "amplification": ("1", "peak in the row over peak standing alone"),
+    "gap": ("m", "gap between the structures"),
+    "impacts": ("1", "number of impacts"),
+    "hardest_force": ("N", "largest force of the contact in any impact"),
+    "fastest_approach": ("m/s", "largest velocity of approach"),
+    "longest_impact": ("s", "duration of the longest impact"),
+    "contact_energy": ("J", "energy that the contact has taken"),
+    "energy_received": ("J", "work of all impacts on the structure"),
+    "impacts_between": ("1", "number of impacts between the neighbours, at all levels"),
+    "hardest_force_between": ("N", "largest force between the neighbours, at any level"),
+    "contact_energy_between": ("J", "energy that all contacts between the neighbours have taken"),
+    "pounding_probability": ("1", "share of the motions with an impact between the neighbours"),
+    "no_pounding_probability": ("1", "share of the motions without an impact between the neighbours"),
 }
+# Of several motions these have a mean and quantiles; without an impact a force counts as 0.
+STATISTICS = (
+    *("impacts_between", "hardest_force_between", "contact_energy_between"),
+    *("impacts", "hardest_force", "fastest_approach", "contact_energy", "column_force"),
+    *("column_force_share", "peak", "peak_alone", "amplification", "peak_acceleration"),
+    *("peak_acceleration_alone", "peak_storey_shear", "peak_storey_shear_alone", "peak_base_shear"),
+    *("peak_base_shear_alone", "peak_link_force"),
+)
+_OVER_MOTIONS = {
+    f"{name}_{what}": (_SINGLE[name][0], told.format(_SINGLE[name][1]))
+    for name in STATISTICS
+    for what, told in (
+        ("mean", "mean over the motions: {}"),
+        ("mean_standard_error", "standard error of the mean over the motions: {}"),
+        ("quantile", "not exceeded by this share of the motions: {}"),
+    )
+}
+VARIABLES: Variables = {**_SINGLE, **_OVER_MOTIONS}

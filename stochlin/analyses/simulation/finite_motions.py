@@ -22,7 +22,7 @@ from stochlin.analyses.simulation.views import (
     view_of,
 )
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_duration, check_scatter, is_number
+from stochlin.analyses.tables.checks import check_duration, check_scatter, checked_quantiles, is_number
 from stochlin.analyses.tables.floors import ELEMENT, element_coordinates
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
@@ -58,9 +58,7 @@ def check_motion(
             )
         return
     check_duration(duration, structures)
-    levels = np.asarray(quantiles, float)
-    if levels.ndim != 1 or not levels.size or not ((levels > 0) & (levels < 1)).all():
-        raise ValueError(f"quantiles = {brief(quantiles)}; allowed: numbers between 0 and 1")
+    checked_quantiles(quantiles)
     if envelope is not None:
         expect(envelope, Envelope, "envelope")
 

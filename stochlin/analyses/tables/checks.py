@@ -131,6 +131,15 @@ def check_scatter(scatter: object) -> None:
         )
 
 
+def checked_quantiles(quantiles: object) -> npt.NDArray[np.float64]:
+    """The quantiles; a ValueError unless they are numbers between 0 and 1."""
+    allowed = "numbers between 0 and 1"
+    levels = as_numbers("quantiles", quantiles, allowed).astype(float)
+    if levels.ndim != 1 or not levels.size or not ((levels > 0) & (levels < 1)).all():
+        raise ValueError(f"quantiles = {brief(quantiles)}; allowed: {allowed}")
+    return levels
+
+
 def check_existing(gap: object, duration: object, structures: Mapping[str, AnyStructure]) -> None:
     """Raise a ValueError unless the existing gap is open, and the motion as `check_duration` asks."""
     if not is_number(gap) or not 0 < gap < math.inf:

@@ -1,4 +1,4 @@
-"""The command ``stochlin pound``: a case file with records in; what pounding does, printed and drawn."""
+"""The command ``stochlin pound``: a case file in; what pounding does, printed and drawn."""
 
 from __future__ import annotations
 
@@ -24,13 +24,17 @@ if TYPE_CHECKING:
     from stochlin.analyses.cases.case import Case
 
 TABLES = (".nc",)
+MANY = 6  # records: from so many on the median has an interval
 
 
 @COMMANDS.register("pound")
 @click.command()
 @click.argument("case", type=FILE)
 @click.option(
-    "--out", type=FILE, help="Save histories and impacts, .nc; of several records one file each."
+    "--out",
+    type=FILE,
+    help="Save histories and impacts, .nc; of several records one file each. Of many motions one table, "
+    ".nc or, a row a motion, .csv.",
 )
 @click.option(
     "--picture",
@@ -38,18 +42,25 @@ TABLES = (".nc",)
     help="Draw them, .png, .svg or .pdf; the data is saved beside it, and, of buildings with storeys, a "
     "second picture, NAME-storeys, of what floors and storeys bear.",
 )
-def pound(case: Path, out: Path | None, picture: Path | None) -> None:
-    """What happens when buildings that stand too near meet in a recorded motion.
+@click.option(
+    "--motions",
+    type=click.IntRange(min=2),
+    help="Simulate so many motions of the site, in place of its records: a table of what they come to.",
+)
+def pound(case: Path, out: Path | None, picture: Path | None, motions: int | None) -> None:
+    """What happens when buildings that stand too near meet in a recorded motion, or in many.
 
     CASE is a file as 'stochlin gap --example' prints one, with one record or more, the mass of every
     building, the gaps there are, and what they meet at. Rows of more than two buildings, and buildings
-    described by their storeys, are allowed.
+    described by their storeys, are allowed. Six records and more are shown together, in one table with
+    means and quantiles, as are simulated motions.
 
     \b
     Examples:
       stochlin pound case.toml
       stochlin pound case.toml --picture pound.png
       stochlin pound case.toml --out pound.nc
+      stochlin pound case.toml --motions 100 --picture pound.png --out pound.csv
     """
     with bad_input():
         from stochlin.analyses.cases.case import read_case
@@ -60,6 +71,9 @@ def pound(case: Path, out: Path | None, picture: Path | None) -> None:
         from stochlin.views.pounding.words import answer_lines
 
         described = read_case(case)
+        if motions is not None or len(described.records) >= MANY:
+            _together(described, motions, out, picture)
+            return
         data = out if out or not picture else picture.with_suffix(TABLES[0])
         drawn = _by_record("--picture", picture, PICTURES, described)
         stepped = any(isinstance(building, StoreyBuilding) for building in described.buildings)
@@ -72,6 +86,23 @@ def pound(case: Path, out: Path | None, picture: Path | None) -> None:
         for record, table in tables.items():
             write(table, saved.get(record), drawn.get(record), draw_pound)
             write(table, None, storeys.get(record), draw_floors)
+
+
+def _together(case: Case, motions: int | None, out: Path | None, picture: Path | None) -> None:
+    """Show and save what many motions come to."""
+    from stochlin.analyses.cases.pounding import by_motion, pound_motions
+    from stochlin.analyses.tables.storage import FORMATS
+    from stochlin.views.pounding.ensembles import draw_ensemble, ensemble_lines
+
+    data = out if out or not picture else picture.with_suffix(TABLES[0])
+    check_target("--out" if out else "--picture", data, FORMATS, case.inputs)
+    check_target("--picture", picture, PICTURES, case.inputs)
+    with progress_bar("pounding") as progress:
+        table = pound_motions(case, motions, progress)
+    show(ensemble_lines(case, table))
+    sheet = data is not None and data.suffix.lower() not in TABLES
+    write(by_motion(table) if sheet else table, data, None, draw_ensemble)
+    write(table, None, picture, draw_ensemble)
 
 
 def _by_record(

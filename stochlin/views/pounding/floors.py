@@ -68,7 +68,7 @@ def draw_floors(dataset: xr.Dataset) -> Figure:
     looks = cycle(zip(CURVES, "osD^vP", strict=True))
     for number, ((color, dash), marker) in zip(range(dataset.sizes["structure"]), looks, strict=False):
         style: Any = {"color": color, "linestyle": dash, "marker": marker, "ms": 4, "lw": 1.3}
-        _profiles(panels, dataset.isel(structure=number), _levels(dataset, number), style)
+        _profiles(panels, dataset.isel(structure=number), levels_of(dataset, number), style)
         if struck:
             _columns(panels[2], dataset, number, style)
     style = {"color": "0.35", "marker": "o", "mfc": "white", "ms": 4, "lw": 0.7}
@@ -111,7 +111,7 @@ def _columns(axes: Axes, dataset: xr.Dataset, number: int, style: dict[str, Any]
     axes.plot(force, hit.level.values, **style | {"linestyle": "none"})
 
 
-def _levels(dataset: xr.Dataset, number: int) -> np.ndarray:
+def levels_of(dataset: xr.Dataset, number: int) -> np.ndarray:
     """Heights of the floors of a building; an oscillator moves where it meets its neighbours."""
     levels = dataset.floor_level.values[number]
     if np.isfinite(levels).any():

@@ -164,11 +164,13 @@ def _energies(axes: Axes, dataset: xr.Dataset) -> None:
 
 
 def caption_of(dataset: xr.Dataset) -> str:
-    """The buildings, the contact and the gaps, in lines."""
+    """The buildings, the contact, the gaps and where motions come from, in lines."""
     told = [
         f"{name}: {dataset.attrs[f'structure_{number}']}"
         for number, name in enumerate(dataset.building.values, start=1)
     ]
     gaps = ", ".join(f"{CENTIMETRES * float(gap):.3g}" for gap in np.atleast_1d(dataset.attrs["gaps"]))
     told.append(f"contact: {dataset.attrs['contact']}; gap {gaps} cm")
+    motions = ("ground", "envelope")  # of simulated ones
+    told += [f"{role}: {dataset.attrs[role]}" for role in motions if role in dataset.attrs]
     return filled(told, CAPTION, "    ")

@@ -1,0 +1,158 @@
+"""Buildings in a row through many motions: what each of them comes to, and statistics of that."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.pounding.histories import course
+from stochlin.analyses.pounding.rows import Building, Meeting, shortest_period, slow_approach
+from stochlin.analyses.pounding.runs import alone, in_row
+from stochlin.analyses.pounding.summaries import labelled, summary
+from stochlin.analyses.pounding.variables import STATISTICS
+from stochlin.analyses.records.cells import RECORD, Motions, Records, checked_motions
+from stochlin.analyses.simulation.finite_motions import exceedance, keeping_apart, quantile_intervals
+from stochlin.analyses.tables import labels
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import Progress, in_order
+from stochlin.kernels.pounding.rows import Row
+
+PATH = "path"
+NEIGHBOURS = "neighbours"
+BALANCE = "energy_balance_error"
+ENDS = ("", "_lower", "_upper")  # of a quantity, and of its 95 % interval
+# NaN in a motion without an impact, which counts as 0, and what tells.
+OF_IMPACTS = {
+    "hardest_force": "impacts",
+    "hardest_force_between": "impacts_between",
+    "fastest_approach": "impacts",
+}
+# Of all contacts between two neighbours, and how their values are put together.
+BETWEEN: Mapping[str, Any] = {
+    "impacts": np.sum,
+    "hardest_force": np.fmax.reduce,
+    "contact_energy": np.sum,
+}
+
+
+class Ensemble(NamedTuple):
+    """Motions, and the dimension over which there are several: simulated ones, or records."""
+
+    motions: Motions
+    over: str | None
+    labels: xr.DataArray | None = None  # the coordinate along it
+
+    def describe(self) -> str:
+        """One line for the run information."""
+        if self.over != PATH:
+            return self.motions.describe().removeprefix("record: ")
+        (acceleration, dt), *more = self.motions.grounds
+        return f"{1 + len(more)} paths, {acceleration.size} samples at {dt:g} s"
+
+
+def checked_ensemble(motion: Records) -> Ensemble:
+    """One motion or several; of an array over ``path`` and ``time`` each path is one."""
+    if not isinstance(motion, xr.DataArray):
+        motions = checked_motions(motion)
+        names = xr.DataArray(motions.names, dims=RECORD, attrs={"long_name": "record"})
+        return Ensemble(motions, RECORD, names)
+    if PATH not in motion.dims:
+        return Ensemble(checked_motions(motion), None)
+    paths = {f"path {n}": motion.isel({PATH: n}, drop=True) for n in range(motion.sizes[PATH])}
+    own = motion[PATH].assign_attrs(long_name="simulated motion") if PATH in motion.coords else None
+    return Ensemble(checked_motions(paths), PATH, own)
+
+
+def over_motions(
+    structures: Sequence[Building],
+    row: Row,
+    places: Sequence[Meeting],
+    ensemble: Ensemble,
+    progress: Progress | None,
+) -> xr.Dataset:
+    """What each motion comes to; one that fails is NaN, and says why."""
+    motions, over = ensemble.motions, str(ensemble.over)
+    shortest = shortest_period(structures)
+
+    def of(number: int) -> dict[str, Array] | ArithmeticError:
+        ground = motions.grounds[number]
+        own = row._replace(slow=slow_approach(shortest, ground.acceleration))
+        try:
+            done = in_row(structures, own, ground)
+            lone = alone(structures, own, ground)
+        except ArithmeticError as error:
+            return error
+        found = course(own, done)
+        return summary(own, places, found, done, lone) | {BALANCE: found.whole[BALANCE].max()}
+
+    found = list(in_order(of, len(motions.grounds), progress))
+    failed = [each for each in found if isinstance(each, ArithmeticError)]
+    if len(failed) == len(found):
+        raise ArithmeticError(
+            f"{failed[0]}; so in all {len(found)} motions" if failed[1:] else failed[0]
+        )
+    like = next(each for each in found if isinstance(each, dict))
+    blank = {name: np.full(np.shape(values), np.nan) for name, values in like.items()}
+    rows = [blank if isinstance(each, ArithmeticError) else each for each in found]
+    values = {name: np.array([each[name] for each in rows], float) for name in like}
+    good = xr.DataArray([isinstance(each, dict) for each in found], dims=over)
+    table = xr.Dataset(labelled(values, row, structures, over))
+    table["status"] = labels.status_where(good, labels.NOT_CONVERGED)
+    told = ["" if isinstance(each, dict) else str(each) for each in found]
+    if ensemble.labels is not None:
+        table = table.assign_coords({over: ensemble.labels})
+    return table.assign_coords(missing=(over, told, {"long_name": "what a motion lacks, and why"}))
+
+
+def with_statistics(table: xr.Dataset, over: str, levels: Array) -> xr.Dataset:
+    """The table with sums over the contacts of each gap, means and quantiles over the motions.
+
+    Motions that have failed do not count.
+    """
+    table = _between_neighbours(table, over)
+    good = table.isel({over: (table.status == labels.CONVERGED).values})
+    level = labels.axis("quantile", "quantile", levels)
+    for name in (each for each in STATISTICS if each in good):
+        samples = good[name]
+        if name in OF_IMPACTS:
+            samples = samples.where(good[OF_IMPACTS[name]] > 0, 0.0)
+        table = table.assign(_statistics(name, samples.transpose(over, ...), level))
+    hits = good.impacts_between.rename({over: PATH})
+    shares = exceedance(hits, 0.0).rename(
+        {f"probability{end}": f"pounding_probability{end}" for end in ENDS}
+    )
+    table = table.assign(shares.data_vars).assign(keeping_apart(hits, 0.0))
+    return table.assign_coords(quantile=level)
+
+
+def _between_neighbours(table: xr.Dataset, over: str) -> xr.Dataset:
+    """With what the contacts between two neighbours, at all levels, come to together."""
+    left = table.left.values
+    pairs = [f"{n} | {n + 1}" for n in np.unique(left)]
+    table = table.assign_coords(
+        {NEIGHBOURS: (NEIGHBOURS, pairs, {"long_name": "both sides of the gap"})}
+    )
+    for name, join in BETWEEN.items():
+        values = table[name].transpose(over, "contact").values
+        joined = [join(values[:, left == n], axis=1) for n in np.unique(left)]
+        table[f"{name}_between"] = ((over, NEIGHBOURS), np.stack(joined, axis=1))
+    return table
+
+
+def _statistics(name: str, samples: xr.DataArray, level: xr.DataArray) -> dict[str, xr.DataArray]:
+    """Mean and quantiles along the first dimension, with their errors; NaN where a sample is."""
+    values = samples.values
+    like = samples.isel({samples.dims[0]: 0}, drop=True)
+    known = like.copy(data=~np.isnan(values).any(axis=0))
+    values = np.where(known, values, 0.0)
+    error = np.full(like.shape, np.nan)
+    if len(values) > 1:
+        error = values.std(axis=0, ddof=1) / np.sqrt(len(values))
+    wide = like.expand_dims(quantile=level)
+    found = {"mean": like.copy(data=values.mean(axis=0)), "mean_standard_error": like.copy(data=error)}
+    for end, each in zip(ENDS, quantile_intervals(values, level.values), strict=True):
+        found[f"quantile{end}"] = wide.copy(data=each)
+    return {f"{name}_{what}": each.where(known) for what, each in found.items()}

@@ -1,0 +1,257 @@
+"""Pounding in many motions: in words, and as a picture of what is exceeded how often."""
+
+from __future__ import annotations
+
+from itertools import cycle
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.cases.pounding import is_oscillator
+from stochlin.analyses.records.files import METRES
+from stochlin.views.pounding.floors import LINE, WIDTH, levels_of
+from stochlin.views.pounding.pictures import caption_of
+from stochlin.views.shared.screen import columns, cut, paragraph
+from stochlin.views.shared.style import AS_GIVEN, CURVES, styled
+from stochlin.views.shared.words import MISSING, floors, per_cent, short
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from stochlin.analyses.cases.case import Case
+
+NAME = 24  # characters of a name
+SHOWN = 0.84  # the quantile of profiles
+NOTES = (
+    "Mean: with its standard error. Of the quantiles 95 % intervals are in brackets; over: the motions "
+    "are too few for its upper end. Alone: without pounding. In motions without an impact forces count "
+    "as 0."
+)
+STOREYS = (
+    "Displacements are those of the roof; accelerations those of the floor that pounding shakes most, "
+    "with and without."
+)
+JUMPS = "This contact says nothing of forces."
+FAILED = (
+    "{} of {} motions FAILED and are left out: {}. They are hardly the mild ones, so quantiles are too "
+    "small."
+)
+HEAD, PANEL, BETWEEN, AXIS, KEY = 0.35, 2.2, 0.55, 0.62, 0.45  # inches, of the picture
+LEFT, RIGHT, APART = 0.09, 0.98, 0.1  # of its width
+
+
+def ensemble_lines(case: Case, table: xr.Dataset) -> list[str]:
+    """All that the screen shows of many motions."""
+    over = str(table.status.dims[0])
+    good = int((table.status == 0).sum())
+    lines = [case.title, *paragraph(floors(case)), ""]
+    shaking = f"{table.sizes[over]} records"
+    if over == "path":
+        shaking = f"{table.sizes[over]} simulated motions of {case.duration:.4g} s, {case.site}"
+    lines += paragraph(f"{shaking}: {_shares(table)}")
+    if good < table.sizes[over]:
+        why = next(str(text) for text in table.missing.values if text)
+        lines += ["", *paragraph(FAILED.format(table.sizes[over] - good, table.sizes[over], why))]
+    if "column_force_quantile" in table:
+        lines += ["", *paragraph(_columns_met(table))]
+    heads = ["", "mean", *(per_cent(level) for level in table["quantile"].values)]
+    rows: list[list[str]] = []
+    for pair in range(table.sizes["neighbours"]):
+        rows += _gap_rows(table.isel(neighbours=pair), heads)
+    for number in range(table.sizes["structure"]):
+        rows += _building_rows(table.isel(structure=number), heads)
+    lines += ["", *(line.rstrip() for line in columns(heads, rows)), ""]
+    notes = [NOTES, *[STOREYS] * ("floor" in table.dims)]
+    notes += [JUMPS] * bool(table.hardest_force_between_mean.isnull().any())
+    return [*lines, *paragraph(" ".join(notes))]
+
+
+def _shares(table: xr.Dataset) -> str:
+    """In how many motions the neighbours hit."""
+    told = []
+    for pair in range(table.sizes["neighbours"]):
+        one = table.isel(neighbours=pair)
+        share, low, high = (
+            per_cent(float(one[f"pounding_probability{end}"])) for end in ("", "_lower", "_upper")
+        )
+        left, right = str(one.neighbours.item()).split(" | ")
+        told.append(f"buildings {left} and {right} hit in {share} of them ({low} to {high})")
+    return f"{'; '.join(told)}."
+
+
+def _columns_met(table: xr.Dataset) -> str:
+    most = table.column_force_quantile.isel(quantile=-1)
+    one = table.isel(contact=int(most.fillna(0.0).argmax("contact")))
+    struck, level = int(one[str(one.column.item())]), float(table["quantile"][-1])
+    return (
+        "SLABS FACE COLUMNS: the floors are not level. Hardest are hit, "
+        f"{float(one.level):.4g} m up, the columns of storey {int(one.storey)} of building {struck}: "
+        f"with no more than {short(1e-6 * float(one.column_force_quantile[-1]))} MN in "
+        f"{per_cent(level)} of the motions."
+    )
+
+
+def _gap_rows(one: xr.Dataset, heads: list[str]) -> list[list[str]]:
+    pair = str(one.neighbours.item())
+    gap = 100 * float(one.gap.values[one.left.values == int(pair.split(" | ", maxsplit=1)[0])][0])
+    kinds = {
+        "impacts": ("impacts_between", 1.0),
+        "largest force [MN]": ("hardest_force_between", 1e-6),
+        "energy lost [kJ]": ("contact_energy_between", 1e-3),
+    }
+    rows = [_row(f"  {name}", one, stem, scale) for name, (stem, scale) in kinds.items()]
+    return [[f"Gap {pair}, {gap:.3g} cm", *[""] * (len(heads) - 1)], *rows]
+
+
+def _building_rows(one: xr.Dataset, heads: list[str]) -> list[list[str]]:
+    top = shaken = one
+    told = ""
+    if "floor" in one.dims:
+        top = one.sel(floor=int(one.storeys))
+        times = one.peak_acceleration_mean / one.peak_acceleration_alone_mean
+        shaken = one.isel(floor=int(times.argmax("floor")))
+        told = "" if is_oscillator(one) else f", floor {int(shaken.floor)}"
+    rows = []
+    for name, place, stem, scale in (
+        ("displacement [cm]", top, "peak", 100.0),
+        (f"acceleration [g]{told}", shaken, "peak_acceleration", 1 / METRES["g"]),
+        ("base shear [MN]", one, "peak_base_shear", 1e-6),
+    ):
+        rows.append(_row(f"  {name}", place, stem, scale))
+        rows.append(_row("    alone", place, f"{stem}_alone", scale))
+    named = f"{int(one.structure)}  {cut(str(one.building.item()), NAME)}"
+    return [[named, *[""] * (len(heads) - 1)], *rows]
+
+
+def _row(name: str, one: xr.Dataset, stem: str, scale: float) -> list[str]:
+    """Mean with its error, and quantiles with their intervals."""
+    mean, error = (scale * float(one[f"{stem}_mean{end}"]) for end in ("", "_standard_error"))
+    cells = [MISSING if np.isnan(mean) else f"{_digits(mean)} +- {error:.2g}"]
+    ends = (scale * one[f"{stem}_quantile{end}"].values for end in ("", "_lower", "_upper"))
+    for value, low, high in zip(*ends, strict=True):
+        between = f"{_digits(low)}-{_digits(high)}" if np.isfinite(high) else f"over {_digits(low)}"
+        cells.append(MISSING if np.isnan(value) else f"{_digits(value)} ({between})")
+    return [name, *cells]
+
+
+def _digits(value: float) -> str:
+    """Three digits, below one two: the intervals are wider."""
+    return short(value) if value >= 1 else f"{value:.2g}"
+
+
+@styled(AS_GIVEN)
+def draw_ensemble(dataset: xr.Dataset) -> Figure:
+    """Draw pounding in many motions, as ``stochlin pound --motions`` computes it.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        As `stochlin.charts.pound_motions` makes it, from memory or from file.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The share of the motions with more impacts, and with a larger force, across each gap; and the
+        accelerations and displacements with pounding and without: of oscillators how often they are
+        exceeded, of buildings with storeys a quantile over height.
+
+    Raises
+    ------
+    ValueError
+        If the dataset is another one.
+    """
+    from matplotlib.figure import Figure
+
+    if "impacts_between" not in dataset or "building" not in dataset.coords:
+        raise ValueError(
+            f"dataset has the dimensions {tuple(dataset.dims)}; allowed: one that 'stochlin pound' "
+            "saves of many motions"
+        )
+    caption = caption_of(dataset)
+    foot = AXIS + LINE * (caption.count("\n") + 1)
+    height = HEAD + 2 * (KEY + PANEL) + BETWEEN + foot
+    figure = Figure(figsize=(WIDTH, height))
+    wide = (RIGHT - LEFT - APART) / 2
+    panels = [
+        figure.add_axes((LEFT + n * (wide + APART), low / height, wide, PANEL / height))
+        for low in (foot + PANEL + KEY + BETWEEN, foot)
+        for n in range(2)
+    ]
+    _gaps(panels[0], panels[1], dataset)
+    storeys = "floor" in dataset.dims
+    for axes, stem, scale, name in (
+        (panels[2], "peak_acceleration", 1 / METRES["g"], "acceleration [g]"),
+        (panels[3], "peak", 100.0, "displacement [cm]"),
+    ):
+        (_over_height if storeys else _exceeded)(axes, dataset, stem, scale)
+        told = f"{name}, not exceeded in {100 * _level(dataset):.3g} %" if storeys else name
+        axes.set(xlim=(0, None), xlabel=told)
+    panels[2].set_ylabel("height [m]" if storeys else "share of motions with more")
+    for axes, ncols in ((panels[0], 4), (panels[2], 3)):
+        handles = axes.get_legend_handles_labels()[0]
+        if handles:
+            above: Any = {"loc": "lower left", "bbox_to_anchor": (-0.02, 1.0), "borderaxespad": 0.2}
+            axes.legend(**above, ncols=ncols, fontsize=8, handlelength=3)
+    figure.text(LEFT, 1 - 0.2 / height, dataset.attrs["title"], size=10)
+    figure.text(LEFT, (foot - AXIS) / height, caption, va="top", size=7.5)
+    return figure
+
+
+def _gaps(left: Axes, right: Axes, dataset: xr.Dataset) -> None:
+    """How many impacts, and how hard, across each gap."""
+    forces = bool(dataset.hardest_force_between_mean.notnull().all())
+    for (color, dash), number in zip(cycle(CURVES), range(dataset.sizes["neighbours"]), strict=False):
+        one = dataset.isel(neighbours=number)
+        style: Any = {"color": color, "linestyle": dash, "lw": 1.4}
+        label = f"gap {one.neighbours.item()}"
+        _exceedance(left, one.impacts_between.values, style | {"label": label})
+        if forces:
+            none_is_zero = one.hardest_force_between.where(one.impacts_between > 0, 0.0)
+            force = none_is_zero.where(one.status == 0).values
+            _exceedance(right, 1e-6 * force, style)
+    if not forces:
+        right.text(0.5, 0.5, "no forces: velocities jump", transform=right.transAxes, ha="center")
+    left.set(xlabel="impacts", ylabel="share of motions with more", xlim=(0, None), ylim=(0, 1.02))
+    right.set(xlabel="largest force [MN]", xlim=(0, None), ylim=(0, 1.02))
+
+
+def _exceeded(axes: Axes, dataset: xr.Dataset, stem: str, scale: float) -> None:
+    for (color, dash), number in zip(cycle(CURVES), range(dataset.sizes["structure"]), strict=False):
+        one = dataset.isel(structure=number)
+        style: Any = {"color": color, "linestyle": dash}
+        label = f"{number + 1} {cut(str(one.building.item()), NAME)}"
+        _exceedance(axes, scale * one[stem].values, style | {"lw": 1.6, "label": label})
+        _exceedance(axes, scale * one[f"{stem}_alone"].values, style | {"lw": 0.6})
+    axes.plot([], [], color="0.35", lw=0.6, label="thin: alone")
+    axes.set_ylim(0, 1.02)
+
+
+def _exceedance(axes: Axes, samples: np.ndarray, style: dict[str, Any]) -> None:
+    """The share of the motions above each value; those that failed do not count."""
+    ordered = np.sort(samples[np.isfinite(samples)])
+    share = 1 - np.arange(ordered.size + 1) / ordered.size
+    axes.step(np.append(0.0, ordered), share, where="post", **style)
+
+
+def _over_height(axes: Axes, dataset: xr.Dataset, stem: str, scale: float) -> None:
+    at = {"quantile": _level(dataset)}
+    looks = cycle(zip(CURVES, "osD^vP", strict=True))
+    for number, ((color, dash), marker) in zip(range(dataset.sizes["structure"]), looks, strict=False):
+        one, levels = dataset.isel(structure=number), levels_of(dataset, number)
+        style: Any = {"color": color, "linestyle": dash, "marker": marker, "ms": 4}
+        label = f"{number + 1} {cut(str(one.building.item()), NAME)}"
+        ends = ("", "_alone")
+        with_hits, alone = (
+            scale * one[f"{stem}{end}_quantile"].sel(at).values[: levels.size] for end in ends
+        )
+        axes.plot(alone, levels, **style | {"mfc": "white", "lw": 0.7})
+        axes.plot(with_hits, levels, label=label, lw=1.3, **style)
+    axes.plot([], [], color="0.35", marker="o", mfc="white", ms=4, lw=0.7, label="open, thin: alone")
+    axes.set_ylim(0, None)
+
+
+def _level(dataset: xr.Dataset) -> float:
+    levels = dataset["quantile"].values
+    return float(levels[np.abs(levels - SHOWN).argmin()])

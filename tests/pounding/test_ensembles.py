@@ -1,0 +1,264 @@
+"""Pounding in many motions: each is what it is alone, the table counts them, and one spoils no other."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.stats
+import xarray as xr
+
+import stochlin as sl
+from stochlin.analyses.simulation.finite_motions import quantile_intervals
+
+pytestmark = pytest.mark.invariant
+
+SOFT = sl.Bilinear(1.2, 0.05, 0.05, yield_displacement=0.05, mass=2e5)
+STIFF = sl.Bilinear(0.6, 0.05, 0.05, yield_displacement=0.02, mass=3e5)
+TOWER = sl.ShearBuilding(
+    [2e5] * 3, [2e8, 1.6e8, 1e8], [3.5] * 3, 0.05, hardening=0.05, yield_drifts=0.008
+)
+ANNEX = sl.ShearBuilding([2e5] * 2, [4e8, 3e8], [4.2, 3.0], 0.05, hardening=0.05, yield_drifts=0.006)
+BUMPER = sl.Kelvin(1e8, restitution=0.65)
+GROUND = sl.named_ground("firm", intensity=0.01)
+QUAKE: dict[str, Any] = {"duration": 8.0, "envelope": sl.AminAng(1.0, 5.0, 0.5)}
+ONE_ONLY = {"energy_balance_error", "largest_radius_amplification", "gap"}
+CASES: dict[str, tuple[list[Any], Any, Any, dict[str, Any]]] = {
+    "oscillators": ([SOFT, STIFF], 0.08, BUMPER, {}),
+    "a law over the approach": ([SOFT, STIFF], 0.08, sl.HertzDamp(1e9, restitution=0.65), {}),
+    "blows in a row": ([SOFT, STIFF, SOFT], [0.05, 0.02], sl.Stereomechanical(0.5), {}),
+    "columns, and a link": (
+        [TOWER, ANNEX, STIFF],
+        [0.01, 0.03],
+        BUMPER,
+        {"link": [sl.Link(1e6, floors=(2, 1)), None]},
+    ),
+}
+
+
+def motions(paths: int = 24, seed: int = 0, **other: Any) -> xr.DataArray:
+    return sl.simulated_motions(GROUND, **QUAKE, paths=paths, seed=seed, **other)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_each_motion_is_what_it_is_alone_to_the_bit(case: str) -> None:
+    structures, gaps, contact, options = CASES[case]
+    shaking = motions(4)
+    longer = {"a": shaking[2], "b": sl.simulated_motions(GROUND, 5.0, paths=2, step=0.02)[1]}
+    for many, over, each in (
+        (shaking, "path", list(shaking)),
+        (shaking.transpose("time", "path"), "path", list(shaking)),
+        (longer, "record", list(longer.values())),
+    ):
+        table = sl.pound(structures, gaps, contact, many, **options)
+        assert table.sizes[over] == len(each)
+        assert "time" not in table.dims
+        for number, motion in enumerate(each):
+            alone = sl.pound(structures, gaps, contact, motion, **options)
+            shared = {name for name in table.data_vars if name in alone} - ONE_ONLY
+            assert {"impacts", "hardest_force", "peak", "peak_acceleration_alone"} < shared
+            for name in shared:
+                one = table[name].isel({over: number})
+                assert one.dims == alone[name].dims
+                np.testing.assert_array_equal(one.values, alone[name].values, err_msg=str(name))
+            worst = float(table.energy_balance_error[number])
+            assert worst == float(alone.energy_balance_error.max()) < 1e-6
+
+
+def test_summaries_are_those_of_the_impacts() -> None:
+    shaking = motions()
+    table = sl.pound([SOFT, STIFF], 0.08, BUMPER, shaking)
+    for number, motion in enumerate(shaking[:6]):
+        alone = sl.pound([SOFT, STIFF], 0.08, BUMPER, motion)
+        one = table.isel(path=number, contact=0)
+        assert int(one.impacts) == alone.sizes["impact"]
+        if alone.sizes["impact"]:
+            assert float(one.hardest_force) == float(alone.largest_force.max())
+            assert float(one.longest_impact) == float(alone.impact_duration.max())
+            assert float(one.contact_energy) == pytest.approx(float(alone.contact_lost_energy[-1]))
+        else:
+            assert np.isnan(one.hardest_force)
+        given = alone.energy_transferred.sum("impact").values
+        np.testing.assert_allclose(one.energy_received, given)
+
+
+# --- Against the simulations that know no contact ---------------------------------------------------
+
+
+@pytest.mark.parametrize("pair", [(SOFT, STIFF), (TOWER, ANNEX)], ids=["oscillators", "storeys"])
+def test_they_meet_in_the_motions_whose_separation_exceeds_the_gap(pair: tuple[Any, Any]) -> None:
+    """Those step otherwise: paths within their error of the gap may be either."""
+    simulated = sl.simulate(pair, GROUND, **QUAKE, paths=64, seed=3)
+    apart = simulated.separation[:, 0, 1]
+    shaking = motions(64, seed=3, step=simulated.attrs["step_s"])
+    gap = float(apart.median())
+    table = sl.pound(pair, gap, BUMPER, shaking)
+    hit = (table.impacts_between > 0).isel(neighbours=0).values
+    near = np.abs(apart.values / gap - 1) < 0.02
+    assert near.sum() <= 8
+    np.testing.assert_array_equal(hit[~near], (apart.values > gap)[~near])
+    exceeded = sl.exceedance(apart, gap)
+    assert abs(float(table.pounding_probability[0] - exceeded.probability)) <= near.sum() / 64
+    exact = sl.recorded_gap(*pair, list(shaking)).separation.values
+    clear = np.abs(exact / gap - 1) > 2e-4
+    np.testing.assert_array_equal(hit[clear], (exact > gap)[clear])
+    course = sl.pounding_probability(*pair, GROUND, gap, **QUAKE, paths=64, seed=3)
+    confidence = float(course.confidence_of_no_pounding_simulated[-1])
+    assert abs(float(table.no_pounding_probability[0]) - confidence) <= near.sum() / 64
+
+
+# --- What is done to all motions is done to the table -----------------------------------------------
+
+
+def test_a_mirrored_row_in_mirrored_motions_has_the_same_table() -> None:
+    shaking = motions(8)
+    table = sl.pound([TOWER, ANNEX, STIFF], [0.01, 0.03], BUMPER, shaking)
+    other = sl.pound([STIFF, ANNEX, TOWER], [0.03, 0.01], BUMPER, -shaking)
+    assert float(table.impacts.sum()) > 20
+    np.testing.assert_array_equal(table.impacts_between, other.impacts_between[:, ::-1])
+    for name in ("peak", "peak_acceleration", "peak_storey_shear_alone"):
+        np.testing.assert_allclose(table[name], other[name][:, ::-1], rtol=1e-6)
+    for name in ("hardest_force_between_quantile", "contact_energy_between_mean"):
+        np.testing.assert_allclose(table[name], other[name][..., ::-1], rtol=1e-6)
+    np.testing.assert_array_equal(table.pounding_probability, other.pounding_probability[::-1])
+
+
+def test_all_lengths_grow_with_the_motion() -> None:
+    """With a linear contact; strengths and gap grow with it."""
+    shaking, a = motions(8), 2.5
+    bigger = [
+        replace(one, yield_displacement=a * float(one.yield_displacement)) for one in (SOFT, STIFF)
+    ]
+    table = sl.pound([SOFT, STIFF], 0.05, BUMPER, shaking)
+    scaled = sl.pound(bigger, a * 0.05, BUMPER, (a * shaking).assign_attrs(shaking.attrs))
+    assert float(table.impacts.sum()) > 10
+    np.testing.assert_array_equal(table.impacts, scaled.impacts)
+    for name, power in (("hardest_force", 1), ("peak_acceleration_quantile", 1), ("contact_energy", 2)):
+        np.testing.assert_allclose(scaled[name], a**power * table[name], rtol=1e-6)
+
+
+# --- Statistics -------------------------------------------------------------------------------------
+
+
+def test_means_quantiles_and_shares_are_those_of_the_motions() -> None:
+    table = sl.pound([SOFT, STIFF], 0.1, BUMPER, motions(40), quantiles=[0.5, 0.9])
+    hits = table.impacts[:, 0].values
+    assert 0 < (hits > 0).sum() < 40
+    interval = scipy.stats.binomtest(int((hits > 0).sum()), 40).proportion_ci(0.95, "exact")
+    assert float(table.pounding_probability[0]) == (hits > 0).mean()
+    assert float(table.pounding_probability_lower[0]) == pytest.approx(interval.low)
+    assert float(table.no_pounding_probability_lower[0]) == pytest.approx(1 - interval.high)
+    force = np.where(hits > 0, table.hardest_force[:, 0].values, 0.0)
+    for name, samples in (
+        ("hardest_force", force),
+        ("hardest_force_between", force),
+        ("impacts", hits),
+        ("peak_acceleration", table.peak_acceleration[:, 0].values),
+    ):
+        found = [table[f"{name}_{end}"][..., 0].values for end in ("mean", "quantile")]
+        np.testing.assert_allclose(found[0], samples.mean())
+        np.testing.assert_allclose(found[1], np.quantile(samples, [0.5, 0.9]))
+        error = float(table[f"{name}_mean_standard_error"][0])
+        assert error == pytest.approx(samples.std(ddof=1) / np.sqrt(40))
+        low, high = (table[f"{name}_quantile_{end}"][..., 0].values for end in ("lower", "upper"))
+        ordered = np.sort(samples)  # binomial order statistics of 40 for the median: 14 and 27
+        assert (low[0], high[0]) == (ordered[13], ordered[26])
+        assert high[1] >= found[1][1] >= low[1]
+    for name, variable in table.variables.items():
+        assert "long_name" in variable.attrs, name
+        assert name in ("status", "missing", "neighbours", *table.coords) or "units" in variable.attrs
+
+
+def test_every_coverage_is_at_least_what_is_promised() -> None:
+    """The interval of the median over 200 ensembles of 20 motions of one long ensemble."""
+    table = sl.pound([SOFT, STIFF], 0.05, BUMPER, motions(400))
+    peaks = table.peak_acceleration[:, 0].values
+    truth = np.median(peaks)
+    rng, held = np.random.default_rng(0), 0
+    for _ in range(200):
+        _, low, high = quantile_intervals(rng.choice(peaks, 20), np.array([0.5]))
+        held += low[0] <= truth <= high[0]
+    assert held >= 183  # 95 % of 200, less 2.3 standard errors
+
+
+def test_few_motions_bound_nothing() -> None:
+    table = sl.pound([SOFT, STIFF], 0.1, BUMPER, motions(2))
+    assert np.isinf(table.peak_quantile_upper).all()
+    one = sl.pound([SOFT, STIFF], 0.1, BUMPER, [motions(2)[0]])
+    assert np.isnan(one.peak_mean_standard_error).all()
+    assert np.isfinite(one.peak_mean).all()
+
+
+def test_velocities_that_jump_say_nothing_of_forces() -> None:
+    table = sl.pound([SOFT, STIFF], 0.05, sl.Stereomechanical(0.6), motions(8))
+    assert float(table.impacts.sum()) > 0
+    assert table.hardest_force_quantile.isnull().all()
+    assert table.impacts_quantile.notnull().all()
+
+
+# --- What fails -------------------------------------------------------------------------------------
+
+WEAK = sl.ShearBuilding(
+    [2e5] * 2, [2e7, 2e7], [3.0] * 2, 0.05, hardening=0.001, yield_drifts=0.01, p_delta=True
+)
+
+
+def test_a_motion_that_fails_is_named_and_spoils_no_other() -> None:
+    shaking = motions(6)
+    factors = xr.DataArray([0.2, 0.2, 8.0, 0.2, 0.2, 0.2], dims="path")
+    strong = (factors * shaking).transpose("path", "time").assign_attrs(shaking.attrs)
+    table = sl.pound([WEAK, STIFF], 0.02, BUMPER, strong)
+    assert table.status.values.tolist() == [0, 0, 2, 0, 0, 0]
+    assert "structure 1 falls over" in str(table.missing[2].item())
+    assert [str(text) for text in np.delete(table.missing.values, 2)] == [""] * 5
+    assert table.isel(path=2).impacts.isnull().all()
+    rest = np.delete(np.arange(6), 2)
+    others = sl.pound([WEAK, STIFF], 0.02, BUMPER, strong[rest])
+    for name in table.data_vars:
+        kept = table[name].isel(path=rest) if "path" in table[name].dims else table[name]
+        np.testing.assert_array_equal(kept, others[name], err_msg=str(name))
+    with pytest.raises(ArithmeticError, match=r"falls over.*; so in all 2 motions"):
+        sl.pound([WEAK, STIFF], 0.02, BUMPER, strong[[2, 2]])
+
+
+@pytest.mark.parametrize(
+    ("motion", "error", "says"),
+    [
+        ([], ValueError, "motion: record is empty"),
+        ({}, ValueError, "motion: record is empty"),
+        (motions(2)[:0], ValueError, "motion: record is empty"),
+        (motions(3).where(motions(3).time != 2), ValueError, "motion: record path 0: .* nan at 2 s"),
+        ({"Taft": 0 * motions(2)[0]}, ValueError, "motion: record Taft: record holds only zeros"),
+        (motions(2).assign_attrs(units="g"), ValueError, "motion: record path 0: .*units 'g'"),
+        (motions(2)[:, 0], ValueError, "motion: record path 0: record has the dimensions"),
+        (motions(2).expand_dims("site"), ValueError, r"path 0: .*\('site', 'time'\)"),
+        (motions(2).drop_vars("time"), ValueError, "motion: record path 0"),
+        (motions(2).values, TypeError, "motion: record is a ndarray"),
+        ([motions(2)], ValueError, "motion: record .* has the dimensions"),
+    ],
+)
+def test_what_is_no_ensemble_is_refused(motion: Any, error: type[Exception], says: str) -> None:
+    with pytest.raises(error, match=says):
+        sl.pound([SOFT, STIFF], 0.05, BUMPER, motion)
+
+
+def test_nonsense_beside_an_ensemble_is_refused_before_the_work() -> None:
+    pair = [SOFT, STIFF], 0.05, BUMPER
+    with pytest.raises(ValueError, match=r"output_step = 0.1 goes with one motion"):
+        sl.pound(*pair, motions(2), output_step=0.1)
+    for quantiles in ([0.0], [1.0], [], [np.nan], 0.5):
+        with pytest.raises(ValueError, match=r"quantiles = .*between 0 and 1"):
+            sl.pound(*pair, motions(2), quantiles=quantiles)
+    with pytest.raises(TypeError, match="quantiles = 'most'"):
+        sl.pound(*pair, motions(2), quantiles="most")
+    stubby = sl.Bilinear(1e-6, 0.05, mass=1e5)
+    with pytest.raises(ValueError, match=r"30 motions, 240 s of motion, .* fewer motions"):
+        sl.pound([SOFT, stubby], 0.05, BUMPER, motions(30))
+
+
+def test_progress_is_the_share_of_the_motions() -> None:
+    shares: list[float] = []
+    sl.pound([SOFT, STIFF], 0.05, BUMPER, motions(5), progress=shares.append)
+    assert shares == [0.0, 0.2, 0.4, 0.6, 0.8, 1.0]
