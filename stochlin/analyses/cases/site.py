@@ -13,6 +13,8 @@ from stochlin.analyses.records.ground_fit import fitted_grounds
 from stochlin.analyses.records.records import read_record
 from stochlin.analyses.records.spectra import ESTIMATORS
 from stochlin.analyses.sites.ground_fit import fit_ground
+from stochlin.analyses.sites.motion_fit import FILTERS, FittedMotion, energy_ratio, fit_motion
+from stochlin.analyses.sites.spectrum_fit import MOST_FILTERS
 from stochlin.models.envelopes import ENVELOPES, Envelope
 from stochlin.models.grounds import GROUNDS, Ground, WhiteNoise
 from stochlin.models.grounds.named import ground_names, named_ground
@@ -20,6 +22,7 @@ from stochlin.models.parameters import POSITIVE
 
 FITTED, NONE = "fitted", "none"
 TIME = Quantity("s", POSITIVE)
+_LIKE = 0.8, 1.25  # energy of motions over that of a record, without a warning
 
 
 def recorded_motions(site: Section, folder: Path) -> dict[str, xr.DataArray]:
@@ -65,9 +68,45 @@ def read_ground(site: Section, records: Mapping[str, xr.DataArray]) -> Ground:
     return site.model(GROUNDS[name], names)
 
 
+def fitted_motion(
+    site: Section, motion: Section, records: Mapping[str, xr.DataArray]
+) -> FittedMotion | None:
+    """Ground, envelope and duration of the first record, where the envelope is fitted to it too."""
+    if motion.values.get("envelope") != FITTED:
+        return None
+    if site.values.get("ground") != FITTED or not records:
+        raise motion.error(
+            "envelope",
+            'goes with a ground that is fitted as well; allowed: ground = "fitted" in [site], and a '
+            "[[site.records]]",
+        )
+    motion.only("envelope")  # the duration is the record's
+    site.only("ground", "records", "filters")
+    filters = site.whole("filters", 1, FILTERS, MOST_FILTERS)
+    name, record = next(iter(records.items()))
+    try:
+        return fit_motion(record, filters=filters)
+    except (ArithmeticError, ValueError) as error:
+        raise motion.error("envelope", f"cannot be fitted to {name}: {error}") from error
+
+
+def check_energy(
+    motion: Section, record: xr.DataArray, ground: Ground, envelope: Envelope | None, duration: float
+) -> None:
+    """Warn where motions on a fitted ground are much weaker or stronger than its record."""
+    ratio = energy_ratio(record, ground, envelope, duration)
+    if not _LIKE[0] <= ratio <= _LIKE[1]:
+        motion.doubt(
+            "envelope",
+            f"and the duration make motions that carry {ratio:.2g} times the energy of the record that "
+            f'the ground is fitted to; for all of it and no more write envelope = "{FITTED}", without a '
+            "duration",
+        )
+
+
 def read_envelope(motion: Section) -> Envelope | None:
     """How the shaking rises and falls, if it is said."""
-    name = motion.text("envelope", (*ENVELOPES, NONE), NONE)
+    name = motion.text("envelope", (*ENVELOPES, NONE, FITTED), NONE)
     names = () if name == NONE else ENVELOPES[name].parameter_names()
     motion.only("duration", "envelope", *names)
     return None if name == NONE else motion.model(ENVELOPES[name], names)
