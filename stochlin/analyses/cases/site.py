@@ -16,11 +16,11 @@ from stochlin.analyses.sites.ground_fit import fit_ground
 from stochlin.analyses.sites.motion_fit import FILTERS, FittedMotion, energy_ratio, fit_motion
 from stochlin.analyses.sites.spectrum_fit import MOST_FILTERS
 from stochlin.models.envelopes import ENVELOPES, Envelope
-from stochlin.models.grounds import GROUNDS, Ground, WhiteNoise
+from stochlin.models.grounds import GROUNDS, Ground, ParallelGround, WhiteNoise
 from stochlin.models.grounds.named import ground_names, named_ground
 from stochlin.models.parameters import POSITIVE
 
-FITTED, NONE = "fitted", "none"
+FITTED, NONE, PARALLEL = "fitted", "none", "parallel"
 TIME = Quantity("s", POSITIVE)
 _LIKE = 0.8, 1.25  # energy of motions over that of a record, without a warning
 
@@ -48,8 +48,8 @@ def recorded_motions(site: Section, folder: Path) -> dict[str, xr.DataArray]:
 
 
 def read_ground(site: Section, records: Mapping[str, xr.DataArray]) -> Ground:
-    """The ground, by name, by parameters, or fitted to the first record."""
-    kinds = (*ground_names(), *GROUNDS, FITTED)
+    """The ground, by name, by parameters, fitted to the first record, or several of them in parallel."""
+    kinds = (*ground_names(), *GROUNDS, FITTED, PARALLEL)
     name = site.text("ground", kinds)
     if name == FITTED:
         site.only("ground", "records", "model", "estimator")
@@ -61,6 +61,13 @@ def read_ground(site: Section, records: Mapping[str, xr.DataArray]) -> Ground:
             return fit_ground(next(iter(records.values())), model, estimator)
         except ValueError as error:
             raise site.error("ground", f"cannot be fitted to {next(iter(records))}: {error}") from error
+    if name == PARALLEL:
+        site.only("ground", "records", "intensity", "grounds")
+        for part in site.sections("grounds"):
+            part.text("ground", (*ground_names(), *GROUNDS))
+        parts = [read_ground(part, {}) for part in site.sections("grounds")]
+        given = site.given(ParallelGround, ("intensity",))
+        return site.made(ParallelGround, {"grounds": parts, **given})
     names = GROUNDS[name].parameter_names() if name in GROUNDS else ("intensity",)
     site.only("ground", "records", *names)
     if name not in GROUNDS:

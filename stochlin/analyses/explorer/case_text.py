@@ -12,7 +12,7 @@ from stochlin.analyses.explorer.buildings import REGULAR
 from stochlin.analyses.explorer.scene import Scene
 from stochlin.models.buildings import RegularBuilding, ShearBuilding
 from stochlin.models.envelopes import ENVELOPES
-from stochlin.models.grounds import GROUNDS
+from stochlin.models.grounds import GROUNDS, Ground, ParallelGround
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Model
 from stochlin.models.structures import Structure
@@ -33,9 +33,15 @@ def case_text(scene: Scene) -> str:
     >>> case_text(Scene(site="soft")).splitlines()[5:7]
     ['ground = "soft"', 'intensity = "0.01 m^2/s^3"']
     """
-    site = GROUNDS.get(scene.site, GROUNDS["white_noise"])  # a named ground has its intensity alone
+    site = GROUNDS.get(scene.site, GROUNDS["white_noise"])  # any other has its intensity alone
     lines = [f"title = {_written(scene.title)}", "", "[site]", f"ground = {_written(scene.site)}"]
     lines += _numbers(site, scene.site_parameters())
+    ground = scene.ground()
+    if isinstance(ground, ParallelGround):
+        for part in ground.grounds:
+            kind = next(name for name, one in GROUNDS.items() if type(part) is one)
+            lines += ["", "[[site.grounds]]", f"ground = {_written(kind)}"]
+            lines += _numbers(type(part), _given(part, part.parameter_names()))
     lines += [
         "",
         "[motion]",
@@ -85,7 +91,7 @@ def _regular(scene: Scene, number: int, structure: ShearBuilding) -> list[str]:
     return lines + _numbers(ShearBuilding, _given(structure, ("damping", "hardening")))
 
 
-def _given(structure: AnyStructure, names: Iterable[str]) -> dict[str, Any]:
+def _given(structure: AnyStructure | Ground, names: Iterable[str]) -> dict[str, Any]:
     """Those parameters that are set."""
     return {name: value for name in names if (value := getattr(structure, name)) is not None}
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from stochlin.analyses.cases.buildings import Building
 from stochlin.analyses.cases.case import FEWEST_PATHS, Case
-from stochlin.analyses.cases.site import FITTED, NONE
+from stochlin.analyses.cases.site import FITTED, NONE, PARALLEL
 from stochlin.analyses.cases.storeys import SlabOnColumn, StoreyBuilding, slabs_of_row
 from stochlin.analyses.explorer.buildings import (
     DESCRIPTIONS,
@@ -26,7 +27,7 @@ from stochlin.analyses.tables.checks import check_confidence, check_duration, ch
 from stochlin.messages import brief
 from stochlin.models.buildings import PLAUSIBLE_COEFFICIENT, ShearBuilding
 from stochlin.models.envelopes import ENVELOPES, AminAng, Envelope, GammaEnvelope, ShinozukaSato
-from stochlin.models.grounds import GROUNDS, Ground, KanaiTajimi
+from stochlin.models.grounds import GROUNDS, Ground, KanaiTajimi, ParallelGround
 from stochlin.models.grounds.named import ground_names, named_ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import POSITIVE, Model, Range, parameter
@@ -81,12 +82,13 @@ class Scene(Model):
     """Ground, two buildings, gap and motion: what the explorer's controls hold, in SI.
 
     Of ground, envelope and a building only the parameters of the chosen ``site``, ``envelope`` and
-    ``description`` count; the others wait for another choice. What no control shows is kept for the
-    case file: ``storeys`` and ``heights`` of oscillators; ``floor_masses`` [kg] of regular buildings, on
-    which nothing that is shown depends.
+    ``description`` count; the others wait for another choice. ``ground_of_file`` is that of the site
+    ``"parallel"``. What no control shows is kept for the case file: ``storeys`` and ``heights`` of
+    oscillators; ``floor_masses`` [kg] of regular buildings, on which nothing that is shown depends.
     """
 
     site: str = "firm"
+    ground_of_file: ParallelGround | None = None
     intensity: float = parameter("m^2/s^3", "intensity S0 of the ground", POSITIVE, 0.01)
     ground_period: float = parameter("s", "ground period", PERIOD, 1.0)
     ground_damping: float = parameter("1", "ground damping ratio", SOIL, 0.3)
@@ -145,7 +147,7 @@ class Scene(Model):
     def __post_init__(self) -> None:
         super().__post_init__()
         chosen = {
-            "site": SITES,
+            "site": self.sites(),
             "envelope": SHAPES,
             **{f"description_{n}": self.ways_to_describe(n) for n in (1, 2)},
         }
@@ -163,8 +165,18 @@ class Scene(Model):
         """The ways to describe building 1 or 2; the file's storeys are one where there are some."""
         return DESCRIPTIONS if self.storeys_of_file[number - 1] else DESCRIPTIONS[:-1]
 
+    def sites(self) -> tuple[str, ...]:
+        """The kinds of ground; filters in parallel are one where the file gives some."""
+        return (*SITES, PARALLEL) if self.ground_of_file else SITES
+
     def ground(self) -> Ground:
         """The ground of the site, at this intensity."""
+        return self._ground
+
+    @cached_property
+    def _ground(self) -> Ground:
+        if self.site == PARALLEL and self.ground_of_file:
+            return dataclasses.replace(self.ground_of_file, intensity=self.intensity)
         if self.site not in GROUNDS:
             return named_ground(self.site, self.intensity)
         kind: Any = GROUNDS[self.site]
@@ -268,7 +280,7 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
     if site == FITTED:
         site = _kind_of(case)
         notes.append(f"The ground is fitted to {next(iter(case.records))}: held by its parameters here.")
-    elif site not in SITES:
+    elif case.spectrum is not None:
         notes.append(f"The ground delivers the spectrum {site}: held by its parameters here.")
         site = _kind_of(case)
     if case.records:
@@ -279,6 +291,7 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
         given = {"intensity": given["intensity"]}
     names = case.ground.beside_structures()
     values: dict[str, Any] = {name: given[own] for name, own in names.items() if own in given}
+    values["ground_of_file"] = case.ground if site == PARALLEL else None
     values["envelope"] = NONE
     masses, storeys = list(Scene.floor_masses), list[StoreysOfFile | None](Scene.storeys_of_file)
     for number, building in enumerate(case.pair, start=1):
@@ -315,13 +328,7 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
 
 
 def _kind_of(case: Case) -> str:
-    for name, kind in GROUNDS.items():
-        if type(case.ground) is kind:
-            return name
-    raise ValueError(
-        f"{case.file}: the ground is of several filters in parallel; the explorer holds one, so write "
-        "filters = 1 in [site]"
-    )
+    return next((name for name, kind in GROUNDS.items() if type(case.ground) is kind), PARALLEL)
 
 
 def _left_out(case: Case) -> str:

@@ -71,7 +71,9 @@ class Choice(NamedTuple):
     options: Sequence[str] = ()
 
     def offered(self, scene: Scene) -> Sequence[str]:
-        """What can be chosen: the storeys of a file where one gives some."""
+        """What can be chosen: the storeys and the filters of a file where one gives some."""
+        if self.options is SITES:
+            return scene.sites()
         if self.options is not DESCRIPTIONS:
             return self.options
         return scene.ways_to_describe(int(self.name.rpartition("_")[2]))

@@ -65,7 +65,7 @@ class Page:
 
     def __init__(self, scene: Scene, notes: list[str], patient: Worker, simulator: Worker) -> None:
         self._scene, self._patient, self._simulator = scene, patient, simulator
-        self._values: dict[str, Any] = dataclasses.asdict(scene)
+        self._values: dict[str, Any] = vars(scene).copy()
         self._wrong: dict[str, str] = {}  # messages of entries that cannot be read
         self._rows: dict[str, Any] = {}
         self._fast, self._slow = False, False  # whether a round is under way
