@@ -23,6 +23,7 @@ from stochlin.views.explorer.panels import Panel
 from stochlin.views.explorer.workers import (
     CORRELATION,
     GAPS,
+    GROUND,
     PROBABILITY,
     SIMULATIONS,
     SPECTRA,
@@ -64,11 +65,14 @@ class Page:
     """One browser's view of a scene."""
 
     def __init__(self, scene: Scene, notes: list[str], patient: Worker, simulator: Worker) -> None:
-        self._scene, self._patient, self._simulator = scene, patient, simulator
+        # What the controls say, and the last of it whose ground is known: that is what is shown.
+        self._wanted = self._scene = scene
+        self._patient, self._simulator = patient, simulator
         self._values: dict[str, Any] = vars(scene).copy()
         self._wrong: dict[str, str] = {}  # messages of entries that cannot be read
         self._rows: dict[str, Any] = {}
         self._fast, self._slow = False, False  # whether a round is under way
+        self._seeking = False  # whether a ground is sought
         self._job: Job | None = None
         self._patience: Job | None = None  # the last that was asked of the patient one
         self._simulated: Mapping[str, xr.Dataset] = {}
@@ -138,12 +142,12 @@ class Page:
         if not messages:
             try:
                 shown = {name: self._values[name] for name in self._rows}
-                scene = dataclasses.replace(self._scene, **shown)
+                scene = dataclasses.replace(self._wanted, **shown)
             except (ValueError, TypeError) as error:
                 messages = [f"These values do not fit: {error}."]
         self._alert.text = " ".join([*messages, KEPT] if messages else [])
-        if not messages and scene != self._scene:
-            self._scene = scene
+        if not messages and scene != self._wanted:
+            self._wanted = scene
             self._interrupt()
             self._drop()  # at once: the next round may begin before the refresh
             self._simulated = {}
@@ -156,10 +160,42 @@ class Page:
 
     async def _refresh(self) -> None:
         """Start the rounds that are not under way: those that are go on to the latest values."""
+        if not await self._seek():
+            return
         for key in set(PATIENT).difference(_at_once(self._scene)):
             self._panels[key].wait()
         await self._fast_round()  # first, for both want the processor
         await self._slow_round()
+
+    async def _seek(self) -> bool:
+        """Whether the ground of the present values is known, after a fit or a simulation if need be."""
+        if self._seeking:
+            return False
+        self._seeking = True
+        while not (self._wanted.settled or self._closed):
+            for panel in self._panels.values():
+                panel.wait(words.SEEKING)
+            self._running(self._job is not None)
+            asked = self._wanted
+            self._patience = self._patient.ask(GROUND, asked)
+            try:
+                found: Scene = await asyncio.wrap_future(self._patience.answer)
+            except (Stopped, asyncio.CancelledError):  # for the sake of other values
+                continue
+            except Exception as error:
+                if asked is self._wanted:
+                    for panel in self._panels.values():
+                        panel.fail(_why(error, GROUND, asked))
+                    break
+                continue
+            self._wanted = dataclasses.replace(
+                self._wanted, fitted=found.fitted, measured=found.measured
+            )
+        self._seeking = False
+        if self._wanted.settled:
+            self._scene = self._wanted
+        self._running(self._job is not None)
+        return self._wanted.settled
 
     async def _fast_round(self) -> None:
         if self._fast:
@@ -190,7 +226,7 @@ class Page:
             table = await answer
             if not self._closed:
                 self._draw(key, table, scene)
-                if scene is not self._scene:
+                if scene is not self._wanted:
                     self._panels[key].wait()
         except (Stopped, asyncio.CancelledError):  # for the sake of other values
             self._panels[key].wait()
@@ -238,7 +274,7 @@ class Page:
                 self._running(False)
 
     def _keep(self, scene: Scene, tables: Mapping[str, xr.Dataset]) -> None:
-        if scene is not self._scene:
+        if scene is not self._wanted:
             return
         self._simulated = tables
         self._told.text = f"Simulated: {scene.paths} motions, seed {scene.seed}."
@@ -257,7 +293,7 @@ class Page:
             self._patience.stop()
 
     def _running(self, running: bool) -> None:
-        self._start.set_enabled(not running)
+        self._start.set_enabled(self._wanted.settled and not running)
         for element in (self._stop, self._bar):
             element.set_visibility(running)
 

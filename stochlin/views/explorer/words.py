@@ -25,6 +25,7 @@ STOREYS = (
 )
 UNSAFE = "Caution: linearization alone is unsafe for buildings that yield."
 ELASTIC = "Both buildings stay elastic: linearization is exact here."
+SEEKING = "The ground of these values is being sought, by simulation ..."
 SAVED_LAST = "Saved with the last values that could be read."
 START = "No simulation of these values yet: the button asks the exact laws."
 
