@@ -10,9 +10,11 @@ import pytest
 
 import stochlin as sl
 from stochlin.analyses.explorer.case_text import case_text
-from stochlin.analyses.explorer.formulas import gap_rules, spectra
+from stochlin.analyses.explorer.formulas import gap_rules, recorded, spectra
 from stochlin.analyses.explorer.scene import Scene, scene_of
+from stochlin.analyses.explorer.simulations import merge_tables
 from stochlin.analyses.explorer.sites import PGA, SA
+from stochlin.views.explorer import pictures, words
 from stochlin.views.explorer.controls import NUMBERS, counts
 
 pytestmark = pytest.mark.invariant
@@ -103,6 +105,58 @@ def test_another_damping_is_held_by_the_parameters_of_its_ground(tmp_path):
     assert scene.site == "clough_penzien"
     assert scene.ground() == case.ground
     assert any("delivers the spectrum eurocode_8" in note for note in notes)
+
+
+RECORDED = '[[site.records]]\npath = "{name}.at2"\nname = "{name}"\n'
+
+
+@pytest.fixture
+def recorded_case(tmp_path):
+    motions = sl.simulated_motions(sl.named_ground("firm", 0.01), 10.0, paths=3)
+    for name, motion in zip("abc", motions, strict=True):
+        sl.to_at2(motion, tmp_path / f"{name}.at2")
+    records = "".join(RECORDED.format(name=name) for name in "abc")
+    return case_of(f'ground = "firm"\nintensity = "0.01 m^2/s^3"\n{records}', tmp_path)
+
+
+def test_records_of_a_file_stand_beside_the_gaps_by_rule(recorded_case):
+    scene, notes = scene_of(recorded_case)
+    assert "Records are shown beside the gaps by rule; a case file saved from here has none." in notes
+    table = recorded(scene)
+    one, other = (structure_in_metres(scene, number) for number in (1, 2))
+    expected = sl.recorded_gap(one, other, dict(recorded_case.records))
+    np.testing.assert_array_equal(table.separation, expected.separation)
+    rules = gap_rules(scene)
+    figure = pictures.gaps_figure(rules, table)
+    shown = next(curve for curve in figure["data"] if curve["name"] == "records")
+    np.testing.assert_allclose(shown["x"], 100 * expected.separation.values)
+    assert shown["text"] == ["a", "b", "c"]
+    assert len(figure["data"]) == len(pictures.gaps_figure(rules)["data"]) + 1
+    most = float(expected.separation.max())
+    wide = dataclasses.replace(scene, gap=1.01 * most)
+    assert "enough in 3 of 3" in words.records(recorded(wide))
+    narrow = words.records(recorded(dataclasses.replace(scene, gap=1e-4)))
+    assert "enough in 0 of 3" in narrow
+    assert f"{100 * most:.1f}" in narrow
+    assert words.records(None) == ""
+
+
+def structure_in_metres(scene, number):
+    structure = scene.structure(number)
+    found = sl.linearize(structure, scene.ground()).yield_displacement.item()
+    return dataclasses.replace(structure, reduction_factor=None, yield_displacement=found)
+
+
+def test_scenes_know_records_by_their_file(recorded_case):
+    scene, _ = scene_of(recorded_case)
+    again = pickle.loads(pickle.dumps(scene))
+    assert again == scene
+    assert hash(again) == hash(scene)
+    np.testing.assert_array_equal(recorded(again).separation, recorded(scene).separation)
+    data = merge_tables(scene, {"gaps": gap_rules(scene), "records": recorded(scene)})
+    assert data.records_separation.dims == ("records_record",)
+    with pytest.raises(ValueError, match="there is no record"):
+        recorded(dataclasses.replace(scene, records=None))
 
 
 @pytest.mark.parametrize(

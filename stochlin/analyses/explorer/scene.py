@@ -35,6 +35,7 @@ from stochlin.analyses.explorer.sites import (
     G,
     Measured,
     Motions,
+    RecordsOfFile,
     Shape,
     code_of,
     kind_of,
@@ -120,6 +121,7 @@ class Scene(Model):
     tl: float = parameter("s", "TL", POSITIVE, 8.0)
     fitted: Fitted | None = None
     measured: Measured | None = None
+    records: RecordsOfFile | None = None
     intensity: float = parameter("m^2/s^3", "intensity S0 of the ground", POSITIVE, 0.01)
     ground_period: float = parameter("s", "ground period", PERIOD, 1.0)
     ground_damping: float = parameter("1", "ground damping ratio", SOIL, 0.3)
@@ -366,7 +368,7 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
         notes.append(f"The ground delivers the spectrum {site}: held by its parameters here.")
         site = _kind_of(case)
     if case.records:
-        notes.append("Records are left out here, and in a case file saved from here.")
+        notes.append("Records are shown beside the gaps by rule; a case file saved from here has none.")
     if lost := _left_out(case):
         notes.append(f"{lost} left out here, and in a case file saved from here.")
     if site not in GROUNDS:
@@ -396,6 +398,7 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
         notes.append(f"The file states no existing gap: {Scene.gap:g} m is shown, as a start.")
     else:
         values["gap"] = case.gap
+    values["records"] = RecordsOfFile(case.inputs[0], case.records) if case.records else None
     kept = ("title", "confidence", "duration", "floors_align", "zone", "unverified", "paths", "seed")
     scene = Scene(
         names=(case.first.name, case.second.name),

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -80,6 +82,14 @@ class Measured(NamedTuple):
 
     motions: Motions
     acceleration: float
+
+
+@dataclass(frozen=True)
+class RecordsOfFile:
+    """The recorded motions of a case file, which no control changes: scenes know them by the file."""
+
+    file: Path
+    motions: Mapping[str, xr.DataArray] = field(compare=False, repr=False)
 
 
 def kind_of(code: str, said: Mapping[str, Any]) -> tuple[Any, Any]:

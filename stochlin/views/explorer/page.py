@@ -25,6 +25,7 @@ from stochlin.views.explorer.workers import (
     GAPS,
     GROUND,
     PROBABILITY,
+    RECORDS,
     SIMULATIONS,
     SPECTRA,
     Stopped,
@@ -76,6 +77,7 @@ class Page:
         self._job: Job | None = None
         self._patience: Job | None = None  # the last that was asked of the patient one
         self._simulated: Mapping[str, xr.Dataset] = {}
+        self._recorded: tuple[Scene, xr.Dataset] | None = None  # gaps of records, and of what values
         self._closed = False
         self._build(notes)
         ui.context.client.on_delete(self._leave)
@@ -218,7 +220,25 @@ class Page:
                 if key not in _at_once(scene) and scene is self._scene:
                     self._patience = self._patient.ask(key, scene)
                     await self._answer(key, scene, asyncio.wrap_future(self._patience.answer))
+            if scene is self._scene:
+                await self._run_records(scene)
         self._slow = False
+
+    async def _run_records(self, scene: Scene) -> None:
+        """Show what the records of the file would need, beside the gaps that are shown already."""
+        if scene.records is None:
+            return
+        self._patience = self._patient.ask(RECORDS, scene)
+        try:
+            self._recorded = scene, await asyncio.wrap_future(self._patience.answer)
+        except (Stopped, asyncio.CancelledError):
+            return
+        except Exception as error:
+            self._told.text = f"The records were not run: {_why(error, RECORDS, scene)}"
+            return
+        shown = self._panels[GAPS].table
+        if shown is not None and scene is self._wanted and not self._closed:
+            self._draw(GAPS, shown, scene)
 
     async def _answer(self, key: str, scene: Scene, answer: asyncio.Future[xr.Dataset]) -> None:
         """Draw an answer, or say why there is none; nothing that goes wrong ends a round."""
@@ -248,8 +268,10 @@ class Page:
                 self._caution.text, self._why.text = words.caution(table)
             panel.show(table, charts.correlation_figure(table, simulated), words.correlation(table))
         elif key == GAPS:
-            told = [words.gaps(shown), columns_hit(scene.slabs_on_columns)]
-            panel.show(shown, charts.gaps_figure(shown), " ".join(filter(None, told)))
+            own = self._recorded is not None and self._recorded[0] is scene
+            recorded = self._recorded[1] if own and self._recorded else None
+            told = [words.gaps(shown), words.records(recorded), columns_hit(scene.slabs_on_columns)]
+            panel.show(shown, charts.gaps_figure(shown, recorded), " ".join(filter(None, told)))
         else:
             panel.show(shown, charts.probability_figure(shown), words.probability(shown))
 
@@ -304,6 +326,8 @@ class Page:
 
     def _save_data(self) -> None:
         tables = {key: p.table for key, p in self._panels.items() if p.table is not None}
+        if self._recorded is not None and self._recorded[0] is self._scene:
+            tables[RECORDS] = self._recorded[1]
         if CORRELATION in self._simulated:
             tables["simulation"] = self._simulated[CORRELATION]
         if self._alert.text:

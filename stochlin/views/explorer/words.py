@@ -118,6 +118,19 @@ def gaps(table: xr.Dataset) -> str:
     return words + (f" Not shown: {'; '.join(missing)} (a case file may say)." if missing else "")
 
 
+def records(table: xr.Dataset | None) -> str:
+    """In how many records the gap there is would have been enough."""
+    if table is None or not table.separation.notnull().any():
+        return ""
+    gaps = table.separation.values
+    most = str(table.record[int(np.nanargmax(gaps))].item())
+    enough = int((gaps <= table.attrs["gap_m"]).sum())
+    return (
+        f"Records: the existing gap would have been enough in {enough} of {gaps.size}; {most} would "
+        f"have taken {length(float(np.nanmax(gaps)))}."
+    )
+
+
 def probability(table: xr.Dataset) -> str:
     """The probability at the end of the motion, by every way to it."""
     last, stem = table.isel(time=-1), "confidence_of_no_pounding"
