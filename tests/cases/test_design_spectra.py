@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 import stochlin as sl
 from stochlin.analyses.cases.case import Case
+from stochlin.analyses.explorer.case_text import case_text
 from stochlin.analyses.explorer.scene import scene_of
 from stochlin.analyses.sites.motion_fit import RECORD_TO_RECORD
 
@@ -37,7 +39,8 @@ def test_the_ground_delivers_the_spectrum_in_the_motion_of_the_file(tmp_path):
     assert scene.ground() == case.ground
     assert scene.scatter == case.scatter == case.motion["scatter"] == RECORD_TO_RECORD
     assert any("Motions scatter by" in note for note in notes)
-    assert any("delivers the spectrum eurocode_8" in note for note in notes)
+    assert scene.site == "eurocode_8"
+    assert not any("delivers the spectrum" in note for note in notes)
 
 
 def test_a_file_of_a_spectrum_is_read_and_kept_from_being_overwritten(tmp_path):
@@ -52,11 +55,45 @@ def test_a_file_of_a_spectrum_is_read_and_kept_from_being_overwritten(tmp_path):
     np.testing.assert_allclose(one.ground.psd(frequency), two.ground.psd(frequency), rtol=0.03)
 
 
-def test_the_explorer_says_what_it_cannot_hold(tmp_path):
-    case = read(tmp_path, CODE + "filters = 2\n")
+def test_the_explorer_holds_several_filters_and_saves_them(tmp_path):
+    case = read(tmp_path, CODE + "filters = 2\ndamping = 0.1\n")  # not one that it has controls for
     assert isinstance(case.ground, sl.ParallelGround)
-    with pytest.raises(ValueError, match=r"several filters in parallel.*write filters = 1 in \[site\]"):
-        scene_of(case)
+    scene, notes = scene_of(case)
+    assert any("delivers the spectrum eurocode_8" in note for note in notes)
+    assert scene.ground() == case.ground
+    twice = dataclasses.replace(scene, intensity=2 * scene.intensity)
+    for one, times in ((scene, 1), (twice, 2)):
+        path = tmp_path / "saved.toml"
+        path.write_text(case_text(one), encoding="utf-8")
+        saved = sl.read_case(path)
+        assert saved.ground == one.ground()
+        np.testing.assert_allclose(saved.ground.psd([2.0, 9.0]), times * case.ground.psd([2.0, 9.0]))
+        assert scene_of(saved)[0].ground() == saved.ground
+
+
+FILTER = '[[site.grounds]]\nground = "firm"\nintensity = "0.01 m^2/s^3"\n'
+
+
+@pytest.mark.parametrize(
+    ("lines", "message"),
+    [
+        ("", "site does not fit: ParallelGround: 0 grounds; allowed: two or more"),
+        (FILTER, "site does not fit: ParallelGround: 1 grounds; allowed: two or more"),
+        (
+            FILTER + '[[site.grounds]]\nground = "parallel"\n',
+            "grounds.ground = 'parallel' is not",
+        ),
+        (
+            FILTER + '[[site.grounds]]\nground = "fitted"\n',
+            "grounds.ground = 'fitted' is not",
+        ),
+        (FILTER + '[[site.grounds]]\nground = "soft"\n', "site.grounds.intensity is missing"),
+        (FILTER + FILTER.replace("firm", "white_noise"), "white noise"),
+    ],
+)
+def test_what_is_wrong_with_filters_in_parallel_is_said(tmp_path, lines, message):
+    with pytest.raises(ValueError, match=message):
+        read(tmp_path, f'ground = "parallel"\n{lines}')
 
 
 @pytest.mark.parametrize(

@@ -448,3 +448,36 @@ def test_another_ground_has_other_controls(page):
     wait(lambda: page.script(shown))
     page.idle()
     assert re.search("too small for building 1", page.text("caution"))
+
+
+def test_a_ground_by_a_spectrum_or_a_peak_is_sought_beside_the_page(page, capsys):
+    shown = "return document.querySelector('[data-panel=spectra]').textContent"
+    before = page.curve("spectra", 0)
+    page.choose("Strength given by", "peak ground acceleration")
+    wait(lambda: page.shows("pga") and not page.shows("intensity"))
+    wait(lambda: page.curve("spectra", 0) != before)
+    page.idle()
+    middle = page.curve("spectra", 0)
+    page.enter("pga", "0.6")  # twice as strong: four times the spectrum
+    wait(lambda: page.curve("spectra", 0) != middle)
+    page.idle()
+    np.testing.assert_allclose(page.curve("spectra", 0), 4 * np.array(middle), rtol=1e-9)
+    page.choose("Kind of ground", "eurocode_8")
+    wait(lambda: page.shows("ag") and not page.shows("pga"))
+    wait(lambda: "being sought" in page.script(shown))
+    start = time.monotonic()
+    page.enter("gap", "9")  # the page answers meanwhile
+    page.idle()
+    with capsys.disabled():
+        sys.stdout.write(f"\nFitted to a spectrum in {time.monotonic() - start:.1f} s\n")
+    assert page.script("return !document.querySelector('[data-simulate]').disabled")
+    page.enter("ag", "0.35")
+    page.idle()
+    page.click("save-case")
+    text = page.downloaded("case.toml").read_text(encoding="utf-8")
+    assert 'spectrum = "eurocode_8"' in text
+    assert 'existing = "0.09 m"' in text
+    page.choose("Kind of ground", "white_noise")
+    wait(lambda: "white noise has no peak acceleration" in page.script(shown))
+    page.choose("Kind of ground", "firm")
+    page.idle()

@@ -14,6 +14,7 @@ from stochlin.analyses.explorer.case_text import case_text
 from stochlin.analyses.explorer.formulas import correlation, gap_rules, probability, spectra
 from stochlin.analyses.explorer.scene import ALLOWED, SHAPES, SITES, WHOLE, Scene, scene_of
 from stochlin.analyses.explorer.simulations import merge_tables, simulations
+from stochlin.analyses.explorer.sites import CODES
 from stochlin.analyses.linearization.equivalent_systems import INTERNAL, solve_structure
 from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.tables.storage import as_netcdf
@@ -34,7 +35,10 @@ def read_text(text, folder):
     return scene_of(sl.read_case(path))
 
 
-@pytest.mark.parametrize("seed", range(len(SITES) + len(SHAPES)))
+GIVEN = [site for site in SITES if site not in CODES]  # no ground has to be sought
+
+
+@pytest.mark.parametrize("seed", range(len(GIVEN) + len(SHAPES)))
 def test_a_scene_survives_its_case_file(seed, tmp_path):
     """Every ground and envelope, and numbers with all their digits."""
     rng = np.random.default_rng(seed)
@@ -45,7 +49,7 @@ def test_a_scene_survives_its_case_file(seed, tmp_path):
     }
     scene = Scene(
         **drawn,
-        site=SITES[seed % len(SITES)],
+        site=GIVEN[seed % len(GIVEN)],
         envelope=SHAPES[seed % len(SHAPES)],
         yields_1=bool(seed % 2),
         yields_2=bool(seed % 3),
@@ -95,6 +99,7 @@ def test_strength_by_yield_displacement_becomes_the_same_structure(tmp_path):
         assert uy == pytest.approx(0.02, rel=1e-9)
 
 
+@pytest.mark.filterwarnings("ignore:.*times the energy of the record")  # of another envelope
 def test_what_a_scene_cannot_hold_is_told(tmp_path):
     time = 0.01 * np.arange(4000)
     noise = np.random.default_rng(4).normal(size=time.size)

@@ -23,6 +23,8 @@ from stochlin.analyses.cases.design_spectrum import SPECTRUM, ground_of_design, 
 from stochlin.analyses.cases.site import (
     FITTED,
     TIME,
+    check_energy,
+    fitted_motion,
     read_envelope,
     read_ground,
     read_scatter,
@@ -74,6 +76,7 @@ class Case:
     contact: Contact | None
     measures: Mapping[str, Measure]
     amplification_limit: float | None
+    spectrum: xr.DataArray | None = None  # elastic, which the ground delivers
 
     @property
     def fitted(self) -> bool:
@@ -208,12 +211,17 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     site, motion, wanted = (whole.section(key) for key in ("site", "motion", "separation"))
     wanted.only("confidence", "existing", "floors_align", "zone", "unverified")
     records = recorded_motions(site, path.parent)
-    envelope, duration = read_envelope(motion), motion.number("duration", TIME)
-    by_spectrum = SPECTRUM in site
-    if by_spectrum:
-        ground = ground_of_design(site, path.parent, duration, envelope)
+    by_spectrum, spectrum = SPECTRUM in site, None
+    if fitted := fitted_motion(site, motion, records):
+        ground, envelope, duration = fitted.ground, fitted.envelope, fitted.duration
     else:
-        ground = read_ground(site, records)
+        envelope, duration = read_envelope(motion), motion.number("duration", TIME)
+        if by_spectrum:
+            ground, spectrum = ground_of_design(site, path.parent, duration, envelope)
+        else:
+            ground = read_ground(site, records)
+        if site.values.get("ground") == FITTED:
+            check_energy(motion, next(iter(records.values())), ground, envelope, duration)
     of_site = site.text(SPECTRUM if by_spectrum else "ground")
     buildings = read_buildings(whole, ground)
     align = wanted.truth("floors_align")
@@ -248,4 +256,5 @@ def read_case(path: str | os.PathLike[str]) -> Case:
         contact=read_contact(whole.section("contact")) if "contact" in whole else None,
         measures=read_measures(whole, buildings),
         amplification_limit=read_amplification_limit(whole),
+        spectrum=spectrum,
     )

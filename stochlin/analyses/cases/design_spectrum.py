@@ -30,22 +30,23 @@ def spectrum_file(site: Section, folder: Path) -> list[Path]:
     return [folder / site.text(SPECTRUM)]
 
 
-def ground_of_design(site: Section, folder: Path, duration: float, envelope: Envelope | None) -> Ground:
-    """The ground that delivers the spectrum of the site."""
+def ground_of_design(
+    site: Section, folder: Path, duration: float, envelope: Envelope | None
+) -> tuple[Ground, xr.DataArray]:
+    """The ground that delivers the spectrum of the site, and this spectrum."""
     if "ground" in site:
         raise site.error("ground", "is given beside a spectrum; allowed: one of them, so leave one out")
     filters = site.whole("filters", 1, highest=MOST_FILTERS) if "filters" in site else None
     name = site.text(SPECTRUM)
     make = _CODES.get(name, _of_file)
     try:
-        ground: Ground = fit_ground(
-            make(site, folder), duration=duration, envelope=envelope, filters=filters
-        )
+        spectrum = make(site, folder)
+        ground: Ground = fit_ground(spectrum, duration=duration, envelope=envelope, filters=filters)
     except (OSError, ValueError) as error:
         if str(error).startswith(site.file):
             raise
         raise site.error(SPECTRUM, f"cannot be used: {error}") from error
-    return ground
+    return ground, spectrum
 
 
 def _eurocode_8(site: Section, folder: Path) -> xr.DataArray:

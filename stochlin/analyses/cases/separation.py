@@ -1,21 +1,23 @@
-"""The answer to a case file: separation, what the existing gap allows, and the ground's spectrum."""
+"""The answer to a case file: separation, what the existing gap allows, and the site's spectrum."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from stochlin.analyses.cases.case import Case
-from stochlin.analyses.records.spectra import fit_spectra
 from stochlin.analyses.separation.existing_gap import existing_gap
 from stochlin.analyses.separation.separation import UNSAFE, separation
+from stochlin.analyses.sites.motion_fit import FittedMotion, compare_motions
+from stochlin.analyses.sites.simulated_spectra import simulated_spectrum
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.grounds import rms_acceleration
 from stochlin.models.parameters import Model
 
-POINTS = 401
+POINTS, SPECTRUM_PATHS = 401, 512
 SEARCHES = 0.95  # share of the work that an existing gap takes, where there is one
 AROUND = 5.0  # how far the spectrum goes beyond the periods of buildings and ground
 
@@ -86,16 +88,17 @@ def periods_of(*models: Model) -> list[float]:
 
 
 def _spectrum(case: Case) -> xr.Dataset:
-    """PSD of the ground over period; beside that of the record it is fitted to."""
+    """Response spectrum of the motions, beside the one wanted or the record's; else the ground's PSD."""
+    options: Any = {"paths": SPECTRUM_PATHS, "seed": case.seed}
+    if case.spectrum is not None:
+        motion = case.duration, case.envelope
+        return simulated_spectrum(case.ground, case.spectrum, *motion, **options)
+    if case.fitted:
+        fitted = FittedMotion(case.ground, case.envelope, case.duration)
+        return compare_motions(next(iter(case.records.values())), fitted, **options)
     periods = [*(building.period for building in case.pair), *periods_of(case.ground)]
     low, high = min(periods) / AROUND, max(periods) * AROUND
-    if case.fitted:
-        spectrum = fit_spectra(next(iter(case.records.values())), case.ground)[
-            ["psd_smoothed", "psd_ground"]
-        ]
-    else:
-        frequency = np.geomspace(2 * np.pi / high, 2 * np.pi / low, POINTS)
-        spectrum = case.ground.psd(frequency).rename("psd_ground").to_dataset()
+    frequency = np.geomspace(2 * np.pi / high, 2 * np.pi / low, POINTS)
+    spectrum = case.ground.psd(frequency).rename("psd_ground").to_dataset()
     attrs = {"units": "s", "long_name": "period"}
-    spectrum = spectrum.assign_coords(period=("frequency", 2 * np.pi / spectrum.frequency.values, attrs))
-    return spectrum.isel(frequency=((spectrum.period >= low) & (spectrum.period <= high)).values)
+    return spectrum.assign_coords(period=("frequency", 2 * np.pi / frequency, attrs))

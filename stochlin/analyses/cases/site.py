@@ -13,15 +13,23 @@ from stochlin.analyses.records.ground_fit import fitted_grounds
 from stochlin.analyses.records.records import read_record
 from stochlin.analyses.records.spectra import ESTIMATORS
 from stochlin.analyses.sites.ground_fit import fit_ground
-from stochlin.analyses.sites.motion_fit import RECORD_TO_RECORD
+from stochlin.analyses.sites.motion_fit import (
+    FILTERS,
+    RECORD_TO_RECORD,
+    FittedMotion,
+    energy_ratio,
+    fit_motion,
+)
+from stochlin.analyses.sites.spectrum_fit import MOST_FILTERS
 from stochlin.analyses.tables.checks import check_scatter
 from stochlin.models.envelopes import ENVELOPES, Envelope
-from stochlin.models.grounds import GROUNDS, Ground, WhiteNoise
+from stochlin.models.grounds import GROUNDS, Ground, ParallelGround, WhiteNoise
 from stochlin.models.grounds.named import ground_names, named_ground
 from stochlin.models.parameters import POSITIVE
 
-FITTED, NONE = "fitted", "none"
+FITTED, NONE, PARALLEL = "fitted", "none", "parallel"
 TIME = Quantity("s", POSITIVE)
+_LIKE = 0.8, 1.25  # energy of motions over that of a record, without a warning
 
 
 def recorded_motions(site: Section, folder: Path) -> dict[str, xr.DataArray]:
@@ -47,8 +55,8 @@ def recorded_motions(site: Section, folder: Path) -> dict[str, xr.DataArray]:
 
 
 def read_ground(site: Section, records: Mapping[str, xr.DataArray]) -> Ground:
-    """The ground, by name, by parameters, or fitted to the first record."""
-    kinds = (*ground_names(), *GROUNDS, FITTED)
+    """The ground, by name, by parameters, fitted to the first record, or several of them in parallel."""
+    kinds = (*ground_names(), *GROUNDS, FITTED, PARALLEL)
     name = site.text("ground", kinds)
     if name == FITTED:
         site.only("ground", "records", "model", "estimator")
@@ -60,6 +68,13 @@ def read_ground(site: Section, records: Mapping[str, xr.DataArray]) -> Ground:
             return fit_ground(next(iter(records.values())), model, estimator)
         except ValueError as error:
             raise site.error("ground", f"cannot be fitted to {next(iter(records))}: {error}") from error
+    if name == PARALLEL:
+        site.only("ground", "records", "intensity", "grounds")
+        for part in site.sections("grounds"):
+            part.text("ground", (*ground_names(), *GROUNDS))
+        parts = [read_ground(part, {}) for part in site.sections("grounds")]
+        given = site.given(ParallelGround, ("intensity",))
+        return site.made(ParallelGround, {"grounds": parts, **given})
     names = GROUNDS[name].parameter_names() if name in GROUNDS else ("intensity",)
     site.only("ground", "records", *names)
     if name not in GROUNDS:
@@ -67,9 +82,45 @@ def read_ground(site: Section, records: Mapping[str, xr.DataArray]) -> Ground:
     return site.model(GROUNDS[name], names)
 
 
+def fitted_motion(
+    site: Section, motion: Section, records: Mapping[str, xr.DataArray]
+) -> FittedMotion | None:
+    """Ground, envelope and duration of the first record, where the envelope is fitted to it too."""
+    if motion.values.get("envelope") != FITTED:
+        return None
+    if site.values.get("ground") != FITTED or not records:
+        raise motion.error(
+            "envelope",
+            'goes with a ground that is fitted as well; allowed: ground = "fitted" in [site], and a '
+            "[[site.records]]",
+        )
+    motion.only("envelope", "scatter")  # the duration is the record's
+    site.only("ground", "records", "filters")
+    filters = site.whole("filters", 1, FILTERS, MOST_FILTERS)
+    name, record = next(iter(records.items()))
+    try:
+        return fit_motion(record, filters=filters)
+    except (ArithmeticError, ValueError) as error:
+        raise motion.error("envelope", f"cannot be fitted to {name}: {error}") from error
+
+
+def check_energy(
+    motion: Section, record: xr.DataArray, ground: Ground, envelope: Envelope | None, duration: float
+) -> None:
+    """Warn where motions on a fitted ground are much weaker or stronger than its record."""
+    ratio = energy_ratio(record, ground, envelope, duration)
+    if not _LIKE[0] <= ratio <= _LIKE[1]:
+        motion.doubt(
+            "envelope",
+            f"and the duration make motions that carry {ratio:.2g} times the energy of the record that "
+            f'the ground is fitted to; for all of it and no more write envelope = "{FITTED}", without a '
+            "duration",
+        )
+
+
 def read_envelope(motion: Section) -> Envelope | None:
     """How the shaking rises and falls, if it is said."""
-    name = motion.text("envelope", (*ENVELOPES, NONE), NONE)
+    name = motion.text("envelope", (*ENVELOPES, NONE, FITTED), NONE)
     names = () if name == NONE else ENVELOPES[name].parameter_names()
     motion.only("duration", "envelope", "scatter", *names)
     return None if name == NONE else motion.model(ENVELOPES[name], names)

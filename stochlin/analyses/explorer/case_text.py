@@ -8,11 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from stochlin.analyses.cases.site import PARALLEL
 from stochlin.analyses.explorer.buildings import REGULAR
 from stochlin.analyses.explorer.scene import Scene
+from stochlin.analyses.explorer.sites import EUROCODE_8
 from stochlin.models.buildings import RegularBuilding, ShearBuilding
 from stochlin.models.envelopes import ENVELOPES
-from stochlin.models.grounds import GROUNDS
+from stochlin.models.grounds import GROUNDS, Ground, ParallelGround
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Model
 from stochlin.models.structures import Structure
@@ -33,9 +35,19 @@ def case_text(scene: Scene) -> str:
     >>> case_text(Scene(site="soft")).splitlines()[5:7]
     ['ground = "soft"', 'intensity = "0.01 m^2/s^3"']
     """
-    site = GROUNDS.get(scene.site, GROUNDS["white_noise"])  # a named ground has its intensity alone
-    lines = [f"title = {_written(scene.title)}", "", "[site]", f"ground = {_written(scene.site)}"]
-    lines += _numbers(site, scene.site_parameters())
+    site = GROUNDS.get(scene.site, GROUNDS["white_noise"])  # any other has its intensity alone
+    lines = [f"title = {_written(scene.title)}", "", "[site]"]
+    ground = scene.ground()
+    if scene.shape is not None:
+        lines += [f"spectrum = {_written(scene.site)}", *_of_code(scene)]
+    else:
+        values = scene.site_parameters() | {"intensity": ground.arrays()["intensity"].item()}
+        lines += [f"ground = {_written(scene.site)}", *_numbers(site, values)]
+    if scene.site == PARALLEL and isinstance(ground, ParallelGround):
+        for part in ground.grounds:
+            kind = next(name for name, one in GROUNDS.items() if type(part) is one)
+            lines += ["", "[[site.grounds]]", f"ground = {_written(kind)}"]
+            lines += _numbers(type(part), _given(part, part.parameter_names()))
     lines += [
         "",
         "[motion]",
@@ -53,6 +65,21 @@ def case_text(scene: Scene) -> str:
     lines += [f"unverified = {_written(scene.unverified)}"]
     lines += ["", "[simulation]", f"paths = {scene.paths}", f"seed = {scene.seed}", ""]
     return HEAD + "\n".join(lines)
+
+
+def _of_code(scene: Scene) -> list[str]:
+    """What says the spectrum of a code, and of how many filters its ground is."""
+    ground = scene.ground()
+    filters = f"filters = {len(ground.grounds) if isinstance(ground, ParallelGround) else 1}"
+    if scene.site == EUROCODE_8:
+        return [
+            f"ag = {_quantity(scene.ag, 'm/s^2')}",
+            f"soil = {_written(scene.soil)}",
+            f"type = {scene.spectrum_type}",
+            filters,
+        ]
+    values = ((name, Scene.units(name)) for name in ("sds", "sd1", "tl"))
+    return [*(f"{name} = {_quantity(getattr(scene, name), units)}" for name, units in values), filters]
 
 
 def _building(scene: Scene, number: int) -> list[str]:
@@ -86,7 +113,7 @@ def _regular(scene: Scene, number: int, structure: ShearBuilding) -> list[str]:
     return lines + _numbers(ShearBuilding, _given(structure, ("damping", "hardening")))
 
 
-def _given(structure: AnyStructure, names: Iterable[str]) -> dict[str, Any]:
+def _given(structure: AnyStructure | Ground, names: Iterable[str]) -> dict[str, Any]:
     """Those parameters that are set."""
     return {name: value for name in names if (value := getattr(structure, name)) is not None}
 

@@ -21,8 +21,10 @@ from stochlin.analyses.explorer import storeys
 from stochlin.analyses.explorer.scene import Scene
 from stochlin.analyses.linearization.equivalent_systems import INTERNAL, solve_structure
 from stochlin.analyses.linearization.peaks import relative_moments, response_moments
+from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.probability.probability import pounding_probability
+from stochlin.analyses.records.gaps import recorded_gap
 from stochlin.analyses.separation.rules import (
     EQ_3,
     Rule,
@@ -237,6 +239,18 @@ def probability(scene: Scene, progress: Progress | None = None) -> xr.Dataset:
     first, second = scene.structures()
     motions = scene.motion() | {"paths": paths, "seed": scene.seed, "progress": progress}
     return pounding_probability(first, second, scene.ground(), scene.gap, **motions)
+
+
+def recorded(scene: Scene) -> xr.Dataset:
+    """The gap of each record of the file, as `recorded_gap` has it, and that there is as an attribute.
+
+    Strengths that hang on the ground are those of the scene's.
+    """
+    if scene.records is None:
+        raise ValueError("there is no record; allowed: a case file with [[site.records]]")
+    ground = scene.ground()
+    one, other = (strength_in_metres(structure, ground) for structure in scene.structures())
+    return recorded_gap(one, other, dict(scene.records.motions)).assign_attrs(gap_m=scene.gap)
 
 
 def swept(scene: Scene, ratios: Array) -> Structure:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from stochlin.analyses.cases.buildings import Building
 from stochlin.analyses.cases.case import FEWEST_PATHS, Case
-from stochlin.analyses.cases.site import FITTED, NONE
+from stochlin.analyses.cases.site import FITTED, NONE, PARALLEL
 from stochlin.analyses.cases.storeys import SlabOnColumn, StoreyBuilding, slabs_of_row
 from stochlin.analyses.explorer.buildings import (
     DESCRIPTIONS,
@@ -20,13 +21,33 @@ from stochlin.analyses.explorer.buildings import (
     REGULAR,
     StoreysOfFile,
 )
+from stochlin.analyses.explorer.sites import (
+    ASCE_7,
+    CODES,
+    EUROCODE_8,
+    MEASURES,
+    PGA,
+    S0,
+    SA,
+    SOILS,
+    TYPES,
+    Fitted,
+    G,
+    Measured,
+    Motions,
+    RecordsOfFile,
+    Shape,
+    code_of,
+    kind_of,
+)
 from stochlin.analyses.linearization.strength import reduction_factor
 from stochlin.analyses.linearization.transient_systems import check_course
 from stochlin.analyses.tables.checks import check_confidence, check_duration, check_scatter, check_whole
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import brief
 from stochlin.models.buildings import PLAUSIBLE_COEFFICIENT, ShearBuilding
 from stochlin.models.envelopes import ENVELOPES, AminAng, Envelope, GammaEnvelope, ShinozukaSato
-from stochlin.models.grounds import GROUNDS, Ground, KanaiTajimi
+from stochlin.models.grounds import GROUNDS, Ground, KanaiTajimi, ParallelGround
 from stochlin.models.grounds.named import ground_names, named_ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import POSITIVE, Model, Range, parameter
@@ -34,7 +55,7 @@ from stochlin.models.structures import DAMPING, HARDENING
 from stochlin.models.systems import AnyStructure
 
 MEDIAN = "gaps by rules without simulation are those of the median strength"
-SITES = (*ground_names(), *GROUNDS)
+SITES = (*ground_names(), *GROUNDS, *CODES)
 SHAPES = (*ENVELOPES, NONE)
 # So that no entry asks for work of hours.
 MOST_PATHS, MOST_STOREYS = 20_000, 60
@@ -82,12 +103,27 @@ class Scene(Model):
     """Ground, two buildings, gap and motion: what the explorer's controls hold, in SI.
 
     Of ground, envelope and a building only the parameters of the chosen ``site``, ``envelope`` and
-    ``description`` count; the others wait for another choice. What no control shows is kept for the
-    case file: ``scatter``; ``storeys`` and ``heights`` of oscillators; ``floor_masses`` [kg] of regular
-    buildings, on which nothing that is shown depends.
+    ``description`` count; the others wait for another choice. ``ground_of_file`` is that of the site
+    ``"parallel"``. What no control shows is kept for the case file: ``scatter``; ``storeys`` and
+    ``heights`` of oscillators; ``floor_masses`` [kg] of regular buildings, on which nothing that is
+    shown depends.
     """
 
     site: str = "firm"
+    ground_of_file: ParallelGround | None = None
+    measure: str = S0
+    pga: float = parameter("m/s^2", "mean peak ground acceleration", POSITIVE, 0.3 * G)
+    sa: float = parameter("m/s^2", "mean spectral acceleration", POSITIVE, 0.6 * G)
+    sa_period: float = parameter("s", "period of the spectral acceleration", PERIOD, 1.0)
+    ag: float = parameter("m/s^2", "acceleration ag on ground type A", POSITIVE, 0.25 * G)
+    soil: str = "C"
+    spectrum_type: str = "1"
+    sds: float = parameter("m/s^2", "SDS", POSITIVE, G)
+    sd1: float = parameter("m/s^2", "SD1", POSITIVE, 0.6 * G)
+    tl: float = parameter("s", "TL", POSITIVE, 8.0)
+    fitted: Fitted | None = None
+    measured: Measured | None = None
+    records: RecordsOfFile | None = None
     intensity: float = parameter("m^2/s^3", "intensity S0 of the ground", POSITIVE, 0.01)
     ground_period: float = parameter("s", "ground period", PERIOD, 1.0)
     ground_damping: float = parameter("1", "ground damping ratio", SOIL, 0.3)
@@ -147,7 +183,10 @@ class Scene(Model):
     def __post_init__(self) -> None:
         super().__post_init__()
         chosen = {
-            "site": SITES,
+            "site": self.sites(),
+            "measure": MEASURES,
+            "soil": SOILS,
+            "spectrum_type": TYPES,
             "envelope": SHAPES,
             **{f"description_{n}": self.ways_to_describe(n) for n in (1, 2)},
         }
@@ -166,12 +205,70 @@ class Scene(Model):
         """The ways to describe building 1 or 2; the file's storeys are one where there are some."""
         return DESCRIPTIONS if self.storeys_of_file[number - 1] else DESCRIPTIONS[:-1]
 
+    def sites(self) -> tuple[str, ...]:
+        """The kinds of ground; filters in parallel are one where the file gives some."""
+        return (*SITES, PARALLEL) if self.ground_of_file else SITES
+
     def ground(self) -> Ground:
-        """The ground of the site, at this intensity."""
+        """The ground of the site, as strong as is asked; a ValueError unless it is settled."""
+        return self._ground
+
+    @cached_property
+    def _ground(self) -> Ground:
+        if not self.settled:
+            raise ValueError("the ground of these values is still being sought")
+        if self.fitted is not None and self.shape is not None:
+            times = (self.strength / self.fitted.strength) ** 2
+            ground: Any = self.fitted.ground
+            return dataclasses.replace(ground, intensity=times * ground.arrays()["intensity"].item())
+        if self.measure != S0 and self.measured is not None:
+            return self._of_intensity((self.strength / self.measured.acceleration) ** 2)
+        return self._of_intensity(self.intensity)
+
+    def _of_intensity(self, intensity: float) -> Ground:
+        if self.site == PARALLEL and self.ground_of_file:
+            return dataclasses.replace(self.ground_of_file, intensity=intensity)
         if self.site not in GROUNDS:
-            return named_ground(self.site, self.intensity)
+            return named_ground(self.site, intensity)
         kind: Any = GROUNDS[self.site]
-        return kind(**self.site_parameters())
+        return kind(**self.site_parameters() | {"intensity": intensity})
+
+    @property
+    def strength(self) -> float:
+        """What says how strong motions are [m/s^2], where that is no intensity."""
+        by_measure = "pga" if self.measure == PGA else "sa"
+        return float(getattr(self, {EUROCODE_8: "ag", ASCE_7: "sds"}.get(self.site, by_measure)))
+
+    @property
+    def shape(self) -> Shape | None:
+        """The code's spectrum that motions are to have, if they are."""
+        if self.site not in CODES:
+            return None
+        kind = kind_of(self.site, vars(self))
+        return Shape(self.site, kind, self.duration, self.motion_envelope())
+
+    @property
+    def _motions(self) -> Motions:
+        """Those of which is asked how strong they are."""
+        period = self.sa_period if self.measure == SA else None
+        return Motions(self._of_intensity(1.0), self.duration, self.motion_envelope(), period)
+
+    @cached_property
+    def settled(self) -> bool:
+        """Whether the ground is known; if not, `settle` seeks it."""
+        if self.shape is not None:
+            return self.fitted is not None and self.fitted.shape == self.shape
+        return self.measure == S0 or (
+            self.measured is not None and self.measured.motions == self._motions
+        )
+
+    def settle(self, progress: Progress | None = None) -> Scene:
+        """The same scene with its ground: fitted, or measured, by simulation in a few seconds."""
+        if self.settled:
+            return self
+        if self.shape is not None:
+            return dataclasses.replace(self, fitted=self.shape.fitted(progress))
+        return dataclasses.replace(self, measured=self._motions.measured(self.seed, progress))
 
     def site_parameters(self) -> dict[str, float]:
         """What the case file says of the ground beside its name."""
@@ -267,22 +364,24 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
 
     A ValueError if a number lies beyond what the explorer takes.
     """
-    notes = []
+    notes, of_code = [], code_of(case)
     site, given = case.site, _numbers(case.ground)
     if site == FITTED:
         site = _kind_of(case)
         notes.append(f"The ground is fitted to {next(iter(case.records))}: held by its parameters here.")
-    elif site not in SITES:
+    elif case.spectrum is not None and not of_code:
         notes.append(f"The ground delivers the spectrum {site}: held by its parameters here.")
         site = _kind_of(case)
     if case.records:
-        notes.append("Records are left out here, and in a case file saved from here.")
+        notes.append("Records are shown beside the gaps by rule; a case file saved from here has none.")
     if lost := _left_out(case):
         notes.append(f"{lost} left out here, and in a case file saved from here.")
     if site not in GROUNDS:
         given = {"intensity": given["intensity"]}
     names = case.ground.beside_structures()
     values: dict[str, Any] = {name: given[own] for name, own in names.items() if own in given}
+    values["ground_of_file"] = case.ground if site == PARALLEL else None
+    values |= {"site": site} | of_code
     values["envelope"] = NONE
     masses, storeys = list(Scene.floor_masses), list[StoreysOfFile | None](Scene.storeys_of_file)
     for number, building in enumerate(case.pair, start=1):
@@ -305,9 +404,12 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
     else:
         values["gap"] = case.gap
     notes += [f"Motions scatter by {case.scatter:g}, as in the file; {MEDIAN}."] if case.scatter else []
-    kept = ("title", "confidence", "duration", "scatter", "floors_align", "zone", "unverified")
+    values["records"] = RecordsOfFile(case.inputs[0], case.records) if case.records else None
+    kept = (
+        *("title", "confidence", "duration", "scatter", "floors_align", "zone", "unverified"),
+        *("paths", "seed"),
+    )
     scene = Scene(
-        site=site,
         names=(case.first.name, case.second.name),
         heights=(case.first.height, case.second.height),
         storeys=(case.first.storeys, case.second.storeys),
@@ -320,13 +422,7 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
 
 
 def _kind_of(case: Case) -> str:
-    for name, kind in GROUNDS.items():
-        if type(case.ground) is kind:
-            return name
-    raise ValueError(
-        f"{case.file}: the ground is of several filters in parallel; the explorer holds one, so write "
-        "filters = 1 in [site]"
-    )
+    return next((name for name, kind in GROUNDS.items() if type(case.ground) is kind), PARALLEL)
 
 
 def _left_out(case: Case) -> str:

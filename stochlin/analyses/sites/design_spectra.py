@@ -67,7 +67,7 @@ def eurocode_8(ag: float, soil: str, type: int = 1, damping: float = 0.05) -> xr
     -------
     xarray.DataArray
         Pseudo-acceleration [m/s^2] over ``period`` [s], from 0 (the peak ground acceleration) to 4 s.
-        The attributes ``damping`` and ``source`` say of what.
+        The attributes say of what: ``damping``, ``source``, and what the code was asked for.
 
     Raises
     ------
@@ -116,7 +116,8 @@ def eurocode_8(ag: float, soil: str, type: int = 1, damping: float = 0.05) -> xr
         2.5 * eta * plateau / after * np.minimum(1, long / after),
     )
     source = f"Eurocode 8, type {int(type)}, ground {name}, ag = {ag:g} m/s^2"
-    return _code_spectrum(period, peak * shape, damping, source)
+    found = _code_spectrum(period, peak * shape, damping, source)
+    return found.assign_attrs(code="eurocode_8", ag=float(ag), soil=name, spectrum_type=f"{int(type)}")
 
 
 def asce_7(sds: float, sd1: float, tl: float) -> xr.DataArray:
@@ -137,7 +138,7 @@ def asce_7(sds: float, sd1: float, tl: float) -> xr.DataArray:
     -------
     xarray.DataArray
         Pseudo-acceleration [m/s^2] over ``period`` [s], from 0 (the peak ground acceleration) to 10 s.
-        The attributes ``damping`` and ``source`` say of what.
+        The attributes say of what: ``damping``, ``source``, and what the code was asked for.
 
     Raises
     ------
@@ -182,7 +183,8 @@ def asce_7(sds: float, sd1: float, tl: float) -> xr.DataArray:
         corner / after * np.minimum(1, tl / after),
     )
     source = f"ASCE 7, SDS = {sds:g}, SD1 = {sd1:g} m/s^2, TL = {tl:g} s"
-    return _code_spectrum(period, sds * shape, 0.05, source)
+    found = _code_spectrum(period, sds * shape, 0.05, source)
+    return found.assign_attrs(code="asce_7", sds=float(sds), sd1=float(sd1), tl=float(tl))
 
 
 def _code_spectrum(period: Array, values: Array, damping: float, source: str) -> xr.DataArray:

@@ -21,9 +21,9 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_duration, check_scatter, check_whole
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.models.envelopes import Envelope
+from stochlin.models.envelopes import Envelope, strong_seconds
 from stochlin.models.grounds import Ground, rms_acceleration
-from stochlin.models.parameters import expect
+from stochlin.models.parameters import Model, expect
 
 FILTERS, PATHS = 2, 512
 CYCLES = 4.0  # of the longest period that are in a record
@@ -39,7 +39,8 @@ class FittedMotion:
     ----------
     ground : CloughPenzien or ParallelGround
         Stationary, before it is modulated.
-    envelope : AminAng, ShinozukaSato, GammaEnvelope or HsuBernard
+    envelope : AminAng, ShinozukaSato, GammaEnvelope or HsuBernard, or None
+        None for motions that are stationary, which `fit_motion` never gives.
     duration : float
         Length [s].
     scatter : float
@@ -60,13 +61,14 @@ class FittedMotion:
     """
 
     ground: Ground
-    envelope: Envelope
+    envelope: Envelope | None
     duration: float
     scatter: float = RECORD_TO_RECORD
 
     def __post_init__(self) -> None:
         expect(self.ground, Ground, "FittedMotion: ground")
-        expect(self.envelope, Envelope, "FittedMotion: envelope")
+        if self.envelope is not None:
+            expect(self.envelope, Envelope, "FittedMotion: envelope")
         check_duration(self.duration)
         check_scatter(self.scatter)
 
@@ -214,9 +216,19 @@ def compare_motions(
     table["record_arias_intensity"] = (), np.pi / (2 * METRES["g"]) * energy
     table["record_significant_duration"] = (), _significant(record)
     call = f"compare_motions(paths={paths}, seed={seed})"
-    models = {"ground": motion.ground, "envelope": motion.envelope}
+    models: dict[str, Model] = {"ground": motion.ground}
+    if motion.envelope is not None:
+        models["envelope"] = motion.envelope
     title = f"{record.attrs.get('source', 'A record')} and the motions fitted to it"
     return labels.with_run_information(labels.label(table, VARIABLES), title, call, models)
+
+
+def energy_ratio(
+    record: xr.DataArray, ground: Ground, envelope: Envelope | None, duration: float
+) -> float:
+    """Energy of motions on this ground over that of a record: ``sigma^2 Int m^2 dt / Int a^2 dt``."""
+    of_motions = rms_acceleration(ground) ** 2 * strong_seconds(duration, envelope)
+    return of_motions / float(_energy(*checked_record(record)))
 
 
 def _energy(values: Array, dt: float) -> Array:

@@ -115,6 +115,8 @@ def simulated_spectrum(
         models["envelope"] = envelope
     call = f"simulated_spectrum(duration={duration}, damping={ratio}, paths={paths}, seed={seed})"
     title = "Response spectrum of simulated motions"
+    if wanted is not None and isinstance(target, xr.DataArray):
+        table.target.attrs["source"] = str(target.attrs.get("source", "a spectrum"))
     return labels.with_run_information(labels.label(table, VARIABLES), title, call, models)
 
 
@@ -134,7 +136,8 @@ def spectrum_and_motions(
     peaks = peak_accelerations(
         periods, damping, ground, duration, envelope, paths=paths, seed=seed, progress=progress
     )
-    table = xr.Dataset(coords={"period": labels.axis("period", "period", periods, "s")})
+    said = {"duration_s": float(duration), "damping": float(damping)}
+    table = xr.Dataset(coords={"period": labels.axis("period", "period", periods, "s")}, attrs=said)
     table = table.assign_coords(quantile=labels.axis("quantile", "quantile", np.array(QUANTILES)))
     table["pseudo_acceleration"] = "period", peaks.mean(axis=0)
     error = peaks.std(axis=0, ddof=1) / np.sqrt(len(peaks))

@@ -8,13 +8,14 @@ from typing import Any, NamedTuple
 
 from stochlin.analyses.explorer.buildings import DESCRIPTIONS, OF_FILE, OSCILLATOR, REGULAR
 from stochlin.analyses.explorer.scene import ALLOWED, SHAPES, SITES, WHOLE, Scene, names_of
+from stochlin.analyses.explorer.sites import CODES, MEASURES, NAMES, PGA, S0, SA, SOILS, TYPES, G
 from stochlin.analyses.tables.checks import check_whole
 from stochlin.messages import brief
 from stochlin.models.envelopes import ENVELOPES
 from stochlin.models.grounds import GROUNDS
 from stochlin.models.parameters import Model
 
-SCALES = {"cm": 100.0}  # of a unit that is shown, for one in SI
+SCALES = {"cm": 100.0, "g": 1 / G}  # of a unit that is shown, for one in SI
 
 
 class Control(NamedTuple):
@@ -71,7 +72,9 @@ class Choice(NamedTuple):
     options: Sequence[str] = ()
 
     def offered(self, scene: Scene) -> Sequence[str]:
-        """What can be chosen: the storeys of a file where one gives some."""
+        """What can be chosen: the storeys and the filters of a file where one gives some."""
+        if self.options is SITES:
+            return scene.sites()
         if self.options is not DESCRIPTIONS:
             return self.options
         return scene.ways_to_describe(int(self.name.rpartition("_")[2]))
@@ -107,6 +110,16 @@ SHOWN = (
         "Ground",
         (
             Choice("site", "Kind of ground", SITES),
+            Control("ag", "Acceleration ag", 0.02, 0.8, 0.01, "g"),
+            Choice("soil", "Ground type", SOILS),
+            Choice("spectrum_type", "Type of spectrum", TYPES),
+            Control("sds", "SDS", 0.05, 2.5, 0.01, "g"),
+            Control("sd1", "SD1", 0.02, 1.5, 0.01, "g"),
+            Control("tl", "TL", 4.0, 16.0, 1.0, "s"),
+            Choice("measure", "Strength given by", MEASURES),
+            Control("pga", "Peak acceleration, mean", 0.01, 1.0, 0.01, "g"),
+            Control("sa", "Spectral acceleration, mean", 0.01, 2.0, 0.01, "g"),
+            Control("sa_period", "Its period", 0.1, 4.0, 0.01, "s"),
             Control("intensity", "Intensity S0", 0.0005, 0.05, 0.0005, "m²/s³"),
             Control("ground_period", "Ground period", 0.1, 4.0, 0.01, "s"),
             Control("ground_damping", "Ground damping ratio", 0.02, 1.0, 0.01),
@@ -167,6 +180,9 @@ OF_BUILDINGS: Mapping[str, Sequence[str]] = {
     "base_shear_coefficient": (REGULAR,),
     "strength_factor": (OF_FILE,),
 }
+# Of what ground, and of what measure of its strength, a control is.
+OF_CODES = {name: code for code, names in NAMES.items() for name in names}
+OF_MEASURES = {"intensity": S0, "pga": PGA, "sa": SA, "sa_period": SA}
 STRENGTHS = ("hardening", "reduction_factor", "base_shear_coefficient", "strength_factor")
 OF_KINDS: Mapping[str, Mapping[str, type[Model]]] = {"Ground": GROUNDS, "Motion": ENVELOPES}
 GROUPS = tuple(_with_others(group, OF_KINDS.get(group.title, {})) for group in SHOWN)
@@ -180,9 +196,14 @@ NUMBERS: Mapping[str, Control] = {
 
 def counts(name: str, values: Mapping[str, Any]) -> bool:
     """Whether a control has a say with these values: the others are hidden."""
+    if name in OF_CODES:
+        return values["site"] == OF_CODES[name]
+    if name == "measure" or name in OF_MEASURES:
+        asked = OF_MEASURES.get(name, values["measure"])
+        return values["site"] not in CODES and values["measure"] == asked
     for role, kinds in (("site", GROUNDS), ("envelope", ENVELOPES)):
         if any(name in names_of(kind) for kind in kinds.values()):
-            return name == "intensity" or name in names_of(kinds.get(values[role]))
+            return name in names_of(kinds.get(values[role]))
     stem, _, number = name.rpartition("_")
     if stem not in OF_BUILDINGS:
         return True

@@ -23,7 +23,9 @@ from stochlin.views.explorer.panels import Panel
 from stochlin.views.explorer.workers import (
     CORRELATION,
     GAPS,
+    GROUND,
     PROBABILITY,
+    RECORDS,
     SIMULATIONS,
     SPECTRA,
     Stopped,
@@ -64,14 +66,18 @@ class Page:
     """One browser's view of a scene."""
 
     def __init__(self, scene: Scene, notes: list[str], patient: Worker, simulator: Worker) -> None:
-        self._scene, self._patient, self._simulator = scene, patient, simulator
-        self._values: dict[str, Any] = dataclasses.asdict(scene)
+        # What the controls say, and the last of it whose ground is known: that is what is shown.
+        self._wanted = self._scene = scene
+        self._patient, self._simulator = patient, simulator
+        self._values: dict[str, Any] = vars(scene).copy()
         self._wrong: dict[str, str] = {}  # messages of entries that cannot be read
         self._rows: dict[str, Any] = {}
         self._fast, self._slow = False, False  # whether a round is under way
+        self._seeking = False  # whether a ground is sought
         self._job: Job | None = None
         self._patience: Job | None = None  # the last that was asked of the patient one
         self._simulated: Mapping[str, xr.Dataset] = {}
+        self._recorded: tuple[Scene, xr.Dataset] | None = None  # gaps of records, and of what values
         self._closed = False
         self._build(notes)
         ui.context.client.on_delete(self._leave)
@@ -138,12 +144,12 @@ class Page:
         if not messages:
             try:
                 shown = {name: self._values[name] for name in self._rows}
-                scene = dataclasses.replace(self._scene, **shown)
+                scene = dataclasses.replace(self._wanted, **shown)
             except (ValueError, TypeError) as error:
                 messages = [f"These values do not fit: {error}."]
         self._alert.text = " ".join([*messages, KEPT] if messages else [])
-        if not messages and scene != self._scene:
-            self._scene = scene
+        if not messages and scene != self._wanted:
+            self._wanted = scene
             self._interrupt()
             self._drop()  # at once: the next round may begin before the refresh
             self._simulated = {}
@@ -156,10 +162,42 @@ class Page:
 
     async def _refresh(self) -> None:
         """Start the rounds that are not under way: those that are go on to the latest values."""
+        if not await self._seek():
+            return
         for key in set(PATIENT).difference(_at_once(self._scene)):
             self._panels[key].wait()
         await self._fast_round()  # first, for both want the processor
         await self._slow_round()
+
+    async def _seek(self) -> bool:
+        """Whether the ground of the present values is known, after a fit or a simulation if need be."""
+        if self._seeking:
+            return False
+        self._seeking = True
+        while not (self._wanted.settled or self._closed):
+            for panel in self._panels.values():
+                panel.wait(words.SEEKING)
+            self._running(self._job is not None)
+            asked = self._wanted
+            self._patience = self._patient.ask(GROUND, asked)
+            try:
+                found: Scene = await asyncio.wrap_future(self._patience.answer)
+            except (Stopped, asyncio.CancelledError):  # for the sake of other values
+                continue
+            except Exception as error:
+                if asked is self._wanted:
+                    for panel in self._panels.values():
+                        panel.fail(_why(error, GROUND, asked))
+                    break
+                continue
+            self._wanted = dataclasses.replace(
+                self._wanted, fitted=found.fitted, measured=found.measured
+            )
+        self._seeking = False
+        if self._wanted.settled:
+            self._scene = self._wanted
+        self._running(self._job is not None)
+        return self._wanted.settled
 
     async def _fast_round(self) -> None:
         if self._fast:
@@ -182,7 +220,25 @@ class Page:
                 if key not in _at_once(scene) and scene is self._scene:
                     self._patience = self._patient.ask(key, scene)
                     await self._answer(key, scene, asyncio.wrap_future(self._patience.answer))
+            if scene is self._scene:
+                await self._run_records(scene)
         self._slow = False
+
+    async def _run_records(self, scene: Scene) -> None:
+        """Show what the records of the file would need, beside the gaps that are shown already."""
+        if scene.records is None:
+            return
+        self._patience = self._patient.ask(RECORDS, scene)
+        try:
+            self._recorded = scene, await asyncio.wrap_future(self._patience.answer)
+        except (Stopped, asyncio.CancelledError):
+            return
+        except Exception as error:
+            self._told.text = f"The records were not run: {_why(error, RECORDS, scene)}"
+            return
+        shown = self._panels[GAPS].table
+        if shown is not None and scene is self._wanted and not self._closed:
+            self._draw(GAPS, shown, scene)
 
     async def _answer(self, key: str, scene: Scene, answer: asyncio.Future[xr.Dataset]) -> None:
         """Draw an answer, or say why there is none; nothing that goes wrong ends a round."""
@@ -190,7 +246,7 @@ class Page:
             table = await answer
             if not self._closed:
                 self._draw(key, table, scene)
-                if scene is not self._scene:
+                if scene is not self._wanted:
                     self._panels[key].wait()
         except (Stopped, asyncio.CancelledError):  # for the sake of other values
             self._panels[key].wait()
@@ -212,8 +268,10 @@ class Page:
                 self._caution.text, self._why.text = words.caution(table)
             panel.show(table, charts.correlation_figure(table, simulated), words.correlation(table))
         elif key == GAPS:
-            told = [words.gaps(shown), columns_hit(scene.slabs_on_columns)]
-            panel.show(shown, charts.gaps_figure(shown), " ".join(filter(None, told)))
+            own = self._recorded is not None and self._recorded[0] is scene
+            recorded = self._recorded[1] if own and self._recorded else None
+            told = [words.gaps(shown), words.records(recorded), columns_hit(scene.slabs_on_columns)]
+            panel.show(shown, charts.gaps_figure(shown, recorded), " ".join(filter(None, told)))
         else:
             panel.show(shown, charts.probability_figure(shown), words.probability(shown))
 
@@ -238,7 +296,7 @@ class Page:
                 self._running(False)
 
     def _keep(self, scene: Scene, tables: Mapping[str, xr.Dataset]) -> None:
-        if scene is not self._scene:
+        if scene is not self._wanted:
             return
         self._simulated = tables
         self._told.text = f"Simulated: {scene.paths} motions, seed {scene.seed}."
@@ -257,7 +315,7 @@ class Page:
             self._patience.stop()
 
     def _running(self, running: bool) -> None:
-        self._start.set_enabled(not running)
+        self._start.set_enabled(self._wanted.settled and not running)
         for element in (self._stop, self._bar):
             element.set_visibility(running)
 
@@ -268,6 +326,8 @@ class Page:
 
     def _save_data(self) -> None:
         tables = {key: p.table for key, p in self._panels.items() if p.table is not None}
+        if self._recorded is not None and self._recorded[0] is self._scene:
+            tables[RECORDS] = self._recorded[1]
         if CORRELATION in self._simulated:
             tables["simulation"] = self._simulated[CORRELATION]
         if self._alert.text:

@@ -84,8 +84,10 @@ def correlation_figure(table: xr.Dataset, simulated: xr.Dataset | None = None) -
     return _figure(curves, layout)
 
 
-def gaps_figure(table: xr.Dataset) -> Figure:
+def gaps_figure(table: xr.Dataset, recorded: xr.Dataset | None = None) -> Figure:
     """The gap by every rule that has one, and the gap there is; errors where simulation tells them.
+
+    Beside them, if there are some, what each record would have taken.
 
     Of buildings with storeys below it the gap over the height, by the simulation or by linearization.
     """
@@ -97,8 +99,12 @@ def gaps_figure(table: xr.Dataset) -> Figure:
         rows = np.flatnonzero(known.kind.values == kind)
         if rows.size:
             curves.append(_points(known, gaps, names, rows, symbol) | {"name": text})
+    of_records = [] if recorded is None else 100 * recorded.separation.values
+    if recorded is not None:
+        names.append("records")
+        curves.append(_of_records(recorded, of_records))
     layout = _layout("gap [cm]", "")
-    highest = float(np.nanmax([*gaps, 100 * table.attrs["gap_m"]]))
+    highest = float(np.nanmax([*gaps, *of_records, 100 * table.attrs["gap_m"]]))
     layout["xaxis"] |= {"range": [0, 1.22 * highest]}
     layout["yaxis"] |= {"type": "category", "categoryarray": names}
     layout["yaxis"] |= {"range": [-0.6, len(names) - 0.1], "tickfont": {"size": 11}}
@@ -117,6 +123,20 @@ def gaps_figure(table: xr.Dataset) -> Figure:
         layout["yaxis2"] |= {"domain": [0, 0.8 * share], "automargin": True}
         layout["xaxis"] |= {"anchor": "y2"}
     return _figure(curves, layout)
+
+
+def _of_records(recorded: xr.Dataset, gaps: Any) -> Figure:
+    """The gap of each, all on one line."""
+    look = {"color": GREY, "size": 9, "symbol": "line-ns-open", "line": {"width": 1.6}}
+    return {
+        "x": _plain(gaps),
+        "y": ["records"] * len(gaps),
+        "text": [str(name) for name in recorded.record.values],
+        "mode": "markers",
+        "marker": look,
+        "name": "records",
+        "hovertemplate": "%{text}: %{x:.1f} cm<extra></extra>",
+    }
 
 
 def told_by_height(table: xr.Dataset) -> str:

@@ -25,6 +25,7 @@ STOREYS = (
 )
 UNSAFE = "Caution: linearization alone is unsafe for buildings that yield."
 ELASTIC = "Both buildings stay elastic: linearization is exact here."
+SEEKING = "The ground of these values is being sought, by simulation ..."
 SAVED_LAST = "Saved with the last values that could be read."
 START = "No simulation of these values yet: the button asks the exact laws."
 
@@ -115,6 +116,19 @@ def gaps(table: xr.Dataset) -> str:
         for r, m in zip(lacking.rule.values, lacking.missing.values, strict=True)
     ]
     return words + (f" Not shown: {'; '.join(missing)} (a case file may say)." if missing else "")
+
+
+def records(table: xr.Dataset | None) -> str:
+    """In how many records the gap there is would have been enough."""
+    if table is None or not table.separation.notnull().any():
+        return ""
+    gaps = table.separation.values
+    most = str(table.record[int(np.nanargmax(gaps))].item())
+    enough = int((gaps <= table.attrs["gap_m"]).sum())
+    return (
+        f"Records: the existing gap would have been enough in {enough} of {gaps.size}; {most} would "
+        f"have taken {length(float(np.nanmax(gaps)))}."
+    )
 
 
 def probability(table: xr.Dataset) -> str:

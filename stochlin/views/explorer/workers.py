@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 RUNNING, SHARE, STOPPED = range(3)  # on the board: a job, how far it is, the job to be stopped
 CORRELATION, GAPS, PROBABILITY, SPECTRA = "correlation", "gaps", "probability", "spectra"
-SIMULATIONS = "simulations"
+SIMULATIONS, GROUND, RECORDS = "simulations", "ground", "records"
 EVERY_JOB = -1.0
 _board: Any = None  # of this process, if it is a worker
 
@@ -101,6 +101,10 @@ def _answer(number: int, question: str, scene: Scene) -> Any:
         return formulas.spectra(scene)
     if question == GAPS:
         return formulas.gap_rules(scene)
+    if question == RECORDS:
+        return formulas.recorded(scene)
+    if question == GROUND:
+        return scene.settle(progress)
     long = {
         CORRELATION: formulas.correlation,
         PROBABILITY: formulas.probability,

@@ -9,6 +9,7 @@ import numpy as np
 from stochlin.views.separation.storeys import draw_heights
 from stochlin.views.separation.words import RuleLine, rows
 from stochlin.views.shared.style import CURVES, STYLE, styled
+from stochlin.views.sites.pictures import draw_spectrum
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -87,14 +88,14 @@ def distribution_figure(answer: CaseAnswer) -> Figure:
 
 
 def spectrum_figure(answer: CaseAnswer) -> Figure:
-    """Spectrum of the ground over period, with the periods of both buildings."""
+    """Spectrum of the site over period, with the periods of both buildings."""
     from matplotlib.ticker import NullFormatter, StrMethodFormatter
 
     spectrum = answer.spectrum
+    if "target" in spectrum:
+        return draw_spectrum(spectrum, False, [building.period for building in answer.case.pair])
     figure, axes = _blank(3.3)
     period = spectrum.period.values
-    if "psd_smoothed" in spectrum:
-        axes.plot(period, spectrum.psd_smoothed, color="0.55", lw=1, label="record, smoothed")
     axes.plot(period, spectrum.psd_ground, color=CURVES[1][0], label="ground")
     for n, building in enumerate(answer.case.pair, start=1):
         color, dash = CURVES[0] if n == 1 else CURVES[2]

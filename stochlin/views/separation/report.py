@@ -12,6 +12,7 @@ from stochlin.views.separation import facts as small_print
 from stochlin.views.separation import pictures, words
 from stochlin.views.separation.storeys import draw_heights
 from stochlin.views.shared.words import centimetres
+from stochlin.views.sites.words import fit_in_words
 
 if TYPE_CHECKING:
     from markupsafe import Markup
@@ -85,8 +86,8 @@ def _pictures(answer: CaseAnswer) -> list[Picture]:
         (
             "The ground and the buildings",
             pictures.spectrum_figure,
-            "Power spectral density of the ground acceleration over period, and the elastic periods of "
-            "the buildings. Yielding lengthens them.",
+            f"{_of_site(answer)} The lines are the elastic periods of the buildings; yielding lengthens "
+            "them.",
         ),
     ]
     if "height" in answer.separation.dims:
@@ -112,6 +113,13 @@ def _pictures(answer: CaseAnswer) -> list[Picture]:
         Picture(title, _svg(draw, answer, f"p{n}", f"{title}. {text}"), text)
         for n, (title, draw, text) in enumerate(drawn, start=1)
     ]
+
+
+def _of_site(answer: CaseAnswer) -> str:
+    told = fit_in_words(answer.spectrum)
+    if not told:
+        return "Power spectral density of the ground acceleration over period."
+    return " ".join([*told, "Below, the ratio with its 95 % interval; dotted, 6 % to either side."])
 
 
 def _svg(draw: Callable[[CaseAnswer], Figure], answer: CaseAnswer, prefix: str, text: str) -> Markup:

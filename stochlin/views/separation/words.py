@@ -9,6 +9,7 @@ import numpy as np
 from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.views.shared.screen import paragraph
 from stochlin.views.shared.words import SPACE, centimetres, floors, label, length, per_cent, scatter
+from stochlin.views.sites.words import fit_in_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -130,6 +131,7 @@ def summary(answer: CaseAnswer) -> list[str]:
             for name, gap in zip(case.records, table.record_separation.values, strict=True)
         )
         sentences.append(f"In the recorded motions they would have needed: {gaps}.")
+    sentences.append(" ".join(fit_in_words(answer.spectrum)))
     return [sentence for sentence in sentences if sentence]
 
 

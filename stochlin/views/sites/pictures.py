@@ -1,0 +1,151 @@
+"""The response spectrum of motions over the one that is wanted: a column wide, and for print in grey."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.records.files import METRES
+from stochlin.views.shared.style import AS_GIVEN, CURVES, filled, plain_ticks, styled
+from stochlin.views.shared.words import per_cent
+from stochlin.views.sites.words import fit_in_words
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+WIDTH, UPPER, LOWER, AXIS, BETWEEN = 4.6, 2.4, 1.05, 0.5, 0.12  # inches
+LEGEND, LINE = 0.19, 0.14  # inches: lines of text
+LEFT, RIGHT = 0.13, 0.86  # of the width
+CAPTION = 70  # characters
+TICKS = (0.05, 0.1, 0.2, 0.5, 1, 2, 4, 10)  # s
+WITHIN = 0.06  # what fits to spectra hold to
+NORMAL = 1.96  # standard errors to either side of a 95 % interval
+LEAST, MOST = 0.12, 1.2  # shown of the ratio, to either side of 1
+
+
+@styled(AS_GIVEN | {"font.size": 10})
+def draw_spectrum(dataset: xr.Dataset, caption: bool = True, periods: Sequence[float] = ()) -> Figure:
+    """Draw what `stochlin.simulated_spectrum` or `stochlin.compare_motions` returns.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From memory or from file.
+    caption : bool
+        Whether to say below of what ground, duration and envelope the motions are, and how they fit.
+    periods : sequence of float
+        Periods to mark [s], as those of buildings.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Above the response spectra over the period: the one wanted, or that of the record, and of the
+        simulated motions the mean and from 16 to 84 %. Below, where one is wanted, the mean over it with
+        its 95 % interval, and lines at 6 % to either side.
+
+    Raises
+    ------
+    ValueError
+        If the dataset is another one, or of one period.
+    """
+    from matplotlib.figure import Figure
+
+    check_spectrum(dataset)
+    told = filled(_caption(dataset), CAPTION) if caption else ""
+    foot = LINE * (told.count("\n") + 1.5) if told else 0.05
+    figure = Figure()
+    compared = "target" in dataset
+    upper = figure.add_axes((0, 0.5, 1, 0.5))
+    lower = figure.add_axes((0, 0, 1, 0.5)) if compared else None
+    spectrum_panels(upper, lower, dataset, periods)
+    head = LEGEND * (-(-len(upper.get_legend_handles_labels()[1]) // 2) + 0.3)
+    inner = [(upper, UPPER), *([(lower, LOWER)] if lower else [])]
+    height = head + sum(own for _, own in inner) + BETWEEN * (len(inner) - 1) + AXIS + foot
+    figure.set_size_inches(WIDTH, height)
+    top = height - head
+    for axes, own in inner:
+        axes.set_position((LEFT, (top - own) / height, RIGHT - LEFT, own / height))
+        top -= own + BETWEEN
+    upper.legend(
+        loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=2, borderaxespad=0.2, fontsize=8.5,
+        columnspacing=1.2, handlelength=2.6, labelspacing=0.25,
+    )  # fmt: skip
+    figure.text(0.02, foot / height, told, va="top", size=8)
+    return figure
+
+
+def check_spectrum(dataset: xr.Dataset) -> None:
+    """Raise a ValueError unless this is the spectrum of simulated motions, over two periods or more."""
+    known = "pseudo_acceleration_quantile" in dataset and "duration_s" in dataset.attrs
+    if not known or dataset.sizes["period"] < 2:
+        raise ValueError(
+            f"dataset has the dimensions {dict(dataset.sizes)}; allowed: what simulated_spectrum or "
+            "compare_motions returns, of two periods or more"
+        )
+
+
+def spectrum_panels(
+    upper: Axes, lower: Axes | None, dataset: xr.Dataset, periods: Sequence[float] = ()
+) -> None:
+    """The spectra, and their ratio where there are axes for it."""
+    period: Any = dataset.period.values
+    band: Any = (dataset.pseudo_acceleration_quantile.sel(quantile=q).values for q in (0.16, 0.84))
+    upper.fill_between(period, *band, color="0.82", lw=0, label="motions, 16 to 84 %")
+    (color, dash), (black, solid) = CURVES[1], CURVES[0]
+    mean = dataset.pseudo_acceleration.values
+    upper.plot(period, mean, color=color, linestyle=dash, label="motions, mean")
+    if "target" in dataset:
+        name = "record" if "energy_ratio" in dataset else "wanted"
+        upper.plot(period, dataset.target, color=black, linestyle=solid, lw=1.1, label=name)
+    for number, one in enumerate(periods, start=1):
+        look: Any = {"color": CURVES[2][0], "lw": 1.0, "linestyle": (0, (1, 1)) if number == 1 else "-."}
+        for axes in filter(None, (upper, lower)):
+            axes.axvline(one, label=f"building {number}" if axes is upper else None, **look)
+    upper.set(ylim=(0, None), ylabel="spectral acceleration [m/s²]")
+    upper.secondary_yaxis("right", functions=(_in_g, _of_g)).set_ylabel("[g]")
+    if lower is not None:
+        _ratio(lower, dataset)
+        upper.tick_params(labelbottom=False)
+    for axes in filter(None, (upper, lower)):
+        axes.set(xscale="log", xlim=(period[0], period[-1]))
+        plain_ticks(axes.xaxis, [tick for tick in TICKS if period[0] <= tick <= period[-1] * 1.001])
+        axes.spines["top"].set_visible(False)
+    (upper if lower is None else lower).set_xlabel("period [s]")
+
+
+def _in_g(acceleration: Any) -> Any:
+    return acceleration / METRES["g"]
+
+
+def _of_g(acceleration: Any) -> Any:
+    return acceleration * METRES["g"]
+
+
+def _ratio(axes: Axes, dataset: xr.Dataset) -> None:
+    """The mean of the motions over what is wanted, with its interval."""
+    period, ratio = dataset.period.values, dataset.ratio.values
+    error: Any = NORMAL * dataset.ratio_standard_error.values
+    color, dash = CURVES[1]
+    axes.fill_between(period, ratio - error, ratio + error, color="0.75", lw=0)
+    axes.plot(period, ratio, color=color, linestyle=dash)
+    axes.axhline(1, color=CURVES[0][0], lw=0.9)
+    for end in (1 - WITHIN, 1 + WITHIN):
+        axes.axhline(end, color="0.3", lw=0.8, ls=(0, (1, 1.5)))
+        beside = axes.get_yaxis_transform()
+        axes.text(1.015, end, per_cent(end - 1, sign="+"), size=8, va="center", transform=beside)
+    away = min(max(1.1 * float(np.abs(ratio - 1).max()), LEAST), MOST)
+    axes.set(ylim=(max(1 - away, 0), 1 + away), ylabel="ratio")
+
+
+def _caption(dataset: xr.Dataset) -> list[str]:
+    """What the motions are, and how well they fit."""
+    attrs = dataset.attrs
+    source = dataset.target.attrs.get("source") if "target" in dataset else None
+    wanted = [f"Wanted: {source}."] if source else []
+    told = [f"Damping {attrs['damping']:g}; motions of {attrs['duration_s']:.4g} s, "
+            f"{attrs.get('envelope', 'stationary')}."]  # fmt: skip
+    return [attrs["title"], *wanted, *fit_in_words(dataset), *told, attrs["ground"]]

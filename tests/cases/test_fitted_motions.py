@@ -1,0 +1,116 @@
+"""Case files whose ground is fitted to a record: the motions carry its energy, or a warning says not."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+
+import pytest
+
+import stochlin as sl
+from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.separation import answer_case
+from stochlin.views.separation.words import summary
+
+pytestmark = pytest.mark.invariant
+
+EXAMPLE = sl.example_case()
+SITE = '[site]\nground = "fitted"\n{more}[[site.records]]\npath = "wave.at2"\n\n'
+FITTED = '[motion]\nenvelope = "fitted"\n'
+ENVELOPE = sl.AminAng(3.0, 10.0, 0.3)
+
+
+def read(folder: Path, motion: str, more: str = "") -> Case:
+    """The example at the site of a record, with another motion."""
+    whole = sl.simulated_motions(sl.named_ground("firm", 0.01), 25.0, ENVELOPE, paths=2)[0]
+    sl.to_at2(whole, folder / "wave.at2")
+    start, end = EXAMPLE.index("[site]"), EXAMPLE.index("[building_1]")
+    path = folder / "case.toml"
+    text = f"{EXAMPLE[:start]}{SITE.format(more=more)}{motion}\n{EXAMPLE[end:]}"
+    path.write_text(text.replace("paths = 2048", "paths = 128"), encoding="utf-8")
+    return sl.read_case(path)
+
+
+@pytest.fixture(scope="module")
+def fitted(tmp_path_factory: pytest.TempPathFactory) -> Case:
+    return read(tmp_path_factory.mktemp("fitted"), FITTED, "filters = 1\n")
+
+
+def test_a_fitted_envelope_brings_ground_and_duration_with_it(fitted: Case) -> None:
+    (record,) = fitted.records.values()
+    expected = sl.fit_motion(record, filters=1)
+    assert (fitted.ground, fitted.envelope) == (expected.ground, expected.envelope)
+    assert fitted.duration == expected.duration == pytest.approx(25.0, rel=0.01)
+    assert fitted.fitted
+
+
+def test_the_answer_says_how_the_motions_compare_with_the_record(fitted: Case) -> None:
+    answer = answer_case(fitted)
+    error = float(answer.spectrum.energy_ratio_standard_error)
+    assert float(answer.spectrum.energy_ratio) == pytest.approx(1.0, abs=4 * error)
+    told = summary(answer)[-1]
+    assert f"Energy of the motions over the record's: {float(answer.spectrum.energy_ratio):.2f}" in told
+    assert "Significant duration: " in told
+    assert "mean of the motions over the record: off by " in told
+
+
+@pytest.mark.parametrize(
+    ("duration", "envelope"),
+    [
+        ("25 s", 'envelope = "shinozuka_sato"\nslow = "0.2 1/s"\nfast = "1.5 1/s"\n'),  # too weak
+        ("100 s", ""),  # stationary all along: too strong
+    ],
+)
+def test_an_envelope_that_misses_the_energy_of_the_record_is_told(
+    tmp_path: Path, duration: str, envelope: str
+) -> None:
+    text = f'[motion]\nduration = "{duration}"\n{envelope}'
+    with pytest.warns(UserWarning, match=r"motion.envelope.* times the energy of the record") as found:
+        case = read(tmp_path, text)
+    told = float(str(found[0].message).partition("carry ")[2].partition(" times")[0])
+    (record,) = case.records.values()
+    table = sl.compare_motions(
+        record, sl.FittedMotion(case.ground, case.envelope, case.duration), paths=256
+    )
+    assert not 0.8 <= told <= 1.25
+    assert float(table.energy_ratio) == pytest.approx(told, rel=0.08)  # 256 motions, two digits told
+
+
+def test_an_envelope_like_that_of_the_record_is_not(tmp_path: Path) -> None:
+    names = ("rise_end", "strong_end", "decay")
+    lines = [
+        f'{name} = "{getattr(ENVELOPE, name)} {"1/s" if name == "decay" else "s"}"' for name in names
+    ]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        read(tmp_path, "\n".join(['[motion]\nduration = "25 s"', 'envelope = "amin_ang"', *lines]))
+
+
+@pytest.mark.parametrize(
+    ("motion", "more", "message"),
+    [
+        (
+            f'{FITTED}duration = "20 s"\n',
+            "",
+            r"motion.duration = '20 s' is not a key .* allowed: envelope",
+        ),
+        (FITTED, 'model = "kanai_tajimi"\n', r"site.model = .* is not a key .*ground, records, filters"),
+        (FITTED, "filters = 4\n", r"site.filters = 4 .* allowed: 1 to 3"),
+    ],
+)
+def test_what_goes_with_a_fitted_envelope_is_said(
+    tmp_path: Path, motion: str, more: str, message: str
+) -> None:
+    with pytest.raises(ValueError, match=message):
+        read(tmp_path, motion, more)
+
+
+@pytest.mark.parametrize("site", ['ground = "firm"\nintensity = "0.01 m^2/s^3"', 'ground = "fitted"'])
+def test_a_fitted_envelope_needs_a_fitted_ground_and_its_record(tmp_path: Path, site: str) -> None:
+    start, end = EXAMPLE.index("[site]"), EXAMPLE.index("[building_1]")
+    path = tmp_path / "case.toml"
+    path.write_text(f"{EXAMPLE[:start]}[site]\n{site}\n{FITTED}{EXAMPLE[end:]}", encoding="utf-8")
+    with pytest.raises(
+        ValueError, match=r"motion.envelope = 'fitted' goes with a ground that is fitted"
+    ):
+        sl.read_case(path)
