@@ -19,8 +19,15 @@ from stochlin.analyses.cases.buildings import (
     read_gaps,
 )
 from stochlin.analyses.cases.contacts import read_amplification_limit, read_contact, read_measures
-from stochlin.analyses.cases.design_spectrum import SPECTRUM, ground_of_design, spectrum_file
-from stochlin.analyses.cases.site import FITTED, TIME, read_envelope, read_ground, recorded_motions
+from stochlin.analyses.cases.site import FITTED, TIME, read_envelope, read_ground
+from stochlin.analyses.cases.sites.design_spectrum import (
+    SPECTRUM,
+    design_spectrum,
+    ground_of_design,
+    spectrum_file,
+)
+from stochlin.analyses.cases.sites.records import read_suite, recorded_motions
+from stochlin.analyses.cases.sites.strength import as_strong_as_asked, hazard_file
 from stochlin.analyses.cases.storeys import SlabOnColumn, StoreyBuilding, slabs_of_row
 from stochlin.analyses.cases.values import Quantity, read_sections
 from stochlin.analyses.tables.checks import as_path
@@ -194,11 +201,13 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     wanted.only("confidence", "existing", "floors_align", "zone", "unverified")
     records = recorded_motions(site, path.parent)
     envelope, duration = read_envelope(motion), motion.number("duration", TIME)
-    by_spectrum = SPECTRUM in site
-    if by_spectrum:
-        ground = ground_of_design(site, path.parent, duration, envelope)
-    else:
+    spectrum = design_spectrum(site, path.parent) if SPECTRUM in site else None
+    if spectrum is None:
         ground = read_ground(site, records)
+    else:
+        ground = ground_of_design(site, spectrum, duration, envelope)
+    ground, spectrum = as_strong_as_asked(site, path.parent, ground, spectrum, duration, envelope)
+    records, of_suite = read_suite(site, path.parent, records, spectrum)
     buildings = read_buildings(whole, ground)
     align = wanted.truth("floors_align")
     slabs = slabs_of_row(buildings)
@@ -212,10 +221,12 @@ def read_case(path: str | os.PathLike[str]) -> Case:
         inputs=(
             path,
             *spectrum_file(site, path.parent),
+            *hazard_file(site, path.parent),
             *(path.parent / one.text("path") for one in site.sections("records")),
+            *of_suite,
         ),
         title=whole.text("title", default=f"{', '.join(names[:-1])} and {names[-1]}"),
-        site=site.text(SPECTRUM if by_spectrum else "ground"),
+        site=site.text("ground" if spectrum is None else SPECTRUM),
         ground=ground,
         buildings=buildings,
         duration=duration,

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 import xarray as xr
 
 from stochlin.analyses.cases.buildings import Building
 from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.sites.shaking import LEVELS, recorded_shaking
 from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.analyses.cases.variables import VARIABLES
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.pounding.pounding import pound
+from stochlin.analyses.simulation.finite_motions import keeping_apart
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.buildings import ShearBuilding
@@ -78,10 +82,33 @@ def pound_case(case: Case, progress: Progress | None = None) -> dict[str, xr.Dat
             table = pound(structures, list(case.gaps), contact, record, progress=of_all)
         except (ValueError, TypeError, ArithmeticError) as error:
             raise type(error)(f"{case.file}, record {name}: {error}") from error
+        periods = [building.period for building in case.buildings]
+        table = table.assign(recorded_shaking(record, periods))
         tables[name] = _described(table, case, structures).assign_attrs(
             title=f"{case.title}: pounding in {name}", record=name, case=case.title
         )
     return tables
+
+
+def over_records(tables: Mapping[str, xr.Dataset]) -> xr.Dataset:
+    """What many records come to: in how many they meet, and quantiles of what that does."""
+    each = list(tables.values())
+    hits = np.array([float(table.impacts.sum()) for table in each])
+    forces, speeds = (
+        [float(np.nan_to_num(table[name].max())) for table in each]
+        for name in ("hardest_force", "fastest_approach")
+    )
+    times = [table.amplification.max({*table.amplification.dims} - {"structure"}) for table in each]
+    apart = keeping_apart(xr.DataArray(hits, dims="path"), 0.5)
+    found = xr.Dataset({f"record_{name}": share for name, share in apart.items()})
+    found = found.assign_coords(quantile=labels.axis("quantile", "quantile", np.array(LEVELS)))
+    for name, values in (("impacts", hits), ("largest_force", forces), ("fastest_approach", speeds)):
+        found[f"record_{name}"] = "quantile", np.quantile(np.array(values), LEVELS)
+    found["record_amplification"] = (
+        ("quantile", "structure"),
+        np.quantile(np.array(times), LEVELS, axis=0),
+    )
+    return labels.label(found, VARIABLES)
 
 
 def _checked(case: Case) -> Contact:
@@ -205,6 +232,16 @@ def hardest_contacts(table: xr.Dataset) -> list[int]:
         best = np.nanargmax(most) if np.isfinite(most).any() else np.argmin(clearance)
         chosen.append(int(there[best]))
     return chosen
+
+
+def hardest_record(tables: Mapping[str, xr.Dataset]) -> str:
+    """The record with the hardest impact, by force or else by approach; the first if none has one."""
+
+    def most(name: str) -> tuple[float, float]:
+        one = tables[name]
+        return tuple(float(np.nan_to_num(one[n].max())) for n in ("hardest_force", "fastest_approach"))  # type: ignore[return-value]
+
+    return max(tables, key=most)
 
 
 def hardness(table: xr.Dataset) -> str:

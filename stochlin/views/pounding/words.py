@@ -7,11 +7,28 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stochlin.analyses.cases.pounding import energy_of, is_oscillator
+from stochlin.analyses.cases.pounding import (
+    energy_of,
+    hardest_record,
+    is_oscillator,
+    over_records,
+)
+from stochlin.analyses.cases.sites.shaking import MOST_RECORDS, doubts
 from stochlin.analyses.pounding.rows import COLUMN as SLAB_TO_COLUMN
 from stochlin.analyses.records.files import METRES
 from stochlin.views.shared.screen import columns, cut, paragraph
-from stochlin.views.shared.words import MISSING, centimetres, floors, length, per_cent, short
+from stochlin.views.shared.words import (
+    MISSING,
+    SPACE,
+    centimetres,
+    doubted,
+    floors,
+    in_records,
+    length,
+    per_cent,
+    recorded_shaking,
+    short,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -46,15 +63,44 @@ STRENGTH = (
 
 def answer_lines(case: Case, tables: Mapping[str, xr.Dataset]) -> list[str]:
     """All that the screen shows, record by record."""
-    lines = [case.title, *paragraph(floors(case))]
-    for record, table in tables.items():
-        lines += ["", *paragraph(f"{record}: {headline(table)}"), ""]
+    found = {record: _doubts(table, case) for record, table in tables.items()}
+    told = [f"in {record} {one}" for record, several in found.items() for one in several]
+    lines = [*paragraph(doubted(told)), case.title, *paragraph(floors(case))]
+    shown = tables
+    if len(tables) > MOST_RECORDS:
+        lines += ["", *_over_records(case, tables)]
+        shown = {record: tables[record] for record in [hardest_record(tables)]}
+        lines += ["", "The record that hits hardest:"]
+    for record, table in shown.items():
+        lines += ["", *paragraph(f"{record}: {headline(table)}")]
+        lines += [*paragraph(recorded_shaking(table, case)), ""]
         if "column" in table.coords:
             lines += [*paragraph(columns_met(table)), "", *_struck(table)]
         lines += [*columns(*_buildings(table)), "", *columns(*_borne(table)), ""]
         lines += [*columns(*_contacts(table)), ""]
         lines += paragraph(energies(table))
     return [*lines, "", *paragraph(_notes(case, next(iter(tables.values()))))]
+
+
+def _over_records(case: Case, tables: Mapping[str, xr.Dataset]) -> list[str]:
+    """What many records do, by quantiles."""
+    found = over_records(tables)
+    levels = [f"{100 * level:.4g}{SPACE}%" for level in found["quantile"].values]
+    heads = ["in so large a share of the records at most", *levels]
+    rows = [["impacts", *(short(float(one)) for one in found.record_impacts)]]
+    rows.append(["force [MN]", *(short(float(one) / 1e6) for one in found.record_largest_force)])
+    rows.append(["approach [m/s]", *(short(float(one)) for one in found.record_fastest_approach)])
+    for n, building in enumerate(case.buildings):
+        times = found.record_amplification.isel(structure=n)
+        name = cut(building.name, LONGEST_NAME)
+        rows.append([f"times, {n + 1}  {name}", *(f"{float(one):.2f}" for one in times)])
+    text = f"They do not meet {in_records(found, len(tables))}."
+    return [*paragraph(text), "", *columns(heads, rows)]
+
+
+def _doubts(table: xr.Dataset, case: Case) -> list[str]:
+    peaks = table.peak.max("floor") if "floor" in table.dims else table.peak
+    return doubts(table, case.buildings, peaks=tuple(map(float, peaks)))
 
 
 def headline(table: xr.Dataset) -> str:
