@@ -25,6 +25,11 @@ from .analyses.sites.design_spectra import (
 )
 from .analyses.sites.spectrum_files import read_spectrum as read_spectrum
 from .analyses.sites.simulated_spectra import simulated_spectrum as simulated_spectrum
+from .analyses.sites.intensity import scale_ground as scale_ground
+from .models.hazards import (
+    HazardCurve as HazardCurve,
+    PowerLawHazard as PowerLawHazard,
+)
 
 # Records and envelopes
 from .analyses.records.records import (

@@ -65,6 +65,15 @@ link_floors = [3, 1]
 """
 
 
+SITES = (
+    'sa = "0.8 g"\nsa_period = "1 s"\n[site.suite]\npath = "suite.csv"\nskip_unreadable = true\n'
+    'pga = "0.3 g"',
+    'return_period = "475 yr"\n[site.hazard]\nmeasure = "pga"\nfile = "hazard.csv"',
+    'return_period = "475 yr"\n[site.hazard]\nmeasure = "sa"\nsa_period = "1 s"\nk0 = 1e-4\nk = 2.5\n'
+    'units = "g"',
+)
+
+
 def forms_of_the_case() -> list[str]:
     """The example as it is, and with each of its blocks of a record and of a ground taken in."""
     text = sl.example_case()
@@ -73,6 +82,7 @@ def forms_of_the_case() -> list[str]:
     bare = text.replace('\nground = "firm"', "").replace('\nintensity = "0.01 m^2/s^3"', "")
     forms += [bare.replace(block, block.replace("#   ", "")) for block in own]
     forms += storeyed_forms()
+    forms += [text.replace('intensity = "0.01 m^2/s^3"', site, 1) for site in SITES]
     strengths = ('yield_displacement = "3 cm"', "ductility = 4", "elastic = true")
     forms += [text.replace("\nreduction_factor = 4", f"\n{one}") for one in strengths]
     return [bare_of_comments(form) for form in forms]
@@ -237,6 +247,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         written(place / name, text)
     for name, own in (("taft.txt", "one.txt"), ("sct.txt", "tab.txt"), ("elcentro.at2", "peer.at2")):
         written(place / name, RECORDS[own])
+    written(place / "suite.csv", "file\nelcentro.at2\nnone.txt\n")
+    written(place / "hazard.csv", "pga [g],annual frequency\n0.1,0.01\n1,1e-4\n")
     return place
 
 

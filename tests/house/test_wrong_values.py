@@ -144,6 +144,9 @@ OWN: dict[str, dict[str, Any]] = {
     "fit_ground": {"target": sl.eurocode_8(2.0, "B"), "duration": 4.0, "filters": 1},
     "simulated_spectrum": {"target": [0.4, 0.8]},
     "scale_records": {"pga": 1.0},
+    "scale_ground": {"pga": 1.0},
+    "HazardCurve": {"intensities": [1.0, 2.0], "frequencies": [0.01, 0.002]},
+    "PowerLawHazard": {"k0": 0.02, "k": 3.0},
     "compare_motions": {
         "motion": sl.FittedMotion(sl.KanaiTajimi(1.0, 0.3, 0.01), sl.HsuBernard(2.0), 4.0)
     },

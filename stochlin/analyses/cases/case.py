@@ -19,7 +19,6 @@ from stochlin.analyses.cases.buildings import (
     read_gaps,
 )
 from stochlin.analyses.cases.contacts import read_amplification_limit, read_contact, read_measures
-from stochlin.analyses.cases.design_spectrum import SPECTRUM, ground_of_design, spectrum_file
 from stochlin.analyses.cases.site import (
     FITTED,
     TIME,
@@ -28,9 +27,16 @@ from stochlin.analyses.cases.site import (
     read_envelope,
     read_ground,
     read_scatter,
-    recorded_motions,
     usual_scatter,
 )
+from stochlin.analyses.cases.sites.design_spectrum import (
+    SPECTRUM,
+    design_spectrum,
+    ground_of_design,
+    spectrum_file,
+)
+from stochlin.analyses.cases.sites.records import read_suite, recorded_motions
+from stochlin.analyses.cases.sites.strength import as_strong_as_asked, hazard_file
 from stochlin.analyses.cases.storeys import SlabOnColumn, StoreyBuilding, slabs_of_row
 from stochlin.analyses.cases.values import Quantity, read_sections
 from stochlin.analyses.tables.checks import as_path
@@ -211,18 +217,20 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     site, motion, wanted = (whole.section(key) for key in ("site", "motion", "separation"))
     wanted.only("confidence", "existing", "floors_align", "zone", "unverified")
     records = recorded_motions(site, path.parent)
-    by_spectrum, spectrum = SPECTRUM in site, None
+    spectrum = design_spectrum(site, path.parent) if SPECTRUM in site else None
     if fitted := fitted_motion(site, motion, records):
         ground, envelope, duration = fitted.ground, fitted.envelope, fitted.duration
     else:
         envelope, duration = read_envelope(motion), motion.number("duration", TIME)
-        if by_spectrum:
-            ground, spectrum = ground_of_design(site, path.parent, duration, envelope)
-        else:
+        if spectrum is None:
             ground = read_ground(site, records)
+        else:
+            ground = ground_of_design(site, spectrum, duration, envelope)
         if site.values.get("ground") == FITTED:
             check_energy(motion, next(iter(records.values())), ground, envelope, duration)
-    of_site = site.text(SPECTRUM if by_spectrum else "ground")
+    ground, spectrum = as_strong_as_asked(site, path.parent, ground, spectrum, duration, envelope)
+    records, of_suite = read_suite(site, path.parent, records, spectrum)
+    of_site = site.text("ground" if spectrum is None else SPECTRUM)
     buildings = read_buildings(whole, ground)
     align = wanted.truth("floors_align")
     slabs = slabs_of_row(buildings)
@@ -236,7 +244,9 @@ def read_case(path: str | os.PathLike[str]) -> Case:
         inputs=(
             path,
             *spectrum_file(site, path.parent),
+            *hazard_file(site, path.parent),
             *(path.parent / one.text("path") for one in site.sections("records")),
+            *of_suite,
         ),
         title=whole.text("title", default=f"{', '.join(names[:-1])} and {names[-1]}"),
         site=of_site,

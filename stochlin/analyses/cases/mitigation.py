@@ -6,7 +6,11 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.sites.shaking import LEVELS, MOST_RECORDS, shaking_of
+from stochlin.analyses.cases.variables import RECORDED
 from stochlin.analyses.mitigation.mitigation import mitigate
+from stochlin.analyses.simulation.finite_motions import keeping_apart
+from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import brief
 from stochlin.models.buildings import ShearBuilding
@@ -48,7 +52,28 @@ def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
         amplification_limit=case.amplification_limit if pounding else None,
         progress=progress,
     )
+    table = table.assign(shaking_of(case).data_vars)
+    if pounding and len(case.records) > MOST_RECORDS:
+        table = table.assign(_over_records(table))
     return table.assign_attrs(title=f"{case.title}: {table.attrs['title']}", case=case.title)
+
+
+def _over_records(table: xr.Dataset) -> xr.Dataset:
+    """What many records come to, for every measure that has pounded in them."""
+    known = table.amplification_1.notnull()
+    quiet = table.largest_force.where(table.impacts > 0, 0.0)  # where nothing hits there is no force
+    columns = {name: table[name] for name in ("amplification_1", "amplification_2", "impacts")}
+    found = (
+        xr.Dataset({**columns, "largest_force": quiet})
+        .where(known)
+        .quantile(LEVELS, "record", skipna=False)
+    )
+    found = found.rename({name: f"record_{name}" for name in found.data_vars})
+    apart = keeping_apart(table.impacts.rename(record="path"), 0.5)
+    of_all = known.all("record")
+    found = found.assign({f"record_{name}": one.where(of_all) for name, one in apart.items()})
+    level = labels.axis("quantile", "quantile", found["quantile"].to_numpy())
+    return labels.label(found.assign_coords(quantile=level), RECORDED)
 
 
 def _check_level(case: Case, name: str) -> None:

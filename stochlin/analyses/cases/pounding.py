@@ -7,6 +7,7 @@ import xarray as xr
 
 from stochlin.analyses.cases.buildings import Building
 from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.sites.shaking import recorded_shaking
 from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.analyses.cases.variables import VARIABLES
 from stochlin.analyses.linearization.strength import strength_in_metres
@@ -74,6 +75,8 @@ def pound_case(case: Case, progress: Progress | None = None) -> dict[str, xr.Dat
             table = pound(structures, list(case.gaps), contact, record, progress=of_all)
         except (ValueError, TypeError, ArithmeticError) as error:
             raise type(error)(f"{case.file}, record {name}: {error}") from error
+        periods = [building.period for building in case.buildings]
+        table = table.assign(recorded_shaking(record, periods))
         tables[name] = _described(_named(table, case, structures)).assign_attrs(
             title=f"{case.title}: pounding in {name}", record=name, case=case.title
         )

@@ -7,7 +7,10 @@ from typing import NamedTuple
 import xarray as xr
 
 from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.sites.shaking import MOST_RECORDS, doubts, over_records, shaking_of
+from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.probability.probability import pounding_probability
+from stochlin.analyses.records.gaps import recorded_gap
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.laws.bilinear import Bilinear
 
@@ -18,7 +21,18 @@ class ProbabilityAnswer(NamedTuple):
     case: Case
     gap: float
     table: xr.Dataset
-    records: dict[str, xr.Dataset]  # by the hybrid method
+    records: dict[str, xr.Dataset]  # by the hybrid method; none where they are many
+    shaking: xr.Dataset  # of the motions, in the mean
+    over_records: xr.Dataset | None  # what they come to, where they are many
+
+    def whole(self) -> xr.Dataset:
+        """All of it for a file; the table has just what goes with time."""
+        table = self.table.assign(self.shaking.data_vars)
+        return table if self.over_records is None else table.merge(self.over_records)
+
+    def doubts(self) -> list[str]:
+        """What of it can hardly be meant."""
+        return doubts(self.shaking, self.case.pair, float(self.table.required_gap_simulated))
 
 
 def judge_gap(case: Case, gap: float, progress: Progress | None = None) -> ProbabilityAnswer:
@@ -29,11 +43,17 @@ def judge_gap(case: Case, gap: float, progress: Progress | None = None) -> Proba
     """
     first, second = case.pair
     bilinear = all(isinstance(building.structure, Bilinear) for building in case.pair)
-    motions = case.records if bilinear else {}  # the hybrid method is of these alone
+    many = len(case.records) > MOST_RECORDS
+    motions = {} if many or not bilinear else case.records  # the hybrid method is of these alone
     asked = first.structure, second.structure, case.ground, gap
     table = pounding_probability(*asked, **case.motion, progress=progress)
     records = {
         name: pounding_probability(*asked, method="hybrid", record=record, confidence=case.confidence)
         for name, record in motions.items()
     }
-    return ProbabilityAnswer(case, gap, table, records)
+    suite = None
+    if many:
+        pair = [strength_in_metres(building.structure, case.ground) for building in case.pair]
+        found = recorded_gap(pair[0], pair[1], dict(case.records)).separation
+        suite = over_records(found, gap, case.confidence)
+    return ProbabilityAnswer(case, gap, table, records, shaking_of(case), suite)

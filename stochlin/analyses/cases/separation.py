@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.sites.shaking import MOST_RECORDS, doubts, over_records, shaking_of
 from stochlin.analyses.separation.existing_gap import existing_gap
 from stochlin.analyses.separation.separation import UNSAFE, separation
 from stochlin.analyses.sites.motion_fit import FittedMotion, compare_motions
@@ -31,15 +32,26 @@ class CaseAnswer:
     existing: xr.Dataset | None
     spectrum: xr.Dataset
     rms_acceleration: float  # m/s^2; infinite for white noise
+    shaking: xr.Dataset  # of the motions, in the mean
+    over_records: xr.Dataset | None  # what they come to, where they are many
 
     def table(self, samples: bool = True) -> xr.Dataset:
-        """All of it for a file; without samples, only what there is one of, or one of each rule."""
+        """All of it for a file; without samples, what there is one of each rule, in rows."""
         table = self.separation
+        if samples:
+            table = table.assign(self.shaking.data_vars)
+        if samples and self.over_records is not None:
+            table = table.merge(self.over_records)
         if self.existing is not None:
             existing = {f"existing_{name}": array for name, array in self.existing.items()}
             table = table.assign(existing).assign_attrs(existing_gap_m=self.existing.attrs["gap_m"])
         table = table.assign_attrs(title=f"{self.case.title}: {table.attrs['title']}")
         return table if samples else table.drop_dims(set(table.dims) - {"rule"})
+
+    def doubts(self) -> list[str]:
+        """What of it can hardly be meant."""
+        peaks = tuple(float(self.separation[f"peak_mean_{n}"]) for n in (1, 2))
+        return doubts(self.shaking, self.case.pair, float(self.separation.gap[0]), peaks)
 
     def worst(self) -> int:
         """Row of the smallest gap among those that are unsafe."""
@@ -79,7 +91,12 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
         records=dict(case.records) or None,
         progress=part(0.0 if case.gap is None else SEARCHES, 1.0),
     )
-    return CaseAnswer(case, table, existing, _spectrum(case), rms_acceleration(case.ground))
+    records = None
+    if len(case.records) > MOST_RECORDS:
+        records = over_records(table.record_separation, float(table.gap[0]), case.confidence)
+    return CaseAnswer(
+        case, table, existing, _spectrum(case), rms_acceleration(case.ground), shaking_of(case), records
+    )
 
 
 def periods_of(*models: Model) -> list[float]:

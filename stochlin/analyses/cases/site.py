@@ -1,16 +1,15 @@
-"""The site and the motion of a case file: its records, its ground, its envelope."""
+"""The site and the motion of a case file: its ground, its envelope."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
-from typing import Any
 
 import xarray as xr
 
+from stochlin.analyses.cases.sites.records import SUITE
+from stochlin.analyses.cases.sites.strength import EXAMPLE, GOALS, INTENSITY
 from stochlin.analyses.cases.values import Quantity, Section
 from stochlin.analyses.records.ground_fit import fitted_grounds
-from stochlin.analyses.records.records import read_record
 from stochlin.analyses.records.spectra import ESTIMATORS
 from stochlin.analyses.sites.ground_fit import fit_ground
 from stochlin.analyses.sites.motion_fit import (
@@ -28,30 +27,9 @@ from stochlin.models.grounds.named import ground_names, named_ground
 from stochlin.models.parameters import POSITIVE
 
 FITTED, NONE, PARALLEL = "fitted", "none", "parallel"
+RECORDS = ("records", SUITE)
 TIME = Quantity("s", POSITIVE)
 _LIKE = 0.8, 1.25  # energy of motions over that of a record, without a warning
-
-
-def recorded_motions(site: Section, folder: Path) -> dict[str, xr.DataArray]:
-    """The records by name, in the order of the file."""
-    records: dict[str, xr.DataArray] = {}
-    for one in site.sections("records"):
-        one.only("path", "name", "units", "dt", "column", "time_column")
-        path = one.text("path")
-        name = one.text("name", default=Path(path).name)
-        options: dict[str, Any] = {"units": one.text("units")} if "units" in one else {}
-        if "dt" in one:
-            options["dt"] = one.number("dt", TIME)
-        for key in ("column", "time_column"):
-            if key in one:
-                options[key] = one.column(key)
-        if name in records:
-            raise one.error("name" if "name" in one else "path", "is there twice; give it another name")
-        try:
-            records[name] = read_record(folder / path, **options)
-        except (OSError, ValueError) as error:
-            raise one.error("path", f"cannot be read: {error}") from error
-    return records
 
 
 def read_ground(site: Section, records: Mapping[str, xr.DataArray]) -> Ground:
@@ -59,27 +37,30 @@ def read_ground(site: Section, records: Mapping[str, xr.DataArray]) -> Ground:
     kinds = (*ground_names(), *GROUNDS, FITTED, PARALLEL)
     name = site.text("ground", kinds)
     if name == FITTED:
-        site.only("ground", "records", "model", "estimator")
+        site.only("ground", *RECORDS, "model", "estimator", *GOALS)
         model = site.text("model", tuple(fitted_grounds()), "kanai_tajimi")
         estimator = site.text("estimator", tuple(ESTIMATORS), "psd")
-        if not records:
+        if "records" not in site:
             raise site.error("ground", "needs a record to be fitted to; allowed: a [[site.records]]")
         try:
             return fit_ground(next(iter(records.values())), model, estimator)
         except ValueError as error:
             raise site.error("ground", f"cannot be fitted to {next(iter(records))}: {error}") from error
     if name == PARALLEL:
-        site.only("ground", "records", "intensity", "grounds")
+        site.only("ground", *RECORDS, INTENSITY, "grounds", *GOALS)
         for part in site.sections("grounds"):
             part.text("ground", (*ground_names(), *GROUNDS))
         parts = [read_ground(part, {}) for part in site.sections("grounds")]
-        given = site.given(ParallelGround, ("intensity",))
+        given = site.given(ParallelGround, (INTENSITY,))
         return site.made(ParallelGround, {"grounds": parts, **given})
-    names = GROUNDS[name].parameter_names() if name in GROUNDS else ("intensity",)
-    site.only("ground", "records", *names)
-    if name not in GROUNDS:
-        return named_ground(name, site.model(WhiteNoise, names).intensity)
-    return site.model(GROUNDS[name], names)
+    names = GROUNDS[name].parameter_names() if name in GROUNDS else (INTENSITY,)
+    site.only("ground", *RECORDS, *names, *GOALS)
+    if INTENSITY not in site and not any(key in site for key in GOALS):
+        raise site.error(INTENSITY, f"is missing; write, for instance, intensity = {EXAMPLE}")
+    kind = GROUNDS.get(name, WhiteNoise)
+    own = [each for each in names if each in site or each != INTENSITY]
+    values = {INTENSITY: 1.0} | {each: site.number(each, Quantity.declared(kind, each)) for each in own}
+    return site.made(kind, values) if name in GROUNDS else named_ground(name, **values)
 
 
 def fitted_motion(

@@ -6,7 +6,8 @@ import difflib
 import math
 import re
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
@@ -28,8 +29,9 @@ UNITS: Mapping[str, Mapping[str, float]] = {
     "kg": {"kg": 1.0, "t": 1e3},
     "N/m": {"N/m": 1.0, "kN/m": 1e3, "MN/m": 1e6},
     "N s/m": {"N s/m": 1.0, "kN s/m": 1e3, "MN s/m": 1e6},
-    "m/s^2": {"g": 9.80665, "m/s^2": 1.0, "cm/s^2": 1e-2},
+    "m/s^2": {"g": 9.80665, "m/s^2": 1.0, "cm/s^2": 1e-2, "gal": 1e-2},
     "m^2/s^3": {"m^2/s^3": 1.0, "cm^2/s^3": 1e-4},
+    "yr": {"yr": 1.0, "years": 1.0, "a": 1.0},
     "1": {"%": 1e-2},
 }
 _OF_POWER = "N/m^"  # stiffness of a spring that is not linear: any exponent
@@ -94,6 +96,23 @@ class Section:
     def doubt(self, key: str, what: str) -> None:
         """Warn of a key that is allowed, but looks like a mistake."""
         warnings.warn(str(self.error(key, what)), DoubtfulInput, stacklevel=2)
+
+    @contextmanager
+    def naming(self, key: str, what: str = "cannot be used") -> Iterator[None]:
+        """Errors and doubts of what is done within name the file and the line of the key."""
+        try:
+            with warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always", DoubtfulInput)
+                yield
+        except (OSError, ValueError) as error:
+            if str(error).startswith(self.file):
+                raise
+            raise self.error(key, f"{what}: {error}") from error
+        for one in caught:
+            if issubclass(one.category, DoubtfulInput):
+                self.doubt(key, f"is doubtful: {one.message}")
+            else:
+                warnings.warn_explicit(one.message, one.category, one.filename, one.lineno)
 
     def only(self, *allowed: str, elsewhere: Sequence[str] = ()) -> None:
         """Raise for a key that is not one of these, and suggest the nearest, also of those elsewhere."""

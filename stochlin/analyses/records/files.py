@@ -170,6 +170,16 @@ def _read_columns(
     return Series(series(index), times, None, known, names[index] if names else "")
 
 
+def rows_in_words(path: Path) -> list[str]:
+    """File, line and row of each row of numbers, for messages."""
+    name, text = plain(path.name), _text(path)
+    number, line = next(_content(text))
+    separator = next((mark for mark in ";," if mark in line), None)
+    start = number if _column_names(line, separator) else 0
+    lines = (number for number, _ in _content(text, start))
+    return [f"{name}, line {number}, row {row}" for row, number in enumerate(lines, 1)]
+
+
 def _refuse_decimal_commas(text: str, start: int, name: str) -> None:
     """Raise for numbers such as ``0,05``, which would be read as 0 and 5."""
     lines = [line for _, line in islice(_content(text, start), _SAMPLE)]

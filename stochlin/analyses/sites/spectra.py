@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TypeGuard
 
 import numpy as np
@@ -82,6 +83,23 @@ def check_damping(damping: object) -> float:
     return damping
 
 
+def check_goal(goals: Mapping[str, object], period: object) -> None:
+    """Raise a ValueError unless one goal is given, positive, and a period with ``sa`` alone."""
+    given = [name for name, value in goals.items() if value is not None]
+    if len(given) != 1:
+        named = ["sa with a period" if name == "sa" else name for name in goals]
+        raise ValueError(
+            f"{' and '.join(given) or 'nothing'} is given; allowed: one of {', '.join(named)}"
+        )
+    for name, value in {**goals, "period": period}.items():
+        if name == "spectrum" or value is None:
+            continue
+        if not (is_number(value) and 0 < value < np.inf):
+            raise ValueError(f"{name} = {brief(value)} is out of range; allowed: 0 < {name}, finite")
+    if (goals.get("sa") is None) != (period is None):
+        raise ValueError("sa and period go together; allowed: both, or neither")
+
+
 def interpolated(period: Array, values: Array, at: Array) -> Array:
     """Ordinates at other periods above 0, on straight lines in logarithms."""
     above = period > 0
@@ -106,6 +124,7 @@ def check_ordinates(period: Array, values: Array, damping: float, places: list[s
             raise ValueError(
                 f"{place}: {t:g} s follows {before:g} s; allowed: increasing periods, so sort them"
             )
+    for place, before, t in zip(places[1:], period[:-1], period[1:], strict=True):
         if before > 0 and t > WIDEST * before:
             raise ValueError(
                 f"{place}: nothing stands between {before:g} and {t:g} s; allowed: periods of which "

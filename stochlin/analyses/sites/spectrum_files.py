@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 
 import numpy as np
 import xarray as xr
@@ -12,11 +13,14 @@ from stochlin.analyses.records.files import (
     Column,
     acceleration_units,
     read_series,
+    rows_in_words,
     stated_units,
 )
 from stochlin.analyses.sites.spectra import USUAL_DAMPING, check_damping, check_ordinates, labelled
 from stochlin.analyses.tables.checks import as_path
-from stochlin.messages import plain
+from stochlin.messages import DoubtfulInput, plain
+
+LEAST, MOST = 0.0025, 7.5  # g: of ground accelerations of .001 and 3 g, times the usual 2.5
 
 
 def read_spectrum(
@@ -56,6 +60,11 @@ def read_spectrum(
         behaviour factor: it hardly rises above its value at a period of zero, or is level at long
         periods.
 
+    Warns
+    -----
+    UserWarning
+        If its largest ordinate is below .0025 or above 7.5 g: the units are hardly meant then.
+
     Examples
     --------
     >>> import tempfile, pathlib
@@ -75,5 +84,12 @@ def read_spectrum(
     stated = stated_units(series, name, units)
     assert series.time is not None  # a column was asked for
     period, values = np.asarray(series.time), series.values * METRES[stated]
-    check_ordinates(period, values, damping, [f"{name}, row {n}" for n in range(1, period.size + 1)])
+    check_ordinates(period, values, damping, rows_in_words(path))
+    largest = values.max() / METRES["g"]
+    if not LEAST < largest < MOST:
+        warnings.warn(
+            f"{name}: its largest ordinate is {largest:.3g} g; is it in {stated}?",
+            DoubtfulInput,
+            stacklevel=2,
+        )
     return labelled(period, values, damping, name)

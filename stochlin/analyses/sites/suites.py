@@ -17,10 +17,11 @@ from stochlin.analyses.records.records import checked_record, read_record
 from stochlin.analyses.records.response import response_spectrum
 from stochlin.analyses.sites.spectra import (
     USUAL_DAMPING,
+    check_goal,
     checked_spectrum,
     interpolated,
 )
-from stochlin.analyses.tables.checks import as_path, check_truth, check_two_numbers, is_number
+from stochlin.analyses.tables.checks import as_path, check_truth, check_two_numbers
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief, plain
 
@@ -199,19 +200,7 @@ def scale_records(
     """
     if not isinstance(records, Mapping) or not records:
         raise TypeError(f"records = {brief(records)}; allowed: a suite, as read_records gives it")
-    wanted = {"pga": pga, "sa": sa, "spectrum": spectrum}
-    given = [name for name, value in wanted.items() if value is not None]
-    if len(given) != 1:
-        raise ValueError(
-            f"{' and '.join(given) or 'nothing'} is given; allowed: one of pga, sa with a period, "
-            "spectrum"
-        )
-    numbers = {"pga": pga, "sa": sa, "period": period}
-    for name, value in numbers.items():
-        if value is not None and not (is_number(value) and 0 < value < np.inf):
-            raise ValueError(f"{name} = {brief(value)} is out of range; allowed: 0 < {name}, finite")
-    if (sa is None) != (period is None):
-        raise ValueError("sa and period go together; allowed: both, or neither")
+    check_goal({"pga": pga, "sa": sa, "spectrum": spectrum}, period)
     check_two_numbers("band", band)
     if not 0 < band[0] < band[1] < np.inf:
         raise ValueError(f"band = {brief(band)}; allowed: 0 < lower < upper, in seconds")
@@ -230,15 +219,23 @@ def scale_records(
         acceleration, _ = checked_record(record)
         own = np.abs(acceleration).max() if pga is not None else _spectrum(record, periods, damping)
         factor = float(np.exp(np.mean(np.log(target / own))))
-        if not 1 / LARGEST_FACTOR <= factor <= LARGEST_FACTOR:
+        if doubt := doubtful_factor(factor):
             warnings.warn(
-                f"{plain(name)} is scaled by {factor:.3g}; between .1 and 10 a record is still one of "
-                "its kind",
-                DoubtfulInput,
-                stacklevel=2,
+                f"{plain(name)} is scaled by {factor:.3g}; {doubt}", DoubtfulInput, stacklevel=2
             )
-        suite[name] = (factor * record).assign_attrs(record.attrs, scale=factor)
+        suite[name] = scaled_record(record, factor)
     return suite
+
+
+def doubtful_factor(factor: float) -> str:
+    """What is doubtful about scaling a record so; empty if nothing is."""
+    plausible = 1 / LARGEST_FACTOR <= factor <= LARGEST_FACTOR
+    return "" if plausible else "between .1 and 10 a record is still one of its kind"
+
+
+def scaled_record(record: xr.DataArray, factor: float) -> xr.DataArray:
+    """The record times a factor, which stands among its attributes then."""
+    return (factor * record).assign_attrs(record.attrs, scale=factor)
 
 
 def _spectrum(record: xr.DataArray, periods: Array, damping: float) -> Array:

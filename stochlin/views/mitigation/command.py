@@ -48,4 +48,7 @@ def mitigate(case: Path, out: Path | None, picture: Path | None) -> None:
         with progress_bar("measures") as progress:
             table = mitigate_case(described, progress)
         show(answer_lines(table, described))
-        write(table, data, picture, draw_measures)
+        rows = table
+        if data is not None and data.suffix.lower() == ".csv":  # a row a measure, and a record
+            rows = table.drop_dims("quantile", errors="ignore")
+        write(rows, data, picture, lambda _: draw_measures(table))

@@ -85,13 +85,17 @@ def _gaps(axes: Axes, dataset: xr.Dataset) -> None:
 
 def _amplifications(axes: Axes, dataset: xr.Dataset) -> None:
     place = np.arange(dataset.sizes["measure"])
-    for number, record in enumerate(dataset.record.values):
-        one = dataset.sel(record=record)
+    many = "quantile" in dataset.dims  # of more records than can be told apart
+    for number, record in enumerate(dataset["quantile" if many else "record"].values):
+        one = dataset.isel({"quantile" if many else "record": number})
+        told = f"{100 * record:.4g} % of the records" if many else textwrap.shorten(str(record), 20)
         marker = MARKERS[number % len(MARKERS)]
         for n, face in ((1, CURVES[1][0]), (2, "white")):
-            at, label = place + 0.12 * (2 * n - 3), f"{textwrap.shorten(str(record), 20)}, building {n}"
+            at, label = place + 0.12 * (2 * n - 3), f"{told}, building {n}"
             style: Any = {"linestyle": "none", "ms": 5, "color": CURVES[1][0], "markerfacecolor": face}
-            axes.plot(one[f"amplification_{n}"], at, marker=marker, label=label, **style)
+            axes.plot(
+                one[f"{'record_' * many}amplification_{n}"], at, marker=marker, label=label, **style
+            )
     axes.axvline(1, color="0.5", lw=0.8)
     axes.set_xlabel("peak / as built, alone")
 

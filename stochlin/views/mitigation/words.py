@@ -6,16 +6,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stochlin.analyses.cases.sites.shaking import doubts
 from stochlin.analyses.separation.separation import NOT_AVAILABLE, SAFE, UNSAFE
 from stochlin.views.shared.screen import columns, cut, paragraph
 from stochlin.views.shared.words import (
     MISSING,
     SPACE,
     centimetres,
+    doubted,
     floors,
     length,
     per_cent,
     scatter,
+    shaking,
     short,
 )
 
@@ -43,10 +46,22 @@ TIMES = (
 
 def answer_lines(table: xr.Dataset, case: Case) -> list[str]:
     """All that the screen shows."""
-    lines = [case.title, *paragraph(floors(case)), "", *paragraph(headline(table))]
-    lines += [*paragraph(scatter(case)), ""]
+    built = table.isel(measure=0)
+    peaks = float(built.peak_mean_1), float(built.peak_mean_2)
+    found = doubts(table, case.pair, float(built.required_gap), peaks)
+    lines = [*paragraph(doubted(found)), case.title, *paragraph(floors(case)), ""]
+    lines += [
+        *paragraph(headline(table)),
+        *paragraph(shaking(table, case)),
+        *paragraph(scatter(case)),
+        "",
+    ]
     lines += [*columns(*_motions(table)), ""]
-    for record in table.record.values if "record" in table.dims else ():
+    if "quantile" in table.dims:
+        count = table.sizes["record"]
+        lines += [f"In {count} records, half of them and {_levels(table)[-1]} of them at most:"]
+        lines += [*columns(*_over_records(table)), ""]
+    for record in table.record.values if {"record", "quantile"} & {*table.dims} == {"record"} else ():
         lines += [f"In {record}:", *columns(*_recorded(table.sel(record=record))), ""]
     for one in _rows(table):
         if one.missing.item():
@@ -117,6 +132,31 @@ def _recorded(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
         for one in _rows(table)
         if np.isfinite(float(one.amplification_1))
     ]
+    return heads, rows
+
+
+def _levels(table: xr.Dataset) -> list[str]:
+    return [f"{100 * level:.4g}{SPACE}%" for level in table["quantile"].values]
+
+
+def _over_records(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
+    """Heads and rows: what each measure does in many records, by quantiles."""
+    heads = ["measure", "do not meet", *(f"times, {one}" for one in _levels(table))]
+    heads += ["impacts", "force [MN]"]
+    rows = []
+    for one in _rows(table):
+        if not np.isfinite(float(one.record_no_pounding_probability)):
+            continue
+        each = [one.isel(quantile=n) for n in range(one.sizes["quantile"])]
+        rows.append(
+            [
+                cut(one.measure.item(), WIDE),
+                per_cent(float(one.record_no_pounding_probability)),
+                *(_pair(at, "record_amplification", "{:.2f}") for at in each),
+                " | ".join(short(float(at.record_impacts)) for at in each),
+                " | ".join(short(float(at.record_largest_force) / 1e6) for at in each),
+            ]
+        )
     return heads, rows
 
 

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from stochlin.analyses.cases.case import Case
 
 TABLES = (".nc",)
-MANY = 6  # records: from so many on the median has an interval
 
 
 @COMMANDS.register("pound")
@@ -65,13 +64,14 @@ def pound(case: Path, out: Path | None, picture: Path | None, motions: int | Non
     with bad_input():
         from stochlin.analyses.cases.case import read_case
         from stochlin.analyses.cases.pounding import pound_case
+        from stochlin.analyses.cases.sites.shaking import MOST_RECORDS
         from stochlin.analyses.cases.storeys import StoreyBuilding
         from stochlin.views.pounding.floors import draw_floors
         from stochlin.views.pounding.pictures import draw_pound
         from stochlin.views.pounding.words import answer_lines
 
         described = read_case(case)
-        if motions is not None or len(described.records) >= MANY:
+        if motions is not None or len(described.records) > MOST_RECORDS:
             _together(described, motions, out, picture)
             return
         data = out if out or not picture else picture.with_suffix(TABLES[0])

@@ -8,10 +8,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stochlin.analyses.cases.pounding import energy_of, is_oscillator
+from stochlin.analyses.cases.sites.shaking import doubts
 from stochlin.analyses.pounding.rows import COLUMN as SLAB_TO_COLUMN
 from stochlin.analyses.records.files import METRES
 from stochlin.views.shared.screen import columns, cut, paragraph
-from stochlin.views.shared.words import MISSING, centimetres, floors, length, per_cent, short
+from stochlin.views.shared.words import (
+    MISSING,
+    centimetres,
+    doubted,
+    floors,
+    length,
+    per_cent,
+    recorded_shaking,
+    short,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -46,15 +56,23 @@ STRENGTH = (
 
 def answer_lines(case: Case, tables: Mapping[str, xr.Dataset]) -> list[str]:
     """All that the screen shows, record by record."""
-    lines = [case.title, *paragraph(floors(case))]
+    found = {record: _doubts(table, case) for record, table in tables.items()}
+    told = [f"in {record} {one}" for record, several in found.items() for one in several]
+    lines = [*paragraph(doubted(told)), case.title, *paragraph(floors(case))]
     for record, table in tables.items():
-        lines += ["", *paragraph(f"{record}: {headline(table)}"), ""]
+        lines += ["", *paragraph(f"{record}: {headline(table)}")]
+        lines += [*paragraph(recorded_shaking(table, case)), ""]
         if "column" in table.coords:
             lines += [*paragraph(columns_met(table)), "", *_struck(table)]
         lines += [*columns(*_buildings(table)), "", *columns(*_borne(table)), ""]
         lines += [*columns(*_contacts(table)), ""]
         lines += paragraph(energies(table))
     return [*lines, "", *paragraph(_notes(case, next(iter(tables.values()))))]
+
+
+def _doubts(table: xr.Dataset, case: Case) -> list[str]:
+    peaks = table.peak.max("floor") if "floor" in table.dims else table.peak
+    return doubts(table, case.buildings, peaks=tuple(map(float, peaks)))
 
 
 def headline(table: xr.Dataset) -> str:

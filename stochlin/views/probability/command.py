@@ -14,6 +14,7 @@ from stochlin.views.shared.screen import (
     bad_input,
     check_target,
     progress_bar,
+    show,
     write,
 )
 
@@ -50,6 +51,6 @@ def probability(case: Path, gap: float | None, out: Path | None, picture: Path |
             raise ValueError(f"{described.file} states no existing gap; give it there, or --gap 5cm")
         with progress_bar("simulating") as progress:
             answer = judge_gap(described, chosen, progress)
-        for line in answer_lines(answer):
-            click.echo(line)
-        write(answer.table, out, picture, draw_pounding)
+        show(answer_lines(answer))
+        rows = out is not None and out.suffix.lower() == ".csv"
+        write(answer.table if rows else answer.whole(), out, picture, draw_pounding)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from stochlin.views.shared.screen import paragraph
-from stochlin.views.shared.words import floors, scatter
+from stochlin.views.shared.words import doubted, floors, over_records, scatter, shaking
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,12 +26,14 @@ NO_RECORDS = "Nothing is said of the records: the hybrid method is of bilinear o
 
 def answer_lines(answer: ProbabilityAnswer) -> list[str]:
     """All that the screen shows."""
-    case, gap, table, records = answer
+    case, gap, table, records = answer.case, answer.gap, answer.table, answer.records
     shown = [(name, ending) for name, ending in COLUMNS if STEM + ending in table]
     lines = [
+        *paragraph(doubted(answer.doubts())),
         case.title,
         f"{case.first.name} (left) and {case.second.name}, gap {gap:.4g} m, {case.duration:.4g} s",
         *paragraph(floors(case)),
+        *paragraph(shaking(answer.shaking, case)),
         *paragraph(scatter(case)),
         "",
         "Confidence of no pounding so far",
@@ -56,7 +58,10 @@ def answer_lines(answer: ProbabilityAnswer) -> list[str]:
         end = table.attrs["strong_shaking_end_s"]
         lines.append(f"After {end:.3g} s the formula has lost the permanent set of yielding buildings.")
     lines += [_in_record(name, found) for name, found in records.items()]
-    lines += [NO_RECORDS] if case.records and not records else []
+    if answer.over_records is not None:
+        lines += paragraph(over_records(answer.over_records, len(case.records), gap))
+    elif case.records and not records:
+        lines.append(NO_RECORDS)
     if "comment" in table.attrs:
         lines.append(table.attrs["comment"].replace("α", "hardening").replace("≤", "<="))
     return lines

@@ -118,6 +118,8 @@ def spectrum_figure(answer: CaseAnswer) -> Figure:
 def records_figure(answer: CaseAnswer) -> Figure:
     """Gaps that the recorded motions would have taken, against the answer; numbered as in the text."""
     gaps = 100 * answer.separation.record_separation.values
+    if answer.over_records is not None:
+        return _many_records(answer, gaps)
     figure, axes = _blank(0.3 * len(gaps) + 1.35)
     place = np.arange(len(gaps))
     axes.barh(place, gaps, 0.6, color="#d9d3c7", edgecolor=EDGE, lw=0.6, zorder=2)
@@ -126,6 +128,17 @@ def records_figure(answer: CaseAnswer) -> Figure:
     axes.grid(visible=False, axis="y")
     axes.set_ylim(len(gaps) - 0.4, -0.6)
     axes.set(xlim=(0, 1.04 * max(*gaps, 100 * float(answer.separation.gap[0])) or 1), xlabel="gap [cm]")
+    _legend_above(axes)
+    return figure
+
+
+def _many_records(answer: CaseAnswer, gaps: np.ndarray) -> Figure:
+    """Share of the records that a gap would have been enough for, against the answer."""
+    figure, axes = _blank(3.3)
+    axes.ecdf(gaps, color="#6b5d45", lw=1.6, label="records")
+    _answer_line(axes, answer)
+    right = 1.04 * max(*gaps, 100 * float(answer.separation.gap[0])) or 1
+    axes.set(xlim=(0, right), ylim=(0, 1.02), xlabel="gap [cm]", ylabel="share of the records")
     _legend_above(axes)
     return figure
 

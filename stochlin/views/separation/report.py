@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from stochlin.views.separation import facts as small_print
 from stochlin.views.separation import pictures, words
 from stochlin.views.separation.storeys import draw_heights
-from stochlin.views.shared.words import centimetres
+from stochlin.views.shared.words import centimetres, doubted
 from stochlin.views.sites.words import fit_in_words
 
 if TYPE_CHECKING:
@@ -51,6 +51,7 @@ def report_page(answer: CaseAnswer) -> str:
     shown = words.rows(answer)
     return environment.get_template("report.html").render(
         case=answer.case,
+        doubt=doubted(answer.doubts()),
         headline=words.headline(answer),
         summary=words.summary(answer),
         allowances=words.allowances(answer),

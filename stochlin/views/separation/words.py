@@ -8,7 +8,18 @@ import numpy as np
 
 from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.views.shared.screen import paragraph
-from stochlin.views.shared.words import SPACE, centimetres, floors, label, length, per_cent, scatter
+from stochlin.views.shared.words import (
+    SPACE,
+    centimetres,
+    doubted,
+    floors,
+    label,
+    length,
+    over_records,
+    per_cent,
+    scatter,
+    shaking,
+)
 from stochlin.views.sites.words import fit_in_words
 
 if TYPE_CHECKING:
@@ -75,7 +86,8 @@ def rows(answer: CaseAnswer) -> list[RuleLine]:
 
 def answer_lines(answer: CaseAnswer) -> list[str]:
     """All that the screen shows: the answer in words, the table, and what a reader must know of it."""
-    lines = [answer.case.title, "", *paragraph(headline(answer))]
+    doubt = paragraph(doubted(answer.doubts()))
+    lines = [*doubt, answer.case.title, "", *paragraph(headline(answer))]
     for sentence in summary(answer):
         lines += paragraph(sentence)
     allowed = allowances(answer)
@@ -116,6 +128,7 @@ def summary(answer: CaseAnswer) -> list[str]:
         f"With that gap they do not touch in {confidence} of motions like the one "
         f"described. This comes from simulating {case.paths} such motions; the 95{SPACE}% interval of "
         f"the gap is {interval}.",
+        shaking(answer.shaking, case),
         scatter(case),
         _heights(answer),
         _alike(table),
@@ -125,7 +138,10 @@ def summary(answer: CaseAnswer) -> list[str]:
     ]
     if answer.existing is not None and case.gap is not None:
         sentences.append(_existing(answer.existing, case))
-    if case.records:
+    if answer.over_records is not None:
+        gap = float(table.gap[0])
+        sentences.append(over_records(answer.over_records, len(case.records), gap))
+    elif case.records:
         gaps = ", ".join(
             f"{name} {length(float(gap))}"
             for name, gap in zip(case.records, table.record_separation.values, strict=True)

@@ -6,8 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stochlin.analyses.records.files import METRES
+
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
+
+    import xarray as xr
 
     from stochlin.analyses.cases.case import Case
     from stochlin.analyses.cases.storeys import SlabOnColumn
@@ -79,6 +83,74 @@ def scatter(case: Case) -> str:
         f"and scatter {case.scatter:g} (standard deviation of its natural logarithm): "
         f"{shown if case.scatter == usual else 'scatter in [motion] of the file'}."
     )
+
+
+def in_g(acceleration: float) -> str:
+    """An acceleration in g."""
+    return f"{short(acceleration / METRES['g'])}{SPACE}g"
+
+
+def shaking(table: xr.Dataset, case: Case) -> str:
+    """How strong the motions of an answer are, by what an engineer knows."""
+    of_each = {
+        f"{building.period:.3g} s": in_g(float(table[f"spectral_acceleration_{n}"]))
+        for n, building in enumerate(case.pair, start=1)
+    }
+    spectral = f"Sa (damping 5{SPACE}%) {_at_periods(of_each)}"
+    begin = "The shaking, mean of the motions:"
+    strength = f"S0 {float(table.ground_intensity):.3g} m²/s³"
+    if np.isnan(table.peak_ground_acceleration):
+        return f"{begin} {spectral}; white noise of {strength} has no PGA or rms."
+    peak, rms = (in_g(float(table[f"{n}_acceleration"])) for n in ("peak_ground", "rms"))
+    return f"{begin} PGA {peak}, {spectral}; rms {rms} in the strong part, {strength}."
+
+
+def recorded_shaking(table: xr.Dataset, case: Case) -> str:
+    """How strong a record is."""
+    found = table.spectral_acceleration.values
+    of_each = {
+        f"{building.period:.3g} s": in_g(float(one))
+        for building, one in zip(case.buildings, found, strict=True)
+    }
+    return (
+        f"The shaking: PGA {in_g(float(table.peak_ground_acceleration))}, Sa (damping 5{SPACE}%) "
+        f"{_at_periods(of_each)}, rms {in_g(float(table.rms_acceleration))} in the strong part."
+    )
+
+
+def _at_periods(of_each: Mapping[str, str]) -> str:
+    return ", ".join(f"{shown} at {period}" for period, shown in of_each.items())
+
+
+def over_records(found: xr.Dataset, count: int, gap: float) -> str:
+    """What many records say of a gap [m], in place of one number each."""
+    parts = []
+    for level in found["quantile"].values:
+        one = found.sel(quantile=level)
+        low, high = (float(one[f"record_gap_quantile_{end}"]) for end in ("lower", "upper"))
+        to = f"{centimetres(low)} to {centimetres(high)}" if np.isfinite(high) else "too few to say"
+        parts.append(
+            f"{length(float(one.record_gap_quantile))} in {100 * level:.4g}{SPACE}% of them ({to})"
+        )
+    return (
+        f"The {count} recorded motions would have taken {', '.join(parts)}. A gap of {length(gap)} "
+        f"holds {in_records(found, count)}."
+    )
+
+
+def in_records(found: xr.Dataset, count: int) -> str:
+    """In how many of the records they do not touch."""
+    name = "record_no_pounding_probability"
+    share, low, high = (float(found[f"{name}{end}"]) for end in ("", "_lower", "_upper"))
+    return (
+        f"in {round(share * count)} of {count}, {per_cent(share)} ({per_cent(low)} to {per_cent(high)}, "
+        "as if they were independent)"
+    )
+
+
+def doubted(doubts: Sequence[str]) -> str:
+    """What can hardly be meant, as the first line of an answer; empty if nothing is."""
+    return f"CHECK THE INPUT, ITS UNITS FIRST: {'; '.join(doubts)}." if doubts else ""
 
 
 def floors(case: Case) -> str:

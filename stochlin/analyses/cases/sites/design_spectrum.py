@@ -7,19 +7,21 @@ from typing import Any
 
 import xarray as xr
 
+from stochlin.analyses.cases.sites.records import SUITE
+from stochlin.analyses.cases.sites.strength import ACCELERATION, GOALS, INTENSITY, TIME
 from stochlin.analyses.cases.values import Quantity, Section
 from stochlin.analyses.sites.design_spectra import asce_7, eurocode_8
 from stochlin.analyses.sites.ground_fit import fit_ground
 from stochlin.analyses.sites.spectrum_files import read_spectrum
 from stochlin.analyses.sites.spectrum_fit import MOST_FILTERS
+from stochlin.messages import brief
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
-from stochlin.models.parameters import POSITIVE, Range
+from stochlin.models.parameters import Range
 
 SPECTRUM = "spectrum"
-ACCELERATION, TIME = Quantity("m/s^2", POSITIVE), Quantity("s", POSITIVE)
 DAMPING = Quantity("1", Range(0.0, 1.0))
-_SHARED = (SPECTRUM, "filters", "records")
+_SHARED = (SPECTRUM, "filters", "records", SUITE)
 _OF_FILES = ("units", "damping", "column", "period_column")
 
 
@@ -30,27 +32,27 @@ def spectrum_file(site: Section, folder: Path) -> list[Path]:
     return [folder / site.text(SPECTRUM)]
 
 
-def ground_of_design(
-    site: Section, folder: Path, duration: float, envelope: Envelope | None
-) -> tuple[Ground, xr.DataArray]:
-    """The ground that delivers the spectrum of the site, and this spectrum."""
+def design_spectrum(site: Section, folder: Path) -> xr.DataArray:
+    """The spectrum of the site, of a code or a file."""
     if "ground" in site:
         raise site.error("ground", "is given beside a spectrum; allowed: one of them, so leave one out")
-    filters = site.whole("filters", 1, highest=MOST_FILTERS) if "filters" in site else None
     name = site.text(SPECTRUM)
-    make = _CODES.get(name, _of_file)
-    try:
-        spectrum = make(site, folder)
+    with site.naming(SPECTRUM):
+        return _CODES.get(name, _of_file)(site, folder)
+
+
+def ground_of_design(
+    site: Section, spectrum: xr.DataArray, duration: float, envelope: Envelope | None
+) -> Ground:
+    """The ground that delivers the spectrum of the site."""
+    filters = site.whole("filters", 1, highest=MOST_FILTERS) if "filters" in site else None
+    with site.naming(SPECTRUM):
         ground: Ground = fit_ground(spectrum, duration=duration, envelope=envelope, filters=filters)
-    except (OSError, ValueError) as error:
-        if str(error).startswith(site.file):
-            raise
-        raise site.error(SPECTRUM, f"cannot be used: {error}") from error
-    return ground, spectrum
+    return ground
 
 
 def _eurocode_8(site: Section, folder: Path) -> xr.DataArray:
-    site.only(*_SHARED, "ag", "soil", "type", "damping")
+    _check_keys(site, ("ag", "soil", "type", "damping"), strength="ag")
     options: dict[str, Any] = {"type": site.whole("type", 1, 1, 2)}
     if "damping" in site:
         options["damping"] = site.number("damping", DAMPING)
@@ -58,13 +60,13 @@ def _eurocode_8(site: Section, folder: Path) -> xr.DataArray:
 
 
 def _asce_7(site: Section, folder: Path) -> xr.DataArray:
-    site.only(*_SHARED, "sds", "sd1", "tl")
+    _check_keys(site, ("sds", "sd1", "tl"), strength="sds and sd1")
     sds, sd1 = (site.number(name, ACCELERATION) for name in ("sds", "sd1"))
     return asce_7(sds, sd1, site.number("tl", TIME))
 
 
 def _of_file(site: Section, folder: Path) -> xr.DataArray:
-    site.only(*_SHARED, *_OF_FILES)
+    _check_keys(site, (*_OF_FILES, *GOALS), strength="the file, or pga, sa and return_period")
     name = site.text(SPECTRUM)
     if not (folder / name).exists():
         raise site.error(
@@ -80,6 +82,18 @@ def _of_file(site: Section, folder: Path) -> xr.DataArray:
         if key in site:
             options[key] = site.column(key)
     return read_spectrum(folder / name, **options)
+
+
+def _check_keys(site: Section, own: tuple[str, ...], strength: str) -> None:
+    """Raise for a key that the spectrum has not; of how strong it is, in words."""
+    for key in (INTENSITY, *GOALS):
+        if key in site and key not in own:
+            raise site.error(
+                key,
+                f"is given beside spectrum = {brief(site.values[SPECTRUM])}; how strong that is says "
+                f"{strength}, so leave {key} out",
+            )
+    site.only(*_SHARED, *own)
 
 
 _CODES = {"eurocode_8": _eurocode_8, "asce_7": _asce_7}

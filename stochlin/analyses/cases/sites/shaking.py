@@ -1,0 +1,76 @@
+"""The shaking that an answer is of, and what about it is hardly meant."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.cases.sites.strength import doubtful_peak
+from stochlin.analyses.cases.variables import RECORDED
+from stochlin.analyses.records.records import strong_part
+from stochlin.analyses.records.response import response_spectrum
+from stochlin.analyses.simulation.finite_motions import keeping_apart, quantile_intervals
+from stochlin.analyses.sites.intensity import shaking
+from stochlin.analyses.sites.spectra import USUAL_DAMPING
+from stochlin.analyses.tables import labels
+
+if TYPE_CHECKING:
+    from stochlin.analyses.cases.buildings import AnyBuilding
+    from stochlin.analyses.cases.case import Case
+
+MOST_RECORDS = 5  # that are told one by one; of more the median has an interval
+LEVELS = (0.5, 0.84)  # quantiles that are told of more, beside the confidence that is asked for
+
+
+def shaking_of(case: Case) -> xr.Dataset:
+    """How strong the motions of a case are: PGA, rms, S0, and Sa at the period of each building."""
+    periods = np.array([building.period for building in case.pair])
+    return shaking(case.ground, periods, case.duration, case.envelope)
+
+
+def recorded_shaking(record: xr.DataArray, periods: list[float]) -> dict[str, xr.DataArray]:
+    """How strong a record is: PGA, rms of its strong part, and over ``structure`` Sa at its period."""
+    shown, place = np.unique(periods, return_inverse=True)
+    found = response_spectrum(record, shown, USUAL_DAMPING).pseudo_acceleration.to_numpy()[place]
+    return {
+        "peak_ground_acceleration": abs(record).max(),
+        "rms_acceleration": (strong_part(record) ** 2).mean() ** 0.5,
+        "spectral_acceleration": xr.DataArray(found, dims="structure"),
+    }
+
+
+def over_records(separations: xr.DataArray, gap: float, confidence: float) -> xr.Dataset:
+    """Quantiles of the gaps [m] that records take, and the share that one gap would have survived."""
+    levels = np.unique([*LEVELS, confidence])
+    found = quantile_intervals(separations.to_numpy(), levels)
+    table = xr.Dataset(coords={"quantile": labels.axis("quantile", "quantile", levels)})
+    for end, values in zip(("", "_lower", "_upper"), found, strict=True):
+        table[f"record_gap_quantile{end}"] = "quantile", values
+    held = keeping_apart(separations.rename(record="path"), gap)
+    table = table.assign({f"record_{name}": share for name, share in held.items()})
+    return labels.label(table, RECORDED)
+
+
+def doubts(
+    shaken: xr.Dataset,
+    buildings: tuple[AnyBuilding, ...],
+    gap: float = 0.0,
+    peaks: tuple[float, ...] = (),
+) -> list[str]:
+    """What of an answer can hardly be meant: the shaking, a gap [m] or peaks [m] beyond all measure."""
+    found = []
+    if doubt := doubtful_peak(float(shaken["peak_ground_acceleration"])):
+        found.append(f"peak ground acceleration: {doubt}")
+    heights = {building.name: building.height for building in buildings if building.height}
+    if heights and gap > min(heights.values()):
+        name = min(heights, key=lambda name: heights[name])
+        found.append(f"a gap of {gap:.3g} m is wider than {name} is tall, {heights[name]:.3g} m")
+    for building, peak in zip(buildings, peaks, strict=False):
+        if building.height and peak > building.height:
+            found.append(
+                f"{building.name} would move by {peak:.3g} m, more than it is tall, "
+                f"{building.height:.3g} m"
+            )
+    return found

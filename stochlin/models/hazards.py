@@ -1,0 +1,230 @@
+"""Hazard: how often in a year the shaking of a site is exceeded."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import brief
+from stochlin.models.parameters import POSITIVE, Model, Parameter, Range, check, parameter
+
+MEASURES = ("pga", "sa", "intensity")
+FEWEST = 2  # points of a curve
+_ROUNDING = 1e-9  # of a return period that is one over a frequency
+_LABELS = {"intensity": "intensity", "return_period": "return period"}
+
+
+@dataclass(frozen=True)
+class Hazard(Model):
+    """Base of the hazards: of peak ground acceleration, ``Sa`` at a period, or ``S0``."""
+
+    measure: str = field(default="pga", kw_only=True)
+    period: float | None = field(default=None, kw_only=True)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        kind = type(self).__name__
+        if not isinstance(self.measure, str) or self.measure not in MEASURES:
+            raise ValueError(
+                f"{kind}: measure = {brief(self.measure)} is unknown; allowed: {', '.join(MEASURES)}"
+            )
+        if (self.measure == "sa") != (self.period is not None):
+            raise ValueError(
+                f"{kind}: period = {brief(self.period)} with measure = {self.measure!r}; allowed: a "
+                "period in seconds with sa, and none with pga and intensity"
+            )
+        if self.period is not None:
+            declared = {"allowed": POSITIVE, "units": "s", "long_name": "period"}
+            number = check(f"{kind}: ", "period", self.period, declared)
+            if isinstance(number, xr.DataArray):
+                raise ValueError(f"{kind}: period = {brief(self.period)}; allowed: one number")
+            object.__setattr__(self, "period", number)
+
+    def frequency(self, intensity: Parameter) -> Any:
+        """How often in a year so strong a shaking is exceeded [1/yr]."""
+        raise NotImplementedError
+
+    def intensity(self, return_period: Parameter) -> Any:
+        """What is exceeded once in a return period [yr] in the mean; in the unit of the hazard."""
+        raise NotImplementedError
+
+
+def _of(values: Any, name: str) -> float | xr.DataArray:
+    about = {"allowed": POSITIVE, "units": "1", "long_name": _LABELS[name]}
+    return check("", name, values, about)
+
+
+@dataclass(frozen=True)
+class HazardCurve(Hazard):
+    """Annual frequencies of exceedance by a table, linear in between in both logarithms.
+
+    Nothing is extrapolated: beyond the table a number is refused, and cells of an array are NaN.
+
+    Parameters
+    ----------
+    intensities : sequence of float
+        What is exceeded, positive and increasing: in m/s^2, of ``"intensity"`` in m^2/s^3.
+    frequencies : sequence of float
+        How often in a year [1/yr], positive and falling.
+    measure : {"pga", "sa", "intensity"}
+        Peak ground acceleration, pseudo-acceleration at a period (damping .05), or ``S0``.
+    period : float, optional
+        Of ``"sa"`` [s].
+
+    Raises
+    ------
+    ValueError, TypeError
+        If there are fewer than two points, or more of one than of the other; if a number is not
+        positive, the intensities do not increase or the frequencies do not fall; if the measure is
+        unknown, or has no period that it needs.
+
+    References
+    ----------
+    Cornell, C. A. (1968), Engineering seismic risk analysis, Bull. Seismol. Soc. Am. 58.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> hazard = sl.HazardCurve([1.0, 2.0, 4.0], [1e-2, 2e-3, 2e-4])
+    >>> round(hazard.frequency(2.0), 9), round(hazard.intensity(return_period=475), 3)
+    (0.002, 1.956)
+    """
+
+    intensities: tuple[float, ...]
+    frequencies: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("intensities", "frequencies"):
+            given = _numbers(f"HazardCurve: {name}", getattr(self, name))
+            object.__setattr__(self, name, tuple(given.tolist()))
+        points = len(self.intensities)
+        if points != len(self.frequencies):
+            raise ValueError(
+                f"HazardCurve: {points} intensities and {len(self.frequencies)} frequencies; allowed: "
+                "as many of one as of the other"
+            )
+        places = [f"HazardCurve, number {n}" for n in range(1, points + 1)]
+        check_curve(np.array(self.intensities), np.array(self.frequencies), places)
+
+    def frequency(self, intensity: Parameter) -> Any:
+        """How often in a year so strong a shaking is exceeded [1/yr]."""
+        return self._between("intensity", intensity, self.intensities, self.frequencies)
+
+    def intensity(self, return_period: Parameter) -> Any:
+        """What is exceeded once in a return period [yr] in the mean; in the unit of the curve."""
+        years = [1 / frequency for frequency in self.frequencies]
+        return self._between("return_period", return_period, years, self.intensities)
+
+    def describe(self) -> str:
+        """One line with the points, long tables by their range."""
+        both = (f"{name}={brief(list(getattr(self, name)))}" for name in ("intensities", "frequencies"))
+        return f"HazardCurve({', '.join(both)})"
+
+    def _between(self, name: str, at: Parameter, axis: Sequence[float], values: Sequence[float]) -> Any:
+        given, ends = _of(at, name), (axis[0] * (1 - _ROUNDING), axis[-1] * (1 + _ROUNDING))
+        if isinstance(given, float) and not ends[0] <= given <= ends[1]:
+            raise ValueError(
+                f"{name} = {given:g} is beyond the hazard curve, {axis[0]:.4g} to {axis[-1]:.4g}; "
+                "allowed: what it covers, since nothing is extrapolated"
+            )
+
+        def interpolated(at: Array) -> Array:
+            found = np.exp(np.interp(np.log(at), np.log(axis), np.log(values)))
+            return np.where((at >= ends[0]) & (at <= ends[1]), found, np.nan)
+
+        return _applied(interpolated, given)
+
+
+@dataclass(frozen=True)
+class PowerLawHazard(Hazard):
+    """Annual frequencies of exceedance by a power law, ``k0 im^-k``.
+
+    Parameters
+    ----------
+    k0 : float or array
+        How often in a year [1/yr] an intensity ``im`` of 1 is exceeded: of 1 m/s^2, or 1 m^2/s^3.
+    k : float or array
+        Exponent [-], positive; 2 to 4 as a rule.
+    measure : {"pga", "sa", "intensity"}
+        Peak ground acceleration, pseudo-acceleration at a period (damping .05), or ``S0``.
+    period : float, optional
+        Of ``"sa"`` [s].
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a number is not positive; if the measure is unknown, or has no period that it needs.
+
+    References
+    ----------
+    Cornell, C. A. (1968), Engineering seismic risk analysis, Bull. Seismol. Soc. Am. 58.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> hazard = sl.PowerLawHazard(k0=0.02, k=3.0)
+    >>> round(hazard.frequency(2.0), 6), round(hazard.intensity(return_period=400), 9)
+    (0.0025, 2.0)
+    """
+
+    k0: Parameter = parameter("1/yr", "annual frequency at an intensity of 1", Range())
+    k: Parameter = parameter("1", "exponent of the hazard", Range())
+
+    def frequency(self, intensity: Parameter) -> Any:
+        """How often in a year so strong a shaking is exceeded [1/yr]."""
+        law = self.arrays()
+        return _applied(lambda im, k0, k: k0 * im**-k, _of(intensity, "intensity"), law["k0"], law["k"])
+
+    def intensity(self, return_period: Parameter) -> Any:
+        """What is exceeded once in a return period [yr] in the mean; in the unit of the law."""
+        law, years = self.arrays(), _of(return_period, "return_period")
+        return _applied(lambda years, k0, k: (k0 * years) ** (1 / k), years, law["k0"], law["k"])
+
+
+def check_curve(intensities: Array, frequencies: Array, places: Sequence[str]) -> None:
+    """Raise a ValueError unless these are a hazard curve; ``places`` say where each point stands."""
+    if intensities.size < FEWEST:
+        raise ValueError(
+            f"{places[0] if places else 'hazard curve'}: {intensities.size} points; allowed: {FEWEST} "
+            "or more intensities with their frequencies"
+        )
+    for place, im, frequency in zip(places, intensities, frequencies, strict=True):
+        for name, value in (("intensity", im), ("annual frequency", frequency)):
+            if not 0 < value < np.inf:
+                raise ValueError(
+                    f"{place}: the {name} is {value:g}; allowed: positive, finite, so leave it out"
+                )
+    for n, place in enumerate(places[1:], start=1):
+        if intensities[n] <= intensities[n - 1]:
+            raise ValueError(
+                f"{place}: the intensity {intensities[n]:g} follows {intensities[n - 1]:g}; allowed: "
+                "increasing intensities, so sort them"
+            )
+        if frequencies[n] >= frequencies[n - 1]:
+            raise ValueError(
+                f"{place}: the annual frequency {frequencies[n]:g} follows {frequencies[n - 1]:g}; "
+                "allowed: falling frequencies, since what is stronger is rarer, so correct it"
+            )
+
+
+def _numbers(name: str, given: object) -> Array:
+    try:
+        found = np.asarray(given)
+    except (ValueError, TypeError):  # ragged lists; a dataset
+        found = np.empty((), object)
+    if found.ndim != 1 or found.dtype.kind not in "iuf":
+        raise TypeError(f"{name} = {brief(given)}; allowed: a list of numbers")
+    return found.astype(float)
+
+
+def _applied(function: Any, *values: Any) -> Any:
+    """Of numbers a number, else an array with their dimensions."""
+    with np.errstate(all="ignore"):
+        found = xr.apply_ufunc(function, *values, join="exact", keep_attrs=False)
+    return found if isinstance(found, xr.DataArray) and found.ndim else float(found)

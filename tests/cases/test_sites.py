@@ -1,0 +1,349 @@
+"""The site of a case file by what an engineer knows, and the shaking that answers print."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+
+import stochlin as sl
+from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.separation import answer_case
+from stochlin.views.command import main
+
+pytestmark = pytest.mark.invariant
+
+G = 9.80665
+EXAMPLE = sl.example_case().replace("paths = 2048", "paths = 256")
+SHAPE = sl.AminAng(4.0, 15.0, 0.35)
+QUAKE = {"duration": 20.0, "envelope": SHAPE}
+FIRM = 'ground = "firm"\n'
+HAZARD = f'{FIRM}return_period = "475 yr"\n[site.hazard]\nmeasure = "pga"\n'
+MOTIONS = sl.simulated_motions(sl.named_ground("firm", 0.01), **QUAKE, paths=12, seed=3)
+
+
+def written(folder: Path, site: str, text: str = EXAMPLE) -> Path:
+    start, end = text.index("[site]"), text.index("[motion]")
+    path = folder / "case.toml"
+    path.write_text(f"{text[:start]}[site]\n{site}\n{text[end:]}", encoding="utf-8")
+    return path
+
+
+def read(folder: Path, site: str) -> Case:
+    return sl.read_case(written(folder, site))
+
+
+def said(command: str, folder: Path, site: str, text: str = EXAMPLE, *options: object) -> str:
+    done = CliRunner().invoke(main, [command, str(written(folder, site, text)), *map(str, options)])
+    assert done.exit_code == 0, done.output
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def suite(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("suite")
+    (folder / "records").mkdir()
+    for number, motion in enumerate(MOTIONS):
+        sl.to_at2(motion, folder / "records" / f"m{number:02d}.at2")
+    (folder / "bad.txt").write_text("1\ntwo\n", encoding="utf-8")
+    listed = ["records/m00.at2", "bad.txt", "records/m01.at2"]
+    (folder / "suite.csv").write_text("\n".join(["file,units,dt", *(f"{n},g,0.01" for n in listed)]))
+    return folder
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize("key", ["pga", "sa"])
+@pytest.mark.parametrize(
+    "ground",
+    [FIRM, 'ground = "kanai_tajimi"\nperiod = "2 s"\ndamping = 0.1\n'],
+    ids=["named", "parametric"],
+)
+def test_motions_are_as_strong_as_the_file_asks(tmp_path, ground, key):
+    asked = {"pga": 'pga = "0.3 g"', "sa": 'sa = "0.3 g"\nsa_period = "0.6 s"'}[key]
+    case = read(tmp_path, ground + asked)
+    table = sl.simulated_spectrum(case.ground, [0.6], **QUAKE, paths=512, seed=5)
+    name = {"pga": "peak_ground_acceleration", "sa": "pseudo_acceleration"}[key]
+    found, error = (float(table[f"{name}{end}"].item()) for end in ("", "_standard_error"))
+    assert abs(found - 0.3 * G) < 4 * np.sqrt(1.5) * error
+    assert "of 0.3 g in motions of 20 s" in case.ground.source
+
+
+def test_a_ground_fitted_to_a_record_is_scaled_with_its_shape_kept(suite):
+    site = 'ground = "fitted"\n{}[[site.records]]\npath = "records/m00.at2"\n'
+    plain, scaled = (read(suite, site.format(extra)) for extra in ("", 'pga = "0.5 g"\n'))
+    assert scaled.ground.period == plain.ground.period
+    assert scaled.ground == sl.scale_ground(plain.ground, **QUAKE, pga=0.5 * G)
+    stronger = read(suite, site.format("") + "scale = 2\n")
+    assert stronger.ground.intensity == pytest.approx(4 * plain.ground.intensity, rel=1e-6)
+    np.testing.assert_allclose(stronger.records["m00.at2"], 2 * plain.records["m00.at2"])
+
+
+def test_a_spectrum_of_a_file_is_scaled_by_one_factor_and_the_suite_with_it(suite):
+    code = sl.eurocode_8(0.25 * G, "B")[5::5]
+    rows = [f"{float(one.period):g},{float(one) / G:.6f}" for one in code]
+    (suite / "site.csv").write_text("\n".join(["T,Sa [g]", *rows]), encoding="utf-8")
+    site = 'spectrum = "site.csv"\nfilters = 1\nsa = "1 g"\nsa_period = "0.6 s"\n'
+    to = '[site.suite]\npath = "records"\nscale_to = "spectrum"\nband = ["0.3 s", "1.5 s"]\n'
+    case = read(suite, site + to)
+    plain = sl.fit_ground(sl.read_spectrum(suite / "site.csv"), **QUAKE, filters=1)
+    times = case.ground.intensity / plain.intensity
+    assert case.ground == sl.scale_ground(plain, **QUAKE, sa=G, period=0.6)
+    spectrum = sl.read_spectrum(suite / "site.csv")
+    wanted = (np.sqrt(times) * spectrum).assign_attrs(spectrum.attrs)
+    records = {f"m{n:02d}.at2": sl.read_record(suite / f"records/m{n:02d}.at2") for n in range(12)}
+    expected = sl.scale_records(records, spectrum=wanted, band=(0.3, 1.5))
+    assert list(case.records) == list(expected)
+    for name, record in expected.items():
+        np.testing.assert_allclose(case.records[name], record, rtol=1e-9)
+
+
+@pytest.mark.oracle
+def test_a_return_period_by_hand(tmp_path):
+    law = 'k0 = 1e-4\nk = 2\nunits = "g"\n'  # 1 g once in 10 000 years
+    wanted = np.sqrt(1e-4 * 475)
+    case = read(tmp_path, HAZARD + law)
+    assert case.ground == sl.scale_ground(sl.named_ground("firm", 1.0), **QUAKE, pga=wanted * G)
+    (tmp_path / "hazard.csv").write_text("pga [g],annual frequency\n0.1,1e-2\n1.0,1e-4\n")
+    again = read(tmp_path, HAZARD + 'file = "hazard.csv"\n')
+    assert again.ground.intensity == pytest.approx(case.ground.intensity, rel=1e-9)
+    assert tmp_path / "hazard.csv" in again.inputs
+    at_a_second = HAZARD.replace('"pga"', '"sa"\nsa_period = "1 s"') + law
+    assert "Sa(1 s)" in read(tmp_path, at_a_second).ground.source
+
+
+def test_a_hazard_that_is_wrong_names_the_line(tmp_path):
+    def message(rows: str) -> str:
+        (tmp_path / "hazard.csv").write_text(rows, encoding="utf-8")
+        with pytest.raises(ValueError, match=r"line 18: site.hazard.file = 'hazard.csv'") as caught:
+            read(tmp_path, HAZARD + 'file = "hazard.csv"\n')
+        return str(caught.value)
+
+    head = "# by the survey\npga [g],per year\n"
+    assert "hazard.csv, line 4, row 2: the annual frequency 0.02" in message(head + "0.1,.01\n0.2,.02\n")
+    assert "line 4, row 2: the annual frequency is 0" in message(head + "0.1,.01\n0.2,0\n")
+    assert "line 4, row 2: the intensity 0.1 follows 0.2" in message(head + "0.2,.01\n0.1,.001\n")
+    assert "1 points; allowed: 2 or more" in message(head + "0.2,.01\n")
+    assert "units is missing and hazard.csv does not state it" in message("pga,f\n.1,.01\n.2,.001\n")
+
+
+@pytest.mark.parametrize(
+    ("site", "message"),
+    [
+        (FIRM, 'site.intensity is missing; write, .*or pga = "0.3 g"'),
+        (f"{FIRM}pga = 0.3\n", r"site.pga = 0.3 has no unit; allowed: .*\"0.3 g\""),
+        (f'{FIRM}pga = "-1 g"\n', "is out of range"),
+        (f'{FIRM}pga = "1 g"\nintensity = "1 m^2/s^3"\n', "site.pga = '1 g' is given beside intensity"),
+        (f'{FIRM}pga = "1 g"\nsa = "1 g"\nsa_period = "1 s"\n', "site.sa = '1 g' is given beside pga"),
+        (f'{FIRM}sa = "1 g"\n', "site.sa_period is missing"),
+        (
+            f'{FIRM}pga = "1 g"\nsa_period = "1 s"\n',
+            "sa_period = '1 s' goes with sa, which is not there",
+        ),
+        ('ground = "white_noise"\npga = "1 g"\n', "site.pga = '1 g' cannot be met: .*white noise"),
+        (f'{FIRM}return_period = "475 yr"\n', r"needs a hazard; write \[site.hazard\]"),
+        (f'{FIRM}return_period = "475"\n', 'has no unit; allowed: .*"475 yr"'),
+        (f"{FIRM}pga = '1 g'\n[site.hazard]\nk0 = 1\n", "site.hazard goes with return_period"),
+        (f"{HAZARD}k0 = 1e-4\nk = 2\n", 'site.hazard.units is missing; write, .*units = "g"'),
+        (f'{HAZARD}k0 = 0\nk = 2\nunits = "g"\n', "site.hazard.k0 = 0 is out of range"),
+        (f'{HAZARD}sa_period = "1 s"\n', "sa_period = '1 s' goes with measure = 'sa'"),
+        (f'{HAZARD}file = "none.csv"\n', "site.hazard.file = 'none.csv' cannot be used: .*No such file"),
+        (f'{HAZARD}curve = "a.csv"\n', "site.hazard.curve = 'a.csv' is not a key that is known here"),
+        (
+            'spectrum = "eurocode_8"\nag = "0.2 g"\nsoil = "B"\npga = "0.3 g"\n',
+            "site.pga = '0.3 g' is given beside spectrum = 'eurocode_8'; how strong that is says ag",
+        ),
+        (
+            'spectrum = "site.csv"\nintensity = "0.01 m^2/s^3"\n',
+            "how strong that is says the file, or pga, sa and return_period",
+        ),
+    ],
+)
+def test_what_does_not_say_how_strong_is_named_with_its_line(tmp_path, site, message):
+    with pytest.raises(ValueError, match=rf"case.toml, line \d+: .*{message}"):
+        read(tmp_path, site)
+
+
+def test_beyond_the_hazard_is_refused_with_its_range(tmp_path):
+    (tmp_path / "h.csv").write_text("pga [g],f\n0.1,0.01\n0.2,0.004\n")
+    with pytest.raises(ValueError, match=r"return_period = '475 yr' is not in the hazard: .*100 to 250"):
+        read(tmp_path, HAZARD + 'file = "h.csv"\n')
+
+
+# --- Suites ---
+
+
+SUITE = f'{FIRM}intensity = "0.01 m^2/s^3"\n[site.suite]\npath = "{{}}"\n'
+
+
+def test_a_record_that_cannot_be_read_is_named_and_left_out_if_asked(suite):
+    with pytest.raises(
+        ValueError,
+        match=r"case.toml, line \d+: site.suite.path = 'suite.csv' .*csv, line 3, bad.txt: .*'two'",
+    ):
+        read(suite, SUITE.format("suite.csv"))
+    with pytest.warns(UserWarning, match=r"suite.csv, line 3, bad.txt is left out"):
+        case = read(suite, SUITE.format("suite.csv") + "skip_unreadable = true\n")
+    assert list(case.records) == ["records/m00.at2", "records/m01.at2"]
+    assert {suite / "suite.csv", suite / "records/m00.at2"} <= set(case.inputs)
+
+
+def test_a_suite_is_scaled_as_in_python_and_stands_after_the_records(suite):
+    record = '[[site.records]]\npath = "records/m00.at2"\nname = "alone"\nscale = 1.5\n'
+    case = read(suite, SUITE.format("records") + f'pga = "0.4 g"\n{record}')
+    assert list(case.records)[:2] == ["alone", "m00.at2"]
+    assert len(case.records) == 13
+    peaks = [float(abs(record).max()) / G for record in case.records.values()]
+    assert peaks[1:] == pytest.approx([0.4] * 12)
+    assert case.records["alone"].attrs["scale"] == 1.5
+    sa = read(suite, SUITE.format("records") + 'sa = "0.5 g"\nsa_period = "0.8 s"\n')
+    found = sl.response_spectrum(list(sa.records.values()), 0.8, 0.05).pseudo_acceleration
+    np.testing.assert_allclose(found / G, 0.5, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("lines", "message"),
+    [
+        ('path = "none"\n', "site.suite.path = 'none' cannot be used: .*neither a folder nor a table"),
+        ('path = "records"\npga = "1 g"\nsa = "1 g"\n', "site.suite.sa = '1 g' is given beside pga"),
+        ('path = "records"\nscale_to = "spectrum"\n', "the site has a ground; allowed: pga, sa"),
+        ('path = "records"\nscale_to = "code"\n', "scale_to = 'code' is not known; allowed: spectrum"),
+        ('path = "records"\nband = ["1 s", "2 s"]\n', "band = .* goes with scale_to"),
+        ('path = "records"\nsa_period = "1 s"\n', "sa_period = '1 s' goes with sa"),
+        ('path = "records"\nskip_unreadable = 1\n', "skip_unreadable = 1 is neither true nor false"),
+        ('path = "records"\nscale = 2\n', "site.suite.scale = 2 is not a key that is known here"),
+    ],
+)
+def test_a_suite_that_is_wrong_is_named_with_its_line(suite, lines, message):
+    site = f'{FIRM}intensity = "0.01 m^2/s^3"\n[site.suite]\n{lines}'
+    with pytest.raises(ValueError, match=rf"case.toml, line \d+: .*{message}"):
+        read(suite, site)
+
+
+@pytest.mark.parametrize("factor", [12, 0.05])
+def test_a_factor_that_is_hardly_meant_is_asked_about(suite, factor):
+    record = f'[[site.records]]\npath = "records/m00.at2"\nscale = {factor}\n'
+    with pytest.warns(
+        UserWarning, match=rf"case.toml, line \d+: site.records.scale = {factor} is doubt"
+    ):
+        read(suite, f'{FIRM}intensity = "0.01 m^2/s^3"\n{record}')
+
+
+@pytest.mark.oracle
+def test_the_gap_screen_says_of_many_records_quantiles_and_the_share(suite):
+    site = SUITE.format("records")
+    words = " ".join(said("gap", suite, site, EXAMPLE, "--out", suite / "gap.nc").split())
+    case = read(suite, site)
+    pair = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (1.0, 0.6)]
+    solid = []
+    for structure in pair:
+        strength = float(sl.linearize(structure, case.ground).yield_displacement)
+        solid.append(sl.Bilinear(float(structure.period), 0.05, 0.05, yield_displacement=strength))
+    gaps = sl.recorded_gap(*solid, dict(case.records)).separation.values
+    with xr.open_dataset(suite / "gap.nc") as table:
+        answer = float(table.gap[0])
+        np.testing.assert_allclose(table.record_gap_quantile, np.quantile(gaps, [0.5, 0.84, 0.9]))
+        held = float(table.record_no_pounding_probability)
+        assert table.record_gap_quantile.attrs["units"] == "m"
+        assert float(table.peak_ground_acceleration) > 0
+    assert held == pytest.approx((gaps <= answer).mean())
+    assert (
+        f"The 12 recorded motions would have taken {100 * np.median(gaps):.1f} cm in 50 % of them"
+        in words
+    )
+    assert f"holds in {round(12 * held)} of 12" in words
+    assert "they would have needed" not in words
+
+
+def test_every_command_takes_a_suite_and_stays_readable(suite):
+    site = SUITE.format("records")
+    words = {c: said(c, suite, site) for c in ("probability", "pound", "mitigate")}
+    assert len(words["pound"].splitlines()) < 60
+    assert len(words["mitigate"].splitlines()) < 60
+    assert "The 12 recorded motions would have taken" in words["probability"]
+    assert re.search(r"They do not meet in \d+ of 12", words["pound"])
+    assert "The record that hits hardest:" in words["pound"]
+    assert "In 12 records, half of them and 84 % of them at most:" in words["mitigate"]
+    for one in words.values():
+        one.encode("ascii")
+    said("mitigate", suite, site, EXAMPLE, "--picture", suite / "measures.png")
+    said("gap", suite, site, EXAMPLE, "--report", suite / "gap.html")
+
+
+# --- The shaking that was used, and what can hardly be meant ---
+
+
+def test_every_answer_prints_the_shaking_it_used(tmp_path):
+    for command in ("gap", "probability", "mitigate"):
+        out = tmp_path / f"{command}.nc"
+        words = said(command, tmp_path, f'{FIRM}pga = "0.3 g"\n', EXAMPLE, "--out", out)
+        line = re.search(
+            r"of the motions: PGA 0\.3 g, Sa \(damping 5 %\) (\S+) g at 1 s, (\S+) g at 0\.6 s; rms "
+            r"(\S+) g in the strong part, S0 (\S+) m\^2/s\^3\.",
+            " ".join(words.split()),
+        )
+        assert line, words
+        with xr.open_dataset(out) as table:
+            names = ("spectral_acceleration_1", "spectral_acceleration_2", "rms_acceleration")
+            found = [float(table[name]) / G for name in names]
+            assert found == pytest.approx([float(line[n]) for n in (1, 2, 3)], rel=5e-3)
+            assert float(table.ground_intensity) == pytest.approx(float(line[4]), rel=5e-3)
+            assert float(table.peak_ground_acceleration) == pytest.approx(0.3 * G)
+            for name in (*names, "peak_ground_acceleration"):
+                assert table[name].attrs["units"] == "m/s^2"
+
+
+def test_the_shaking_of_a_record_is_printed_by_pound(suite):
+    record = '[[site.records]]\npath = "records/m00.at2"\n'
+    words = " ".join(said("pound", suite, f'{FIRM}intensity = "0.01 m^2/s^3"\n{record}').split())
+    one = sl.read_record(suite / "records/m00.at2")
+    found = sl.response_spectrum(one, [1.0, 0.6], 0.05).pseudo_acceleration.values.ravel() / G
+    peak = float(abs(one).max()) / G
+    told = f"PGA {peak:.3g} g, Sa (damping 5 %) {found[0]:.3g} g at 1 s, {found[1]:.3g} g at 0.6 s, rms"
+    assert told in words
+
+
+@pytest.mark.parametrize(
+    ("site", "words"),
+    [
+        (f'{FIRM}intensity = "100 m^2/s^3"\n', "more than 3 g has hardly been recorded"),
+        (f'{FIRM}intensity = "0.0001 cm^2/s^3"\n', "is hardly felt"),
+    ],
+)
+def test_what_is_hardly_meant_is_the_first_line(tmp_path, site, words):
+    page = tmp_path / "gap.html"
+    screen = said("gap", tmp_path, site, EXAMPLE, "--report", page)
+    first = screen.partition("Office block and annex")[0]
+    assert first.startswith("CHECK THE INPUT")
+    assert words in " ".join(first.split())
+    shown = page.read_text(encoding="utf-8").partition("<h1>")[0]
+    assert "CHECK THE INPUT" in shown.partition("<body>")[2]
+    for command in ("probability", "mitigate"):
+        assert said(command, tmp_path, site).startswith("CHECK THE INPUT")
+
+
+def test_a_gap_and_a_drift_beyond_the_height_are_the_first_line(tmp_path):
+    site, text = (
+        f'{FIRM}pga = "2.5 g"\n',
+        EXAMPLE.replace('"15 m"', '"0.1 m"').replace('"24 m"', '"0.2 m"'),
+    )
+    words = " ".join(said("gap", tmp_path, site, text).split())
+    begin = words.partition("Office block and annex")[0]
+    assert re.search(r"a gap of \S+ m is wider than Annex is tall, 0.1 m", begin)
+    assert re.search(r"Annex would move by \S+ m, more than it is tall, 0.1 m", begin)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert not answer_case(read(tmp_path, f'{FIRM}pga = "0.3 g"\n')).doubts()
+
+
+@pytest.mark.parametrize("pga", ["300 g", "0.3 cm/s^2"])
+def test_a_peak_that_is_hardly_meant_is_asked_about_where_it_is_read(tmp_path, pga: Any):
+    with pytest.warns(
+        UserWarning, match=rf"case.toml, line 15: site.pga = '{re.escape(pga)}' is doubtful"
+    ):
+        read(tmp_path, f'{FIRM}pga = "{pga}"\n')

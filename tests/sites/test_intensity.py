@@ -1,0 +1,155 @@
+"""How strong a ground is to be: by PGA, by Sa at a period, by a return period."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import stochlin as sl
+from stochlin.analyses.sites.intensity import shaking
+
+G = 9.80665
+FIRM = sl.named_ground("firm", intensity=1.0)
+QUAKE = {"duration": 15.0, "envelope": sl.AminAng(2.0, 9.0, 0.5)}
+GROUNDS = {
+    "one filter": FIRM,
+    "lake bed": sl.KanaiTajimi(2.0, 0.05, 0.01),
+    "two in parallel": sl.ParallelGround(
+        [sl.CloughPenzien(0.8, 0.5, 3.0, 0.6, 0.01), sl.CloughPenzien(0.2, 0.6, 1.0, 0.6, 0.02)]
+    ),
+}
+
+
+def off(samples: np.ndarray, wanted: float, ground: sl.KanaiTajimi) -> float:
+    """How many standard errors a mean of other motions is from what was wanted, both errors counted."""
+    error = samples.std(ddof=1) * math.sqrt(1 / samples.size + 1 / 1024)
+    assert "standard error of" in ground.source
+    return abs(samples.mean() - wanted) / error
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize("ground", GROUNDS.values(), ids=GROUNDS)
+def test_other_motions_have_the_peak_that_was_asked_for(ground):
+    found = sl.scale_ground(ground, **QUAKE, pga=0.3 * G)
+    motions = sl.simulated_motions(found, **QUAKE, paths=512, seed=11)
+    assert off(abs(motions).max("time").values, 0.3 * G, found) < 4
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize("ground", GROUNDS.values(), ids=GROUNDS)
+def test_other_motions_have_the_spectral_acceleration_that_was_asked_for(ground):
+    """By the exact response of each to a recorded motion, and not as it was sought."""
+    found = sl.scale_ground(ground, **QUAKE, sa=0.8 * G, period=0.9, damping=0.04)
+    motions = sl.simulated_motions(found, **QUAKE, paths=256, seed=12)
+    table = sl.response_spectrum(list(motions), period=0.9, damping=0.04)
+    assert off(table.pseudo_acceleration.values.ravel(), 0.8 * G, found) < 4
+
+
+@pytest.mark.invariant
+def test_the_intensity_goes_with_the_square_and_forgets_what_it_was():
+    once, twice = (sl.scale_ground(FIRM, **QUAKE, pga=pga) for pga in (1.0, 2.0))
+    assert twice.intensity == pytest.approx(4 * once.intensity, rel=1e-12)
+    again = sl.scale_ground(twice, **QUAKE, pga=1.0)
+    assert again.intensity == pytest.approx(once.intensity, rel=1e-9)
+    assert again.source == once.source  # it says once by what
+    assert once.source.startswith(FIRM.source)
+    assert once.period == FIRM.period
+
+
+@pytest.mark.invariant
+def test_what_was_asked_for_is_what_is_told():
+    ground = sl.scale_ground(FIRM, **QUAKE, sa=3.0, period=0.7)
+    table = shaking(ground, np.array([0.7, 0.4, 0.7]), **QUAKE)
+    assert float(table.spectral_acceleration_1) == pytest.approx(3.0, rel=1e-9)
+    assert float(table.spectral_acceleration_3) == float(table.spectral_acceleration_1)
+    assert float(table.spectral_acceleration_2) > 3.0
+    assert float(table.rms_acceleration) < float(table.peak_ground_acceleration)
+    assert all({"units", "long_name"} <= set(one.attrs) for one in table.data_vars.values())
+    white = sl.scale_ground(sl.WhiteNoise(1.0), **QUAKE, sa=3.0, period=0.7)
+    table = shaking(white, np.array([0.7]), **QUAKE)
+    assert np.isnan(table.peak_ground_acceleration)
+    assert np.isnan(table.rms_acceleration)
+    assert float(table.spectral_acceleration_1) == pytest.approx(3.0, rel=1e-9)
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize(
+    ("ground", "options", "message"),
+    [
+        (sl.WhiteNoise(1.0), {"pga": 3.0}, "pga: white noise has no peak.*allowed: sa with a period"),
+        (FIRM, {}, "nothing is given; allowed: one of pga, sa with a period"),
+        (FIRM, {"pga": 1.0, "sa": 1.0, "period": 1.0}, "pga and sa is given"),
+        (FIRM, {"sa": 1.0}, "sa and period go together"),
+        (FIRM, {"pga": 1.0, "period": 1.0}, "sa and period go together"),
+        (FIRM, {"pga": 0.0}, "pga = 0.0 is out of range; allowed: 0 < pga"),
+        (sl.KanaiTajimi([1.0, 2.0], 0.3), {"pga": 1.0}, "period is an array"),
+    ],
+)
+def test_what_cannot_be_met_is_refused(ground, options, message):
+    with pytest.raises(ValueError, match=message):
+        sl.scale_ground(ground, **QUAKE, **options)
+
+
+# --- How often: hazard ---
+
+
+@pytest.mark.oracle
+def test_a_power_law_by_hand():
+    """At k = 2 four times as rare is twice as strong."""
+    hazard = sl.PowerLawHazard(k0=0.01, k=2.0)
+    assert hazard.intensity(100.0) == pytest.approx(1.0)
+    assert hazard.intensity(400.0) == pytest.approx(2.0)
+    assert hazard.frequency(2.0) == pytest.approx(0.0025)
+    assert -math.expm1(-50 * hazard.frequency(hazard.intensity(474.56))) == pytest.approx(0.1, abs=1e-5)
+
+
+@pytest.mark.oracle
+def test_a_curve_on_a_power_law_is_the_power_law_between_its_points():
+    law = sl.PowerLawHazard(k0=0.003, k=2.7)
+    points = [0.5, 1.0, 3.0, 8.0]
+    curve = sl.HazardCurve(points, [law.frequency(im) for im in points])
+    years = np.geomspace(1 / law.frequency(0.5), 1 / law.frequency(8.0), 9)
+    np.testing.assert_allclose(curve.intensity(years), law.intensity(years), rtol=1e-9)
+    at = xr.DataArray([0.6, 2.0, 7.9], dims="im")
+    np.testing.assert_allclose(curve.frequency(at), law.frequency(at), rtol=1e-9)
+    assert curve.frequency(at).dims == ("im",)
+
+
+@pytest.mark.invariant
+def test_nothing_is_extrapolated():
+    curve = sl.HazardCurve([1.0, 2.0], [0.01, 0.001])
+    with pytest.raises(ValueError, match="return_period = 2475 is beyond the hazard curve, 100 to 1000"):
+        curve.intensity(2475)
+    with pytest.raises(ValueError, match=r"intensity = 0.5 is beyond the hazard curve, 1 to 2"):
+        curve.frequency(0.5)
+    assert np.isnan(curve.intensity([50.0, 200.0, 2475.0])).values.tolist() == [True, False, True]
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (
+            lambda: sl.HazardCurve([1.0, 2.0], [0.01, 0.02]),
+            "number 2: the annual frequency 0.02 follows",
+        ),
+        (lambda: sl.HazardCurve([1.0, 2.0], [0.01, 0.01]), "allowed: falling frequencies"),
+        (lambda: sl.HazardCurve([2.0, 1.0], [0.01, 0.001]), "increasing intensities, so sort them"),
+        (lambda: sl.HazardCurve([1.0], [0.01]), "1 points; allowed: 2 or more"),
+        (
+            lambda: sl.HazardCurve([1.0, 2.0], [0.01, 0.0]),
+            "the annual frequency is 0; allowed: positive",
+        ),
+        (lambda: sl.HazardCurve([1.0, 2.0], [0.01]), "2 intensities and 1 frequencies"),
+        (lambda: sl.PowerLawHazard(-1.0, 2.0), "k0 = -1 is out of range"),
+        (lambda: sl.PowerLawHazard(1.0, 2.0, measure="pgv"), "measure = 'pgv' is unknown; allowed: pga"),
+        (lambda: sl.PowerLawHazard(1.0, 2.0, measure="sa"), "period = None with measure = 'sa'"),
+        (lambda: sl.PowerLawHazard(1.0, 2.0, period=1.0), "none with pga and intensity"),
+    ],
+)
+def test_what_is_no_hazard_is_refused(make, message):
+    with pytest.raises(ValueError, match=message):
+        make()
