@@ -28,6 +28,7 @@ ENERGIES = {
     "contacts": ("contact_lost_energy",),
     "remaining": ("kinetic_energy", "elastic_energy", "contact_stored_energy"),
 }
+OF_MOTIONS = ("ground", "envelope", "scatter")  # attributes of simulated ones, where they are
 
 
 def pound_case(case: Case, progress: Progress | None = None) -> dict[str, xr.Dataset]:
@@ -112,9 +113,9 @@ def pound_motions(
     shaking: Records = dict(case.records)
     told = {"title": f"{case.title}: pounding in {len(case.records)} records"}
     if motions is not None:
-        quake = case.ground, case.duration, case.envelope
-        shaking = simulated_motions(*quake, paths=motions, seed=case.seed)
-        told = {name: shaking.attrs[name] for name in ("ground", "envelope") if name in shaking.attrs}
+        asked = {name: value for name, value in case.motion.items() if name != "confidence"}
+        shaking = simulated_motions(case.ground, **asked | {"paths": motions})
+        told = {name: shaking.attrs[name] for name in OF_MOTIONS if name in shaking.attrs}
         told["title"] = f"{case.title}: pounding in {motions} simulated motions"
     try:
         table = pound(structures, list(case.gaps), contact, shaking, progress=progress)
