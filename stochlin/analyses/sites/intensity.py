@@ -113,6 +113,7 @@ def scale_ground(
         ).T
     found, error = _mean(samples)
     wanted = float(pga if sa is None else sa)  # type: ignore[arg-type]
+    times = wanted / found
     what = "peak ground acceleration" if sa is None else f"Sa({period:g} s), damping {damping:g},"
     under = "stationary" if envelope is None else envelope.describe()
     text = (
@@ -121,7 +122,7 @@ def scale_ground(
     )
     told = ground.source.partition(_TOLD)[0].rstrip("; ")
     changed: dict[str, Any] = {
-        "intensity": float(ground.arrays()["intensity"]) * (wanted / found) ** 2,
+        "intensity": float(ground.arrays()["intensity"]) * times * times,
         "source": f"{told}; {text}" if told else text,
     }
     return replace(ground, **changed)

@@ -79,9 +79,12 @@ def doubtful_peak(pga: float) -> str:
     """What is doubtful about a peak ground acceleration [m/s^2]; empty if nothing is."""
     shown = f"{pga / METRES['g']:.3g} g"
     if pga > STRONGEST * METRES["g"]:
-        return f"{shown}, and more than 3 g has hardly been recorded; is gal taken for m/s^2, or for g?"
+        return (
+            f"{shown}, and more than 3 g has hardly been recorded: an acceleration in gal may be taken "
+            "for one in m/s^2 or g"
+        )
     if pga < WEAKEST * METRES["g"]:
-        return f"{shown} is hardly felt; is an acceleration in g taken for m/s^2, or for gal?"
+        return f"{shown} is hardly felt: an acceleration in g or m/s^2 may be taken for one in gal"
     return ""
 
 
