@@ -26,6 +26,9 @@ from stochlin.models.parameters import Parameter
 from stochlin.models.structures import Structure
 from stochlin.models.systems import AnyStructure
 
+ENERGIES = tuple(
+    f"{kind}_energy_per_mass" for kind in ("input", "viscous", "hysteretic", "kinetic", "elastic")
+)
 REFERENCES = (
     f"{labels.PAPER} Nigam, N. C. and Jennings, P. C. (1969). Calculation of response spectra from "
     "strong-motion earthquake records. Bull. Seismol. Soc. Am. 59."
@@ -109,9 +112,11 @@ def response_spectrum(
         Over the dimensions of the parameters: ``displacement_max`` [m] and ``velocity_max`` [m/s],
         relative to the ground; ``acceleration_max`` [m/s^2], absolute; ``pseudo_velocity`` [m/s],
         ``w max |u|``, and ``pseudo_acceleration`` [m/s^2], ``w^2 max |u|``, with the elastic ``w``;
-        ``pseudo_energy_radius`` [m]; and ``status``, ``elastic_limit`` where yield was not reached.
-        With a strength, ``permanent_set`` [m]: the position in which the structure comes to rest if
-        it does not yield after the record's end.
+        ``pseudo_energy_radius`` [m]; ``input_energy_per_mass``, ``viscous_energy_per_mass`` and
+        ``hysteretic_energy_per_mass`` [m^2/s^2] by the end of the record, as in `respond`; and
+        ``status``, ``elastic_limit`` where yield was not reached. With a strength, ``permanent_set``
+        [m]: the position in which the structure comes to rest if it does not yield after the record's
+        end.
 
     Raises
     ------
@@ -160,6 +165,7 @@ def response_spectrum(
         "pseudo_velocity": w * displacement,
         "pseudo_acceleration": w**2 * displacement,
         "pseudo_energy_radius": peaks[..., recorded.RADIUS],
+        **{name: peaks[..., recorded.INPUT + n] for n, name in enumerate(ENERGIES[:3])},
     }
     if structure.yields:
         # At rest alpha u + (1 - alpha) y = 0, while u - y stays as it is.
@@ -187,10 +193,14 @@ def respond(structure: AnyStructure, record: xr.DataArray, *, refine: int = 1) -
     -------
     xarray.Dataset
         Over ``time`` [s]: ``displacement`` [m] and ``velocity`` [m/s], relative to the ground;
-        ``radius`` [m], ``sqrt(u^2 + (u'/w)^2)`` of eq. (1); with a strength ``z`` [-], the hysteretic
-        displacement over ``uy``, in [-1, 1] for the bilinear law. Of a building displacement and
-        velocity are over ``floor``, and there are ``storey_drift`` [m] and ``z`` over ``element``. What
-        is not a `Bilinear` takes the steps of `simulate`, halved until no peak changes by more than
+        ``radius`` [m], ``sqrt(u^2 + (u'/w)^2)`` of eq. (1). Energies [m^2/s^2]:
+        ``input_energy_per_mass``, ``-Int a_g u' dt`` up to this time; ``viscous_energy_per_mass`` and
+        ``hysteretic_energy_per_mass``, dissipated by then; ``kinetic_energy_per_mass``, ``u'^2/2``, and
+        ``elastic_energy_per_mass``, what unloading would give back; the four add up to the first. With a
+        strength ``z`` [-], the hysteretic displacement over ``uy``, in [-1, 1] for the bilinear law. Of
+        a building displacement and velocity are over ``floor``, there are ``storey_drift`` [m] and
+        ``z`` over ``element``, and the energies are those of all floors over the whole mass. What is
+        not a `Bilinear` takes the steps of `simulate`, halved until no peak changes by more than
         1e-4: ``step_error`` [-] is what it changed last.
 
     Raises
@@ -201,7 +211,8 @@ def respond(structure: AnyStructure, record: xr.DataArray, *, refine: int = 1) -
 
     References
     ----------
-    Valles-Mattox and Reinhorn (1996), eqs. (1) and (5) to (7).
+    Valles-Mattox and Reinhorn (1996), eqs. (1) and (5) to (7); Uang, C.-M. and Bertero, V. V. (1990),
+    Earthquake Eng. Struct. Dyn. 19, for the relative input energy.
 
     Examples
     --------
@@ -231,12 +242,20 @@ def respond(structure: AnyStructure, record: xr.DataArray, *, refine: int = 1) -
         table = table.assign_coords(time=("time", time, {"units": "s", "long_name": "time"}))
         return _with_information(table.assign_attrs(records=motions.describe()), title, call, structure)
     parameters = cells_of(structure, dims_of(structure), motions).parameters[0]
-    displacement, velocity, strain = history(ground, parameters, int(refine))
+    displacement, velocity, strain, *spent = history(ground, parameters, int(refine))
+    w, _, hardening, _ = parameters
+    kept = (
+        hardening * displacement**2 + (1 - hardening) * strain**2
+        if structure.yields
+        else displacement**2
+    )
+    energies = (*spent, 0.5 * velocity**2, 0.5 * w**2 * kept)
     table = xr.Dataset(
         {
             "displacement": ("time", displacement),
             "velocity": ("time", velocity),
-            "radius": ("time", np.hypot(displacement, velocity / parameters[0])),
+            "radius": ("time", np.hypot(displacement, velocity / w)),
+            **{name: ("time", each) for name, each in zip(ENERGIES, energies, strict=True)},
         },
         coords={"time": ("time", time, {"units": "s", "long_name": "time"})},
     )

@@ -99,20 +99,48 @@ def stepped_history(structure: AnyStructure, ground: SampledGround, refine: int)
     u, v, z = states(frames, finer, first.cuts)
     strength = system.all("strength")
     over = ("time", FLOOR)
+    energies = _energies(system, finer, first, u, v, z)
     if not isinstance(structure, ShearBuilding):
         radius = np.hypot(u[:, 0], v[:, 0] * float(structure.arrays()["period"]) / (2 * np.pi))
         table = xr.Dataset({"displacement": ("time", u[:, 0]), "velocity": ("time", v[:, 0])})
         table["radius"] = ("time", radius)
         if structure.yields:
             table["z"] = ("time", z[:, 0] / strength[0])
-        return table.assign(step_error=first.error)
+        return table.merge(energies).assign(step_error=first.error)
     below = np.where(system.below >= 0, u[:, system.below], 0.0)
     table = xr.Dataset({"displacement": (over, u), "velocity": (over, v)})
     table["storey_drift"] = (("time", ELEMENT), u - below)
     if structure.yields:
         table["z"] = (("time", ELEMENT), z / strength)
-    table = table.assign(step_error=first.error)
+    table = table.merge(energies).assign(step_error=first.error)
     return table.assign_coords({**floor_coordinates(system), **element_coordinates(system)})
+
+
+def _energies(
+    system: System, ground: SampledGround, motion: Ridden, u: Array, v: Array, z: Array
+) -> xr.Dataset:
+    """Energies per unit mass at the samples, of the whole structure.
+
+    Within a step the velocity is the change of the displacement over the step, for either rule: what is
+    put in and lost to viscous damping follows without an error of quadrature. What is neither that nor
+    in the structure has gone into yielding.
+    """
+    mass, moved, dt = system.all("mass"), np.diff(motion.values, axis=0), ground.dt / motion.cuts
+    whole = mass.sum()
+
+    def so_far(each: Array) -> Array:
+        found: Array = np.concatenate([[0.0], np.cumsum(each)])[:: motion.cuts] / whole
+        return found
+
+    put_in = so_far(_forcing(ground, motion.cuts)[:, 0] * (moved @ mass))
+    viscous = so_far(np.einsum("si,ij,sj->s", moved, system.damping, moved) / dt)
+    kinetic = 0.5 * v**2 @ mass / whole
+    drift = u @ system.extensions.T
+    elastic = 0.5 * (drift**2 @ system.all("post") + z**2 @ system.all("couple")) / whole
+    spent = {"input_energy_per_mass": put_in, "viscous_energy_per_mass": viscous}
+    spent["hysteretic_energy_per_mass"] = put_in - viscous - kinetic - elastic
+    inside = {"kinetic_energy_per_mass": kinetic, "elastic_energy_per_mass": elastic}
+    return xr.Dataset({name: ("time", values) for name, values in (spent | inside).items()})
 
 
 def stepped_gap(first: AnyStructure, second: AnyStructure, motions: Motions) -> xr.Dataset:

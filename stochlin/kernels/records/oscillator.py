@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import compiled
 from stochlin.kernels.basics.linear_branch import (
     LONGEST,
@@ -23,10 +24,14 @@ from stochlin.kernels.basics.linear_branch import (
     transition,
 )
 
-HIGHEST, LOWEST, VELOCITY, ACCELERATION, RADIUS, LAST, LAST_Y = range(7)
-PEAKS = 7
+HIGHEST, LOWEST, VELOCITY, ACCELERATION, RADIUS, LAST, LAST_Y, INPUT, VISCOUS, HYSTERETIC = range(10)
+PEAKS = 10
+STATE = 6  # of a history: u, u', y, and the three energies so far
 MOST_LEGS = 64  # of one sub-step; three reversals, each with two changes of branch, are many
 SMALLEST = 1e-12  # advance past a change of branch, in sub-steps
+# Gauss points of a stretch and their weights: energies to 1e-11 of what a sub-step adds.
+_X, _W = np.polynomial.legendre.leggauss(4)
+NODES, WEIGHTS = tuple(0.5 + 0.5 * _X), tuple(0.5 * _W)
 
 
 class Oscillator(NamedTuple):
@@ -39,6 +44,7 @@ class Oscillator(NamedTuple):
     uy: float
     elastic: tuple[float, float, float, float, float, float]
     plastic: tuple[float, float, float, float, float, float]
+    velocities: Array  # (2, NODES, 3): at the nodes, elastic and plastic, per velocity, push and slope
 
 
 @compiled
@@ -52,6 +58,9 @@ def oscillator(parameters, h, c):
     """The structure whose ``parameters`` these are, for sub-steps of ``h`` seconds."""
     w, xi, alpha, uy = parameters
     damping, stiffness = 2 * xi * w * h, (w * h) ** 2
+    velocities = np.empty((2, len(NODES), 3))
+    for branch in range(2):
+        velocities_at(damping, stiffness if branch == 0 else alpha * stiffness, c, velocities[branch])
     return Oscillator(
         damping,
         stiffness,
@@ -60,7 +69,18 @@ def oscillator(parameters, h, c):
         uy,
         transition(damping, stiffness, c),
         transition(damping, alpha * stiffness, c),
+        velocities,
     )
+
+
+@compiled
+def velocities_at(damping, stiffness, c, out):
+    """Velocities at the nodes of a sub-step (NODES, 3), per unit of velocity, push and slope."""
+    for unit in range(3):
+        velocity, push = 1.0 if unit == 0 else 0.0, 1.0 if unit == 1 else 0.0
+        expand(c, velocity, push, 1.0 - velocity - push, damping, stiffness)
+        for n in range(len(NODES)):
+            out[n, unit] = evaluate(c, NODES[n])[1]
 
 
 @compiled
@@ -72,13 +92,14 @@ def _stride(o, u, v, y, side, ground, h, cuts, at, peaks, each, out):
     """
     stiffness = o.stiffness if side == 0 else o.post
     xv, xp, xs, vv, vp, vs = o.elastic if side == 0 else o.plastic
+    between = o.velocities[0 if side == 0 else 1]
     push = 0.0
     first, begin = at // cuts, at % cuts
     for s in range(first, ground.size - 1):
         start, rise = ground[s] * h * h, (ground[s + 1] - ground[s]) * h * h / cuts
         for cut in range(begin, cuts):
             if each and at % each == 0:
-                out[0, at // each], out[1, at // each], out[2, at // each] = u, v / h, y
+                _keep(out[:, at // each], u, v, y, h, peaks)
             now = start + cut * rise
             push = -now - o.post * u - o.couple * y
             change = xv * v + xp * push - xs * rise
@@ -89,12 +110,25 @@ def _stride(o, u, v, y, side, ground, h, cuts, at, peaks, each, out):
             if o.uy < np.inf and _may_change(o, stiffness, v, a, y, v1, a1, y1, rise, side):
                 return at, u, v, y
             _update(o, 1.0, stiffness, u, v, a, now, u1, v1, a1, now + rise, peaks)
+            for n in range(len(NODES)):
+                rate = between[n, 0] * v + between[n, 1] * push - between[n, 2] * rise
+                peaks[INPUT] -= WEIGHTS[n] * (now + NODES[n] * rise) * rate
+                peaks[VISCOUS] += WEIGHTS[n] * o.damping * rate * rate
+            peaks[HYSTERETIC] += 0.0 if side == 0 else o.couple * o.uy * abs(change)
             u, v, y = u1, v1, y1
             at += 1
         begin = 0
     if each:
-        out[0, at // each], out[1, at // each], out[2, at // each] = u, v / h, y
+        _keep(out[:, at // each], u, v, y, h, peaks)
     return at, u, v, y
+
+
+@compiled
+def _keep(state, u, v, y, h, peaks):
+    """A state (STATE,) of a history, in seconds."""
+    state[0], state[1], state[2] = u, v / h, y
+    for n in range(3):
+        state[3 + n] = peaks[INPUT + n] / (h * h)
 
 
 @compiled
@@ -143,6 +177,11 @@ def _legs(o, u, v, y, side, ground, rise, peaks, space):
         then = now + rise * length
         a1 = -then - o.post * u1 - o.couple * y1 - o.damping * v1
         _update(o, length, stiffness, u, v, a, now, u1, v1, a1, then, peaks)
+        for n in range(len(NODES)):
+            rate = evaluate(c, NODES[n] * length)[1]
+            peaks[INPUT] -= length * WEIGHTS[n] * (now + NODES[n] * rise * length) * rate
+            peaks[VISCOUS] += length * WEIGHTS[n] * o.damping * rate * rate
+        peaks[HYSTERETIC] += 0.0 if side == 0 else o.couple * o.uy * abs(change)
         u, v, y, side = u1, v1, y1, next_side
         t = 1.0 if way == 0 else t + length
     return u, v, y, side
@@ -209,8 +248,8 @@ def run(parameters, ground, dt, cuts, peaks, each, out, space):
     """One structure from rest over ``ground`` (samples,) [m/s^2], in ``cuts`` sub-steps an interval.
 
     ``parameters`` (4,): w [rad/s], damping ratio, hardening ratio, yield displacement [m] or infinity.
-    ``peaks`` (PEAKS,) is filled; every ``each``-th state ``u, u', y`` goes into a column of ``out``, for
-    ``each = 0`` none.
+    ``peaks`` (PEAKS,) is filled; every ``each``-th state ``u, u', y`` and the energies per unit mass
+    that were put in and dissipated by then go into a column of ``out``, for ``each = 0`` none.
     """
     h = dt / cuts
     o = oscillator(parameters, h, space[0])
@@ -227,3 +266,4 @@ def run(parameters, ground, dt, cuts, peaks, each, out, space):
     peaks[ACCELERATION] /= h * h
     peaks[RADIUS] = max(np.sqrt(peaks[RADIUS]), peaks[HIGHEST], peaks[LOWEST])
     peaks[LAST], peaks[LAST_Y] = u, y
+    peaks[INPUT:] /= h * h

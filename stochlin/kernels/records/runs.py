@@ -12,7 +12,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import entry, version_of
 from stochlin.kernels.basics.parallel import in_order
 from stochlin.kernels.records import oscillator as recorded
-from stochlin.kernels.records.oscillator import PEAKS, run, substeps, top, workspace
+from stochlin.kernels.records.oscillator import PEAKS, STATE, run, substeps, top, workspace
 
 VERSION = version_of(linear_branch, recorded)
 
@@ -29,7 +29,7 @@ class SampledGround(NamedTuple):
 
 @entry
 def _all_peaks(ground, dt, parameters, out, version):
-    space, nothing = workspace(), np.empty((3, 0))
+    space, nothing = workspace(), np.empty((STATE, 0))
     for i in range(parameters.shape[0]):
         cuts = substeps(parameters[i, 0], dt, 1.0)
         run(parameters[i], ground, dt, cuts, out[i], 0, nothing, space)
@@ -41,7 +41,7 @@ def _all_gaps(ground, dt, first, second, out, version):
     for i in range(first.shape[0]):
         cuts = substeps(max(first[i, 0], second[i, 0]), dt, PAIR)
         size = cuts * (ground.size - 1) + 1
-        one, two = np.empty((3, size)), np.empty((3, size))
+        one, two = np.empty((STATE, size)), np.empty((STATE, size))
         run(first[i], ground, dt, cuts, out[i, :PEAKS], 1, one, space)
         run(second[i], ground, dt, cuts, out[i, PEAKS : 2 * PEAKS], 1, two, space)
         apart, sum_11, sum_22, sum_12 = 0.0, 0.0, 0.0, 0.0
@@ -77,8 +77,8 @@ def gaps_on_records(grounds: Sequence[SampledGround], first: Array, second: Arra
 
 
 def history(ground: SampledGround, parameters: Array, refine: int) -> Array:
-    """``u``, ``u'`` and ``y = uy z`` (3, samples) of one structure, ``refine`` to an interval."""
-    out = np.empty((3, refine * (len(ground.acceleration) - 1) + 1))
+    """States (STATE, samples) of one structure, ``refine`` to an interval."""
+    out = np.empty((STATE, refine * (len(ground.acceleration) - 1) + 1))
     _history(*ground, parameters, refine, out, VERSION)
     return out
 

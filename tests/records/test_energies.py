@@ -1,0 +1,131 @@
+"""Energies of structures in recorded motions."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import simpson
+
+import stochlin as sl
+
+DT = 0.02
+KEPT = (
+    "viscous_energy_per_mass",
+    "hysteretic_energy_per_mass",
+    "kinetic_energy_per_mass",
+    "elastic_energy_per_mass",
+)
+
+
+def motion(seconds=12.0, seed=3):
+    shape = sl.AminAng(2.0, 7.0, 0.6)
+    ground = sl.KanaiTajimi(0.6, 0.4, intensity=0.02)
+    return sl.simulated_motions(ground, seconds, shape, paths=2, seed=seed, step=DT)[0]
+
+
+RECORD = motion()
+
+
+def imbalance(table):
+    lost = table.input_energy_per_mass - sum(table[name] for name in KEPT)
+    return float(abs(lost).max() / table.input_energy_per_mass.max())
+
+
+@pytest.mark.invariant
+@settings(max_examples=40, deadline=None)
+@given(
+    period=st.floats(0.05, 10.0),
+    damping=st.floats(0.001, 0.9),
+    hardening=st.floats(0.01, 1.0),
+    strength=st.floats(0.01, 3.0),
+)
+def test_energies_balance(period, damping, hardening, strength):
+    peak = float(sl.response_spectrum(RECORD, period, damping).displacement_max)
+    one = sl.Bilinear(period, damping, hardening, yield_displacement=strength * peak)
+    table = sl.respond(one, RECORD)
+    assert imbalance(table) < 1e-9
+    for name in ("viscous_energy_per_mass", "hysteretic_energy_per_mass"):
+        assert (table[name].diff("time") >= 0).all()
+    last = sl.response_spectrum(
+        RECORD, period, damping, hardening=hardening, yield_displacement=strength * peak
+    )
+    for name in ("input_energy_per_mass", "viscous_energy_per_mass", "hysteretic_energy_per_mass"):
+        assert float(last[name]) == pytest.approx(float(table[name][-1]), rel=1e-12)
+
+
+TOWER = sl.ShearBuilding.regular(
+    period=0.8,
+    storeys=3,
+    storey_height=3.0,
+    mass=2e5,
+    damping=0.05,
+    hardening=0.05,
+    base_shear_coefficient=0.1,
+)
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize("one", [sl.BoucWen(0.8, 0.05, 0.05, yield_displacement=0.02), TOWER])
+def test_what_yielding_dissipates_is_the_work_of_the_hysteretic_force(one):
+    table = sl.respond(one, RECORD, refine=4)
+    assert imbalance(table) < 1e-9
+    whole, work = 1.0, 0.0
+    if isinstance(one, sl.ShearBuilding):
+        drift, stiffness = table.storey_drift.values, one.arrays()["stiffnesses"].values
+        yields, whole = one.arrays()["yield_drifts"].values, float(one.arrays()["masses"].sum())
+    else:
+        drift, stiffness, yields = table.displacement.values[:, None], (2 * np.pi / 0.8) ** 2, 0.02
+    z = yields * table.z.values.reshape(drift.shape)
+    for column in (0.95 * stiffness * np.trapezoid(z, drift - z, axis=0)).ravel():
+        work += column / whole
+    assert float(table.hysteretic_energy_per_mass[-1]) == pytest.approx(work, rel=2e-3)
+    assert (table.hysteretic_energy_per_mass.diff("time") > -1e-12).all()
+
+
+@pytest.mark.oracle
+def test_one_storey_is_an_oscillator():
+    one = sl.Bilinear(0.8, 0.05, 0.05, yield_displacement=0.02)
+    stiffness = 2.0 * (2 * np.pi / 0.8) ** 2
+    storey = sl.ShearBuilding([2.0], [stiffness], [3.0], 0.05, 0.05, [0.02])
+    exact, stepped = (sl.respond(each, RECORD).isel(time=-1) for each in (one, storey))
+    for name in ("input_energy_per_mass", "viscous_energy_per_mass", "hysteretic_energy_per_mass"):
+        assert float(stepped[name]) == pytest.approx(float(exact[name]), rel=1e-3)
+
+
+@pytest.mark.invariant
+def test_a_motion_twice_doubles_the_energies_and_leaves_the_radius():
+    rest = np.zeros(int(40.0 / DT))
+    twice = np.concatenate([RECORD.values, rest, RECORD.values, rest])
+    once = twice[: twice.size // 2]
+    tables = [
+        sl.response_spectrum(
+            xr.DataArray(values, dims="time", coords={"time": DT * np.arange(values.size)}), 0.8, 0.05
+        )
+        for values in (once, twice)
+    ]
+    single, double = tables
+    assert float(double.pseudo_energy_radius) == pytest.approx(
+        float(single.pseudo_energy_radius), rel=1e-6
+    )
+    assert float(double.input_energy_per_mass) == pytest.approx(
+        2 * float(single.input_energy_per_mass), rel=1e-6
+    )
+    assert float(double.viscous_energy_per_mass) == pytest.approx(
+        float(double.input_energy_per_mass), rel=1e-6
+    )
+
+
+@pytest.mark.oracle
+def test_energies_of_an_elastic_structure_by_quadrature():
+    table = sl.respond(sl.Bilinear(0.5, 0.02), RECORD, refine=8)
+    ground, t = RECORD.interp(time=table.time), table.time.values
+    put_in = -simpson(ground * table.velocity, x=t)
+    assert float(table.input_energy_per_mass[-1]) == pytest.approx(put_in, rel=1e-6)
+    assert float(table.hysteretic_energy_per_mass.max()) == 0
+    radius = 0.5 * (2 * np.pi / 0.5) ** 2 * table.radius**2
+    np.testing.assert_allclose(
+        table.kinetic_energy_per_mass + table.elastic_energy_per_mass, radius, rtol=1e-12
+    )
