@@ -97,7 +97,7 @@ def shaking(table: xr.Dataset, case: Case) -> str:
         for n, building in enumerate(case.pair, start=1)
     }
     spectral = f"Sa (damping 5{SPACE}%) {_at_periods(of_each)}"
-    begin = "The shaking, mean of the motions:"
+    begin = f"The shaking, mean of the motions{" at median strength" * bool(case.scatter)}:"
     strength = f"S0 {float(table.ground_intensity):.3g} m²/s³"
     if np.isnan(table.peak_ground_acceleration):
         return f"{begin} {spectral}; white noise of {strength} has no PGA or rms."
