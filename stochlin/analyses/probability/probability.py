@@ -77,7 +77,8 @@ def pounding_probability(
         Probability of no pounding, for ``required_gap``; between 0 and 1.
     scatter : float
         As in `simulate`. Formulas are averaged over it, structures keeping the strength in metres that
-        they have in ``ground``. Not for ``"hybrid"``.
+        they have in ``ground``; ``_corrected`` is NaN unless the map of the bias reaches all strengths
+        of the motion. Not for ``"hybrid"``.
     points : int
         Instants of the result.
     paths, seed : int
