@@ -97,7 +97,8 @@ def shaking(table: xr.Dataset, case: Case) -> str:
         for n, building in enumerate(case.pair, start=1)
     }
     spectral = f"Sa (damping 5{SPACE}%) {_at_periods(of_each)}"
-    begin = f"The shaking, mean of the motions{" at median strength" * bool(case.scatter)}:"
+    at_median = " at median strength" if case.scatter else ""
+    begin = f"The shaking, mean of the motions{at_median}:"
     strength = f"S0 {float(table.ground_intensity):.3g} m²/s³"
     if np.isnan(table.peak_ground_acceleration):
         return f"{begin} {spectral}; white noise of {strength} has no PGA or rms."
