@@ -40,7 +40,7 @@ MANY = 6  # records: from so many on the median has an interval
     "--picture",
     type=FILE,
     help="Draw them, .png, .svg or .pdf; the data is saved beside it, and, of buildings with storeys, a "
-    "second picture, NAME-storeys, of what floors and storeys bear.",
+    "second picture, NAME-storeys, of what floors and storeys bear; of many motions one for all.",
 )
 @click.option(
     "--motions",
