@@ -39,7 +39,7 @@ TABLES = (".nc",)
     "--picture",
     type=FILE,
     help="Draw them, .png, .svg or .pdf; the data is saved beside it, and, of buildings with storeys, a "
-    "second picture, NAME-storeys, of what floors and storeys bear.",
+    "second picture, NAME-storeys, of what floors and storeys bear; of many motions one for all.",
 )
 @click.option(
     "--motions",

@@ -12,6 +12,7 @@ from stochlin.analyses.cases.pounding import is_oscillator
 from stochlin.analyses.records.files import METRES
 from stochlin.views.pounding.floors import LINE, WIDTH, levels_of
 from stochlin.views.pounding.pictures import caption_of
+from stochlin.views.pounding.words import JUMPS
 from stochlin.views.shared.screen import columns, cut, paragraph
 from stochlin.views.shared.style import AS_GIVEN, CURVES, styled
 from stochlin.views.shared.words import MISSING, floors, per_cent, short
@@ -33,7 +34,6 @@ STOREYS = (
     "Displacements are those of the roof; accelerations those of the floor that pounding shakes most, "
     "with and without."
 )
-JUMPS = "This contact says nothing of forces."
 FAILED = (
     "{} of {} motions FAILED and are left out: {}. They are hardly the mild ones, so quantiles are too "
     "small."
