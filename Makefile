@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: charts test check fuzz answers takes bench bias docs links oldest clean
+.PHONY: charts test check fuzz answers takes bench bias reality docs links oldest clean
 
 charts: $(VENV)/.run
 	$(BIN)/stochlin charts --out figures
@@ -41,6 +41,12 @@ bench: $(VENV)/.dev
 bias: $(VENV)/.dev
 	$(BIN)/python benchmarks/bias_map.py stochlin/analyses/linearization/bias_map.nc --work build/bias
 	$(BIN)/python benchmarks/drift_map.py stochlin/analyses/linearization/drift_map.nc --work build/drift
+
+# Whether predicted gaps hold in recorded earthquakes: the numbers and pictures of docs/reality.md, from a
+# folder of records that are not part of the repository; half an hour or so on two cores, to be resumed.
+RECORDS ?= ../shared/records
+reality: $(VENV)/.dev
+	$(BIN)/python benchmarks/reality.py $(RECORDS) --work build/reality --page docs/reality.md --save docs/gallery/reality.nc
 
 # The documentation site, from scratch: a warning is an error, a link that leads nowhere a warning.
 docs: $(VENV)/.docs

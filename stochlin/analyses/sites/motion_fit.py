@@ -28,7 +28,7 @@ from stochlin.models.parameters import Model, expect
 FILTERS, PATHS = 2, 512
 CYCLES = 4.0  # of the longest period that are in a record
 SHORTEST_RECORD = 2.0  # s
-RECORD_TO_RECORD = 0.4  # scatter that suites of records show about motions of one ground
+RECORD_TO_RECORD = 0.3  # scatter between the two components of a station: see docs/reality.md
 
 
 @dataclass(frozen=True)

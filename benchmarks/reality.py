@@ -1,0 +1,386 @@
+"""Do predicted gaps hold in earthquakes? `python benchmarks/reality.py RECORDS --work FOLDER`.
+
+RECORDS is a folder whose table suites.csv lists two suites, as `read_records` takes it, with the columns
+event and station; records from its folder mexico_city are of a lake bed, the others are the far field.
+Motions are predicted from a spectrum, or fitted to one record; the gaps that they ask for are tried on
+records. Takes half an hour or so on two cores; a run that was stopped goes on with what is in FOLDER.
+`--page FILE` writes the tables into a page, `--save FILE` what its pictures show.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import itertools
+import pickle
+import sys
+import time
+import warnings
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy.constants
+import xarray as xr
+from reality_tables import figures_of, write_page
+
+import stochlin as sl
+from stochlin.analyses.tables.storage import save_table, whole_file
+from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import DoubtfulInput
+
+FAR_FIELD, LAKE_BED = "far field", "lake bed"
+DAMPING, HARDENING, STOREY_HEIGHT, MASS = 0.05, 0.05, 3.2, 4e5
+# Period [s] and storeys of the left and of the right building; one storey: an oscillator.
+OSCILLATORS = ((0.3, 0.45), (0.5, 0.8), (1.0, 0.6), (1.0, 1.4), (1.8, 1.2), (2.5, 1.5))
+PAIRS = (
+    *(((one, 1), (two, 1)) for one, two in OSCILLATORS),
+    ((0.8, 3), (0.5, 2)),
+    ((1.2, 4), (0.8, 3)),
+)
+GROUPS = (list(range(len(OSCILLATORS))), [6], [7])  # simulated together
+STRENGTHS = (1.0, 2.0, 4.0)  # mean elastic peak over yield displacement, 1: elastic
+USUAL = sl.FittedMotion.scatter
+LEVELS = (0.0, USUAL)  # of scatter
+GAP_SHARES = (0.1, 0.2, 0.35, 0.5, 0.75)  # of the sum of both mean elastic peaks
+BAND = (0.5, 2.0)  # of the shorter and of the longer period, between which records meet a spectrum
+LONGEST = 4.0  # s
+PATHS, SPECTRUM_PATHS, SEED = 256, 1024, 17
+
+
+class Recorded(NamedTuple):
+    """A record of a suite, and where it is from."""
+
+    values: xr.DataArray
+    suite: str
+    event: str
+    station: str
+
+    @property
+    def place(self) -> str:
+        """What the two components of a station share in one earthquake."""
+        return f"{self.event}, {self.station}"
+
+
+def suites(table: Path) -> dict[str, Recorded]:
+    """The records by name; those with a remark in the column flag are left out."""
+    with table.open(encoding="utf-8", newline="") as file:
+        rows = {row["file"]: row for row in csv.DictReader(file)}
+    records = sl.read_records(table)
+    return {
+        name: Recorded(
+            records[name],
+            LAKE_BED if name.startswith("mexico_city") else FAR_FIELD,
+            row["event"],
+            row["station"],
+        )
+        for name, row in rows.items()
+        if not row["flag"]
+    }
+
+
+# --- structures and what is predicted of them ---------------------------------------------------------
+
+
+def structure(period: float, storeys: int, strength: float | None) -> sl.Bilinear | sl.ShearBuilding:
+    """Elastic, or with this displacement [m] at yield, of a building that of its roof."""
+    if storeys == 1:
+        law = {} if strength is None else {"hardening": HARDENING, "yield_displacement": strength}
+        return sl.Bilinear(period, DAMPING, **law)
+    law = {}
+    if strength is not None:
+        push = (2 * np.pi / period) ** 2 * strength * (storeys + 1) / (2 * storeys)
+        law = {"hardening": HARDENING, "base_shear_coefficient": push / scipy.constants.g}
+    return sl.ShearBuilding.regular(
+        period=period, storeys=storeys, storey_height=STOREY_HEIGHT, mass=MASS, damping=DAMPING, **law
+    )
+
+
+class Motion(NamedTuple):
+    """What `simulate` needs to know."""
+
+    ground: Any
+    envelope: Any
+    duration: float
+    paths: int = PATHS
+    groups: Sequence[Sequence[int]] = GROUPS  # of pairs; what is not simulated is NaN
+
+
+def simulated(motion: Motion, yields: Array | None, scatter: float) -> tuple[Array, Array]:
+    """Gaps (pair, path), sorted, and mean peaks of the roofs (pair, side) [m]."""
+    gaps, peaks = np.full((len(PAIRS), motion.paths), np.nan), np.full((len(PAIRS), 2), np.nan)
+    for pairs in motion.groups:
+        sides = [
+            structure(*PAIRS[n][side], None if yields is None else float(yields[n, side]))
+            for n in pairs
+            for side in (0, 1)
+        ]
+        table = sl.simulate(
+            sides,
+            motion.ground,
+            duration=motion.duration,
+            envelope=motion.envelope,
+            scatter=scatter,
+            paths=motion.paths,
+            seed=SEED,
+        )
+        roofs = np.cumsum([PAIRS[n][side][1] for n in pairs for side in (0, 1)]) - 1
+        first = 2 * np.arange(len(pairs))
+        gaps[pairs] = np.sort(table.separation.values[:, first, first + 1], axis=0).T
+        peaks[pairs] = table.peak.values[:, roofs].mean(axis=0).reshape(-1, 2)
+    return gaps, peaks
+
+
+def strengths(motion: Motion) -> Array:
+    """Displacements at yield (strength, pair, side) [m]; the first are those of the elastic peaks."""
+    _, peaks = simulated(motion, None, 0.0)
+    return np.array([peaks / strength for strength in STRENGTHS])
+
+
+def predicted(motion: Motion, yields: Array, scatter: float) -> Array:
+    """Gaps (strength, pair, path), sorted [m]."""
+    return np.array(
+        [
+            simulated(motion, each if strength > 1 else None, scatter)[0]
+            for strength, each in zip(STRENGTHS, yields, strict=True)
+        ]
+    )
+
+
+def tried(yields: Array, records: Mapping[str, xr.DataArray], pairs: Iterable[int]) -> Array:
+    """Gaps that records need (record, strength, pair) [m], NaN of other pairs."""
+    found = np.full((len(records), len(STRENGTHS), len(PAIRS)), np.nan)
+    for number, n in itertools.product(range(len(STRENGTHS)), pairs):
+        both = [
+            structure(*PAIRS[n][side], float(yields[number, n, side]) if number else None)
+            for side in (0, 1)
+        ]
+        found[:, number, n] = sl.recorded_gap(*both, dict(records)).separation
+    return found
+
+
+def _mean(values: Array) -> Array:
+    """Over the last axis, of what is known; NaN of nothing."""
+    known = ~np.isnan(values)
+    found: Array = np.where(known, values, 0.0).sum(axis=-1) / np.where(
+        known.any(axis=-1), known.sum(axis=-1), np.nan
+    )
+    return found
+
+
+def compared(
+    gaps: Array, yields: Array, needed: Array, names: list[str], part: str, fitted: str = ""
+) -> xr.Dataset:
+    """Where the gaps that records need lie among those predicted (scatter, strength, pair, path)."""
+    record = needed[:, None]  # (case, scatter, strength, pair)
+    below = (gaps < record[..., None]).mean(axis=-1)
+    # A structure that yields away from its neighbour may need no gap at all.
+    logs, log_record = (np.log(np.where(each > 0, each, np.nan)) for each in (gaps, record))
+    gap = np.array(GAP_SHARES) * yields[0].sum(axis=-1)[:, None]
+    needed = needed[..., None]
+    likely = (gaps[..., None] > gap[:, None]).mean(axis=-2)
+    dims = ("case", "scatter", "strength", "pair")
+    return xr.Dataset(
+        {
+            "below": (dims, np.where(np.isnan(record), np.nan, below)),
+            "off": (dims, log_record - _mean(logs)),
+            "spread": (dims, np.broadcast_to(np.sqrt(_mean(logs**2) - _mean(logs) ** 2), below.shape)),
+            "probability": ((*dims, "gap"), np.broadcast_to(likely, (*below.shape, len(GAP_SHARES)))),
+            "hit": (("case", *dims[2:], "gap"), np.where(np.isnan(needed), np.nan, needed > gap)),
+        },
+        {
+            "scatter": list(LEVELS),
+            "strength": list(STRENGTHS),
+            "gap": list(GAP_SHARES),
+            "record": ("case", names),
+            "part": ("case", [part] * len(names)),
+            "fitted": ("case", [fitted] * len(names)),
+        },
+    )
+
+
+class Kept:
+    """What was computed under a name stays in a folder."""
+
+    def __init__(self, folder: Path) -> None:
+        folder.mkdir(parents=True, exist_ok=True)
+        self.folder = folder
+
+    def __call__(self, name: str, function: Callable[..., Any], *arguments: Any) -> Any:
+        file = self.folder / f"{name.replace('/', ' ')}.pickle"
+        if not file.exists():
+            begin, result = time.perf_counter(), function(*arguments)
+            with whole_file(file) as temporary:
+                Path(temporary).write_bytes(pickle.dumps(result))
+            print(f"{name}: {time.perf_counter() - begin:.1f} s", flush=True)
+        return pickle.loads(file.read_bytes())
+
+    def prediction(self, name: str, motion: Motion) -> tuple[Array, Array]:
+        """Gaps by scatter, and strengths."""
+        yields = self(f"{name}, strengths", strengths, motion)
+        gaps = [self(f"{name}, scatter {s:g}", predicted, motion, yields, s) for s in LEVELS]
+        return np.array(gaps), yields
+
+
+# --- (a) from a spectrum ------------------------------------------------------------------------------
+
+
+def mean_spectrum(records: Mapping[str, xr.DataArray]) -> xr.DataArray:
+    """Geometric mean of the spectra of records of the same peak acceleration, that of their median."""
+    period = np.geomspace(0.05, LONGEST, 80)
+    median = float(np.median([abs(record).max() for record in records.values()]))
+    found = [
+        np.log(sl.response_spectrum(record, period, DAMPING).pseudo_acceleration.values.ravel())
+        for record in sl.scale_records(records, pga=median).values()
+    ]
+    return xr.DataArray(
+        np.exp(np.mean(found, axis=0)),
+        dims="period",
+        coords={"period": period},
+        attrs={"units": "m/s^2", "damping": DAMPING, "source": "mean spectrum of a suite"},
+    )
+
+
+# Duration [s] and envelope: of the far field those of the documentation's examples, of the lake bed the
+# medians of what fit_envelope finds.
+LENGTHS = {
+    FAR_FIELD: (20.0, (2.0, 12.0, 0.4)),
+    LAKE_BED: (80.0, (1.0, 12.0, 0.02)),
+}
+STRETCHES = (1.0, 0.5, 2.0)  # of duration and envelope, the last two of the far field
+
+
+def from_spectrum(kept: Kept, records: Mapping[str, Recorded], suite: str, stretch: float) -> xr.Dataset:
+    own = {name: each.values for name, each in records.items() if each.suite == suite}
+    target = sl.eurocode_8(0.25 * scipy.constants.g, "B") if suite == FAR_FIELD else mean_spectrum(own)
+    duration, (rise, strong, decay) = LENGTHS[suite]
+    envelope = sl.AminAng(stretch * rise, stretch * strong, decay / stretch)
+    name, duration = f"{suite} {stretch:g}", stretch * duration
+    groups = GROUPS if stretch == 1 else GROUPS[:1]
+
+    def fitted() -> Motion:
+        ground = sl.fit_ground(target, duration=duration, envelope=envelope)
+        return Motion(ground, envelope, duration, SPECTRUM_PATHS, groups)
+
+    def needed() -> Array:
+        found = np.full((len(own), len(STRENGTHS), len(PAIRS)), np.nan)
+        for n in (n for group in groups for n in group):
+            periods = [side[0] for side in PAIRS[n]]
+            band = (BAND[0] * min(periods), min(BAND[1] * max(periods), LONGEST))
+            scaled = sl.scale_records(own, spectrum=target, band=band)
+            found[..., n] = tried(yields, scaled, [n])[..., n]
+        return found
+
+    gaps, yields = kept.prediction(name, kept(f"{name}, motion", fitted))
+    part = "spectrum" if stretch == 1 else f"spectrum, {stretch:g} of the duration"
+    return compared(gaps, yields, kept(f"{name}, records", needed), list(own), part)
+
+
+# --- (b) and (c) from one record ----------------------------------------------------------------------
+
+
+def from_record(kept: Kept, records: Mapping[str, Recorded], name: str) -> xr.Dataset:
+    """The record itself, the other component of its station, and the rest of a lake bed by its PGA."""
+    one = records[name]
+    # Buildings in records of minutes take minutes; on the lake bed they are tried in (a) alone.
+    groups = GROUPS[:1] if one.suite == LAKE_BED else GROUPS
+    pairs = [n for group in groups for n in group]
+
+    def fitted() -> Motion:
+        motion = sl.fit_motion(one.values)
+        return Motion(motion.ground, motion.envelope, motion.duration, groups=groups)
+
+    gaps, yields = kept.prediction(name, kept(f"{name}, motion", fitted))
+    found = []
+
+    def add(part: str, others: Mapping[str, xr.DataArray]) -> None:
+        if others:
+            needed = kept(f"{name}, {part}", tried, yields, others, pairs)
+            found.append(compared(gaps, yields, needed, list(others), part, name))
+
+    add("own component", {name: one.values})
+    rest = {other: each for other, each in records.items() if other != name}
+    beside = {other: each.values for other, each in rest.items() if each.place == one.place}
+    add("other component", beside)
+    if one.suite == LAKE_BED:
+        far = {o: e for o, e in rest.items() if e.suite == LAKE_BED and o not in beside}
+        scaled = sl.scale_records(
+            {other: each.values for other, each in far.items()}, pga=float(abs(one.values).max())
+        )
+        for part, same in (("other station", True), ("other event", False)):
+            some = {other: scaled[other] for other in far if (far[other].event == one.event) is same}
+            add(part, some)
+    return xr.concat(found, "case")
+
+
+# --- all of it ----------------------------------------------------------------------------------------
+
+
+def site_period(record: xr.DataArray) -> float:
+    """Period [s] of the largest pseudo-acceleration."""
+    period = np.geomspace(0.1, 5.0, 80)
+    spectrum = sl.response_spectrum(record, period, DAMPING).pseudo_acceleration.values.ravel()
+    return float(period[spectrum.argmax()])
+
+
+def significant_duration(record: xr.DataArray) -> float:
+    part = sl.strong_part(record)
+    return float(part.time[-1] - part.time[0])
+
+
+def all_cases(records: Mapping[str, Recorded], work: Path) -> xr.Dataset:
+    """All that was tried, over case; with where each record is from, and what it is like."""
+    kept = Kept(work)
+    tables = [from_spectrum(kept, records, suite, STRETCHES[0]) for suite in LENGTHS]
+    tables += [from_record(kept, records, name) for name in records]
+    tables += [from_spectrum(kept, records, FAR_FIELD, stretch) for stretch in STRETCHES[1:]]
+    cases = xr.concat(tables, "case")
+    names = cases.record.values
+    sites = {name: site_period(each.values) for name, each in records.items()}
+    lengths = {name: significant_duration(each.values) for name, each in records.items()}
+    return cases.assign_coords(
+        suite=("case", [records[name].suite for name in names]),
+        place=("case", [records[name].place for name in names]),
+        site_period=("case", [sites[name] for name in names]),
+        fitted_site_period=("case", [sites.get(name, np.nan) for name in cases.fitted.values]),
+        significant_duration=("case", [lengths[name] for name in names]),
+        label=("pair", [" and ".join(map(named, pair)) for pair in PAIRS]),
+    )
+
+
+def named(side: tuple[float, int]) -> str:
+    period, storeys = side
+    return f"{period:g} s" if storeys == 1 else f"{period:g} s ({storeys} storeys)"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("records", type=Path, nargs="?", default=Path("../shared/records"))
+    parser.add_argument("--work", type=Path, required=True)
+    parser.add_argument("--page", type=Path)
+    parser.add_argument("--save", type=Path)
+    parser.add_argument("--every", type=int, default=1, help="take one place in so many, for a trial")
+    options = parser.parse_args()
+    table = options.records / "suites.csv"
+    if not table.exists():
+        sys.exit(
+            f"{table} is not there: records are not part of the repository. Give the folder of the "
+            "suites; their table has the columns file, event, station, dt, units and flag."
+        )
+    warnings.simplefilter("ignore", DoubtfulInput)  # strong buildings, large factors
+    records = suites(table)
+    places = list(dict.fromkeys(each.place for each in records.values()))[:: options.every]
+    records = {name: each for name, each in records.items() if each.place in places}
+    cases = all_cases(records, options.work)
+    save_table(cases, options.work / "cases.nc")
+    figures, text = figures_of(cases)
+    print("\n\n".join(text.values()))
+    if options.save:
+        save_table(figures, options.save)
+    if options.page:
+        write_page(options.page, text)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,379 @@
+"""What the gaps that `reality.py` tried say: shares that held, their intervals, scatter, tables."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+import scipy.stats
+import xarray as xr
+
+from stochlin.kernels.basics.arrays import Array
+
+NOMINAL = (0.5, 0.84, 0.9, 0.95)
+CURVE = np.union1d(NOMINAL, np.arange(0.05, 0.99, 0.05).round(2))
+EDGES = (0.0, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0)  # of predicted probabilities
+ALIKE = 1.25  # largest ratio of the periods of two sites that are alike
+GRID = np.arange(0, 0.805, 0.01)  # of scatter
+DRAWS, TAIL = 2000, 0.025
+SPECTRUM, OWN, OTHER = "spectrum", "own component", "other component"
+FAR_FIELD, LAKE_BED = "far field", "lake bed"
+SUITES = (FAR_FIELD, LAKE_BED)
+OSCILLATORS = 6  # the first pairs
+KNOWN_PLACE = tuple((part, suite) for part in (SPECTRUM, OTHER) for suite in SUITES)
+
+
+# --- counting -----------------------------------------------------------------------------------------
+
+
+def share_interval(came_true: Array, place: Array) -> tuple[float, float, float]:
+    """Share of what came true (case, ...) and its 95 % interval, where cases of a place go together.
+
+    Clopper and Pearson's interval of the number of independent cases that would scatter as much as the
+    places do (Korn and Graubard 1998); where all came true or none, each place is one case. NaN in
+    ``came_true`` was not tried.
+    """
+    rows = np.reshape(came_true, (len(place), -1))
+    _, group = np.unique(place, return_inverse=True)
+    tried = np.bincount(group, (~np.isnan(rows)).sum(axis=1))
+    hits = np.bincount(group, np.nansum(rows, axis=1))[tried > 0]
+    tried = tried[tried > 0]
+    total, places = tried.sum(), tried.size
+    share = hits.sum() / total
+    if share in (0, 1) or places < 2:
+        effective = float(places)
+    else:
+        variance = places / (places - 1) * ((hits - share * tried) ** 2).sum() / total**2
+        ratio = scipy.stats.t.ppf(1 - TAIL, [total - 1, places - 1])
+        with np.errstate(divide="ignore"):
+            effective = share * (1 - share) / variance * (ratio[0] / ratio[1]) ** 2
+        effective = min(float(effective), float(total))
+    count = share * effective
+    lower = scipy.stats.beta.ppf(TAIL, count, effective - count + 1)
+    upper = scipy.stats.beta.ppf(1 - TAIL, count + 1, effective - count)
+    return float(share), float(np.nan_to_num(lower, nan=0.0)), float(np.nan_to_num(upper, nan=1.0))
+
+
+def held(rank: xr.DataArray, nominal: float) -> Array:
+    """1 where the gap of this nominal share was enough, NaN where none was tried."""
+    return np.where(np.isnan(rank), np.nan, rank <= nominal)
+
+
+def at_scatter(values: xr.DataArray, scatter: float | xr.DataArray) -> xr.DataArray:
+    """Between what was computed without and with scatter: means and variances go with its square."""
+    without, usual = values.isel(scatter=0), values.isel(scatter=-1)
+    return without + (usual - without) * (scatter / float(values.scatter[-1])) ** 2
+
+
+def misfits(cases: xr.Dataset) -> Array:
+    """Mean negative log-likelihood of each case (case, GRID): lognormal gaps of this scatter."""
+    trial = xr.DataArray(GRID, dims="trial")
+    off, variance = at_scatter(cases.off, trial), at_scatter(cases.spread**2, trial)
+    variance = np.fmax(variance, cases.spread.isel(scatter=0, drop=True) ** 2)  # never less than without
+    each = np.log(variance) / 2 + off**2 / (2 * variance)
+    found: Array = each.mean(("strength", "pair")).transpose("case", "trial").to_numpy()
+    return found
+
+
+def scatter_of(groups: Sequence[xr.Dataset]) -> tuple[float, float, float]:
+    """The most likely scatter of groups that weigh the same, and its 95 % interval by drawing places."""
+    random, total = np.random.default_rng(0), np.zeros((1 + DRAWS, GRID.size))
+    for group in groups:
+        place = np.unique(group.place, return_inverse=True)[1]
+        places = place.max() + 1
+        drawn = random.multinomial(places, np.full(places, 1 / places), DRAWS)
+        weights = np.vstack([np.ones(places), drawn])[:, place]
+        total += weights @ misfits(group) / weights.sum(axis=1, keepdims=True)
+    best = GRID[total.argmin(axis=1)]
+    return float(best[0]), *map(float, np.quantile(best[1:], [TAIL, 1 - TAIL]))
+
+
+# --- what is shown ------------------------------------------------------------------------------------
+
+
+def of(cases: xr.Dataset, part: str, suite: str | None = None) -> xr.Dataset:
+    here = cases.part == part
+    return cases.isel(case=here if suite is None else here & (cases.suite == suite))
+
+
+def alike(cases: xr.Dataset) -> xr.Dataset:
+    """Those that were tried at a site whose period is like that of the site of the fit."""
+    ratio = np.abs(np.log(cases.site_period / cases.fitted_site_period))
+    return cases.isel(case=ratio <= np.log(ALIKE))
+
+
+def shown(cases: xr.Dataset) -> dict[str, xr.Dataset]:
+    """The groups of the page, by what they are called there."""
+    elsewhere = [of(cases, part) for part in ("other station", "other event")]
+    groups = {
+        "(a) spectrum, far field": of(cases, SPECTRUM, FAR_FIELD),
+        "(a) spectrum, lake bed": of(cases, SPECTRUM, LAKE_BED),
+        "(b) own component, far field": of(cases, OWN, FAR_FIELD),
+        "(b) own component, lake bed": of(cases, OWN, LAKE_BED),
+        "(b) other component, far field": of(cases, OTHER, FAR_FIELD),
+        "(b) other component, lake bed": of(cases, OTHER, LAKE_BED),
+        "(c) same earthquake, other stations": elsewhere[0],
+        "(c) same earthquake, sites of like period": alike(elsewhere[0]),
+        "(c) other earthquake, other stations": elsewhere[1],
+        "(c) other earthquake, sites of like period": alike(elsewhere[1]),
+    }
+    return {name: group for name, group in groups.items() if group.sizes["case"]}
+
+
+def figures_of(cases: xr.Dataset) -> tuple[xr.Dataset, dict[str, str]]:
+    """What the pictures of the page show, and its tables."""
+    groups = shown(cases)
+    rows = [
+        [[share_interval(held(group.below.sel(scatter=s), q), group.place.values) for q in CURVE]
+         for s in cases.scatter.values] for group in groups.values()
+    ]  # fmt: skip
+    bins = [[list(_binned(group, s)) for s in cases.scatter.values] for group in groups.values()]
+    columns = {
+        "held": (("group", "scatter", "nominal"), rows, "share of the gaps that held"),
+        "hit": (("group", "scatter", "bin"), bins, "share of the records that hit"),
+    }
+    figures = xr.Dataset(coords={"group": list(groups), "scatter": cases.scatter, "nominal": CURVE})
+    for name, (dims, values, long_name) in columns.items():
+        for n, end in enumerate(("", "_lower", "_upper")):
+            attrs = {"units": "1", "long_name": long_name + end.replace("_", ", 95 % interval, ")}
+            figures[name + end] = dims, np.array(values)[..., n], attrs
+    attrs = {"units": "1", "long_name": "predicted probability of pounding, mean"}
+    figures["probability"] = columns["hit"][0], np.array(bins)[..., 3], attrs
+    figures.attrs = {
+        "title": "Predicted gaps and recorded earthquakes",
+        "history": "benchmarks/reality.py",
+    }
+    tables = {
+        "records": _records(cases),
+        "held": _held(groups),
+        "strengths": _strengths(groups),
+        "cells": _cells(groups),
+        "outside": _outside(groups),
+        "pairs": _pairs(cases),
+        "scatter": _scatter(cases),
+        "crossed": _crossed(cases),
+        "pounding": _pounding(groups),
+        "duration": _duration(cases),
+    }
+    return figures, tables
+
+
+def _binned(group: xr.Dataset, scatter: float) -> Iterator[tuple[float, float, float, float]]:
+    """Share that hit with its interval, and mean probability, of each range of probabilities."""
+    likely = group.probability.sel(scatter=scatter)
+    for low, high in itertools.pairwise(EDGES):
+        inside = (
+            (likely >= low) & ((likely < high) if high < 1 else (likely <= high)) & group.hit.notnull()
+        )
+        if not inside.any():
+            yield np.nan, np.nan, np.nan, np.nan
+            continue
+        hit = group.hit.where(inside)
+        yield *share_interval(hit.values, group.place.values), float(likely.where(inside).mean())
+
+
+def _percent(found: tuple[float, ...], bold: bool = False) -> str:
+    share, lower, upper = (f"{100 * value:.0f}" for value in found[:3])
+    return f"{'**' * bold}{share}{'**' * bold} ({lower} to {upper})"
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(map(str, line)) + " |" for line in lines)
+
+
+def _strength(value: float) -> str:
+    return "elastic" if value == 1 else f"R = {value:g}"
+
+
+def _records(cases: xr.Dataset) -> str:
+    rows = []
+    for suite in SUITES:
+        own = of(cases, OWN, suite)
+        lengths = own.significant_duration.values
+        places = np.unique(own.place)
+        events = {place.split(",")[0] for place in places.tolist()}
+        span = f"{lengths.min():.0f} to {lengths.max():.0f} s, median {np.median(lengths):.0f} s"
+        rows.append((suite, own.sizes["case"], places.size, len(events), span))
+    head = ("Suite", "components", "stations", "earthquakes", "5 to 95 % of the energy within")
+    return _table(head, rows)
+
+
+def _held(groups: dict[str, xr.Dataset]) -> str:
+    rows = []
+    for name, group in groups.items():
+        for scatter in group.scatter.values:
+            cells = [
+                _percent(share_interval(held(group.below.sel(scatter=scatter), q), group.place.values))
+                for q in NOMINAL
+            ]
+            rows.append((name if not scatter else "", f"{scatter:g}", *cells))
+    return _table(("Gaps from", "scatter", *(f"{100 * q:g} %" for q in NOMINAL)), rows)
+
+
+def _strengths(groups: dict[str, xr.Dataset]) -> str:
+    """At nominally 90 %."""
+    rows, cases = [], next(iter(groups.values()))
+    each = [(s, r) for s in cases.scatter.values for r in cases.strength.values]
+    for name, group in groups.items():
+        below = [group.below.sel(scatter=s, strength=r) for s, r in each]
+        cells = [_percent(share_interval(held(one, 0.9), group.place.values)) for one in below]
+        rows.append((name, *cells))
+    return _table(("Gaps from", *(f"{_strength(r)}, scatter {s:g}" for s, r in each)), rows)
+
+
+def _each_cell(group: xr.Dataset, scatter: float) -> Iterator[tuple[int, float, float, tuple]]:
+    """Pair, strength, nominal share, and what held with its interval."""
+    for n in range(group.sizes["pair"]):
+        for strength in group.strength.values:
+            rank = group.below.isel(pair=n).sel(strength=strength, scatter=scatter)
+            if rank.notnull().any():
+                for q in NOMINAL:
+                    yield n, strength, q, share_interval(held(rank, q), group.place.values)
+
+
+def _is_outside(q: float, found: tuple[float, float, float]) -> bool:
+    return not found[1] <= q <= found[2]
+
+
+def _cells(groups: dict[str, xr.Dataset]) -> str:
+    rows = []
+    for name, group in groups.items():
+        counts = []
+        for scatter in group.scatter.values:
+            cells = list(_each_cell(group, scatter))
+            short = sum(_is_outside(q, found) and found[0] < q for *_, q, found in cells)
+            long = sum(_is_outside(q, found) and found[0] > q for *_, q, found in cells)
+            counts += [f"{short} too small, {long} too large"]
+        rows.append((name, len(cells), *counts))
+    levels = next(iter(groups.values())).scatter.values
+    return _table(("Gaps from", "cells", *(f"outside with scatter {s:g}" for s in levels)), rows)
+
+
+def _outside(groups: dict[str, xr.Dataset]) -> str:
+    """Cells of (a) outside of their intervals with the usual scatter."""
+    rows = []
+    for name, group in groups.items():
+        if name.startswith("(a)"):
+            for n, strength, q, found in _each_cell(group, float(group.scatter[-1])):
+                if _is_outside(q, found):
+                    off = group.off.isel(pair=n, scatter=0).sel(strength=strength)
+                    facts = f"{float(off.mean()):+.2f}", f"{float(off.std()):.2f}"
+                    spread = float(group.spread.isel(pair=n, scatter=0).sel(strength=strength).mean())
+                    rows.append(
+                        (name, str(group.label.values[n]), _strength(strength), f"{100 * q:g} %",
+                         _percent(found), *facts, f"{spread:.2f}")
+                    )  # fmt: skip
+    head = (
+        "Gaps from",
+        "pair",
+        "",
+        "nominal",
+        "held",
+        "mean of ln (record/motion)",
+        "its std",
+        "std of ln motion",
+    )
+    return _table(head, rows)
+
+
+def _pairs(cases: xr.Dataset) -> str:
+    rows = []
+    for suite in SUITES:
+        group = of(cases, SPECTRUM, suite).isel(scatter=-1)
+        for n, label in enumerate(group.label.values.tolist()):
+            row = [
+                _percent(
+                    share_interval(held(group.below.isel(pair=n).sel(strength=s), q), group.place.values)
+                )
+                for s in group.strength.values
+                for q in (0.5, 0.9)
+            ]
+            rows.append((suite if not n else "", label, *row))
+    names = [_strength(s) for s in cases.strength.values]
+    return _table(("", "pair", *(f"{name}, {q} %" for name in names for q in (50, 90))), rows)
+
+
+def _scatter(cases: xr.Dataset) -> str:
+    rows = []
+    for part, suite in (*KNOWN_PLACE, *((OWN, suite) for suite in SUITES)):
+        group = of(cases, part, suite)
+        by_strength = (f"{scatter_of([group.sel(strength=[s])])[0]:.2f}" for s in group.strength.values)
+        first = group.isel(scatter=0)
+        mean, std = float(first.off.mean()), float(first.off.std())
+        spread = float(np.sqrt((first.spread**2).mean()))
+        best, lower, upper = scatter_of([group])
+        rows.append(
+            (f"{part}, {suite}", f"{mean:+.2f}", f"{std:.2f}", f"{spread:.2f}",
+             f"{best:.2f} ({lower:.2f} to {upper:.2f})", *by_strength)
+        )  # fmt: skip
+    for name, known in (("other component, both suites", KNOWN_PLACE[2:]), ("first four", KNOWN_PLACE)):
+        best, lower, upper = scatter_of([of(cases, *each) for each in known])
+        found = f"**{best:.2f}** ({lower:.2f} to {upper:.2f})"
+        rows.append((f"{name}, with the same weight", "", "", "", found, "", "", ""))
+    head = (
+        "",
+        "mean of ln (record/motion)",
+        "its std",
+        "std of ln motion",
+        "scatter",
+        *(_strength(s) for s in cases.strength.values),
+    )
+    return _table(head, rows)
+
+
+def _crossed(cases: xr.Dataset) -> str:
+    """The scatter that one suite shows, tried on the other."""
+    rows = []
+    for suite, unseen in (SUITES, SUITES[::-1]):
+        best, _, _ = scatter_of([of(cases, OTHER, suite)])
+        for part in (SPECTRUM, OTHER):
+            group = of(cases, part, unseen)
+            rank = at_scatter(group.below, best)
+            cells = [_percent(share_interval(held(rank, q), group.place.values)) for q in NOMINAL]
+            rows.append((f"{best:.2f}, of the {suite}", f"{part}, {unseen}", *cells))
+    return _table(("scatter", "tried on", *(f"{100 * q:g} %" for q in NOMINAL)), rows)
+
+
+def _pounding(groups: dict[str, xr.Dataset]) -> str:
+    rows = []
+    for name, group in groups.items():
+        if name.startswith("(a)") or "other component" in name:
+            for scatter in group.scatter.values:
+                cells = [
+                    "" if np.isnan(found[0]) else f"{100 * found[3]:.0f}: {_percent(found[:3])}"
+                    for found in _binned(group, scatter)
+                ]
+                rows.append((name if not scatter else "", f"{scatter:g}", *cells))
+    bins = (f"{100 * a:g} to {100 * b:g} %" for a, b in itertools.pairwise(EDGES))
+    return _table(("Predicted from", "scatter", *bins), rows)
+
+
+def _duration(cases: xr.Dataset) -> str:
+    rows = []
+    for part in dict.fromkeys(name for name in cases.part.values.tolist() if name.startswith(SPECTRUM)):
+        group = of(cases, part, FAR_FIELD).isel(scatter=-1, pair=slice(None, OSCILLATORS))
+        off = group.off.sel(strength=group.strength[-1]).mean(("pair",))
+        rho, _ = scipy.stats.spearmanr(group.significant_duration, off)
+        cells = [
+            _percent(share_interval(held(group.below.sel(strength=s), 0.9), group.place.values))
+            for s in group.strength.values
+        ]
+        length = "as above" if part == SPECTRUM else part.removeprefix(f"{SPECTRUM}, ")
+        rows.append((length, *cells, f"{float(off.mean()):+.2f}", f"{rho:.2f}"))
+    strengths = [_strength(s) for s in cases.strength.values]
+    last = strengths[-1]
+    head = (f"mean of ln (record/motion), {last}", f"its correlation with the record's duration, {last}")
+    return _table(("Motions last", *strengths, *head), rows)
+
+
+def write_page(page: Path, tables: dict[str, str]) -> None:
+    """Put each table where the page has its name: between ``<!-- name -->`` and ``<!-- end -->``."""
+    text = page.read_text(encoding="utf-8")
+    for name, table in tables.items():
+        found = re.compile(rf"(<!-- {name} -->\n).*?(<!-- end -->)", re.DOTALL)
+        text = found.sub(lambda match, table=table: f"{match[1]}\n{table}\n\n{match[2]}", text)
+    page.write_text(text, encoding="utf-8")

@@ -1,0 +1,101 @@
+"""What is counted of gaps that were tried on recorded earthquakes."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy.stats
+import xarray as xr
+from reality_tables import figures_of, scatter_of, share_interval, write_page
+
+PAGE = Path(__file__).parents[2] / "docs" / "reality.md"
+PLACES = 12
+
+
+@pytest.mark.oracle
+def test_interval_of_independent_cases_is_that_of_clopper_and_pearson():
+    held = np.repeat([1.0, 0.0], [70, 30])
+    lower, upper = scipy.stats.binomtest(70, 100).proportion_ci(0.95)
+    np.testing.assert_allclose(share_interval(held, np.arange(100)), (0.7, lower, upper), atol=2e-3)
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize("share", [0.5, 0.9])
+def test_interval_holds_where_cases_of_a_place_go_together(share):
+    """In 500 draws of 12 places with two components and six pairs each, correlated by .5."""
+    random = np.random.default_rng(4)
+    threshold = scipy.stats.norm.ppf(share)
+    inside = 0
+    for _ in range(500):
+        common, own = random.standard_normal((2, PLACES, 12))
+        held = np.sqrt(0.5) * (common[:, :1] + own) < threshold
+        _, lower, upper = share_interval(held.reshape(2 * PLACES, 6) * 1.0, np.repeat(np.arange(12), 2))
+        inside += lower <= share <= upper
+    assert inside / 500 > 0.93
+
+
+@pytest.mark.invariant
+def test_where_all_held_a_place_counts_as_one_case():
+    held = np.ones((2 * PLACES, 6))
+    share, lower, upper = share_interval(held, np.repeat(np.arange(PLACES), 2))
+    assert (share, upper) == (1, 1)
+    assert lower == pytest.approx(0.025 ** (1 / PLACES))
+    held[0] = np.nan  # not tried
+    assert share_interval(held, np.repeat(np.arange(PLACES), 2)) == (share, lower, upper)
+
+
+def tried(scatter, suite="far field", part="spectrum", seed=0):
+    """Cases with lognormal gaps of this scatter beside that of the motions, .3."""
+    random = np.random.default_rng(seed)
+    sizes = {"case": 60, "scatter": 2, "strength": 3, "pair": 2}
+    levels = np.array([0.0, 0.4])
+    spread = np.sqrt(0.3**2 + levels**2)[:, None, None]
+    off = np.hypot(0.3, scatter) * random.standard_normal((60, 1, 3, 2)) * np.ones((2, 1, 1))
+    likely = np.broadcast_to(scipy.stats.norm.sf(0.1 / spread), off.shape)[..., None]
+    cases = xr.Dataset(
+        {
+            "below": (list(sizes), scipy.stats.norm.cdf(off / spread)),
+            "off": (list(sizes), off),
+            "spread": (list(sizes), np.broadcast_to(spread, off.shape)),
+            "probability": ((*sizes, "gap"), likely),
+            "hit": (("case", "strength", "pair", "gap"), 1.0 * (off[:, 0, ..., None] > 0.1)),
+        },
+        {"scatter": levels, "strength": [1.0, 2.0, 4.0]},
+    )
+    over = ("case", np.arange(60))
+    return cases.assign_coords(
+        part=("case", [part] * 60),
+        suite=("case", [suite] * 60),
+        place=("case", [f"{suite} {n // 2}" for n in range(60)]),
+        site_period=over,
+        fitted_site_period=over,
+        significant_duration=over,
+        label=("pair", ["one", "two"]),
+    )
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize("scatter", [0.0, 0.2, 0.35])
+def test_scatter_is_found_again(scatter):
+    best, lower, upper = scatter_of([tried(scatter), tried(scatter, seed=1)])
+    assert lower <= scatter <= upper or scatter == 0
+    assert best == pytest.approx(scatter, abs=0.07)
+
+
+@pytest.mark.cli
+def test_every_table_has_its_place_on_the_page(tmp_path):
+    parts = ("spectrum", "own component", "other component")
+    suites = ("far field", "lake bed")
+    cases = xr.concat([tried(0.2, suite, part) for part in parts for suite in suites], "case")
+    figures, tables = figures_of(cases)
+    assert figures.held.sizes["group"] == len(parts) * len(suites)
+    page = tmp_path / "reality.md"
+    text = PAGE.read_text(encoding="utf-8")
+    page.write_text(re.sub(r"^\|.*\n", "", text, flags=re.MULTILINE), encoding="utf-8")
+    write_page(page, tables)
+    written = page.read_text(encoding="utf-8")
+    assert all(table in written for table in tables.values())
+    assert re.findall("<!-- .* -->", written) == re.findall("<!-- .* -->", text)
