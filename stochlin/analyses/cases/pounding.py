@@ -7,7 +7,7 @@ import xarray as xr
 
 from stochlin.analyses.cases.buildings import Building
 from stochlin.analyses.cases.case import Case
-from stochlin.analyses.cases.sites.shaking import recorded_shaking
+from stochlin.analyses.cases.sites.shaking import recorded_shaking, shaking_of
 from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.analyses.cases.variables import VARIABLES
 from stochlin.analyses.linearization.strength import strength_in_metres
@@ -121,7 +121,12 @@ def pound_motions(
         table = pound(structures, list(case.gaps), contact, shaking, progress=progress)
     except (ValueError, TypeError, ArithmeticError) as error:
         raise type(error)(f"{case.file}: {error}") from error
-    if motions is not None:
+    if motions is None:
+        periods = [building.period for building in case.buildings]
+        each = [xr.Dataset(recorded_shaking(record, periods)) for record in case.records.values()]
+        table = table.assign(xr.concat(each, "record", combine_attrs="drop"))
+    else:
+        table = table.assign(shaking_of(case).data_vars)
         table = table.assign_attrs(duration_s=case.duration, seed=case.seed)
     table = _named(table, case, structures).assign_attrs(told, case=case.title)
     return labels.label(table, VARIABLES)

@@ -9,13 +9,23 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.cases.pounding import is_oscillator
+from stochlin.analyses.cases.sites.shaking import doubts
 from stochlin.analyses.records.files import METRES
 from stochlin.views.pounding.floors import LINE, WIDTH, levels_of
 from stochlin.views.pounding.pictures import caption_of
 from stochlin.views.pounding.words import JUMPS
 from stochlin.views.shared.screen import columns, cut, paragraph
 from stochlin.views.shared.style import AS_GIVEN, CURVES, styled
-from stochlin.views.shared.words import MISSING, floors, per_cent, short
+from stochlin.views.shared.words import (
+    MISSING,
+    doubted,
+    floors,
+    in_g,
+    per_cent,
+    scatter,
+    shaking,
+    short,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -46,11 +56,16 @@ def ensemble_lines(case: Case, table: xr.Dataset) -> list[str]:
     """All that the screen shows of many motions."""
     over = str(table.status.dims[0])
     good = int((table.status == 0).sum())
-    lines = [case.title, *paragraph(floors(case)), ""]
-    shaking = f"{table.sizes[over]} records"
+    strongest = table[["peak_ground_acceleration"]].max()
+    peaks = tuple(map(float, table.peak.max({*table.peak.dims} - {"structure"})))
+    found = doubts(strongest, case.buildings, peaks=peaks)
+    lines = [*paragraph(doubted(found)), case.title, *paragraph(floors(case)), ""]
+    motions, strength = f"{table.sizes[over]} records", _strengths(table)
     if over == "path":
-        shaking = f"{table.sizes[over]} simulated motions of {case.duration:.4g} s, {case.site}"
-    lines += paragraph(f"{shaking}: {_shares(table)}")
+        motions = f"{table.sizes[over]} simulated motions of {case.duration:.4g} s, {case.site}"
+        strength = shaking(table, case)
+    lines += paragraph(f"{motions}: {_shares(table)}")
+    lines += [*paragraph(strength), *(paragraph(scatter(case)) if over == "path" else [])]
     if good < table.sizes[over]:
         why = next(str(text) for text in table.missing.values if text)
         lines += ["", *paragraph(FAILED.format(table.sizes[over] - good, table.sizes[over], why))]
@@ -66,6 +81,12 @@ def ensemble_lines(case: Case, table: xr.Dataset) -> list[str]:
     notes = [NOTES, *[STOREYS] * ("floor" in table.dims)]
     notes += [JUMPS] * bool(table.hardest_force_between_mean.isnull().any())
     return [*lines, *paragraph(" ".join(notes))]
+
+
+def _strengths(table: xr.Dataset) -> str:
+    """From the weakest record to the strongest."""
+    low, high = (in_g(float(end)) for end in table.peak_ground_acceleration.quantile([0.0, 1.0]))
+    return f"The shaking: PGA {low} to {high}."
 
 
 def _shares(table: xr.Dataset) -> str:

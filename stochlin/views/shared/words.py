@@ -94,7 +94,7 @@ def shaking(table: xr.Dataset, case: Case) -> str:
     """How strong the motions of an answer are, by what an engineer knows."""
     of_each = {
         f"{building.period:.3g} s": in_g(float(table[f"spectral_acceleration_{n}"]))
-        for n, building in enumerate(case.pair, start=1)
+        for n, building in enumerate(case.buildings, start=1)
     }
     spectral = f"Sa (damping 5{SPACE}%) {_at_periods(of_each)}"
     at_median = " at median strength" if case.scatter else ""

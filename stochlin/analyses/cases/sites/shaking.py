@@ -26,7 +26,7 @@ LEVELS = (0.5, 0.84)  # quantiles that are told of more, beside the confidence t
 
 def shaking_of(case: Case) -> xr.Dataset:
     """How strong the motions of a case are: PGA, rms, S0, and Sa at the period of each building."""
-    periods = np.array([building.period for building in case.pair])
+    periods = np.array([building.period for building in case.buildings])
     return shaking(case.ground, periods, case.duration, case.envelope)
 
 
