@@ -369,4 +369,5 @@ def test_what_is_doubtful_is_shown_on_a_line(tmp_path: Path) -> None:
     result = run("pound", tmp_path / "case.toml")
     assert result.exit_code == 2
     (line,) = [line for line in result.output.splitlines() if "10 g" in line]
-    assert line.startswith("Warning: taft.txt: its peak is 10 g, and more than 3 g has hardly")
+    assert line.startswith("Warning: case.toml, line ")
+    assert "taft.txt: its peak is 10 g, and more than 3 g has hardly" in line
