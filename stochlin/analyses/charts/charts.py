@@ -41,6 +41,8 @@ class ChartSettings:
         Peak ductility of both structures in Fig. 3b [-].
     ground_period : float
         ``Tg`` [s] of the two model grounds.
+    structure_period : float, optional
+        Period [s] of the structure of Fig. 1; without it that of the ground fitted to the record.
     closure : str
         As in `stochlin.linearize`.
     points : int
@@ -57,6 +59,7 @@ class ChartSettings:
     plane_reduction_factor: float = 4.0
     ductility: float = 4.0
     ground_period: float = 2.0
+    structure_period: float | None = None
     closure: str = "gaussian"
     points: int = 161
     method: str = "linearization"
@@ -80,6 +83,8 @@ class ChartSettings:
             raise ValueError("reduction_factors is empty; allowed: at least one value")
         asked = {"damping": "damping", "hardening": "hardening", "ground_period": "period"}
         asked |= {"plane_reduction_factor": "reduction_factor", "ductility": "reduction_factor"}
+        if self.structure_period is not None:
+            asked["structure_period"] = "period"
         given = [(name, getattr(self, name), Bilinear.allowed(own)) for name, own in asked.items()]
         factor = Bilinear.allowed("reduction_factor")
         given += [("reduction_factors", value, factor) for value in self.reduction_factors]

@@ -15,7 +15,8 @@ from stochlin.analyses.charts.variables import VARIABLES
 from stochlin.analyses.correlation.correlation import rho_white_noise
 from stochlin.analyses.records.cells import Records
 from stochlin.analyses.records.gaps import recorded_gap
-from stochlin.analyses.records.response import pseudo_energy_radius, respond
+from stochlin.analyses.records.records import strong_part
+from stochlin.analyses.records.response import pseudo_energy_radius, respond, response_spectrum
 from stochlin.analyses.records.spectra import fit_spectra
 from stochlin.analyses.separation.critical_gap import double_difference
 from stochlin.analyses.tables import labels
@@ -25,6 +26,7 @@ from stochlin.models.laws.bilinear import Bilinear
 POINTS_PER_PERIOD = 32  # of a portrait, for a smooth curve
 CIRCLE = 181  # points
 PERIODS = (0.1, 5.0)  # s
+ENERGIES = ("input", "viscous", "hysteretic")
 GAP_POINTS = 61  # at most, of Fig. 2: each cell follows the whole record
 
 
@@ -36,16 +38,22 @@ def _site_spectrum(record: xr.DataArray, site: Ground) -> xr.Dataset:
 
 @CHARTS.register("fig1", place=11)
 def _fig1(settings: ChartSettings, record: xr.DataArray, site: Ground) -> xr.Dataset:
-    return portrait_chart(record, ground_period(site), settings.damping)
+    return portrait_chart(record, _period(settings, site), settings.damping)
 
 
-@CHARTS.register("per_spectrum", place=12)
+@CHARTS.register("fig1b", place=12)
+def _fig1b(settings: ChartSettings, record: xr.DataArray, site: Ground) -> xr.Dataset:
+    strength = settings.hardening, settings.plane_reduction_factor
+    return energy_chart(record, _period(settings, site), settings.damping, *strength, settings.points)
+
+
+@CHARTS.register("per_spectrum", place=13)
 def _per_spectrum(settings: ChartSettings, record: xr.DataArray) -> xr.Dataset:
     title = f"Spectrum of the pseudo energy radius, {_source(record)}"
     return per_spectrum_chart(record, settings.damping, settings.points).assign_attrs(title=title)
 
 
-@CHARTS.register("fig2", place=13)
+@CHARTS.register("fig2", place=14)
 def _fig2(settings: ChartSettings, record: xr.DataArray) -> xr.Dataset:
     return recorded_gap_chart(record, settings.damping, min(settings.points, GAP_POINTS))
 
@@ -87,6 +95,73 @@ def portrait_chart(record: xr.DataArray, period: float, damping: float) -> xr.Da
         chart="portrait",
         title=f"Pseudo energy radius of {_source(record)}",
         caption=f"Elastic structure: T = {period:.3g} s, ξ = {damping:.3g}; r_PER = {float(peak):.3g} m",
+    )
+
+
+def energy_chart(
+    record: xr.DataArray,
+    period: float,
+    damping: float,
+    hardening: float,
+    reduction_factor: float,
+    points: int = 161,
+) -> xr.Dataset:
+    """Fig. 1b: the radius of the paper beside energies put in and dissipated, over time and period.
+
+    An energy ``E`` per unit mass is drawn as the radius ``sqrt(2 E)/w`` of the elastic structure that
+    holds it. The pseudo energy radius is the largest displacement, or hardly more; the energies grow as
+    long as the shaking lasts.
+
+    Parameters
+    ----------
+    record : xarray.DataArray
+        As `stochlin.read_record` gives it.
+    period, damping : float
+        Of the structures [s], [-]; the spectra are over other periods.
+    hardening, reduction_factor : float
+        Of the yielding structures [-]; the strength is that share of the elastic peak, at every period.
+    points : int
+        Periods, from .1 to 5 s.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``reduction_factor``, 1 for elastic, and ``time`` [s]: ``radius``, ``input_energy_radius``,
+        ``viscous_energy_radius`` and ``hysteretic_energy_radius`` [m]; over ``reduction_factor`` and
+        ``period`` [s] their values at the end, ``_at_end``, and ``pseudo_energy_radius`` [m];
+        ``significant_begin`` and ``significant_end`` [s], between which the record has from 5 to 95 % of
+        its energy.
+    """
+    periods = _periods("period", "period", points)
+    elastic = response_spectrum(record, periods, damping)
+    peak = float(response_spectrum(record, period, damping).displacement_max)
+    step = float(record["time"][1] - record["time"][0])
+    refine = max(1, int(np.ceil(POINTS_PER_PERIOD / 2 * step / period)))
+    tables = []
+    for factor in (1.0, reduction_factor):
+        one, spectrum = Bilinear(period, damping), elastic
+        if factor > 1:
+            one = Bilinear(period, damping, hardening, yield_displacement=peak / factor)
+            weak = elastic.displacement_max / factor
+            spectrum = response_spectrum(
+                record, periods, damping, hardening=hardening, yield_displacement=weak
+            )
+        motion = respond(one, record, refine=refine)
+        table = motion[["radius"]].assign(pseudo_energy_radius=spectrum.pseudo_energy_radius)
+        for kind in ENERGIES:
+            for end, energies, of in (("", motion, period), ("_at_end", spectrum, periods)):
+                squares = 2 * energies[f"{kind}_energy_per_mass"].clip(min=0.0)
+                table[f"{kind}_energy_radius{end}"] = np.sqrt(squares) * of / (2 * np.pi)
+        tables.append(table)
+    factors = labels.axis("reduction_factor", "reduction factor R", np.array([1.0, reduction_factor]))
+    chart = xr.concat(tables, factors, combine_attrs="drop", join="exact")
+    strong = strong_part(record)
+    chart = chart.assign(significant_begin=strong.time[0].item(), significant_end=strong.time[-1].item())
+    return labels.label(chart, VARIABLES).assign_attrs(
+        chart="energies",
+        title=f"Pseudo energy radius and energies of {_source(record)}",
+        caption=f"ξ = {damping:.3g}; over time: T = {period:.3g} s; yielding: R = {reduction_factor:g} "
+        f"and hardening ratio {hardening:.3g}. An energy E of a mass m is drawn as √(2E/m)/ω.",
     )
 
 
@@ -156,6 +231,10 @@ def recorded_gap_chart(record: xr.DataArray, damping: float, points: int = 61) -
 def _periods(name: str, long_name: str, points: int) -> xr.DataArray:
     check_points(points)
     return labels.axis(name, long_name, np.geomspace(*PERIODS, points), "s")
+
+
+def _period(settings: ChartSettings, site: Ground) -> float:
+    return settings.structure_period or ground_period(site)
 
 
 def _source(record: xr.DataArray) -> str:

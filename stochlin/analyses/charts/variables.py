@@ -6,6 +6,13 @@ from stochlin.analyses.tables.labels import Variables
 VARIABLES: Variables = {
     **RECORDS,
     "velocity_over_frequency": ("m", "velocity over circular frequency"),
+    **{
+        f"{kind}_energy_radius{end}": ("m", f"radius sqrt(2 E)/w of the {kind} energy{when}")
+        for kind in ("input", "viscous", "hysteretic")
+        for end, when in (("", " so far"), ("_at_end", " at the end"))
+    },
+    "significant_begin": ("s", "when 5 % of the record's energy have come"),
+    "significant_end": ("s", "when 95 % of the record's energy have come"),
     "restitution": ("1", "coefficient of restitution"),
     "restitution_hertz_damp": ("1", "coefficient of restitution of the Hertz-damp contact"),
     "contact_damping": ("1", "damping of the contact, as its element takes it"),

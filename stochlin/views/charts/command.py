@@ -71,6 +71,11 @@ def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
 @click.option(
     "--ductility", type=float, default=4.0, show_default=True, help="Peak ductility in Fig. 3b."
 )
+@click.option(
+    "--structure-period",
+    type=Measured("s"),
+    help="Period of the structure of Fig. 1; without it that of the fitted ground.",
+)
 @record_options
 def charts(
     name: str | None, out: Path, picture_format: str, record: Path | None, **options: Any
@@ -80,14 +85,16 @@ def charts(
     \b
     Without a record: fig3a, fig3b; on narrow-band ground (xig .05) fig4a, fig4b, fig4c, fig5a, fig5b,
     and the same with the ending _broad_band (xig .6); of contact elements fig6, fig7, fig8.
-    With --record: site_spectrum, fig1 (pseudo energy radius), per_spectrum and fig2 (critical gap)
-    of the record, and Figs. 4 and 5 with the ending _site, on the fitted ground.
+    With --record: site_spectrum, fig1 (pseudo energy radius), fig1b (beside energies),
+    per_spectrum and fig2 (critical gap) of the record, and Figs. 4 and 5 with the ending
+    _site, on the fitted ground.
 
     \b
     Examples:
       stochlin charts
       stochlin charts fig5a --damping .02 --hardening .1 --format pdf --out out
       stochlin charts --record taft.txt --dt .01s --units g
+      stochlin charts fig1b --record taft.txt --dt .01s --units g --structure-period 1s
     """
     from stochlin.analyses.charts.charts import chart_functions
 

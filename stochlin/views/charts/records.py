@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.charts.records import ENERGIES
 from stochlin.views.charts.charts import AXES, PICTURES
 from stochlin.views.shared.style import CURVES, legend_beside, plain_ticks, shades
 
@@ -36,6 +37,42 @@ def draw_portrait(figure: Figure, dataset: xr.Dataset) -> None:
     history.text(end, 1.01 * largest, r"$r_{PER}$", color="#8c2d04", ha="right", va="bottom")
     history.set(xlim=(float(dataset.time[0]), end), ylim=(0, 1.12 * largest), xlabel="time [s]")
     history.set_ylabel("r [cm]")
+
+
+@PICTURES.register("energies")
+def draw_energies(figure: Figure, dataset: xr.Dataset) -> None:
+    """Fig. 1b: radius and energies over time and period, elastic above, yielding below."""
+    times = float(dataset.significant_begin), float(dataset.significant_end)
+    shown = (
+        ("pseudo energy\nradius", "radius", "pseudo_energy_radius"),
+        *(
+            (f"{kind} energy", f"{kind}_energy_radius", f"{kind}_energy_radius_at_end")
+            for kind in ENERGIES
+        ),
+    )
+    for row, factor in enumerate(dataset.reduction_factor.values):
+        one, bottom = dataset.sel(reduction_factor=factor), 0.57 - 0.34 * row
+        history = figure.add_axes((0.1, bottom, 0.28, 0.3))
+        spectrum = figure.add_axes((0.46, bottom, 0.28, 0.3))
+        history.axvspan(*times, color="0.92", label="5 to 95 % of the\nrecord's energy")
+        for (label, over_time, at_end), (color, dash) in zip(shown, CURVES, strict=False):
+            if float(one[at_end].max()) > 0:
+                style: Any = {"color": color, "linestyle": dash, "lw": 1.0}
+                spectrum.plot(one.period, CENTIMETRES * one[at_end], **style)
+                values = (
+                    np.maximum.accumulate(one[over_time].values)
+                    if over_time == "radius"
+                    else one[over_time]
+                )
+                history.plot(one.time, CENTIMETRES * values, label=label, **style)
+        history.set(xlim=(float(one.time[0]), float(one.time[-1])), ylim=(0, None))
+        history.set_ylabel("elastic [cm]" if factor == 1 else f"R = {factor:g} [cm]")
+        spectrum.set(xscale="log", xlim=(float(one.period[0]), float(one.period[-1])), ylim=(0, None))
+        plain_ticks(spectrum.xaxis, TICKS)
+        for axes, name in ((history, "time [s]"), (spectrum, "period [s]")):
+            axes.set_xlabel(name if row else "")
+            axes.tick_params(labelbottom=bool(row))
+    figure.legend(*history.get_legend_handles_labels(), loc="upper left", bbox_to_anchor=(0.765, 0.88))
 
 
 @PICTURES.register("per_spectrum")
