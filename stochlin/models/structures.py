@@ -117,7 +117,7 @@ class Structure(Model):
         return self._compiled.block
 
     def in_storeys(self) -> Any:
-        """The law of a storey in time steps: its kind of `storey_stepping`, or a `law_middle`."""
+        """The law of a storey in time steps: its kind of ``storey_stepping``, or a ``law_middle``."""
         return self._compiled.middle
 
     def law_parameters(self) -> list[xr.DataArray]:
