@@ -35,9 +35,11 @@ def charts_by_name():
 def test_every_chart_says_its_kind_and_files_that_do_not_are_drawn_alike(charts_by_name):
     kinds = {name: chart.attrs["chart"] for name, chart in charts_by_name.items()}
     assert set(kinds.values()) == set(sl.charts.PICTURES)
+    before_the_attribute = {kind for kind, _ in charts.UNTOLD}
     for name, chart in charts_by_name.items():
-        del chart.attrs["chart"]
-        assert charts._kind(chart) == kinds[name], name
+        if kinds[name] in before_the_attribute:
+            del chart.attrs["chart"]
+            assert charts._kind(chart) == kinds[name], name
 
 
 @pytest.mark.parametrize("path", FIGURES, ids=lambda path: path.stem)
