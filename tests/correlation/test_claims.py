@@ -59,19 +59,19 @@ def simulated(ground_damping, period, factor, paths=128):
 
 
 @cache
-def formulas(ground_damping, period, factor):
-    """rho by linearization, and by each rule at the linearized peak ductility."""
+def formulas(ground_damping, period, factor, closure="gaussian"):
+    """Linearized pairs, and rho by each rule at their linearized peak ductilities."""
     first = yielding(xr.DataArray(RATIOS * period, dims="ratio"), factor)
-    pair = first, yielding(period, factor), sl.KanaiTajimi(GROUND_PERIOD, ground_damping)
-    linearized = sl.correlate(*pair)
-    rules = {name: sl.correlate(*pair, "effective", rule=name).rho.values for name in RULES}
-    return linearized, rules
+    ground = sl.KanaiTajimi(GROUND_PERIOD, ground_damping)
+    table = sl.correlate(first, yielding(period, factor), ground, closure=closure)
+    return table, by_rule(3 * table.ductility_std_1, 3 * table.ductility_std_2)
 
 
 def by_rule(ductility_1, ductility_2):
     both = {f"{name}_{n}": 0.05 for name in ("damping", "hardening") for n in (1, 2)}
     given = {"ductility_1": ductility_1, "ductility_2": ductility_2, **both}
-    return {name: sl.rho_effective(RATIOS, 1.0, rule=name, **given).rho.values for name in RULES}
+    ratios = xr.DataArray(RATIOS, dims="ratio")
+    return {name: sl.rho_effective(ratios, 1.0, rule=name, **given).rho.values for name in RULES}
 
 
 def apart(one, other):
@@ -81,35 +81,11 @@ def apart(one, other):
 
 # ---- "For broad band input linearization and the simplified formulas yield similar estimates" ----
 
-# Mean distance from linearization, T2 = Tg, R = 4, by how the ductility for the rules is chosen.
+# Mean distance of the rules, in their order, from linearization, by the ductility that they take.
 DISTANCES = {
-    "linearized": {
-        "elastic": 0.51,
-        "secant": 0.14,
-        "penzien_1997": 0.14,
-        "iwan_1980": 0.34,
-        "fema_440": 0.26,
-        "jeng_kasai_maison_1992_unverified": 0.11,
-        "kasai_jagiasi_jeng_1996_unverified": 0.16,
-    },
-    "simulated": {
-        "elastic": 0.51,
-        "secant": 0.15,
-        "penzien_1997": 0.14,
-        "iwan_1980": 0.26,
-        "fema_440": 0.21,
-        "jeng_kasai_maison_1992_unverified": 0.22,
-        "kasai_jagiasi_jeng_1996_unverified": 0.24,
-    },
-    "equal to R": {
-        "elastic": 0.51,
-        "secant": 0.16,
-        "penzien_1997": 0.17,
-        "iwan_1980": 0.36,
-        "fema_440": 0.27,
-        "jeng_kasai_maison_1992_unverified": 0.17,
-        "kasai_jagiasi_jeng_1996_unverified": 0.16,
-    },
+    "linearized": (0.51, 0.14, 0.14, 0.34, 0.26, 0.11, 0.16),
+    "simulated": (0.51, 0.15, 0.14, 0.26, 0.21, 0.22, 0.24),
+    "equal to R": (0.51, 0.16, 0.17, 0.36, 0.27, 0.17, 0.16),
 }
 
 
@@ -119,12 +95,12 @@ def test_on_broad_band_linearization_and_simplified_formulas_are_not_similar(duc
     linearized, rules = formulas(BROAD, 1.0, 4)
     if ductility == "simulated":
         peaks = 3 * found.ductility_std
-        rules = by_rule(peaks[:-1], peaks[-1])
+        rules = by_rule(xr.DataArray(peaks[:-1], dims="ratio"), peaks[-1])
     elif ductility == "equal to R":
         rules = by_rule(4.0, 4.0)
     # Simulated ductilities scatter by a per cent, which moves a rule by less than .01.
     allowed = SAME_AS_WRITTEN + 0.01 * (ductility == "simulated")
-    for name, distance in DISTANCES[ductility].items():
+    for name, distance in zip(RULES, DISTANCES[ductility], strict=True):
         assert apart(rules[name], linearized.rho.values) == pytest.approx(distance, abs=allowed), name
     # Linearization itself is nearer to the truth than any rule is to it.
     assert apart(linearized.rho.values, found.rho) == pytest.approx(0.067, abs=found.error.max())
@@ -154,46 +130,56 @@ def test_the_rules_are_no_nearer_to_linearization_at_other_periods_and_strengths
 # ---- On narrow band: what eq. (4) with effective properties, and linearization, make of a gap ----
 
 
+# Mean distance of rho from the simulated: linearization, the drift closure, the rules in their order.
+OFF = {
+    BROAD: (0.08, 0.02, 0.41, 0.16, 0.10, 0.24, 0.21, 0.14, 0.16),
+    NARROW: (0.17, 0.04, 0.40, 0.18, 0.13, 0.23, 0.21, 0.17, 0.18),
+}
+# On narrow band: how often rho of a rule is .05 and more above the simulated, and how often the gap
+# of it and of the true standard deviations is too small by a twentieth and more.
+TOO_HIGH = {
+    "secant": (0.58, 0.49),
+    "iwan_1980": (0.18, 0.14),
+    "fema_440": (0.12, 0.10),
+    "kasai_jagiasi_jeng_1996_unverified": (0.57, 0.53),
+}
+# The gap by linearization alone over the simulated, in standard deviations: least, largest, unsafe;
+# and of the true ones with the linearized rho.
+FED = {BROAD: (0.80, 1.00), NARROW: (0.46, 1.26)}
+ALONE = {BROAD: (0.51, 0.72, 1.0), NARROW: (0.39, 1.31, 0.83)}
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("band", "linearized_off", "rules_off", "alone"),
-    [(BROAD, 0.084, (0.10, 0.24), (0.51, 0.72)), (NARROW, 0.168, (0.13, 0.23), (0.39, 1.31))],
-    ids=["broad", "narrow"],
-)
-def test_neither_linearization_nor_the_rules_are_near_the_simulated(
-    band, linearized_off, rules_off, alone
-):
-    """Over 144 pairs: three periods, three strengths, 16 ratios; the gap as standard deviation."""
-    away, by_name, share = [], {name: [] for name in SIMPLIFIED}, []
-    above, short = {name: [] for name in SIMPLIFIED}, {name: [] for name in SIMPLIFIED}
-    for period in PERIODS:
-        for factor in FACTORS:
-            found = simulated(band, period, factor)
-            linearized, rules = formulas(band, period, factor)
-            rho, (one, two) = (
-                linearized.rho.values,
-                (linearized[f"displacement_std_{n}"] for n in (1, 2)),
-            )
-            true = found.difference_std(found.rho)
-            away.append(apart(rho, found.rho))
-            share.append(np.sqrt(one**2 + two**2 - 2 * rho * one * two).values / true)
-            for name in SIMPLIFIED:
-                by_name[name].append(apart(rules[name], found.rho))
-                above[name].append(rules[name] > found.rho + 0.05)
-                short[name].append(found.difference_std(rules[name]) < 0.95 * true)
-    means = [np.mean(values) for values in by_name.values()]
-    assert np.mean(away) == pytest.approx(linearized_off, abs=0.004)
-    assert (min(means), max(means)) == pytest.approx(rules_off, abs=0.009)
-    assert (np.min(share), np.max(share)) == pytest.approx(alone, abs=0.03)
-    if band == BROAD:
-        assert np.max(share) < 0.8  # linearized gaps are unsafe, all of them
-        return
-    assert np.mean(np.array(share) < 0.95) == pytest.approx(0.83, abs=0.03)
-    # Higher coefficients, and gaps too small by more than a twentieth, by every rule in some cases.
-    assert 0.1 < min(np.mean(values) for values in above.values()) < 0.2
-    assert 0.4 < max(np.mean(values) for values in above.values()) < 0.65
-    assert 0.05 < min(np.mean(values) for values in short.values()) < 0.15
-    assert 0.4 < max(np.mean(values) for values in short.values()) < 0.6
+@pytest.mark.parametrize("band", [BROAD, NARROW], ids=["broad", "narrow"])
+def test_how_near_linearization_and_the_rules_are_to_simulation(band):
+    """Over 144 pairs: three periods, three strengths, 16 ratios. Means are exact to .002."""
+    away = {name: [] for name in ("linearization", "drift", *RULES)}
+    alone, fed, higher, short = [], [], {name: [] for name in RULES}, {name: [] for name in RULES}
+    for case in ((period, factor) for period in PERIODS for factor in FACTORS):
+        found = simulated(band, *case)
+        (linearized, rules), (drift, _) = formulas(band, *case), formulas(band, *case, "drift")
+        curves = {"linearization": linearized.rho.values, "drift": drift.rho.values, **rules}
+        needed = found.difference_std(found.rho)
+        for name, rho in curves.items():
+            away[name].append(apart(rho, found.rho))
+        for name, rho in rules.items():
+            higher[name].append(rho > found.rho + 0.05)
+            short[name].append(found.difference_std(rho) < 0.95 * needed)
+        peaks = linearized.displacement_std_1, linearized.displacement_std_2
+        fed.append(found.difference_std(linearized.rho.values) / needed)
+        alone.append(sl.critical_gap(*peaks, linearized.rho).gap.values / needed)
+    assert [np.mean(each) for each in away.values()] == pytest.approx(OFF[band], abs=0.007)
+    least, largest, unsafe = ALONE[band]
+    assert (np.min(alone), np.max(alone)) == pytest.approx((least, largest), abs=0.03)
+    assert np.mean(np.array(alone) < 0.95) == pytest.approx(unsafe, abs=0.03)
+    assert (np.min(fed), np.max(fed)) == pytest.approx(FED[band], abs=0.02)
+    assert not np.any(short["elastic"])
+    if band == NARROW:
+        by_period = np.reshape(away["linearization"], (len(PERIODS), -1)).mean(axis=1)
+        assert by_period == pytest.approx([0.26, 0.10, 0.15], abs=0.007)
+        for name, expected in TOO_HIGH.items():
+            assert (np.mean(higher[name]), np.mean(short[name])) == pytest.approx(expected, abs=0.03)
+        assert min(np.mean(higher[name]) for name in SIMPLIFIED) == np.mean(higher["fema_440"])
 
 
 def test_on_narrow_band_a_rule_gives_higher_correlations_near_the_ground_period():
@@ -203,7 +189,7 @@ def test_on_narrow_band_a_rule_gives_higher_correlations_near_the_ground_period(
     between = (RATIOS > 0.55) & (RATIOS < 0.9)
     np.testing.assert_array_equal(iwan > linearized.rho.values, between)
     gap = found.difference_std(iwan) / found.difference_std(found.rho)
-    assert (gap[RATIOS < 0.55] > 1).all()
+    assert (gap[(RATIOS < 0.55) | (RATIOS > 1.3)] > 1).all()
     assert gap[between | np.isclose(RATIOS, 2**0.25)].max() < 0.97
     assert gap.min() == pytest.approx(0.78, abs=0.02)
 

@@ -82,7 +82,7 @@ def test_pounding_amplifies_and_reduces(hard):
     )
     assert max(largest) == pytest.approx(1.40, abs=0.02)  # of a floor's displacement
     assert min(least) == pytest.approx(0.53, abs=0.02)
-    assert np.mean(np.array(least) < 0.95) > 0.5
+    assert sum(value < 0.95 for value in least) == 6
 
 
 LOW_STOREYS = sl.ShearBuilding.regular(
@@ -147,7 +147,7 @@ def test_oscillators_are_amplified_less_with_less_restitution(kind, mean, falls)
     steps = np.diff(larger, axis=0)
     error = steps.std(axis=1, ddof=1) / np.sqrt(larger.shape[1])
     assert (steps.mean(axis=1) < -3 * error).all()
-    assert (larger[-1] < larger[0]).mean() == pytest.approx(falls, abs=0.0051)
+    assert (larger[-1] < larger[0]).mean() == pytest.approx(falls, abs=0.03)  # one of 36
 
 
 def test_yielding_frames_are_amplified_as_much_with_less_restitution():
