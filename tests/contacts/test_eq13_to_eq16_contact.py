@@ -219,6 +219,35 @@ def test_fig7_shows_what_the_paper_says():
     assert (np.diff(sl.ImpactKelvin.contact_time(ratios)) < 0).all()
 
 
+def test_fig7_responses_diverge_as_the_damping_grows():
+    """Their ratio does; the difference of what velocity is left is largest, .413, at xi = .72."""
+    ratios = np.linspace(0.01, 0.99, 99)
+    kelvin, impact = sl.Kelvin.restitution(ratios), sl.ImpactKelvin.restitution(ratios)
+    assert (np.diff(impact / kelvin) > 0).all()
+    times = sl.Kelvin.contact_time(ratios) / sl.ImpactKelvin.contact_time(ratios)
+    assert (np.diff(times) > 0).all()
+    assert ratios[np.argmax(impact - kelvin)] == pytest.approx(0.72, abs=0.011)
+    assert np.max(impact - kelvin) == pytest.approx(0.413, abs=0.0006)
+    # Up to the deepest point both are one element.
+    chart = contact_history_chart(0.5)
+    deepest = chart.scaled_deformation.max("point").sel(element=["Kelvin", "ImpactKelvin"])
+    assert float(deepest.diff("element").item()) == pytest.approx(0, abs=1e-3)
+
+
+def test_contacts_of_other_laws_need_not_be_shorter_with_less_restitution():
+    """Contact times over those of e = .99: what the paper calls the expected response."""
+    times = xr.concat(
+        [contact_loop_chart(e).scaled_contact_time for e in (0.99, 0.65, 0.2)], "e", join="exact"
+    )
+    found = (
+        (times / times[0])
+        .transpose("element", "e")
+        .sel(element=["Kelvin", "NoTensionKelvin", "ImpactKelvin", "HertzDamp", "Jankowski"])
+    )
+    expected = [[1.01, 1.12], [0.92, 0.70], [0.92, 0.73], [1.06, 1.48], [0.99, 0.99]]
+    np.testing.assert_allclose(found[:, 1:], expected, atol=0.0051)
+
+
 def test_charts_say_what_they_are():
     charts = [contact_loop_chart(), contact_history_chart(), restitution_chart()]
     for chart in charts:

@@ -1,4 +1,4 @@
-"""What the paper says of link forces, of acceleration pulses and of energy that is handed over."""
+"""What the paper says of hits: forces, pulses, energy, amplification, and of link forces."""
 
 from __future__ import annotations
 
@@ -74,3 +74,104 @@ def test_pounding_hands_energy_from_one_building_to_the_other(hard):
         gains.append((handed.sum("impact") / table.input_energy.isel(time=-1)).values)
     assert np.min(gains) < -0.15  # measured: a building hands on up to 20 % of its input
     assert np.max(gains) > 0.05  # and gains up to 8 %
+
+
+def test_pounding_amplifies_and_reduces(hard):
+    largest, least = (
+        [float(getattr(table.amplification, end)()) for table in hard] for end in ("max", "min")
+    )
+    assert max(largest) == pytest.approx(1.40, abs=0.02)  # of a floor's displacement
+    assert min(least) == pytest.approx(0.53, abs=0.02)
+    assert sum(value < 0.95 for value in least) == 6
+
+
+LOW_STOREYS = sl.ShearBuilding.regular(
+    period=0.9, storeys=8, storey_height=3.0, mass=3e5, damping=0.05, hardening=0.05,
+    base_shear_coefficient=0.15,
+)  # fmt: skip
+
+
+def test_forces_of_hits_exceed_what_the_structure_can_bear(hard):
+    weaker = min(
+        float((b.arrays()["stiffnesses"] * b.arrays()["yield_drifts"])[0]) for b in (FIVE, EIGHT)
+    )
+    forces = [float(table.hardest_force.max()) / weaker for table in hard]
+    assert (min(forces), max(forces)) == pytest.approx((0.89, 2.15), abs=0.02)
+    # Slabs against the columns of a storey: over its shear at yield.
+    tables = [sl.pound([FIVE, LOW_STOREYS], GAP, HARD, motion) for motion in motions()]
+    columns = [float(table.column_force_share.max()) for table in tables]
+    assert (min(columns), max(columns)) == pytest.approx((1.76, 4.38), abs=0.02)
+
+
+# ---- Oscillators of 1 and .5 s in twelve motions on firm ground ----
+
+MANY = sl.simulated_motions(
+    sl.named_ground("firm", intensity=0.01), 15.0, sl.AminAng(2, 9, 0.5), paths=12, seed=3
+)
+STRENGTH = {
+    "elastic": ({}, {}),
+    "yielding": tuple({"hardening": 0.05, "yield_displacement": uy} for uy in (0.03, 0.015)),
+}
+
+
+def oscillators(kind, mass_1=2e5, mass_2=3e5):
+    one, two = STRENGTH[kind]
+    return [sl.Bilinear(1.0, 0.05, mass=mass_1, **one), sl.Bilinear(0.5, 0.05, mass=mass_2, **two)]
+
+
+@pytest.mark.parametrize("kind", STRENGTH)
+def test_the_critical_gap_is_the_least_without_contact(kind):
+    """There the structures meet at no velocity: a little less, and they meet slowly, once."""
+    pair = oscillators(kind)
+    for motion in MANY[:4]:
+        gap = float(sl.recorded_gap(*pair, motion).separation)
+        open_, closed = (sl.pound(pair, share * gap, HARD, motion) for share in (1.0001, 0.9999))
+        assert open_.sizes["impact"] == 0
+        assert closed.sizes["impact"] == 1
+        assert float(closed.approach_velocity[0]) < 0.02 * 2 * np.pi / 0.5 * gap
+
+
+@pytest.mark.parametrize(
+    ("kind", "mean", "falls"),
+    [("elastic", [1.35, 1.18, 0.99], 0.92), ("yielding", [1.27, 1.20, 1.10], 0.75)],
+)
+def test_oscillators_are_amplified_less_with_less_restitution(kind, mean, falls):
+    """The larger of both amplifications; three ratios of masses, e = .9, .65 and .1."""
+    found = []
+    for masses in ((2e5, 2e5), (2e5, 6e5), (6e5, 2e5)):
+        pair = oscillators(kind, *masses)
+        tables = [sl.pound(pair, 0.02, sl.Stereomechanical(e), MANY) for e in (0.9, 0.65, 0.1)]
+        found.append([table.amplification.max("structure").values for table in tables])
+    larger = np.concatenate(found, axis=1)
+    assert larger.mean(axis=1) == pytest.approx(mean, abs=0.0051)
+    steps = np.diff(larger, axis=0)
+    error = steps.std(axis=1, ddof=1) / np.sqrt(larger.shape[1])
+    assert (steps.mean(axis=1) < -3 * error).all()
+    assert (larger[-1] < larger[0]).mean() == pytest.approx(falls, abs=0.03)  # one of 36
+
+
+def test_yielding_frames_are_amplified_as_much_with_less_restitution():
+    springy, dull = (pounded(sl.Stereomechanical(e)) for e in (0.9, 0.1))
+    amplified = np.array([[float(t.amplification.max()) for t in tables] for tables in (springy, dull)])
+    assert amplified.mean(axis=1) == pytest.approx([1.21, 1.23], abs=0.01)
+    change = amplified[1] - amplified[0]
+    assert abs(change.mean()) < 4 * change.std(ddof=1) / np.sqrt(change.size)
+
+
+def test_a_stiff_element_of_little_restitution_makes_pulses_worse(hard):
+    """Its dashpot pushes with c v from the first touch on."""
+    pulse, harder = (
+        np.median([float((t.peak_acceleration / t.peak_acceleration_alone).max()) for t in tables])
+        for tables in (hard, pounded(sl.ImpactKelvin(2e9, restitution=0.1)))
+    )
+    assert harder > 8 * pulse  # measured: 11 times
+
+
+def test_elements_of_one_restitution_are_alike():
+    """Peak displacements against those of eq. (13), e = .65, yielding oscillators."""
+    pair = oscillators("yielding")
+    reference = sl.pound(pair, 0.02, sl.Stereomechanical(0.65), MANY).peak.values
+    for kind in (sl.Kelvin, sl.NoTensionKelvin, sl.ImpactKelvin):
+        peak = sl.pound(pair, 0.02, kind(1e9, restitution=0.65), MANY).peak.values
+        assert np.median(abs(peak / reference - 1)) < 0.05  # measured: .03 to .04
+        assert np.max(abs(peak / reference - 1)) < 0.2

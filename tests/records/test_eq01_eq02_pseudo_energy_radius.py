@@ -79,6 +79,70 @@ def test_eq02_nearly_holds_where_the_motion_is_in_tune(name, period):
     assert 0.95 * radius < float(table.pseudo_velocity) / (2 * np.pi / period) <= radius
 
 
+FIRM, LAKE = sl.KanaiTajimi(0.42, 0.6), sl.KanaiTajimi(2.0, 0.05)
+
+
+def simulated(ground, duration, envelope=None):
+    return list(sl.simulated_motions(ground, duration, envelope, paths=64, seed=2))
+
+
+def above_the_peaks(motions, period):
+    """``r_PER`` over ``max |u|`` and ``w r_PER`` over ``max |u'|`` of elastic structures."""
+    table = sl.response_spectrum(motions, period, 0.05)
+    radius = table.pseudo_energy_radius
+    return radius / table.displacement_max, 2 * np.pi / period * radius / table.velocity_max
+
+
+@pytest.mark.parametrize(
+    ("ground", "of_displacement", "of_velocity"),
+    [
+        (FIRM, [1.00, 1.01, 1.06, 1.08, 1.10], [1.08, 1.03, 1.02, 1.04, 1.06]),
+        (LAKE, [1.00, 1.00, 1.00, 1.00, 1.00], [5.38, 3.29, 2.03, 1.41, 1.02]),
+    ],
+    ids=["firm", "lake bed"],
+)
+def test_eq02_holds_in_part_for_simulated_motions(ground, of_displacement, of_velocity):
+    """Medians of 64 motions: the velocity is far off where stiff on a lake bed."""
+    motions = simulated(ground, 30.0, sl.AminAng(4, 15, 0.35))
+    for number, period in enumerate([0.3, 0.5, 0.8, 1.2, 2.0]):
+        displacement, velocity = above_the_peaks(motions, period)
+        assert float(displacement.median()) == pytest.approx(of_displacement[number], abs=0.0051)
+        assert float(velocity.median()) == pytest.approx(of_velocity[number], abs=0.0051)
+
+
+@needs_records
+@pytest.mark.parametrize(
+    ("suite", "of_displacement", "of_velocity", "near"),
+    [
+        ("far_field", [1.06, 1.94], [1.04, 1.25], (0.48, 0.60)),
+        ("mexico_city", [1.00, 1.40], [1.17, 2.49], (0.78, 0.33)),
+    ],
+)
+def test_eq02_holds_in_part_for_records(suite, of_displacement, of_velocity, near):
+    """Medians, 95 % quantiles, and shares within 5 %, over all records and periods from .2 to 4 s."""
+    records = sl.read_records(RECORDS / "suites.csv")
+    chosen = {name: record for name, record in records.items() if name.startswith(suite)}
+    periods = xr.DataArray(np.geomspace(0.2, 4, 14), dims="period")
+    displacement, velocity = above_the_peaks(chosen, periods)
+    assert displacement.quantile([0.5, 0.95]).values == pytest.approx(of_displacement, abs=0.0051)
+    assert velocity.quantile([0.5, 0.95]).values == pytest.approx(of_velocity, abs=0.0051)
+    shares = [float((ratio < 1.05).mean()) for ratio in (displacement, velocity)]
+    assert shares == pytest.approx(near, abs=0.0051)
+
+
+@pytest.mark.parametrize(
+    ("ground", "radius", "energy"), [(FIRM, 1.20, 4.1), (LAKE, 1.17, 3.2)], ids=["firm", "lake bed"]
+)
+def test_four_times_the_duration_adds_a_fifth_to_the_radius_and_four_times_the_energy(
+    ground, radius, energy
+):
+    """Fig. 1b, T = 1 s, stationary shaking of 20 and 80 s: the largest of more cycles is larger."""
+    short, long = (sl.response_spectrum(simulated(ground, time), 1.0, 0.05) for time in (20.0, 80.0))
+    growth = (long.mean() / short.mean())[["pseudo_energy_radius", "input_energy_per_mass"]]
+    assert float(growth.pseudo_energy_radius) == pytest.approx(radius, abs=0.0051)
+    assert float(growth.input_energy_per_mass) == pytest.approx(energy, abs=0.051)
+
+
 @needs_records
 def test_eq02_fails_at_long_periods():
     """There the velocity is the ground's, and ``r_PER`` tends to ``u'/w``, far above ``max |u|``."""
