@@ -97,6 +97,11 @@ class Case:
     @property
     def pair(self) -> tuple[AnyBuilding, AnyBuilding]:
         """The two buildings, the left one first; an error if there are others."""
+        if len(self.buildings) == 1:
+            raise ValueError(
+                f"{self.file}: building_2 is missing; this takes two: write a line [building_2] and its "
+                "keys below it; only 'stochlin pound' takes one building alone"
+            )
         first, second, *more = self.buildings
         if more:
             raise ValueError(
@@ -238,7 +243,8 @@ def read_case(path: str | os.PathLike[str]) -> Case:
         wanted.doubt("floors_align", f"is not so: {slabs[0]}; codes are asked as if it were false")
     simulated = whole.section("simulation", needed=False)
     simulated.only("paths", "seed")
-    names = [building.name for building in buildings]
+    *others, last = (building.name for building in buildings)
+    before = ", ".join(others)
     return Case(
         file=path.name,
         inputs=(
@@ -248,7 +254,7 @@ def read_case(path: str | os.PathLike[str]) -> Case:
             *(path.parent / one.text("path") for one in site.sections("records")),
             *of_suite,
         ),
-        title=whole.text("title", default=f"{', '.join(names[:-1])} and {names[-1]}"),
+        title=whole.text("title", default=" and ".join(filter(None, [before, last]))),
         site=of_site,
         ground=ground,
         buildings=buildings,
