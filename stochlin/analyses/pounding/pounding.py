@@ -9,7 +9,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from stochlin.analyses.pounding.ensembles import checked_ensemble, over_motions, with_statistics
-from stochlin.analyses.pounding.estimates import pounding_estimate
+from stochlin.analyses.pounding.estimates import pounding_estimate_row
 from stochlin.analyses.pounding.histories import contacts, course, histories
 from stochlin.analyses.pounding.rows import (
     Building,
@@ -288,11 +288,5 @@ def _estimates(
         ).pseudo_energy_radius
         for structure in structures
     ]
-    worst = np.ones(len(structures))
-    for b, gap in enumerate(gaps):
-        first, second = structures[b : b + 2]
-        hit = pounding_estimate(first, second, gap, contact, radii[b], radii[b + 1])
-        for side in range(2):
-            most = float(hit[f"largest_radius_amplification_{side + 1}"])
-            worst[b + side] = max(worst[b + side], most)
-    return worst
+    worst = pounding_estimate_row(structures, gaps, contact, radii).largest_radius_amplification
+    return worst.to_numpy()
