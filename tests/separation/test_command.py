@@ -102,12 +102,36 @@ def test_unsafe_rules_are_marked_so(example: Done) -> None:
             assert ("unsafe" in line) == (word == "unsafe")
 
 
+def test_all_four_families_of_codes_are_on_the_screen_the_page_and_in_the_file(example: Done) -> None:
+    of_code = {"asce_7": "SRSS", "share_of_sum": "sum", "asce_41": "height", "china_gb_50011": "fixed"}
+    with xr.open_dataset(example.folder / "gap.nc") as table:
+        lower = 15.0  # the annex
+        assert float(table.gap.sel(rule="asce_41")) == pytest.approx(0.04 * lower)
+        assert float(table.gap.sel(rule="china_gb_50011")) == pytest.approx(0.1)
+        for rule, family in of_code.items():
+            assert table.family.sel(rule=rule).item() == family
+            (line,) = re.findall(rf"^{rule} .*$", example.result.output, re.MULTILINE)
+            assert line.endswith(f" {family}")
+            assert re.search(rf'<td class="word mark">{family}</td></tr>', example.page)
+    assert "height, a factor times the height; fixed, a distance" in example.page
+
+
+def test_numbers_of_rules_of_ones_own(tmp_path: Path) -> None:
+    stated = 'numbers = { share_of_height = 0.01, fixed_distance = "7 cm", asce_41 = "3 %" }'
+    text = sl.example_case().replace("2048", "128").replace("[simulation]", f"{stated}\n[simulation]")
+    one = done(tmp_path, text)
+    assert one.result.exit_code == 0, one.result.output
+    for rule, gap in (("share_of_height", 15), ("fixed_distance", 7), ("asce_41", 45)):
+        assert re.search(rf"^{rule} +{gap}\.0 ", one.result.output, re.MULTILINE)
+    assert "factor 0.01; the peaks are not used" in one.page
+
+
 def test_the_table_has_no_samples_in_csv(tmp_path: Path) -> None:
     (tmp_path / "case.toml").write_text(sl.example_case().replace("2048", "128"))
     assert run(tmp_path / "case.toml", "--out", tmp_path / "t.csv").exit_code == 0
     lines = (tmp_path / "t.csv").read_text().splitlines()
     assert lines[1].startswith("simulation,")
-    assert len(lines) == 21
+    assert len(lines) == 24
 
 
 class Page(HTMLParser):
@@ -336,6 +360,24 @@ WRONG = [
     ('"0.6 s"', '"brief"', '"brief"', ["building_2.period", "is no number"]),
     ("[building_2]", "[building_3]", "[building_3]", ["building_3", "did you mean building_2?"]),
     ('"firm"\n#', '"fitted"\n#', "intensity =", ["site.intensity", "allowed: ground, records"]),
+    (
+        "# zone",
+        'numbers = { asce_41 = "3 cm" }\n# zone',
+        "numbers = {",
+        ["separation.numbers.asce_41 = '3 cm'", "unknown unit", "allowed: %"],
+    ),
+    (
+        "# zone",
+        "numbers = { eurocode_8 = 0.7 }\n# zone",
+        "numbers = {",
+        ["eurocode_8", "is not a key", "allowed: share_of_sum, share_of_height, fixed_distance"],
+    ),
+    (
+        "# zone",
+        'numbers = { fixed_distance = "0 cm" }\n# zone',
+        "numbers = {",
+        ["separation.numbers.fixed_distance", "out of range; allowed: 0 < value"],
+    ),
     (
         "[motion]",
         '[[site.records]]\npath = "no.txt"\nunits = "g"\n[motion]',
