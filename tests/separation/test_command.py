@@ -18,7 +18,9 @@ from cases import with_buildings
 from click.testing import CliRunner, Result
 
 import stochlin as sl
+from stochlin.analyses.cases.separation import answer_case
 from stochlin.views.command import main
+from stochlin.views.separation.pictures import distribution_figure, rules_figure
 from stochlin.views.separation.storeys import draw_heights
 
 pytestmark = pytest.mark.cli
@@ -114,6 +116,18 @@ def test_all_four_families_of_codes_are_on_the_screen_the_page_and_in_the_file(e
             assert line.endswith(f" {family}")
             assert re.search(rf'<td class="word mark">{family}</td></tr>', example.page)
     assert "height, a factor times the height; fixed, a distance" in example.page
+
+
+def test_a_gap_far_beyond_the_answer_is_told_at_the_border_of_the_pictures(tmp_path: Path) -> None:
+    """.04 of 15 m is five times the answer, and would squeeze the rest."""
+    path = tmp_path / "case.toml"
+    path.write_text(sl.example_case().replace("2048", "128").replace('existing = "5 cm"', "# "))
+    answer = answer_case(sl.read_case(path))
+    needed = 100 * float(answer.separation.gap[0])
+    for draw in (rules_figure, distribution_figure):
+        axes = draw(answer).axes[0]
+        assert axes.get_xlim()[1] < 2.7 * needed
+        assert [text for text in axes.texts if "60.0 cm" in text.get_text()]
 
 
 def test_numbers_of_rules_of_ones_own(tmp_path: Path) -> None:

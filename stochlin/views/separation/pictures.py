@@ -9,6 +9,7 @@ import numpy as np
 from stochlin.views.separation.storeys import draw_heights
 from stochlin.views.separation.words import RuleLine, rows
 from stochlin.views.shared.style import CURVES, STYLE, styled
+from stochlin.views.shared.words import BEYOND, FAR
 from stochlin.views.sites.pictures import draw_spectrum
 
 if TYPE_CHECKING:
@@ -30,8 +31,6 @@ VERDICTS = {
 }
 EDGE = "#1b1b1b"
 NEAR, CHARACTER = 0.015, 0.017  # of the axis: gaps as near as this share a label; width of a digit
-FAR = 2.5  # times the answer: gaps beyond are told at the border, for they would squeeze the rest
-BEYOND = "\N{RIGHTWARDS ARROW}"
 TOP, LEVELS = 1.4, 5  # of the distribution: upper end of its axis, heights of labels
 
 

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from stochlin.analyses.cases.storeys import SlabOnColumn
 
 MISSING, MINUS, SPACE = "\N{EN DASH}", "\N{MINUS SIGN}", "\N{NO-BREAK SPACE}"
+BEYOND = "\N{RIGHTWARDS ARROW}"
+FAR = 2.5  # times what most rules ask: gaps beyond are told at the border of a picture, not drawn
 CAPITALS = {
     **{word: word.upper() for word in ("asce", "is", "ubc", "fema", "srss", "gb")},
     "e030": "E.030",
