@@ -16,6 +16,7 @@ import stochlin as sl
 GROUND = sl.named_ground("firm", intensity=0.01)
 QUAKE = {"duration": 12.0, "envelope": sl.AminAng(2.0, 8.0, 0.5)}
 CONTACT = sl.Kelvin(5e8, restitution=0.65)
+BUMPER = sl.Kelvin(5e8, restitution=0.3)
 KINDS = {
     (name, yields): (count, storeys, yields)
     for name, count, storeys in (
@@ -99,6 +100,27 @@ def figures(logs):
     return known.mean(), errors[0], known.std(ddof=1), (known < 0).mean(), errors[1]
 
 
+def effect_of_bumper(kind, rows, seed):
+    """Means over structures and motions, row by row, of what a bumper changes: the truth, the estimate.
+
+    As logarithms of the largest displacement, and of the estimate of one hit, with it over without.
+    """
+    rng = np.random.default_rng(seed)
+    found = []
+    for _ in range(rows):
+        structures, gaps, motions = row(rng, *KINDS[kind])
+        with_it, without = (
+            sl.pounding_estimate_error(structures, gaps, contact, motions)
+            for contact in (BUMPER, CONTACT)
+        )
+        hit = ((with_it.hits > 0) & (without.hits > 0)).values
+        if hit.any():
+            names = ("peak_amplification", "largest_radius_amplification")
+            changes = [np.log(with_it[name] / without[name]).values[hit] for name in names]
+            found.append([*(change.mean() for change in changes), changes[1].max()])
+    return np.array(found)
+
+
 def main():
     rows = int(sys.argv[1]) if len(sys.argv) > 1 else ROWS
     for kind in KINDS:
@@ -109,6 +131,11 @@ def main():
                 shown = f"bias {bias:+.3f} ({se:.3f}), scatter {scatter:.2f}"
                 shown += f", exceeded {share:.3f} ({error:.3f})"
                 print(f"{kind[0]}, {YIELDS[kind[1]]}, {name}, {what}: {shown}", flush=True)
+    for yields in (False, True):
+        changes = effect_of_bumper(("two oscillators", yields), rows, seed=2)
+        error = changes.std(axis=0, ddof=1) / np.sqrt(len(changes))
+        for name, change, own in zip(("truth", "estimate"), changes.mean(axis=0), error, strict=False):
+            print(f"bumper of e = .3, {YIELDS[yields]}, {name}: {change:+.3f} ({own:.3f})", flush=True)
 
 
 if __name__ == "__main__":

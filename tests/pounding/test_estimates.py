@@ -214,3 +214,18 @@ def test_other_rows_have_the_error_that_is_said(kind):
         assert 0.1 < scatter < 0.45
         spread = np.sqrt(max(share, 0.02) * (1 - share) * (1 / rows + 1 / benchmark.ROWS))
         assert abs(exceeded - share) < 4 * spread
+
+
+@pytest.mark.slow
+@pytest.mark.paper
+@pytest.mark.parametrize(
+    ("yields", "said"),
+    [(False, ((-0.064, 0.007), (-0.077, 0.005))), (True, ((-0.020, 0.005), (-0.079, 0.006)))],
+)
+def test_a_bumper_makes_the_estimate_smaller_and_the_truth_in_the_mean(yields, said):
+    """The smaller restitution of a bumper leads to smaller amplifications, says the paper."""
+    changes = benchmark.effect_of_bumper(("two oscillators", yields), 14, seed=5)
+    assert changes[:, 2].max() <= 1e-12
+    for column, (mean, error) in enumerate(said):
+        own = changes[:, column].std(ddof=1) / np.sqrt(len(changes))
+        assert abs(changes[:, column].mean() - mean) < 4 * np.hypot(error, own)

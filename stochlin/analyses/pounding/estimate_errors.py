@@ -94,7 +94,7 @@ def pounding_estimate_error(
     Raises
     ------
     ValueError, TypeError, ArithmeticError
-        As in `pound`, or if there are fewer than two structures or motions.
+        As in `pound` of each of the motions, or if there are fewer than two structures or motions.
 
     Notes
     -----
