@@ -355,7 +355,7 @@ def test_a_table_of_storeys_has_a_row_a_rule(storeyed: dict[str, Done]) -> None:
     for one in storeyed.values():
         out = one.folder / "t.csv"
         assert run(one.folder / "case.toml", "--out", out).exit_code == 0
-        assert len(out.read_text().splitlines()) == 21
+        assert len(out.read_text().splitlines()) == 24
 
 
 def test_a_picture_over_height_needs_heights(example: Done, tmp_path: Path) -> None:
