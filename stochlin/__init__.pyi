@@ -124,7 +124,11 @@ from .models.rules.peak_factors import (
 from .analyses.probability.probability import pounding_probability as pounding_probability
 from .analyses.probability.fragility import pounding_fragility as pounding_fragility
 from .analyses.pounding.pounding import pound as pound
-from .analyses.pounding.estimates import pounding_estimate as pounding_estimate
+from .analyses.pounding.estimates import (
+    pounding_estimate as pounding_estimate,
+    pounding_estimate_row as pounding_estimate_row,
+)
+from .analyses.pounding.estimate_errors import pounding_estimate_error as pounding_estimate_error
 
 # Contacts
 from .models.contacts import (

@@ -23,6 +23,9 @@ pytestmark = pytest.mark.invariant
 SPECTRUM = "0 .4\n.1 .8\n.2 1\n.4 1\n.8 .5\n1.6 .25"
 LONGEST = 500  # characters, with the list of what is allowed
 TIME = 0.02 * np.arange(200)
+RECORD = xr.DataArray(
+    np.sin(9 * TIME) * np.exp(-TIME), dims="time", coords={"time": TIME}, attrs={"units": "m/s^2"}
+)
 V, Z = sympy.symbols("v z")
 
 WRONG: dict[str, Any] = {
@@ -69,8 +72,6 @@ def usual() -> Mapping[str, Any]:
     """A value of every parameter that has no default, by its name."""
     ground = sl.KanaiTajimi(1.0, 0.3, 0.01)
     one, two = (sl.Bilinear(T, 0.05, 0.05, yield_displacement=0.02, mass=1e6) for T in (0.6, 1.0))
-    values = np.sin(9 * TIME) * np.exp(-TIME)
-    record = xr.DataArray(values, dims="time", coords={"time": TIME}, attrs={"units": "m/s^2"})
     pairs = {f"{name}_{n}": value for n in (1, 2) for name, value in SINGLE.items()}
     models = {"structure": one, "first": one, "second": two, "structures": [one, two], "ground": ground}
     contact = sl.Kelvin(1e8, restitution=0.6)
@@ -78,8 +79,8 @@ def usual() -> Mapping[str, Any]:
         **SINGLE,
         **pairs,
         **models,
-        "record": record,
-        "motion": record,
+        "record": RECORD,
+        "motion": RECORD,
         "contact": contact,
         "gaps": [0.05],
         "link": sl.Link(damping_constant=1e5),
@@ -95,7 +96,7 @@ def usual() -> Mapping[str, Any]:
         "k_eq": [0.0, 0.0],
         "space": sl.statespace([sl.Bilinear(1.0, 0.05)], ground, [-1.0], [0.0]),
         "frequency": [1.0, 2.0],
-        "records": {"a": record, "b": record},
+        "records": {"a": RECORD, "b": RECORD},
         "grounds": [ground, sl.KanaiTajimi(0.4, 0.6, 0.01)],
     }
 
@@ -167,6 +168,9 @@ OWN: dict[str, dict[str, Any]] = {
     },
     "Link": {"hardening": 0.1, "yield_displacement": 0.01, "floors": (1, 1), "structures": (1, 2)},
     "pounding_estimate": {"duration": 3.0, "radius_1": 0.1, "radius_2": 0.2},
+    "pounding_estimate_row": {"radii": [0.1, 0.2]},
+    "pounding_estimate_error": {"motion": [RECORD, 2 * RECORD], "points": 5},
+    "pound": {"gaps": [0.05], "contact": sl.Kelvin(1e8, restitution=0.6), "motion": RECORD},
     **{name: {"restitution": 0.6} for name in DASHPOTS},
 }
 

@@ -139,10 +139,19 @@ ON_RECORD: dict[str, Callable[[Pair], object]] = {
     "pound": lambda s: sl.pound(s.both, [0.05], CONTACT, RECORD),
     "pound, link": lambda s: sl.pound(s.both, [0.05], CONTACT, RECORD, link=LINK),
     "pounding_estimate": lambda s: sl.pounding_estimate(*s.both, 0.05, CONTACT, 0.1, 0.1, points=5),
+    "pounding_estimate_row": lambda s: sl.pounding_estimate_row(
+        s.both, [0.05], CONTACT, [0.1, 0.1], points=5
+    ),
+    "pounding_estimate_error": lambda s: sl.pounding_estimate_error(
+        s.both, [0.05], CONTACT, [RECORD, RECORD], points=5
+    ),
 }
 
 
-ON_NOTHING = {"pounding_estimate"}  # what it is told of the motion are energy radii
+ON_NOTHING = {
+    "pounding_estimate",
+    "pounding_estimate_row",
+}  # what it is told of the motion are energy radii
 CALLS = ON_GROUND | ON_RECORD
 USUAL = "Kanai-Tajimi"  # the ground of all columns but the last
 HEAD = """# What takes what

@@ -32,8 +32,13 @@ def tower(heights, **other):
 @pytest.mark.parametrize(
     ("arguments", "error", "message"),
     [
-        ({"structures": [ONE]}, ValueError, "at least two"),
-        ({"structures": ONE}, ValueError, "at least two"),
+        ({"structures": []}, ValueError, r"structures = \[\]; allowed: a list of one or more"),
+        ({"structures": ONE}, ValueError, "allowed: a list of one or more, from left to right"),
+        ({"structures": [ONE]}, ValueError, "gaps = 0.01; allowed: none for one building alone"),
+        ({"structures": [ONE], "gaps": (), "contact": 0.65}, TypeError, "contact = 0.65"),
+        ({"gaps": ()}, ValueError, r"gaps = \(\); allowed: one number between each two.*1 in all"),
+        ({"contact": None}, ValueError, "contact is not given; 2 structures need.*Kelvin"),
+        ({"motion": None}, TypeError, "motion is not given; allowed: a record or several"),
         ({"structures": [ONE, 3]}, TypeError, "number 2 = 3.*allowed: Bilinear"),
         (
             {"structures": [ONE, Pinched(0.5, 0.05, mass=3e5)]},

@@ -189,6 +189,7 @@ def test_correlate_leaves_elastic_structures_at_eq_4():
 # ---- Rules of codes
 
 SITE = {"height_1": 12.0, "height_2": 20.0, "zone": "II"}
+FOUR = ("SRSS", "sum", "height", "fixed")
 FAMILIES = [("share_of_sum", 0.6), ("share_of_height", 0.01), ("fixed_distance", 0.1)]
 lengths = st.floats(1e-3, 2)
 
@@ -206,6 +207,9 @@ lengths = st.floats(1e-3, 2)
         ("is_1893", 0.07, 0.035),
         ("taiwan", 0.042, 0.042),
         ("peru_e030", 0.072, 0.072),
+        ("asce_41", 0.48, 0.48),
+        ("mexico_city_simplified", 0.108 + 0.18, 0.144),
+        ("china_gb_50011", 0.1, 0.1),
     ],
 )
 def test_codes_by_hand(name, apart, aligned):
@@ -225,6 +229,78 @@ def test_mexico_city_has_a_least_distance_and_three_zones(zone, each):
     rule = sl.code_rule("mexico_city")
     gap = rule.gap(0.02, 0.02, 12.0, 12.0, zone=zone)
     assert float(gap) == pytest.approx(2 * each, rel=1e-12)
+
+
+@pytest.mark.parametrize(("zone", "each"), [("I", 0.05), ("II", 0.054), ("III", 0.072)])
+def test_mexico_city_by_height_has_a_least_distance_and_three_zones(zone, each):
+    rule = sl.code_rule("mexico_city_simplified")
+    assert float(rule.gap(0.9, 0.9, 6.0, 6.0, zone=zone)) == pytest.approx(2 * each, rel=1e-12)
+
+
+@pytest.mark.parametrize(("step", "gap"), [(5.0, 0.124), (4.0, 0.13), (3.0, 0.14), (2.0, 0.16)])
+def test_china_has_a_fixed_distance_that_grows_above_fifteen_metres(step, gap):
+    """GB 50011: 6 m above 15 m, by the intensities 6 to 9."""
+    rule = sl.code_rule("china_gb_50011", step)
+    assert float(rule.gap(0.9, 0.9, 21.0, 30.0)) == pytest.approx(gap, rel=1e-12)
+    assert float(rule.gap(0.9, 0.9)) == float(rule.gap(0.9, 0.9, 15.0, 90.0)) == 0.1
+
+
+def test_all_four_families_of_the_paper_are_in_the_table():
+    table = sl.code_gaps(0.03, 0.04, height_1=12.0, height_2=20.0)
+    known = table.gap.notnull().values
+    assert set(table.family.values[known]) == set(FOUR)
+    for name, family in (("srss", "SRSS"), ("taiwan", "sum"), ("asce_41", "height")):
+        assert table.family.sel(rule=name).item() == family
+    assert table.family.sel(rule="china_gb_50011").item() == "fixed"
+    assert set(sl.code_gaps(0.03, 0.04).family.values) == set(FOUR)
+
+
+def test_a_number_of_ones_own_stands_in_the_table_and_is_told():
+    numbers = {"share_of_height": 0.01, "Fixed Distance": 0.08, "asce_41": 0.03, "share_of_sum": 1}
+    table = sl.code_gaps(0.03, 0.04, **SITE, numbers=numbers)
+    assert [n for n in table.rule.values if n not in sl.code_rule_names()] == [
+        "share_of_height",
+        "fixed_distance",
+    ]
+    for name, gap, told in (
+        ("share_of_height", 0.12, "factor 0.01; the peaks are not used"),
+        ("fixed_distance", 0.08, "distance 0.08; the peaks are not used"),
+        ("asce_41", 0.36, "factor 0.03; .04 of the height"),
+        ("share_of_sum", 0.07, "peaks are"),
+    ):
+        one = table.sel(rule=name)
+        assert float(one.gap) == pytest.approx(gap, rel=1e-12)
+        assert one.assumptions.item().startswith(told)
+    assert "'asce_41': 0.03" in table.attrs["history"]
+    usual = sl.code_gaps(0.03, 0.04, **SITE)
+    others = [n for n in sl.code_rule_names() if n != "asce_41"]
+    xr.testing.assert_identical(table.gap.sel(rule=others), usual.gap.sel(rule=others))
+
+
+@pytest.mark.parametrize(
+    ("numbers", "error", "message"),
+    [
+        (
+            {"mars": 0.1},
+            ValueError,
+            "a name in numbers = 'mars' is not a known code rule",
+        ),
+        ({"asce_41": "a lot"}, TypeError, "numbers: asce_41 = 'a lot'; allowed: a positive number"),
+        ({"asce_41": -1.0}, ValueError, "asce_41: factor = -1.0; allowed: a positive number"),
+        (
+            {"eurocode_8": 0.7},
+            ValueError,
+            "value = 0.7 is given to eurocode_8; allowed for share_",
+        ),
+        ([0.1], TypeError, r"numbers = \[0.1\]; allowed: a mapping"),
+    ],
+)
+def test_numbers_that_cannot_be_are_refused(numbers, error, message):
+    with pytest.raises(error, match=message):
+        sl.code_gaps(0.03, 0.04, numbers=numbers)
+    pair = [sl.Bilinear(period, 0.05) for period in (0.6, 1.0)]
+    with pytest.raises(error, match=message):
+        sl.separation(*pair, GROUND, 20.0, numbers=numbers)
 
 
 def test_peru_has_three_ways_to_be_the_largest():
@@ -294,7 +370,8 @@ def test_codes_side_by_side():
 
 def test_rules_without_their_data_are_nan_and_say_what_is_missing():
     table = sl.code_gaps(0.03, [0.04, -0.1], height_1=12.0)
-    lacking = {"mexico_city": "height_2, zone", "peru_e030": "height_2"}
+    lacking = dict.fromkeys(("mexico_city", "mexico_city_simplified"), "height_2, zone")
+    lacking |= dict.fromkeys(("peru_e030", "asce_41"), "height_2")
     for name in sl.code_rule_names():
         chosen = table.sel(rule=name)
         assert str(chosen.missing.item()) == lacking.get(name, "")

@@ -18,7 +18,9 @@ from cases import with_buildings
 from click.testing import CliRunner, Result
 
 import stochlin as sl
+from stochlin.analyses.cases.separation import answer_case
 from stochlin.views.command import main
+from stochlin.views.separation.pictures import distribution_figure, rules_figure
 from stochlin.views.separation.storeys import draw_heights
 
 pytestmark = pytest.mark.cli
@@ -102,12 +104,48 @@ def test_unsafe_rules_are_marked_so(example: Done) -> None:
             assert ("unsafe" in line) == (word == "unsafe")
 
 
+def test_all_four_families_of_codes_are_on_the_screen_the_page_and_in_the_file(example: Done) -> None:
+    of_code = {"asce_7": "SRSS", "share_of_sum": "sum", "asce_41": "height", "china_gb_50011": "fixed"}
+    with xr.open_dataset(example.folder / "gap.nc") as table:
+        lower = 15.0  # the annex
+        assert float(table.gap.sel(rule="asce_41")) == pytest.approx(0.04 * lower)
+        assert float(table.gap.sel(rule="china_gb_50011")) == pytest.approx(0.1)
+        for rule, family in of_code.items():
+            assert table.family.sel(rule=rule).item() == family
+            (line,) = re.findall(rf"^{rule} .*$", example.result.output, re.MULTILINE)
+            assert line.endswith(f" {family}")
+            assert re.search(rf'<td class="word mark">{family}</td></tr>', example.page)
+    assert "height, a factor times the height; fixed, a distance" in example.page
+
+
+def test_a_gap_far_beyond_the_answer_is_told_at_the_border_of_the_pictures(tmp_path: Path) -> None:
+    """.04 of 15 m is five times the answer, and would squeeze the rest."""
+    path = tmp_path / "case.toml"
+    path.write_text(sl.example_case().replace("2048", "128").replace('existing = "5 cm"', "# "))
+    answer = answer_case(sl.read_case(path))
+    needed = 100 * float(answer.separation.gap[0])
+    for draw in (rules_figure, distribution_figure):
+        axes = draw(answer).axes[0]
+        assert axes.get_xlim()[1] < 2.7 * needed
+        assert [text for text in axes.texts if "60.0 cm" in text.get_text()]
+
+
+def test_numbers_of_rules_of_ones_own(tmp_path: Path) -> None:
+    stated = 'numbers = { share_of_height = 0.01, fixed_distance = "7 cm", asce_41 = "3 %" }'
+    text = sl.example_case().replace("2048", "128").replace("[simulation]", f"{stated}\n[simulation]")
+    one = done(tmp_path, text)
+    assert one.result.exit_code == 0, one.result.output
+    for rule, gap in (("share_of_height", 15), ("fixed_distance", 7), ("asce_41", 45)):
+        assert re.search(rf"^{rule} +{gap}\.0 ", one.result.output, re.MULTILINE)
+    assert "factor 0.01; the peaks are not used" in one.page
+
+
 def test_the_table_has_no_samples_in_csv(tmp_path: Path) -> None:
     (tmp_path / "case.toml").write_text(sl.example_case().replace("2048", "128"))
     assert run(tmp_path / "case.toml", "--out", tmp_path / "t.csv").exit_code == 0
     lines = (tmp_path / "t.csv").read_text().splitlines()
     assert lines[1].startswith("simulation,")
-    assert len(lines) == 21
+    assert len(lines) == 24
 
 
 class Page(HTMLParser):
@@ -317,7 +355,7 @@ def test_a_table_of_storeys_has_a_row_a_rule(storeyed: dict[str, Done]) -> None:
     for one in storeyed.values():
         out = one.folder / "t.csv"
         assert run(one.folder / "case.toml", "--out", out).exit_code == 0
-        assert len(out.read_text().splitlines()) == 21
+        assert len(out.read_text().splitlines()) == 24
 
 
 def test_a_picture_over_height_needs_heights(example: Done, tmp_path: Path) -> None:
@@ -336,6 +374,24 @@ WRONG = [
     ('"0.6 s"', '"brief"', '"brief"', ["building_2.period", "is no number"]),
     ("[building_2]", "[building_3]", "[building_3]", ["building_3", "did you mean building_2?"]),
     ('"firm"\n#', '"fitted"\n#', "intensity =", ["site.intensity", "allowed: ground, records"]),
+    (
+        "# zone",
+        'numbers = { asce_41 = "3 cm" }\n# zone',
+        "numbers = {",
+        ["separation.numbers.asce_41 = '3 cm'", "unknown unit", "allowed: %"],
+    ),
+    (
+        "# zone",
+        "numbers = { eurocode_8 = 0.7 }\n# zone",
+        "numbers = {",
+        ["eurocode_8", "is not a key", "allowed: share_of_sum, share_of_height, fixed_distance"],
+    ),
+    (
+        "# zone",
+        'numbers = { fixed_distance = "0 cm" }\n# zone',
+        "numbers = {",
+        ["separation.numbers.fixed_distance", "out of range; allowed: 0 < value"],
+    ),
     (
         "[motion]",
         '[[site.records]]\npath = "no.txt"\nunits = "g"\n[motion]',

@@ -68,7 +68,7 @@ def building_keys(whole: Section) -> tuple[str, ...]:
                 f"is there, {expected} is not; did you mean {expected}? allowed: building_1, building_2 "
                 "and so on, from left to right, none left out",
             )
-    return tuple(f"building_{number}" for number in range(1, max(2, len(given)) + 1))
+    return tuple(f"building_{number}" for number in range(1, max(1, len(given)) + 1))
 
 
 def read_buildings(whole: Section, ground: Ground) -> tuple[AnyBuilding, ...]:
@@ -88,6 +88,8 @@ def read_gaps(wanted: Section, count: int) -> tuple[float, ...]:
     key = "existing"
     if key not in wanted:
         return ()
+    if count == 1:
+        raise wanted.error(key, "is a gap beside one building alone; leave it out, or add [building_2]")
     listed = isinstance(wanted.values[key], list)
     gaps = wanted.numbers(key, OPEN_OR_TOUCHING) if listed else [wanted.number(key, OPEN_OR_TOUCHING)]
     if len(gaps) != count - 1:

@@ -38,14 +38,15 @@ from stochlin.analyses.cases.sites.design_spectrum import (
 from stochlin.analyses.cases.sites.records import read_suite, recorded_motions
 from stochlin.analyses.cases.sites.strength import as_strong_as_asked, hazard_file
 from stochlin.analyses.cases.storeys import SlabOnColumn, StoreyBuilding, slabs_of_row
-from stochlin.analyses.cases.values import Quantity, read_sections
+from stochlin.analyses.cases.values import Quantity, Section, read_sections
 from stochlin.analyses.tables.checks import as_path
 from stochlin.models.contacts import Contact
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.measures import Measure
-from stochlin.models.parameters import Range
-from stochlin.models.rules.codes import ZONES
+from stochlin.models.parameters import POSITIVE, Range
+from stochlin.models.rules.codes import CODE_RULES, ZONES
+from stochlin.models.rules.codes.families import Numbered
 
 SHARE = Quantity("1", Range(upper=1.0, reason="a probability"))
 FEWEST_PATHS = 100  # for a quantile to have an interval
@@ -76,6 +77,7 @@ class Case:
     gaps: tuple[float, ...]
     floors_align: bool
     zone: str | None
+    numbers: Mapping[str, float]
     unverified: bool
     paths: int
     seed: int
@@ -97,6 +99,11 @@ class Case:
     @property
     def pair(self) -> tuple[AnyBuilding, AnyBuilding]:
         """The two buildings, the left one first; an error if there are others."""
+        if len(self.buildings) == 1:
+            raise ValueError(
+                f"{self.file}: building_2 is missing; this takes two: write a line [building_2] and its "
+                "keys below it; only 'stochlin pound' takes one building alone"
+            )
         first, second, *more = self.buildings
         if more:
             raise ValueError(
@@ -215,7 +222,7 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     keys = building_keys(whole)
     whole.only("title", *TABLES[:2], *keys, *TABLES[2:])
     site, motion, wanted = (whole.section(key) for key in ("site", "motion", "separation"))
-    wanted.only("confidence", "existing", "floors_align", "zone", "unverified")
+    wanted.only("confidence", "existing", "floors_align", "zone", "numbers", "unverified")
     records = recorded_motions(site, path.parent)
     spectrum = design_spectrum(site, path.parent) if SPECTRUM in site else None
     if fitted := fitted_motion(site, motion, records):
@@ -238,7 +245,8 @@ def read_case(path: str | os.PathLike[str]) -> Case:
         wanted.doubt("floors_align", f"is not so: {slabs[0]}; codes are asked as if it were false")
     simulated = whole.section("simulation", needed=False)
     simulated.only("paths", "seed")
-    names = [building.name for building in buildings]
+    *others, last = (building.name for building in buildings)
+    before = ", ".join(others)
     return Case(
         file=path.name,
         inputs=(
@@ -248,7 +256,7 @@ def read_case(path: str | os.PathLike[str]) -> Case:
             *(path.parent / one.text("path") for one in site.sections("records")),
             *of_suite,
         ),
-        title=whole.text("title", default=f"{', '.join(names[:-1])} and {names[-1]}"),
+        title=whole.text("title", default=" and ".join(filter(None, [before, last]))),
         site=of_site,
         ground=ground,
         buildings=buildings,
@@ -260,6 +268,7 @@ def read_case(path: str | os.PathLike[str]) -> Case:
         gaps=read_gaps(wanted, len(buildings)),
         floors_align=align and not slabs,
         zone=wanted.text("zone", tuple(ZONES)) if "zone" in wanted else None,
+        numbers=_numbers(wanted.section("numbers", needed=False)),
         unverified=wanted.truth("unverified"),
         paths=simulated.whole("paths", FEWEST_PATHS, 2048),
         seed=simulated.whole("seed", 0, 0),
@@ -268,3 +277,10 @@ def read_case(path: str | os.PathLike[str]) -> Case:
         amplification_limit=read_amplification_limit(whole),
         spectrum=spectrum,
     )
+
+
+def _numbers(section: Section) -> dict[str, float]:
+    """Numbers of code rules, in place of the usual ones."""
+    known = {name: rule.units for name, rule in CODE_RULES.items() if issubclass(rule, Numbered)}
+    section.only(*known)
+    return {name: section.number(name, Quantity(known[name], POSITIVE)) for name in section.values}

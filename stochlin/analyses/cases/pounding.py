@@ -37,7 +37,8 @@ def pound_case(case: Case, progress: Progress | None = None) -> dict[str, xr.Dat
     Parameters
     ----------
     case : Case
-        As `stochlin.read_case` gives it, with records, a contact, gaps, and the mass of every building.
+        As `stochlin.read_case` gives it, with records, a contact, gaps, and the mass of every building;
+        of one building alone without gaps and contact.
     progress : callable, optional
         Called with the share of the work that is done.
 
@@ -79,7 +80,7 @@ def pound_case(case: Case, progress: Progress | None = None) -> dict[str, xr.Dat
         periods = [building.period for building in case.buildings]
         table = table.assign(recorded_shaking(record, periods))
         tables[name] = _described(_named(table, case, structures)).assign_attrs(
-            title=f"{case.title}: pounding in {name}", record=name, case=case.title
+            title=f"{case.title}: {_what(case)} in {name}", record=name, case=case.title
         )
     return tables
 
@@ -111,12 +112,12 @@ def pound_motions(
     """
     contact, structures = _checked(case, simulated=motions is not None), _in_metres(case)
     shaking: Records = dict(case.records)
-    told = {"title": f"{case.title}: pounding in {len(case.records)} records"}
+    told = {"title": f"{case.title}: {_what(case)} in {len(case.records)} records"}
     if motions is not None:
         asked = {name: value for name, value in case.motion.items() if name != "confidence"}
         shaking = simulated_motions(case.ground, **asked | {"paths": motions})
         told = {name: shaking.attrs[name] for name in OF_MOTIONS if name in shaking.attrs}
-        told["title"] = f"{case.title}: pounding in {motions} simulated motions"
+        told["title"] = f"{case.title}: {_what(case)} in {motions} simulated motions"
     try:
         table = pound(structures, list(case.gaps), contact, shaking, progress=progress)
     except (ValueError, TypeError, ArithmeticError) as error:
@@ -149,6 +150,10 @@ def by_motion(table: xr.Dataset) -> xr.Dataset:
     return sheet
 
 
+def _what(case: Case) -> str:
+    return "pounding" if len(case.buildings) > 1 else "alone"
+
+
 def _in_metres(case: Case) -> list[Structure | ShearBuilding]:
     """The buildings, with their strengths in metres."""
     return [
@@ -159,15 +164,16 @@ def _in_metres(case: Case) -> list[Structure | ShearBuilding]:
     ]
 
 
-def _checked(case: Case, simulated: bool = False) -> Contact:
-    """The contact, once nothing else is missing either."""
+def _checked(case: Case, simulated: bool = False) -> Contact | None:
+    """The contact, once nothing else is missing either; one building alone needs none."""
     needs = f"{case.file}: pounding needs"
     if not case.records and not simulated:
         raise ValueError(
             f"{needs} a recorded motion; write [[site.records]], and below it its path, units and dt; "
             "or --motions 100 for simulated ones"
         )
-    if not case.gaps:
+    several = len(case.buildings) > 1
+    if several and not case.gaps:
         raise ValueError(
             f'{needs} the gap there is; write existing = "5 cm" in [separation], "0 cm" for buildings '
             "that touch, and a list for more than two"
@@ -177,7 +183,7 @@ def _checked(case: Case, simulated: bool = False) -> Contact:
             raise ValueError(
                 f'{needs} the mass of every building; write mass = "1500 t" in [building_{number}]'
             )
-    if case.contact is None:
+    if several and case.contact is None:
         raise ValueError(
             f'{needs} what the buildings meet at; write [contact], and below it model = "kelvin", '
             'stiffness = "2000 MN/m" and restitution = 0.65'
@@ -189,8 +195,9 @@ def _described(table: xr.Dataset) -> xr.Dataset:
     """The dataset with what its energies add up to, and how near they come."""
     if "floor" not in table.dims and "largest_radius_amplification" not in table:
         table["largest_radius_amplification"] = np.nan * table.amplification  # of bilinear buildings
-    left, right = (displacement_beside(table, side) for side in ("left", "right"))
-    table["least_clearance"] = table.gap - (left - right).max("time")
+    if "contact" in table.dims:
+        left, right = (displacement_beside(table, side) for side in ("left", "right"))
+        table["least_clearance"] = table.gap - (left - right).max("time")
     return labels.label(_with_energies(table), VARIABLES)
 
 

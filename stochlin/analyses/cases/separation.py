@@ -87,6 +87,7 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
         height_2=second.height,
         floors_align=case.floors_align,
         zone=case.zone,
+        numbers=case.numbers,
         unverified=case.unverified,
         records=dict(case.records) or None,
         progress=part(0.0 if case.gap is None else SEARCHES, 1.0),

@@ -92,7 +92,7 @@ class MitigatedPair:
         found: dict[str, list[float]] = {name: [] for name in RECORDED}
         contact = self.contact if measure.contact is None else measure.contact
         for motion, peaks in zip(self.records.values(), self.peaks_alone, strict=True):
-            table = pound(self.changed(measure), self.gap, contact, motion, link=measure.link)  # type: ignore[arg-type]
+            table = pound(self.changed(measure), self.gap, contact, motion, link=measure.link)
             for n in (0, 1):
                 found[f"amplification_{n + 1}"].append(float(np.nanmax(table.peak[n] / peaks[n])))
             found["impacts"].append(float(table.sizes["impact"]))
@@ -109,7 +109,7 @@ class MitigatedPair:
     def peaks_alone(self) -> list[Array]:
         """Peaks of the floors as built and standing alone, record by record [m]."""
         return [
-            pound(self.structures, self.gap, self.contact, motion).peak_alone.values  # type: ignore[arg-type]
+            pound(self.structures, self.gap, self.contact, motion).peak_alone.values
             for motion in self.records.values()
         ]
 

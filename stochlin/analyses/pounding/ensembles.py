@@ -128,17 +128,22 @@ def with_statistics(table: xr.Dataset, over: str, levels: Array) -> xr.Dataset:
     return table.assign_coords(quantile=level)
 
 
+def neighbours(count: int) -> dict[str, Any]:
+    """The coordinate of the gaps between so many structures."""
+    pairs = [f"{n} | {n + 1}" for n in range(1, count)]
+    return {NEIGHBOURS: (NEIGHBOURS, pairs, {"long_name": "both sides of the gap"})}
+
+
 def _between_neighbours(table: xr.Dataset, over: str) -> xr.Dataset:
     """With what the contacts between two neighbours, at all levels, come to together."""
     left = table.left.values
-    pairs = [f"{n} | {n + 1}" for n in np.unique(left)]
-    table = table.assign_coords(
-        {NEIGHBOURS: (NEIGHBOURS, pairs, {"long_name": "both sides of the gap"})}
-    )
+    pairs = np.unique(left)
+    table = table.assign_coords(neighbours(pairs.size + 1))
     for name, join in BETWEEN.items():
         values = table[name].transpose(over, "contact").values
-        joined = [join(values[:, left == n], axis=1) for n in np.unique(left)]
-        table[f"{name}_between"] = ((over, NEIGHBOURS), np.stack(joined, axis=1))
+        joined = [join(values[:, left == n], axis=1) for n in pairs]
+        together = np.reshape(joined, (pairs.size, len(values))).T
+        table[f"{name}_between"] = ((over, NEIGHBOURS), np.ascontiguousarray(together))
     return table
 
 

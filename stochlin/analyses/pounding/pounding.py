@@ -9,12 +9,13 @@ import numpy.typing as npt
 import xarray as xr
 
 from stochlin.analyses.pounding.ensembles import checked_ensemble, over_motions, with_statistics
-from stochlin.analyses.pounding.estimates import pounding_estimate
+from stochlin.analyses.pounding.estimates import pounding_estimate_row
 from stochlin.analyses.pounding.histories import contacts, course, histories
 from stochlin.analyses.pounding.rows import (
     Building,
     Meeting,
     build_row,
+    check_contact,
     checked_buildings,
     checked_gaps,
     checked_links,
@@ -36,6 +37,8 @@ from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.links import Link
 from stochlin.models.parameters import Model
 
+OF_CONTACTS = "contact", "impact", "side", "neighbours"  # dimensions that one building alone has not
+
 REFERENCES = (
     f"{labels.PAPER} Hairer, E., Norsett, S. P. and Wanner, G. (1993), Solving Ordinary Differential "
     "Equations I, section II.10."
@@ -44,9 +47,9 @@ REFERENCES = (
 
 def pound(
     structures: Sequence[Building],
-    gaps: npt.ArrayLike,
-    contact: Contact,
-    motion: Records,
+    gaps: npt.ArrayLike = (),
+    contact: Contact | None = None,
+    motion: Records | None = None,
     *,
     link: Link | Sequence[Link | None] | None = None,
     output_step: float | None = None,
@@ -55,18 +58,21 @@ def pound(
 ) -> xr.Dataset:
     """Buildings in a row through a motion or many, from rest, with all their impacts.
 
-    Of one motion there are histories, of several what each comes to, with means and quantiles.
+    Of one motion there are histories, of several what each comes to, with means and quantiles. One
+    building alone has no impacts, and all the rest: what it bears, and where its energy goes.
 
     Parameters
     ----------
     structures : list of Bilinear or BoucWen with a mass, and of ShearBuilding
-        At least two, from left to right. Shear buildings, of these laws, meet at every floor of either
+        From left to right, or one alone. Shear buildings, of these laws, meet at every floor of either
         up to the lower roof: floors within .05 m of one level slab to slab, any other a column of the
         neighbour, between two floors. An oscillator meets the roof of a shear building.
     gaps : list of float
-        Between neighbours [m], not negative: 0 touches. For two structures a number will do.
+        Between neighbours [m], not negative: 0 touches. For two structures a number will do; one alone
+        has none.
     contact : Contact
-        What all neighbours meet at, for instance `Kelvin` or `Stereomechanical`.
+        What all neighbours meet at, for instance `Kelvin` or `Stereomechanical`; of one building alone
+        it is left out.
     motion : xarray.DataArray, or list or mapping of them
         Ground acceleration [m/s^2] over ``time``, as `read_record` gives it; linear between samples.
         Several: over ``path``, too, as `simulated_motions` gives them, or records, as `read_records`
@@ -107,6 +113,8 @@ def pound(
         ``link``, ``link_force`` [N], over ``time`` ``link_stored_energy`` and ``link_lost_energy`` [J],
         and ``peak_link_force`` [N].
 
+        Of one building alone there is nothing over ``contact``, ``impact`` and ``neighbours``.
+
         Coordinates of ``contact`` say which structures and floors meet, at which ``level`` [m], and of
         which ``kind`` they are. Where slabs meet columns also ``column``, the side whose column it is,
         its ``storey``, whose floor above stands for it, the ``share`` of that floor in the column's
@@ -128,11 +136,11 @@ def pound(
     Raises
     ------
     ValueError, TypeError
-        If there are fewer than two structures, a law is another one, a mass is missing, velocities are
-        to jump (`Stereomechanical`) where a slab meets a column, parameters are arrays, a link has no
-        place, a gap is negative, the number of gaps or links is wrong, the output step is not
-        positive or given with several motions, a motion is not a record, has NaN or only zeros, there
-        is none, or they would take too long.
+        If there is no structure, a law is another one, a mass, a motion or, of several structures, the
+        contact is missing, velocities are to jump (`Stereomechanical`) where a slab meets a column,
+        parameters are arrays, a link has no place, a gap is negative, the number of gaps or links is
+        wrong, the output step is not positive or given with several motions, a motion is not a record,
+        has NaN or only zeros, there is none, or they would take too long.
     ArithmeticError
         If a step cannot be completed, with the time and the state; or if a building falls over, as the
         weight above can make it (``p_delta``). Of several motions that one is NaN; if all fail, the
@@ -173,6 +181,9 @@ def pound(
     (10, True)
     >>> bool(table.energy_balance_error.max() < 1e-6)
     True
+    >>> alone = sl.pound([soft], motion=record)
+    >>> float(alone.amplification[0]), "impact" in alone.dims
+    (1.0, False)
     >>> motions = sl.simulated_motions(sl.named_ground("firm", intensity=0.01), 5.0, paths=16)
     >>> many = sl.pound([soft, stiff], gaps=0.1, contact=bumper, motion=motions)
     >>> many.impacts.dims, float(many.pounding_probability[0])
@@ -180,7 +191,10 @@ def pound(
     """
     row_of = checked_buildings(structures)
     spaces = checked_gaps(gaps, len(row_of))
+    check_contact(contact, len(row_of))
     levels = checked_quantiles(quantiles)
+    if motion is None:
+        raise TypeError("motion is not given; allowed: a record or several, as read_record gives them")
     try:
         ensemble = checked_ensemble(motion)
     except (TypeError, ValueError) as error:
@@ -203,7 +217,7 @@ def pound(
         times = _output_times(output_step, ground)
         table = _of_one(row_of, row, places, ground, motion["time"], times, progress).merge(lines)
         oscillators = [structure for structure in row_of if isinstance(structure, Bilinear)]
-        if len(oscillators) == len(row_of) and not any(links):
+        if contact is not None and len(oscillators) == len(row_of) and not any(links):
             worst = _estimates(oscillators, spaces, contact, motion)
             table["largest_radius_amplification"] = ("structure", worst)
         call = f"pound(output_step={output_step})"
@@ -212,16 +226,17 @@ def pound(
         table = with_statistics(table, over, levels)
         call = f"pound(quantiles={levels.tolist()})"
     table["gap"] = ("contact", row.gap)
-    table = labels.label(table, VARIABLES).assign_attrs(gaps=spaces.tolist(), motion=ensemble.describe())
+    table = labels.label(table, VARIABLES).assign_attrs(motion=ensemble.describe())
     models: dict[str, Model] = {f"structure_{n}": each for n, each in enumerate(row_of, start=1)}
     models |= {f"link_{n}": each for n, each in enumerate(links, start=1) if each is not None}
-    return labels.with_run_information(
-        table,
-        "Pounding of buildings in a row",
-        call,
-        models | {"contact": contact},
-        REFERENCES,
-    )
+    title = "Pounding of buildings in a row"
+    if contact is None or not spaces.size:
+        title = "A building alone in a motion"
+        table = table.drop_dims(OF_CONTACTS, errors="ignore")
+    else:
+        models["contact"] = contact
+        table = table.assign_attrs(gaps=spaces.tolist())
+    return labels.with_run_information(table, title, call, models, REFERENCES)
 
 
 def _of_one(
@@ -273,11 +288,5 @@ def _estimates(
         ).pseudo_energy_radius
         for structure in structures
     ]
-    worst = np.ones(len(structures))
-    for b, gap in enumerate(gaps):
-        first, second = structures[b : b + 2]
-        hit = pounding_estimate(first, second, gap, contact, radii[b], radii[b + 1])
-        for side in range(2):
-            most = float(hit[f"largest_radius_amplification_{side + 1}"])
-            worst[b + side] = max(worst[b + side], most)
-    return worst
+    worst = pounding_estimate_row(structures, gaps, contact, radii).largest_radius_amplification
+    return worst.to_numpy()

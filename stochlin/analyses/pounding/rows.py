@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -23,7 +24,6 @@ from stochlin.models.structures import Structure
 from stochlin.models.systems import (
     LEVEL,
     Stack,
-    System,
     Tie,
     check_links,
     first_period,
@@ -77,9 +77,9 @@ class Meeting(NamedTuple):
 
 def checked_buildings(structures: Sequence[Building]) -> list[Building]:
     """The structures, once each of them can pound against the others."""
-    if not isinstance(structures, Sequence) or len(structures) < 2:
+    if not isinstance(structures, Sequence) or not structures:
         raise ValueError(
-            f"structures = {brief(structures)}; allowed: a list of at least two, left to right"
+            f"structures = {brief(structures)}; allowed: a list of one or more, from left to right"
         )
     for number, structure in enumerate(structures, start=1):
         role = f"structures, number {number}"
@@ -107,6 +107,8 @@ def checked_buildings(structures: Sequence[Building]) -> list[Building]:
 def checked_gaps(gaps: npt.ArrayLike, count: int) -> Array:
     """Gaps [m] between ``count`` structures; a number will do for two."""
     allowed = f"one number between each two neighbours, {count - 1} in all"
+    if count == 1:
+        allowed = "none for one building alone, gaps=(), or a second structure"
     values = np.atleast_1d(as_numbers("gaps", gaps, allowed))
     if values.ndim != 1 or values.size != count - 1:
         raise ValueError(f"gaps = {brief(gaps)}; allowed: {allowed}")
@@ -119,6 +121,18 @@ def checked_gaps(gaps: npt.ArrayLike, count: int) -> Array:
     return values.astype(float)
 
 
+def check_contact(contact: Contact | None, count: int) -> None:
+    """Raise unless ``count`` structures have something to meet at; one alone needs none."""
+    if contact is None and count > 1:
+        raise ValueError(
+            f"contact is not given; {count} structures need what they meet at, for instance "
+            "Kelvin(stiffness, restitution=..); only one building alone can do without"
+        )
+    if contact is not None:
+        expect(contact, Contact, "contact")
+        check_scalars(contact, "contact", NUMBERS)
+
+
 def checked_links(link: Link | Sequence[Link | None] | None, count: int) -> tuple[Link | None, ...]:
     """Links between ``count`` structures; one will do for two."""
     links = check_links("link", link, count)
@@ -128,11 +142,13 @@ def checked_links(link: Link | Sequence[Link | None] | None, count: int) -> tupl
     return links
 
 
-def meetings(system: System) -> list[Meeting]:
-    """Contacts of the row, level by level from the ground, and along a level from left to right."""
+def meetings(levels: Sequence[Array]) -> list[Meeting]:
+    """Contacts of structures with floors at these levels [m], NaN of an oscillator, in a row.
+
+    Level by level from the ground, and along a level from left to right.
+    """
     found: list[Meeting] = []
-    for b in range(len(system.stacks) - 1):
-        one, two = (stack.levels for stack in system.stacks[b : b + 2])
+    for b, (one, two) in enumerate(pairwise(levels)):
         if np.isnan(one).any() or np.isnan(two).any():  # an oscillator meets the roof
             level = np.fmax(one[-1], two[-1])
             found.append(Meeting(b, one.size - 1, two.size - 1, float(level)))
@@ -152,22 +168,22 @@ def meetings(system: System) -> list[Meeting]:
 def build_row(
     structures: Sequence[Building],
     gaps: Array,
-    contact: Contact,
+    contact: Contact | None,
     motion: Array,
     links: Sequence[Link | None],
 ) -> tuple[Row, list[Meeting]]:
     """The row of buildings for a kernel, and what its contacts are."""
-    expect(contact, Contact, "contact")
-    check_scalars(contact, "contact", NUMBERS)
     system = system_of(structures, links)
-    first, mass, places = system.first, system.all("mass"), meetings(system)
-    floors = np.array([_floors(m, first) for m in places])
-    weight = np.array([m.weights for m in places])
+    first, mass = system.first, system.all("mass")
+    places = meetings([stack.levels for stack in system.stacks])
+    floors = np.array([_floors(m, first) for m in places], np.int64).reshape(-1, 3)
+    weight = np.array([m.weights for m in places], float).reshape(-1, 3)
     shares = weight**2 / mass[floors]
     meeting = 1.0 / (shares[:, 0] + shares[:, 1] + shares[:, 2])
     element = contact if isinstance(contact, Element) else None
+    jumps = contact is not None and element is None
     columns = [m for m in places if m.struck]
-    if element is None and columns:
+    if contact is not None and jumps and columns:
         raise ValueError(
             f"contact = {contact.describe()}: velocities jump only where slabs meet, and of the "
             f"structures {columns[0].building + 1} and {columns[0].building + 2} a floor meets a column "
@@ -191,10 +207,10 @@ def build_row(
         lower=np.ascontiguousarray(floors[:, 2]),
         weight=weight,
         meeting=meeting,
-        gap=np.array([gaps[m.building] for m in places]),
+        gap=np.array([gaps[m.building] for m in places], float),
         element=law_table(laws),
-        jumps=element is None,
-        restitution=1.0 if element else float(contact.e),
+        jumps=jumps,
+        restitution=float(contact.e) if contact is not None and jumps else 1.0,
         slow=slow_approach(shortest_period(structures), motion),
         tied=np.array([(tie.one, tie.two) for tie in system.ties], np.int64).reshape(-1, 2),
         tie=np.array([_tie(tie) for tie in system.ties], float).reshape(-1, 4),

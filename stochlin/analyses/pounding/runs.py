@@ -52,8 +52,12 @@ def in_row(
     return _completed(structures, row, kernel.SampledMotion(*ground, *asked))
 
 
-def alone(structures: Sequence[Building], row: Row, ground: SampledGround) -> kernel.Run:
-    """The same structures, each standing alone, without states."""
+def alone(
+    structures: Sequence[Building], row: Row, ground: SampledGround, sampled: bool = False
+) -> kernel.Run:
+    """The same structures, each standing alone, without states, or with those at the samples."""
+    if sampled:
+        return in_row(structures, kernel.standing_alone(row), ground)
     never = np.empty(0, np.int64), np.empty(0)
     return _completed(structures, kernel.standing_alone(row), kernel.SampledMotion(*ground, *never))
 

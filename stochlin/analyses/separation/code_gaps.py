@@ -9,11 +9,21 @@ import xarray as xr
 
 from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_truth
+from stochlin.analyses.tables.checks import check_truth, is_number
+from stochlin.messages import brief
 from stochlin.models.parameters import Parameter
-from stochlin.models.rules.codes import BuildingPeaks, check_zone, code_rule, code_rule_names
+from stochlin.models.rules.codes import (
+    CODE_RULES,
+    BuildingPeaks,
+    CodeRule,
+    check_zone,
+    code_rule,
+    code_rule_names,
+)
+from stochlin.models.rules.published import look_up
 
 TEXTS: Mapping[str, str] = {
+    "family": "what governs the rule: SRSS or sum of the peaks, the height, or a fixed distance",
     "reference": "source of the rule",
     "mark": "how the rule was checked",
     "assumptions": "what the peaks must be",
@@ -29,8 +39,12 @@ def code_gaps(
     height_2: Parameter | None = None,
     floors_align: bool = False,
     zone: str | None = None,
+    numbers: Mapping[str, float] | None = None,
 ) -> xr.Dataset:
     """Separation of two buildings by every known rule of a building code.
+
+    All four families of the paper are among them: the square root of squares, a factor times the sum, a
+    factor times the height, and a fixed distance.
 
     Parameters
     ----------
@@ -43,20 +57,24 @@ def code_gaps(
         Whether the floors are at the same levels; some rules then ask for less.
     zone : str, optional
         Zone of Mexico City: ``"I"``, ``"II"`` or ``"III"``.
+    numbers : mapping, optional
+        Numbers of rules, by name, in place of the usual ones, as `code_rule` takes them; with one of
+        their own ``"share_of_height"`` and ``"fixed_distance"`` [m] are in the table, too.
 
     Returns
     -------
     xarray.Dataset
         Over ``rule`` and the dimensions of the arguments: ``gap`` [m], NaN for rules that need what
-        is not given, and ``status``; along ``rule`` the coordinates ``reference``, ``mark`` (S: seen in
+        is not given, and ``status``; along ``rule`` the coordinates ``family`` (``SRSS``, ``sum``,
+        ``height`` or ``fixed``), ``reference``, ``mark`` (S: seen in
         a copy of the source; P: printed in the paper; M: from memory, unverified), ``assumptions``
         and ``missing``: what was needed and not given.
 
     Raises
     ------
     ValueError, TypeError
-        If the zone is unknown, a scalar is out of range, a value is not a number, or dimensions do
-        not fit.
+        If the zone or a rule is unknown, a scalar is out of range, a value is not a number, or
+        dimensions do not fit.
 
     Notes
     -----
@@ -74,6 +92,9 @@ def code_gaps(
     0.035
     >>> table.missing.sel(rule="peru_e030").item()
     'height_1, height_2'
+    >>> stated = sl.code_gaps(0.03, 0.04, height_1=12, height_2=20, numbers={"share_of_height": 0.01})
+    >>> float(stated.gap.sel(rule="share_of_height"))
+    0.12
     """
     check_zone(zone)
     check_truth("floors_align", floors_align)
@@ -81,7 +102,7 @@ def code_gaps(
     valid = pair.valid()
     values = {name: array.where(valid) for name, array in pair.arrays().items()}
     given = {*values, *(() if zone is None else ("zone",))}
-    rules = [code_rule(name) for name in code_rule_names()]
+    rules = rules_with(numbers)
     missing = [", ".join(n for n in rule.needs if n not in given) for rule in rules]
     nothing = xr.full_like(valid, np.nan, float)
     gaps = [
@@ -96,14 +117,34 @@ def code_gaps(
     usable = valid & xr.DataArray([not lacks for lacks in missing], dims="rule")
     table = xr.Dataset({"gap": gap, "status": labels.status_where(usable).transpose(*gap.dims)})
     for name, text in TEXTS.items():
-        told = missing if name == "missing" else [getattr(rule, name) for rule in rules]
+        kept = {"missing": missing, "assumptions": [rule.told for rule in rules]}
+        told = kept.get(name) or [getattr(rule, name) for rule in rules]
         table = table.assign_coords({name: ("rule", told, {"long_name": text})})
     table = labels.label(table, VARIABLES)
     table.attrs["comment"] = "Rules whose mark has an M are from memory, not compared with the source."
     return labels.with_run_information(
         table,
         "Separation by the rules of building codes",
-        f"code_gaps(floors_align={bool(floors_align)}, zone={zone!r})",
+        f"code_gaps(floors_align={bool(floors_align)}, zone={zone!r}{told_numbers(numbers)})",
         {"pair": pair},
         "; ".join(dict.fromkeys(rule.reference for rule in rules)),
     )
+
+
+def rules_with(numbers: Mapping[str, float] | None) -> list[CodeRule]:
+    """All rules in their order, some with a number that is stated."""
+    if numbers is not None and not isinstance(numbers, Mapping):
+        raise TypeError(f"numbers = {brief(numbers)}; allowed: a mapping from names of rules to numbers")
+    stated: dict[str, float] = {}
+    for name, value in (numbers or {}).items():
+        rule = look_up(CODE_RULES, name, "a name in numbers")
+        if not is_number(value):
+            raise TypeError(f"numbers: {rule.name} = {brief(value)}; allowed: a positive number")
+        stated[rule.name] = value
+    usual = code_rule_names()
+    return [code_rule(name, stated.get(name)) for name in CODE_RULES if name in usual or name in stated]
+
+
+def told_numbers(numbers: Mapping[str, float] | None) -> str:
+    """Stated numbers, for the run information."""
+    return f", numbers={ {str(n): float(v) for n, v in numbers.items()} }" if numbers else ""

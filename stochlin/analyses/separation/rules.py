@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -38,6 +38,7 @@ class Rule:
     kind: str
     gaps: Array  # (heights,) [m], NaN if not available
     rhos: Array | None = None  # (heights,)
+    family: str = ""  # of a building code
     reference: str = ""
     mark: str = ""
     assumptions: str = ""
@@ -185,7 +186,13 @@ def effective_arguments(structures: Sequence[Structure], ductilities: Array) -> 
     return arguments
 
 
-def all_rules(pair: PairInMotion, floors_align: bool, zone: str | None, unverified: bool) -> list[Rule]:
+def all_rules(
+    pair: PairInMotion,
+    floors_align: bool,
+    zone: str | None,
+    unverified: bool,
+    numbers: Mapping[str, float] | None,
+) -> list[Rule]:
     """Every rule that there is, those that lack something too."""
     return [  # simulation is refused for structures so rarely yielding that it would take hours
         _with_solved_rho(pair, "simulated", "stationary simulation", pair.simulated_rho),
@@ -200,7 +207,7 @@ def all_rules(pair: PairInMotion, floors_align: bool, zone: str | None, unverifi
             pair.confidence,
             pair.motions.attrs.get("scatter", 0.0),
         ),
-        *code_rules(pair.peaks, pair.code_heights, floors_align, zone),
+        *code_rules(pair.peaks, pair.code_heights, floors_align, zone, numbers),
     ]
 
 
@@ -270,7 +277,11 @@ def peak_quantile(
 
 
 def code_rules(
-    peaks: Array, heights: tuple[Any, Any], floors_align: bool, zone: str | None
+    peaks: Array,
+    heights: tuple[Any, Any],
+    floors_align: bool,
+    zone: str | None,
+    numbers: Mapping[str, float] | None = None,
 ) -> list[Rule]:
     """The rules of building codes, fed with these peaks (2, heights) [m]."""
     height_1, height_2 = (
@@ -278,12 +289,20 @@ def code_rules(
     )
     peak_1, peak_2 = (xr.DataArray(peak, dims="height") for peak in peaks)
     table = code_gaps(
-        peak_1, peak_2, height_1=height_1, height_2=height_2, floors_align=floors_align, zone=zone
+        peak_1,
+        peak_2,
+        height_1=height_1,
+        height_2=height_2,
+        floors_align=floors_align,
+        zone=zone,
+        numbers=numbers,
     )
     rules = []
     for name in table.rule.values:
         row = table.sel(rule=name)
-        texts: dict[str, Any] = {n: str(row[n].values) for n in ("reference", "mark", "assumptions")}
+        texts: dict[str, Any] = {
+            n: str(row[n].values) for n in ("family", "reference", "mark", "assumptions")
+        }
         missing = f"needs {row.missing.values}" if row.missing.values else ""
         rules.append(Rule(str(name), "code", row.gap.values, **texts, missing=missing))
     return rules

@@ -10,6 +10,7 @@ import xarray as xr
 
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.records.gaps import recorded_gap
+from stochlin.analyses.separation.code_gaps import rules_with, told_numbers
 from stochlin.analyses.separation.rules import (
     OscillatorsInMotion,
     PairInMotion,
@@ -55,6 +56,7 @@ EXACT = "exact laws, no model error"
 MOTION = ("paths", "seed", "step_s", "duration_s", "envelope")
 TEXTS: Mapping[str, str] = {
     "kind": "simulation, eq. (3) with a correlation, linearization, or building code",
+    "family": "what governs a building code: SRSS or sum of the peaks, the height, or a fixed distance",
     "reference": "source of the rule",
     "mark": "how the rule was checked: S seen in a copy of its source, C derived and checked, "
     "P printed in the paper, M from memory",
@@ -78,6 +80,7 @@ def separation(
     height_2: float | None = None,
     floors_align: bool = False,
     zone: str | None = None,
+    numbers: Mapping[str, float] | None = None,
     unverified: bool = False,
     records: Any = None,
     progress: Progress | None = None,
@@ -111,6 +114,8 @@ def separation(
         Whether floors are at the same levels; some codes then ask for less.
     zone : str, optional
         ``"I"``, ``"II"`` or ``"III"``, of Mexico City.
+    numbers : mapping, optional
+        Of code rules, by name, in place of the usual ones: as in `code_gaps`.
     unverified : bool
         Whether to include rules whose formulas could not be verified.
     records : DataArray, or list or mapping of them, optional
@@ -124,7 +129,8 @@ def separation(
         Over ``rule``: ``gap`` [m]; ``error`` [-], the gap over the answer's less 1;
         ``no_pounding_probability`` [-] in the simulated motions with its 95 % interval, ``_lower`` and
         ``_upper``; ``rho`` [-] where the rule has one; ``verdict`` and ``status`` (flags); along it the
-        coordinates ``kind``, ``reference``, ``mark``, ``assumptions``, ``missing``. ``gap_lower`` and
+        coordinates ``kind``, ``family`` (of a code, as in `code_gaps`), ``reference``, ``mark``,
+        ``assumptions``, ``missing``. ``gap_lower`` and
         ``gap_upper`` [m]: the 95 % interval of the answer. Of the simulation: ``peak_1`` and ``_2`` [m],
         the quantiles that rules are fed with, ``peak_mean_1`` and ``_2``, ``separation_mean`` [m] with
         standard errors, ``separation_samples`` [m] over ``path``, ``ductility_1`` and ``_2`` [-] (mean
@@ -163,6 +169,7 @@ def separation(
     check_confidence(confidence)
     check_scatter(scatter)
     check_zone(zone)
+    rules_with(numbers)
     check_truth("floors_align", floors_align)
     check_truth("unverified", unverified)
     heights = BuildingPeaks(0.0, 0.0, height_1, height_2)
@@ -197,7 +204,7 @@ def separation(
         else:
             solid = strength_in_metres(first, ground), strength_in_metres(second, ground)
             pair = StoreysInMotion(solid, ground, motions, confidence, seconds)
-        rules = all_rules(pair, floors_align, zone, unverified)
+        rules = all_rules(pair, floors_align, zone, unverified, numbers)
         table = _judged(rules, pair)
         table.attrs = {name: motions.attrs[name] for name in MOTION} | labels.of_scatter(scatter)
         if records is None:
@@ -216,7 +223,8 @@ def separation(
     return labels.with_run_information(
         table.assign_attrs(confidence=confidence),
         f"Separation of two buildings by rule, {ground.name} ground",
-        f"separation(duration={duration:g}, confidence={confidence:g}, paths={paths}, seed={seed})",
+        f"separation(duration={duration:g}, confidence={confidence:g}, paths={paths}, seed={seed}"
+        f"{told_numbers(numbers)})",
         models,
     )
 

@@ -9,7 +9,7 @@ import xarray as xr
 
 from stochlin.views.probability.pictures import ESTIMATES, known
 from stochlin.views.shared.style import CURVES
-from stochlin.views.shared.words import label
+from stochlin.views.shared.words import BEYOND, FAR, label
 
 Figure = dict[str, Any]
 DASHES = ("solid", "dash", "dashdot", "dot", "longdash", "longdashdot")  # as in CURVES
@@ -94,23 +94,29 @@ def gaps_figure(table: xr.Dataset, recorded: xr.Dataset | None = None) -> Figure
     known = table.isel(rule=np.flatnonzero(table.gap.notnull().values)[::-1])
     names = [label(str(rule)) for rule in known.rule.values]
     gaps = 100 * known.gap.values
+    far = gaps > FAR * np.median(gaps)
     curves = []
     for kind, (symbol, text) in KINDS.items():
         rows = np.flatnonzero(known.kind.values == kind)
         if rows.size:
-            curves.append(_points(known, gaps, names, rows, symbol) | {"name": text})
+            curves.append(_points(known, gaps, names, rows, symbol, far) | {"name": text})
     of_records = [] if recorded is None else 100 * recorded.separation.values
     if recorded is not None:
         names.append("records")
         curves.append(_of_records(recorded, of_records))
     layout = _layout("gap [cm]", "")
-    highest = float(np.nanmax([*gaps, *of_records, 100 * table.attrs["gap_m"]]))
+    highest = float(np.nanmax([*gaps[~far], *of_records, 100 * table.attrs["gap_m"]]))
     layout["xaxis"] |= {"range": [0, 1.22 * highest]}
+    beyond = [
+        _note(1, f"{gaps[row]:.0f} cm {BEYOND}")
+        | {"xref": "paper", "y": names[row], "yref": "y", "xanchor": "right", "yanchor": "middle"}
+        for row in np.flatnonzero(far)
+    ]
     layout["yaxis"] |= {"type": "category", "categoryarray": names}
     layout["yaxis"] |= {"range": [-0.6, len(names) - 0.1], "tickfont": {"size": 11}}
     layout["height"] = 130 + 21 * len(names)
     layout["shapes"] = [_vertical(100 * table.attrs["gap_m"], "dash")]
-    layout["annotations"] = [_note(100 * table.attrs["gap_m"], "existing gap")]
+    layout["annotations"] = [_note(100 * table.attrs["gap_m"], "existing gap"), *beyond]
     if rule := told_by_height(table):
         curves.append(_over_height(table.sel(rule=rule)))
         share = HEIGHT_CHART / (layout["height"] + HEIGHT_CHART)
@@ -181,8 +187,9 @@ def probability_figure(table: xr.Dataset) -> Figure:
     return _figure(curves, layout)
 
 
-def _points(table: xr.Dataset, gaps: Any, names: list[str], rows: Any, symbol: str) -> Figure:
+def _points(table: xr.Dataset, gaps: Any, names: list[str], rows: Any, symbol: str, far: Any) -> Figure:
     """Rules of one kind; open markers are unsafe, a number beside them is the error."""
+    rows = rows[~far[rows]]
     errors = table.error.values[rows] if "error" in table else np.full(rows.size, np.nan)
     texts = ["" if not np.isfinite(e) or e == 0 else f"{100 * e:+.0f} %" for e in errors]
     unsafe = table.verdict.values[rows] == 2 if "verdict" in table else np.zeros(rows.size, bool)

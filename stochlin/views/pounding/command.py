@@ -50,9 +50,9 @@ def pound(case: Path, out: Path | None, picture: Path | None, motions: int | Non
     """What happens when buildings that stand too near meet in a recorded motion, or in many.
 
     CASE is a file as 'stochlin gap --example' prints one, with one record or more, the mass of every
-    building, the gaps there are, and what they meet at. Rows of more than two buildings, and buildings
-    described by their storeys, are allowed. Six records and more are shown together, in one table with
-    means and quantiles, as are simulated motions.
+    building, the gaps there are, and what they meet at. Rows of more than two buildings, one building
+    alone, which has no gaps, and buildings described by their storeys are allowed. Six records and more
+    are shown together, in one table with means and quantiles, as are simulated motions.
 
     \b
     Examples:

@@ -13,7 +13,7 @@ from stochlin.analyses.cases.sites.shaking import doubts
 from stochlin.analyses.records.files import METRES
 from stochlin.views.pounding.floors import LINE, WIDTH, levels_of
 from stochlin.views.pounding.pictures import caption_of
-from stochlin.views.pounding.words import JUMPS
+from stochlin.views.pounding.words import ALONE, JUMPS
 from stochlin.views.shared.screen import columns, cut, paragraph
 from stochlin.views.shared.style import AS_GIVEN, CURVES, styled
 from stochlin.views.shared.words import (
@@ -35,14 +35,17 @@ if TYPE_CHECKING:
 
 NAME = 24  # characters of a name
 SHOWN = 0.84  # the quantile of profiles
-NOTES = (
+ERRORS = (
     "Mean: with its standard error. Of the quantiles 95 % intervals are in brackets; over: the motions "
-    "are too few for its upper end. Alone: without pounding. In motions without an impact forces count "
-    "as 0."
+    "are too few for its upper end."
 )
+FORCES = "Alone: without pounding. In motions without an impact forces count as 0."
 STOREYS = (
     "Displacements are those of the roof; accelerations those of the floor that pounding shakes most, "
     "with and without."
+)
+STOREYS_ALONE = (
+    "Displacements are those of the roof; accelerations those of the floor that is shaken most."
 )
 FAILED = (
     "{} of {} motions FAILED and are left out: {}. They are hardly the mild ones, so quantiles are too "
@@ -64,7 +67,7 @@ def ensemble_lines(case: Case, table: xr.Dataset) -> list[str]:
     if over == "path":
         motions = f"{table.sizes[over]} simulated motions of {case.duration:.4g} s, {case.site}"
         strength = shaking(table, case)
-    lines += paragraph(f"{motions}: {_shares(table)}")
+    lines += paragraph(f"{motions}: {_shares(table) if 'neighbours' in table.dims else ALONE}")
     lines += [*paragraph(strength), *(paragraph(scatter(case)) if over == "path" else [])]
     if good < table.sizes[over]:
         why = next(str(text) for text in table.missing.values if text)
@@ -73,13 +76,15 @@ def ensemble_lines(case: Case, table: xr.Dataset) -> list[str]:
         lines += ["", *paragraph(_columns_met(table))]
     heads = ["", "mean", *(per_cent(level) for level in table["quantile"].values)]
     rows: list[list[str]] = []
-    for pair in range(table.sizes["neighbours"]):
+    for pair in range(table.sizes.get("neighbours", 0)):
         rows += _gap_rows(table.isel(neighbours=pair), heads)
     for number in range(table.sizes["structure"]):
         rows += _building_rows(table.isel(structure=number), heads)
     lines += ["", *(line.rstrip() for line in columns(heads, rows)), ""]
-    notes = [NOTES, *[STOREYS] * ("floor" in table.dims)]
-    notes += [JUMPS] * bool(table.hardest_force_between_mean.isnull().any())
+    meets = "neighbours" in table.dims
+    notes = [f"{ERRORS} {FORCES}" if meets else ERRORS]
+    notes += [STOREYS if meets else STOREYS_ALONE] * ("floor" in table.dims)
+    notes += [JUMPS] * (meets and bool(table.hardest_force_between_mean.isnull().any()))
     return [*lines, *paragraph(" ".join(notes))]
 
 
@@ -128,10 +133,10 @@ def _gap_rows(one: xr.Dataset, heads: list[str]) -> list[list[str]]:
 
 def _building_rows(one: xr.Dataset, heads: list[str]) -> list[list[str]]:
     top = shaken = one
-    told = ""
+    told, meets = "", "neighbours" in one.dims
     if "floor" in one.dims:
         top = one.sel(floor=int(one.storeys))
-        times = one.peak_acceleration_mean / one.peak_acceleration_alone_mean
+        times = one.peak_acceleration_mean / (one.peak_acceleration_alone_mean if meets else 1.0)
         shaken = one.isel(floor=int(times.argmax("floor")))
         told = "" if is_oscillator(one) else f", floor {int(shaken.floor)}"
     rows = []
@@ -141,7 +146,7 @@ def _building_rows(one: xr.Dataset, heads: list[str]) -> list[list[str]]:
         ("base shear [MN]", one, "peak_base_shear", 1e-6),
     ):
         rows.append(_row(f"  {name}", place, stem, scale))
-        rows.append(_row("    alone", place, f"{stem}_alone", scale))
+        rows += [_row("    alone", place, f"{stem}_alone", scale)] * meets
     named = f"{int(one.structure)}  {cut(str(one.building.item()), NAME)}"
     return [[named, *[""] * (len(heads) - 1)], *rows]
 
@@ -174,9 +179,9 @@ def draw_ensemble(dataset: xr.Dataset) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        The share of the motions with more impacts, and with a larger force, across each gap; and the
-        accelerations and displacements with pounding and without: of oscillators how often they are
-        exceeded, of buildings with storeys a quantile over height.
+        The share of the motions with more impacts, and with a larger force, across each gap, if there is
+        one; and the accelerations and displacements with pounding and without: of oscillators how often
+        they are exceeded, of buildings with storeys a quantile over height.
 
     Raises
     ------
@@ -185,32 +190,34 @@ def draw_ensemble(dataset: xr.Dataset) -> Figure:
     """
     from matplotlib.figure import Figure
 
-    if "impacts_between" not in dataset or "building" not in dataset.coords:
+    if "peak_quantile" not in dataset or "building" not in dataset.coords:
         raise ValueError(
             f"dataset has the dimensions {tuple(dataset.dims)}; allowed: one that 'stochlin pound' "
             "saves of many motions"
         )
     caption = caption_of(dataset)
     foot = AXIS + LINE * (caption.count("\n") + 1)
-    height = HEAD + 2 * (KEY + PANEL) + BETWEEN + foot
+    lows = [foot + PANEL + KEY + BETWEEN, foot] if "neighbours" in dataset.dims else [foot]
+    height = HEAD + KEY + PANEL + lows[0]
     figure = Figure(figsize=(WIDTH, height))
     wide = (RIGHT - LEFT - APART) / 2
     panels = [
         figure.add_axes((LEFT + n * (wide + APART), low / height, wide, PANEL / height))
-        for low in (foot + PANEL + KEY + BETWEEN, foot)
+        for low in lows
         for n in range(2)
     ]
-    _gaps(panels[0], panels[1], dataset)
+    if "neighbours" in dataset.dims:
+        _gaps(panels[0], panels[1], dataset)
     storeys = "floor" in dataset.dims
     for axes, stem, scale, name in (
-        (panels[2], "peak_acceleration", 1 / METRES["g"], "acceleration [g]"),
-        (panels[3], "peak", 100.0, "displacement [cm]"),
+        (panels[-2], "peak_acceleration", 1 / METRES["g"], "acceleration [g]"),
+        (panels[-1], "peak", 100.0, "displacement [cm]"),
     ):
         (_over_height if storeys else _exceeded)(axes, dataset, stem, scale)
         told = f"{name}, not exceeded in {100 * _level(dataset):.3g} %" if storeys else name
         axes.set(xlim=(0, None), xlabel=told)
-    panels[2].set_ylabel("height [m]" if storeys else "share of motions with more")
-    for axes, ncols in ((panels[0], 4), (panels[2], 3)):
+    panels[-2].set_ylabel("height [m]" if storeys else "share of motions with more")
+    for axes, ncols in ((panels[0], 4), (panels[-2], 3)):
         handles = axes.get_legend_handles_labels()[0]
         if handles:
             above: Any = {"loc": "lower left", "bbox_to_anchor": (-0.02, 1.0), "borderaxespad": 0.2}
@@ -244,8 +251,10 @@ def _exceeded(axes: Axes, dataset: xr.Dataset, stem: str, scale: float) -> None:
         style: Any = {"color": color, "linestyle": dash}
         label = f"{number + 1} {cut(str(one.building.item()), NAME)}"
         _exceedance(axes, scale * one[stem].values, style | {"lw": 1.6, "label": label})
-        _exceedance(axes, scale * one[f"{stem}_alone"].values, style | {"lw": 0.6})
-    axes.plot([], [], color="0.35", lw=0.6, label="thin: alone")
+        if "neighbours" in one.dims:
+            _exceedance(axes, scale * one[f"{stem}_alone"].values, style | {"lw": 0.6})
+    if "neighbours" in dataset.dims:
+        axes.plot([], [], color="0.35", lw=0.6, label="thin: alone")
     axes.set_ylim(0, 1.02)
 
 
@@ -267,9 +276,12 @@ def _over_height(axes: Axes, dataset: xr.Dataset, stem: str, scale: float) -> No
         with_hits, alone = (
             scale * one[f"{stem}{end}_quantile"].sel(at).values[: levels.size] for end in ends
         )
-        axes.plot(alone, levels, **style | {"mfc": "white", "lw": 0.7})
+        if "neighbours" in one.dims:
+            axes.plot(alone, levels, **style | {"mfc": "white", "lw": 0.7})
         axes.plot(with_hits, levels, label=label, lw=1.3, **style)
-    axes.plot([], [], color="0.35", marker="o", mfc="white", ms=4, lw=0.7, label="open, thin: alone")
+    if "neighbours" in dataset.dims:
+        thin: Any = {"color": "0.35", "marker": "o", "mfc": "white", "ms": 4, "lw": 0.7}
+        axes.plot([], [], label="open, thin: alone", **thin)
     axes.set_ylim(0, None)
 
 

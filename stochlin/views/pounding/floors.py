@@ -72,7 +72,8 @@ def draw_floors(dataset: xr.Dataset) -> Figure:
         if struck:
             _columns(panels[2], dataset, number, style)
     style = {"color": "0.35", "marker": "o", "mfc": "white", "ms": 4, "lw": 0.7}
-    panels[0].plot([], [], label="open, thin: standing alone", **style)
+    if "contact" in dataset.dims:
+        panels[0].plot([], [], label="open, thin: standing alone", **style)
     for axes, name in zip(panels, labels, strict=True):
         axes.set(xlim=(0, None), ylim=(0, 1.04 * _top(dataset)), xlabel=name)
         axes.tick_params(labelleft=axes is panels[0])
@@ -97,7 +98,8 @@ def _profiles(
         (panels[1], "peak_storey_shear", MEGA, middle),
     ):
         with_hits, alone = (scale * one[f"{peak}{end}"].values[: at.size] for end in ("", "_alone"))
-        axes.plot(alone, at, **style | {"mfc": "white", "lw": 0.7})
+        if "contact" in one.dims:
+            axes.plot(alone, at, **style | {"mfc": "white", "lw": 0.7})
         axes.plot(with_hits, at, label=name, **style)
 
 
@@ -121,4 +123,5 @@ def levels_of(dataset: xr.Dataset, number: int) -> np.ndarray:
 
 
 def _top(dataset: xr.Dataset) -> float:
-    return float(np.nanmax([*dataset.floor_level.values.ravel(), *dataset.level.values]))
+    contacts = dataset.level.values if "level" in dataset.coords else []
+    return float(np.nanmax([*dataset.floor_level.values.ravel(), *contacts]))

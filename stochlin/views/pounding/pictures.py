@@ -32,7 +32,8 @@ NAME = 22  # characters of a line in a legend
 AROUND = 1.5  # s: of the close-up, to both sides of the hardest impact
 CENTIMETRES, MEGA, KILO = 100.0, 1e-6, 1e-3
 MANY = 1e7  # J: from there on in MJ
-LABELS = ("from the ground", "damping", "yielding", "contacts", "motion, springs")  # of ENERGIES
+CONTACTS = "contacts"
+LABELS = ("from the ground", "damping", "yielding", CONTACTS, "motion, springs")  # of ENERGIES
 
 
 @styled(AS_GIVEN)
@@ -48,7 +49,8 @@ def draw_pound(dataset: xr.Dataset) -> Figure:
     -------
     matplotlib.figure.Figure
         Over time: for each gap the displacements of both sides, of buildings with storeys at the contact
-        that is hit hardest; forces of all impacts; energies. Impacts are marked.
+        that is hit hardest; forces of all impacts; energies. Impacts are marked. Of one building alone:
+        its displacement, of the roof if it has storeys, and energies.
 
     Raises
     ------
@@ -57,35 +59,39 @@ def draw_pound(dataset: xr.Dataset) -> Figure:
     """
     from matplotlib.figure import Figure
 
-    if "impact_time" not in dataset or "least_clearance" not in dataset:
+    if "energy_share" not in dataset:
         raise ValueError(
             f"dataset has dimensions {tuple(dataset.dims)}; allowed: one that 'stochlin pound' saves"
         )
-    shown = hardest_contacts(dataset)
-    hits = bool(dataset.sizes["impact"])
-    heights = [*[GAP] * len(shown), FORCE, ENERGY, *[CLOSE_UP] * hits]
+    shown = hardest_contacts(dataset) if "contact" in dataset.dims else []
+    hits = bool(dataset.sizes.get("impact"))
+    over_time = len(shown) + 2  # panels, the last of them energies
+    heights = [*[GAP] * len(shown), FORCE if shown else GAP, ENERGY, *[CLOSE_UP] * hits]
     caption = caption_of(dataset)
     foot = AXIS + LINE * (caption.count("\n") + 1) + 0.1
     height = HEAD + sum(heights) + BETWEEN * (len(heights) - 1) + AXIS * hits + foot
     figure = Figure(figsize=(WIDTH, height))
     panels, top = [], height - HEAD
     for number, one in enumerate(heights):
-        top -= one + (AXIS * hits if number == len(shown) + 2 else 0)
+        top -= one + (AXIS * hits if number == over_time else 0)
         box = (LEFT, top / height, RIGHT - LEFT, one / height)
         panels.append(figure.add_axes(box))
         top -= BETWEEN
     for axes, number in zip(panels, shown, strict=False):
         _sides(axes, dataset, number)
-    _forces(panels[len(shown)], dataset, shown)
-    _energies(panels[len(shown) + 1], dataset)
-    for axes in panels[: len(shown) + 2]:
+    if shown:
+        _forces(panels[len(shown)], dataset, shown)
+    else:
+        _roof(panels[0], dataset)
+    _energies(panels[over_time - 1], dataset)
+    for axes in panels[:over_time]:
         axes.set_xlim(float(dataset.time[0]), float(dataset.time[-1]))
-        axes.tick_params(labelbottom=axes is panels[len(shown) + 1])
+        axes.tick_params(labelbottom=axes is panels[over_time - 1])
     if hits:
         _close_up(panels[-1], dataset)
     for axes in (one for one in panels if one.get_legend_handles_labels()[1]):
         axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1.03), borderaxespad=0, fontsize=8)
-    for axes in {panels[len(shown) + 1], panels[-1]}:
+    for axes in {panels[over_time - 1], panels[-1]}:
         axes.set_xlabel("time [s]")
     figure.text(LEFT, 1 - 0.2 / height, dataset.attrs["title"], size=10)
     figure.text(LEFT, (foot - AXIS) / height, caption, va="top", size=7.5)
@@ -117,6 +123,15 @@ def _sides(axes: Axes, dataset: xr.Dataset, number: int) -> None:
     if struck:
         axes.plot([], [], ls="", label="SLAB AGAINST COLUMN")
     axes.set_ylabel("place [cm]")
+
+
+def _roof(axes: Axes, dataset: xr.Dataset) -> None:
+    """How the only building moves, at its roof."""
+    one = dataset.isel(structure=0)
+    place = one.displacement.isel(floor=-1) if "floor" in one.dims else one.displacement
+    (color, _), name = CURVES[0], textwrap.fill(str(one.building.item()), NAME)
+    axes.plot(dataset.time, CENTIMETRES * place, color=color, lw=0.9, label=name)
+    axes.set_ylabel("roof [cm]" if "floor" in one.dims else "place [cm]")
 
 
 def _close_up(axes: Axes, dataset: xr.Dataset) -> None:
@@ -158,6 +173,8 @@ def _energies(axes: Axes, dataset: xr.Dataset) -> None:
     histories = [energy_of(dataset, where).values for where in ENERGIES]
     many = histories[0].max() >= MANY
     for values, label, (color, dash) in zip(histories, LABELS, CURVES, strict=False):
+        if label == CONTACTS and "contact" not in dataset.dims:
+            continue
         scaled = (MEGA if many else KILO) * values
         axes.plot(dataset.time, scaled, color=color, linestyle=dash, lw=1.2, label=label)
     axes.set(ylim=(0, None), ylabel="energy [MJ]" if many else "energy [kJ]")
@@ -169,8 +186,10 @@ def caption_of(dataset: xr.Dataset) -> str:
         f"{name}: {dataset.attrs[f'structure_{number}']}"
         for number, name in enumerate(dataset.building.values, start=1)
     ]
-    gaps = ", ".join(f"{CENTIMETRES * float(gap):.3g}" for gap in np.atleast_1d(dataset.attrs["gaps"]))
-    told.append(f"contact: {dataset.attrs['contact']}; gap {gaps} cm")
+    if "contact" in dataset.dims:
+        widths = (CENTIMETRES * float(gap) for gap in np.atleast_1d(dataset.attrs["gaps"]))
+        gaps = ", ".join(f"{width:.3g}" for width in widths)
+        told.append(f"contact: {dataset.attrs['contact']}; gap {gaps} cm")
     motions = ("ground", "envelope")  # of simulated ones
     told += [f"{role}: {dataset.attrs[role]}" for role in motions if role in dataset.attrs]
     return filled(told, CAPTION, "    ")

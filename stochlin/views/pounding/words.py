@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 LONGEST_NAME, SHORTER_NAME = 26, 20
 BASE = "Base: largest base shear."
 SINKS = {"viscous": "damping took", "hysteretic": "yielding", "contacts": "the contacts"}
+ALONE = "one building alone, which meets no other."
+SHEAR = "Shear: of the storey below the floor."
 TIMES = "Times: largest displacement with pounding over that without."
 ESTIMATE = (
     "Estimate: what one hit at full energy could at most make of the energy radius (PER), times that "
@@ -64,8 +66,8 @@ def answer_lines(case: Case, tables: Mapping[str, xr.Dataset]) -> list[str]:
         lines += [*paragraph(recorded_shaking(table, case)), ""]
         if "column" in table.coords:
             lines += [*paragraph(columns_met(table)), "", *_struck(table)]
-        lines += [*columns(*_buildings(table)), "", *columns(*_borne(table)), ""]
-        lines += [*columns(*_contacts(table)), ""]
+        for each in (_buildings, _borne, _contacts) if "contact" in table.dims else (_alone,):
+            lines += [*columns(*each(table)), ""]
         lines += paragraph(energies(table))
     return [*lines, "", *paragraph(_notes(case, next(iter(tables.values()))))]
 
@@ -77,6 +79,8 @@ def _doubts(table: xr.Dataset, case: Case) -> list[str]:
 
 def headline(table: xr.Dataset) -> str:
     """What one record does, in a sentence."""
+    if "contact" not in table.dims:
+        return ALONE
     count = int(table.impacts.sum())
     if not count:
         nearest = int(table.least_clearance.argmin("contact"))
@@ -113,11 +117,28 @@ def energies(table: xr.Dataset) -> str:
     """Where the energy has gone, and how well it is accounted for."""
     given = short(float(energy_of(table.isel(time=-1), "input")) / 1e3)
     share = {str(name): float(table.energy_share.sel(sink=name)) for name in table.sink.values}
-    parts = [f"{word} {per_cent(share[name], 1)}" for name, word in SINKS.items()]
+    meets = "contact" in table.dims
+    sinks = {name: word for name, word in SINKS.items() if meets or name != "contacts"}
+    parts = [f"{word} {per_cent(share[name], 1)}" for name, word in sinks.items()]
     return (
         f"Of the {given} kJ from the ground {', '.join(parts)}; {per_cent(share['remaining'], 1)} are "
         f"left at the end. The balance is off by {float(table.energy_balance_error.max()):.0e} at most."
     )
+
+
+def _alone(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
+    """Heads and rows: what the only building bears, floor by floor from the roof down."""
+    one = table.isel(structure=0)
+    heads = ["peak [cm]", "accel. [g]", "shear [MN]"]
+    scales = {"peak": 100.0, "peak_acceleration": 1 / METRES["g"], "peak_storey_shear": 1e-6}
+    if "floor" not in table.dims:
+        values = [short(scale * float(one[name])) for name, scale in scales.items()]
+        return [*heads, "ductility"], [[*values, short(float(one.peak_ductility))]]
+    rows = []
+    for floor in (one.isel(floor=n) for n in reversed(range(one.sizes["floor"]))):
+        place = [str(int(floor.floor)), f"{float(floor.floor_level):.4g}"]
+        rows.append([*place, *(short(scale * float(floor[name])) for name, scale in scales.items())])
+    return ["floor", "height [m]", *heads], rows
 
 
 def _buildings(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
@@ -222,11 +243,14 @@ def _contacts(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
 
 
 def _notes(case: Case, table: xr.Dataset) -> str:
+    storeys = "floor" in table.dims
     notes = [COLUMN] if "column" in table.coords else []
-    notes += [TIMES, ROOF if "floor" in table.dims else f"{ESTIMATE} {DUCTILITY}"]
-    notes += [FLOOR] if "floor" in table.dims else []
-    jumps = table.sizes["impact"] and bool(table.largest_force.isnull().all())
-    notes += [BASE, *[JUMPS] * bool(jumps), HITS, CLOSEST]
+    if "contact" in table.dims:
+        notes += [TIMES, *([ROOF, FLOOR] if storeys else [f"{ESTIMATE} {DUCTILITY}"])]
+        jumps = table.sizes["impact"] and bool(table.largest_force.isnull().all())
+        notes += [BASE, *[JUMPS] * bool(jumps), HITS, CLOSEST]
+    else:
+        notes.append(SHEAR if storeys else DUCTILITY)
     if any(building.strength in ("reduction_factor", "ductility") for building in case.buildings):
         notes.append(STRENGTH.format(case.site))
     return " ".join(notes)

@@ -9,9 +9,12 @@ import numpy as np
 from stochlin.views.separation.storeys import draw_heights
 from stochlin.views.separation.words import RuleLine, rows
 from stochlin.views.shared.style import CURVES, STYLE, styled
+from stochlin.views.shared.words import BEYOND, FAR
 from stochlin.views.sites.pictures import draw_spectrum
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -44,15 +47,19 @@ def rules_figure(answer: CaseAnswer) -> Figure:
     gaps = [100 * float(answer.separation.gap[row.number - 1]) for row in shown]
     figure, axes = _blank(0.235 * len(shown) + 1.35)
     place = np.arange(len(shown))
-    for at, row, gap in zip(place, shown, gaps, strict=True):
+    right = 1.04 * _farthest(answer, gaps) or 1
+    for at, (row, gap) in enumerate(zip(shown, gaps, strict=True)):
         face, hatch = VERDICTS[row.verdict]
-        axes.barh(at, gap, 0.68, color=face, hatch=hatch, edgecolor=EDGE, lw=0.6, zorder=2)
+        style: Any = {"color": face, "hatch": hatch, "edgecolor": EDGE, "lw": 0.6, "zorder": 2}
+        axes.barh(at, min(gap, 2 * right), 0.68, **style)
+        if gap > right:
+            axes.text(0.98 * right, at, f"{row.gap} cm {BEYOND}", ha="right", va="center", size=9)
     _answer_line(axes, answer)
     axes.set_yticks(place, [f"{row.number}  {row.label}" for row in shown])
     axes.tick_params(axis="y", length=0)
     axes.grid(visible=False, axis="y")
     axes.invert_yaxis()
-    axes.set(ylim=(len(shown) - 0.4, -0.6), xlim=(0, 1.04 * max(gaps) or 1), xlabel="gap [cm]")
+    axes.set(ylim=(len(shown) - 0.4, -0.6), xlim=(0, right), xlabel="gap [cm]")
     _verdict_legend(axes, {row.verdict for row in shown})
     return figure
 
@@ -66,13 +73,16 @@ def distribution_figure(answer: CaseAnswer) -> Figure:
     axes.plot(np.quantile(samples, share), share, color="0.1", zorder=3)
     shown = [row for row in rows(answer) if row.verdict in VERDICTS]
     gaps = {row.number: 100 * float(table.gap[row.number - 1]) for row in shown}
-    right = 1.06 * max(*gaps.values(), samples[-1]) or 1
+    right = 1.06 * max(_farthest(answer, gaps.values()), samples[-1]) or 1
     now = 100 * answer.existing.attrs["gap_m"] if answer.existing is not None else np.inf
     if now < 1.6 * right:  # farther off it would squeeze the rest
         right = max(right, 1.3 * now)
         axes.axvline(now, ymax=1 / TOP, color="#2166ac", lw=1.2, ls=(0, (6, 1.5, 1, 1.5)))
         axes.text(now + 0.01 * right, 0.02, "existing gap", size=9, color="#1d4f86")
     axes.set(xlim=(0, right), ylim=(0, TOP))
+    far = [f"{row.number}: {row.gap} cm {BEYOND}" for row in shown if gaps[row.number] > right]
+    axes.text(0.99 * right, 0.84, "\n".join(far), ha="right", va="top", size=9)
+    shown = [row for row in shown if gaps[row.number] <= right]
     for row in shown:
         face, hatch = VERDICTS[row.verdict]
         chance = float(table.no_pounding_probability[row.number - 1])
@@ -85,6 +95,12 @@ def distribution_figure(answer: CaseAnswer) -> Figure:
     axes.set_yticks(np.arange(0, 1.01, 0.2), [f"{p:.0f} %" for p in np.arange(0, 101, 20)])
     axes.set(xlabel="gap [cm]", ylabel="motions without pounding")
     return figure
+
+
+def _farthest(answer: CaseAnswer, gaps: Iterable[float]) -> float:
+    """The largest gap [cm] that is not so far off that it would squeeze the rest."""
+    needed = 100 * float(answer.separation.gap[0])
+    return max(gap for gap in gaps if gap <= FAR * needed) if needed > 0 else max(gaps)
 
 
 def spectrum_figure(answer: CaseAnswer) -> Figure:

@@ -59,6 +59,7 @@ def report_page(answer: CaseAnswer) -> str:
         kinds=[(KINDS[kind], list(group)) for kind, group in groupby(shown, lambda row: row.kind)],
         columns=words.COLUMNS,
         marks=words.MARKS,
+        families=words.FAMILIES,
         pictures=_pictures(answer),
         facts=_grouped(small_print.facts(answer)),
         records=_records(answer),

@@ -36,8 +36,15 @@ MARKS = (
     "Marks: S, formula seen in a copy of its source; C, derived and checked; P, printed in the paper; "
     "M, from memory, not compared with its source."
 )
+FAMILIES = (
+    "Families of building codes: SRSS, root of the sum of squared displacements; sum, a factor times "
+    "their sum; height, a factor times the height; fixed, a distance."
+)
 MOST_SHOWN = 4  # heights at which the gap is told
 ALIKE, MUCH = 0.05, 10.0  # gap over peak of buildings that move alike; ductility that is doubtful
+
+
+SHOWN_TEXTS = ("family", "mark", "reference", "assumptions", "missing")
 
 
 class RuleLine(NamedTuple):
@@ -47,6 +54,7 @@ class RuleLine(NamedTuple):
     rule: str  # as in the dataset
     label: str  # as in a text
     kind: str
+    family: str
     gap: str
     error: str
     probability: str
@@ -78,7 +86,7 @@ def rows(answer: CaseAnswer) -> list[RuleLine]:
             error=per_cent(float(one.error), sign="+") if n > 1 else "",
             probability=per_cent(float(one.no_pounding_probability), 1),
             verdict=meanings[int(one.verdict)].replace("_", " "),
-            **{name: str(one[name].item()) for name in ("mark", "reference", "assumptions", "missing")},
+            **{name: str(one[name].item()) for name in SHOWN_TEXTS},
         )
         for n, one in enumerate((table.isel(rule=i) for i in range(table.sizes["rule"])), start=1)
     ]
@@ -96,17 +104,17 @@ def answer_lines(answer: CaseAnswer) -> list[str]:
         lines += [line for text in allowed[1:] for line in paragraph(f"  {text}", "    ")]
     shown = rows(answer)
     wide = max(len(row.rule) for row in shown)
-    lines += ["", f"{'rule':{wide}}  gap [cm]  error    apart  {'verdict':13}  mark"]
+    lines += ["", f"{'rule':{wide}}  gap [cm]  error    apart  {'verdict':13}  {'mark':6}  family"]
     lines += [
         f"{row.rule:{wide}}  {row.gap:>8} {row.error:>6}  {row.probability:>7}  {row.verdict:13}  "
-        f"{row.mark}".rstrip()
+        f"{row.mark:6}  {row.family}".rstrip()
         for row in shown
     ]
     lines += [""]
     for row in shown:
         if row.missing:
             lines += paragraph(f"{row.rule}: {row.missing}", "  ")
-    return [*lines, *paragraph(COLUMNS), *paragraph(MARKS)]
+    return [*lines, *paragraph(COLUMNS), *paragraph(MARKS), *paragraph(FAMILIES)]
 
 
 def headline(answer: CaseAnswer) -> str:

@@ -17,10 +17,16 @@ if TYPE_CHECKING:
     from stochlin.analyses.cases.storeys import SlabOnColumn
 
 MISSING, MINUS, SPACE = "\N{EN DASH}", "\N{MINUS SIGN}", "\N{NO-BREAK SPACE}"
-CAPITALS = {"asce": "ASCE", "is": "IS", "ubc": "UBC", "e030": "E.030", "fema": "FEMA", "srss": "SRSS"}
+BEYOND = "\N{RIGHTWARDS ARROW}"
+FAR = 2.5  # times what most rules ask: gaps beyond are told at the border of a picture, not drawn
+CAPITALS = {
+    **{word: word.upper() for word in ("asce", "is", "ubc", "fema", "srss", "gb")},
+    "e030": "E.030",
+}
 COMMON = {
     *("simulation", "simulated", "linearization", "linearized", "elastic", "secant"),
-    *("share", "of", "sum", "unverified", "drift", "white", "noise"),
+    *("share", "of", "sum", "height", "fixed", "distance", "unverified", "drift", "white", "noise"),
+    *("simplified",),
 }
 
 SLABS = (

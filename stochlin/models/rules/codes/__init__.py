@@ -18,6 +18,8 @@ from stochlin.models.rules.published import Published, look_up
 from stochlin.registry import Registry
 
 ZONES: Mapping[str, float] = {"I": 0.001, "II": 0.003, "III": 0.006}  # share of the height, Mexico City
+# The families of the paper, by which a rule gets its gap.
+SRSS, SUM, HEIGHT, FIXED = FAMILIES = ("SRSS", "sum", "height", "fixed")
 INELASTIC = "peaks are largest displacements, inelastic where the structure yields"
 CODE_RULES: Registry[type[CodeRule]] = Registry("code rule", "stochlin.models.rules.codes")
 
@@ -39,6 +41,7 @@ class CodeRule(Published):
     """Base of the rules; a number that a rule takes is its field."""
 
     assumptions: ClassVar[str] = INELASTIC
+    family: ClassVar[str] = ""  # one of FAMILIES, that which mostly governs
     needs: ClassVar[tuple[str, ...]] = ()  # arguments of `gap` beyond the peaks
 
     def gap(
@@ -70,6 +73,16 @@ class CodeRule(Published):
         """Required separation [m]."""
         raise NotImplementedError
 
+    @property
+    def told(self) -> str:
+        """The assumptions, after the number of the rule where that is not the usual one."""
+        stated = [
+            f"{field.name} {getattr(self, field.name):g}"
+            for field in fields(self)
+            if getattr(self, field.name) != field.default
+        ]
+        return "; ".join([*stated, self.assumptions])
+
 
 @dataclass(frozen=True)
 class Site:
@@ -91,6 +104,11 @@ class Site:
     def total(self) -> Any:
         """Sum of the peaks."""
         return self.peak_1 + self.peak_2
+
+    @property
+    def heights_known(self) -> bool:
+        """Of both buildings."""
+        return self.height_1 is not None and self.height_2 is not None
 
     @property
     def lower_height(self) -> Any:
@@ -133,8 +151,9 @@ def code_rule(name: str, value: float | None = None) -> CodeRule:
     name : str
         One of `code_rule_names`, or ``"share_of_height"`` or ``"fixed_distance"``, in any case.
     value : float, optional
-        The number of a family: a factor [-] for ``"share_of_sum"`` and ``"share_of_height"``, a
-        distance [m] for ``"fixed_distance"``.
+        The number of a rule that has one: a factor [-] for ``"share_of_sum"``, ``"share_of_height"`` and
+        ``"asce_41"``, a distance [m] for ``"fixed_distance"``, and for ``"china_gb_50011"`` the height
+        above 15 m for which the joint grows by 20 mm [m]. What has a usual one can do without.
 
     Returns
     -------

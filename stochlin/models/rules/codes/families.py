@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from stochlin.messages import brief
-from stochlin.models.rules.codes import CODE_RULES, CodeRule, Site
+from stochlin.models.rules.codes import CODE_RULES, FIXED, HEIGHT, SRSS, SUM, CodeRule, Site
 from stochlin.models.rules.published import published
 
 PAPER = "Valles-Mattox and Reinhorn (1996), family of rules"
@@ -19,12 +19,16 @@ NO_PEAKS = "the peaks are not used"
 class SquareRoot(CodeRule):
     """Square root of the sum of squares."""
 
+    family = SRSS
+
     def of_site(self, site: Site) -> Any:
         return site.root_of_squares
 
 
-class _Numbered(CodeRule):
-    """A family whose number is its field."""
+class Numbered(CodeRule):
+    """A rule whose number is its field."""
+
+    units: ClassVar[str] = "1"  # of the number
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -37,8 +41,10 @@ class _Numbered(CodeRule):
 
 @published(CODE_RULES, "share_of_sum", PAPER, "P", 2)
 @dataclass(frozen=True)
-class ShareOfSum(_Numbered):
+class ShareOfSum(Numbered):
     """A factor times the sum of displacements; 1 unless told."""
+
+    family = SUM
 
     factor: float = 1.0
 
@@ -51,10 +57,11 @@ OF_HEIGHT = ("height_1", "height_2")
 
 @published(CODE_RULES, "share_of_height", PAPER, "P", 11)
 @dataclass(frozen=True)
-class ShareOfHeight(_Numbered):
+class ShareOfHeight(Numbered):
     """A factor times the lower building's height."""
 
     assumptions = NO_PEAKS
+    family = HEIGHT
     needs = OF_HEIGHT
 
     factor: float
@@ -65,10 +72,12 @@ class ShareOfHeight(_Numbered):
 
 @published(CODE_RULES, "fixed_distance", PAPER, "P", 12)
 @dataclass(frozen=True)
-class FixedDistance(_Numbered):
+class FixedDistance(Numbered):
     """A fixed distance [m]."""
 
     assumptions = NO_PEAKS
+    family = FIXED
+    units = "m"
 
     distance: float
 

@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from stochlin.models.rules.codes import CODE_RULES, INELASTIC, ZONES, CodeRule, Site
-from stochlin.models.rules.codes.families import SquareRoot
+from stochlin.models.rules.codes import (
+    CODE_RULES,
+    FIXED,
+    HEIGHT,
+    INELASTIC,
+    SRSS,
+    SUM,
+    ZONES,
+    CodeRule,
+    Site,
+)
+from stochlin.models.rules.codes.families import NO_PEAKS, OF_HEIGHT, Numbered, ShareOfHeight, SquareRoot
 from stochlin.models.rules.published import published
 
 ALIGNED = "the factor for floors that align accepts contact at slab level"
@@ -30,6 +41,7 @@ class Eurocode8(CodeRule):
     """Eurocode 8, 4.4.2.7: square root of the sum of squares, times .7 if floors align."""
 
     assumptions = f"peaks are design displacements, behaviour factor times elastic; {ALIGNED}"
+    family = SRSS
 
     def of_site(self, site: Site) -> Any:
         return site.if_aligned(0.7) * site.root_of_squares
@@ -50,7 +62,8 @@ class MexicoCity(CodeRule):
     """
 
     assumptions = f"{INELASTIC}; {ALIGNED}"
-    needs = ("height_1", "height_2", "zone")
+    family = SUM
+    needs = (*OF_HEIGHT, "zone")
 
     def of_site(self, site: Site) -> Any:
         share = ZONES[str(site.zone)]
@@ -66,6 +79,7 @@ class India(CodeRule):
     """IS 1893: the sum; half of it if floors align."""
 
     assumptions = f"peaks are R times the displacements under design forces; {ALIGNED}"
+    family = SUM
 
     def of_site(self, site: Site) -> Any:
         return site.if_aligned(0.5) * site.total
@@ -76,6 +90,7 @@ class Taiwan(CodeRule):
     """Taiwan: .6 of the sum."""
 
     assumptions = "peaks are 1.4 alpha_y Ra times the displacements under design forces"
+    family = SUM
 
     def of_site(self, site: Site) -> Any:
         return 0.6 * site.total
@@ -85,8 +100,62 @@ class Taiwan(CodeRule):
 class Peru(CodeRule):
     """E.030: the largest of .006 h, 30 mm and 2/3 of the sum; ``h`` the lower building's height."""
 
-    needs = ("height_1", "height_2")
+    family = SUM
+    needs = OF_HEIGHT
 
     def of_site(self, site: Site) -> Any:
         least = np.maximum(0.006 * site.lower_height, 0.03)
         return np.maximum(least, site.total * (2 / 3))
+
+
+@published(CODE_RULES, "asce_41", "ASCE 41-13, checklist, adjacent buildings; FEMA 310", "M high", 13)
+@dataclass(frozen=True)
+class Asce41(ShareOfHeight):
+    """ASCE 41-13 and FEMA 310: .04 of the lower building's height, where nothing else is known.
+
+    ASCE 41-17 has lower shares where seismicity is lower.
+    """
+
+    assumptions = f".04 of the height is a first check of existing buildings; {NO_PEAKS}"
+
+    factor: float = 0.04
+
+
+BY_HEIGHT = {"I": 0.007, "II": 0.009, "III": 0.012}  # share of the height, simplified method
+
+
+@published(CODE_RULES, "mexico_city_simplified", "NTC-Sismo, Mexico City, simplified method", "S", 14)
+class MexicoCitySimplified(CodeRule):
+    """Mexico City, simplified method: each building keeps 50 mm and ``c h``; half if slabs align.
+
+    ``c`` is .007, .009, .012 in zones I, II, III. Between two bodies the two distances add up.
+    """
+
+    assumptions = f"{NO_PEAKS}: the simplified method has none; {ALIGNED}"
+    family = HEIGHT
+    needs = (*OF_HEIGHT, "zone")
+
+    def of_site(self, site: Site) -> Any:
+        share = BY_HEIGHT[str(site.zone)]
+        one, two = (np.maximum(share * height, 0.05) for height in (site.height_1, site.height_2))
+        return site.if_aligned(0.5) * (one + two) + 0 * site.total
+
+
+@published(CODE_RULES, "china_gb_50011", "GB 50011-2010, 6.1.4", "S", 15)
+@dataclass(frozen=True)
+class China(Numbered):
+    """GB 50011, concrete frames: 100 mm; above 15 m 20 mm more for every 3 m of the lower building.
+
+    The 3 m are those of intensity 8; of intensity 6, 7 and 9 they are 5, 4 and 2 m. Taken in
+    proportion. Without heights the buildings are taken to have 15 m at most.
+    """
+
+    assumptions = f"concrete frames, intensity 8, up to 15 m where no height is given; {NO_PEAKS}"
+    family = FIXED
+    units = "m"
+
+    step: float = 3.0
+
+    def of_site(self, site: Site) -> Any:
+        beyond = np.maximum(site.lower_height - 15.0, 0.0) if site.heights_known else 0.0
+        return 0.1 + 0.02 * beyond / self.step + 0 * site.total

@@ -1,0 +1,231 @@
+"""The estimate from energies beside what pounding does to the same structures in many motions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from stochlin.analyses.pounding.ensembles import checked_ensemble
+from stochlin.analyses.pounding.estimates import pounding_estimate_row
+from stochlin.analyses.pounding.rows import (
+    Building,
+    Meeting,
+    build_row,
+    check_contact,
+    checked_buildings,
+    checked_gaps,
+    shortest_period,
+    slow_approach,
+)
+from stochlin.analyses.pounding.runs import alone, check_runs, in_row
+from stochlin.analyses.pounding.variables import VARIABLES
+from stochlin.analyses.records.cells import Records
+from stochlin.analyses.simulation.finite_motions import share_interval
+from stochlin.analyses.tables import labels
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import Progress, in_order
+from stochlin.kernels.pounding import impacts
+from stochlin.kernels.pounding import run as kernel
+from stochlin.kernels.pounding.rows import Row
+from stochlin.kernels.records.runs import SampledGround
+from stochlin.models.buildings import ShearBuilding
+from stochlin.models.contacts import Contact
+from stochlin.models.parameters import Model
+from stochlin.models.systems import first_mode
+
+ESTIMATES = {"one hit": "largest_radius_amplification", "chain": "chain_radius_amplification"}
+TRUTHS = {"displacement": "peak_amplification", "energy radius": "peak_radius_amplification"}
+FEWEST = 2  # motions, for a scatter
+
+
+class _Outcome(NamedTuple):
+    """Of one motion, structure by structure."""
+
+    peak: Array  # [m]: largest displacement of any floor
+    peak_alone: Array
+    radius: Array  # [m]: largest energy radius of the first mode
+    radius_alone: Array
+    hits: Array
+
+
+def pounding_estimate_error(
+    structures: Sequence[Building],
+    gaps: npt.ArrayLike,
+    contact: Contact,
+    motion: Records,
+    *,
+    points: int = 91,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """How far the estimate from energies is off: beside what `pound` finds in the same motions.
+
+    In every motion `pounding_estimate_row` is told the largest energy radii of the structures standing
+    alone, of their first modes, ``max sqrt(q^2 + (q'/w)^2)``. What it makes of them is compared with the
+    largest displacement, and the largest radius, with pounding over without.
+
+    Parameters
+    ----------
+    structures, gaps, contact
+        As in `pound`, at least two structures.
+    motion : xarray.DataArray, or list or mapping of them
+        Several, as in `pound`.
+    points : int
+        As in `pounding_estimate`.
+    progress : callable, optional
+        Called with the share of the motions that is done.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``path`` or ``record`` and ``structure``: ``radius_alone`` [m], ``hits`` (impacts on either
+        side), ``peak_amplification`` [-] and ``peak_radius_amplification`` [-], what pounding does, and
+        ``largest_radius_amplification`` and ``chain_radius_amplification`` [-], the estimates. Over
+        ``structure``: ``motions_with_hits``. Over ``structure``, ``of`` (displacement or energy radius)
+        and ``estimate`` (one hit or chain), of the motions in which the structure is hit:
+        ``estimate_bias`` [-], the mean of ``ln(estimate/truth)``, with
+        ``estimate_bias_standard_error``; ``estimate_scatter`` [-], its standard deviation;
+        ``exceeded_probability`` [-], the share of motions in which the truth exceeds the estimate, with
+        its 95 % interval, ``_lower`` and ``_upper``. NaN where hardly any motion has a hit.
+
+    Raises
+    ------
+    ValueError, TypeError, ArithmeticError
+        As in `pound` of each of the motions, or if there are fewer than two structures or motions.
+
+    Notes
+    -----
+    A radius is taken at the samples of the motion: a little below the largest where samples are coarse.
+
+    Measured over random rows, 60 of each kind, each in two motions of 12 s on firm ground, with contacts
+    of ``e`` = .65 and strengths of a quarter of the elastic demand (`benchmarks/pounding_estimates.py`).
+    Of the largest displacement:
+
+    ====================================  =====  =======  ========
+    structures, estimate                  bias   scatter  exceeded
+    ====================================  =====  =======  ========
+    two oscillators, elastic, one hit     .26    .25      13 %
+    two oscillators, yielding, one hit    .20    .24      18 %
+    two with storeys, elastic, one hit    .35    .21      0 %
+    two with storeys, yielding, one hit   .26    .16      1 %
+    three oscillators, elastic, one hit   .32    .28      9 %
+    three oscillators, elastic, chain     .42    .28      5 %
+    three oscillators, yielding, one hit  .28    .29      14 %
+    three oscillators, yielding, chain    .38    .29      6 %
+    ====================================  =====  =======  ========
+
+    The standard error of the bias is .01 to .02, that of the share 1 to 3 %.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eqs. (1) and (13); Clopper and Pearson (1934), Biometrika 26.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> soft = sl.Bilinear(period=1.2, damping=0.05, mass=2e5)
+    >>> stiff = sl.Bilinear(period=0.6, damping=0.05, mass=4e5)
+    >>> motions = sl.simulated_motions(sl.named_ground("firm", intensity=0.01), 8.0, paths=12)
+    >>> contact = sl.Kelvin(1e8, restitution=0.65)
+    >>> error = sl.pounding_estimate_error([soft, stiff], 0.02, contact, motions)
+    >>> error.estimate_bias.sel(of="displacement", estimate="one hit").round(2).values
+    array([0.19, 0.33])
+    """
+    row_of = checked_buildings(structures)
+    spaces = checked_gaps(gaps, len(row_of))
+    if len(row_of) < 2:
+        raise ValueError("structures has one building; allowed: at least two, which can meet")
+    check_contact(contact, len(row_of))
+    try:
+        ensemble = checked_ensemble(motion)
+    except (TypeError, ValueError) as error:
+        raise type(error)(f"motion: {error}") from error
+    grounds, over = ensemble.motions.grounds, ensemble.over
+    if over is None or len(grounds) < FEWEST:
+        raise ValueError(
+            "motion: there is one; allowed: two or more, over path or as a list of records, for an "
+            "error is of many"
+        )
+    row, places = build_row(row_of, spaces, contact, grounds[0].acceleration, ())
+    check_runs(row_of, row, grounds)
+    found = list(in_order(lambda n: _outcome(row_of, row, places, grounds[n]), len(grounds), progress))
+    dims = over, "structure"
+    values = {name: (dims, np.array([getattr(one, name) for one in found])) for name in _Outcome._fields}
+    runs = xr.Dataset(values)
+    table = runs[["hits", "radius_alone"]]
+    table["peak_amplification"] = runs.peak / runs.peak_alone
+    table["peak_radius_amplification"] = runs.radius / runs.radius_alone
+    radii = [runs.radius_alone.isel(structure=n) for n in range(len(row_of))]
+    estimate = pounding_estimate_row(row_of, spaces, contact, radii, points=points)
+    table = table.assign({name: estimate[name].transpose(*dims) for name in ESTIMATES.values()})
+    table = table.assign(_statistics(table, over)).assign_coords(structure=estimate.structure)
+    if ensemble.labels is not None:
+        table = table.assign_coords({over: ensemble.labels})
+    models: dict[str, Model] = {f"structure_{n}": each for n, each in enumerate(row_of, start=1)}
+    return labels.with_run_information(
+        labels.label(table, VARIABLES).assign_attrs(gaps=spaces.tolist(), motion=ensemble.describe()),
+        "Error of the energy estimate of pounding",
+        f"pounding_estimate_error(points={points})",
+        models | {"contact": contact},
+    )
+
+
+def _outcome(
+    structures: Sequence[Building], row: Row, places: Sequence[Meeting], ground: SampledGround
+) -> _Outcome:
+    """One motion, with pounding and without."""
+    row = row._replace(slow=slow_approach(shortest_period(structures), ground.acceleration))
+    done, lone = in_row(structures, row, ground), alone(structures, row, ground, sampled=True)
+    first = row.first[:-1]
+    peak, peak_alone = (
+        np.maximum.reduceat(np.abs(run.peaks).max(axis=0), first) for run in (done, lone)
+    )
+    radius, radius_alone = (_radii(structures, row, run) for run in (done, lone))
+    left = np.array([place.building for place in places], np.int64)
+    where = left[done.impacts[:, impacts.CONTACT].astype(np.int64)]
+    hits = np.bincount(np.append(where, where + 1), minlength=first.size)
+    return _Outcome(peak, peak_alone, radius, radius_alone, hits)
+
+
+def _radii(structures: Sequence[Building], row: Row, run: kernel.Run) -> Array:
+    """Largest energy radius of the first modes (structures,) [m], at the samples."""
+    n = row.mass.size
+    radii = []
+    for b, structure in enumerate(structures):
+        floors = slice(row.first[b], row.first[b + 1])
+        moves = np.ones(1)
+        if isinstance(structure, ShearBuilding):
+            moves = structure.participation().to_numpy()
+        shares = row.mass[floors] * moves
+        shares = shares / (shares @ moves)
+        q, rate = (run.states[:, part : part + n][:, floors] @ shares for part in (0, n))
+        w = 2 * np.pi / float(first_mode(structure).arrays()["period"])
+        radii.append(np.hypot(q, rate / w).max())
+    return np.array(radii)
+
+
+def _statistics(table: xr.Dataset, over: str) -> xr.Dataset:
+    """Bias, scatter and how often the estimates are exceeded, of the motions with hits."""
+    of = xr.DataArray(list(TRUTHS), dims="of", attrs={"long_name": "what grows by pounding"})
+    by = xr.DataArray(list(ESTIMATES), dims="estimate", attrs={"long_name": "estimate from energies"})
+    truth = xr.concat([table[name] for name in TRUTHS.values()], "of").assign_coords(of=of)
+    told = xr.concat([table[name] for name in ESTIMATES.values()], "estimate").assign_coords(estimate=by)
+    ratio = xr.ufuncs.log(told / truth).where(table.hits > 0)
+    count = (table.hits > 0).sum(over)
+    scatter = ratio.std(over, ddof=1).where(count >= FEWEST)
+    more = (ratio < 0).sum(over)
+    lower, upper = share_interval(more.to_numpy(), count.broadcast_like(more).to_numpy())
+    return xr.Dataset(
+        {
+            "motions_with_hits": count,
+            "estimate_bias": ratio.mean(over),
+            "estimate_bias_standard_error": scatter / np.sqrt(count),
+            "estimate_scatter": scatter,
+            "exceeded_probability": (more / count.where(count > 0)),
+            "exceeded_probability_lower": more.copy(data=lower),
+            "exceeded_probability_upper": more.copy(data=upper),
+        }
+    )
