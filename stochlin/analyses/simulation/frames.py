@@ -38,9 +38,12 @@ class Frame(NamedTuple):
 def frames_of(system: System) -> tuple[list[Frame], list[int]]:
     """The frames of a system, and the structures that are oscillators on their own."""
     frames, alone = [], []
+    with_device = {tie.one for tie in system.ties if tie.link.within_one}
     for members in _tied(system):
-        if members.size == 1 and system.stacks[members[0]].is_oscillator:
-            alone.append(int(members[0]))
+        one = members[0]
+        lone = members.size == 1 and system.stacks[one].is_oscillator
+        if lone and int(system.first[one]) not in with_device:
+            alone.append(int(one))
         else:
             frames.append(_frame(system, members))
     return frames, alone
@@ -57,7 +60,7 @@ def _tied(system: System) -> list[Array]:
     tied = np.zeros((count, count))
     owner = np.repeat(np.arange(count), np.diff(system.first))
     for tie in system.ties:
-        tied[owner[tie.one], owner[tie.two]] = 1
+        tied[owner[tie.one], owner[tie.one if tie.two < 0 else tie.two]] = 1
     _, group = scipy.sparse.csgraph.connected_components(tied, directed=False)
     return [np.flatnonzero(group == number) for number in dict.fromkeys(group)]
 

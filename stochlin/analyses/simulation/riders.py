@@ -17,7 +17,14 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.structures import Structure
-from stochlin.models.systems import AnyStructure, System, check_links, check_stationary, system_of
+from stochlin.models.systems import (
+    AnyStructure,
+    System,
+    check_linear_dashpots,
+    check_links,
+    check_stationary,
+    system_of,
+)
 
 STRUCTURE = "structure"
 
@@ -87,6 +94,7 @@ def riders_of(
 ) -> Riders:
     """Lay out the structures; for a stationary run, with their drift by linearization."""
     links = check_links("link", link, len(structures))
+    check_linear_dashpots("link", links)
     tied = {s for n, one in enumerate(links, 1) if one is not None for s in one.structures or (n, n + 1)}
     in_metres: list[AnyStructure] = [
         strength_in_metres(one, ground) if n in tied and isinstance(one, Structure) else one
