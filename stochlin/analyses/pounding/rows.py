@@ -25,6 +25,7 @@ from stochlin.models.systems import (
     LEVEL,
     Stack,
     Tie,
+    check_linear_dashpots,
     check_links,
     first_period,
     shares_at,
@@ -136,6 +137,13 @@ def check_contact(contact: Contact | None, count: int) -> None:
 def checked_links(link: Link | Sequence[Link | None] | None, count: int) -> tuple[Link | None, ...]:
     """Links between ``count`` structures; one will do for two."""
     links = check_links("link", link, count)
+    check_linear_dashpots("link", links)
+    for number, each in enumerate(links, start=1):
+        if each is not None and each.within_one:
+            raise ValueError(
+                f"link, number {number}: structures = {each.structures} are one; allowed here: links "
+                "between structures. simulate takes devices inside one"
+            )
     for each in links:
         if each is not None:
             check_scalars(each, "link", NUMBERS)

@@ -17,7 +17,13 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.structures import Structure
-from stochlin.models.systems import AnyStructure, System, check_links, check_stationary, system_of
+from stochlin.models.systems import (
+    AnyStructure,
+    System,
+    check_links,
+    check_stationary,
+    system_of,
+)
 
 STRUCTURE = "structure"
 
