@@ -113,6 +113,7 @@ ON_GROUND: dict[str, Callable[[Pair], object]] = {
     'amplification, method="simulation"': lambda s: sl.amplification(
         s.first, s.ground, method="simulation", paths=16
     ),
+    'amplification, of="peak"': lambda s: sl.amplification(s.first, s.ground, of="peak", **SIZES),
     "reduction_factor": lambda s: sl.reduction_factor(s.first, s.ground),
     "strength_for_ductility": lambda s: sl.strength_for_ductility(s.weak, s.ground, 3.0),
     "peak_response": lambda s: sl.peak_response(s.first, s.ground, 2.0),
