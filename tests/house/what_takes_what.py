@@ -134,6 +134,8 @@ ON_GROUND: dict[str, Callable[[Pair], object]] = {
 ON_RECORD: dict[str, Callable[[Pair], object]] = {
     "respond": lambda s: sl.respond(s.first, RECORD),
     "recorded_gap": lambda s: sl.recorded_gap(*s.both, RECORD),
+    "energy_gap": lambda s: sl.energy_gap(*s.both, RECORD),
+    "damping_for_gap": lambda s: sl.damping_for_gap(RECORD, *s.both, 0.001),
     "separation, records": lambda s: sl.separation(
         *s.both, GROUNDS["Kanai-Tajimi"], **SIZES, records={"one": RECORD}
     ),

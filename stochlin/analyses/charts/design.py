@@ -176,7 +176,8 @@ def _with_simulated_amplification(
             chart[name + end][place] = values
     caption = (
         f"{chart.attrs['caption']}\nMaxima: {duration:.3g} s of motion, envelope AminAng("
-        f"{shape[0]:.3g} s, {shape[1]:.3g} s, {shape[2]:.3g}/s); std. deviations simulated for R ≥ {SLOWEST_DRIFT:g}"
+        f"{shape[0]:.3g} s, {shape[1]:.3g} s, {shape[2]:.3g}/s); "
+        f"std. deviations simulated for R ≥ {SLOWEST_DRIFT:g}"
     )
     return labels.label(chart, VARIABLES).assign_attrs(chart="amplification", caption=caption)
 
