@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -19,16 +20,20 @@ from stochlin.analyses.simulation.finite_motions import (
     finite_attributes,
     largest_displacements,
 )
-from stochlin.analyses.simulation.simulation import STEPS_PER_PERIOD
+from stochlin.analyses.simulation.simulation import STEPS_PER_PERIOD, simulate
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import row_of
 from stochlin.analyses.tables.checks import check_duration
+from stochlin.analyses.tables.floors import ELEMENT, FLOOR
+from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.messages import brief
+from stochlin.models.buildings import ShearBuilding
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
+from stochlin.models.systems import STRUCTURES, AnyStructure
 
 LINEARIZATION, SIMULATION = "linearization", "simulation"
 STD, PEAK = "std", "peak"
@@ -38,7 +43,7 @@ OF_PEAKS = {
 
 
 def amplification(
-    structure: Structure,
+    structure: AnyStructure,
     ground: Ground,
     *,
     of: str = STD,
@@ -57,7 +62,7 @@ def amplification(
 
     Parameters
     ----------
-    structure : Bilinear, BoucWen or Hysteretic
+    structure : Bilinear, BoucWen or Hysteretic; for peaks also ShearBuilding
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
     of : str
         ``"std"`` or ``"peak"``.
@@ -80,7 +85,9 @@ def amplification(
         ``amplification``, the mean of ``max |u|`` over that of the elastic structure on the same
         motions, and its standard error; ``peak_mean`` and ``elastic_peak_mean`` [m] with standard
         errors; ``ductility`` [-], ``peak_mean`` over the yield displacement; ``status``,
-        ``elastic_limit`` where no motion makes the structure yield.
+        ``elastic_limit`` where no motion makes the structure yield. Of a building with storeys all of
+        that over ``floor``, ``ductility`` over ``element``, and over that also ``drift_amplification``
+        [-], of the largest drifts, with its standard error.
 
     Raises
     ------
@@ -111,10 +118,10 @@ def amplification(
     >>> 1 < float(peaks.amplification)
     True
     """
-    expect(structure, Structure, "structure")
-    expect(ground, Ground, "ground")
     if not isinstance(of, str) or of not in (STD, PEAK):
         raise ValueError(f"of = {brief(of)} is not known; allowed: {STD}, {PEAK}")
+    expect(structure, STRUCTURES if of == PEAK else Structure, "structure")
+    expect(ground, Ground, "ground")
     if not isinstance(method, str | None) or method not in (None, LINEARIZATION, SIMULATION):
         raise ValueError(
             f"method = {brief(method)} is not known; allowed: {LINEARIZATION}, {SIMULATION}"
@@ -126,6 +133,7 @@ def amplification(
             "duration and envelope are of finite motions, a standard deviation is of the stationary "
             "response; leave them out, or ask for of='peak'"
         )
+    assert isinstance(structure, Structure)  # of one floor, as expected above
     elastic = solve_elastic(structure, ground).displacement_std
     method = method or LINEARIZATION
     if method == LINEARIZATION:
@@ -151,7 +159,7 @@ def amplification(
 
 
 def _of_peaks(
-    structure: Structure,
+    structure: AnyStructure,
     ground: Ground,
     method: str | None,
     duration: float | None,
@@ -168,11 +176,14 @@ def _of_peaks(
     seconds = check_duration(duration, {"structure": structure})
     check_motion(seconds, envelope, 0.0, [0.5], {"structure": structure})
     check_settings(paths, seed)
-    grounds = int(np.prod([array.size for array in ground.arrays().values()]))
-    run = partial(
-        _on_one_ground, duration=seconds, envelope=envelope, paths=paths, seed=seed, grounds=grounds
-    )
-    table = labels.label(over_grounds(run, [structure], ground), {**VARIABLES, **OF_PEAKS})
+    drawn: dict[str, Any] = {"envelope": envelope, "paths": paths, "seed": seed}
+    if isinstance(structure, ShearBuilding):
+        table = _of_storeys(structure, ground, duration=seconds, **drawn)
+    else:
+        grounds = int(np.prod([array.size for array in ground.arrays().values()]))
+        run = partial(_on_one_ground, duration=seconds, grounds=grounds, **drawn)
+        table = over_grounds(run, [structure], ground)
+    table = labels.label(table, {**VARIABLES, **OF_PEAKS})
     case = f"amplification({structure.describe()}, {ground.describe()})"
     labels.raise_if_lone_failure(table, case)
     return labels.with_run_information(
@@ -204,22 +215,50 @@ def _on_one_ground(
     own, index = sides[0]
     inelastic = peaks[:, : own.valid.size]
     other = peaks[:, own.valid.size + row_of(sides[1][1], index)]
-    scale = np.sqrt(len(peaks))
-    means = [one.mean(axis=0) for one in (inelastic, other)]
-    errors = [one.std(axis=0, ddof=1) / scale for one in (inelastic, other)]
-    ratio = means[0] / means[1]
-    left = (inelastic - ratio * other).std(axis=0, ddof=1) / scale
+    found = _ratios(inelastic, other)
     stayed = (inelastic <= own.yield_displacement).all(axis=0)
     status = np.where(stayed, labels.ELASTIC_LIMIT, labels.CONVERGED)
+    known = np.isfinite(found["amplification"])
     columns = {
-        "amplification": ratio,
-        "amplification_standard_error": left / means[1],
-        "peak_mean": means[0],
-        "peak_mean_standard_error": errors[0],
-        "elastic_peak_mean": means[1],
-        "elastic_peak_mean_standard_error": errors[1],
-        "ductility": means[0] / own.yield_displacement,
-        "status": np.where(np.isfinite(ratio), status, labels.INVALID_INPUT).astype(np.int8),
+        **found,
+        "ductility": found["peak_mean"] / own.yield_displacement,
+        "status": np.where(known, status, labels.INVALID_INPUT).astype(np.int8),
     }
     table = {name: index.copy(data=values.reshape(index.shape)) for name, values in columns.items()}
     return xr.Dataset(table, attrs=finite_attributes(run, duration, envelope))
+
+
+def _of_storeys(building: ShearBuilding, ground: Ground, **motion: Any) -> xr.Dataset:
+    """Peaks of the floors and drifts of a building and of the elastic one, on the same motions."""
+    motions = simulate([building, replace(building, yield_drifts=None)], ground, **motion)
+    n = building.storeys
+    own = motions.isel({FLOOR: slice(None, n), ELEMENT: slice(None, n)})
+    peaks, drifts = (
+        _ratios(motions[name].values[:, :n], motions[name].values[:, n:])
+        for name in ("peak", "peak_drift")
+    )
+    columns = {name: (FLOOR, values) for name, values in peaks.items()}
+    for end in ("", "_standard_error"):
+        columns[f"drift_amplification{end}"] = (ELEMENT, drifts[f"amplification{end}"])
+    # Ductilities are means of the drifts over those at yield, which are the same in every motion.
+    stayed = bool((own.peak_drift * own.ductility <= own.peak_drift_mean).all())
+    table = xr.Dataset(columns, coords=own[["peak_mean", "ductility"]].coords)
+    status = np.int8(labels.ELASTIC_LIMIT if stayed else labels.CONVERGED)
+    told = {key: value for key, value in motions.attrs.items() if not key.startswith("structure_")}
+    return table.assign(ductility=own.ductility, status=status).assign_attrs(told)
+
+
+def _ratios(inelastic: Array, elastic: Array) -> dict[str, Array]:
+    """Means of peaks (motions, n), their ratio, and the errors of all; of the ratio by pairs."""
+    scale = np.sqrt(len(inelastic))
+    mean, other = inelastic.mean(axis=0), elastic.mean(axis=0)
+    ratio = mean / other
+    left = (inelastic - ratio * elastic).std(axis=0, ddof=1)
+    return {
+        "amplification": ratio,
+        "amplification_standard_error": left / scale / other,
+        "peak_mean": mean,
+        "peak_mean_standard_error": inelastic.std(axis=0, ddof=1) / scale,
+        "elastic_peak_mean": other,
+        "elastic_peak_mean_standard_error": elastic.std(axis=0, ddof=1) / scale,
+    }

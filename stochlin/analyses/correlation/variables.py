@@ -9,6 +9,8 @@ VARIABLES: Variables = {
     "rho_error": ("1", "mean absolute error of rho over simulated pairs of this region"),
     "amplification": ("1", "inelastic over elastic standard deviation of the displacement"),
     "amplification_standard_error": ("1", "standard error of the amplification"),
+    "drift_amplification": ("1", "mean largest inelastic over mean largest elastic drift"),
+    "drift_amplification_standard_error": ("1", "standard error of drift_amplification"),
     "elastic_peak_mean": ("m", "mean of the largest displacement of the elastic structure"),
     "elastic_peak_mean_standard_error": ("m", "standard error of elastic_peak_mean"),
     "relative_displacement_std": ("m", "standard deviation of u_1 - u_2"),
