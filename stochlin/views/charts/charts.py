@@ -38,7 +38,6 @@ UNTOLD = (
     ("compared_plane", {"rho_difference", "period_ratio_2"}),
     ("compared_curves", {"rho_difference"}),
     ("compared_curves", {"amplification_difference"}),
-    ("amplification", {"amplification_of_peaks"}),
     ("portrait", {"circle_displacement"}),
     ("critical_gap", {"critical_gap"}),
     ("contact_loops", {"scaled_force", "LinearSpring"}),
