@@ -98,6 +98,8 @@ from .analyses.separation.separation import separation as separation
 from .analyses.separation.existing_gap import existing_gap as existing_gap
 from .analyses.simulation.finite_motions import exceedance as exceedance
 from .analyses.separation.critical_gap import critical_gap as critical_gap
+from .analyses.separation.energy_gap import energy_gap as energy_gap
+from .analyses.separation.added_damping import damping_for_gap as damping_for_gap
 from .analyses.cases.case import (
     read_case as read_case,
     example_case as example_case,

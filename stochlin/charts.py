@@ -15,6 +15,7 @@ from stochlin.analyses.charts.design import amplification_chart as amplification
 from stochlin.analyses.charts.design import period_plane_chart as period_plane_chart
 from stochlin.analyses.charts.design import period_ratio_chart as period_ratio_chart
 from stochlin.analyses.charts.design import white_noise_chart as white_noise_chart
+from stochlin.analyses.charts.records import added_damping_chart as added_damping_chart
 from stochlin.analyses.charts.records import energy_chart as energy_chart
 from stochlin.analyses.charts.records import per_spectrum_chart as per_spectrum_chart
 from stochlin.analyses.charts.records import portrait_chart as portrait_chart

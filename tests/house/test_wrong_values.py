@@ -151,6 +151,7 @@ OWN: dict[str, dict[str, Any]] = {
     "compare_motions": {
         "motion": sl.FittedMotion(sl.KanaiTajimi(1.0, 0.3, 0.01), sl.HsuBernard(2.0), 4.0)
     },
+    "amplification": {"of": "peak", "duration": 3.0},
     "pounding_probability": {"duration": 3.0},
     "ShearBuilding": {
         "hardening": 0.1,

@@ -117,6 +117,7 @@ ON_GROUND: dict[str, Callable[[Pair], object]] = {
     'amplification, method="simulation"': lambda s: sl.amplification(
         s.first, s.ground, method="simulation", paths=16
     ),
+    'amplification, of="peak"': lambda s: sl.amplification(s.first, s.ground, of="peak", **SIZES),
     "reduction_factor": lambda s: sl.reduction_factor(s.first, s.ground),
     "strength_for_ductility": lambda s: sl.strength_for_ductility(s.weak, s.ground, 3.0),
     "peak_response": lambda s: sl.peak_response(s.first, s.ground, 2.0),
@@ -137,6 +138,8 @@ ON_GROUND: dict[str, Callable[[Pair], object]] = {
 ON_RECORD: dict[str, Callable[[Pair], object]] = {
     "respond": lambda s: sl.respond(s.first, RECORD),
     "recorded_gap": lambda s: sl.recorded_gap(*s.both, RECORD),
+    "energy_gap": lambda s: sl.energy_gap(*s.both, RECORD),
+    "damping_for_gap": lambda s: sl.damping_for_gap(RECORD, *s.both, 0.001),
     "separation, records": lambda s: sl.separation(
         *s.both, GROUNDS["Kanai-Tajimi"], **SIZES, records={"one": RECORD}
     ),

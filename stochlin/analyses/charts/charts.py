@@ -11,7 +11,7 @@ from typing import Any
 
 import xarray as xr
 
-from stochlin.analyses.tables.checks import is_number
+from stochlin.analyses.tables.checks import checked_gap, is_number
 from stochlin.messages import brief
 from stochlin.models.grounds import Ground, KanaiTajimi
 from stochlin.models.laws.bilinear import Bilinear
@@ -42,7 +42,12 @@ class ChartSettings:
     ground_period : float
         ``Tg`` [s] of the two model grounds.
     structure_period : float, optional
-        Period [s] of the structure of Fig. 1; without it that of the ground fitted to the record.
+        Period [s] of the structure of Fig. 1, and of the first of two on which damping is added; without
+        it that of the ground fitted to the record.
+    second_period : float, optional
+        Period [s] of the second of two on which damping is added; without it .7 of the first.
+    gap : float, optional
+        Existing gap [m] between them.
     closure : str
         As in `stochlin.linearize`.
     points : int
@@ -60,6 +65,8 @@ class ChartSettings:
     ductility: float = 4.0
     ground_period: float = 2.0
     structure_period: float | None = None
+    second_period: float | None = None
+    gap: float | None = None
     closure: str = "gaussian"
     points: int = 161
     method: str = "linearization"
@@ -83,8 +90,11 @@ class ChartSettings:
             raise ValueError("reduction_factors is empty; allowed: at least one value")
         asked = {"damping": "damping", "hardening": "hardening", "ground_period": "period"}
         asked |= {"plane_reduction_factor": "reduction_factor", "ductility": "reduction_factor"}
-        if self.structure_period is not None:
-            asked["structure_period"] = "period"
+        for name in ("structure_period", "second_period"):
+            if getattr(self, name) is not None:
+                asked[name] = "period"
+        if self.gap is not None:
+            checked_gap(self.gap)
         given = [(name, getattr(self, name), Bilinear.allowed(own)) for name, own in asked.items()]
         factor = Bilinear.allowed("reduction_factor")
         given += [("reduction_factors", value, factor) for value in self.reduction_factors]

@@ -8,16 +8,28 @@ scale of time, so that the ground period only sets the units.
 from __future__ import annotations
 
 from functools import partial
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from stochlin.analyses.charts.charts import CHARTS, ChartSettings
+from stochlin.analyses.charts.variables import VARIABLES
 from stochlin.analyses.correlation.amplification import amplification
 from stochlin.analyses.correlation.correlation import correlate, rho_white_noise
 from stochlin.analyses.tables import labels
+from stochlin.models.envelopes import AminAng
 from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
+from stochlin.models.structures import DRIFT
+
+# The motion of Fig. 5b in ground periods, in which its ratios are those of any ground of its kind; for a
+# ground of 2 s it lasts 30 s.
+DURATION, RISE_END, STRONG_END, DECAY = 15.0, 2.0, 7.5, 0.7
+STD_INTERVALS, PEAK_INTERVALS = 8, 32  # between simulated periods
+STD_PATHS = 64  # of the standard deviations, whose runs are long
+SLOWEST_DRIFT = 2.0  # reduction factor; a structure that yields less drifts for hours of motion
+OF_PEAKS, OF_STD = "amplification_of_peaks", "amplification_simulated"
 
 
 def _reduction_factors(settings: ChartSettings) -> xr.DataArray:
@@ -112,7 +124,11 @@ def amplification_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        ``amplification`` and ``status`` over (``reduction_factor``, ``period_ratio``).
+        ``amplification`` and ``status`` over (``reduction_factor``, ``period_ratio``), the ratio of the
+        standard deviations. Linearized, it also has ``amplification_drift``, of the drift closure, and
+        simulated, NaN between the simulated points, ``amplification_simulated`` of the standard
+        deviations and ``amplification_of_peaks`` of the maxima in a motion that ends, which is what the
+        paper's caption says, each with its ``_standard_error``.
     """
     ratio = labels.axis("period_ratio", "T/Tg", np.geomspace(0.1, 4, settings.points))
     structure = Bilinear(
@@ -124,7 +140,46 @@ def amplification_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
     table = amplification(structure, ground, **settings.options)
     chart = table[_shown(table)].transpose("reduction_factor", "period_ratio")
     title = "Amplification of the displacement by yielding"
-    return _captioned(chart, "curves", title, ground_caption(ground), settings, labels.CAUTION_SIGMA)
+    chart = _captioned(chart, "curves", title, ground_caption(ground), settings, labels.CAUTION_SIGMA)
+    if settings.method != "linearization":
+        return chart
+    return _with_simulated_amplification(chart, structure, ground, settings)
+
+
+def _with_simulated_amplification(
+    chart: xr.Dataset, structure: Bilinear, ground: Ground, settings: ChartSettings
+) -> xr.Dataset:
+    """The drift closure beside a linearized Fig. 5b, and simulation of both kinds at some periods."""
+    period, last = ground_period(ground), chart.sizes["period_ratio"] - 1
+    duration = DURATION * period
+    shape = RISE_END * period, STRONG_END * period, DECAY / period
+    envelope = AminAng(*shape)
+    seldom, often = (slice(None, None, max(1, last // n)) for n in (STD_INTERVALS, PEAK_INTERVALS))
+    if settings.closure != DRIFT:
+        drifting = amplification(structure, ground, closure=DRIFT).amplification
+        chart = chart.assign(amplification_drift=drifting.transpose(*chart.amplification.dims))
+    motion: dict[str, Any] = {"of": "peak", "duration": duration, "envelope": envelope}
+    runs = [(OF_PEAKS, slice(None), often, {**motion, "paths": settings.paths})]
+    few = {"method": "simulation", "paths": min(settings.paths, STD_PATHS)}
+    runs += [
+        (OF_STD, slice(n, n + 1), seldom, few)
+        for n, factor in enumerate(settings.reduction_factors)
+        if factor >= SLOWEST_DRIFT
+    ]
+    for name, rows, columns, options in runs:
+        place = {"reduction_factor": rows, "period_ratio": columns}
+        found = amplification(structure.isel(place), ground, seed=settings.seed, **options)
+        for end in ("", "_standard_error"):
+            if name + end not in chart:
+                chart[name + end] = xr.full_like(chart.amplification, np.nan)
+            values = found[f"amplification{end}"].transpose(*chart.amplification.dims).values
+            chart[name + end][place] = values
+    caption = (
+        f"{chart.attrs['caption']}\nMaxima: {duration:.3g} s of motion, envelope AminAng("
+        f"{shape[0]:.3g} s, {shape[1]:.3g} s, {shape[2]:.3g}/s); "
+        f"std. deviations simulated for R ≥ {SLOWEST_DRIFT:g}"
+    )
+    return labels.label(chart, VARIABLES).assign_attrs(chart="amplification", caption=caption)
 
 
 for _letter, _ratio in (("a", 0.5), ("b", 1.0), ("c", 2.0)):

@@ -12,21 +12,24 @@ import xarray as xr
 from stochlin.analyses.charts.charts import CHARTS, ChartSettings, check_points
 from stochlin.analyses.charts.design import ground_caption, ground_period
 from stochlin.analyses.charts.variables import VARIABLES
-from stochlin.analyses.correlation.correlation import rho_white_noise
 from stochlin.analyses.records.cells import Records
-from stochlin.analyses.records.gaps import recorded_gap
 from stochlin.analyses.records.records import strong_part
 from stochlin.analyses.records.response import pseudo_energy_radius, respond, response_spectrum
 from stochlin.analyses.records.spectra import fit_spectra
-from stochlin.analyses.separation.critical_gap import double_difference
+from stochlin.analyses.separation.added_damping import CURVES as DAMPED_CURVES
+from stochlin.analyses.separation.added_damping import damped_gaps, damping_for_gap
+from stochlin.analyses.separation.energy_gap import RhoEstimate, energy_gap
+from stochlin.analyses.separation.variables import VARIABLES as SEPARATION
 from stochlin.analyses.tables import labels
 from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
+from stochlin.models.structures import Structure
 
 POINTS_PER_PERIOD = 32  # of a portrait, for a smooth curve
 CIRCLE = 181  # points
 PERIODS = (0.1, 5.0)  # s
 ENERGIES = ("input", "viscous", "hysteretic")
+SECOND_PERIOD = 0.7  # over the first, where it is not given
 GAP_POINTS = 61  # at most, of Fig. 2: each cell follows the whole record
 
 
@@ -56,6 +59,14 @@ def _per_spectrum(settings: ChartSettings, record: xr.DataArray) -> xr.Dataset:
 @CHARTS.register("fig2", place=14)
 def _fig2(settings: ChartSettings, record: xr.DataArray) -> xr.Dataset:
     return recorded_gap_chart(record, settings.damping, min(settings.points, GAP_POINTS))
+
+
+@CHARTS.register("added_damping", place=15)
+def _added_damping(settings: ChartSettings, record: xr.DataArray, site: Ground) -> xr.Dataset:
+    period = _period(settings, site)
+    other = settings.second_period or SECOND_PERIOD * period
+    first, second = (Bilinear(T, settings.damping) for T in (period, other))
+    return added_damping_chart(record, first, second, settings.gap)
 
 
 def portrait_chart(record: xr.DataArray, period: float, damping: float) -> xr.Dataset:
@@ -212,12 +223,8 @@ def recorded_gap_chart(record: xr.DataArray, damping: float, points: int = 61) -
     """
     periods = (_periods(f"period_{n}", f"period, structure {n}", points) for n in (1, 2))
     first, second = (Bilinear(period, damping) for period in periods)
-    table = recorded_gap(first, second, record)
-    rho = rho_white_noise(first.period, second.period, damping, damping).rho
-    radii = (table.pseudo_energy_radius_1, table.pseudo_energy_radius_2)
-    chart = table[["separation", "srss", "rho", "status"]].assign(
-        critical_gap=xr.apply_ufunc(double_difference, *radii, np.minimum(rho, 1)), rho_white_noise=rho
-    )
+    chart = energy_gap(first, second, record).rename(rho_estimate="rho_white_noise")
+    chart = chart[["separation", "srss", "rho", "status", "critical_gap", "rho_white_noise"]]
     chart.rho.attrs["long_name"] = "correlation over the recorded motion"
     chart.rho_white_noise.attrs["long_name"] = "rho under white noise, eq. (4)"
     chart.critical_gap.attrs.update(units="m", long_name="critical gap, eqs. (3) and (4)")
@@ -225,6 +232,44 @@ def recorded_gap_chart(record: xr.DataArray, damping: float, points: int = 61) -
         chart="critical_gap",
         title=f"Critical gap in {_source(record)}",
         caption=f"Elastic structures: ξ = {damping:.3g}; the largest u1 - u2, and eqs. (3) and (4)",
+    )
+
+
+def added_damping_chart(
+    record: xr.DataArray, first: Structure, second: Structure, gap: float | None = None
+) -> xr.Dataset:
+    """Gap of a record over the damping that is added to both structures, or to one of them.
+
+    Parameters
+    ----------
+    record : xarray.DataArray
+        As `stochlin.read_record` gives it.
+    first, second : Structure
+        As in `stochlin.damping_for_gap`.
+    gap : float, optional
+        The existing gap [m]: the chart then has the least damping for it.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``damped`` and ``added_damping``: ``critical_gap`` [m], eqs. (3) and (4) with the energy
+        radii, and ``separation`` [m], what the record takes, as `stochlin.damping_for_gap` has them;
+        with a gap also all else that it returns.
+    """
+    if gap is None:
+        chart = labels.label(damped_gaps(first, second, record, RhoEstimate()), SEPARATION)
+        chart = chart[[*DAMPED_CURVES, "status"]]
+    else:
+        chart = damping_for_gap(record, first, second, gap)
+    pair = [structure.arrays() for structure in (first, second)]
+    told = [f"T{n} = {float(own['period']):.3g} s" for n, own in enumerate(pair, start=1)]
+    told += [f"ξ{n} = {float(own['damping']):.3g}" for n, own in enumerate(pair, start=1)]
+    kind = "Structures" if first.yields or second.yields else "Elastic structures"
+    return chart.assign_attrs(
+        chart="added_damping",
+        title=f"Gap over added damping in {_source(record)}",
+        caption=f"{kind}: {', '.join(told)} before damping is added"
+        + ("" if gap is None else "\nMarks: the least damping with which the gap is enough"),
     )
 
 

@@ -5,6 +5,11 @@ from stochlin.analyses.tables.labels import Variables
 
 VARIABLES: Variables = {
     **RECORDS,
+    "amplification_drift": ("1", "amplification of the standard deviation by the drift closure"),
+    "amplification_simulated": ("1", "amplification of the standard deviation, simulated"),
+    "amplification_simulated_standard_error": ("1", "standard error of amplification_simulated"),
+    "amplification_of_peaks": ("1", "amplification of the maximum, simulated"),
+    "amplification_of_peaks_standard_error": ("1", "standard error of amplification_of_peaks"),
     "velocity_over_frequency": ("m", "velocity over circular frequency"),
     **{
         f"{kind}_energy_radius{end}": ("m", f"radius sqrt(2 E)/w of the {kind} energy{when}")

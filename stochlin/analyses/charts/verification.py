@@ -37,7 +37,8 @@ def verify_chart(name: str, settings: ChartSettings) -> xr.Dataset:
     chart = functions[name]()
     simulated = chart_functions(replace(settings, method="simulation"))[name]()
     shown = next((str(key) for key in simulated if f"{key}_standard_error" in simulated), None)
-    if shown is None or chart.attrs["chart"] not in ("curves", "plane"):
+    kind = simulated.attrs["chart"]
+    if shown is None or kind not in ("curves", "plane"):
         raise ValueError(
             f"NAME = {brief(name)} is no chart of curves or of a plane with a simulation to it"
         )
@@ -50,7 +51,7 @@ def verify_chart(name: str, settings: ChartSettings) -> xr.Dataset:
     )
     largest = float(simulated[error].max())
     return chart.assign_attrs(
-        chart=f"compared_{chart.attrs['chart']}",
+        chart=f"compared_{kind}",
         title=f"{chart.attrs['title']}: linearized against simulated",
         comment=f"Simulated on {simulated.attrs['paths']} paths; standard error at most {largest:.2g}.",
     )

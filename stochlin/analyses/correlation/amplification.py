@@ -2,41 +2,78 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
 import xarray as xr
 
 from stochlin.analyses.correlation.correlation import correlate
+from stochlin.analyses.correlation.simulated import over_grounds
 from stochlin.analyses.correlation.variables import VARIABLES
 from stochlin.analyses.linearization.equivalent_systems import solve_elastic
 from stochlin.analyses.linearization.linearization import linearize
+from stochlin.analyses.simulation.ensembles import cells_of, check_settings, join_cells, prepare
+from stochlin.analyses.simulation.finite_motions import (
+    check_motion,
+    finite_attributes,
+    largest_displacements,
+)
+from stochlin.analyses.simulation.simulation import STEPS_PER_PERIOD, simulate
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.cellwise import row_of
+from stochlin.analyses.tables.checks import check_duration
+from stochlin.analyses.tables.floors import ELEMENT, FLOOR
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.simulation.stepping import LANES
 from stochlin.messages import brief
+from stochlin.models.buildings import ShearBuilding
+from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
+from stochlin.models.systems import STRUCTURES, AnyStructure
+
+LINEARIZATION, SIMULATION = "linearization", "simulation"
+STD, PEAK = "std", "peak"
+OF_PEAKS = {
+    "amplification": ("1", "mean largest inelastic over mean largest elastic displacement"),
+}
 
 
 def amplification(
-    structure: Structure,
+    structure: AnyStructure,
     ground: Ground,
     *,
-    method: str = "linearization",
+    of: str = STD,
+    method: str | None = None,
     closure: str = "gaussian",
+    duration: float | None = None,
+    envelope: Envelope | None = None,
     paths: int = 256,
     seed: int = 0,
 ) -> xr.Dataset:
     """Amplification factor ``D``: inelastic over elastic displacement.
 
-    The paper's Fig. 5b takes it between maxima. With one peak factor for both, as here, it is
-    the ratio of the standard deviations.
+    The paper's Fig. 5b takes it between maxima. They need a motion that ends: with ``of="peak"`` both
+    are simulated on the same motions. ``of="std"`` is the ratio of the standard deviations of the
+    stationary response, which is that of the maxima if one peak factor holds for both.
 
     Parameters
     ----------
-    structure : Bilinear, BoucWen or Hysteretic
+    structure : Bilinear, BoucWen or Hysteretic; for peaks also ShearBuilding
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
-    method : str
-        ``"linearization"`` or ``"simulation"``.
+    of : str
+        ``"std"`` or ``"peak"``.
+    method : str, optional
+        ``"linearization"``, which is usual, or ``"simulation"``, which alone is for peaks.
     closure : str
         As in `linearize`.
+    duration : float, optional
+        Length of the motions [s], at least a period: for peaks, which need it.
+    envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
+        Of the motions, for peaks; without it they are stationary from their start.
     paths, seed : int
         As in `simulate`.
 
@@ -44,16 +81,27 @@ def amplification(
     -------
     xarray.Dataset
         Over the dimensions of the parameters: ``amplification`` [-], ``displacement_std`` [m],
-        ``ductility_std`` [-], ``status``; simulation adds ``amplification_standard_error``.
+        ``ductility_std`` [-], ``status``; simulation adds ``amplification_standard_error``. Of peaks:
+        ``amplification``, the mean of ``max |u|`` over that of the elastic structure on the same
+        motions, and its standard error; ``peak_mean`` and ``elastic_peak_mean`` [m] with standard
+        errors; ``ductility`` [-], ``peak_mean`` over the yield displacement; ``status``,
+        ``elastic_limit`` where no motion makes the structure yield. Of a building with storeys all of
+        that over ``floor``, ``ductility`` over ``element``, and over that also ``drift_amplification``
+        [-], of the largest drifts, with its standard error.
 
     Raises
     ------
     ValueError, ArithmeticError
-        As in `linearize` and `simulate`.
+        As in `linearize` and `simulate`; for peaks without a duration or by another method, and for a
+        duration or an envelope without peaks.
 
     Notes
     -----
-    Linearized, it is too small where structures yield: see `linearize`.
+    Linearized, it is too small where structures yield: see `linearize`. A stationary response lasts for
+    ever, and the plastic drift of a structure that yields seldom has all of that time to grow: the ratio
+    of the standard deviations is then far above that of the peaks of a motion of usual length. The
+    standard error of the ratio of the peaks is that of the mean of ``(peak - D elastic_peak)``, which is
+    small because both are of the same motion.
 
     References
     ----------
@@ -63,23 +111,38 @@ def amplification(
     --------
     >>> import stochlin as sl
     >>> building = sl.Bilinear(period=0.5, damping=0.05, hardening=0.05, reduction_factor=4)
-    >>> 1 < float(sl.amplification(building, sl.KanaiTajimi(2.0, 0.05)).amplification)
+    >>> lakebed = sl.KanaiTajimi(2.0, 0.05)
+    >>> 1 < float(sl.amplification(building, lakebed).amplification)
+    True
+    >>> peaks = sl.amplification(building, lakebed, of="peak", duration=30.0, paths=64)
+    >>> 1 < float(peaks.amplification)
     True
     """
-    expect(structure, Structure, "structure")
+    if not isinstance(of, str) or of not in (STD, PEAK):
+        raise ValueError(f"of = {brief(of)} is not known; allowed: {STD}, {PEAK}")
+    expect(structure, STRUCTURES if of == PEAK else Structure, "structure")
     expect(ground, Ground, "ground")
-    if not isinstance(method, str):
-        raise ValueError(f"method = {brief(method)} is not known; allowed: linearization, simulation")
+    if not isinstance(method, str | None) or method not in (None, LINEARIZATION, SIMULATION):
+        raise ValueError(
+            f"method = {brief(method)} is not known; allowed: {LINEARIZATION}, {SIMULATION}"
+        )
+    if of == PEAK:
+        return _of_peaks(structure, ground, method, duration, envelope, paths, seed)
+    if duration is not None or envelope is not None:
+        raise ValueError(
+            "duration and envelope are of finite motions, a standard deviation is of the stationary "
+            "response; leave them out, or ask for of='peak'"
+        )
+    assert isinstance(structure, Structure)  # of one floor, as expected above
     elastic = solve_elastic(structure, ground).displacement_std
-    if method == "linearization":
+    method = method or LINEARIZATION
+    if method == LINEARIZATION:
         inelastic = linearize(structure, ground, closure)
-    elif method == "simulation":
+    else:
         pairs = correlate(structure, structure, ground, method, paths=paths, seed=seed)
         names = ("displacement_std", "ductility_std", "displacement_std_standard_error")
         inelastic = pairs[["status", *(f"{name}_1" for name in names)]]
         inelastic = inelastic.rename({f"{name}_1": name for name in names})
-    else:
-        raise ValueError(f"method = {brief(method)} is not known; allowed: linearization, simulation")
     table = inelastic[["displacement_std", "ductility_std", "status"]].assign(
         amplification=inelastic.displacement_std / elastic
     )
@@ -93,3 +156,109 @@ def amplification(
         f"amplification(method={method!r}, closure={closure!r})",
         {"structure": structure, "ground": ground},
     )
+
+
+def _of_peaks(
+    structure: AnyStructure,
+    ground: Ground,
+    method: str | None,
+    duration: float | None,
+    envelope: Envelope | None,
+    paths: int,
+    seed: int,
+) -> xr.Dataset:
+    """What `amplification` returns of peaks."""
+    if method == LINEARIZATION:
+        raise ValueError(
+            f"method = {method!r} gives no peaks; allowed for of='peak': {SIMULATION}; of the "
+            "linearized structure they are peak_response's"
+        )
+    seconds = check_duration(duration, {"structure": structure})
+    check_motion(seconds, envelope, 0.0, [0.5], {"structure": structure})
+    check_settings(paths, seed)
+    drawn: dict[str, Any] = {"envelope": envelope, "paths": paths, "seed": seed}
+    if isinstance(structure, ShearBuilding):
+        table = _of_storeys(structure, ground, duration=seconds, **drawn)
+    else:
+        grounds = int(np.prod([array.size for array in ground.arrays().values()]))
+        run = partial(_on_one_ground, duration=seconds, grounds=grounds, **drawn)
+        table = over_grounds(run, [structure], ground)
+    table = labels.label(table, {**VARIABLES, **OF_PEAKS})
+    case = f"amplification({structure.describe()}, {ground.describe()})"
+    labels.raise_if_lone_failure(table, case)
+    return labels.with_run_information(
+        table,
+        f"Amplification of the largest displacement by yielding, {ground.name} ground",
+        f"amplification(of={PEAK!r}, duration={seconds:g}, paths={paths}, seed={seed})",
+        {"structure": structure, "ground": ground},
+    )
+
+
+def _on_one_ground(
+    structure: Structure,
+    ground: Ground,
+    *,
+    duration: float,
+    envelope: Envelope | None,
+    paths: int,
+    seed: int,
+    grounds: int,
+) -> xr.Dataset:
+    """Peaks of the structure and of the elastic one, all cells of both on the same motions."""
+    elastic = replace(structure, yield_displacement=None, reduction_factor=None)
+    sides = [cells_of(one, ground, stationary=False) for one in (structure, elastic)]
+    cells = join_cells([one for one, _ in sides])
+    cells = cells._replace(valid=cells.valid & (cells.period <= duration))
+    run = prepare(cells, ground, paths=paths, seed=seed, steps_per_period=STEPS_PER_PERIOD)
+    peaks = np.full((run.plan.groups * LANES, cells.valid.size), np.nan)
+    peaks[:, cells.valid] = largest_displacements(run, duration, envelope, grounds)
+    own, index = sides[0]
+    inelastic = peaks[:, : own.valid.size]
+    other = peaks[:, own.valid.size + row_of(sides[1][1], index)]
+    found = _ratios(inelastic, other)
+    stayed = (inelastic <= own.yield_displacement).all(axis=0)
+    status = np.where(stayed, labels.ELASTIC_LIMIT, labels.CONVERGED)
+    known = np.isfinite(found["amplification"])
+    columns = {
+        **found,
+        "ductility": found["peak_mean"] / own.yield_displacement,
+        "status": np.where(known, status, labels.INVALID_INPUT).astype(np.int8),
+    }
+    table = {name: index.copy(data=values.reshape(index.shape)) for name, values in columns.items()}
+    return xr.Dataset(table, attrs=finite_attributes(run, duration, envelope))
+
+
+def _of_storeys(building: ShearBuilding, ground: Ground, **motion: Any) -> xr.Dataset:
+    """Peaks of the floors and drifts of a building and of the elastic one, on the same motions."""
+    motions = simulate([building, replace(building, yield_drifts=None)], ground, **motion)
+    n = building.storeys
+    own = motions.isel({FLOOR: slice(None, n), ELEMENT: slice(None, n)})
+    peaks, drifts = (
+        _ratios(motions[name].values[:, :n], motions[name].values[:, n:])
+        for name in ("peak", "peak_drift")
+    )
+    columns = {name: (FLOOR, values) for name, values in peaks.items()}
+    for end in ("", "_standard_error"):
+        columns[f"drift_amplification{end}"] = (ELEMENT, drifts[f"amplification{end}"])
+    # Ductilities are means of the drifts over those at yield, which are the same in every motion.
+    stayed = bool((own.peak_drift * own.ductility <= own.peak_drift_mean).all())
+    table = xr.Dataset(columns, coords=own[["peak_mean", "ductility"]].coords)
+    status = np.int8(labels.ELASTIC_LIMIT if stayed else labels.CONVERGED)
+    told = {key: value for key, value in motions.attrs.items() if not key.startswith("structure_")}
+    return table.assign(ductility=own.ductility, status=status).assign_attrs(told)
+
+
+def _ratios(inelastic: Array, elastic: Array) -> dict[str, Array]:
+    """Means of peaks (motions, n), their ratio, and the errors of all; of the ratio by pairs."""
+    scale = np.sqrt(len(inelastic))
+    mean, other = inelastic.mean(axis=0), elastic.mean(axis=0)
+    ratio = mean / other
+    left = (inelastic - ratio * elastic).std(axis=0, ddof=1)
+    return {
+        "amplification": ratio,
+        "amplification_standard_error": left / scale / other,
+        "peak_mean": mean,
+        "peak_mean_standard_error": inelastic.std(axis=0, ddof=1) / scale,
+        "elastic_peak_mean": other,
+        "elastic_peak_mean_standard_error": elastic.std(axis=0, ddof=1) / scale,
+    }

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import xarray as xr
@@ -40,14 +42,21 @@ def simulate_pairs(
     first: Structure, second: Structure, ground: Ground, settings: SimulationSettings
 ) -> xr.Dataset:
     """Table of ``rho``, standard deviations and their errors; one ensemble a ground."""
+    return over_grounds(partial(_on_one_ground, settings=settings), (first, second), ground)
+
+
+def over_grounds(
+    function: Callable[..., xr.Dataset], structures: Sequence[Structure], ground: Ground
+) -> xr.Dataset:
+    """``function`` of the structures and one ground, for every ground of a table of them."""
     sizes = {dim: n for array in ground.arrays().values() for dim, n in array.sizes.items() if n > 1}
     if not sizes:
-        return _on_one_ground(first, second, ground, settings)
+        return function(*structures, ground)
     dim, size = next(iter(sizes.items()))
     parts = []
     for n in range(size):
         part = {str(dim): slice(n, n + 1)}
-        parts.append(simulate_pairs(first.isel(part), second.isel(part), ground.isel(part), settings))
+        parts.append(over_grounds(function, [one.isel(part) for one in structures], ground.isel(part)))
     return xr.concat(
         parts,
         dim,

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
 from stochlin.analyses.mitigation.mitigated_pair import MitigatedPair
+from stochlin.analyses.separation.added_damping import SIDES
 from stochlin.analyses.separation.existing_gap import DAMPINGS, first_below
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding.contact import reduced_mass
@@ -17,11 +18,6 @@ from stochlin.models.measures import Measure
 from stochlin.models.systems import first_mode, system_of
 
 CONSTANTS = np.append(0.0, np.geomspace(1e-3, 10, 13))  # of dashpots, over 2 m w
-SIDES: Mapping[str, tuple[float, float]] = {
-    "both": (1.0, 1.0),
-    "structure 1": (1.0, 0.0),
-    "structure 2": (0.0, 1.0),
-}
 
 
 class MeasureLine(NamedTuple):

@@ -50,12 +50,12 @@ def recorded_gap(first: AnyStructure, second: AnyStructure, record: Records) -> 
         ``max |u|`` of each, of a building where the lower roof meets the other; ``srss`` [m] of the two
         peaks and ``separation_over_srss`` [-]; ``rho`` [-], ``int u_1 u_2 dt`` over the root of
         ``int u_1^2 dt int u_2^2 dt``, about the position before the motion; ``status``,
-        ``elastic_limit`` where neither yielded. Of two `Bilinear` also ``pseudo_energy_radius_1`` and
-        ``_2`` [m], of others ``step_error`` [-]: what halving the step changed last. With storeys
-        ``separation`` holds at all heights, and there are ``separation_at_height`` [m] over ``height``,
-        ``peak_drift`` [m] and ``ductility`` [-] over ``element``. Of several records also
-        ``separation_quantile`` [m] over ``quantile``, with a 95 % interval, ``_lower`` and ``_upper``:
-        infinite where the records are too few to bound it.
+        ``elastic_limit`` where neither yielded. Of two oscillators also ``pseudo_energy_radius_1``
+        and ``_2`` [m]; of others than two `Bilinear` ``step_error`` [-]: what halving the step changed
+        last. With storeys ``separation`` holds at all heights, and there are ``separation_at_height``
+        [m] over ``height``, ``peak_drift`` [m] and ``ductility`` [-] over ``element``. Of several
+        records also ``separation_quantile`` [m] over ``quantile``, with a 95 % interval, ``_lower`` and
+        ``_upper``: infinite where the records are too few to bound it.
 
     Raises
     ------

@@ -18,6 +18,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.records.runs import SampledGround
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.buildings import ShearBuilding
+from stochlin.models.structures import Structure
 from stochlin.models.systems import AnyStructure, System, system_of
 
 STEPS_PER_PERIOD = 32  # to begin with
@@ -153,7 +154,14 @@ def stepped_gap(first: AnyStructure, second: AnyStructure, motions: Motions) -> 
         *(apart(system, pair) for pair in pairs),
     ]
     frames = all_frames(system)
-    tables = [_in_one(system, ridden(frames, ground, functions)) for ground in motions.grounds]
+    periods = [float(one.arrays()["period"]) for one in (first, second) if isinstance(one, Structure)]
+    tables = []
+    for ground in motions.grounds:
+        motion = ridden(frames, ground, functions)
+        table = _in_one(system, motion)
+        if len(periods) == 2:
+            table = table.assign(_radii(motion, periods, ground.dt / motion.cuts))
+        tables.append(table)
     if motions.names is None:
         return tables[0]
     names = xr.DataArray(motions.names, dims=RECORD, attrs={"long_name": "record"})
@@ -191,6 +199,16 @@ def _in_one(system: System, motion: Ridden) -> xr.Dataset:
         peak_drift=(ELEMENT, drifts),
         ductility=(ELEMENT, np.array(drifts) / strength),
     ).assign_coords({"height": ("height", heights, attrs), **element_coordinates(system)})
+
+
+def _radii(motion: Ridden, periods: Sequence[float], dt: float) -> dict[str, float]:
+    """Pseudo energy radii of two oscillators; the velocity at a step is the slope across it."""
+    radii = {}
+    for n, period in enumerate(periods):
+        moved = motion.values[:, n]
+        radius = np.hypot(moved, np.gradient(moved, dt) * period / (2 * np.pi))
+        radii[f"pseudo_energy_radius_{n + 1}"] = float(radius.max())
+    return radii
 
 
 def peaks_of(values: Array) -> Array:

@@ -17,5 +17,8 @@ VARIABLES: Variables = {
     "required_gap": ("m", "gap that keeps the confidence"),
     "largest_reduction_factor": ("1", "reduction factor at which the gap just keeps the confidence"),
     "largest_intensity": ("m^2/s^3", "intensity S0 at which the gap just keeps the confidence"),
+    "critical_gap": ("m", "critical gap of eq. (3) with the energy radii"),
+    "critical_gap_error": ("1", "critical gap over the gap that the record takes, less one"),
+    "rho_estimate": ("1", "correlation coefficient that eq. (3) takes"),
     "least_added_damping": ("1", "damping ratio to be added to both for the gap to keep the confidence"),
 }

@@ -27,7 +27,7 @@ from stochlin.analyses.tables.floors import ELEMENT, element_coordinates
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.simulation.ensemble import Plan, finite_extremes
+from stochlin.kernels.simulation.ensemble import Extremes, Plan, finite_extremes
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.messages import brief
 from stochlin.models.envelopes import Envelope, envelope_at
@@ -95,7 +95,6 @@ def simulate_finite(
     """What `simulate` returns for a duration."""
     levels = np.asarray(quantiles, float)
     check_finite(run, duration, riders.functions)
-    plan, shape = finite_steps(run, duration, envelope)
     system, pairs = riders.system, pairs_of(riders.system)
     n = run.valid.size
     storeys = drifts_of(system) if riders.has_storeys else []
@@ -106,9 +105,7 @@ def simulate_finite(
         *(terms for *_, terms in places),
         *(apart(system, pair) for pair in pairs),
     ]
-    view = view_of(functions, run.order, run.scale)
-    extremes = finite_extremes(run.crowd, view, run.ground, run.root, plan, shape, progress)
-    highest, lowest = extremes.highest, extremes.lowest
+    highest, lowest = _extremes(run, functions, duration, envelope, progress)
     either = np.maximum(highest, -lowest)
     table = xr.Dataset(
         {
@@ -142,14 +139,42 @@ def simulate_finite(
     table["separation_quantile"] = (over, estimate)
     table["separation_quantile_lower"] = (over, lower)
     table["separation_quantile_upper"] = (over, upper)
-    return table.assign_attrs(
-        paths=len(highest),
-        seed=plan.seed,
-        step_s=plan.dt,
-        duration_s=float(duration),
-        envelope="none" if envelope is None else envelope.describe(),
-        **labels.of_scatter(plan.scatter),
-    )
+    return table.assign_attrs(finite_attributes(run, duration, envelope))
+
+
+def finite_attributes(
+    run: Run, duration: float, envelope: Envelope | None
+) -> dict[str, float | int | str]:
+    """How finite motions were run, for the attributes of a dataset."""
+    return {
+        "paths": run.plan.groups * LANES,
+        "seed": run.plan.seed,
+        "step_s": run.plan.dt,
+        "duration_s": float(duration),
+        "envelope": "none" if envelope is None else envelope.describe(),
+        **labels.of_scatter(run.plan.scatter),
+    }
+
+
+def largest_displacements(run: Run, duration: float, envelope: Envelope | None, times: int = 1) -> Array:
+    """``max |u|`` [m] in each motion (paths, valid floors), when so many runs of the kind are asked."""
+    floors = [{floor: 1.0} for floor in range(run.order.size)]
+    check_finite(run, duration, len(floors), times)
+    highest, lowest = _extremes(run, floors, duration, envelope, None)
+    return np.maximum(highest, -lowest)
+
+
+def _extremes(
+    run: Run,
+    functions: list[Terms],
+    duration: float,
+    envelope: Envelope | None,
+    progress: Progress | None,
+) -> Extremes:
+    """Largest and smallest values of functions of the displacements of valid floors."""
+    plan, shape = finite_steps(run, duration, envelope)
+    view = view_of(functions, run.order, run.scale)
+    return finite_extremes(run.crowd, view, run.ground, run.root, plan, shape, progress)
 
 
 def _at_heights(table: xr.Dataset, places: list[tuple[int, float, Terms]], peaks: Array) -> xr.DataArray:

@@ -140,13 +140,19 @@ def checked_quantiles(quantiles: object) -> npt.NDArray[np.float64]:
     return levels
 
 
-def check_existing(gap: object, duration: object, structures: Mapping[str, AnyStructure]) -> None:
-    """Raise a ValueError unless the existing gap is open, and the motion as `check_duration` asks."""
+def checked_gap(gap: object) -> float:
+    """The existing gap; a ValueError unless it is open."""
     if not is_number(gap) or not 0 < gap < math.inf:
         raise ValueError(f"gap = {brief(gap)}; allowed: a positive number of metres")
+    return float(gap)
+
+
+def check_existing(gap: object, duration: object, structures: Mapping[str, AnyStructure]) -> None:
+    """Raise a ValueError unless the existing gap is open, and the motion as `check_duration` asks."""
+    open_gap = checked_gap(gap)
     try:
         check_duration(duration, structures)
     except ValueError as error:
-        exchanged = is_number(duration) and 0 < duration < 1 <= gap
-        told = f"; gap = {gap:g} m: are the two exchanged?" if exchanged else ""
+        exchanged = is_number(duration) and 0 < duration < 1 <= open_gap
+        told = f"; gap = {open_gap:g} m: are the two exchanged?" if exchanged else ""
         raise ValueError(f"{error}{told}") from error

@@ -74,8 +74,15 @@ def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
 @click.option(
     "--structure-period",
     type=Measured("s"),
-    help="Period of the structure of Fig. 1; without it that of the fitted ground.",
+    help="Period of the structure of Fig. 1, and of the first of added_damping; without it that of the "
+    "fitted ground.",
 )
+@click.option(
+    "--second-period",
+    type=Measured("s"),
+    help="Period of the second structure of added_damping; without it .7 of the first.",
+)
+@click.option("--gap", type=Measured("m"), help="Existing gap, drawn in added_damping.")
 @record_options
 def charts(
     name: str | None, out: Path, picture_format: str, record: Path | None, **options: Any
@@ -86,8 +93,8 @@ def charts(
     Without a record: fig3a, fig3b; on narrow-band ground (xig .05) fig4a, fig4b, fig4c, fig5a, fig5b,
     and the same with the ending _broad_band (xig .6); of contact elements fig6, fig7, fig8.
     With --record: site_spectrum, fig1 (pseudo energy radius), fig1b (beside energies),
-    per_spectrum and fig2 (critical gap) of the record, and Figs. 4 and 5 with the ending
-    _site, on the fitted ground.
+    per_spectrum, fig2 (critical gap) and added_damping (the gap over supplemental damping) of the
+    record, and Figs. 4 and 5 with the ending _site, on the fitted ground.
 
     \b
     Examples:
@@ -95,6 +102,7 @@ def charts(
       stochlin charts fig5a --damping .02 --hardening .1 --format pdf --out out
       stochlin charts --record taft.txt --dt .01s --units g
       stochlin charts fig1b --record taft.txt --dt .01s --units g --structure-period 1s
+      stochlin charts added_damping --record taft.txt --dt .01s --units g --structure-period 1s --gap 4cm
     """
     from stochlin.analyses.charts.charts import chart_functions
 

@@ -123,6 +123,34 @@ def draw_critical_gap(figure: Figure, dataset: xr.Dataset) -> None:
     bar.ax.grid(visible=False)
 
 
+@PICTURES.register("added_damping")
+def draw_added_damping(figure: Figure, dataset: xr.Dataset) -> None:
+    """The gap over added damping: a panel for both structures, and for each of them alone."""
+    shown = (
+        ("separation", "largest u1 - u2 in the record", "least_added_damping_recorded", "o"),
+        ("critical_gap", "eqs. (3) and (4), energy radii", "least_added_damping", "s"),
+    )
+    added = 100 * dataset.added_damping.values
+    gap = dataset.attrs.get("gap_m")
+    highest = max(float(dataset[name].max()) for name, *_ in shown)
+    for n, where in enumerate(dataset.damped.values):
+        axes = figure.add_axes((0.1 + 0.3 * n, 0.25, 0.265, 0.53))
+        one = dataset.sel(damped=where)
+        for (name, label, least, marker), (color, dash) in zip(shown, CURVES, strict=False):
+            axes.plot(added, CENTIMETRES * one[name], color=color, linestyle=dash, label=label)
+            if gap is not None and np.isfinite(one[least]):
+                place = 100 * float(one[least]), CENTIMETRES * gap
+                axes.plot(*place, marker=marker, ms=6, mfc="w", color=color, zorder=4)
+        if gap is not None:
+            axes.axhline(CENTIMETRES * gap, color="0.5", lw=1, label="existing gap")
+        axes.set_title(f"added to {where}", loc="left", size=9)
+        axes.set(xlim=(0, added[-1]), ylim=(0, 1.05 * CENTIMETRES * max(highest, gap or 0)))
+        axes.set(xlabel="added damping [%]", ylabel="gap [cm]" if n == 0 else "")
+        axes.tick_params(labelleft=n == 0)
+    handles = axes.get_legend_handles_labels()
+    figure.legend(*handles, loc="lower left", bbox_to_anchor=(0.09, 0.83), ncols=3, fontsize=8)
+
+
 def _first_crossings(
     x: np.ndarray, y: np.ndarray, gap: np.ndarray, levels: list[float]
 ) -> list[tuple[float, float]]:

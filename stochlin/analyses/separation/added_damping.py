@@ -1,0 +1,192 @@
+"""The least damping with which an existing gap is enough in a recorded motion."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.records.cells import RECORD, Records, check_structure, checked_motions
+from stochlin.analyses.separation.energy_gap import WHITE_NOISE, RhoEstimate, estimated_gap
+from stochlin.analyses.separation.existing_gap import DAMPINGS, first_below
+from stochlin.analyses.separation.variables import VARIABLES
+from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.cells import over_cells
+from stochlin.analyses.tables.checks import checked_gap
+from stochlin.models.grounds import Ground
+from stochlin.models.laws.bilinear import Bilinear
+from stochlin.models.parameters import Model
+from stochlin.models.rules.effective_properties import EffectiveRule
+from stochlin.models.structures import Structure
+
+CLOSELY = np.linspace(0, DAMPINGS[-1], 41)  # where all of a table is followed in one go
+MOST = 0.999  # damping ratio of a structure with what is added
+SIDES: Mapping[str, tuple[float, float]] = {
+    "both": (1.0, 1.0),
+    "structure 1": (1.0, 0.0),
+    "structure 2": (0.0, 1.0),
+}
+DAMPED, BY_DAMPING = "damped", "added_damping"
+LEAST = "least_added_damping"
+CURVES = ("critical_gap", "separation", "rho_estimate", *(f"pseudo_energy_radius_{n}" for n in (1, 2)))
+# It is kept by one motion here, or by an estimate of it.
+OF_RECORD = {
+    LEAST: ("1", "least damping ratio to be added, by the energy radii and eq. (3)"),
+    f"{LEAST}_recorded": ("1", "least damping ratio to be added, by the motion itself"),
+    f"{LEAST}_difference": ("1", "least damping ratio by the energy radii less that by the motion"),
+}
+
+
+def damping_for_gap(
+    record: Records,
+    first: Structure,
+    second: Structure,
+    gap: float,
+    method: str = WHITE_NOISE,
+    *,
+    rule: str | EffectiveRule = "iwan_1980",
+    ground: Ground | None = None,
+    closure: str = "gaussian",
+) -> xr.Dataset:
+    """Least supplemental damping with which a gap is enough in a recorded motion.
+
+    By the energy approach, as the paper has it: the pseudo energy radii of the record with the damping
+    that is added, eq. (4) or another estimate of the correlation, and eq. (3); beside the least by
+    following the record, which needs neither.
+
+    Parameters
+    ----------
+    record, first, second
+        As in `energy_gap`.
+    gap : float
+        The existing gap [m], positive.
+    method, rule, ground, closure
+        As in `energy_gap`: where the correlation comes from.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``damped``, where damping is added: ``"both"`` (the same ratio to each), ``"structure 1"``
+        or ``"structure 2"`` alone: ``least_added_damping`` [-] by the energy approach,
+        ``least_added_damping_recorded`` [-] by following the record, and
+        ``least_added_damping_difference`` [-], the first less the second. 0 where the gap is enough as
+        it is, NaN where up to .4 is not. Over ``damped`` and ``added_damping`` what both are found from:
+        ``critical_gap``, ``separation``, ``pseudo_energy_radius_1`` and ``_2`` [m] and ``rho_estimate``.
+        Several records make a dimension ``record``. ``status``.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the gap is not positive; otherwise as `energy_gap`.
+
+    Notes
+    -----
+    More damping need not mean a smaller gap: in a single record two structures may fall out of step,
+    and damping that is added to one of two equal buildings parts them. The least is the first that is
+    enough, in steps of .01 (of .05 for other laws than the bilinear) that are then refined; with
+    somewhat more the gap may be too small again, which the curves over ``added_damping`` show.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eqs. (1) to (4), and on supplemental energy dissipation.
+
+    Examples
+    --------
+    >>> import numpy as np, xarray as xr, stochlin as sl
+    >>> time = 0.02 * np.arange(1000)
+    >>> record = xr.DataArray(np.sin(5 * time), dims="time", coords={"time": time})
+    >>> soft, stiff = sl.Bilinear(period=1.1, damping=0.05), sl.Bilinear(period=0.9, damping=0.05)
+    >>> table = sl.damping_for_gap(record, soft, stiff, gap=0.04)
+    >>> bool(0 < table.least_added_damping.sel(damped="both") < 0.4)
+    True
+    """
+    gap = checked_gap(gap)
+    estimate = RhoEstimate(method, rule, ground, closure)
+    estimate.check(first, second)
+    motions = checked_motions(record)
+    for role, structure in (("first", first), ("second", second)):
+        check_structure(structure, role)
+    models: dict[str, Model] = {"first": first, "second": second}
+    models |= {} if ground is None else {"ground": ground}
+    records = record.values() if isinstance(record, Mapping) else record
+    tables = [
+        over_cells(partial(_of_one, record=one, gap=gap, estimate=estimate), models)
+        for one in ([records] if isinstance(records, xr.DataArray) else records)
+    ]
+    table = tables[0]
+    if motions.names is not None:
+        names = xr.DataArray(motions.names, dims=RECORD, attrs={"long_name": "record"})
+        kept: dict[str, Any] = {"compat": "override", "combine_attrs": "override", "join": "outer"}
+        table = xr.concat(tables, names.rename(RECORD), data_vars="all", coords="minimal", **kept)
+    table = table.assign_attrs(
+        gap_m=gap,
+        searched=f"added damping to {DAMPINGS[-1]:g}, the first that is enough",
+        records=motions.describe(),
+    )
+    return labels.with_run_information(
+        labels.label(table, {**VARIABLES, **OF_RECORD}),
+        "Least added damping for a gap in recorded motions",
+        f"damping_for_gap(gap={gap:g}, {estimate.told})",
+        models,
+    )
+
+
+def damped_gaps(
+    first: Structure, second: Structure, record: xr.DataArray, estimate: RhoEstimate
+) -> xr.Dataset:
+    """`energy_gap` of two structures with scalar parameters over where how much damping is added."""
+    where = xr.DataArray(list(SIDES), dims=DAMPED, attrs={"long_name": "where damping is added"})
+    bilinear = isinstance(first, Bilinear) and isinstance(second, Bilinear)
+    added = labels.axis(BY_DAMPING, "added damping ratio", CLOSELY if bilinear else DAMPINGS)
+    shares = np.array(list(SIDES.values()))
+    one, two = (
+        _damped(structure, xr.DataArray(share, {DAMPED: where.values}, DAMPED) * added)
+        for structure, share in zip((first, second), shares.T, strict=True)
+    )
+    table = estimated_gap(one, two, record, estimate).transpose(DAMPED, BY_DAMPING)
+    table[DAMPED].attrs.update(where.attrs)
+    return table
+
+
+def _of_one(
+    first: Structure,
+    second: Structure,
+    ground: Ground | None = None,
+    *,
+    record: xr.DataArray,
+    gap: float,
+    estimate: RhoEstimate,
+) -> xr.Dataset:
+    """What `damping_for_gap` says of one record and of models with scalar parameters."""
+    estimate = estimate._replace(ground=ground)
+    scan = damped_gaps(first, second, record, estimate)
+
+    def least(n: int, shares: tuple[float, float], name: str) -> float:
+        tried = scan[BY_DAMPING].values.tolist()
+        known = dict(zip(tried, scan[name].values[n].tolist(), strict=True))
+
+        def needed(added: float) -> float:
+            if added in known:
+                return known[added]
+            one, two = (_damped(s, x * added) for s, x in zip((first, second), shares, strict=True))
+            return float(estimated_gap(one, two, record, estimate)[name])
+
+        return first_below(needed, known, gap)
+
+    found = [
+        xr.DataArray([least(n, shares, name) for n, shares in enumerate(SIDES.values())], dims=DAMPED)
+        for name in ("critical_gap", "separation")
+    ]
+    return scan[[*CURVES, "status"]].assign(
+        {LEAST: found[0], f"{LEAST}_recorded": found[1], f"{LEAST}_difference": found[0] - found[1]}
+    )
+
+
+def _damped(structure: Structure, added: Any) -> Structure:
+    """The structure with damping added to it."""
+    damping: Any = np.minimum(structure.arrays()["damping"] + added, MOST)
+    return replace(structure, damping=damping)

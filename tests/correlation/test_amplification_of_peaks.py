@@ -1,0 +1,155 @@
+"""Amplification of maximum displacements, as the caption of Fig. 5b has it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import stochlin as sl
+
+LAKEBED = sl.KanaiTajimi(2.0, 0.05, intensity=0.01)
+SHAPE = sl.AminAng(3.0, 12.0, 0.35)
+MOTION = {"of": "peak", "duration": 20.0, "envelope": SHAPE, "paths": 64}
+PERIODS = xr.DataArray([0.4, 1.0, 2.0], dims="period", coords={"period": [0.4, 1.0, 2.0]})
+
+
+def weak(period=1.0, factor=4.0, **others):
+    return sl.Bilinear(period, 0.05, 0.05, reduction_factor=factor, **others)
+
+
+@pytest.mark.invariant
+def test_what_does_not_yield_is_not_amplified():
+    elastic = sl.amplification(sl.Bilinear(1.0, 0.05), LAKEBED, **MOTION)
+    assert (float(elastic.amplification), float(elastic.amplification_standard_error)) == (1.0, 0.0)
+    strong = sl.amplification(weak(factor=0.2), LAKEBED, **MOTION)
+    assert float(strong.amplification) == pytest.approx(1.0, rel=1e-12)
+    assert int(strong.status) == int(elastic.status) == 1
+    assert int(sl.amplification(weak(), LAKEBED, **MOTION).status) == 0
+
+
+@pytest.mark.invariant
+def test_scales_of_motion_and_of_time_do_not_matter():
+    one = sl.amplification(weak(PERIODS), LAKEBED, **MOTION)
+    louder = sl.amplification(weak(PERIODS), sl.KanaiTajimi(2.0, 0.05, intensity=0.04), **MOTION)
+    xr.testing.assert_allclose(louder.amplification, one.amplification, rtol=1e-9)
+    np.testing.assert_allclose(louder.peak_mean, 2 * one.peak_mean, rtol=1e-9)
+    slow = {**MOTION, "duration": 40.0, "envelope": sl.AminAng(6.0, 24.0, 0.175)}
+    slower = sl.amplification(weak(2 * PERIODS.values), sl.KanaiTajimi(4.0, 0.05, 0.01), **slow)
+    np.testing.assert_allclose(slower.amplification, one.amplification, rtol=1e-9)
+
+
+@pytest.mark.oracle
+def test_the_same_motions_of_simulate_give_the_same_ratio():
+    table = sl.amplification(weak(), LAKEBED, **MOTION)
+    drawn = {key: MOTION[key] for key in ("duration", "envelope", "paths")}
+    motions = sl.simulate([weak(), sl.Bilinear(1.0, 0.05)], LAKEBED, **drawn)
+    inelastic, elastic = motions.peak.values.T
+    assert float(table.amplification) == pytest.approx(inelastic.mean() / elastic.mean(), rel=1e-12)
+    assert float(table.peak_mean) == pytest.approx(inelastic.mean(), rel=1e-12)
+    assert float(table.elastic_peak_mean) == pytest.approx(elastic.mean(), rel=1e-12)
+    strength = float(sl.linearize(weak(), LAKEBED).yield_displacement)
+    assert float(table.ductility) == pytest.approx(inelastic.mean() / strength, rel=1e-12)
+
+
+@pytest.mark.oracle
+def test_exact_response_to_the_motions_as_records_gives_the_same_ratio():
+    """Yields located inside the step, on a ground that is linear between samples."""
+    drawn = {key: MOTION[key] for key in ("duration", "envelope", "paths")}
+    for period in PERIODS.values:
+        table = sl.amplification(weak(period), LAKEBED, **MOTION)
+        motions = sl.simulated_motions(LAKEBED, **drawn, step=table.step_s)
+        records = {f"{n}": one.drop_vars("path", errors="ignore") for n, one in enumerate(motions)}
+        strength = float(sl.linearize(weak(period), LAKEBED).yield_displacement)
+        yielding = sl.response_spectrum(
+            records, period, 0.05, hardening=0.05, yield_displacement=strength
+        )
+        elastic = sl.response_spectrum(records, period, 0.05)
+        exact = float(yielding.displacement_max.mean() / elastic.displacement_max.mean())
+        # the same motions; 32 steps a period find yields and peaks to a hundredth
+        assert float(table.amplification) == pytest.approx(exact, rel=0.01)
+
+
+@pytest.mark.oracle
+def test_standard_error_is_the_spread_from_seed_to_seed_and_profits_from_the_pairing():
+    runs = [sl.amplification(weak(PERIODS), LAKEBED, **MOTION, seed=seed) for seed in range(24)]
+    found = xr.concat([run[["amplification", "amplification_standard_error"]] for run in runs], "seed")
+    spread = found.amplification.std("seed", ddof=1)
+    told = found.amplification_standard_error.mean("seed")
+    # a standard deviation of 24 is known to 15 %
+    assert (abs(spread / told - 1) < 0.45).all()
+    one = runs[0]
+    unpaired = one.amplification * np.hypot(
+        one.peak_mean_standard_error / one.peak_mean,
+        one.elastic_peak_mean_standard_error / one.elastic_peak_mean,
+    )
+    assert (one.amplification_standard_error < 0.9 * unpaired).all()
+
+
+@pytest.mark.paper
+def test_rare_yielding_drifts_far_in_a_stationary_response_and_hardly_in_a_motion():
+    """Fig. 5b is of maxima: the ratio of the standard deviations says something else of stiff ones."""
+    ground = sl.KanaiTajimi(2.0, 0.6, intensity=0.01)
+    std = sl.amplification(weak(0.4, 2.0), ground, method="simulation", paths=32)
+    peak = sl.amplification(weak(0.4, 2.0), ground, **MOTION)
+    error = np.hypot(std.amplification_standard_error, peak.amplification_standard_error)
+    assert float(std.amplification - peak.amplification) > 5 * float(error)
+
+
+@pytest.mark.invariant
+def test_cells_fail_alone_and_grounds_are_taken_one_by_one():
+    grounds = xr.DataArray([0.05, 0.6], dims="band")
+    periods = xr.DataArray([0.5, -1.0, 30.0], dims="period")
+    table = sl.amplification(weak(periods), sl.KanaiTajimi(2.0, grounds, 0.01), **MOTION)
+    assert table.status.transpose("band", "period").values.tolist() == [[0, 3, 3]] * 2
+    for n, band in enumerate(grounds.values):
+        alone = sl.amplification(weak(0.5), sl.KanaiTajimi(2.0, float(band), 0.01), **MOTION)
+        assert float(table.amplification.isel(band=n, period=0)) == pytest.approx(
+            float(alone.amplification), rel=1e-12
+        )
+    assert table.amplification.isel(period=[1, 2]).isnull().all()
+
+
+@pytest.mark.oracle
+def test_building_of_one_storey_is_the_oscillator_and_drifts_add_up_to_floors():
+    one = sl.ShearBuilding([1e5], [4e6], [3.0], 0.05, 0.05, yield_drifts=0.02)
+    period = float(one.periods()[0])
+    alone = sl.Bilinear(period, 0.05, 0.05, yield_displacement=0.02)
+    table, expected = (sl.amplification(s, LAKEBED, **MOTION) for s in (one, alone))
+    for name in ("amplification", "amplification_standard_error", "peak_mean", "ductility"):
+        assert table[name].values[0] == pytest.approx(float(expected[name]), rel=1e-6)
+    assert table.drift_amplification.values[0] == pytest.approx(float(table.amplification[0]), rel=1e-12)
+    tower = sl.ShearBuilding([1e5] * 3, [4e7] * 3, [3.0] * 3, 0.05, 0.05, yield_drifts=0.004)
+    table = sl.amplification(tower, LAKEBED, **MOTION)
+    assert table.amplification.dims == ("floor",)
+    assert table.drift_amplification.dims == ("element",)
+    assert float(table.drift_amplification[0]) == pytest.approx(float(table.amplification[0]), rel=1e-12)
+    assert int(table.status) == 0
+    rigid = sl.ShearBuilding([1e5] * 3, [4e7] * 3, [3.0] * 3, 0.05, 0.05, yield_drifts=10.0)
+    table = sl.amplification(rigid, LAKEBED, **MOTION)
+    np.testing.assert_allclose(table.amplification, 1, rtol=1e-9)
+    assert int(table.status) == 1
+    with pytest.raises(TypeError, match=r"oscillator\(\)"):
+        sl.amplification(tower, LAKEBED)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"of": "max"}, "of = 'max' is not known; allowed: std, peak"),
+        ({"of": None}, "of = None is not known"),
+        ({}, "duration is missing"),
+        ({"duration": 20.0, "method": "linearization"}, "gives no peaks; allowed .* simulation"),
+        ({"duration": 0.3}, "shorter than the period of structure"),
+        ({"duration": "20"}, "duration = '20'"),
+        ({"duration": 20.0, "envelope": "jennings"}, "envelope = 'jennings'"),
+        ({"duration": 1e9}, "duration = 1e\\+09 s, .* would take"),
+        ({"duration": 20.0, "paths": 0}, "paths = 0"),
+        ({"of": "std", "duration": 20.0}, "duration and envelope are of finite motions"),
+        ({"of": "std", "envelope": SHAPE}, "duration and envelope are of finite motions"),
+    ],
+)
+@pytest.mark.invariant
+def test_what_cannot_be_is_said(given, said):
+    with pytest.raises((ValueError, TypeError), match=said):
+        sl.amplification(weak(), LAKEBED, **{"of": "peak", **given})

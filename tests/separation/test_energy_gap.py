@@ -1,0 +1,249 @@
+"""Eq. (3) with the energy radii of a record, and the least damping that it asks for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.optimize
+import xarray as xr
+
+import stochlin as sl
+from stochlin.charts import ChartSettings, added_damping_chart, chart_functions, draw
+
+
+def noise(seed=0, size=1500):
+    motion = np.random.default_rng(seed).normal(size=size)
+    return xr.DataArray(motion, dims="time", coords={"time": 0.02 * np.arange(size)})
+
+
+def hum(period=1.0, size=6000):
+    """A motion of one frequency that lasts: what is left is the steady state."""
+    time = 0.02 * np.arange(size)
+    values = np.sin(2 * np.pi * time / period) * np.minimum(time / 40, 1)
+    return xr.DataArray(values, dims="time", coords={"time": time})
+
+
+FIRST, SECOND = sl.Bilinear(1.0, 0.05), sl.Bilinear(0.6, 0.05)
+WEAK = [replace(one, hardening=0.1, yield_displacement=0.01) for one in (FIRST, SECOND)]
+GROUND = sl.KanaiTajimi(0.5, 0.4)
+
+
+@pytest.mark.paper
+def test_it_is_eq_3_of_the_radii_of_both_alone_and_eq_4():
+    table = sl.energy_gap(FIRST, SECOND, noise())
+    radii = [sl.pseudo_energy_radius(noise(), T, 0.05).pseudo_energy_radius for T in (1.0, 0.6)]
+    rho = sl.rho_white_noise(1.0, 0.6, 0.05, 0.05).rho
+    gap = sl.critical_gap(*radii, rho).gap
+    assert float(table.critical_gap) == pytest.approx(float(gap), rel=1e-3)  # their own sub-steps
+    own = (table.pseudo_energy_radius_1, table.pseudo_energy_radius_2)
+    assert float(table.critical_gap) == float(sl.critical_gap(*own, rho).gap)
+    truth = sl.recorded_gap(FIRST, SECOND, noise())
+    xr.testing.assert_equal(table[list(truth.data_vars)], truth)
+    assert float(table.critical_gap_error) == pytest.approx(float(gap / truth.separation - 1), rel=1e-2)
+
+
+@pytest.mark.paper
+def test_yielding_pair_takes_rho_by_the_rule_or_of_a_ground():
+    table = sl.energy_gap(*WEAK, noise(), "effective", rule="secant")
+    mu = [float(table[f"peak_{n}"]) / 0.01 for n in (1, 2)]
+    assert min(mu) > 1
+    rho = sl.rho_effective(1.0, 0.6, 0.05, 0.05, 0.1, 0.1, *mu, rule="secant").rho
+    assert float(table.rho_estimate) == pytest.approx(float(rho), rel=1e-12)
+    for closure in ("gaussian", "drift"):
+        on_ground = sl.energy_gap(*WEAK, noise(), "linearization", ground=GROUND, closure=closure)
+        rho = sl.correlate(*WEAK, GROUND, closure=closure).rho
+        assert float(on_ground.rho_estimate) == float(rho)
+        assert float(on_ground.pseudo_energy_radius_1) == float(table.pseudo_energy_radius_1)
+
+
+@pytest.mark.invariant
+def test_effective_properties_of_what_stays_elastic_are_its_own():
+    strong = [replace(one, yield_displacement=10.0) for one in WEAK]
+    by_rule = sl.energy_gap(*strong, noise(), "effective")
+    xr.testing.assert_allclose(
+        by_rule.critical_gap, sl.energy_gap(*strong, noise()).critical_gap, rtol=1e-12
+    )
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize("law", [sl.BoucWen, sl.Bilinear])
+def test_radius_of_another_law_is_that_of_its_history(law):
+    smooth = sl.BoucWen(0.6, 0.05, 0.1, yield_displacement=0.01)
+    other = law(1.0, 0.05, 0.1, yield_displacement=0.01)
+    table = sl.energy_gap(other, smooth, noise())
+    for n, one in enumerate((other, smooth), start=1):
+        history = sl.respond(one, noise(), refine=8)
+        assert float(table[f"pseudo_energy_radius_{n}"]) == pytest.approx(
+            float(history.radius.max()), rel=2e-3
+        )
+
+
+@pytest.mark.invariant
+def test_scales_order_and_records():
+    louder = 2 * noise()
+    one, two = (sl.energy_gap(FIRST, SECOND, motion) for motion in (noise(), louder))
+    assert float(two.critical_gap) == pytest.approx(2 * float(one.critical_gap), rel=1e-12)
+    turned = sl.energy_gap(SECOND, FIRST, -noise())
+    assert float(turned.critical_gap) == pytest.approx(float(one.critical_gap), rel=1e-12)
+    assert float(turned.separation) == pytest.approx(float(one.separation), rel=1e-12)
+    equal = sl.energy_gap(FIRST, FIRST, noise())
+    assert float(equal.critical_gap) == pytest.approx(0, abs=1e-12)
+    periods = xr.DataArray([0.4, 0.9], dims="period")
+    both = sl.energy_gap(sl.Bilinear(periods, 0.05), SECOND, {"a": noise(), "b": louder}, "effective")
+    assert dict(both.critical_gap.sizes) == {"record": 2, "period": 2}
+
+
+@pytest.mark.paper
+def test_least_damping_of_a_steady_hum_is_that_of_the_closed_form():
+    """In a sinusoid, ``r_PER`` of a soft and of a stiff structure and eq. (4) are known."""
+    soft, stiff = sl.Bilinear(1.0, 0.05), sl.Bilinear(0.5, 0.05)
+
+    def radius(period, damping):
+        ratio = period / 1.0  # of the motion's frequency to the structure's
+        amplitude = (period / (2 * np.pi)) ** 2 / np.hypot(1 - ratio**2, 2 * damping * ratio)
+        return amplitude * max(1.0, ratio)
+
+    def eq_3(added):
+        one, two = radius(1.0, 0.05 + added), radius(0.5, 0.05 + added)
+        rho = float(sl.rho_white_noise(1.0, 0.5, 0.05 + added, 0.05 + added).rho)
+        return np.sqrt(one**2 + two**2 - 2 * rho * one * two)
+
+    gap = 0.5 * eq_3(0.0)
+    expected = scipy.optimize.brentq(lambda x: eq_3(x) - gap, 0, 0.4)
+    table = sl.damping_for_gap(hum(), soft, stiff, gap)
+    # the hum grows slowly, so that little is left of its beginning
+    assert float(table.least_added_damping.sel(damped="both")) == pytest.approx(expected, rel=0.01)
+
+    def phasor(period, damping):
+        ratio = period / 1.0
+        return (period / (2 * np.pi)) ** 2 / (1 - ratio**2 + 2j * damping * ratio)
+
+    def true(added):
+        return abs(phasor(1.0, 0.05 + added) - phasor(0.5, 0.05 + added))
+
+    gap = 0.5 * true(0.0)
+    expected = scipy.optimize.brentq(lambda x: true(x) - gap, 0, 0.4)
+    least = sl.damping_for_gap(hum(), soft, stiff, gap).least_added_damping_recorded
+    assert float(least.sel(damped="both")) == pytest.approx(expected, rel=0.01)
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize("kind", ["elastic", "effective", "linearization"])
+def test_least_damping_put_back_gives_the_gap(kind):
+    pair = (FIRST, SECOND) if kind == "elastic" else WEAK
+    options = {"elastic": {}, "effective": {"method": "effective"}}
+    options["linearization"] = {"method": "linearization", "ground": GROUND}
+    now = sl.energy_gap(*pair, noise(), **options[kind])
+    gap = 0.9 * min(float(now.critical_gap), float(now.separation))
+    table = sl.damping_for_gap(noise(), *pair, gap, **options[kind])
+    for where, shares in (("both", (1, 1)), ("structure 1", (1, 0)), ("structure 2", (0, 1))):
+        for name, of in (("critical_gap", ""), ("separation", "_recorded")):
+            least = float(table[f"least_added_damping{of}"].sel(damped=where))
+            scan = table[name].sel(damped=where)
+            enough = scan.added_damping.values[scan.values <= gap]
+            if not enough.size:
+                assert np.isnan(least)
+                continue
+            assert enough[0] - 0.01 <= least <= enough[0]  # the first that is enough
+            one, two = (
+                replace(s, damping=s.damping + x * least) for s, x in zip(pair, shares, strict=True)
+            )
+            again = sl.energy_gap(one, two, noise(), **options[kind])
+            assert float(again[name]) == pytest.approx(gap, rel=2e-3)
+    difference = table.least_added_damping - table.least_added_damping_recorded
+    xr.testing.assert_equal(table.least_added_damping_difference, difference.rename(None))
+
+
+@pytest.mark.invariant
+def test_wide_gap_needs_nothing_and_damping_one_of_two_equal_buildings_parts_them():
+    wide = sl.damping_for_gap(noise(), FIRST, SECOND, 10.0)
+    assert wide.least_added_damping.values.tolist() == [0.0, 0.0, 0.0]
+    assert wide.least_added_damping_difference.values.tolist() == [0.0, 0.0, 0.0]
+    equal = sl.damping_for_gap(noise(), FIRST, FIRST, 1e-6)
+    assert (equal.critical_gap.sel(damped="structure 1").diff("added_damping")[:5] > 0).all()
+    turned = sl.damping_for_gap(-noise(), SECOND, FIRST, 0.01)
+    plain = sl.damping_for_gap(noise(), FIRST, SECOND, 0.01)
+    swapped = turned.least_added_damping.sel(damped=["both", "structure 2", "structure 1"])
+    np.testing.assert_allclose(swapped, plain.least_added_damping, rtol=1e-9)
+
+
+@pytest.mark.invariant
+def test_cells_records_and_grounds_are_taken_one_by_one():
+    periods = xr.DataArray([0.8, -1.0, 1.2], dims="period")
+    records = {"a": noise(), "b": noise(1)}
+    grounds = sl.KanaiTajimi(xr.DataArray([0.5, 1.0], dims="soil"), 0.4)
+    options = {"method": "linearization", "ground": grounds}
+    first = sl.Bilinear(periods, 0.05)
+    table = sl.damping_for_gap(records, first, SECOND, 0.02, **options)
+    assert dict(table.least_added_damping.sizes) == {"record": 2, "period": 3, "soil": 2, "damped": 3}
+    cell = table.isel(record=1, period=2, soil=1)
+    alone = sl.damping_for_gap(
+        noise(1),
+        first.isel({"period": 2}),
+        SECOND,
+        0.02,
+        "linearization",
+        ground=sl.KanaiTajimi(1.0, 0.4),
+    )
+    for name in ("least_added_damping", "least_added_damping_recorded", "critical_gap"):
+        np.testing.assert_allclose(cell[name], alone[name], rtol=1e-12)
+    assert (table.status.isel(period=1) == 3).all()
+    assert table.least_added_damping.isel(period=1).isnull().all()
+
+
+BUILDING = sl.ShearBuilding([1e5], [1e8], [3.0], 0.05)
+WRONG = [
+    ({"gap": 0}, "gap = 0; allowed: a positive number of metres"),
+    ({"gap": "4 cm"}, "gap = '4 cm'"),
+    ({"method": "simulation"}, "method = 'simulation' is not known; allowed: white_noise, effective"),
+    ({"method": None}, "method = None is not known"),
+    ({"method": "linearization"}, r"ground is missing, .* give one like the record, .*fit_ground"),
+    ({"ground": GROUND}, "ground is given, which method = 'white_noise' does not know; leave it out"),
+    ({"method": "linearization", "ground": "firm"}, "ground = 'firm'"),
+    ({"method": "linearization", "ground": GROUND, "closure": "x"}, "closure = 'x'"),
+    ({"method": "effective", "rule": "mine"}, "'mine'"),
+    ({"first": sl.Bilinear(1.0, 0.05, 0.1, reduction_factor=3)}, "first: reduction_factor has no"),
+    ({"second": BUILDING}, "second = .*oscillator"),
+    ({"record": [1.0, 2.0]}, "record"),
+]
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize(("given", "said"), WRONG)
+def test_what_cannot_be_is_said(given, said):
+    usual = {"record": noise(), "first": FIRST, "second": SECOND, "gap": 0.05}
+    with pytest.raises((ValueError, TypeError), match=said):
+        sl.damping_for_gap(**usual | given)
+    if "gap" not in given:
+        del usual["gap"]
+        with pytest.raises((ValueError, TypeError), match=said):
+            sl.energy_gap(**usual | given)
+
+
+@pytest.mark.cli
+@pytest.mark.parametrize("gap", [None, 0.05])
+def test_chart_shows_the_gap_over_damping_and_the_least(gap):
+    chart = added_damping_chart(noise(), FIRST, SECOND, gap)
+    scan = sl.damping_for_gap(noise(), FIRST, SECOND, 0.05)
+    xr.testing.assert_equal(chart.critical_gap, scan.critical_gap)
+    xr.testing.assert_equal(chart.separation, scan.separation)
+    figure = draw(chart)
+    assert len(figure.axes) == 3
+    told = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert ("existing gap" in told) == (gap is not None)
+
+
+@pytest.mark.cli
+def test_chart_is_among_those_of_a_record():
+    settings = ChartSettings(structure_period=1.0, second_period=0.6, gap=0.05)
+    functions = chart_functions(settings, noise(), GROUND)
+    chart = functions["added_damping"]()
+    assert chart.attrs["gap_m"] == 0.05
+    expected = added_damping_chart(noise(), FIRST, SECOND, 0.05)
+    xr.testing.assert_equal(chart.critical_gap, expected.critical_gap)
+    with pytest.raises(ValueError, match=r"gap = -1\.0; allowed: a positive number of metres"):
+        ChartSettings(gap=-1.0)
+    with pytest.raises(ValueError, match="second_period = 0 is out of range"):
+        ChartSettings(second_period=0)
