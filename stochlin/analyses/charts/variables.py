@@ -5,6 +5,13 @@ from stochlin.analyses.tables.labels import Variables
 
 VARIABLES: Variables = {
     **RECORDS,
+    "rho_drift": ("1", "correlation coefficient of the displacements by the drift closure"),
+    "rho_effective": ("1", "correlation coefficient by eq. (4) with effective properties"),
+    **{
+        f"{name}_{end}": ("1", f"{told}, {how}")
+        for name, told in (("rho", "correlation coefficient"), ("amplification", "amplification"))
+        for end, how in (("simulated", "simulated"), ("difference", "linearized less simulated"))
+    },
     "velocity_over_frequency": ("m", "velocity over circular frequency"),
     **{
         f"{kind}_energy_radius{end}": ("m", f"radius sqrt(2 E)/w of the {kind} energy{when}")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stochlin.analyses.records.files import METRES
+from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -17,9 +18,9 @@ if TYPE_CHECKING:
     from stochlin.analyses.cases.storeys import SlabOnColumn
 
 MISSING, MINUS, SPACE = "\N{EN DASH}", "\N{MINUS SIGN}", "\N{NO-BREAK SPACE}"
-CAPITALS = {"asce": "ASCE", "is": "IS", "ubc": "UBC", "e030": "E.030", "fema": "FEMA", "srss": "SRSS"}
+CAPITALS = {"asce": "ASCE", "is": "IS", "ubc": "UBC", "e030": "E.030", "srss": "SRSS"}
 COMMON = {
-    *("simulation", "simulated", "linearization", "linearized", "elastic", "secant"),
+    *("simulation", "simulated", "linearization", "linearized", "elastic"),
     *("share", "of", "sum", "unverified", "drift", "white", "noise"),
 }
 
@@ -49,11 +50,13 @@ def per_cent(share: float, digits: int = 0, sign: str = "") -> str:
     return f"{100 * share:{sign}.{digits}f}{SPACE}%".replace("-", MINUS)
 
 
-def label(rule: str) -> str:
-    """Name of a rule for a reader, ``eq. (3), Iwan 1980``."""
+def rule_label(rule: str) -> str:
+    """Name of a rule for a reader, ``eq. (3), Iwan (1980)``; of one without a title by its own name."""
     stem = rule.removeprefix("eq_3_")
+    known = EFFECTIVE_RULES.get(stem)
     words = [w if w in COMMON else CAPITALS.get(w, w.title()) for w in stem.split("_")]
-    return ("" if stem == rule else "eq. (3), ") + " ".join(words)
+    name = known.published_name() if known and known.title else " ".join(words)
+    return name if stem == rule else f"eq. (3), {name}"
 
 
 def short(value: float) -> str:
