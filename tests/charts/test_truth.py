@@ -183,6 +183,8 @@ def test_the_drift_closure_does_not_stand_beside_itself():
         ({"rules": ()}, ValueError, "rules is empty; allowed: at least one name"),
         ({"rules": "iwan_1980"}, TypeError, "rules = 'iwan_1980'; allowed: a list of names"),
         ({"rules": 4}, TypeError, "rules = 4; allowed: a list of names"),
+        ({"paths": 1}, ValueError, "paths = 1; allowed: a whole number from 2"),
+        ({"seed": -1}, ValueError, "seed = -1; allowed: a whole number from 0"),
         ({"simulated_points": 1}, ValueError, "simulated_points = 1; allowed: at least 2, or 0"),
         ({"simulated_points": -3}, ValueError, "simulated_points = -3; allowed: a whole number from 0"),
         ({"simulated_points": 2.5}, ValueError, "simulated_points = 2.5; allowed: a whole number"),

@@ -93,6 +93,8 @@ class ChartSettings:
 
     def __post_init__(self) -> None:
         check_points(self.points)
+        check_whole("paths", self.paths, 2)
+        check_whole("seed", self.seed, 0)
         check_whole("simulated_points", self.simulated_points, 0)
         if self.simulated_points == 1:
             raise ValueError("simulated_points = 1; allowed: at least 2, or 0 for none")

@@ -16,7 +16,7 @@ from stochlin.analyses.correlation.correlation import correlate
 from stochlin.analyses.tables import labels
 from stochlin.messages import brief
 from stochlin.models.grounds import Ground
-from stochlin.models.rules.effective_properties import effective_rule
+from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
 from stochlin.models.structures import DRIFT, Structure
 
 USUAL_RULES = ("jeng_kasai_maison_1992_unverified", "iwan_1980")  # the paper's own, and one to trust
@@ -173,8 +173,9 @@ def _errors(chart: xr.Dataset) -> str:
     if "rho_drift" in chart:
         curves["drift closure"] = chart.rho_drift
     if "rho_effective" in chart:
-        for name in chart.rule.values:
-            curves[effective_rule(str(name)).published_name()] = chart.rho_effective.sel(rule=name)
+        for name in chart.rule.values.tolist():
+            known = EFFECTIVE_RULES.get(name)
+            curves[known.published_name() if known else name] = chart.rho_effective.sel(rule=name)
     off = {name: np.abs(curve - chart.rho_simulated) for name, curve in curves.items()}
     told = [f"{name} {float(one.mean()):.2g} ({float(one.max()):.2g})" for name, one in off.items()]
     return f"Off in the mean (at most): {'; '.join(told)}."
