@@ -32,4 +32,5 @@ from stochlin.views.separation.storeys import draw_heights as draw_heights
 from stochlin.views.shared.style import CURVES as CURVES
 from stochlin.views.shared.style import STYLE as STYLE
 from stochlin.views.shared.style import ratio_ticks as ratio_ticks
+from stochlin.views.shared.words import rule_label as rule_label
 from stochlin.views.sites.pictures import draw_spectrum as draw_spectrum

@@ -37,7 +37,7 @@ figure, axes = plt.subplots(figsize=(7.2, 3.6), layout="constrained")
 for (label, options), (color, dash) in zip(
     {
         "linearized": {},
-        "effective properties, Iwan 1980": {"method": "effective"},
+        "eq. (4), effective properties by Iwan (1980)": {"method": "effective"},
         "eq. (4), elastic": {"method": "white_noise"},
     }.items(),
     CURVES,

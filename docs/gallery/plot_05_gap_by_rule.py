@@ -10,7 +10,7 @@ gap to the left of the band does not keep the confidence.
 import matplotlib.pyplot as plt
 
 import stochlin as sl
-from stochlin.charts import STYLE
+from stochlin.charts import STYLE, rule_label
 
 plt.rcParams.update(STYLE)
 first, second = (sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.6, 1.0))
@@ -26,7 +26,7 @@ axes.axvline(float(answer.gap), color="k")
 for row, rule in enumerate(known.rule.values):
     unsafe = float(known.gap.sel(rule=rule)) < float(answer.gap_lower)
     axes.plot(known.gap.sel(rule=rule), row, "kx" if unsafe else "ko", mfc="w")
-axes.set_yticks(range(known.rule.size), known.rule.values)
+axes.set_yticks(range(known.rule.size), [rule_label(rule) for rule in known.rule.values])
 axes.set(xlim=(0, None), xlabel="gap [m] for a confidence of .9 (x: too small)")
 axes.set_title(
     r"T = .6 and 1 s, $\xi$ = $\alpha$ = .05, R = 4; firm ground, $S_0$ = .01 m²/s³, 30 s", size=9

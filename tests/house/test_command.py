@@ -179,7 +179,8 @@ def test_bad_input_exits_with_2_and_says_what(arguments: tuple[str, ...], says: 
 
 
 def test_every_chart_is_drawn_beside_its_dataset(tmp_path: Path) -> None:
-    result = run("charts", "--out", tmp_path, "--points", 9)
+    quick = ("--points", 9, "--simulated-points", 2, "--paths", 4, "--reduction-factors", "4,6")
+    result = run("charts", "--out", tmp_path, *quick)
     assert result.exit_code == 0, result.output
     narrow = set(FIGURES)
     broad = {f"{name}_broad_band" for name in FIGURES if name not in FORMULAS}
@@ -190,6 +191,7 @@ def test_every_chart_is_drawn_beside_its_dataset(tmp_path: Path) -> None:
 
 def test_one_chart_with_its_own_parameters(tmp_path: Path) -> None:
     options = ("--damping", 0.02, "--reduction-factors", "1,3", "--points", 9, "--format", "svg")
+    options += ("--simulated-points", 0)
     assert run("charts", "fig4b", *options, "--out", tmp_path).exit_code == 0
     assert {path.name for path in tmp_path.iterdir()} == {"fig4b.nc", "fig4b.svg"}
     with xr.open_dataset(tmp_path / "fig4b.nc") as chart:
@@ -216,6 +218,7 @@ def test_charts_of_a_site(tmp_path: Path) -> None:
     np.savetxt(record, motion[: time.size])
     out = tmp_path / "out"
     options = ("--record", record, "--dt", "0.01s", "--units", "cm/s^2", "--points", 9)
+    options += ("--simulated-points", 2, "--paths", 4, "--reduction-factors", 6)
     result = run("charts", *options, "--out", out)
     assert result.exit_code == 0, result.output
     names = {f"{name}_site" for name in FIGURES if name not in FORMULAS} | set(RECORDED)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from inspect import signature
@@ -11,10 +11,11 @@ from typing import Any
 
 import xarray as xr
 
-from stochlin.analyses.tables.checks import checked_gap, is_number
+from stochlin.analyses.tables.checks import check_whole, checked_gap, is_number
 from stochlin.messages import brief
 from stochlin.models.grounds import Ground, KanaiTajimi
 from stochlin.models.laws.bilinear import Bilinear
+from stochlin.models.rules.effective_properties import EffectiveRule, effective_rule
 from stochlin.registry import Registry
 
 # A chart asks by the names of its parameters for the settings, for a ground (there is then one for each
@@ -56,6 +57,12 @@ class ChartSettings:
         ``"linearization"`` or ``"simulation"``.
     paths, seed : int
         As in `stochlin.simulate`.
+    simulated_points : int
+        Periods at which each curve of Fig. 4 is simulated besides; of Fig. 5a twice as close along each
+        axis; 0 for none.
+    rules : tuple of str, optional
+        Names of `stochlin.effective_rule_names`, the unverified among them, for Figs. 3b and 4. Without
+        them Fig. 3b shows the verified, Fig. 4 that of the paper (Jeng et al., unverified) and Iwan's.
     """
 
     damping: float = 0.05
@@ -72,6 +79,8 @@ class ChartSettings:
     method: str = "linearization"
     paths: int = 256
     seed: int = 0
+    simulated_points: int = 21
+    rules: tuple[str, ...] | None = None
 
     @property
     def options(self) -> dict[str, Any]:
@@ -84,8 +93,19 @@ class ChartSettings:
         """Points of a single curve, which costs little: twice as close."""
         return 2 * self.points - 1
 
+    @property
+    def simulated_points_of_plane(self) -> int:
+        """Simulated points along an axis of Fig. 5a: twice as close as along a curve."""
+        return max(0, 2 * self.simulated_points - 1)
+
     def __post_init__(self) -> None:
         check_points(self.points)
+        check_whole("paths", self.paths, 2)
+        check_whole("seed", self.seed, 0)
+        check_whole("simulated_points", self.simulated_points, 0)
+        if self.simulated_points == 1:
+            raise ValueError("simulated_points = 1; allowed: at least 2, or 0 for none")
+        chosen_rules(self.rules, ())
         if not self.reduction_factors:
             raise ValueError("reduction_factors is empty; allowed: at least one value")
         asked = {"damping": "damping", "hardening": "hardening", "ground_period": "period"}
@@ -107,6 +127,19 @@ def check_points(points: int) -> None:
     """Raise if they are too few for a curve."""
     if points < 2:
         raise ValueError(f"points = {points}; allowed: at least 2")
+
+
+def chosen_rules(
+    rules: Iterable[str | EffectiveRule] | None, usual: Sequence[str]
+) -> list[EffectiveRule]:
+    """The effective rules that are given, each once; if none are, the usual ones."""
+    if isinstance(rules, str) or not isinstance(rules, Iterable | None):
+        raise TypeError(f"rules = {brief(rules)}; allowed: a list of names of effective rules")
+    names = usual if rules is None else list(rules)
+    if rules is not None and not names:
+        raise ValueError("rules is empty; allowed: at least one name, or none given")
+    found = [effective_rule(name) for name in names]
+    return list({rule.name: rule for rule in found}.values())
 
 
 def chart_functions(

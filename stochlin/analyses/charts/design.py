@@ -15,6 +15,7 @@ import xarray as xr
 
 from stochlin.analyses.charts.charts import CHARTS, ChartSettings
 from stochlin.analyses.charts.variables import VARIABLES
+from stochlin.analyses.charts.verification import with_rules, with_truth
 from stochlin.analyses.correlation.amplification import amplification
 from stochlin.analyses.correlation.correlation import correlate, rho_white_noise
 from stochlin.analyses.tables import labels
@@ -65,7 +66,11 @@ def period_ratio_chart(settings: ChartSettings, ground: Ground, frequency_ratio:
     -------
     xarray.Dataset
         ``rho`` and ``status`` over (``reduction_factor``, ``period_ratio``), ``rho_elastic`` (the same
-        ground) and ``rho_white_noise`` (eq. 4) over ``period_ratio``.
+        ground) and ``rho_white_noise`` (eq. 4) over ``period_ratio``. Linearized, it also has the drift
+        closure's ``rho_drift``; ``rho_effective`` along ``rule``, eq. (4) at the peak ductilities
+        ``ductility_peak_1`` and ``_2`` of the same reduction factor; and ``rho_simulated`` with
+        ``rho_standard_error`` and ``rho_difference`` (linearized less simulated), NaN between
+        the simulated points.
     """
     ratio = labels.axis(
         "period_ratio", "period ratio T1/T2", np.geomspace(0.25, 4, settings.fine_points)
@@ -89,7 +94,11 @@ def period_ratio_chart(settings: ChartSettings, ground: Ground, frequency_ratio:
     times = "" if frequency_ratio == 1 else f"{frequency_ratio:g} "
     title = f"Correlation of bilinear structures, ω2 = {times}ωg"
     where = f"{ground_caption(ground)}; T2 = {second_period:.3g} s"
-    return _captioned(chart, "curves", title, where, settings, labels.CAUTION_RHO)
+    chart = _captioned(chart, "curves", title, where, settings, labels.CAUTION_RHO)
+    if settings.method == "simulation":
+        return chart
+    chart = with_rules(chart, (first, second), ground, settings)
+    return with_truth(chart, (first, second), ground, settings, settings.simulated_points)
 
 
 @CHARTS.register("fig5a", place=50)
@@ -99,7 +108,8 @@ def period_plane_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        ``rho`` and ``status`` over (``period_ratio_1``, ``period_ratio_2``).
+        ``rho`` and ``status`` over (``period_ratio_1``, ``period_ratio_2``). Linearized, it also has
+        ``rho_drift``, ``rho_simulated``, ``rho_standard_error`` and ``rho_difference``, as Fig. 4.
     """
     first, second = (
         Bilinear(
@@ -114,7 +124,10 @@ def period_plane_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
     table = correlate(first, second, ground, **settings.options)
     title = f"Correlation of bilinear structures, R = {settings.plane_reduction_factor:g}"
     chart = table[_shown(table)]
-    return _captioned(chart, "plane", title, ground_caption(ground), settings, labels.CAUTION_RHO)
+    chart = _captioned(chart, "plane", title, ground_caption(ground), settings, labels.CAUTION_RHO)
+    if settings.method == "simulation":
+        return chart
+    return with_truth(chart, (first, second), ground, settings, settings.simulated_points_of_plane)
 
 
 @CHARTS.register("fig5b", place=50)

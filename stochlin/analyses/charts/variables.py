@@ -10,6 +10,10 @@ VARIABLES: Variables = {
     "amplification_simulated_standard_error": ("1", "standard error of amplification_simulated"),
     "amplification_of_peaks": ("1", "amplification of the maximum, simulated"),
     "amplification_of_peaks_standard_error": ("1", "standard error of amplification_of_peaks"),
+    "rho_drift": ("1", "correlation coefficient of the displacements by the drift closure"),
+    "rho_effective": ("1", "correlation coefficient by eq. (4) with effective properties"),
+    "rho_simulated": ("1", "correlation coefficient, simulated"),
+    "rho_difference": ("1", "correlation coefficient, linearized less simulated"),
     "velocity_over_frequency": ("m", "velocity over circular frequency"),
     **{
         f"{kind}_energy_radius{end}": ("m", f"radius sqrt(2 E)/w of the {kind} energy{when}")

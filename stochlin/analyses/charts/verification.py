@@ -1,17 +1,86 @@
-"""A design chart by linearization beside the same by simulation."""
+"""What stands beside a linearized design chart: the drift closure, effective rules, and simulation."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
+from itertools import product
 
+import numpy as np
 import xarray as xr
 
-from stochlin.analyses.charts.charts import ChartSettings, chart_functions
+from stochlin.analyses.charts.charts import ChartSettings, chart_functions, chosen_rules
+from stochlin.analyses.charts.rules import along_rules
+from stochlin.analyses.charts.variables import VARIABLES
+from stochlin.analyses.correlation.correlation import correlate
+from stochlin.analyses.tables import labels
 from stochlin.messages import brief
+from stochlin.models.grounds import Ground
+from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
+from stochlin.models.structures import DRIFT, Structure
+
+USUAL_RULES = ("jeng_kasai_maison_1992_unverified", "iwan_1980")  # the paper's own, and one to trust
+Pair = tuple[Structure, Structure]
+Place = dict[str, slice]  # cells of a chart
+
+
+def with_rules(chart: xr.Dataset, pair: Pair, ground: Ground, settings: ChartSettings) -> xr.Dataset:
+    """A chart of ``rho`` with ``rho_effective`` along ``rule``, and the ductilities it is for.
+
+    They belong to the same ``R``: the peak factor of its definition times the standard deviation of
+    the ductility, which the drift closure has without the loss of linearization.
+    """
+    rules = chosen_rules(settings.rules, USUAL_RULES)
+    tables = [correlate(*pair, ground, "effective", closure=DRIFT, rule=rule) for rule in rules]
+    found = along_rules([table[["rho"]].rename(rho="rho_effective") for table in tables], rules)
+    ductilities = [tables[0][f"ductility_peak_{n}"] for n in (1, 2)]
+    chart = chart.assign(rho_effective=found.rho_effective.transpose("rule", *chart.rho.dims))
+    chart = chart.assign({str(one.name): one for one in ductilities})
+    values = np.concatenate([one.values.ravel() for one in ductilities])
+    low, high = np.nanmin(values), np.nanmax(values)
+    caption = (
+        f"{chart.attrs['caption']}\nEffective properties: eq. (4) at the peak ductilities of the same "
+        f"R, 3 σu/uy by drift closure ({low:.3g} to {high:.3g})"
+    )
+    sources = "; ".join([chart.attrs["references"], *(rule.reference for rule in rules)])
+    chart = chart.assign_attrs(chart="compared_curves", caption=caption, references=sources)
+    return labels.label(chart, VARIABLES)
+
+
+def with_truth(
+    chart: xr.Dataset, pair: Pair, ground: Ground, settings: ChartSettings, simulated_points: int
+) -> xr.Dataset:
+    """A chart of ``rho`` with the drift closure beside it and, at so many points, simulation.
+
+    ``rho_simulated``, ``rho_standard_error`` and ``rho_difference`` are NaN between those points. What
+    would last too long to simulate is left out, and said.
+    """
+    if settings.closure != DRIFT:
+        drift = correlate(*pair, ground, closure=DRIFT).rho
+        chart = chart.assign(rho_drift=drift.transpose(*chart.rho.dims))
+    if simulated_points:
+        simulated, refused = _simulated(chart.rho, pair, ground, settings, simulated_points)
+        if bool(simulated.rho.notnull().any()):
+            chart = beside(chart, simulated, "rho", settings.paths)
+            refused = [_errors(chart), *refused]
+        chart = chart.assign_attrs(comment=" ".join([chart.attrs["comment"], *refused]))
+    return labels.label(chart, VARIABLES)
+
+
+def beside(chart: xr.Dataset, simulated: xr.Dataset, shown: str, paths: int) -> xr.Dataset:
+    """A chart with what was simulated of ``shown``, its standard error, and the difference."""
+    error = f"{shown}_standard_error"
+    chart[f"{shown}_simulated"] = simulated[shown].assign_attrs(chart[shown].attrs)
+    chart[error] = simulated[error]
+    chart[f"{shown}_difference"] = chart[shown] - simulated[shown]
+    largest = float(simulated[error].max())
+    told = f"Simulated on {paths} paths; standard error at most {largest:.2g}."
+    kind = f"compared_{chart.attrs['chart'].removeprefix('compared_')}"
+    return labels.label(chart, VARIABLES).assign_attrs(chart=kind, comment=told)
 
 
 def verify_chart(name: str, settings: ChartSettings) -> xr.Dataset:
-    """A chart by linearization and by simulation, and their difference.
+    """A chart by linearization and by simulation at all of its points, and their difference.
 
     Parameters
     ----------
@@ -30,28 +99,84 @@ def verify_chart(name: str, settings: ChartSettings) -> xr.Dataset:
     ValueError
         If there is nothing to simulate under this name.
     """
-    functions = chart_functions(replace(settings, method="linearization"))
+    everywhere = replace(settings, method="linearization", simulated_points=settings.fine_points)
+    functions = chart_functions(everywhere)
     allowed = [key for key, function in functions.items() if "ground" in function.keywords]
     if name not in allowed:
         raise ValueError(f"NAME = {brief(name)} cannot be verified; allowed: {', '.join(allowed)}")
     chart = functions[name]()
-    simulated = chart_functions(replace(settings, method="simulation"))[name]()
+    if not any(str(key).endswith("_simulated") for key in chart):
+        chart = _verified(name, chart, replace(settings, method="simulation"))
+    return chart.assign_attrs(title=f"{chart.attrs['title']}: linearized against simulated")
+
+
+def _verified(name: str, chart: xr.Dataset, settings: ChartSettings) -> xr.Dataset:
+    """A chart that brings no simulation of its own, beside the same chart simulated."""
+    simulated = chart_functions(settings)[name]()
     shown = next((str(key) for key in simulated if f"{key}_standard_error" in simulated), None)
     kind = simulated.attrs["chart"]
     if shown is None or kind not in ("curves", "plane"):
         raise ValueError(
             f"NAME = {brief(name)} is no chart of curves or of a plane with a simulation to it"
         )
-    units = {"units": "1"}
-    error = f"{shown}_standard_error"
-    chart[f"{shown}_simulated"] = simulated[shown].assign_attrs(units, long_name=f"{shown}, simulated")
-    chart[error] = simulated[error]
-    chart[f"{shown}_difference"] = (chart[shown] - simulated[shown]).assign_attrs(
-        units, long_name=f"{shown}, linearized less simulated"
-    )
-    largest = float(simulated[error].max())
-    return chart.assign_attrs(
-        chart=f"compared_{kind}",
-        title=f"{chart.attrs['title']}: linearized against simulated",
-        comment=f"Simulated on {simulated.attrs['paths']} paths; standard error at most {largest:.2g}.",
-    )
+    return beside(chart, simulated, shown, simulated.attrs["paths"])
+
+
+def _simulated(
+    rho: xr.DataArray, pair: Pair, ground: Ground, settings: ChartSettings, count: int
+) -> tuple[xr.Dataset, list[str]]:
+    """``rho`` and its error by simulation, NaN between so many points, and what is left out."""
+    names = ("rho", "rho_standard_error")
+    table = xr.Dataset({name: xr.full_like(rho, np.nan) for name in names})
+    refused: dict[str, str] = {}
+    for place in _runs(rho, count):
+        first, second = (structure.isel(place) for structure in pair)
+        try:
+            found = correlate(
+                first, second, ground, "simulation", paths=settings.paths, seed=settings.seed
+            )
+        except ValueError as error:  # all else has been checked before: it would take too long
+            strength = rho.isel(place).coords.get("reduction_factor", [])
+            where = "".join(f" at R = {factor:g}" for factor in np.asarray(strength))
+            refused[where] = f"Not all is simulated{where}: {str(error).split(';')[0]}."
+            continue
+        for name in names:
+            table[name][place] = found[name].transpose(*rho.dims).values
+            table[name].attrs = found[name].attrs
+    return table, list(refused.values())
+
+
+def _runs(rho: xr.DataArray, count: int) -> Iterator[Place]:
+    """Cells that are simulated together, for no slow or stiff structure to hold up all others.
+
+    One reduction factor each, and of a curve its two halves: the longest memory of a run decides how
+    long it is, the shortest period its step.
+    """
+    axes = []
+    for dim in map(str, rho.dims):
+        size = rho.sizes[dim]
+        if dim == "reduction_factor":
+            axes.append([{dim: slice(n, n + 1)} for n in range(size)])
+            continue
+        step = max(1, round((size - 1) / (count - 1)))
+        middle = step * -(-size // (2 * step))
+        parts = [slice(0, None, step)]
+        if "reduction_factor" in rho.dims and middle < size:
+            parts = [slice(0, middle, step), slice(middle, None, step)]
+        axes.append([{dim: part} for part in parts])
+    for chosen in product(*axes):
+        yield {dim: cells for one in chosen for dim, cells in one.items()}
+
+
+def _errors(chart: xr.Dataset) -> str:
+    """How far all that is drawn is from simulation."""
+    curves = {"linearized": chart.rho}
+    if "rho_drift" in chart:
+        curves["drift closure"] = chart.rho_drift
+    if "rho_effective" in chart:
+        for name in chart.rule.values.tolist():
+            known = EFFECTIVE_RULES.get(name)
+            curves[known.published_name() if known else name] = chart.rho_effective.sel(rule=name)
+    off = {name: np.abs(curve - chart.rho_simulated) for name, curve in curves.items()}
+    told = [f"{name} {float(one.mean()):.2g} ({float(one.max()):.2g})" for name, one in off.items()]
+    return f"Off in the mean (at most): {'; '.join(told)}."

@@ -19,11 +19,12 @@ from stochlin.registry import LAST, Registry
 
 @dataclass(frozen=True)
 class Published:
-    """Base of the rules: `published` gives a subclass its name, reference and mark."""
+    """Base of the rules: `published` gives a subclass its name, reference, mark and title."""
 
     name: ClassVar[str]
     reference: ClassVar[str]
     mark: ClassVar[str] = ""
+    title: ClassVar[str] = ""  # the name it is published under, of authors and year
     abbreviation: ClassVar[str] = ""
     reason: ClassVar[str] = ""  # why it is too uncertain to be offered among the others
 
@@ -38,6 +39,11 @@ class Published:
         """Whether it is certain enough to be offered among the others."""
         return not self.reason
 
+    @classmethod
+    def published_name(cls) -> str:
+        """Its title, or its name if it has none, and whether its constants are doubtful."""
+        return f"{cls.title or cls.name}{', constants unverified' if cls.reason else ''}"
+
     def describe(self) -> str:
         """Name, reference and mark in one line, for metadata."""
         return f"{self.name}: {self.reference} [{'; '.join(filter(None, (self.mark, self.reason)))}]"
@@ -47,12 +53,17 @@ Rule = TypeVar("Rule", bound=Published)
 
 
 def published(
-    registry: Registry[type[Rule]], name: str, reference: str, mark: str = "", place: int = LAST
+    registry: Registry[type[Rule]],
+    name: str,
+    reference: str,
+    mark: str = "",
+    place: int = LAST,
+    title: str = "",
 ) -> Callable[[type[Rule]], type[Rule]]:
     """A decorator: the class is known by this name, and says by itself where it comes from."""
 
     def add(rule: type[Rule]) -> type[Rule]:
-        rule.name, rule.reference, rule.mark = name, reference, mark
+        rule.name, rule.reference, rule.mark, rule.title = name, reference, mark, title
         return registry.register(name, place)(rule)
 
     return add

@@ -21,6 +21,7 @@ from stochlin.views.shared.style import (
     quantity,
     styled,
 )
+from stochlin.views.shared.words import rule_label
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -31,7 +32,7 @@ SIZE = (7.2, 4.6)  # inches: the width of a printed page
 AXES = (0.1, 0.25, 0.64, 0.66)
 COMPARISONS = (("rho_elastic", "0.35", "x", "elastic"), ("rho_white_noise", "0.6", "o", "eq. (4)"))
 THIN: Any = {"lw": 0.8, "ms": 4, "mfc": "none", "markevery": 16}
-CAPTION_WIDTH, COMMENT_WIDTH = 110, 125  # characters
+CAPTION_WIDTH, COMMENT_WIDTH, LEGEND_WIDTH = 110, 125, 20  # characters
 # Files from before that attribute: the first of these whose names a dataset has.
 UNTOLD = (
     ("spectra", {"psd_record"}),
@@ -39,6 +40,7 @@ UNTOLD = (
     ("compared_curves", {"rho_difference"}),
     ("compared_curves", {"amplification_difference"}),
     ("portrait", {"circle_displacement"}),
+    ("energies", {"input_energy_radius"}),
     ("critical_gap", {"critical_gap"}),
     ("contact_loops", {"scaled_force", "LinearSpring"}),
     ("contact_histories", {"scaled_force"}),
@@ -83,9 +85,12 @@ def draw(dataset: xr.Dataset) -> Figure:
     attrs = dataset.attrs
     figure.text(0.1, 0.935, attrs.get("title", ""), size=10)
     caption = filled(attrs.get("caption", "").splitlines(), CAPTION_WIDTH)
-    figure.text(0.1, 0.135, caption, va="top", size=8)
     comment = filled([attrs.get("comment", "")], COMMENT_WIDTH)
-    figure.text(0.1, 0.05, comment, va="top", size=7, style="italic")
+    # Long texts push one another up: heights are inches over the figure's.
+    low = max(0.05, (0.13 * len(comment.splitlines()) - 0.03) / figure.get_figheight())
+    high = max(0.135, low + (0.134 * len(caption.splitlines()) + 0.03) / figure.get_figheight())
+    figure.text(0.1, high, caption, va="top", size=8)
+    figure.text(0.1, low, comment, va="top", size=7, style="italic")
     return figure
 
 
@@ -118,7 +123,10 @@ def family(table: xr.DataArray) -> Iterator[tuple[str, dict[Hashable, Any]]]:
         return
     first, _ = table.dims
     for value in table[first].values:
-        label = value if isinstance(value, str) else f"{NAMES.get(str(first), first)} = {value:g}"
+        if isinstance(value, str):
+            label = filled([rule_label(value)], LEGEND_WIDTH) if first == "rule" else value
+        else:
+            label = f"{NAMES.get(str(first), first)} = {value:g}"
         yield label, {first: value}
 
 

@@ -72,6 +72,23 @@ def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
     "--ductility", type=float, default=4.0, show_default=True, help="Peak ductility in Fig. 3b."
 )
 @click.option(
+    "--rules",
+    callback=lambda _, __, given: given if given is None else tuple(given.split(",")),
+    metavar="NAMES",
+    help="Effective properties of Figs. 3b and 4, as iwan_1980,fema_440. Without it Fig. 3b has the "
+    "verified rules, Fig. 4 that of the paper, jeng_kasai_maison_1992_unverified, and iwan_1980.",
+)
+@click.option(
+    "--simulated-points",
+    type=click.IntRange(min=0),
+    default=21,
+    show_default=True,
+    help="Periods at which each curve of Fig. 4 is simulated, too; of Fig. 5a twice as close; 0: none.",
+)
+@click.option(
+    "--paths", type=click.IntRange(min=2), default=64, show_default=True, help="Simulated motions."
+)
+@click.option(
     "--structure-period",
     type=Measured("s"),
     help="Period of the structure of Fig. 1, and of the first of added_damping; without it that of the "
@@ -99,6 +116,7 @@ def charts(
     \b
     Examples:
       stochlin charts
+      stochlin charts fig3b --rules jeng_kasai_maison_1992_unverified,iwan_1980
       stochlin charts fig5a --damping .02 --hardening .1 --format pdf --out out
       stochlin charts --record taft.txt --dt .01s --units g
       stochlin charts fig1b --record taft.txt --dt .01s --units g --structure-period 1s

@@ -1,7 +1,8 @@
-"""Pictures of a chart by linearization beside the same by simulation, and their difference."""
+"""Pictures of a linearized chart with the truth beside it: other methods, simulation, the difference."""
 
 from __future__ import annotations
 
+import textwrap
 from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
@@ -9,68 +10,150 @@ import numpy as np
 import xarray as xr
 
 from stochlin.views.charts.charts import PICTURES, family, name_of
-from stochlin.views.shared.style import CURVES, contour_levels, label_axis, legend_beside, plane
+from stochlin.views.shared.style import CURVES, contour_levels, label_axis, plane, signed_levels
+from stochlin.views.shared.words import rule_label
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.colorbar import Colorbar
     from matplotlib.figure import Figure
 
-POINTS: Any = {"linestyle": "none", "marker": "o", "ms": 3, "lw": 1}
+POINTS: Any = {"ls": "none", "marker": "o", "ms": 3.2, "mfc": "w", "mew": 0.8, "lw": 0.8, "zorder": 4}
+SIMULATED: Any = {"color": "0.1", "label": "simulated, 95 % interval"} | POINTS
+ELASTIC = (  # thin lines: colour, dash and name
+    ("rho_elastic", "0.45", (0, (1, 1.5)), "elastic, this ground"),
+    ("rho_white_noise", "0.6", "-", "elastic, eq. (4)"),
+)
+BESIDE = ("_simulated", "_drift", "_effective")
 TWICE = 1.96  # standard errors of a 95 % interval
+WIDTH = 7.2  # inches, as all that follows
+SQUARE, LEFT, DOWN, STEP = 2.4, (0.72, 3.5), 1.55, 2.75  # of the four planes
+BELOW, ABOVE, PANEL, BETWEEN, ASIDE = 1.5, 1.6, 1.8, 0.28, 0.3  # of the panels of curves
+LABEL_WIDTH = 30  # characters
 
 
 @PICTURES.register("compared_plane")
 def _planes(figure: Figure, dataset: xr.Dataset) -> None:
+    """Linearized, drift closure, simulated and the difference; what is simulated is shown in cells."""
     name = _compared(dataset)
+    figure.set_size_inches(WIDTH, 7.6)
+    rho = {"linearized": dataset[name], "drift closure": dataset.get(f"{name}_drift")}
+    rho |= {"simulated": _known(dataset, f"{name}_simulated")}
+    shown = {title: table for title, table in rho.items() if table is not None}
+    difference = _known(dataset, f"{name}_difference")
+    levels = contour_levels(*shown.values())
+    places = [(x, y) for y in (DOWN + STEP, DOWN) for x in LEFT]
     symbol = r"$\rho$" if name == "rho" else name
-    linearized, simulated, difference = (
-        dataset[name + end] for end in ("", "_simulated", "_difference")
-    )
-    levels = contour_levels(linearized, simulated)
-    panels = (
-        ("linearized", linearized, levels),
-        ("simulated", simulated, levels),
-        ("difference", difference, contour_levels(difference, at_most=-0.1)),
-    )
-    for n, (title, table, at) in enumerate(panels):
-        axes = figure.add_axes((0.09 + 0.305 * n, 0.42, 0.27, 0.45))
-        filled = plane(axes, table, at)
-        axes.set_title(title, loc="left", size=9)
-        if n:
-            axes.set_ylabel("")
-            axes.tick_params(labelleft=False)
-        bar = figure.colorbar(
-            filled, cax=figure.add_axes((0.09 + 0.305 * n, 0.25, 0.27, 0.025)), orientation="horizontal"
-        )
-        bar.ax.grid(visible=False)
-        bar.ax.tick_params(labelsize=7)
-        bar.set_ticks(at[::2].tolist())
-        bar.set_label(symbol if n < 2 else f"{symbol} linearized less simulated", size=8)
+    for (title, table), place in zip(shown.items(), places, strict=False):
+        axes = _square(figure, title, place)
+        filled = plane(axes, table, levels, cells=title == "simulated")
+        _outer(axes, left=place[0] == LEFT[0], bottom=place[1] == DOWN)
+    _bar(figure, filled, places[1], symbol)
+    last = places[len(shown)]
+    axes = _square(figure, "linearized less simulated", last)
+    filled = plane(axes, difference, signed_levels(difference), cells=True, signed=True)
+    _outer(axes, left=last[0] == LEFT[0], bottom=True)
+    _bar(figure, filled, last, f"difference of {symbol}")
+
+
+def _square(figure: Figure, title: str, place: tuple[float, float]) -> Axes:
+    axes = _axes(figure, *place, SQUARE, SQUARE)
+    axes.set_title(title, loc="left", size=9)
+    return axes
+
+
+def _bar(figure: Figure, filled: Any, place: tuple[float, float], text: str) -> Colorbar:
+    x, y = place
+    bar = figure.colorbar(filled, cax=_axes(figure, x + SQUARE + 0.15, y, 0.15, SQUARE))
+    bar.ax.grid(visible=False)
+    bar.ax.tick_params(labelsize=8)
+    bar.set_label(text, size=8)
+    return bar
 
 
 @PICTURES.register("compared_curves")
 def _curves(figure: Figure, dataset: xr.Dataset) -> None:
+    """A panel for each curve of the chart, with the other methods and the simulated points on it."""
     name = _compared(dataset)
-    upper = figure.add_axes((0.1, 0.5, 0.64, 0.41))
-    lower = figure.add_axes((0.1, 0.25, 0.64, 0.21), sharex=upper)
-    across = dataset[dataset[name].dims[-1]]
-    x = across.values
-    for (color, dash), (label, place) in zip(cycle(CURVES), family(dataset[name]), strict=False):
-        one = dataset.sel(place)
-        upper.plot(x, one[name], color=color, linestyle=dash, label=f"{label}, linearized")
-        error = TWICE * one[f"{name}_standard_error"]
-        points = f"{label}, simulated"
-        upper.errorbar(x, one[f"{name}_simulated"], error, color=color, label=points, **POINTS)
-        lower.plot(x, one[f"{name}_difference"], color=color, linestyle=dash)
-    lower.axhline(0, color="0.5", lw=0.8)
-    label_axis(lower, "x", across)
-    upper.tick_params(labelbottom=False)
-    upper.set_xlim(x[0], x[-1])
-    if float(np.abs(dataset[f"{name}_simulated"]).max()) > 5:
-        upper.set_yscale("log")
-    upper.set_ylabel(name_of(dataset[name]).split(",")[0])
-    lower.set_ylabel("difference")
-    legend_beside(upper)
+    curves = list(family(dataset[name]))
+    across = len(curves) if len(curves) < 4 else 2 if len(curves) == 4 else 3
+    rows = -(-len(curves) // across)
+    figure.set_size_inches(WIDTH, BELOW + ABOVE + rows * PANEL + (rows - 1) * BETWEEN)
+    wide = (WIDTH - LEFT[0] - 0.25 - ASIDE * (across - 1)) / across
+    lowest, highest = _ends(dataset, name)
+    for n, (title, place) in enumerate(curves):
+        x, up = LEFT[0] + n % across * (wide + ASIDE), rows - 1 - n // across
+        axes = _axes(figure, x, BELOW + up * (PANEL + BETWEEN), wide, PANEL)
+        _panel(axes, dataset.sel(place), name)
+        axes.set_title(title if place else "", loc="left", size=9)
+        label_axis(axes, "x", dataset[dataset[name].dims[-1]])
+        axes.set_ylabel(name_of(dataset[name]).split(",")[0])
+        _outer(axes, left=n % across == 0, bottom=n + across >= len(curves))
+        if name == "rho":
+            axes.set_ylim(min(0.0, np.floor(lowest * 10) / 10), 1.03)
+        else:
+            axes.set(yscale="log" if highest > 5 else "linear", ylim=(0.9 * lowest, 1.1 * highest))
+    legend: Any = {"loc": "upper left", "ncols": 3, "fontsize": 8, "columnspacing": 1.5}
+    high = BELOW + rows * PANEL + (rows - 1) * BETWEEN + 0.85
+    corner = LEFT[0] / WIDTH, high / figure.get_figheight()
+    figure.legend(*axes.get_legend_handles_labels(), bbox_to_anchor=corner, borderaxespad=0, **legend)
+
+
+def _panel(axes: Axes, dataset: xr.Dataset, name: str) -> None:
+    x = dataset[dataset[name].dims[-1]].values
+    shown = _methods(dataset, name).items()
+    for (text, table), (color, dash) in zip(shown, cycle(CURVES), strict=False):
+        axes.plot(x, table, color=color, linestyle=dash, label=textwrap.fill(text, LABEL_WIDTH))
+    if f"{name}_simulated" in dataset:
+        error = TWICE * dataset[f"{name}_standard_error"]
+        axes.errorbar(x, dataset[f"{name}_simulated"], error, **SIMULATED)
+    for other, color, dash, text in ELASTIC:
+        if other in dataset:
+            axes.plot(x, dataset[other], color=color, linestyle=dash, lw=0.9, label=text, zorder=1.5)
+    axes.set_xlim(x[0], x[-1])
+
+
+def _methods(dataset: xr.Dataset, name: str) -> dict[str, xr.DataArray]:
+    """What is laid over one another: linearized first, then what the dataset has."""
+    found = {"linearized": dataset[name]}
+    if f"{name}_drift" in dataset:
+        found["drift closure"] = dataset[f"{name}_drift"]
+    if "rule" in dataset.dims:
+        rules = dataset.rule.values.tolist()
+        found |= {rule_label(rule): dataset[f"{name}_effective"].sel(rule=rule) for rule in rules}
+    return found
+
+
+def _ends(dataset: xr.Dataset, name: str) -> tuple[float, float]:
+    """The lowest and the highest value that is drawn."""
+    names = [key for key, *_ in ELASTIC] + [f"{name}_simulated"]
+    shown = [*_methods(dataset, name).values(), *(dataset[key] for key in names if key in dataset)]
+    return min(float(one.min()) for one in shown), max(float(one.max()) for one in shown)
+
+
+def _axes(figure: Figure, x: float, y: float, width: float, height: float) -> Axes:
+    """Axes at a place in inches."""
+    high = figure.get_figheight()
+    return figure.add_axes((x / WIDTH, y / high, width / WIDTH, height / high))
+
+
+def _outer(axes: Axes, *, left: bool, bottom: bool) -> None:
+    """Numbers and names on the outer axes alone."""
+    axes.tick_params(labelleft=left, labelbottom=bottom)
+    if not left:
+        axes.set_ylabel("")
+    if not bottom:
+        axes.set_xlabel("")
+
+
+def _known(dataset: xr.Dataset, name: str) -> xr.DataArray:
+    """The cells that were simulated, without the rows and columns between them."""
+    table = dataset[name]
+    for dim in table.dims:
+        table = table.dropna(dim, how="all")
+    return table
 
 
 def _compared(dataset: xr.Dataset) -> str:
-    return next(str(name) for name in dataset if f"{name}_difference" in dataset)
+    """What the chart is of: what something stands beside."""
+    return next(str(name) for name in dataset if any(f"{name}{end}" in dataset for end in BESIDE))

@@ -9,7 +9,7 @@ import xarray as xr
 
 from stochlin.views.probability.pictures import ESTIMATES, known
 from stochlin.views.shared.style import CURVES
-from stochlin.views.shared.words import BEYOND, FAR, label
+from stochlin.views.shared.words import BEYOND, FAR, rule_label
 
 Figure = dict[str, Any]
 DASHES = ("solid", "dash", "dashdot", "dot", "longdash", "longdashdot")  # as in CURVES
@@ -92,7 +92,7 @@ def gaps_figure(table: xr.Dataset, recorded: xr.Dataset | None = None) -> Figure
     Of buildings with storeys below it the gap over the height, by the simulation or by linearization.
     """
     known = table.isel(rule=np.flatnonzero(table.gap.notnull().values)[::-1])
-    names = [label(str(rule)) for rule in known.rule.values]
+    names = [rule_label(str(rule)) for rule in known.rule.values]
     gaps = 100 * known.gap.values
     far = gaps > FAR * np.median(gaps)
     curves = []
@@ -155,7 +155,7 @@ def told_by_height(table: xr.Dataset) -> str:
 
 def _over_height(row: xr.Dataset) -> Figure:
     """The gap that would do at each height, by one rule."""
-    name = f"{label(str(row.rule.values))}, by height"
+    name = f"{rule_label(str(row.rule.values))}, by height"
     curve = _curve(100 * row.gap_at_height.values, row.height.values, 1, name)
     return curve | {"yaxis": "y2", "hovertemplate": "%{y:.1f} m: %{x:.1f} cm<extra></extra>"}
 

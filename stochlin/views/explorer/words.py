@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.views.explorer.pictures import told_by_height
-from stochlin.views.shared.words import SPACE, centimetres, label, length, per_cent
+from stochlin.views.shared.words import SPACE, centimetres, length, per_cent, rule_label
 
 if TYPE_CHECKING:
     from stochlin.analyses.explorer.scene import Scene
@@ -111,7 +111,7 @@ def gaps(table: xr.Dataset) -> str:
         words += f" It is needed at {height:.4g}{SPACE}m; below, the gap by height would do."
     lacking = table[["missing"]].where(table.missing != "", drop=True)
     missing = [
-        f"{label(str(r))}{'' if m.startswith('needs') else ':'} "
+        f"{rule_label(str(r))}{'' if m.startswith('needs') else ':'} "
         f"{m.replace('height_1, height_2', 'heights')}"
         for r, m in zip(lacking.rule.values, lacking.missing.values, strict=True)
     ]

@@ -8,7 +8,7 @@ import numpy as np
 
 from stochlin.views.separation.storeys import draw_heights
 from stochlin.views.separation.words import RuleLine, rows
-from stochlin.views.shared.style import CURVES, STYLE, styled
+from stochlin.views.shared.style import CURVES, STYLE, filled, styled
 from stochlin.views.shared.words import BEYOND, FAR
 from stochlin.views.sites.pictures import draw_spectrum
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from stochlin.analyses.cases.separation import CaseAnswer
 
 WIDTH = 4.6  # inches: a phone shows it at three quarters of its size
+NAME_WIDTH = 36  # characters of the name of a rule on one line
 PAGE_STYLE = STYLE | {"font.size": 10, "hatch.linewidth": 0.7, "svg.fonttype": "path"}
 # Face, hatch: told apart in grey and in print.
 VERDICTS = {
@@ -45,7 +46,9 @@ def rules_figure(answer: CaseAnswer) -> Figure:
     """Gaps by rule, against the answer and its interval."""
     shown = [row for row in rows(answer) if row.verdict in VERDICTS]
     gaps = [100 * float(answer.separation.gap[row.number - 1]) for row in shown]
-    figure, axes = _blank(0.235 * len(shown) + 1.35)
+    names = [filled([f"{row.number}  {row.label}"], NAME_WIDTH) for row in shown]
+    pitch = 0.34 if any("\n" in name for name in names) else 0.235
+    figure, axes = _blank(pitch * len(shown) + 1.35)
     place = np.arange(len(shown))
     right = 1.04 * _farthest(answer, gaps) or 1
     for at, (row, gap) in enumerate(zip(shown, gaps, strict=True)):
@@ -55,7 +58,7 @@ def rules_figure(answer: CaseAnswer) -> Figure:
         if gap > right:
             axes.text(0.98 * right, at, f"{row.gap} cm {BEYOND}", ha="right", va="center", size=9)
     _answer_line(axes, answer)
-    axes.set_yticks(place, [f"{row.number}  {row.label}" for row in shown])
+    axes.set_yticks(place, names)
     axes.tick_params(axis="y", length=0)
     axes.grid(visible=False, axis="y")
     axes.invert_yaxis()

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.views.shared.style import AS_GIVEN, CURVES, filled, styled
-from stochlin.views.shared.words import label
+from stochlin.views.shared.words import rule_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -98,7 +98,9 @@ def _gaps(axes: Axes, dataset: xr.Dataset) -> None:
         values = at_height("gap_at_height", rule)
         style: Any = {"color": color, "linestyle": dash, "marker": marker, "ms": 4, "lw": 1.3}
         style["markerfacecolor"] = color if rule == "simulation" else "none"
-        axes.plot(values, heights, label="simulated" if rule == "simulation" else label(rule), **style)
+        axes.plot(
+            values, heights, label="simulated" if rule == "simulation" else rule_label(rule), **style
+        )
         if rule == "simulation" and np.isfinite(high).all():
             axes.fill_betweenx(heights, low, high, color=GREY, lw=0, label="its 95 % interval")
             if not grounded:

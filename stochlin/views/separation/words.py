@@ -13,10 +13,10 @@ from stochlin.views.shared.words import (
     centimetres,
     doubted,
     floors,
-    label,
     length,
     over_records,
     per_cent,
+    rule_label,
     scatter,
     shaking,
 )
@@ -80,7 +80,7 @@ def rows(answer: CaseAnswer) -> list[RuleLine]:
         RuleLine(
             number=n,
             rule=str(one.rule.item()),
-            label=label(str(one.rule.item())),
+            label=rule_label(str(one.rule.item())),
             kind=str(one.kind.item()),
             gap=centimetres(float(one.gap)),
             error=per_cent(float(one.error), sign="+") if n > 1 else "",

@@ -18,6 +18,7 @@ from stochlin.views.shared.screen import PICTURES
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
+    from matplotlib.collections import QuadMesh
     from matplotlib.colors import ListedColormap
     from matplotlib.contour import QuadContourSet
     from matplotlib.figure import Figure
@@ -42,6 +43,7 @@ CURVES = (
     ("#4d9a8a", (0, (6, 1.5, 1, 1.5, 1, 1.5))),
     ("#9e9ac8", (0, (1, 1))),
 )
+SIGNED_STEPS = (0.1, 0.2, 0.4, 0.6, 0.8, 1, 1.5, 2)  # of a difference of rho; within .1 is white
 TICKS = (0.1, 0.25, 0.5, 1, 2, 4)
 NAMES = {
     "damping": r"$\xi$",
@@ -116,30 +118,76 @@ def shades() -> ListedColormap:
     return ListedColormap(colormaps["cividis"](np.linspace(0.35, 1, 256)))
 
 
-def plane(axes: Axes, table: xr.DataArray, levels: np.ndarray) -> QuadContourSet:
-    """Filled contours of a table over its two dimensions, with labelled lines."""
+def signed_shades() -> ListedColormap:
+    """White in the middle and darker to either side: lines with signs tell the sides apart in grey."""
+    from matplotlib import colormaps
+    from matplotlib.colors import ListedColormap
+
+    return ListedColormap(colormaps["RdBu_r"](np.linspace(0.15, 0.85, 255)))
+
+
+def plane(
+    axes: Axes, table: xr.DataArray, levels: np.ndarray, *, cells: bool = False, signed: bool = False
+) -> QuadContourSet | QuadMesh:
+    """Filled contours of a table over its two dimensions, or its cells; with labelled lines.
+
+    What is ``signed`` is white about zero, and its lines say their sign.
+    """
+    from matplotlib.colors import BoundaryNorm
+
     across, up = (table[name] for name in table.dims)
-    place = across.values, up.values, table.values.T
-    filled = axes.contourf(*place, levels=levels, cmap=shades())
-    lines = axes.contour(*place, levels=levels, colors="0.1", linewidths=0.6)
-    digits = "%.1f" if str(table.name).startswith("rho") else "%g"
-    axes.clabel(lines, levels=levels[::2], fontsize=7, fmt=digits)
-    axes.grid(visible=False)
     label_axis(axes, "x", across)
     label_axis(axes, "y", up)
+    place = across.values, up.values, table.values.T
+    colours = signed_shades() if signed else shades()
+    norm = BoundaryNorm(levels, colours.N)
+    filled: QuadContourSet | QuadMesh
+    if cells:
+        edges = (_edges(one.values, axes.get_xscale() == "log") for one in (across, up))
+        filled = axes.pcolormesh(*edges, place[2], cmap=colours, norm=norm)
+        axes.set(xlim=(place[0][0], place[0][-1]), ylim=(place[1][0], place[1][-1]))
+    else:
+        filled = axes.contourf(*place, levels=levels, cmap=colours, norm=norm)
+    lines = axes.contour(*place, levels=levels, colors="0.1", linewidths=0.6)
+    digits = "%.1f" if str(table.name).startswith("rho") else "%g"
+    axes.clabel(
+        lines, levels=levels if signed else levels[::2], fontsize=7, fmt="%+g" if signed else digits
+    )
+    axes.grid(visible=False)
     axes.set_box_aspect(1)
     return filled
 
 
-def contour_levels(*tables: xr.DataArray, at_most: float = 0.0) -> np.ndarray:
-    """Levels for all tables: of rho tenths, from the lowest value or ``at_most`` up to the highest."""
+def _edges(centres: np.ndarray, logarithmic: bool) -> np.ndarray:
+    """Where cells around these centres meet."""
+    values = np.log(centres) if logarithmic else centres
+    inner = 0.5 * (values[1:] + values[:-1])
+    edges = np.concatenate([[2 * values[0] - inner[0]], inner, [2 * values[-1] - inner[-1]]])
+    return np.exp(edges) if logarithmic else edges
+
+
+def signed_levels(table: xr.DataArray) -> np.ndarray:
+    """Levels of a difference, alike on both sides of zero; of rho from .1 to .4 at least."""
+    from matplotlib.ticker import MaxNLocator
+
+    largest = float(np.abs(table).max())
+    if str(table.name).startswith("rho"):
+        beyond = [step for step in SIGNED_STEPS if step < largest]
+        levels = np.array(SIGNED_STEPS[: max(3, len(beyond) + 1)])
+    else:
+        levels = np.asarray(MaxNLocator(5).tick_values(0, largest))[1:]
+    return np.concatenate([-levels[::-1], levels])
+
+
+def contour_levels(*tables: xr.DataArray) -> np.ndarray:
+    """Levels for all tables: of rho tenths, from zero or the lowest value up to the highest."""
     from matplotlib.ticker import MaxNLocator
 
     low, high = min(float(table.min()) for table in tables), max(float(table.max()) for table in tables)
     if not str(tables[0].name).startswith("rho"):
         return np.asarray(MaxNLocator(10).tick_values(low, high))
-    first, last = min(at_most, np.floor(low * 10) / 10), np.ceil(high * 10) / 10
-    return np.round(np.arange(first, last + 0.05, 0.1), 10)
+    first, last = min(0.0, np.floor(low * 10) / 10), np.ceil(high * 10) / 10
+    return np.round(np.arange(first, last + 0.05, 0.1), 10) + 0.0  # no -0
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stochlin.analyses.records.files import METRES
+from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -20,11 +21,11 @@ MISSING, MINUS, SPACE = "\N{EN DASH}", "\N{MINUS SIGN}", "\N{NO-BREAK SPACE}"
 BEYOND = "\N{RIGHTWARDS ARROW}"
 FAR = 2.5  # times what most rules ask: gaps beyond are told at the border of a picture, not drawn
 CAPITALS = {
-    **{word: word.upper() for word in ("asce", "is", "ubc", "fema", "srss", "gb")},
+    **{word: word.upper() for word in ("asce", "is", "ubc", "srss", "gb")},
     "e030": "E.030",
 }
 COMMON = {
-    *("simulation", "simulated", "linearization", "linearized", "elastic", "secant"),
+    *("simulation", "simulated", "linearization", "linearized", "elastic"),
     *("share", "of", "sum", "height", "fixed", "distance", "unverified", "drift", "white", "noise"),
     *("simplified",),
 }
@@ -55,11 +56,13 @@ def per_cent(share: float, digits: int = 0, sign: str = "") -> str:
     return f"{100 * share:{sign}.{digits}f}{SPACE}%".replace("-", MINUS)
 
 
-def label(rule: str) -> str:
-    """Name of a rule for a reader, ``eq. (3), Iwan 1980``."""
+def rule_label(rule: str) -> str:
+    """Name of a rule for a reader, ``eq. (3), Iwan (1980)``; of one without a title by its own name."""
     stem = rule.removeprefix("eq_3_")
+    known = EFFECTIVE_RULES.get(stem)
     words = [w if w in COMMON else CAPITALS.get(w, w.title()) for w in stem.split("_")]
-    return ("" if stem == rule else "eq. (3), ") + " ".join(words)
+    name = known.published_name() if known and known.title else " ".join(words)
+    return name if stem == rule else f"eq. (3), {name}"
 
 
 def short(value: float) -> str:

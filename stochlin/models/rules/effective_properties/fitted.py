@@ -34,6 +34,7 @@ class _PowerRule(EffectiveRule):
     "Iwan, W. D. (1980), Earthquake Eng. Struct. Dyn. 8, 375-388",
     "M high",
     4,
+    "Iwan (1980)",
 )
 class Iwan1980(_PowerRule):
     """Fit to inelastic response spectra: ``1 + .121 (mu-1)^.939``, ``xi + .0587 (mu-1)^.371``."""
@@ -42,7 +43,7 @@ class Iwan1980(_PowerRule):
     damping_law = (0.0587, 0.371)
 
 
-@published(EFFECTIVE_RULES, "fema_440", "FEMA 440 (2005), section 6.2", "M high", 5)
+@published(EFFECTIVE_RULES, "fema_440", "FEMA 440 (2005), section 6.2", "M high", 5, "FEMA-440")
 class Fema440(EffectiveRule):
     """Three pieces in ``mu``, below 4, to 6.5, and above, which do not quite meet.
 
@@ -68,6 +69,7 @@ class Fema440(EffectiveRule):
     "Jeng, Kasai and Maison (1992), Earthquake Spectra 8, 201-223",
     "M low",
     6,
+    "Jeng, Kasai and Maison (1992)",
 )
 class JengKasaiMaison1992(_PowerRule):
     """``1 + .09 (mu-1)``, ``xi + .084 (mu-1)^1.3``: unverified."""
@@ -84,6 +86,7 @@ class JengKasaiMaison1992(_PowerRule):
     "Kasai, Jagiasi and Jeng (1996), J. Struct. Eng. ASCE 122",
     "M low",
     7,
+    "Kasai, Jagiasi and Jeng (1996)",
 )
 class KasaiJagiasiJeng1996(_PowerRule):
     """``1 + .18 (mu-1)``, ``xi + .16 (mu-1)^.9``: unverified."""

@@ -31,6 +31,7 @@ class Elastic(EffectiveRule):
     "Rosenblueth, E. and Herrera, I. (1964), J. Eng. Mech. Div. ASCE 90",
     "C",
     2,
+    "secant stiffness",
 )
 @dataclass(frozen=True)
 class Secant(EffectiveRule):
@@ -64,6 +65,7 @@ class Secant(EffectiveRule):
     "Penzien, J. (1997), Earthquake Eng. Struct. Dyn. 26",
     "C, its share .65 M",
     3,
+    "Penzien (1997)",
 )
 @dataclass(frozen=True)
 class Penzien1997(Secant):

@@ -1,0 +1,212 @@
+"""Figs. 3b, 4 and 5a: effective rules, the drift closure and simulation beside linearization."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+
+import stochlin as sl
+from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
+from stochlin.views.command import main
+
+pytestmark = pytest.mark.paper
+
+JENG, IWAN = "jeng_kasai_maison_1992_unverified", "iwan_1980"
+PUBLISHED = "Jeng, Kasai and Maison (1992), constants unverified", "Iwan (1980)"
+SETTINGS = sl.charts.ChartSettings(points=5, simulated_points=3, paths=32, reduction_factors=(2.0, 4.0))
+CHARTS = sl.charts.chart_functions(SETTINGS)
+LAKEBED = sl.KanaiTajimi(2.0, 0.05)
+
+
+def pair(ratio, factor):
+    """Those of Fig. 4c."""
+    return [sl.Bilinear(period, 0.05, 0.05, reduction_factor=factor) for period in (ratio * 1.0, 1.0)]
+
+
+def words(figure):
+    """All that a picture says of its curves, on one line each."""
+    legends = [*figure.legends, *(axes.get_legend() for axes in figure.axes)]
+    texts = [text.get_text() for one in legends if one is not None for text in one.get_texts()]
+    return [" ".join(text.split()) for text in texts]
+
+
+@pytest.fixture(scope="module")
+def fig4c():
+    return CHARTS["fig4c"]()
+
+
+@pytest.fixture(scope="module")
+def fig5a():
+    return CHARTS["fig5a"]()
+
+
+def test_what_stands_beside_linearization_is_what_the_methods_say(fig4c):
+    ratio, factor = fig4c.period_ratio, fig4c.reduction_factor
+    drift = sl.correlate(*pair(ratio, factor), LAKEBED, closure="drift")
+    np.testing.assert_array_equal(fig4c.rho_drift, drift.rho.transpose(*fig4c.rho.dims))
+    assert fig4c.rule.values.tolist() == [JENG, IWAN]
+    given = {"damping": 0.05, "hardening": 0.05}
+    both = {f"{name}_{n}": value for name, value in given.items() for n in (1, 2)}
+    for n in (1, 2):
+        both[f"ductility_{n}"] = 3 * drift[f"ductility_std_{n}"]
+        np.testing.assert_allclose(fig4c[f"ductility_peak_{n}"], both[f"ductility_{n}"], rtol=1e-12)
+    for rule in (JENG, IWAN):
+        expected = sl.rho_effective(ratio * 1.0, 1.0, **both, rule=rule).rho.transpose(*fig4c.rho.dims)
+        np.testing.assert_allclose(fig4c.rho_effective.sel(rule=rule), expected, rtol=1e-12)
+
+
+def test_simulated_points_stand_among_the_others_with_their_error_and_difference(fig4c, fig5a):
+    there = fig4c.rho_simulated.notnull()
+    assert there.sum("period_ratio").values.tolist() == [3, 3]
+    np.testing.assert_array_equal(fig4c.rho_standard_error.notnull(), there)
+    np.testing.assert_array_equal(fig4c.rho_difference, fig4c.rho - fig4c.rho_simulated)
+    assert int(fig5a.rho_simulated.notnull().sum()) == 25
+    known = fig4c.where(there.all("reduction_factor"), drop=True)
+    table = sl.correlate(
+        *pair(known.period_ratio, known.reduction_factor), LAKEBED, "simulation", paths=64, seed=1
+    )
+    error = 4 * np.hypot(known.rho_standard_error, table.rho_standard_error) + 1e-12
+    assert bool((np.abs(known.rho_simulated - table.rho) <= error).all())
+    assert "Simulated on 32 paths; standard error at most" in fig4c.attrs["comment"]
+    assert "Caution" not in fig4c.attrs["comment"]
+
+
+def test_every_variable_has_units_and_a_name(fig4c, fig5a):
+    for chart in (fig4c, fig5a):
+        for name, variable in chart.variables.items():
+            assert variable.attrs["long_name"], name
+            assert "units" in variable.attrs or variable.dtype.kind in "Ub" or name == "status", name
+
+
+def test_the_drift_closure_is_nearer_to_simulation_than_linearization_and_rules(fig4c):
+    off = {
+        name: float(np.abs(fig4c[name] - fig4c.rho_simulated).mean()) for name in ("rho", "rho_drift")
+    }
+    rules = np.abs(fig4c.rho_effective - fig4c.rho_simulated).mean(["reduction_factor", "period_ratio"])
+    assert off["rho_drift"] < 0.05 < off["rho"]
+    assert float(rules.min()) > 0.1
+    for name in (*PUBLISHED, "linearized", "drift closure"):
+        assert f"{name} " in fig4c.attrs["comment"]
+
+
+def test_fig4_has_a_panel_for_each_reduction_factor_with_all_methods_in_it(fig4c):
+    figure = sl.charts.draw(fig4c)
+    assert [axes.get_title("left") for axes in figure.axes] == ["R = 2", "R = 4"]
+    told = ["linearized", "drift closure", *PUBLISHED, "elastic, this ground", "elastic, eq. (4)"]
+    assert sorted(words(figure)) == sorted([*told, "simulated, 95 % interval"])
+    for axes in figure.axes:
+        looks = {(line.get_color(), str(line._dash_pattern)) for line in axes.get_lines()}
+        assert len(looks) == len(told) + 1
+        (points,) = (line for line in axes.get_lines() if line.get_marker() == "o")
+        assert np.isfinite(np.asarray(points.get_ydata(), float)).sum() == 3
+    assert figure.legends[0].get_window_extent().y0 >= figure.axes[0].get_window_extent().y1
+
+
+def test_fig5a_shows_four_planes_and_a_difference_with_its_signs(fig5a):
+    figure = sl.charts.draw(fig5a)
+    titles = [axes.get_title("left") for axes in figure.axes if axes.get_title("left")]
+    assert titles == ["linearized", "drift closure", "simulated", "linearized less simulated"]
+    (difference,) = (axes for axes in figure.axes if "less" in axes.get_title("left"))
+    signs = {text.get_text()[0] for text in difference.texts}
+    assert signs <= set("+-\N{MINUS SIGN}")
+    assert "+" in signs
+    (cells,) = (one for one in difference.collections if hasattr(one, "get_coordinates"))
+    edges = np.asarray(cells.norm.boundaries)
+    np.testing.assert_array_equal(edges, -edges[::-1])
+    assert cells.cmap(cells.norm(0.0))[:3] == pytest.approx([0.965] * 3, abs=0.02)  # white about zero
+
+
+@pytest.mark.parametrize("name", ["fig3b", "fig4b"])
+def test_rules_are_named_and_drawn_under_their_published_names(name):
+    chart = sl.charts.chart_functions(replace(SETTINGS, rules=(JENG, "FEMA-440")))[name]()
+    assert chart.rule.values.tolist() == [JENG, "fema_440"]
+    said = words(sl.charts.draw(chart))
+    assert {PUBLISHED[0], "FEMA-440"} <= set(said)
+    assert not [text for text in said if "_" in text]
+    assert "Jeng, Kasai and Maison (1992), Earthquake Spectra" in chart.attrs["references"]
+
+
+def test_fig3b_is_marked_as_its_constants_are():
+    chart = sl.charts.effective_rules_chart(0.05, 0.05, 4.0, 9, rules=[JENG])
+    assert chart.mark.item() == "M low"
+    assert "constants from memory, low confidence" in chart.attrs["comment"]
+    expected = sl.rho_effective(chart.period_ratio, 1.0, 0.05, 0.05, 0.05, 0.05, 4.0, 4.0, rule=JENG)
+    np.testing.assert_array_equal(chart.rho[0], expected.rho)
+    usual = sl.charts.effective_rules_chart(0.05, 0.05, 4.0, 9)
+    assert "memory" not in usual.attrs["comment"]
+
+
+def test_no_rule_is_shown_by_a_name_of_the_code():
+    for name in EFFECTIVE_RULES:
+        for shown in (sl.charts.rule_label(name), sl.charts.rule_label(f"eq_3_{name}")):
+            assert "_" not in shown
+            assert ("unverified" in shown) == ("unverified" in name)
+    assert sl.charts.rule_label(f"eq_3_{IWAN}") == "eq. (3), Iwan (1980)"
+    assert sl.charts.rule_label("eurocode_8") == "Eurocode 8"
+
+
+def test_without_simulation_a_chart_keeps_its_caution():
+    quick = sl.charts.chart_functions(replace(SETTINGS, simulated_points=0))
+    for name, kind in (("fig4a", "compared_curves"), ("fig5a", "plane")):
+        chart = quick[name]()
+        assert chart.attrs["chart"] == kind
+        assert "Caution" in chart.attrs["comment"]
+        assert "rho_simulated" not in chart
+        assert sl.charts.draw(chart).axes
+
+
+def test_what_would_take_too_long_is_left_out_and_said():
+    rare = replace(SETTINGS, reduction_factors=(0.5, 6.0), plane_reduction_factor=0.5)
+    functions = sl.charts.chart_functions(rare)
+    chart = functions["fig4b"]()
+    assert chart.rho_simulated.notnull().any("period_ratio").values.tolist() == [False, True]
+    assert "Not all is simulated at R = 0.5: the run would take about" in chart.attrs["comment"]
+    plane = functions["fig5a"]()
+    assert plane.attrs["chart"] == "plane"
+    assert "Not all is simulated: the run would take about" in plane.attrs["comment"]
+
+
+def test_the_drift_closure_does_not_stand_beside_itself():
+    chart = sl.charts.chart_functions(replace(SETTINGS, closure="drift"))["fig5a"]()
+    assert "rho_drift" not in chart
+    assert len([axes for axes in sl.charts.draw(chart).axes if axes.get_title("left")]) == 3
+
+
+@pytest.mark.parametrize(
+    ("given", "kind", "says"),
+    [
+        ({"rules": ("iwan_1980", "magic")}, ValueError, "rule = 'magic' is not a known effective rule"),
+        ({"rules": ()}, ValueError, "rules is empty; allowed: at least one name"),
+        ({"rules": "iwan_1980"}, TypeError, "rules = 'iwan_1980'; allowed: a list of names"),
+        ({"rules": 4}, TypeError, "rules = 4; allowed: a list of names"),
+        ({"paths": 1}, ValueError, "paths = 1; allowed: a whole number from 2"),
+        ({"seed": -1}, ValueError, "seed = -1; allowed: a whole number from 0"),
+        ({"simulated_points": 1}, ValueError, "simulated_points = 1; allowed: at least 2, or 0"),
+        ({"simulated_points": -3}, ValueError, "simulated_points = -3; allowed: a whole number from 0"),
+        ({"simulated_points": 2.5}, ValueError, "simulated_points = 2.5; allowed: a whole number"),
+    ],
+)
+def test_nonsense_is_refused_by_name(given, kind, says):
+    with pytest.raises(kind, match=says):
+        sl.charts.ChartSettings(**given)
+    if "rules" in given:
+        with pytest.raises(kind, match=says):
+            sl.charts.effective_rules_chart(0.05, 0.05, 4.0, 9, **given)
+
+
+def test_the_command_takes_rules_by_name(tmp_path):
+    def run(*given):
+        return CliRunner().invoke(
+            main, ["charts", "fig3b", *given, "--points", "9", "--out", str(tmp_path)]
+        )
+
+    assert run("--rules", f"{JENG},iwan-1980").exit_code == 0
+    with xr.open_dataset(tmp_path / "fig3b.nc") as chart:
+        assert chart.rule.values.tolist() == [JENG, IWAN]
+    refused = run("--rules", "jeng")
+    assert refused.exit_code == 2
+    assert JENG in refused.output
