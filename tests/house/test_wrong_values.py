@@ -166,6 +166,13 @@ OWN: dict[str, dict[str, Any]] = {
         "base_shear_coefficient": 0.1,
     },
     "Link": {"hardening": 0.1, "yield_displacement": 0.01, "floors": (1, 1), "structures": (1, 2)},
+    "Measure": {
+        "added_damping_1": 0.1,
+        "link": [sl.Link(1e6)],
+        "bumper_thickness": 0.02,
+        "stiffening_1": 1.5,
+        "strengthening_1": 2.0,
+    },
     "pounding_estimate": {"duration": 3.0, "radius_1": 0.1, "radius_2": 0.2},
     **{name: {"restitution": 0.6} for name in DASHPOTS},
 }
