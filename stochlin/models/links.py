@@ -136,6 +136,11 @@ class Link(Model):
         return 1.0 if self.damping_exponent is None else self.number("damping_exponent")
 
     @property
+    def is_power_law(self) -> bool:
+        """Whether one system has a dashpot in it that is not linear."""
+        return self.exponent != 1 and self.number("damping_constant") > 0
+
+    @property
     def yields(self) -> bool:
         """Whether a strength is given."""
         return self.yield_displacement is not None

@@ -15,6 +15,7 @@ from stochlin.kernels.simulation.storey_stepping import (
     LINEAR,
     OTHER,
     SLACK,
+    VISCOUS,
     Elements,
     law_of,
 )
@@ -83,10 +84,17 @@ def _frame(system: System, members: Array) -> Frame:
     own = [row for stack in stacks for row in stack.law_parameters]
     for along, tie in zip(drifts[floors.size :], ties, strict=True):
         force.append(list(tie.link.spring))
-        damping += tie.link.number("damping_constant") * np.outer(along, along)
+        if not tie.link.is_power_law:
+            damping += tie.link.number("damping_constant") * np.outer(along, along)
         kinds.append(_kind(tie.link))
         own.append(np.empty(0))
     drifts[np.array(kinds) == SLACK] *= -1  # these pull where the floors part
+    for along, tie in zip(drifts[floors.size :], ties, strict=True):
+        if tie.link.is_power_law:
+            drifts = np.vstack([drifts, along])
+            force.append([0.0, 0.0, np.inf])
+            kinds.append(VISCOUS)
+            own.append(np.array([tie.link.number("damping_constant"), tie.link.exponent]))
     widest = max(row.size for row in own)
     post, couple, strength = np.array(force, float).T.copy()
     elements = Elements(

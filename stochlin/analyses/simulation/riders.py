@@ -20,7 +20,6 @@ from stochlin.models.structures import Structure
 from stochlin.models.systems import (
     AnyStructure,
     System,
-    check_linear_dashpots,
     check_links,
     check_stationary,
     system_of,
@@ -94,7 +93,6 @@ def riders_of(
 ) -> Riders:
     """Lay out the structures; for a stationary run, with their drift by linearization."""
     links = check_links("link", link, len(structures))
-    check_linear_dashpots("link", links)
     tied = {s for n, one in enumerate(links, 1) if one is not None for s in one.structures or (n, n + 1)}
     in_metres: list[AnyStructure] = [
         strength_in_metres(one, ground) if n in tied and isinstance(one, Structure) else one
@@ -125,7 +123,10 @@ def _drift_times(
     system: System,
 ) -> Array:
     """Relaxation of the plastic drifts of all storeys by linearization, which knows no slack [s]."""
-    kept = [None if link is None or link.slack is not None else link for link in links]
+    kept = [
+        None if link is None or link.slack is not None or link.damping_exponent is not None else link
+        for link in links
+    ]
     try:
         k_eq = linearize_system(structures, ground, kept).k_eq.values
     except ArithmeticError:  # the run tells by its own drift whether it was too short
