@@ -237,3 +237,31 @@ def test_what_does_not_touch_is_not_compressed() -> None:
     jumped = sl.pound(pair(), 0.005, sl.Stereomechanical(0.5), record(50))
     assert jumped.sizes["impact"] > 0
     assert np.isnan(jumped.deepest_compression).all()
+
+
+# --- Against the simulations that know no contact ---------------------------------------------------
+
+DEVICES = {
+    "fluid dampers in storeys": in_storeys(2, range(1, 5), damping_constant=1e6, damping_exponent=0.5),
+    "braces that yield": in_storeys(1, (1, 2), stiffness=5e7, hardening=0.02, yield_displacement=2e-3),
+    "a fluid damper between both": [dashpot(0.35, 3, structures=(1, 2))],
+    "all at once": [
+        *in_storeys(2, (1, 3), stiffness=2e7, damping_constant=5e5, damping_exponent=1.5),
+        sl.Link(2e7, 3e5, structures=(1, 2), hardening=0.1, yield_displacement=0.01),
+    ],
+}
+
+
+@pytest.mark.parametrize("devices", DEVICES.values(), ids=DEVICES)
+def test_each_path_is_that_of_the_simulation(devices: list[sl.Link]) -> None:
+    """Which takes steps of a length, each with an error of the second order."""
+    ground = sl.named_ground("firm", intensity=0.01)
+    quake = {"duration": 6.0, "envelope": sl.AminAng(1.0, 4.0, 0.5), "seed": 5}
+    simulated = sl.simulate(towers(), ground, **quake, paths=32, steps_per_period=128, link=devices)
+    shaking = sl.simulated_motions(ground, **quake, paths=32, step=simulated.attrs["step_s"])
+    table = sl.pound(towers(), FAR, SPRING, shaking, link=devices)
+    found = np.concatenate([table.peak.values[:, b, :n] for b, n in ((0, 2), (1, 4))], axis=1)
+    error = found / simulated.peak.values - 1
+    assert float(table.energy_balance_error.max()) < 1e-8
+    assert np.abs(error).max() < 0.02
+    assert np.sqrt((error**2).mean()) < 0.005

@@ -73,9 +73,9 @@ def pound(
         does. Those need not be of one length or step.
     link : Link or list of Link and None, optional
         Springs, linear, that yield or have slack, and dashpots, linear or with an exponent. Without
-        ``floors`` a link ties the highest at one level, without ``structures`` two neighbours: then there
-        is one for each two, None where there is no link. With one structure twice it is a device inside
-        it, which it keeps standing alone.
+        ``floors`` a link ties the highest at one level, without ``structures`` two neighbours: then
+        there is one for each two, None where there is no link. With one structure twice it is a device
+        inside it, which it keeps standing alone.
     output_step : float, optional
         Time from output to output [s] of one motion; the record's own if left out. The response does
         not depend on it.
