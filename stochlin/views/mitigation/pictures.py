@@ -37,7 +37,8 @@ def draw_measures(dataset: xr.Dataset) -> Figure:
     caption = _caption(dataset)
     foot = FOOT + LINE * (caption.count("\n") + 1)
     count = dataset.sizes["measure"]
-    height = HEAD + ROW * (count + 0.6) + foot
+    head = HEAD + LINE * bool((dataset.bumper_thickness > 0).any())  # one line more in the legend
+    height = head + ROW * (count + 0.6) + foot
     figure = Figure(figsize=(WIDTH, height))
     end = MIDDLE if recorded else ALONE
     box = (foot / height, ROW * (count + 0.6) / height)

@@ -220,8 +220,8 @@ def _dashpot(one: xr.Dataset) -> str:
 
 def _unlike_built(one: xr.Dataset, table: xr.Dataset, name: str) -> str:
     """Of both buildings, where it is not what it is as built."""
-    built = _pair(table.isel(measure=0), name, "{:g}")
-    return _pair(one, name, "{:g}").replace(built, "")
+    built, told = (_pair(each, name, "{:g}") for each in (table.isel(measure=0), one))
+    return "" if told == built else told
 
 
 def _pair(one: xr.Dataset, name: str, form: str, scale: float = 1.0) -> str:
