@@ -7,6 +7,7 @@ from dataclasses import KW_ONLY, dataclass, replace
 
 import xarray as xr
 
+from stochlin.messages import brief
 from stochlin.models.contacts import Contact
 from stochlin.models.links import Link
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, expect, parameter
@@ -83,8 +84,8 @@ class Measure(Model):
             object.__setattr__(self, "link", tuple(self.link))
             for number, each in enumerate(self.link, start=1):
                 expect(each, Link, f"Measure: link, number {number}")
-        elif self.link is not None:
-            expect(self.link, Link, "Measure: link")
+        elif not isinstance(self.link, Link | None):
+            raise TypeError(f"Measure: link = {brief(self.link)}; allowed: a Link, or a list of them")
 
     @property
     def links(self) -> tuple[Link, ...]:
@@ -104,7 +105,7 @@ class Measure(Model):
         for each in given:
             alike.setdefault(each.describe().replace(f", floors={each.floors}", ""), []).append(each)
         links = [
-            f"{len(those)} of {kind} at floors {', '.join(str(one.floors) for one in those)}"
+            f"{len(those)} of {kind} at floors {', '.join(str(one.floors or 'level') for one in those)}"
             if those[1:]
             else those[0].describe()
             for kind, those in alike.items()

@@ -124,8 +124,8 @@ def test_a_gap_that_is_enough_asks_for_nothing_more(tmp_path):
         ([("added_damping_2", "added_damping_3")], "added_damping_3"),
         (
             [('bumper_thickness = "2 cm"', 'bumper_thickness = "50 mm"')],
-            "bumper_thickness = 0.05 m in its table of [measures], 'Rubber bumpers', takes all of the gap "
-            "of 0.05 m; allowed: less than existing in [separation]",
+            "bumper_thickness = 0.05 m in its table of [measures], 'Rubber bumpers', takes all of the "
+            "gap of 0.05 m; allowed: less than existing in [separation]",
         ),
         (
             [('reduction_factor = 4\nheight = "15 m"', 'elastic = true\nheight = "15 m"')],

@@ -283,7 +283,7 @@ def test_strength_of_what_never_yields_is_refused():
         ({"strengthening_2": -1}, ValueError, "strengthening_2 = -1 is out of range"),
         ({"bumper_thickness": -0.01}, ValueError, "bumper_thickness = -0.01 is out of range"),
         ({"bumper_thickness": "2 cm"}, TypeError, "bumper_thickness = '2 cm' is not a real number"),
-        ({"link": "glue"}, TypeError, "link = 'glue' is of the wrong kind; allowed: Link"),
+        ({"link": "glue"}, TypeError, "link = 'glue'; allowed: a Link, or a list of them"),
         ({"link": [sl.Link(1e6), 3]}, TypeError, "link, number 2 = 3 is of the wrong kind"),
         ({"contact": LINK}, TypeError, "contact = Link.* is of the wrong kind"),
     ],
@@ -304,6 +304,7 @@ def test_a_measure_says_what_it_does():
         "damping_constant=1e+06, structures=(2, 2)) at floors (1, 0), (2, 1), (3, 2), "
         f"contact={RUBBER.describe()})"
     )
+    assert sl.Measure(link=[LINK] * 2).describe().endswith("at floors level, level)")
     assert sl.Measure().links == ()
     assert sl.Measure(link=LINK).links == (sl.Link(2e7, 2e6, structures=(1, 2)),)
 
