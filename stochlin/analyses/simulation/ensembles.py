@@ -23,7 +23,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.simulation.ensemble import Crowd, Oscillators, Plan, Storeys
 from stochlin.kernels.simulation.stepping import LANES, FilterSteps, bilinear_block, filter_steps
-from stochlin.kernels.simulation.storey_stepping import SLACK
+from stochlin.kernels.simulation.storey_stepping import SLACK, VISCOUS
 from stochlin.messages import brief
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Structure
@@ -32,6 +32,7 @@ SAMPLES_PER_PERIOD = 2  # of the shortest period; more would say little new of i
 # Rough times, for a question that asks for too much to be refused before the work.
 STEP = 4e-9  # [s] of a core: one step of one bilinear structure
 GROUND, OTHER_LAW, PAIR = 4.0, 15.0, 0.25  # over that: of the ground, of another law, of a difference
+DASHPOT = 60.0  # of one with an exponent
 STOREY = 0.5  # of what one storey does to another that it stands on
 
 
@@ -237,7 +238,8 @@ def seconds_of(run: Run, steps: float, pairs: float) -> float:
 def _weight(part: Oscillators | Storeys) -> float:
     """What a step of these takes, over that of one bilinear structure."""
     if isinstance(part, Storeys):
-        laws = np.where(part.elements.kind > SLACK, OTHER_LAW, 1.0)
+        kind = part.elements.kind
+        laws = np.where(kind == VISCOUS, DASHPOT, np.where(kind > SLACK, OTHER_LAW, 1.0))
         return float(laws.sum() + STOREY * part.size**2)
     return part.size * (1.0 if part.steps is bilinear_block else OTHER_LAW)
 

@@ -93,7 +93,8 @@ def simulate(
     quantiles : sequence of float
         Of the separation in finite motions, between 0 and 1.
     link : Link or list of Link and None, optional
-        Between neighbours, or what their ``structures`` say; oscillators that it ties need a mass.
+        Between neighbours, or what their ``structures`` say, devices inside one structure among them;
+        oscillators that it ties need a mass.
     progress : callable, optional
         Called with the share of the work that is done.
 
@@ -120,8 +121,8 @@ def simulate(
     -----
     Trapezoidal rule with an exact return map for the bilinear law, implicit midpoint rule for the
     others; for linear structures the second moments are exact for any step. A law in sympy is
-    compiled in a second or two, and runs a tenth as fast. Standard errors come from the scatter
-    between independent paths.
+    compiled in a second or two, and runs a tenth as fast, as dashpots with an exponent do. Standard
+    errors come from the scatter between independent paths.
 
     References
     ----------
