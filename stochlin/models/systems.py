@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.linalg
@@ -195,8 +195,26 @@ def weaker(structure: AnyStructure, factor: float) -> AnyStructure:
     """The structure with its strength, which is in metres, divided by the factor."""
     if not structure.yields:
         return structure
-    name = "yield_drifts" if isinstance(structure, ShearBuilding) else "yield_displacement"
+    name = _yield_of(structure)
     return replace(structure, **{name: getattr(structure, name) / factor})
+
+
+def retrofitted(structure: AnyStructure, stiffening: float, strengthening: float) -> AnyStructure:
+    """The structure with its elastic stiffness and its yield force, in metres, multiplied by these."""
+    changed: dict[str, Any] = {}
+    if stiffening != 1:
+        if isinstance(structure, ShearBuilding):
+            changed["stiffnesses"] = structure.arrays()["stiffnesses"] * stiffening
+        else:
+            changed["period"] = structure.period / np.sqrt(stiffening)
+    if structure.yields and strengthening != stiffening:
+        name = _yield_of(structure)
+        changed[name] = getattr(structure, name) * (strengthening / stiffening)
+    return replace(structure, **changed)
+
+
+def _yield_of(structure: AnyStructure) -> str:
+    return "yield_drifts" if isinstance(structure, ShearBuilding) else "yield_displacement"
 
 
 def first_period(structure: AnyStructure) -> xr.DataArray:

@@ -16,6 +16,7 @@ from stochlin.analyses.cases.case import Case
 from stochlin.analyses.cases.contacts import CONTACTS, read_contact
 from stochlin.analyses.cases.pounding import pound_case
 from stochlin.analyses.cases.values import Section
+from stochlin.messages import DoubtfulInput
 
 pytestmark = pytest.mark.invariant
 
@@ -24,6 +25,7 @@ CONTACT = EXAMPLE[EXAMPLE.index("[contact]") : EXAMPLE.index("# Measures")]
 MEASURES = EXAMPLE[EXAMPLE.index("# Measures") :]
 OPTIONAL = CONTACT + MEASURES
 GAP = 'existing = "5 cm" '
+BRACES = '{ storeys = "all", stiffness = "120 MN/m", yield_displacement = "5 mm", hardening = "2 %" }'
 THIRD = """[building_3]
 name = "Garage"
 period = "0.35 s"
@@ -158,7 +160,13 @@ def test_measures_of_the_example(tmp_path: Path) -> None:
     assert case.measures == {
         "Dampers in the annex": sl.Measure(added_damping_2=0.15),
         "Dampers between both": sl.Measure(link=sl.Link(damping_constant=5e6)),
-        "Rubber bumpers": sl.Measure(contact=sl.Kelvin(1e8, restitution=0.4)),
+        "Rubber bumpers": sl.Measure(contact=sl.Kelvin(1e8, restitution=0.4), bumper_thickness=0.02),
+        "Braces in the office block": sl.Measure(
+            link=sl.Link(
+                1.2e8, hardening=0.02, yield_displacement=0.005, structures=(1, 1), floors=(1, 0)
+            )
+        ),
+        "A stiffer and stronger annex": sl.Measure(stiffening_2=1.5, strengthening_2=1.3),
     }
     assert next(iter(case.measures)) == "Dampers in the annex"
     assert case.amplification_limit == 1.2
@@ -179,6 +187,36 @@ restitution = 0.4
     link = sl.Link(stiffness=3e6, damping_constant=2e3)
     assert case.measures == {"All": sl.Measure(0.1, 0.05, link, sl.Stereomechanical(0.4))}
     assert case.amplification_limit is None
+
+
+def test_devices_stand_in_storeys(tmp_path: Path) -> None:
+    both = [STOREYS.format(1, "elastic = true"), STOREYS.format(2, "elastic = true")]
+    lines = """[measures.Fluid]
+link_damping_constant = "3 MN (s/m)^0.3"
+link_damping_exponent = 0.3
+[measures.Fluid.dampers_1]
+damping_constant = ["2 MN (s/m)^0.5", "1000 kN (s/m)^0.5"]
+damping_exponent = 0.5
+[measures.Fluid.dampers_2]
+storeys = [2]
+stiffness = "5 MN/m"
+damping_constant = "1 MN s/m"
+"""
+    case = read(tmp_path, with_buildings(*both).replace(MEASURES, lines))
+    between, *devices = case.measures["Fluid"].links
+    assert between == sl.Link(0.0, 3e6, damping_exponent=0.3, structures=(1, 2))
+    assert devices == [
+        sl.Link(0.0, 2e6, damping_exponent=0.5, structures=(1, 1), floors=(1, 0)),
+        sl.Link(0.0, 1e6, damping_exponent=0.5, structures=(1, 1), floors=(2, 1)),
+        sl.Link(5e6, 1e6, structures=(2, 2), floors=(2, 1)),
+    ]
+
+
+def test_less_stiffness_or_strength_is_doubted(tmp_path: Path) -> None:
+    text = EXAMPLE.replace("strengthening_2 = 1.3", 'strengthening_2 = "30 %"')
+    with pytest.warns(DoubtfulInput, match=r"line \d+: .*strengthening_2 = '30 %'.* = 1.3"):
+        case = read(tmp_path, text)
+    assert case.measures["A stiffer and stronger annex"].strengthening_2 == 0.3
 
 
 def test_contact_and_measures_may_be_left_out(tmp_path: Path) -> None:
@@ -321,6 +359,76 @@ WRONG = {
         EXAMPLE.replace('contact = { model = "kelvin"', 'contact = { model = "rubber"'),
         "contact = ",
         ["measures.Rubber bumpers.contact.model = 'rubber'", "allowed: linear_spring"],
+    ),
+    "no such damper": (
+        EXAMPLE.replace('storeys = "all", stiffness', 'storey = "all", stiffness'),
+        "dampers_1",
+        ["dampers_1.storey", "did you mean storeys?", "damping_exponent"],
+    ),
+    "a damper with nothing in it": (
+        EXAMPLE.replace(BRACES, "{ storeys = [1] }"),
+        "dampers_1",
+        ["Braces in the office block.dampers_1 does nothing", "stiffness, damping_constant"],
+    ),
+    "a damper in a storey that is not there": (
+        EXAMPLE.replace(BRACES, '{ storeys = [1, 2], stiffness = "1 MN/m" }'),
+        "dampers_1",
+        ["storeys = [1, 2]", "Office block", "1, since it is an oscillator"],
+    ),
+    "a damper twice in a storey": (
+        EXAMPLE.replace(BRACES, '{ storeys = [1, 1], stiffness = "1 MN/m" }'),
+        "dampers_1",
+        ["each once"],
+    ),
+    "a damper in some": (
+        EXAMPLE.replace(BRACES, '{ storeys = "some", stiffness = "1 MN/m" }'),
+        "dampers_1",
+        ["storeys = 'some'", "allowed: 'all', or a list"],
+    ),
+    "too many constants": (
+        EXAMPLE.replace(BRACES, '{ stiffness = ["1 MN/m", "2 MN/m"] }'),
+        "dampers_1",
+        ["has 2 values for dampers in 1 storeys", "one for each"],
+    ),
+    "a brace that hardens and never yields": (
+        EXAMPLE.replace('yield_displacement = "5 mm", ', ""),
+        "dampers_1",
+        ["dampers_1.hardening", "is of a link that yields", "beside yield_displacement"],
+    ),
+    "an exponent of no dashpot": (
+        EXAMPLE.replace(BRACES, '{ stiffness = "1 MN/m", damping_exponent = 0.5 }'),
+        "dampers_1",
+        ["dampers_1.damping_exponent", "is of a dashpot", "beside damping_constant"],
+    ),
+    "an exponent out of range": (
+        EXAMPLE.replace(BRACES, '{ damping_constant = "1 MN (s/m)^3", damping_exponent = 3 }'),
+        "dampers_1",
+        ["damping_exponent = 3", "0 < value <= 2"],
+    ),
+    "the unit of a dashpot with an exponent": (
+        EXAMPLE.replace(BRACES, '{ damping_constant = "1 MN s/m", damping_exponent = 0.5 }'),
+        "dampers_1",
+        ["unknown unit 'MN s/m'", "MN (s/m)^0.5"],
+    ),
+    "a damper with slack": (
+        EXAMPLE.replace(BRACES, '{ stiffness = "1 MN/m", slack = "1 cm" }'),
+        "dampers_1",
+        ["dampers_1.slack", "is not a key that is known here"],
+    ),
+    "dampers that are no table": (
+        EXAMPLE.replace(BRACES, '"2 MN s/m"'),
+        "dampers_1",
+        ["is no table"],
+    ),
+    "bumpers of a bare number": (
+        EXAMPLE.replace('bumper_thickness = "2 cm"', "bumper_thickness = 2"),
+        "bumper_thickness",
+        ["has no unit", '"2 cm"'],
+    ),
+    "strength taken to nothing": (
+        EXAMPLE.replace("strengthening_2 = 1.3", "strengthening_2 = 0"),
+        "strengthening_2",
+        ["strengthening_2 = 0", "0 < value"],
     ),
     "limit": (
         EXAMPLE.replace("amplification_limit = 1.2", "amplification_limit = 0"),

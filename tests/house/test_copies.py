@@ -35,7 +35,7 @@ GIVEN: dict[str, dict[str, Any]] = {
     "ShinozukaSato": {"fast": 2.0},
     "HazardCurve": {"intensities": [1.0, 2.0], "frequencies": [0.01, 0.002]},
     "Hysteretic": {"law": V - abs(V) * Z, "hardening": 0.1, "reduction_factor": 4},
-    "Measure": {"added_damping_1": 0.1, "link": sl.Link(damping_constant=1e5)},
+    "Measure": {"added_damping_1": 0.1, "link": [sl.Link(damping_constant=1e5), sl.Link(1e6)]},
     "ParallelGround": {"grounds": [sl.KanaiTajimi(0.4, 0.6), sl.KanaiTajimi(1.0, 0.3)]},
     "FittedMotion": {
         "ground": sl.KanaiTajimi(0.4, 0.6),

@@ -167,6 +167,13 @@ OWN: dict[str, dict[str, Any]] = {
         "hardening": 0.1,
         "base_shear_coefficient": 0.1,
     },
+    "Measure": {
+        "added_damping_1": 0.1,
+        "link": [sl.Link(1e6)],
+        "bumper_thickness": 0.02,
+        "stiffening_1": 1.5,
+        "strengthening_1": 2.0,
+    },
     "Link": {
         "damping_exponent": 0.5,
         "hardening": 0.1,

@@ -65,12 +65,44 @@ def test_it_says_what_the_library_says(done):
     assert (folder / "m.png").stat().st_size > 20_000
 
 
-def test_records_are_shown_beside(tmp_path):
+def recorded_case(folder, *changes, peak=0.3):
+    """With a record of about this peak [g]."""
     time = 0.01 * np.arange(800)
-    np.savetxt(tmp_path / "taft.txt", 0.3 * np.sin(7 * time) * np.sin(np.pi * time / time[-1]))
-    path = tmp_path / "case.toml"
-    path.write_text(recorded_example().replace(*FEW), encoding="utf-8")
-    result = run(path, "--out", tmp_path / "m.csv")
+    np.savetxt(folder / "taft.txt", peak * np.sin(7 * time) * np.sin(np.pi * time / time[-1]))
+    text = recorded_example()
+    for old, new in (FEW, *changes):
+        assert old in text
+        text = text.replace(old, new, 1)
+    path = folder / "case.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_bumpers_that_would_be_crushed_are_told_and_what_links_bear_is_shown(tmp_path):
+    thin = ('bumper_thickness = "2 cm"', 'bumper_thickness = "4 mm"')
+    result = run(recorded_case(tmp_path, thin, peak=0.9), "--picture", tmp_path / "m.png")
+    assert result.exit_code == 0, result.output
+    told = " ".join(result.output.split())
+    assert "Rubber bumpers: the bumpers, 0.4 cm thick, would be compressed by" in told
+    assert "in Taft 1952; take thicker or stiffer ones." in told
+    assert "both with the thickness of bumpers: where those touch, the buildings touch" in told
+    lines = result.output.splitlines()
+    heads = next(line for line in lines if line.startswith("measure ")).split("  ")
+    assert {"stiffness", "strength", "dampers"} <= {head.strip() for head in heads}
+    stronger = next(line for line in lines if line.startswith("A stiffer and stronger annex"))
+    assert "1 | 1.5" in stronger
+    assert "1 | 1.3" in stronger
+    recorded = lines[lines.index("In Taft 1952:") + 1 :]
+    assert recorded[0].split()[-4:] == ["pressed", "[cm]", "link", "[MN]"]
+    with xr.open_dataset(tmp_path / "m.nc") as saved:
+        bumpers = saved.sel(measure="Rubber bumpers", record="Taft 1952")
+        assert float(bumpers.deepest_compression) > float(bumpers.bumper_thickness) == 0.004
+        braced = saved.sel(measure="Braces in the office block", record="Taft 1952")
+        assert float(braced.largest_link_force) > 0.6e6
+
+
+def test_records_are_shown_beside(tmp_path):
+    result = run(recorded_case(tmp_path), "--out", tmp_path / "m.csv")
     assert result.exit_code == 0, result.output
     assert "In Taft 1952:" in result.output
     assert "Times: largest displacement over that as built" in result.output
@@ -90,6 +122,23 @@ def test_a_gap_that_is_enough_asks_for_nothing_more(tmp_path):
         ([('existing = "5 cm"', 'existing = "0 cm"')], "it has to be open"),
         ([('mass = "3200 t"', "")], "links the buildings, which takes their masses"),
         ([("added_damping_2", "added_damping_3")], "added_damping_3"),
+        (
+            [('bumper_thickness = "2 cm"', 'bumper_thickness = "50 mm"')],
+            "bumper_thickness = 0.05 m in its table of [measures], 'Rubber bumpers', takes all of the "
+            "gap of 0.05 m; allowed: less than existing in [separation]",
+        ),
+        (
+            [('reduction_factor = 4\nheight = "15 m"', 'elastic = true\nheight = "15 m"')],
+            "strengthening_2 in its table of [measures], 'A stiffer and stronger annex', is of Annex, "
+            "which never yields; give [building_2] a strength in place of elastic",
+        ),
+        (
+            [
+                ('mass = "3200 t"', ""),
+                ('link_damping_constant = "5 MN s/m"', "added_damping_1 = 0.1"),
+            ],
+            "has dampers in Office block, which takes its mass",
+        ),
     ],
 )
 def test_bad_cases(tmp_path, changes, told):

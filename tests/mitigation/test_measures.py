@@ -8,6 +8,7 @@ import xarray as xr
 
 import stochlin as sl
 from stochlin.analyses.separation.existing_gap import CLOSE
+from stochlin.models.systems import retrofitted
 
 pytestmark = pytest.mark.oracle
 
@@ -100,6 +101,103 @@ def test_records_are_those_of_pound(table):
         assert float(row.impacts) == run.sizes["impact"]
 
 
+def test_strength_and_stiffness_are_those_of_other_structures(table):
+    one, two = by_strength()
+    measures = {
+        "both": sl.Measure(stiffening_1=2, strengthening_1=1.5, strengthening_2=3),
+        "as built": sl.Measure(),
+    }
+    found = sl.mitigate(*pair(), GROUND, DURATION, 0.5, measures, **MOTION)
+    yields = 0.75 * one.yield_displacement, 3 * two.yield_displacement
+    other = [
+        sl.Bilinear(T, 0.05, 0.05, yield_displacement=uy, mass=1e6)
+        for T, uy in zip((0.6 / 2**0.5, 1.0), yields, strict=True)
+    ]
+    motions = sl.simulate(other, GROUND, duration=DURATION, quantiles=[0.9], **MOTION)
+    row = found.isel(measure=1)
+    np.testing.assert_allclose(row.required_gap, motions.separation_quantile[0, 0, 1], rtol=1e-9)
+    np.testing.assert_allclose(row.rho, sl.correlate(*other, GROUND).rho, rtol=1e-6)
+    assert [float(row[f"stiffening_{n}"]) for n in (1, 2)] == [2, 1]
+    assert [float(row[f"strengthening_{n}"]) for n in (1, 2)] == [1.5, 3]
+    for name in ("required_gap", "no_pounding_probability", "rho"):
+        assert float(found[name][0]) == float(found[name][2])
+
+
+def test_storeys_keep_their_masses_and_damping_ratios():
+    tower = sl.ShearBuilding([2e5] * 3, [2e8, 1.5e8, 1e8], [3.0] * 3, 0.05, 0.05, [0.01, 0.01, 0.02])
+    stiff = sl.ShearBuilding([2e5] * 3, [4e8, 3e8, 2e8], [3.0] * 3, 0.05, 0.05, [0.015, 0.015, 0.03])
+    other = sl.ShearBuilding([2e5] * 2, [2e8] * 2, [3.0] * 2, 0.05)
+    changed = retrofitted(tower, 2.0, 3.0)
+    assert changed.describe() == stiff.describe()
+    np.testing.assert_allclose(changed.periods(), tower.periods() / 2**0.5, rtol=1e-12)
+    assert retrofitted(other, 2.0, 1.0).yield_drifts is None
+    measures = {"walls": sl.Measure(stiffening_1=2, strengthening_1=3)}
+    found = sl.mitigate(tower, other, GROUND, DURATION, 0.5, measures, **MOTION)
+    motions = sl.simulate([stiff, other], GROUND, duration=DURATION, quantiles=[0.9], **MOTION)
+    roof = motions.separation_quantile[0, 0, 1]
+    np.testing.assert_allclose(found.required_gap[1], roof, rtol=1e-9)
+
+
+def test_devices_and_links_are_all_simulated_and_pound():
+    """A linear device of an oscillator is damping; several links stand together in the columns."""
+    one, two = by_strength()
+    w = 2 * np.pi / one.period
+    device = sl.Link(0.0, 0.2 * one.mass * w, structures=(1, 1), floors=(1, 0))
+    brace = sl.Link(3e7, hardening=0.05, yield_displacement=0.004, structures=(2, 2), floors=(1, 0))
+    measures = {
+        "damped": sl.Measure(0.1),
+        "device": sl.Measure(link=device),
+        "brace": sl.Measure(link=[brace]),
+        "all": sl.Measure(link=[LINK, sl.Link(1e7), device, brace]),
+    }
+    found = sl.mitigate(
+        *pair(), GROUND, DURATION, GAP, measures, contact=STEEL, records={"n": record()}, **MOTION
+    )
+    damped, by_device = (found.sel(measure=name) for name in ("damped", "device"))
+    for name in ("required_gap", "peak_mean_1", "amplification_1", "rho"):
+        np.testing.assert_allclose(by_device[name], damped[name], rtol=2e-3, err_msg=name)
+    assert float(found.required_gap.sel(measure="brace")) < float(found.required_gap[0])
+    row = found.sel(measure="all")
+    both = [sl.Link(2e7, 2e6, structures=(1, 2)), sl.Link(1e7, structures=(1, 2)), device, brace]
+    motions = sl.simulate(by_strength(), GROUND, duration=DURATION, quantiles=[0.9], link=both, **MOTION)
+    np.testing.assert_allclose(row.required_gap, motions.separation_quantile[0, 0, 1], rtol=1e-9)
+    pounded = sl.pound([one, two], GAP, STEEL, record(), link=both)
+    np.testing.assert_allclose(row.largest_link_force[0], pounded.peak_link_force.max(), rtol=1e-6)
+    columns = {name: float(row[name]) for name in row.data_vars if str(name).startswith(("link", "dev"))}
+    assert columns == {
+        "links": 2,
+        "link_stiffness": 3e7,
+        "link_damping_constant": 2e6,
+        "link_damping_exponent": 1,
+        "devices_1": 1,
+        "device_stiffness_1": 0,
+        "device_damping_constant_1": device.damping_constant,
+        "device_damping_exponent_1": 1,
+        "devices_2": 1,
+        "device_stiffness_2": 3e7,
+        "device_damping_constant_2": 0,
+        "device_damping_exponent_2": pytest.approx(np.nan, nan_ok=True),
+    }
+
+
+def test_bumpers_take_their_thickness_from_the_gap(table):
+    measures = {"pads": sl.Measure(contact=RUBBER, bumper_thickness=0.02)}
+    found = sl.mitigate(
+        *pair(), GROUND, DURATION, GAP, measures, contact=STEEL, records={"n": record()}, **MOTION
+    )
+    built, pads = found.isel(measure=0), found.sel(measure="pads")
+    for end in ("", "_lower", "_upper"):
+        np.testing.assert_allclose(pads[f"required_gap{end}"], built[f"required_gap{end}"] + 0.02)
+    narrow = sl.mitigate(*pair(), GROUND, DURATION, GAP - 0.02, {}, **MOTION).isel(measure=0)
+    assert float(pads.no_pounding_probability) == float(narrow.no_pounding_probability)
+    assert float(pads.no_pounding_probability) < float(built.no_pounding_probability)
+    pounded = sl.pound(by_strength(), GAP - 0.02, RUBBER, record())
+    assert float(pads.impacts[0]) == pounded.sizes["impact"] > 0
+    np.testing.assert_allclose(pads.deepest_compression[0], pounded.deepest_compression.max(), rtol=1e-6)
+    assert float(pads.deepest_compression[0]) > 5 * float(built.deepest_compression[0])
+    assert float(pads.bumper_thickness) == 0.02
+
+
 def test_bumpers_matter_on_records_alone(table):
     built, bumpers = table.sel(measure="as built"), table.sel(measure="bumpers")
     assert float(built.required_gap) == float(bumpers.required_gap)
@@ -147,12 +245,68 @@ def test_bumpers_without_records_say_what_is_missing():
         ({"amplification_limit": 1.0}, "amplification_limit = 1.0; allowed: a positive number, with"),
         ({"measures": {"d": sl.Measure(0.96)}}, "added_damping_1 = 0.96 makes the damping 1.01"),
         ({"confidence": 2}, "confidence = 2"),
+        (
+            {"measures": {"b": sl.Measure(bumper_thickness=0.05)}},
+            r"measures\['b'\]: bumper_thickness = 0.05 m takes all of the gap of 0.05 m; allowed: less",
+        ),
+        (
+            {"measures": {"l": sl.Measure(link=sl.Link(1e6, structures=(1, 3)))}},
+            r"measures\['l'\]: link 1: ties the structures 1 and 3 of 2",
+        ),
+        (
+            {"measures": {"l": sl.Measure(link=sl.Link(1e6, structures=(1, 1), floors=(2, 0)))}},
+            r"measures\['l'\]: link 1: floors = \(2, 0\), structure 1 has 1",
+        ),
+        ({"measures": {"l": sl.Measure(link=sl.Link([1e6, 2e6]))}}, "stiffness is an array"),
     ],
 )
 def test_bad_input(changes, told):
     options = {"gap": GAP, "measures": {}} | MOTION | changes
     with pytest.raises((ValueError, TypeError), match=told):
         sl.mitigate(*pair(), GROUND, DURATION, **options)
+
+
+def test_strength_of_what_never_yields_is_refused():
+    one, two = (sl.Bilinear(T, 0.05, mass=1e6) for T in (0.6, 1.0))
+    told = r"measures\['s'\]: strengthening_2 = 2, and structure 2 never yields; .* or stiffening_2"
+    with pytest.raises(ValueError, match=told):
+        sl.mitigate(one, two, GROUND, DURATION, GAP, {"s": sl.Measure(strengthening_2=2)}, **MOTION)
+    stiff = sl.mitigate(one, two, GROUND, DURATION, 0.5, {"s": sl.Measure(stiffening_2=4)}, **MOTION)
+    assert float(stiff.peak_mean_2[1]) < 0.6 * float(stiff.peak_mean_2[0])
+
+
+@pytest.mark.parametrize(
+    ("given", "error", "told"),
+    [
+        ({"added_damping_1": [0.1, 0.2]}, ValueError, "added_damping_1 is an array; allowed: a number"),
+        ({"stiffening_1": 0}, ValueError, "stiffening_1 = 0 is out of range; allowed: 0 < value"),
+        ({"strengthening_2": -1}, ValueError, "strengthening_2 = -1 is out of range"),
+        ({"bumper_thickness": -0.01}, ValueError, "bumper_thickness = -0.01 is out of range"),
+        ({"bumper_thickness": "2 cm"}, TypeError, "bumper_thickness = '2 cm' is not a real number"),
+        ({"link": "glue"}, TypeError, "link = 'glue'; allowed: a Link, or a list of them"),
+        ({"link": [sl.Link(1e6), 3]}, TypeError, "link, number 2 = 3 is of the wrong kind"),
+        ({"contact": LINK}, TypeError, "contact = Link.* is of the wrong kind"),
+    ],
+)
+def test_bad_measures(given, error, told):
+    with pytest.raises(error, match=f"Measure: {told}"):
+        sl.Measure(**given)
+
+
+def test_a_measure_says_what_it_does():
+    dampers = [sl.Link(0, 1e6, structures=(2, 2), floors=(n, n - 1)) for n in (1, 2, 3)]
+    measure = sl.Measure(
+        link=[LINK, *dampers], contact=RUBBER, bumper_thickness=0.03, strengthening_1=1.5
+    )
+    assert measure.describe() == (
+        "Measure(added_damping_1=0, added_damping_2=0, bumper_thickness=0.03, strengthening_1=1.5, "
+        "link=Link(stiffness=2e+07, damping_constant=2e+06) + 3 of Link(stiffness=0, "
+        "damping_constant=1e+06, structures=(2, 2)) at floors (1, 0), (2, 1), (3, 2), "
+        f"contact={RUBBER.describe()})"
+    )
+    assert sl.Measure(link=[LINK] * 2).describe().endswith("at floors level, level)")
+    assert sl.Measure().links == ()
+    assert sl.Measure(link=LINK).links == (sl.Link(2e7, 2e6, structures=(1, 2)),)
 
 
 def test_links_and_contacts_ask_for_masses():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from stochlin.analyses.cases.buildings import AnyBuilding
@@ -16,12 +16,13 @@ from stochlin.models.links import Link
 from stochlin.models.measures import Measure
 from stochlin.models.parameters import POSITIVE
 
-DAMPINGS = ("added_damping_1", "added_damping_2")
-LINK = {
-    f"link_{name}": name
-    for name in ("stiffness", "damping_constant", "hardening", "yield_displacement", "slack")
-}
+NUMBERS = Measure.parameter_names()
+OF_STRENGTH = ("stiffening", "strengthening")
+DEVICE = ("stiffness", "damping_constant", "damping_exponent", "hardening", "yield_displacement")
+LINK = tuple(f"link_{name}" for name in (*DEVICE, "slack"))
 FLOORS = "link_floors"
+DAMPERS = ("dampers_1", "dampers_2")
+ALL = "all"
 
 
 def read_contact(section: Section) -> Contact:
@@ -37,7 +38,7 @@ def read_contact(section: Section) -> Contact:
 def read_measures(whole: Section, buildings: Sequence[AnyBuilding]) -> dict[str, Measure]:
     """The measures by name, in the order of the file; none if there is no such table.
 
-    Links are between the first two buildings.
+    They are of the first two buildings.
     """
     table = whole.section("measures", needed=False)
     for name in table.values:
@@ -69,30 +70,93 @@ def _quantity(section: Section, kind: type[Contact], name: str) -> Quantity:
 
 
 def _measure(section: Section, buildings: Sequence[AnyBuilding]) -> Measure:
-    section.only(*DAMPINGS, *LINK, FLOORS, "contact")
+    keys = (*NUMBERS, *LINK, FLOORS, *DAMPERS, "contact")
+    section.only(*keys)
     if not section.values:
-        raise section.error(
-            "", f"does nothing; allowed: {', '.join(DAMPINGS)}, {', '.join(LINK)}, contact"
-        )
-    values: dict[str, Any] = section.given(Measure, DAMPINGS)
-    link: dict[str, Any] = {
-        own: section.number(key, Quantity.declared(Link, own))
-        for key, own in LINK.items()
-        if key in section
-    }
-    if "hardening" in link and "yield_displacement" not in link:
-        raise section.error(
-            "link_hardening", "is of a link that yields; allowed: beside link_yield_displacement"
-        )
+        raise section.error("", f"does nothing; allowed: {', '.join(keys)}")
+    values: dict[str, Any] = section.given(Measure, NUMBERS)
+    _doubt_weakening(section, values)
+    link = _law(section, "link_")
     if FLOORS in section:
         if not link:
             raise section.error(FLOORS, f"has no link to tie; allowed: beside {' or '.join(LINK)}")
         link["floors"] = _floors(section, buildings)
-    if link:
-        values["link"] = section.made(Link, link)
+    links = [section.made(Link, link)] if link else []
+    for number, (key, building) in enumerate(zip(DAMPERS, buildings, strict=True), start=1):
+        if key in section:
+            links += _devices(section.section(key), number, building)
+    if links:
+        values["link"] = links[0] if len(links) == 1 else links
     if "contact" in section:
         values["contact"] = read_contact(section.section("contact"))
     return section.made(Measure, values)
+
+
+def _doubt_weakening(section: Section, values: Mapping[str, float]) -> None:
+    """Warn of a stiffness or strength that is less than as built, where more may be meant."""
+    for key in (f"{name}_{number}" for name in OF_STRENGTH for number in (1, 2)):
+        if values.get(key, 1.0) < 1:
+            more = f"{key} = {1 + values[key]:g}"
+            section.doubt(key, f"is doubtful: it leaves less than there is; to add that, write {more}")
+
+
+def _law(section: Section, prefix: str = "", listed: bool = False) -> dict[str, Any]:
+    """What the file gives of a link; where they may be ``listed``, also numbers one a storey."""
+    names = [name for name in Link.parameter_names() if f"{prefix}{name}" in section]
+    for name, other in (("hardening", "yield_displacement"), ("damping_exponent", "damping_constant")):
+        if name in names and other not in names:
+            what = "link that yields" if name == "hardening" else "dashpot"
+            raise section.error(f"{prefix}{name}", f"is of a {what}; allowed: beside {prefix}{other}")
+    found: dict[str, Any] = {}
+    for name in sorted(names, key=lambda name: name != "damping_exponent"):  # the unit depends on it
+        key, quantity = f"{prefix}{name}", Quantity.declared(Link, name)
+        power = found.get("damping_exponent", 1.0)
+        if name == "damping_constant" and power != 1:
+            quantity = quantity._replace(units=f"N (s/m)^{power:g}")
+        one = not listed or name == "damping_exponent"
+        found[name] = section.number(key, quantity) if one else section.number_or_list(key, quantity)
+    return found
+
+
+def _devices(section: Section, number: int, building: AnyBuilding) -> list[Link]:
+    """Devices in storeys of a building, one a storey."""
+    section.only("storeys", *DEVICE)
+    law = _law(section, listed=True)
+    if not {"stiffness", "damping_constant"} & {*law}:
+        raise section.error("", "does nothing; allowed: stiffness, damping_constant, or both")
+    storeys = _storeys(section, building)
+    for key, given in law.items():
+        if isinstance(given, list) and len(given) != len(storeys):
+            raise section.error(
+                key,
+                f"has {len(given)} values for dampers in {len(storeys)} storeys; allowed: one number "
+                "for all of them, or one for each",
+            )
+    return [
+        section.made(
+            Link,
+            {key: given[n] if isinstance(given, list) else given for key, given in law.items()}
+            | {"structures": (number, number), "floors": (storey, storey - 1)},
+        )
+        for n, storey in enumerate(storeys)
+    ]
+
+
+def _storeys(section: Section, building: AnyBuilding) -> list[int]:
+    """The storeys with a device, from 1; an oscillator is one storey."""
+    count = building.storeys if isinstance(building, StoreyBuilding) else 1
+    given = section.values.get("storeys", ALL)
+    if given == ALL:
+        return list(range(1, count + 1))
+    fits = isinstance(given, list) and given and all(map(is_whole, given))
+    if not fits or not all(1 <= storey <= count for storey in given) or len({*given}) < len(given):
+        told = f"1 to {count}" if count > 1 else "1, since it is an oscillator"
+        raise section.error(
+            "storeys",
+            f"is not a list of storeys of {building.name}; allowed: {ALL!r}, or a list of whole "
+            f"numbers, {told}, each once",
+        )
+    return list(given)
 
 
 def _floors(section: Section, buildings: Sequence[AnyBuilding]) -> tuple[int, int]:

@@ -32,13 +32,21 @@ def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
         )
     weighed = first.weighed and second.weighed
     for name, measure in case.measures.items():
-        if measure.link is not None and not weighed:
+        between = [link for link in measure.links if not link.within_one]
+        if between and not weighed:
             raise ValueError(
                 f"{case.file}: {name} links the buildings, which takes their masses; write "
                 'mass = "1500 t" in [building_1] and [building_2]'
             )
-        if measure.link is not None and measure.link.floors is None:
+        for number in {n for link in measure.links for n in link.structures or ()}:
+            if not case.pair[number - 1].weighed:
+                raise ValueError(
+                    f"{case.file}: {name} has dampers in {case.pair[number - 1].name}, which takes its "
+                    f'mass; write mass = "1500 t" in [building_{number}]'
+                )
+        if any(link.floors is None for link in between):
             _check_level(case, name)
+        _check_fits(case, name)
     pounding = bool(case.records) and case.contact is not None and weighed
     table = mitigate(
         first.structure,
@@ -74,6 +82,24 @@ def _over_records(table: xr.Dataset) -> xr.Dataset:
     found = found.assign({f"record_{name}": one.where(of_all) for name, one in apart.items()})
     level = labels.axis("quantile", "quantile", found["quantile"].to_numpy())
     return labels.label(found.assign_coords(quantile=level), RECORDED)
+
+
+def _check_fits(case: Case, name: str) -> None:
+    """Raise a ValueError for bumpers that fill the gap, and for strength of what never yields."""
+    measure, gap = case.measures[name], case.gap or 0.0
+    where = f"in its table of [measures], {brief(name)}"
+    if measure.bumper_thickness >= gap:
+        raise ValueError(
+            f"{case.file}: bumper_thickness = {measure.bumper_thickness:g} m {where}, takes all of the "
+            f"gap of {gap:g} m; allowed: less than existing in [separation]"
+        )
+    for number, building in enumerate(case.pair, start=1):
+        if getattr(measure, f"strengthening_{number}") != 1 and not building.structure.yields:
+            raise ValueError(
+                f"{case.file}: strengthening_{number} {where}, is of {building.name}, which never "
+                f"yields; give [building_{number}] a strength in place of elastic, or write "
+                f"stiffening_{number}"
+            )
 
 
 def _check_level(case: Case, name: str) -> None:

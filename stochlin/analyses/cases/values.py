@@ -34,7 +34,7 @@ UNITS: Mapping[str, Mapping[str, float]] = {
     "yr": {"yr": 1.0, "years": 1.0, "a": 1.0},
     "1": {"%": 1e-2},
 }
-_OF_POWER = "N/m^"  # stiffness of a spring that is not linear: any exponent
+_OF_POWER = ("N/m^", "N (s/m)^")  # of a spring or a dashpot that is not linear: any exponent
 _OTHER_SIGNS = str.maketrans({"²": "^2", "³": "^3", "·": " "})
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(.*)", re.DOTALL)
 _BARE, _QUOTED = r"[A-Za-z0-9_-]+", r"\"[^\"]*\"|'[^']*'"

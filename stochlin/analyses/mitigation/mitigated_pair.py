@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.pounding.pounding import pound
+from stochlin.analyses.pounding.rows import checked_links
 from stochlin.analyses.separation.storeys import linearized_at_roof
 from stochlin.analyses.simulation.finite_motions import (
     keeping_apart,
@@ -25,8 +26,12 @@ from stochlin.models.contacts import Contact
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.measures import Measure
+from stochlin.models.systems import retrofitted, system_of
 
-RECORDED = ("amplification_1", "amplification_2", "impacts", "largest_force")
+RECORDED = (
+    *("amplification_1", "amplification_2", "impacts", "largest_force"),
+    *("deepest_compression", "largest_link_force"),
+)
 
 
 @dataclass(frozen=True)
@@ -46,26 +51,52 @@ class MitigatedPair:
     records: Mapping[str, xr.DataArray]
 
     def changed(self, measure: Measure) -> tuple[Any, Any]:
-        """The structures with added damping."""
-        added: tuple[Any, Any] = (measure.added_damping_1, measure.added_damping_2)
-        pair = []
-        for n, (structure, more) in enumerate(zip(self.structures, added, strict=True), start=1):
-            total = float(structure.damping) + float(more)
-            if total >= 1:
-                raise ValueError(
-                    f"added_damping_{n} = {float(more):g} makes the damping {total:g}; allowed: less "
-                    "than 1 in all"
-                )
-            pair.append(replace(structure, damping=total))
+        """The structures with what the measure adds to each of them, but for devices."""
+        pair = [self._changed(structure, measure, n) for n, structure in enumerate(self.structures, 1)]
         return pair[0], pair[1]
 
+    def _changed(self, structure: Any, measure: Measure, number: int) -> Any:
+        names = ("added_damping", "stiffening", "strengthening")
+        more, stiffening, strengthening = (float(getattr(measure, f"{n}_{number}")) for n in names)
+        total = float(structure.damping) + more
+        if total >= 1:
+            raise ValueError(
+                f"added_damping_{number} = {more:g} makes the damping {total:g}; allowed: less than 1 "
+                "in all"
+            )
+        if strengthening != 1 and not structure.yields:
+            raise ValueError(
+                f"strengthening_{number} = {strengthening:g}, and structure {number} never yields; "
+                f"allowed: 1; give it a strength, or stiffening_{number}, which changes what is elastic"
+            )
+        return replace(retrofitted(structure, stiffening, strengthening), damping=total)
+
+    def open_gap(self, measure: Measure) -> float:
+        """What bumpers leave of the gap [m]."""
+        left = self.gap - measure.bumper_thickness
+        if left <= 0:
+            raise ValueError(
+                f"bumper_thickness = {measure.bumper_thickness:g} m takes all of the gap of "
+                f"{self.gap:g} m; allowed: less than the gap; take thinner bumpers"
+            )
+        return left
+
+    def check(self, measure: Measure) -> None:
+        """Raise a ValueError or TypeError for a measure that does not fit the pair."""
+        self.open_gap(measure)
+        system_of(self.changed(measure), checked_links(measure.links, len(self.structures)))
+
     def simulated(self, measure: Measure) -> dict[str, float]:
-        """What random motions say: the required gap, how probable no pounding is, mean peaks."""
+        """What random motions say: the required gap, how probable no pounding is, mean peaks.
+
+        Buildings whose bumpers touch, touch.
+        """
         motions = self._motions(measure)
-        apart = keeping_apart(pair_separation(motions), self.gap)
+        apart = keeping_apart(pair_separation(motions), self.open_gap(measure))
+        taken = measure.bumper_thickness
         names = ("required_gap", "required_gap_lower", "required_gap_upper")
         row = {
-            **dict(zip(names, required_gaps(motions), strict=True)),
+            **{name: gap + taken for name, gap in zip(names, required_gaps(motions), strict=True)},
             **{name: float(share) for name, share in apart.items()},
         }
         for n, samples in enumerate(pair_peaks(motions).T, start=1):
@@ -80,24 +111,29 @@ class MitigatedPair:
 
     def linearized(self, measure: Measure) -> dict[str, float]:
         """Correlation and standard deviation of ``u_1 - u_2`` by linearization; NaN if not solved."""
-        links = [] if measure.link is None else [measure.link]
         rho = apart = np.nan
         # Not solved; or nothing stationary: a link with slack, storeys without stiffness beyond yield.
         with suppress(ArithmeticError, ValueError):
-            rho, apart = linearized_at_roof(self.changed(measure), self.ground, links)
+            rho, apart = linearized_at_roof(self.changed(measure), self.ground, measure.links)
         return {"rho": rho, "relative_displacement_std": apart}
 
     def recorded(self, measure: Measure) -> dict[str, Array]:
         """What the records say (records,): amplification of the peaks as built and alone, impacts."""
         found: dict[str, list[float]] = {name: [] for name in RECORDED}
         contact = self.contact if measure.contact is None else measure.contact
+        unknown = xr.DataArray(np.nan)
         for motion, peaks in zip(self.records.values(), self.peaks_alone, strict=True):
-            table = pound(self.changed(measure), self.gap, contact, motion, link=measure.link)
+            pair, gap = self.changed(measure), self.open_gap(measure)
+            table = pound(pair, gap, contact, motion, link=measure.links)
             for n in (0, 1):
                 found[f"amplification_{n + 1}"].append(float(np.nanmax(table.peak[n] / peaks[n])))
             found["impacts"].append(float(table.sizes["impact"]))
-            forces = table.largest_force.dropna("impact").values
-            found["largest_force"].append(float(forces.max()) if forces.size else np.nan)
+            for name, largest in (
+                ("largest_force", table.hardest_force),
+                ("deepest_compression", table.deepest_compression),
+                ("largest_link_force", table.get("peak_link_force", unknown)),
+            ):
+                found[name].append(float(largest.max()))
         return {name: np.array(values) for name, values in found.items()}
 
     def worst_amplification(self, measure: Measure) -> float:
@@ -123,5 +159,5 @@ class MitigatedPair:
             envelope=self.envelope,
             scatter=self.scatter,
             quantiles=[self.confidence],
-            link=measure.link,
+            link=measure.links,
         )

@@ -33,7 +33,7 @@ from stochlin.models.links import Link
 from stochlin.models.measures import Measure
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
-from stochlin.models.systems import STRUCTURES, AnyStructure, system_of
+from stochlin.models.systems import STRUCTURES, AnyStructure
 
 AS_BUILT = "as built"
 SIMULATIONS = 60  # that the searches take together, as a rule
@@ -94,14 +94,19 @@ def mitigate(
     Returns
     -------
     xarray.Dataset
-        Over ``measure``: ``added_damping_1``, ``added_damping_2`` [-], ``link_stiffness`` [N/m],
-        ``link_damping_constant`` [N s/m]; by simulation ``required_gap`` [m] and
+        Over ``measure``: ``added_damping_1``, ``added_damping_2``, ``stiffening_1`` and ``_2``,
+        ``strengthening_1`` and ``_2`` [-], ``bumper_thickness`` [m]; of all links between both together
+        their number ``links``, ``link_stiffness`` [N/m], ``link_damping_constant`` [N (s/m)^a] and
+        ``link_damping_exponent`` a [-], of all devices in each ``devices_1`` and ``device_stiffness_1``
+        [N/m], ``device_damping_constant_1`` [N (s/m)^a], ``device_damping_exponent_1`` [-], and ``_2``
+        (constants with unlike exponents have no sum and are NaN); by simulation ``required_gap`` [m] and
         ``no_pounding_probability`` [-] of the existing gap, each with a 95 % interval, ``_lower`` and
         ``_upper``, ``verdict`` on the gap, ``peak_mean_1`` and ``_2`` [m] without contact, with standard
         errors; by linearization ``rho`` [-] and ``relative_displacement_std`` [m]; texts in the
         coordinates ``kind``, ``aim``, ``contact``, ``description`` and ``missing``. With records also
         over ``record``: ``amplification_1`` and ``_2`` [-], the peak over the peak as built and standing
-        alone, ``impacts`` and ``largest_force`` [N]. A row whose search found nothing is NaN.
+        alone, ``impacts``, ``largest_force`` [N] and ``deepest_compression`` [m] of what they meet at,
+        ``largest_link_force`` [N] of any link or device. A row whose search found nothing is NaN.
 
     Raises
     ------
@@ -114,7 +119,13 @@ def mitigate(
     Strengths stay what they are as built, in metres. Peaks, required gaps and probabilities are those
     of motions without contact, on which a contact of another kind has no influence: what bumpers do
     shows on the records. Linearization is unsafe where structures yield and stands here to be compared.
-    A least measure is the first that meets its aim going up from none.
+    Stiffening and strengthening act on these strengths: see `Measure`. A least measure is the first that
+    meets its aim going up from none.
+
+    Buildings whose bumpers touch, touch: with bumpers the probability of no pounding is that of the gap
+    less their thickness, the required gap has it in it, and the records are run with what is left. A
+    ``deepest_compression`` beyond ``bumper_thickness`` says that the bumpers would be crushed; what they
+    do then is not modelled.
 
     References
     ----------
@@ -152,6 +163,11 @@ def mitigate(
         contact=contact,
         records=records or {},
     )
+    for name, measure in measures.items():
+        try:
+            site.check(measure)
+        except (TypeError, ValueError) as error:
+            raise type(error)(f"measures[{brief(name)}]: {error}") from error
     given = [MeasureLine(AS_BUILT, AS_BUILT, Measure())]
     for name, measure in measures.items():
         unseen = measure.contact is not None and not records
@@ -217,20 +233,9 @@ def _checked(
             f"amplification_limit = {brief(limit)}; allowed: a positive number, with contact and records"
         )
     pair = [strength_in_metres(structure, ground) for structure in (first, second)]
-    _check_links(pair, measures)
     if records:
         checked_buildings(pair)
     return pair
-
-
-def _check_links(pair: Sequence[AnyStructure], measures: Mapping[str, Measure]) -> None:
-    """Raise a ValueError for a link that has no floors, or ties structures without a mass."""
-    for name, measure in measures.items():
-        if measure.link is not None:
-            try:
-                system_of(pair, [measure.link])
-            except ValueError as error:
-                raise ValueError(f"measures[{brief(name)}]: {error}") from error
 
 
 def _column(site: MitigatedPair, row: MeasureLine) -> dict[str, Any]:
@@ -238,16 +243,27 @@ def _column(site: MitigatedPair, row: MeasureLine) -> dict[str, Any]:
     measure = row.measure
     if measure is None:
         return {}
-    link = measure.link or Link()
     column: dict[str, Any] = {
-        "added_damping_1": measure.added_damping_1,
-        "added_damping_2": measure.added_damping_2,
-        "link_stiffness": link.stiffness,
-        "link_damping_constant": link.damping_constant,
+        **{name: getattr(measure, name) for name in measure.parameter_names()},
+        **_sums("link{}", [link for link in measure.links if not link.within_one]),
+        **_sums("device{}_1", [link for link in measure.links if link.structures == (1, 1)]),
+        **_sums("device{}_2", [link for link in measure.links if link.structures == (2, 2)]),
         **site.simulated(measure),
         **site.linearized(measure),
     }
     return column | (site.recorded(measure) if site.records else {})
+
+
+def _sums(name: str, links: Sequence[Link]) -> dict[str, float]:
+    """What links have together; constants of dashpots with unlike exponents have no sum."""
+    exponents = {link.exponent for link in links if link.damping_constant}
+    constant = sum(link.number("damping_constant") for link in links)
+    return {
+        name.format("s"): len(links),
+        name.format("_stiffness"): sum(link.number("stiffness") for link in links),
+        name.format("_damping_constant"): np.nan if len(exponents) > 1 else constant,
+        name.format("_damping_exponent"): exponents.pop() if len(exponents) == 1 else np.nan,
+    }
 
 
 def _table(

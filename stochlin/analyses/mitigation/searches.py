@@ -96,7 +96,7 @@ def _dashpot_scale(site: MitigatedPair) -> float | None:
     None where there are no masses, or no floors at one level.
     """
     try:
-        system_of(site.structures, [_dashpot(0.0).link])
+        system_of(site.structures, _dashpot(0.0).links)
     except ValueError:
         return None
     modes = [first_mode(structure) for structure in site.structures]

@@ -13,7 +13,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding import impacts
 from stochlin.kernels.pounding import run as kernel
 from stochlin.kernels.pounding.contact import stored_energy
-from stochlin.kernels.pounding.rows import SLACK, Row
+from stochlin.kernels.pounding.rows import SLACK, Row, creep_of
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.links import Link
 
@@ -66,8 +66,11 @@ def course(row: Row, run: kernel.Run) -> Course:
         one, two, low = row.weight.T
         apart = one * u[:, row.left] + two * u[:, row.right] + low * u[:, row.lower]
         squeezed = stored_energy(row.element, apart - row.gap).sum(axis=1)
-    stretch, pace = (w[:, row.tied[:, 0]] - w[:, row.tied[:, 1]] for w in (u, v))
-    post, dashpot, couple, limit = row.tie.T
+    one, two = row.tied.T
+    stretch, pace = (w[:, one] - np.where(two >= 0, w[:, two], 0.0) for w in (u, v))
+    post, dashpot, couple, limit, exponent, _ = row.tie.T
+    slowest = np.array([creep_of(row, j) for j in range(len(row.tied))])
+    eased = np.maximum(np.abs(pace), slowest) ** (exponent - 1.0) * pace
     held = np.where(row.tie_law == SLACK, np.minimum(stretch + limit, 0.0), stretch - creep)
     strained = 0.5 * (post * stretch**2 + couple * held**2).sum(axis=1)
     kept = [energy for name, energy in energies.items() if name != "input_energy"]
@@ -89,7 +92,7 @@ def course(row: Row, run: kernel.Run) -> Course:
     if not ties:
         return Course(floors, {"base_shear": shear[:, row.first[:-1]], **energies}, {}, whole)
     whole |= {"link_stored_energy": strained, "link_lost_energy": drained.sum(axis=1)}
-    pulls = {"link_force": post * stretch + couple * held + dashpot * pace}
+    pulls = {"link_force": post * stretch + couple * held + dashpot * eased}
     return Course(floors, {"base_shear": shear[:, row.first[:-1]], **energies}, pulls, whole)
 
 

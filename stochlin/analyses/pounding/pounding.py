@@ -78,9 +78,10 @@ def pound(
         Several: over ``path``, too, as `simulated_motions` gives them, or records, as `read_records`
         does. Those need not be of one length or step.
     link : Link or list of Link and None, optional
-        Springs and dashpots, linear, that yield or have slack. Without ``floors`` a link ties the
-        highest at one level, without ``structures`` two neighbours: then there is one for each two, None
-        where there is no link.
+        Springs, linear, that yield or have slack, and dashpots, linear or with an exponent. Without
+        ``floors`` a link ties the highest at one level, without ``structures`` two neighbours: then
+        there is one for each two, None where there is no link. With one structure twice it is a device
+        inside it, which it keeps standing alone.
     output_step : float, optional
         Time from output to output [s] of one motion; the record's own if left out. The response does
         not depend on it.
@@ -106,9 +107,10 @@ def pound(
         ``amplification`` [-], one over the other; likewise ``peak_acceleration`` [m/s^2],
         ``peak_storey_shear`` [N] and ``peak_base_shear`` [N], each also ``_alone``. Over ``contact``:
         ``gap`` [m], the number of ``impacts``, ``hardest_force`` [N], ``fastest_approach`` [m/s],
-        ``longest_impact`` [s] (these three NaN without an impact) and ``contact_energy`` [J] that it has
-        taken; over ``structure`` ``energy_received`` [J] from all impacts. Where all structures are
-        `Bilinear` also ``largest_radius_amplification`` [-], the worst that `pounding_estimate` gives
+        ``longest_impact`` [s], ``deepest_compression`` [m] (these four NaN without an impact, the last
+        where velocities jump, too) and ``contact_energy`` [J] that it has taken; over ``structure``
+        ``energy_received`` [J] from all impacts. Where all structures are `Bilinear` also
+        ``largest_radius_amplification`` [-], the worst that `pounding_estimate` gives
         for a hit at the largest energy of both, without links. With links also, over ``time`` and
         ``link``, ``link_force`` [N], over ``time`` ``link_stored_energy`` and ``link_lost_energy`` [J],
         and ``peak_link_force`` [N].
@@ -128,8 +130,9 @@ def pound(
         ``status``, and ``missing``, which says what has gone wrong in a motion that is NaN. Over all
         motions that are not: ``_mean`` with ``_mean_standard_error``, and ``_quantile`` over
         ``quantile`` with its 95 % interval, ``_lower`` and ``_upper`` (infinite where the motions are
-        too few to bound it), of all that but ``longest_impact`` and energies received, where a motion
-        without an impact counts with a force and an approach of 0; ``pounding_probability`` and
+        too few to bound it), of all that but ``longest_impact``, ``deepest_compression`` and energies
+        received, where a motion without an impact counts with a force and an approach of 0;
+        ``pounding_probability`` and
         ``no_pounding_probability`` [-] over ``neighbours``, the shares of motions with an impact and
         without, with their 95 % intervals.
 
@@ -162,6 +165,10 @@ def pound(
     ``max |a| T/(2 pi)``, with the shortest period, counts as none: such a contact is elastic. Floors
     that a `Stereomechanical` impact would lift by less than 1e-10 of the largest displacement, while
     they are pressed together, move together from then on, until the force between them vanishes.
+
+    A dashpot with an exponent is linear below a millionth of the velocity that the motion can give the
+    structures, or, where it would bring its masses to rest in less than 5e-5 s, below a rate at which it
+    does not: so strong a one with a small exponent creeps somewhat faster.
 
     References
     ----------

@@ -82,7 +82,7 @@ def _completed(structures: Sequence[Building], row: Row, motion: kernel.SampledM
     raise ArithmeticError(
         f"pound: the step from {run.time:.9g} s after the beginning could not be completed, after "
         f"{run.steps} steps; displacements of the floors [{', '.join(u)}] m, velocities "
-        f"[{', '.join(v)}] m/s; use a softer or less damped contact, or a smaller restitution"
+        f"[{', '.join(v)}] m/s; use a softer or less damped contact or link, or a smaller restitution"
     )
 
 

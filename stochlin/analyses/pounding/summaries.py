@@ -37,6 +37,7 @@ DIMENSIONS: Mapping[str, str] = {
     "hardest_force": CONTACT,
     "fastest_approach": CONTACT,
     "longest_impact": CONTACT,
+    "deepest_compression": CONTACT,
     "contact_energy": CONTACT,
     "column_force": CONTACT,
     "column_force_share": CONTACT,
@@ -95,6 +96,7 @@ def _tallies(row: Row, places: Sequence[Meeting], run: kernel.Run) -> dict[str, 
         "hardest_force": largest_force(run),
         "fastest_approach": line[impacts.APPROACH],
         "longest_impact": line[impacts.END] - line[impacts.BEGIN],
+        "deepest_compression": np.where(row.jumps, np.nan, line[impacts.DEEPEST]),
     }
     values: dict[str, Array] = {"impacts": hit.sum(axis=1)}
     for name, each in at_most.items():  # NaN without an impact, or where one has no such value

@@ -57,6 +57,7 @@ _SINGLE: Variables = {
     "hardest_force": ("N", "largest force of the contact in any impact"),
     "fastest_approach": ("m/s", "largest velocity of approach"),
     "longest_impact": ("s", "duration of the longest impact"),
+    "deepest_compression": ("m", "largest compression of the contact in any impact"),
     "contact_energy": ("J", "energy that the contact has taken"),
     "energy_received": ("J", "work of all impacts on the structure"),
     "impacts_between": ("1", "number of impacts between the neighbours, at all levels"),

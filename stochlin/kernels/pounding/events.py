@@ -1,8 +1,8 @@
 """Ends of branches within a step of buildings in a row: which comes first, and what follows; compiled.
 
-A storey or a link yields and unloads, a link with slack is taut or loose, a contact begins, turns and
-ends where a linear function of the state leaves an interval; two floors that move together part where
-the force between them vanishes.
+A storey or a link yields and unloads, a link with slack is taut or loose, a dashpot with an exponent
+turns, a contact begins, turns and ends where a linear function of the state leaves an interval; two
+floors that move together part where the force between them vanishes.
 """
 
 import numpy as np
@@ -10,7 +10,15 @@ import numpy as np
 from stochlin.kernels.basics.compiled import called_often, compiled, inlined
 from stochlin.kernels.basics.linear_branch import evaluate, first_exit
 from stochlin.kernels.pounding.contact import CLOSED, OPEN, OPENING, PARTED, TOGETHER
-from stochlin.kernels.pounding.impacts import END, HANDED, LARGEST, begin_entry, end_entry, settle
+from stochlin.kernels.pounding.impacts import (
+    DEEPEST,
+    END,
+    HANDED,
+    LARGEST,
+    begin_entry,
+    end_entry,
+    settle,
+)
 from stochlin.kernels.pounding.rates import (
     CLOSING_RATE,
     MARGIN,
@@ -22,11 +30,21 @@ from stochlin.kernels.pounding.rates import (
     measure,
     pull,
 )
-from stochlin.kernels.pounding.rows import BILINEAR, BOUC_WEN, ELASTIC, LIMIT, SLACK, sizes
+from stochlin.kernels.pounding.rows import (
+    BILINEAR,
+    BOUC_WEN,
+    ELASTIC,
+    EXPONENT,
+    LIMIT,
+    SLACK,
+    creep_of,
+    sizes,
+)
 from stochlin.kernels.pounding.steps import (
     NODES,
     STAGES,
     component_polynomial,
+    depth_within,
     find_node_forces,
     force_polynomial,
     interpolate,
@@ -44,14 +62,15 @@ GRAIN = 1e-11  # of the largest displacement: the noise of the polynomials
 def watched(row, branch, number):
     """What ends a branch: a `measure`, of which storey, contact or link, its shift, and its interval.
 
-    There are two of each storey and of each contact, and one of each link. What floors that move
-    together watch, their force, is not among it.
+    There are two of each storey, of each contact and of each link, its spring and its dashpot. What
+    floors that move together watch, their force, is not among it.
     """
     n, _, c, _ = sizes(row)
     if number < 2 * n:
         return _watched_storey(row, branch, number % n, number < n)
     if number >= 2 * (n + c):
-        return _watched_link(row, branch, number - 2 * (n + c))
+        j, ties = number - 2 * (n + c), len(row.tied)
+        return _watched_link(row, branch, j) if j < ties else _watched_dashpot(row, branch, j - ties)
     j = (number - 2 * n) % c
     return _watched_contact(row, branch, j, number < 2 * n + c)
 
@@ -97,6 +116,16 @@ def _watched_link(row, branch, j):
     elif law == BILINEAR:
         watch = _keeps_sign(STRETCH_RATE, j, 0.0, sign)
     return watch
+
+
+@called_often
+def _watched_dashpot(row, branch, j):
+    sign, slowest = branch.pace[j], creep_of(row, j)
+    if row.tie[j, EXPONENT] == 1.0:
+        return NOTHING, j, 0.0, 0.0, 0.0
+    if sign == 0:
+        return STRETCH_RATE, j, 0.0, -slowest, slowest
+    return _keeps_sign(STRETCH_RATE, j, sign * slowest, sign)
 
 
 @called_often
@@ -164,7 +193,7 @@ def first_event(row, branch, ground, slope, h, x, space):
     polynomials of the step were found. In contact they always are, with the forces at the nodes.
     """
     n, _, c, _ = sizes(row)
-    total = 2 * (n + c) + len(row.tied)
+    total = 2 * (n + c + len(row.tied))
     best, event, way, known = 1.0, NOTHING, 0, False
     if _in_contact(branch):
         interpolate(row, branch, ground, slope, h, x, space)
@@ -219,14 +248,17 @@ def pass_event(row, branch, event, way, ground, time, x, space, table, used):
         else:
             branch.storey[event] = way if branch.storey[event] == 0 else 0
         return used
-    if 2 * (n + c) <= event < 2 * (n + c) + len(row.tied):
+    ties = len(row.tied)
+    if 2 * (n + c) <= event < 2 * (n + c + ties):
         j = event - 2 * (n + c)
-        if row.tie_law[j] == SLACK:
+        if j >= ties:
+            branch.pace[j - ties] = way if branch.pace[j - ties] == 0 else 0
+        elif row.tie_law[j] == SLACK:
             branch.tie[j] = 1 - branch.tie[j]
         else:
             branch.tie[j] = way if branch.tie[j] == 0 else 0
         return used
-    j = (event - 2 * n) % c if event < 2 * (n + c) else event - 2 * (n + c) - len(row.tied)
+    j = (event - 2 * n) % c if event < 2 * (n + c) else event - 2 * (n + c + ties)
     if row.jumps:
         return settle(row, branch, j, ground, time, x, space, table, used)
     if branch.contact[j] == OPEN:
@@ -256,7 +288,7 @@ def _end_contact(row, branch, j, time, x, table):
 
 @inlined
 def watch_forces(branch, end, h, space, table, most):
-    """Take the largest forces, and work, up to the share ``end`` of a step into the table.
+    """Take the largest forces, compressions, and work, up to the share ``end`` of a step into the table.
 
     And in contact the largest accelerations (n,) at the places where forces are looked at.
     """
@@ -284,6 +316,10 @@ def watch_forces(branch, end, h, space, table, most):
             largest = max(largest, one, two)
         table[line, LARGEST] = largest
         table[line, HANDED] += h * work_within(j, end, space)
+        deepest = max(table[line, DEEPEST], depth_within(j, end, space))
+        for q in range(last + 1):
+            deepest = max(deepest, space.depths[q, j])
+        table[line, DEEPEST] = deepest
 
 
 @compiled

@@ -2,7 +2,7 @@
 
 An impact is a line of the table: when it began, which contact, its approach velocity, its largest force,
 when it ended, what the contact had dissipated before and after it, its work on the structure on its
-right, and what it stored at its end.
+right, what it stored at its end, and how far it was compressed.
 """
 
 import numpy as np
@@ -12,8 +12,8 @@ from stochlin.kernels.pounding.contact import OPEN, TOGETHER, impact_loss, veloc
 from stochlin.kernels.pounding.rates import CLOSING_RATE, PENETRATION, linked, measure, rates
 from stochlin.kernels.pounding.rows import sizes
 
-BEGIN, CONTACT, APPROACH, LARGEST, END, BEFORE, AFTER, HANDED, STORED = range(9)
-COLUMNS = 9
+BEGIN, CONTACT, APPROACH, LARGEST, END, BEFORE, AFTER, HANDED, STORED, DEEPEST = range(10)
+COLUMNS = 10
 FIRST_LINES = 256
 TOUCH = 1e-12  # of the largest displacement: floors this close touch
 CALM = 1e-9  # of the largest velocity: floors that close no faster than this do not strike
@@ -28,7 +28,7 @@ def begin_entry(row, branch, j, velocity, time, x, table, used):
     line = table[used]
     line[BEGIN], line[CONTACT], line[APPROACH], line[LARGEST] = time, j, velocity, -np.inf
     line[END], line[BEFORE], line[AFTER] = time, lost, lost
-    line[HANDED] = line[STORED] = 0.0
+    line[HANDED] = line[STORED] = line[DEEPEST] = 0.0
     branch.entry[j] = used
     return used + 1
 

@@ -8,10 +8,11 @@ the rates are smooth functions: they go on smoothly a little beyond the end of t
 
 A floor that meets a column between two floors of its neighbour meets these two by their weights.
 
-Links are springs with dashpots between two floors. The springs may yield as storeys do, or have slack
-and pull only. The state holds displacements, velocities and slips of all floors, the work that the
-ground, the dashpots and the yielding have done in each building, what each contact and each link has
-dissipated, and the slips of the links.
+Links are springs with dashpots between two floors, or a floor and the ground. The springs may yield as
+storeys do, or have slack and pull only; the dashpots may have an exponent. The state holds
+displacements, velocities and slips of all floors, the work that the ground, the dashpots and the
+yielding have done in each building, what each contact and each link has dissipated, and the slips of
+the links.
 """
 
 import numpy as np
@@ -23,10 +24,12 @@ from stochlin.kernels.pounding.rows import (
     BOUC_WEN,
     COUPLE,
     DASHPOT,
+    EXPONENT,
     LIMIT,
     POST,
     SLACK,
     Branches,
+    creep_of,
     sizes,
     slip_of,
 )
@@ -107,7 +110,8 @@ def rates(row, branch, ground, x, dx, force):
         one, two = row.tied[j]
         force_there, lost, slipping = pull(row, branch, j, x)
         dx[n + one] -= force_there * row.per_mass[one]
-        dx[n + two] += force_there * row.per_mass[two]
+        if two >= 0:
+            dx[n + two] += force_there * row.per_mass[two]
         dx[3 * n + 3 * s + c + j], dx[slip_of(row, j)] = lost, slipping
     for j in range(c):
         f, lost, kept = 0.0, 0.0, branch.contact[j]
@@ -128,16 +132,36 @@ def rates(row, branch, ground, x, dx, force):
 @called_often
 def pull(row, branch, j, x):
     """Force of a link [N], the power that it dissipates, and the rate of its slip."""
-    n, law = row.mass.size, row.tie_law[j]
-    one, two = row.tied[j]
-    stretch, rate = x[one] - x[two], x[n + one] - x[n + two]
-    drag, held, slipping = row.tie[j, DASHPOT] * rate, 0.0, 0.0
+    law = row.tie_law[j]
+    stretch, rate = _between(row, j, 0, x), _between(row, j, row.mass.size, x)
+    drag, held, slipping = _drag(row, branch, j, rate), 0.0, 0.0
     if law == BILINEAR:
         held = row.tie[j, COUPLE] * (stretch - x[slip_of(row, j)])
         slipping = rate if branch.tie[j] != 0 else 0.0
     elif law == SLACK and branch.tie[j] != 0:
         held = row.tie[j, COUPLE] * (stretch + row.tie[j, LIMIT])
     return row.tie[j, POST] * stretch + drag + held, drag * rate + held * slipping, slipping
+
+
+@called_often
+def _between(row, j, offset, x):
+    """Stretch of a link, or with the offset of the velocities its rate."""
+    one, two = row.tied[j]
+    return x[offset + one] - x[offset + two] if two >= 0 else x[offset + one]
+
+
+@called_often
+def _drag(row, branch, j, rate):
+    """Force of the dashpot of a link: ``c |v|^a sign(v)``, and where it creeps along the chord."""
+    c, a = row.tie[j, DASHPOT], row.tie[j, EXPONENT]
+    if a == 1.0:
+        return c * rate
+    sign, slowest = branch.pace[j], creep_of(row, j)
+    if sign == 0:
+        return c * slowest ** (a - 1.0) * rate
+    if sign * rate > slowest:
+        return sign * c * (sign * rate) ** a
+    return sign * c * slowest**a * (1.0 + a * (sign * rate / slowest - 1.0))  # goes on smoothly
 
 
 @called_often
@@ -205,9 +229,8 @@ def measure(row, what, i, x):
         below = x[n + row.below[i]] if row.below[i] >= 0 else 0.0
         return x[n + i] - below
     if what in (STRETCH, STRETCH_RATE):
-        one, two = row.tied[i]
-        rate = x[n + one] - x[n + two]
-        return rate if what == STRETCH_RATE else x[one] - x[two] - x[slip_of(row, i)]
+        slip = x[slip_of(row, i)] if what == STRETCH else 0.0
+        return _between(row, i, 0 if what == STRETCH else n, x) - slip
     if what == CLOSING_RATE:
         return _apart(row, i, n, x)
     apart = _apart(row, i, 0, x)
@@ -227,10 +250,15 @@ def starting_branches(row, x):
         np.zeros(c),
         np.full(c, -1),
         np.zeros(len(row.tied), np.int64),
+        np.zeros(len(row.tied), np.int64),
     )
     for i in range(n):
         if row.law[i] == BOUC_WEN:
             branch.storey[i] = 1
+    for j in range(len(row.tied)):
+        rate = measure(row, STRETCH_RATE, j, x)
+        if row.tie[j, EXPONENT] != 1.0 and abs(rate) > creep_of(row, j):
+            branch.pace[j] = 1 if rate > 0 else -1
     for j in range(c):
         d = measure(row, PENETRATION, j, x) - row.gap[j]
         if row.jumps and d >= 0 and measure(row, CLOSING_RATE, j, x) == 0:

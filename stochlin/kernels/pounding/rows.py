@@ -9,7 +9,8 @@ from stochlin.kernels.basics.compiled import called_often
 
 LAWS = ELASTIC, BILINEAR, BOUC_WEN = range(3)  # of a storey
 SLACK = 3  # of a link, beside ELASTIC and BILINEAR
-POST, DASHPOT, COUPLE, LIMIT = range(4)  # columns of `Row.tie`
+POST, DASHPOT, COUPLE, LIMIT, EXPONENT, EASY = range(6)  # columns of `Row.tie`
+CREEP, FASTEST_CREEP = 1e-3, 10.0  # of `Row.slow`: the bounds of `creep_of`
 
 
 class Row(NamedTuple):
@@ -35,8 +36,8 @@ class Row(NamedTuple):
     jumps: bool  # velocities jump instead: stereomechanical impacts
     restitution: float  # of these
     slow: float  # [m/s]: an approach slower than this counts as none in a law over its velocity
-    tied: Array  # (l, 2): numbers of the floors that a link ties
-    tie: Array  # (l, 4): stiffness past yield [N/m], dashpot [N s/m], the rest of the stiffness, limit
+    tied: Array  # (l, 2): numbers of the floors that a link ties, the second -1 for the ground
+    tie: Array  # (l, 6): stiffness past yield [N/m], dashpot [N (s/m)^a], the rest, limit, a, easy rate
     tie_law: Array  # (l,): the limit [m] is that of yielding, or the slack
 
 
@@ -49,6 +50,7 @@ class Branches(NamedTuple):
     approach: Array  # (c,) [m/s]: velocity at the beginning of this contact
     entry: Array  # (c,): its line in the table of impacts, or -1
     tie: Array  # (l,): sign of yielding of a link, 1 where one with slack is taut, else 0
+    pace: Array  # (l,): sign of the rate of a dashpot with an exponent, 0 where it creeps
 
 
 @called_often
@@ -66,3 +68,12 @@ def slip_of(row, j):
     """
     n, s, c, _ = sizes(row)
     return 3 * n + 3 * s + c + len(row.tied) + j
+
+
+@called_often
+def creep_of(row, j):
+    """Rate [m/s] below which the dashpot of a link with an exponent is linear.
+
+    An exponent below 1 has no slope at rest, and steps no length: none is steeper than at the easy rate.
+    """
+    return min(max(CREEP * row.slow, row.tie[j, EASY]), FASTEST_CREEP * row.slow)

@@ -282,8 +282,10 @@ def run(row: Row, motion: SampledMotion, start: Array | None = None) -> Run:
 
 
 def standing_alone(row: Row) -> Row:
-    """The same buildings, each standing alone: without contacts, without links."""
+    """The same buildings, each standing alone: without contacts, with links within a building alone."""
+    of = np.searchsorted(row.first, row.tied, side="right")
+    own = (row.tied[:, 1] < 0) | (of[:, 0] == of[:, 1])
     none, nothing = np.zeros(0, np.int64), np.zeros(0)
     alone = row._replace(left=none, right=none, lower=none, gap=nothing, element=row.element[:0])
     alone = alone._replace(weight=row.weight[:0], meeting=nothing)
-    return alone._replace(tied=row.tied[:0], tie=row.tie[:0], tie_law=none)
+    return alone._replace(tied=row.tied[own], tie=row.tie[own], tie_law=row.tie_law[own])

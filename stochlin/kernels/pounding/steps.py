@@ -14,9 +14,9 @@ from scipy.integrate import DOP853
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import called_often, compiled, inlined
-from stochlin.kernels.basics.linear_branch import MARKS, TERMS
+from stochlin.kernels.basics.linear_branch import MARKS, TERMS, evaluate
 from stochlin.kernels.pounding.contact import OPEN, has_fractional_power
-from stochlin.kernels.pounding.rates import measure, rates
+from stochlin.kernels.pounding.rates import PENETRATION, measure, rates
 from stochlin.kernels.pounding.rows import sizes, slip_of
 
 # Contiguous, for numba's cache does not take constants that are not.
@@ -50,6 +50,7 @@ class Space(NamedTuple):
     rate: Array  # (k,)
     force: Array  # (c,)
     nodes: Array  # (NODES, c): forces
+    depths: Array  # (NODES, c): compressions
     powers: Array  # (NODES, c): of these forces on the right
     shaken: Array  # (NODES, n): absolute accelerations, in contact
     reach: Array  # (2 REACH, s): largest displacement and velocity of each building, energy; and again
@@ -69,6 +70,7 @@ def workspace(row):
         np.zeros(k),
         np.zeros(k),
         np.zeros(c),
+        np.zeros((NODES, c)),
         np.zeros((NODES, c)),
         np.zeros((NODES, c)),
         np.zeros((NODES, n)),
@@ -220,7 +222,7 @@ def component_polynomial(i, sign, x, space):
 
 @compiled
 def find_node_forces(row, branch, ground, slope, h, x, space):
-    """Forces of the contacts, their powers, and accelerations at even distances over the step."""
+    """Forces, compressions and powers of the contacts, and accelerations, evenly over the step."""
     n = row.mass.size
     for q in range(NODES):
         t = q / (NODES - 1)
@@ -233,12 +235,20 @@ def find_node_forces(row, branch, ground, slope, h, x, space):
             v = row.weight[j, 1] * space.state[n + row.right[j]]
             v += min(row.weight[j, 2], 0.0) * space.state[n + row.lower[j]]
             space.powers[q, j] = -space.nodes[q, j] * v
+            space.depths[q, j] = measure(row, PENETRATION, j, space.state) - row.gap[j]
 
 
 @compiled
 def force_polynomial(contact, space):
     """Coefficients of the force of a contact over the step, in ``space.line``."""
     _through(space.nodes, contact, space.line)
+
+
+@compiled
+def depth_within(contact, t, space):
+    """Compression of a contact at the share ``t`` of the step."""
+    _through(space.depths, contact, space.line)
+    return evaluate(space.line, t)[0]
 
 
 @compiled

@@ -37,7 +37,8 @@ def draw_measures(dataset: xr.Dataset) -> Figure:
     caption = _caption(dataset)
     foot = FOOT + LINE * (caption.count("\n") + 1)
     count = dataset.sizes["measure"]
-    height = HEAD + ROW * (count + 0.6) + foot
+    head = HEAD + LINE * bool((dataset.bumper_thickness > 0).any())  # one line more in the legend
+    height = head + ROW * (count + 0.6) + foot
     figure = Figure(figsize=(WIDTH, height))
     end = MIDDLE if recorded else ALONE
     box = (foot / height, ROW * (count + 0.6) / height)
@@ -73,6 +74,13 @@ def _gaps(axes: Axes, dataset: xr.Dataset) -> None:
             axes.errorbar(
                 needed[shown], place[shown], xerr=ends, markerfacecolor=face, label=label, **style
             )
+    thickness = 100 * dataset.bumper_thickness.values
+    thick = np.isfinite(needed) & (thickness > 0)
+    if thick.any():
+        begin = needed[thick] - thickness[thick]
+        axes.hlines(
+            place[thick], begin, needed[thick], color="0.6", lw=4, zorder=1, label="of it bumpers"
+        )
     for row in place[~np.isfinite(needed)]:
         axes.text(
             *(0.02, row, "none found"), transform=axes.get_yaxis_transform(), size=7, va="center",

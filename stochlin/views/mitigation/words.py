@@ -30,17 +30,23 @@ if TYPE_CHECKING:
 WIDE = 34  # characters of a name
 NOTES = (
     "Added damping: in per cent of critical, to building 1 and 2; then stiffness and damping constant "
-    "of the link. Needed: the gap that keeps the confidence, and its 95 % interval. Apart: share of the "
-    "simulated motions in which the gap there is keeps them apart. Linearized: standard deviation of "
-    "the relative displacement by linearization, which is too small where buildings yield. All measures "
-    "ride on the same motions."
+    "of the link{more}. Needed: the gap that keeps the confidence, and its 95 % interval{bumpers}. "
+    "Apart: share of the simulated motions in which the gap there is keeps them apart. Linearized: "
+    "standard deviation of the relative displacement by linearization, which is too small where "
+    "buildings yield. All measures ride on the same motions."
 )
+EXTRAS = {"stiffening": "stiffness", "strengthening": "strength", "devices": "dampers"}
+# What is said of columns that are there only where some measure has them.
+OF_STRENGTH = "; stiffness and yield force over those as built"
+OF_DEVICES = "; the number of dampers in them"
+OF_BUMPERS = ", both with the thickness of bumpers: where those touch, the buildings touch"
 NO_DASHPOT = (
     "least dashpot between: not looked for; it needs masses, and a floor of each building at one level."
 )
 TIMES = (
-    "Times: largest displacement over that as built and standing alone, of building 1 and 2. What "
-    "bumpers do shows here alone."
+    "Times: largest displacement over that as built and standing alone, of building 1 and 2. Pressed: "
+    "the deepest compression of what they meet at; bumpers have to be thicker. Link: the largest force "
+    "of links and dampers. What bumpers do shows here alone."
 )
 
 
@@ -64,12 +70,43 @@ def answer_lines(table: xr.Dataset, case: Case) -> list[str]:
     for record in table.record.values if {"record", "quantile"} & {*table.dims} == {"record"} else ():
         lines += [f"In {record}:", *columns(*_recorded(table.sel(record=record))), ""]
     for one in _rows(table):
+        lines += paragraph(crushed(one), "  ")
         if one.missing.item():
             lines += paragraph(f"{one.measure.item()}: {one.missing.item()}.", "  ")
     searched = table.measure.values[(table.kind == "least").values]
     if searched.size and not any("dashpot" in str(name) for name in searched):
         lines += paragraph(NO_DASHPOT, "  ")
-    return [*lines, *paragraph(NOTES), *paragraph(TIMES if "record" in table.dims else "")]
+    return [*lines, *paragraph(_notes(table)), *paragraph(TIMES if "record" in table.dims else "")]
+
+
+def crushed(one: xr.Dataset) -> str:
+    """That the bumpers of a measure are compressed by more than they are thick; empty if not."""
+    thickness = float(one.bumper_thickness)
+    if "record" not in one.dims or not thickness > 0:
+        return ""
+    deep = one.deepest_compression.where(one.deepest_compression > thickness, drop=True)
+    if not deep.size:
+        return ""
+    where = deep.record.item() if deep.size == 1 else f"{deep.size} of {one.sizes['record']} records"
+    return (
+        f"{one.measure.item()}: the bumpers, {length(thickness)} thick, would be compressed by "
+        f"{length(float(deep.max()))} in {where}; take thicker or stiffer ones."
+    )
+
+
+def _notes(table: xr.Dataset) -> str:
+    """What the columns are."""
+    more = OF_STRENGTH if _changes(table, "stiffening") or _changes(table, "strengthening") else ""
+    more += OF_DEVICES if _changes(table, "devices") else ""
+    return NOTES.format(
+        more=more, bumpers=OF_BUMPERS if bool((table.bumper_thickness > 0).any()) else ""
+    )
+
+
+def _changes(table: xr.Dataset, name: str) -> bool:
+    """Whether a measure has more of it, or less, than the buildings as built."""
+    both = table[[f"{name}_1", f"{name}_2"]].to_array()
+    return bool((both.notnull() & (both != both.isel(measure=0))).any())
 
 
 def headline(table: xr.Dataset) -> str:
@@ -97,8 +134,17 @@ def _rows(table: xr.Dataset) -> list[xr.Dataset]:
 
 
 def _motions(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
-    heads = ["measure", "damping [%]", "[MN/m]", "[MN s/m]", "needed [cm]", "interval", "apart"]
-    heads += ["verdict", "linearized [cm]"]
+    extras = {
+        name: head
+        for name, head in {
+            "stiffening": "stiffness",
+            "strengthening": "strength",
+            "devices": "dampers",
+        }.items()
+        if _changes(table, name)
+    }
+    heads = ["measure", "damping [%]", "[MN/m]", "[MN s/m]", *extras.values()]
+    heads += ["needed [cm]", "interval", "apart", "verdict", "linearized [cm]"]
     meanings = dict(enumerate(table.verdict.attrs["flag_meanings"].split()))
     meanings[NOT_AVAILABLE] = "none found"
     rows = []
@@ -109,7 +155,8 @@ def _motions(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
                 cut(one.measure.item(), WIDE),
                 _pair(one, "added_damping", "{:.1f}", 100),
                 short(float(one.link_stiffness) / 1e6),
-                short(float(one.link_damping_constant) / 1e6),
+                _dashpot(one),
+                *(_unlike_built(one, table, name) for name in extras),
                 centimetres(float(one.required_gap)),
                 f"{low} to {high}" if np.isfinite(float(one.required_gap)) else MISSING,
                 per_cent(float(one.no_pounding_probability), 1),
@@ -121,13 +168,17 @@ def _motions(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
 
 
 def _recorded(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
-    heads = ["measure", "times", "impacts", "force [MN]"]
+    heads = ["measure", "times", "impacts", "force [MN]", "pressed [cm]"]
+    linked = bool(table.largest_link_force.notnull().any())
+    heads += ["link [MN]"] if linked else []
     rows = [
         [
             cut(one.measure.item(), WIDE),
             _pair(one, "amplification", "{:.2f}"),
             short(float(one.impacts)),
             short(float(one.largest_force) / 1e6),
+            centimetres(float(one.deepest_compression)),
+            *([short(float(one.largest_link_force) / 1e6)] if linked else []),
         ]
         for one in _rows(table)
         if np.isfinite(float(one.amplification_1))
@@ -158,6 +209,19 @@ def _over_records(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
             ]
         )
     return heads, rows
+
+
+def _dashpot(one: xr.Dataset) -> str:
+    """Constant of the dashpots between both, with their exponent where they are not linear."""
+    constant, exponent = float(one.link_damping_constant) / 1e6, float(one.link_damping_exponent)
+    told = f" (a {exponent:g})" if np.isfinite(exponent) and exponent != 1 else ""
+    return f"{short(constant)}{told}"
+
+
+def _unlike_built(one: xr.Dataset, table: xr.Dataset, name: str) -> str:
+    """Of both buildings, where it is not what it is as built."""
+    built, told = (_pair(each, name, "{:g}") for each in (table.isel(measure=0), one))
+    return "" if told == built else told
 
 
 def _pair(one: xr.Dataset, name: str, form: str, scale: float = 1.0) -> str:

@@ -10,6 +10,11 @@ measures = {
     "dampers": sl.Measure(added_damping_1=0.1, added_damping_2=0.1),
     "link": sl.Measure(link=sl.Link(damping_constant=4e5)),
     "rubber": sl.Measure(contact=sl.Kelvin(5e6, restitution=0.4)),
+    "pads": sl.Measure(contact=sl.Kelvin(5e7, restitution=0.4), bumper_thickness=0.01),
+    "walls": sl.Measure(stiffening_1=2.0, stiffening_2=1.5),
+    "fluid": sl.Measure(
+        link=[sl.Link(0.0, 2e5, damping_exponent=0.5, structures=(s, s), floors=(1, 0)) for s in (1, 2)]
+    ),
 }
 time = 0.02 * np.arange(300)
 record = xr.DataArray(

@@ -1,0 +1,267 @@
+"""Devices inside buildings, and dashpots with an exponent, in buildings that pound."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import hypothesis.strategies as st
+import numpy as np
+import pytest
+import scipy.integrate
+import xarray as xr
+from hypothesis import given, settings
+
+import stochlin as sl
+
+pytestmark = pytest.mark.oracle
+
+FAR = 10.0  # [m]: no contact
+SPRING = sl.LinearSpring(1e8)
+PACE = 0.2  # [m/s]: where all dashpots of the tests have one force
+CONSTANT = 2e5  # [N s/m]: of the linear one
+
+
+def record(samples: int = 200, dt: float = 0.02) -> xr.DataArray:
+    noise = np.random.default_rng(7).standard_normal(samples + 10)
+    values = 2.0 * np.convolve(noise, np.hanning(11), mode="valid") / 3
+    return xr.DataArray(values[:samples], dims="time", coords={"time": dt * np.arange(samples)})
+
+
+def pair(**law: Any) -> list[sl.Bilinear]:
+    return [sl.Bilinear(0.9, 0.03, mass=2e5, **law), sl.Bilinear(0.5, 0.06, mass=3e5, **law)]
+
+
+def towers(**other: Any) -> list[sl.ShearBuilding]:
+    given = {"hardening": 0.05, "yield_drifts": 0.008} | other
+    low = sl.ShearBuilding([2e5] * 2, [1e8, 8e7], [3.0] * 2, 0.05, **given)
+    high = sl.ShearBuilding([2e5] * 4, [2e8] * 4, [3.0] * 4, 0.05, **given)
+    return [low, high]
+
+
+def dashpot(exponent: float, times: float = 1.0, **place: Any) -> sl.Link:
+    """One whose force at ``PACE`` is that of the linear one."""
+    constant = times * CONSTANT * PACE ** (1 - exponent)
+    return sl.Link(0.0, constant, damping_exponent=exponent, **place)
+
+
+def in_storeys(structure: int, storeys: Any, **device: Any) -> list[sl.Link]:
+    return [sl.Link(**device, structures=(structure, structure), floors=(n, n - 1)) for n in storeys]
+
+
+# --- Against other integrators ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("exponent", "times", "method", "close"),
+    [
+        (0.1, 1, "Radau", 1e-5),  # its slope near rest is bounded earlier, at 3e-5 of the rate
+        (0.35, 10, "Radau", 2e-6),
+        (0.35, 1, "DOP853", 2e-6),  # from rest, where the law has no slope, the implicit one goes astray
+        (1.5, 1, "Radau", 1e-7),
+        (2.0, 1, "Radau", 1e-7),
+    ],
+)
+def test_a_dashpot_with_an_exponent_moves_as_by_another_integrator(
+    exponent: float, times: float, method: str, close: float
+) -> None:
+    """With the law down to rest, of which ours makes 1e-6 of the rate linear."""
+    link, motion = dashpot(exponent, times), record(20)
+    c, one, two = link.damping_constant, *pair()
+    mass, w = np.array([one.mass, two.mass]), 2 * np.pi / np.array([one.period, two.period])
+    drag = 2 * np.array([one.damping, two.damping]) * w
+    state, found = np.zeros(4), [np.zeros(2)]
+    dt = float(motion.time[1] - motion.time[0])
+    for begin, end in zip(motion.values[:-1], motion.values[1:], strict=True):
+
+        def rates(t, x, begin=begin, slope=(end - begin) / dt):
+            v = x[2] - x[3]
+            force = c * np.sign(v) * abs(v) ** exponent * np.array([-1.0, 1.0]) / mass
+            return np.append(x[2:], force - w**2 * x[:2] - drag * x[2:] - begin - slope * t)
+
+        run = scipy.integrate.solve_ivp(rates, (0, dt), state, method, rtol=1e-9, atol=1e-12)
+        state = run.y[:, -1]
+        found.append(state[:2])
+    table = sl.pound(pair(), FAR, SPRING, motion, link=link)
+    wanted = np.array(found)
+    np.testing.assert_allclose(table.displacement, wanted, rtol=0, atol=close * abs(wanted).max())
+    assert float(table.energy_balance_error.max()) < 1e-9
+    pace = (table.velocity[:, 0] - table.velocity[:, 1]).values
+    force = c * np.sign(pace) * abs(pace) ** exponent
+    clear = abs(pace) > 1e-4 * abs(pace).max()
+    np.testing.assert_allclose(table.link_force[clear, 0], force[clear], rtol=1e-9)
+
+
+def test_a_linear_device_is_a_damper_of_the_storey_or_damping() -> None:
+    devices = in_storeys(2, range(1, 5), damping_constant=2e6)
+    low, high = towers()
+    damped = sl.ShearBuilding([2e5] * 4, [2e8] * 4, [3.0] * 4, 0.05, 0.05, 0.008, dampers=2e6)
+    found = sl.pound([low, high], 0.01, SPRING, record(), link=devices)
+    wanted = sl.pound([low, damped], 0.01, SPRING, record())
+    assert found.sizes["impact"] == wanted.sizes["impact"] > 3
+    size = float(abs(wanted.displacement).max())
+    np.testing.assert_allclose(found.displacement, wanted.displacement, rtol=0, atol=1e-8 * size)
+    np.testing.assert_allclose(found.peak_alone, wanted.peak_alone, rtol=1e-7)
+    lost = found.viscous_energy.sum("structure") + found.link_lost_energy
+    np.testing.assert_allclose(lost[-1], wanted.viscous_energy.sum("structure")[-1], rtol=1e-7)
+
+    one, two = pair()
+    added = 0.1 * 2 * one.mass * 2 * np.pi / one.period
+    device = sl.Link(0.0, added, structures=(1, 1), floors=(1, 0))
+    found = sl.pound([one, two], 0.01, SPRING, record(), link=device)
+    wanted = sl.pound([sl.Bilinear(0.9, 0.13, mass=2e5), two], 0.01, SPRING, record())
+    np.testing.assert_allclose(found.peak, wanted.peak, rtol=1e-7)
+    np.testing.assert_allclose(found.peak_alone, wanted.peak_alone, rtol=1e-7)
+
+
+def test_a_device_that_yields_is_a_stronger_storey() -> None:
+    """A bilinear brace of the storey's own yield drift and hardening: another such storey beside it."""
+    low, high = towers()
+    braces = in_storeys(1, (1, 2), stiffness=4e7, hardening=0.05, yield_displacement=0.008)
+    strong = sl.ShearBuilding([2e5] * 2, [1.4e8, 1.2e8], [3.0] * 2, 0.05, 0.05, 0.008)
+    motion = 2 * record()
+    found = sl.pound([low, high], FAR, SPRING, motion, link=braces)
+    wanted = sl.pound([strong, high], FAR, SPRING, motion)
+    assert float(wanted.hysteretic_energy[-1, 0]) > 0
+    # damping by modes follows the stiffness, and braces are no part of it: 5 % of critical either way
+    np.testing.assert_allclose(found.peak[0], wanted.peak[0], rtol=0.05)
+    shear = found.storey_shear[:, 0, :2].values + found.link_force.values
+    np.testing.assert_allclose(np.nanmax(abs(shear), axis=0), wanted.peak_storey_shear[0, :2], rtol=0.05)
+
+
+# --- Whatever the device ----------------------------------------------------------------------------
+
+
+@settings(max_examples=25)
+@given(
+    exponent=st.floats(0.1, 2.0),
+    times=st.floats(0.01, 30.0),
+    stiffness=st.sampled_from([0.0, 3e7]),
+    yields=st.booleans(),
+    place=st.sampled_from(
+        [((1, 2), (2, 2)), ((1, 1), (2, 1)), ((1, 1), (1, 0)), ((2, 2), (4, 0)), ((2, 1), (1, 1))]
+    ),
+    gap=st.floats(0.0, 0.02),
+    jumps=st.booleans(),
+)
+def test_energy_of_any_device_is_accounted_for(
+    exponent: float, times: float, stiffness: float, yields: bool, place: Any, gap: float, jumps: bool
+) -> None:
+    law = {"hardening": 0.1, "yield_displacement": 0.003} if yields and stiffness else {}
+    constant = times * CONSTANT * PACE ** (1 - exponent)
+    structures, floors = place
+    link = sl.Link(
+        stiffness, constant, damping_exponent=exponent, **law, structures=structures, floors=floors
+    )
+    contact = sl.Stereomechanical(0.5) if jumps else sl.Kelvin(1e8, restitution=0.6)
+    table = sl.pound(towers(), gap, contact, record(100), link=link)
+    assert float(table.energy_balance_error.max()) < 1e-6
+    lost = table.link_lost_energy.values
+    assert np.diff(lost).min() >= -1e-9 * max(lost.max(), 1.0)
+    assert lost[-1] > 0
+
+
+def test_an_exponent_of_one_is_none_to_the_bit() -> None:
+    plain, one = (
+        sl.pound(pair(), 0.005, SPRING, record(), link=sl.Link(1e6, 2e5, **more))
+        for more in ({}, {"damping_exponent": 1.0})
+    )
+    np.testing.assert_array_equal(plain.displacement, one.displacement)
+    np.testing.assert_array_equal(plain.link_force, one.link_force)
+
+
+def test_exponents_near_one_come_near_the_linear_dashpot() -> None:
+    linear = sl.pound(pair(), 0.005, SPRING, record(), link=dashpot(1.0))
+    size = float(abs(linear.displacement).max())
+    for exponent in (1 - 1e-5, 1 + 1e-5):
+        table = sl.pound(pair(), 0.005, SPRING, record(), link=dashpot(exponent))
+        np.testing.assert_allclose(table.displacement, linear.displacement, rtol=0, atol=1e-4 * size)
+
+
+def test_devices_belong_to_their_building_and_links_do_not() -> None:
+    """Standing alone a building keeps the devices in it, and loses what ties it to its neighbour."""
+    devices = in_storeys(2, range(1, 5), damping_constant=3e5, damping_exponent=0.5)
+    link = sl.Link(5e6, 2e5, structures=(1, 2))
+    bare = sl.pound(towers(), FAR, SPRING, record())
+    apart = sl.pound(towers(), FAR, SPRING, record(), link=devices)
+    both = sl.pound(towers(), 0.005, SPRING, record(), link=[link, *devices])
+    np.testing.assert_allclose(apart.peak, apart.peak_alone, rtol=1e-9)
+    np.testing.assert_allclose(both.peak_alone, apart.peak_alone, rtol=1e-9)
+    assert (apart.peak_alone[1] < 0.96 * bare.peak_alone[1]).all()
+    np.testing.assert_allclose(apart.peak_alone[0, :2], bare.peak_alone[0, :2], rtol=1e-9)
+    assert both.link.values.tolist() == [1, 2, 3, 4, 5]
+
+
+def test_many_motions_are_each_what_they_are_alone() -> None:
+    devices = [dashpot(0.3, structures=(1, 2)), dashpot(0.3, structures=(2, 2), floors=(4, 0))]
+    shaking = {"strong": record(100), "weak": 0.05 * record(100)}
+    many = sl.pound(towers(), 0.005, SPRING, shaking, link=devices)
+    for name, motion in shaking.items():
+        one = sl.pound(towers(), 0.005, SPRING, motion, link=devices)
+        np.testing.assert_array_equal(many.peak.sel(record=name), one.peak)
+        np.testing.assert_array_equal(many.peak_link_force.sel(record=name), one.peak_link_force)
+
+
+def test_a_strong_damper_holds_the_buildings_together_in_reasonable_time() -> None:
+    """A hundred times too strong, it creeps most of the time: the law is stiffest there."""
+    table = sl.pound(pair(), FAR, SPRING, record(), link=dashpot(0.1, 100))
+    apart = table.displacement[:, 0] - table.displacement[:, 1]
+    assert float(abs(apart).max()) < 0.01 * float(abs(table.displacement).max())
+    assert table.attrs["steps"] < 100_000
+    assert float(table.energy_balance_error.max()) < 1e-6
+
+
+# --- How far a contact is compressed ----------------------------------------------------------------
+
+
+def test_compression_is_force_over_stiffness_of_a_spring() -> None:
+    table = sl.pound(pair(), 0.005, sl.LinearSpring(3e7), record())
+    assert table.sizes["impact"] > 3
+    np.testing.assert_allclose(table.deepest_compression, table.hardest_force / 3e7, rtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    "contact", [sl.Kelvin(3e7, restitution=0.4), sl.ImpactKelvin(3e7, restitution=0.4), sl.Hertz(3e8)]
+)
+def test_compression_is_that_of_a_fine_history(contact: sl.Kelvin) -> None:
+    row = towers()
+    table = sl.pound(row, 0.005, contact, record(100), output_step=2e-4)
+    u = table.displacement
+    apart = (u.sel(structure=1) - u.sel(structure=2)).sel(floor=[1, 2]).max("time") - 0.005
+    np.testing.assert_allclose(table.deepest_compression, apart.where(apart > 0), rtol=2e-3)
+
+
+def test_what_does_not_touch_is_not_compressed() -> None:
+    for contact in (SPRING, sl.Stereomechanical(0.5)):
+        table = sl.pound(pair(), FAR, contact, record(50))
+        assert np.isnan(table.deepest_compression).all()
+    jumped = sl.pound(pair(), 0.005, sl.Stereomechanical(0.5), record(50))
+    assert jumped.sizes["impact"] > 0
+    assert np.isnan(jumped.deepest_compression).all()
+
+
+# --- Against the simulations that know no contact ---------------------------------------------------
+
+DEVICES = {
+    "fluid dampers in storeys": in_storeys(2, range(1, 5), damping_constant=1e6, damping_exponent=0.5),
+    "braces that yield": in_storeys(1, (1, 2), stiffness=5e7, hardening=0.02, yield_displacement=2e-3),
+    "a fluid damper between both": [dashpot(0.35, 3, structures=(1, 2))],
+    "all at once": [
+        *in_storeys(2, (1, 3), stiffness=2e7, damping_constant=5e5, damping_exponent=1.5),
+        sl.Link(2e7, 3e5, structures=(1, 2), hardening=0.1, yield_displacement=0.01),
+    ],
+}
+
+
+@pytest.mark.parametrize("devices", DEVICES.values(), ids=DEVICES)
+def test_each_path_is_that_of_the_simulation(devices: list[sl.Link]) -> None:
+    """Which takes steps of a length, each with an error of the second order."""
+    ground = sl.named_ground("firm", intensity=0.01)
+    quake = {"duration": 6.0, "envelope": sl.AminAng(1.0, 4.0, 0.5), "seed": 5}
+    simulated = sl.simulate(towers(), ground, **quake, paths=32, steps_per_period=128, link=devices)
+    shaking = sl.simulated_motions(ground, **quake, paths=32, step=simulated.attrs["step_s"])
+    table = sl.pound(towers(), FAR, SPRING, shaking, link=devices)
+    found = np.concatenate([table.peak.values[:, b, :n] for b, n in ((0, 2), (1, 4))], axis=1)
+    error = found / simulated.peak.values - 1
+    assert float(table.energy_balance_error.max()) < 1e-8
+    assert np.abs(error).max() < 0.02
+    assert np.sqrt((error**2).mean()) < 0.005
