@@ -12,6 +12,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from stochlin.messages import brief, sentence
+from stochlin.models.uncertain import TAKEN, Uncertain, UncertainModel
 
 Parameter = float | xr.DataArray | npt.ArrayLike
 """A number, a DataArray (broadcast by dimension name) or a 1-D array (dimension ``case``)."""
@@ -68,6 +69,12 @@ class Model:
 
     of_arguments: ClassVar[bool] = False  # of a function, whose messages name the argument alone
     instead: ClassVar[str] = ""  # where it is not taken: what to call, or to give
+
+    def __new__(cls, *args: Any, **kwargs: Any) -> Self:
+        """The model, or its description if a parameter is `Uncertain`."""
+        if any(isinstance(value, Uncertain) for value in (*args, *kwargs.values())):
+            return UncertainModel.of(cls, args, kwargs)  # type: ignore[return-value]
+        return super().__new__(cls)
 
     def __post_init__(self) -> None:
         prefix = "" if self.of_arguments else f"{type(self).__name__}: "
@@ -157,6 +164,8 @@ def expect(value: object, kind: type[Model] | tuple[type[Model], ...], role: str
         kinds = kind if isinstance(kind, tuple) else (kind,)
         names = sorted(c.__name__ for each in kinds for c in each.kinds())
         instead = f"; {value.instead}" if isinstance(value, Model) and value.instead else ""
+        if isinstance(value, UncertainModel):
+            instead = f", without uncertain parameters, so give its median(); {TAKEN} take them"
         allowed = f"allowed: {', '.join(names)}{instead}"
         raise TypeError(f"{role} = {brief(value)} is of the wrong kind; {allowed}")
 
