@@ -1,4 +1,4 @@
-"""A link between two buildings: a spring and a dashpot that keep them together or apart."""
+"""A link of two floors: between buildings, or a damping device inside one."""
 
 from __future__ import annotations
 
@@ -8,8 +8,11 @@ import numpy as np
 import xarray as xr
 
 from stochlin.messages import brief
-from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, parameter
+from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, Range, parameter
 from stochlin.models.structures import HARDENING
+
+GROUND = 0  # as a floor, of a link within one structure
+EXPONENT = Range(0.0, 2.0, include_upper=True)
 
 
 @dataclass(frozen=True)
@@ -18,14 +21,21 @@ class Link(Model):
 
     The force acts on structure 1 against, on structure 2 along this direction; both ends hold, in
     tension and compression. The spring may yield, by the bilinear law, or have slack: it then pulls
-    only, ``k max(u2 - u1 - slack, 0)``, once the floors have parted by that.
+    only, ``k max(u2 - u1 - slack, 0)``, once the floors have parted by that. The dashpot may be that of
+    a fluid damper, ``c |v|^a sign(v)`` with ``v = u1' - u2'``.
+
+    The floors may be those of one structure, or its floor and the ground: the link is then a damping
+    device in it. A spring that yields is a hysteretic one, a dashpot a viscous, and a spring and a
+    dashpot together a viscoelastic one.
 
     Parameters
     ----------
     stiffness : float or array
         ``k`` [N/m], not negative.
     damping_constant : float or array
-        ``c`` [N s/m], not negative.
+        ``c`` [N s/m], not negative; with an exponent ``a`` in N (s/m)^a.
+    damping_exponent : float or array, optional
+        ``a`` of the dashpot [-], in (0, 2]; 1, a linear dashpot, if left out.
     hardening : float or array, optional
         Post-yield over elastic stiffness [-], in (0, 1]; with ``yield_displacement``, and only then.
     yield_displacement : float or array, optional
@@ -34,21 +44,23 @@ class Link(Model):
         How far the floors may part before the spring pulls [m], not negative.
     floors : (int, int), optional
         The floors that it ties, counted from 1 at the first storey; the highest at one level that
-        both structures have, if left out. An oscillator is one floor.
+        both structures have, if left out. An oscillator is one floor. Within one structure they are
+        needed: the upper before the lower, which is 0 for the ground.
     structures : (int, int), optional
         The structures that it ties, counted from 1 in the order of the list. If left out, the n-th
-        link of a list ties structure n to the next.
+        link of a list ties structure n to the next. ``(2, 2)`` is a device in structure 2.
 
     Raises
     ------
     ValueError, TypeError
         If a scalar is out of range, a value is not a number, a spring is to yield and to have slack or
-        has one of hardening and yield displacement alone, or numbers of floors or structures are not two
-        whole numbers from 1.
+        has one of hardening and yield displacement alone, numbers of floors or structures are not two
+        whole numbers from 1, or a link within one structure has slack or not its two floors.
 
     References
     ----------
-    Westermo, B. D. (1989), Earthquake Eng. Struct. Dyn. 18.
+    Westermo, B. D. (1989), Earthquake Eng. Struct. Dyn. 18, on links between buildings; Soong, T. T. and
+    Dargush, G. F. (1997), Passive energy dissipation systems in structural engineering, on devices.
 
     Examples
     --------
@@ -57,11 +69,17 @@ class Link(Model):
     'Link(stiffness=2e+07, damping_constant=1e+06)'
     >>> sl.Link(5e7, hardening=0.02, yield_displacement=0.01, floors=(5, 5)).describe()
     'Link(stiffness=5e+07, damping_constant=0, hardening=0.02, yield_displacement=0.01, floors=(5, 5))'
+
+    A fluid damper in the first storey of structure 1:
+
+    >>> sl.Link(0, 2e6, damping_exponent=0.3, structures=(1, 1), floors=(1, 0)).describe()
+    'Link(stiffness=0, damping_constant=2e+06, damping_exponent=0.3, floors=(1, 0), structures=(1, 1))'
     """
 
     stiffness: Parameter = parameter("N/m", "stiffness of the link", NOT_NEGATIVE, 0.0)
     damping_constant: Parameter = parameter("N s/m", "damping constant of the link", NOT_NEGATIVE, 0.0)
     _: KW_ONLY
+    damping_exponent: Parameter | None = parameter("1", "exponent of the dashpot", EXPONENT, None)
     hardening: Parameter | None = parameter("1", "hardening ratio of the link", HARDENING, None)
     yield_displacement: Parameter | None = parameter("m", "extension at yield", POSITIVE, None)
     slack: Parameter | None = parameter("m", "slack of the link", NOT_NEGATIVE, None)
@@ -81,12 +99,46 @@ class Link(Model):
             )
         if self.yield_displacement is not None and self.slack is not None:
             raise ValueError("Link: yield_displacement and slack are both given; allowed: one of them")
-        for name in ("floors", "structures"):
+        for name in ("structures", "floors"):
             given = getattr(self, name)
             if given is not None:
-                object.__setattr__(self, name, _two_numbers(name, given))
-        if self.structures is not None and self.structures[0] == self.structures[1]:
-            raise ValueError(f"Link: structures = {self.structures}; allowed: two different ones")
+                from_ground = name == "floors" and self.within_one
+                object.__setattr__(self, name, _two_numbers(name, given, from_ground))
+        if self.within_one:
+            self._check_within_one()
+
+    def _check_within_one(self) -> None:
+        structure = f"Link: structures = {self.structures} are one"
+        if self.floors is None:
+            raise ValueError(
+                f"{structure}, and floors is not given; allowed: floors=(upper, lower), of which the "
+                "lower is 0 for the ground"
+            )
+        if self.floors[0] <= self.floors[1]:
+            raise ValueError(
+                f"{structure}, and floors = {self.floors}; allowed: the upper before the lower, "
+                "which is 0 for the ground"
+            )
+        if self.slack is not None:
+            raise ValueError(
+                f"{structure}, and slack is given; allowed within one structure: a spring without "
+                "slack, which may yield, and a dashpot"
+            )
+
+    @property
+    def within_one(self) -> bool:
+        """Whether it is a device inside one structure."""
+        return self.structures is not None and self.structures[0] == self.structures[1]
+
+    @property
+    def exponent(self) -> float:
+        """Of the dashpot of one system: 1 of a linear one."""
+        return 1.0 if self.damping_exponent is None else self.number("damping_exponent")
+
+    @property
+    def is_power_law(self) -> bool:
+        """Whether one system has a dashpot in it that is not linear."""
+        return self.exponent != 1 and self.number("damping_constant") > 0
 
     @property
     def yields(self) -> bool:
@@ -121,10 +173,15 @@ class Link(Model):
         return float(value)
 
 
-def _two_numbers(name: str, given: object) -> tuple[int, int]:
+def _two_numbers(name: str, given: object, from_ground: bool) -> tuple[int, int]:
+    lowest = GROUND if from_ground else 1
     if isinstance(given, (tuple, list)) and len(given) == 2:
         one, two = given
         whole = all(isinstance(n, (int, np.integer)) and not isinstance(n, bool) for n in given)
-        if whole and min(one, two) >= 1:
+        if whole and min(one, two) >= lowest:
             return int(one), int(two)
-    raise ValueError(f"Link: {name} = {brief(given)}; allowed: two whole numbers from 1")
+    device = name == "floors" and not from_ground
+    cure = (
+        "; 0, the ground, of a device inside one structure, so with structures=(1, 1)" if device else ""
+    )
+    raise ValueError(f"Link: {name} = {brief(given)}; allowed: two whole numbers from {lowest}{cure}")

@@ -1,5 +1,7 @@
 """Structures as one system: floors on storeys, on one ground, some of them tied by links.
 
+A link ties floors of two structures, or is a device inside one, also between a floor and the ground.
+
 An oscillator is a building of one storey. A storey, and the spring of a link, is an element: its force
 is ``post d + couple z`` over its drift ``d``, with ``z`` [m] the drift that its law keeps elastic. The
 weight above a storey is in ``post``.
@@ -18,7 +20,7 @@ import xarray as xr
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
 from stochlin.models.buildings import ShearBuilding
-from stochlin.models.links import Link
+from stochlin.models.links import GROUND, Link
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
 
@@ -59,7 +61,7 @@ class Tie(NamedTuple):
     """A link and the floors that it ties, counted from 0 through all structures."""
 
     one: int
-    two: int
+    two: int  # -1 for the ground, of a device inside one structure
     link: Link
     number: int  # from 1, in the list that was given
 
@@ -109,7 +111,9 @@ class System(NamedTuple):
         above = np.flatnonzero(self.below >= 0)
         found[above, self.below[above]] = -1.0
         for row, tie in enumerate(ties, start=n):
-            found[row, tie.one], found[row, tie.two] = 1.0, -1.0
+            found[row, tie.one] = 1.0
+            if tie.two >= 0:
+                found[row, tie.two] = -1.0
         return found
 
     @property
@@ -227,11 +231,13 @@ def system_of(structures: Sequence[AnyStructure], links: Sequence[Link | None] =
         floors = link.floors or common_floors(stacks[one - 1], stacks[two - 1], number)
         for each, floor in zip((one, two), floors, strict=True):
             if floor > stacks[each - 1].mass.size:
+                lowest = GROUND if link.within_one else 1
                 raise ValueError(
                     f"link {number}: floors = {link.floors}, structure {each} has "
-                    f"{stacks[each - 1].mass.size}; allowed: 1 to {stacks[each - 1].mass.size}"
+                    f"{stacks[each - 1].mass.size}; allowed: {lowest} to {stacks[each - 1].mass.size}"
                 )
-        on, other = int(first[one - 1]) + floors[0] - 1, int(first[two - 1]) + floors[1] - 1
+        on = int(first[one - 1]) + floors[0] - 1
+        other = -1 if floors[1] == GROUND else int(first[two - 1]) + floors[1] - 1
         ties.append(Tie(on, other, link, number))
     return System(stacks, tuple(ties))
 
@@ -283,6 +289,16 @@ def check_links(name: str, links: object, count: int) -> tuple[Link | None, ...]
             "None where there is none; or links with structures=(.., ..)"
         )
     return tuple(links)
+
+
+def check_linear_dashpots(name: str, links: Sequence[Link | None]) -> None:
+    """Raise a ValueError for a link with an exponent, where only linear dashpots are taken."""
+    for number, link in enumerate(links, start=1):
+        if link is not None and link.damping_exponent is not None:
+            raise ValueError(
+                f"{name}, number {number}: damping_exponent is given; allowed here: none, so a linear "
+                "dashpot"
+            )
 
 
 def check_mass(structure: AnyStructure, role: str) -> None:

@@ -355,6 +355,24 @@ def test_links_tie_floors_counted_through_all_structures() -> None:
     assert system.below.tolist() == [-1, 0, 1, 2, -1, -1, 5]
 
 
+def test_a_device_ties_two_floors_of_one_structure_or_a_floor_and_the_ground() -> None:
+    high = uniform(4, 1e5, 1e8)
+    places = [((1, 1), (1, 0)), ((2, 2), (3, 1)), ((2, 2), (4, 0))]
+    devices = [Link(0, 1e6, structures=s, floors=f, damping_exponent=0.3) for s, f in places]
+    assert check_links("links", devices, 2) == tuple(devices)
+    system = system_of([OSCILLATOR, high], devices)
+    assert [(tie.one, tie.two) for tie in system.ties] == [(0, -1), (3, 1), (4, -1)]
+    rows = np.zeros((3, 5))
+    rows[0, 0] = rows[1, 3] = rows[2, 4] = 1
+    rows[1, 1] = -1
+    np.testing.assert_array_equal(system.extensions[5:], rows)
+    assert check_links("links", devices[:1], 1) == tuple(devices[:1])  # one structure, a device in it
+    assert devices[0].within_one
+    assert devices[0].exponent == 0.3
+    assert Link(1.0).exponent == 1
+    assert not Link(1.0, structures=(1, 2)).within_one
+
+
 def test_a_link_without_floors_is_at_the_highest_common_level() -> None:
     one = sl.ShearBuilding([1e5] * 3, [1e8] * 3, [4.0, 3.0, 3.0], 0.05)
     two = sl.ShearBuilding([1e5] * 4, [1e8] * 4, [3.5, 3.54, 3.5, 3.5], 0.05)
@@ -536,7 +554,46 @@ def test_what_is_no_regular_building_is_refused(arguments, error, message):
         ({"floors": 3}, ValueError, "floors = 3; allowed: two whole numbers from 1"),
         ({"floors": (0, 1)}, ValueError, r"floors = \(0, 1\); allowed: two whole numbers from 1"),
         ({"floors": (1, True)}, ValueError, "allowed: two whole numbers from 1"),
-        ({"structures": (2, 2)}, ValueError, r"structures = \(2, 2\); allowed: two different ones"),
+        ({"floors": (1, 0)}, ValueError, r"floors = \(1, 0\).*from 1; 0, the ground, of a device"),
+        (
+            {"structures": 1, "floors": (1, 0)},
+            ValueError,
+            "structures = 1; allowed: two whole numbers from 1",
+        ),
+        (
+            {"structures": (0, 0)},
+            ValueError,
+            r"structures = \(0, 0\); allowed: two whole numbers from 1",
+        ),
+        (
+            {"structures": (2, 2)},
+            ValueError,
+            r"are one, and floors is not given; allowed: floors=\(upper",
+        ),
+        (
+            {"structures": (2, 2), "floors": (1, 1)},
+            ValueError,
+            r"floors = \(1, 1\); allowed: the upper before the lower",
+        ),
+        ({"structures": (2, 2), "floors": (0, 1)}, ValueError, "allowed: the upper before the lower"),
+        (
+            {"structures": (2, 2), "floors": (1, -1)},
+            ValueError,
+            r"floors = \(1, -1\); allowed: two whole numbers from 0",
+        ),
+        (
+            {"structures": (1, 1), "floors": (1, 0), "slack": 0.1},
+            ValueError,
+            "slack is given; allowed within one structure: a spring without slack",
+        ),
+        (
+            {"damping_exponent": 0},
+            ValueError,
+            "damping_exponent = 0 is out of range; allowed: 0 < value <= 2",
+        ),
+        ({"damping_exponent": 2.1}, ValueError, "damping_exponent = 2.1 is out of range"),
+        ({"damping_exponent": np.nan}, ValueError, "damping_exponent = nan is out of range"),
+        ({"damping_exponent": "1"}, TypeError, "damping_exponent = '1' is not a real number"),
     ],
 )
 def test_what_is_no_link_is_refused(arguments, error, message):
@@ -564,6 +621,17 @@ def test_what_is_no_link_is_refused(arguments, error, message):
             [Link(1, structures=(1, 3))],
             "ties the structures 1 and 3 of 2; allowed: structures = t",
         ),
+        (
+            [0, 2],
+            [Link(1, structures=(2, 2), floors=(3, 0))],
+            r"link 1: floors = \(3, 0\), structure 2 has 2; allowed: 0 to 2",
+        ),
+        (
+            [0, 2],
+            [Link(1, structures=(3, 3), floors=(1, 0))],
+            "ties the structures 3 and 3 of 2; allowed: structures = two of 1 to 2",
+        ),
+        ([1], [Link(1, structures=(1, 1), floors=(1, 0))], "structure 1: mass is not given"),
     ],
 )
 def test_links_without_a_place_are_refused(structures, links, message):

@@ -16,7 +16,7 @@ from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
-from stochlin.models.systems import check_mass
+from stochlin.models.systems import check_linear_dashpots, check_mass
 
 OF_BOTH = ("rho", "relative_displacement_std", "link_force_std")
 OF_ONE = ("displacement_std", "velocity_std", "ductility_std", "c_eq", "k_eq")
@@ -95,6 +95,7 @@ def correlate_linked(
             "link: slack is given; allowed: none, since it pulls one way, and linearization wants "
             "forces that are zero in the mean; simulate it"
         )
+    check_linear_dashpots("link", [link])
     check_laws((first, second), closure)
 
     def of_cell(first: Structure, second: Structure, ground: Ground, link: Link) -> xr.Dataset:

@@ -25,6 +25,7 @@ from stochlin.models.systems import (
     Stack,
     System,
     Tie,
+    check_linear_dashpots,
     check_links,
     first_period,
     shares_at,
@@ -122,6 +123,13 @@ def checked_gaps(gaps: npt.ArrayLike, count: int) -> Array:
 def checked_links(link: Link | Sequence[Link | None] | None, count: int) -> tuple[Link | None, ...]:
     """Links between ``count`` structures; one will do for two."""
     links = check_links("link", link, count)
+    check_linear_dashpots("link", links)
+    for number, each in enumerate(links, start=1):
+        if each is not None and each.within_one:
+            raise ValueError(
+                f"link, number {number}: structures = {each.structures} are one; allowed here: links "
+                "between structures. simulate takes devices inside one"
+            )
     for each in links:
         if each is not None:
             check_scalars(each, "link", NUMBERS)

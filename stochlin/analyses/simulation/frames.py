@@ -15,6 +15,7 @@ from stochlin.kernels.simulation.storey_stepping import (
     LINEAR,
     OTHER,
     SLACK,
+    VISCOUS,
     Elements,
     law_of,
 )
@@ -38,9 +39,12 @@ class Frame(NamedTuple):
 def frames_of(system: System) -> tuple[list[Frame], list[int]]:
     """The frames of a system, and the structures that are oscillators on their own."""
     frames, alone = [], []
+    with_device = {tie.one for tie in system.ties if tie.link.within_one}
     for members in _tied(system):
-        if members.size == 1 and system.stacks[members[0]].is_oscillator:
-            alone.append(int(members[0]))
+        one = members[0]
+        lone = members.size == 1 and system.stacks[one].is_oscillator
+        if lone and int(system.first[one]) not in with_device:
+            alone.append(int(one))
         else:
             frames.append(_frame(system, members))
     return frames, alone
@@ -57,7 +61,7 @@ def _tied(system: System) -> list[Array]:
     tied = np.zeros((count, count))
     owner = np.repeat(np.arange(count), np.diff(system.first))
     for tie in system.ties:
-        tied[owner[tie.one], owner[tie.two]] = 1
+        tied[owner[tie.one], owner[tie.one if tie.two < 0 else tie.two]] = 1
     _, group = scipy.sparse.csgraph.connected_components(tied, directed=False)
     return [np.flatnonzero(group == number) for number in dict.fromkeys(group)]
 
@@ -80,10 +84,17 @@ def _frame(system: System, members: Array) -> Frame:
     own = [row for stack in stacks for row in stack.law_parameters]
     for along, tie in zip(drifts[floors.size :], ties, strict=True):
         force.append(list(tie.link.spring))
-        damping += tie.link.number("damping_constant") * np.outer(along, along)
+        if not tie.link.is_power_law:
+            damping += tie.link.number("damping_constant") * np.outer(along, along)
         kinds.append(_kind(tie.link))
         own.append(np.empty(0))
     drifts[np.array(kinds) == SLACK] *= -1  # these pull where the floors part
+    for along, tie in zip(drifts[floors.size :], ties, strict=True):
+        if tie.link.is_power_law:
+            drifts = np.vstack([drifts, along])
+            force.append([0.0, 0.0, np.inf])
+            kinds.append(VISCOUS)
+            own.append(np.array([tie.link.number("damping_constant"), tie.link.exponent]))
     widest = max(row.size for row in own)
     post, couple, strength = np.array(force, float).T.copy()
     elements = Elements(

@@ -17,7 +17,13 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.structures import Structure
-from stochlin.models.systems import AnyStructure, System, check_links, check_stationary, system_of
+from stochlin.models.systems import (
+    AnyStructure,
+    System,
+    check_links,
+    check_stationary,
+    system_of,
+)
 
 STRUCTURE = "structure"
 
@@ -117,7 +123,10 @@ def _drift_times(
     system: System,
 ) -> Array:
     """Relaxation of the plastic drifts of all storeys by linearization, which knows no slack [s]."""
-    kept = [None if link is None or link.slack is not None else link for link in links]
+    kept = [
+        None if link is None or link.slack is not None or link.damping_exponent is not None else link
+        for link in links
+    ]
     try:
         k_eq = linearize_system(structures, ground, kept).k_eq.values
     except ArithmeticError:  # the run tells by its own drift whether it was too short

@@ -9,6 +9,11 @@ with the drift rates ``d'`` and the element forces ``s`` at its beginning. Each 
 knowing how its own slip relieves it, and tells the others; passes go on until nothing slips any
 further. For the bilinear law this is the projected Gauss-Seidel method of a complementarity problem
 with a symmetric positive matrix, and converges.
+
+A dashpot with an exponent, ``c |x|^a sign(x)`` at ``x = dd/dt``, is an element like these: a spring that
+is there for a step alone, and slips by as much as makes its mean force, ``couple (dd - p) / 2``, that of
+the dashpot. How stiff it is changes no answer, only the number of passes. Passes seek the least of a
+convex energy, one element after the other, and converge.
 """
 
 from __future__ import annotations
@@ -24,8 +29,13 @@ from stochlin.kernels.basics.compiled import borrow, called_often, compiled, ent
 from stochlin.kernels.simulation import stepping
 from stochlin.kernels.simulation.stepping import LANES, bouc_wen_middle
 
-KINDS = LINEAR, BILINEAR, SLACK, BOUC_WEN, OTHER = range(5)  # OTHER and more: laws given as functions
+# OTHER and more: laws given as functions
+KINDS = LINEAR, BILINEAR, SLACK, BOUC_WEN, VISCOUS, OTHER = range(6)
 MOST_PASSES = 60
+MOST_VISCOUS = 600  # passes, where dashpots with an exponent hold many floors fast
+MOST_ROOTS = 60  # steps of Newton's method, of which four or five are the rule
+ROOT = 1e-12  # relative
+HARDLY = 1e-6  # of the largest drift of a step: less of it in a dashpot with an exponent may be rounding
 CLOSE = 1e-8  # of the strength of an element: where slips change by less, the next change is nothing
 LEAST_SLACK = 0.01  # [m] that counts as the strength of an element with less slack
 VERSION = version_of(stepping)
@@ -34,7 +44,10 @@ LAW = _NUMBER(nb.int64, _NUMBER, _NUMBER, _NUMBER, _NUMBER, nb.types.Array(_NUMB
 
 
 class Elements(NamedTuple):
-    """Storeys and links: the first ``n`` of the ``e`` elements are the storeys of the ``n`` floors."""
+    """Storeys and links: the first ``n`` of the ``e`` elements are the storeys of the ``n`` floors.
+
+    A VISCOUS one has neither ``post`` nor ``couple``, and as its own ``c`` [N (s/m)^a] and ``a``.
+    """
 
     mass: Array  # (n,) [kg]
     damping: Array  # (n, n) [N s/m]
@@ -66,6 +79,7 @@ class Steps(NamedTuple):
     kind: Array
     own: Array
     lowest: Array  # (n,): whether it is the first storey of a structure
+    passes: int  # at most
 
 
 def steps_of(elements: Elements, dt: float) -> Steps:
@@ -74,19 +88,26 @@ def steps_of(elements: Elements, dt: float) -> Steps:
     n = len(mass)
     floors = np.linalg.inv(b[:n])
     stiffness = (b.T * (elements.post + elements.couple)) @ b
-    flexible = np.linalg.solve(2 / dt * mass + elements.damping + 0.5 * dt * stiffness, np.eye(n))
+    resisting = 2 / dt * mass + elements.damping + 0.5 * dt * stiffness
+    couple, viscous = elements.couple, elements.kind == VISCOUS
+    if viscous.any():  # as stiff as that with which the floors resist a step
+        own = np.einsum("en,nm,em->e", b, np.linalg.inv(resisting), b)
+        couple = np.where(viscous, 2 / (dt * own), couple)
+        resisting += 0.5 * dt * (b.T * np.where(viscous, couple, 0.0)) @ b
+    flexible = np.linalg.solve(resisting, np.eye(n))
     of_forces = dt * b @ flexible @ b.T
     return Steps(
         dt,
         np.ascontiguousarray(np.hstack([2 * b @ flexible @ mass @ floors, -of_forces])),
         dt * b @ flexible @ elements.mass,
-        0.5 * of_forces * elements.couple,
+        0.5 * of_forces * couple,
         elements.post,
-        elements.couple,
+        couple,
         elements.strength,
         elements.kind,
         elements.own,
         b[:n].sum(axis=1) > 0.5,
+        MOST_VISCOUS if viscous.any() else MOST_PASSES,
     )
 
 
@@ -157,6 +178,42 @@ def _by_function(law, steps, i, z, change, slip, more):
         more[lane] = (alone - uy * (end - hyst)) * ease - slip[i, lane]
 
 
+@compiled
+def _dashpot(steps, i, change, slip, more):
+    """`_more_slip` of a dashpot with an exponent.
+
+    With ``x`` its rate, ``(1 - g) dt x + g y x^a = alone``, it slips ``dt x - y x^a``; solved for
+    the one of ``x`` and ``x^a`` of which the other is a power above 1. Newton's method goes down to the
+    root of this convex function from above.
+    """
+    g, c, a = steps.relief[i, i], steps.own[i, 0], steps.own[i, 1]
+    of_rate, of_force = steps.dt, 2.0 * c / steps.couple[i]
+    slow = a <= 1.0
+    power = 1.0 / a if slow else a
+    first, second = g * of_force, (1.0 - g) * of_rate
+    if not slow:
+        first, second = second, first
+    for lane in range(LANES):
+        drift, before = change[i, lane], slip[i, lane]
+        alone = drift - g * before
+        size = abs(alone)
+        most = min(size / first, (size / second) ** (1.0 / power))
+        x = most
+        if before != 0.0:  # as in the pass before
+            x = abs(drift - before) / of_force if slow else abs(drift) / of_rate
+            x = min(x, most)
+        steep = x ** (power - 1.0)
+        for _ in range(MOST_ROOTS):
+            less = (first * x + second * x * steep - size) / (first + power * second * steep)
+            x = min(x - less, most)
+            steep = x ** (power - 1.0)
+            if not abs(less) > ROOT * x:
+                break
+        rate, force = (x * steep, x) if slow else (x, x * steep)
+        total = of_rate * rate - of_force * force
+        more[lane] = (total if alone > 0.0 else -total) - slip[i, lane]
+
+
 @called_often
 def _more_slip(law, steps, i, d, z, change, slip, more):
     """What element ``i`` slips beyond ``slip`` if the others stay as they are."""
@@ -172,6 +229,8 @@ def _more_slip(law, steps, i, d, z, change, slip, more):
             slack = beyond - z[i, lane]
             at_end = beyond + (change[i, lane] - g * slip[i, lane]) - g * slack
             more[lane] = min(at_end, 0.0) * ease - slack - slip[i, lane]
+    elif kind == VISCOUS:
+        _dashpot(steps, i, change, slip, more)
     else:
         _by_function(law, steps, i, z, change, slip, more)
 
@@ -185,10 +244,22 @@ def _beyond(more, least):
 
 
 @called_often
+def _largest(change, slip, relief, most):
+    """Drift of the lane that drifts most, if the element did not slip; at least ``most``."""
+    for lane in range(LANES):
+        most = max(most, abs(change[lane] - relief * slip[lane]))
+    return most
+
+
+@called_often
 def _slips(law, steps, d, z, change, slip, more):
     """All slips of a step; ``change`` are the increments of the drifts that go with them."""
     e = steps.kind.size
-    for _ in range(MOST_PASSES):
+    widest = 0.0
+    if steps.passes == MOST_VISCOUS:
+        for i in range(e):
+            widest = _largest(change[i], slip[i], 0.0, widest)
+    for _ in range(steps.passes):
         moved = False
         for i in range(e):
             if steps.kind[i] == LINEAR:
@@ -199,6 +270,8 @@ def _slips(law, steps, d, z, change, slip, more):
             least = steps.strength[i]
             if steps.kind[i] == SLACK:
                 least = max(least, LEAST_SLACK)
+            elif steps.kind[i] == VISCOUS:
+                least = _largest(change[i], slip[i], steps.relief[i, i], HARDLY * widest)
             moved = moved or _beyond(more, CLOSE * least)
             for lane in range(LANES):
                 slip[i, lane] += more[lane]
@@ -238,8 +311,10 @@ def storey_block(f, owned, law, d, v, z, every, out, version):
         for i in range(e):
             for lane in range(LANES):
                 d[i, lane] += change[i, lane]
-                z[i, lane] += change[i, lane] - slip[i, lane]
                 v[i, lane] = twice * change[i, lane] - v[i, lane]
+            if steps.kind[i] != VISCOUS:  # whose spring ends with the step
+                for lane in range(LANES):
+                    z[i, lane] += change[i, lane] - slip[i, lane]
         if (s + 1) % every == 0:
             _sample(steps.lowest, d, new, out, sample)
             sample += 1

@@ -25,7 +25,14 @@ from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
-from stochlin.models.systems import STRUCTURES, AnyStructure, System, check_links, system_of
+from stochlin.models.systems import (
+    STRUCTURES,
+    AnyStructure,
+    System,
+    check_linear_dashpots,
+    check_links,
+    system_of,
+)
 
 ONE_SYSTEM = "a scalar, since this describes one system"
 
@@ -143,6 +150,7 @@ def checked_system(
             check_scalars(structure, f"structures, number {number}", ONE_SYSTEM)
     check_scalars(ground, "ground", ONE_SYSTEM)
     links = check_links("links", links, len(structures))
+    check_linear_dashpots("links", links)
     for number, link in enumerate(links, start=1):
         if link is not None:
             check_scalars(link, f"links, number {number}", ONE_SYSTEM)

@@ -1,0 +1,196 @@
+"""Damping devices and dashpots with an exponent, simulated: another integrator, limits, energy."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.integrate
+
+import stochlin as sl
+from stochlin.analyses.simulation.frames import all_frames
+from stochlin.kernels.simulation.ensemble import Storeys
+from stochlin.kernels.simulation.stepping import LANES
+from stochlin.kernels.simulation.storey_stepping import VISCOUS, law_of
+from stochlin.models.systems import system_of
+
+pytestmark = pytest.mark.oracle
+
+FIRM = sl.KanaiTajimi(2 * np.pi / 15, 0.6, 0.02)
+TOWER = sl.ShearBuilding([2e5] * 4, np.array([4, 3.6, 3, 2.2]) * 1e8, [3.0] * 4, 0.05)
+ONE = sl.Bilinear(0.5, 0.05, mass=1e6)
+FINITE = {"paths": 32, "duration": 8.0, "seed": 3}
+
+
+def damper(constant, exponent, structure=1, floors=(1, 0)):
+    place = {"structures": (structure, structure), "floors": floors}
+    return sl.Link(0.0, constant, damping_exponent=exponent, **place)
+
+
+def in_every_storey(constant, exponent):
+    return [damper(constant, exponent, floors=(n, n - 1)) for n in (1, 2, 3, 4)]
+
+
+def force(t):
+    return 9 * np.sin(11 * t + 0.5) * np.cos(2 * t)
+
+
+def stepped(part, seconds, steps):
+    """Displacements of the rows of a frame after each step (steps, e), on the first lane."""
+    dt = seconds / steps
+    f = np.repeat(force(dt * (np.arange(steps) + 0.5))[:, None], LANES, axis=1)
+    out = np.empty((steps, part.size, LANES))
+    part.block(dt)(f, *np.zeros((3, part.size, LANES)), 1, out)
+    assert (out == out[..., :1]).all()  # equal motions, equal answers
+    return out[..., 0]
+
+
+def solved(system, seconds):
+    """By an implicit Runge-Kutta method; within 1e-7 m/s of rest the law is a straight line."""
+    mass, ties, springs = system.all("mass"), system.ties, system.extensions
+    n = mass.size
+    k = np.append(system.all("elastic"), [tie.link.stiffness for tie in ties])
+    c, a = (np.array([getattr(t.link, x) for t in ties]) for x in ("damping_constant", "exponent"))
+    stiffness, along = (springs.T * k) @ springs, springs[n:]
+
+    def rates(t, x):
+        rate = along @ x[n:]
+        dashpot = c * rate * (rate**2 + 1e-14) ** ((a - 1) / 2)
+        load = stiffness @ x[:n] + system.damping @ x[n:] + along.T @ dashpot
+        return np.concatenate([x[n:], force(t) - load / mass])
+
+    def slopes(t, x):
+        rate = along @ x[n:]
+        least = rate**2 + 1e-14
+        tangent = c * (least ** ((a - 1) / 2) + (a - 1) * rate**2 * least ** ((a - 3) / 2))
+        damping = system.damping + (along.T * tangent) @ along
+        upper = np.hstack([np.zeros((n, n)), np.eye(n)])
+        return np.vstack([upper, -np.hstack([stiffness, damping]) / mass[:, None]])
+
+    options = {"method": "Radau", "jac": slopes, "rtol": 1e-7, "atol": 1e-10, "max_step": 5e-3}
+    return scipy.integrate.solve_ivp(rates, (0, seconds), np.zeros(2 * n), **options).y[:n]
+
+
+@pytest.mark.parametrize(("exponent", "constant"), [(0.2, 1e7), (0.3, 1e6), (0.5, 1e6), (1.5, 1e7)])
+@pytest.mark.parametrize("where", ["oscillator", "storeys", "between"])
+def test_motion_is_that_of_another_integrator(exponent, constant, where):
+    structures, links = {
+        "oscillator": ([ONE], [damper(constant, exponent)]),
+        "storeys": ([TOWER], in_every_storey(constant, exponent)),
+        "between": ([TOWER, ONE], [sl.Link(1e7, constant, damping_exponent=exponent)]),
+    }[where]
+    system, seconds = system_of(structures, links), 1.2
+    theirs = solved(system, seconds)
+    errors = []
+    for steps in (300, 1200):
+        (frame,) = all_frames(system)
+        off = stepped(frame.part, seconds, steps)[-1, : frame.floors.size] - theirs[:, -1]
+        errors.append(np.abs(off).max() / np.abs(theirs).max())
+    assert errors[1] < 3e-4
+    assert errors[1] < 0.15 * errors[0] or errors[1] < 5e-5
+
+
+@pytest.mark.parametrize("exponent", [0.2, 0.5, 1.0, 2.0])
+def test_what_the_ground_puts_in_is_stored_or_dissipated(exponent):
+    """By the trapezoidal rule to the rounding of the passes, whatever the step."""
+    system = system_of([TOWER], in_every_storey(2e6, exponent))
+    (frame,) = all_frames(system)
+    n, seconds, steps = 4, 2.0, 200
+    dt = seconds / steps
+    u = np.vstack([np.zeros(n), stepped(frame.part, seconds, steps)[:, :n]])
+    moved = np.diff(u, axis=0)
+    v = np.zeros_like(u)
+    for step in range(steps):
+        v[step + 1] = 2 * moved[step] / dt - v[step]
+    mass, springs = system.all("mass"), system.extensions
+    put_in = ((moved @ mass) * force(dt * (np.arange(steps) + 0.5))).sum()
+    pace = moved / dt
+    lost = dt * np.einsum("si,ij,sj->", pace, system.damping, pace)
+    dashpots = dt * 2e6 * (np.abs(pace @ springs[n:].T) ** (exponent + 1)).sum()
+    stored = 0.5 * (mass @ v[-1] ** 2 + system.all("elastic") @ (springs[:n] @ u[-1]) ** 2)
+    assert stored + lost + dashpots == pytest.approx(put_in, rel=1e-7)
+    assert dashpots > 0.1 * put_in
+
+
+def test_exponent_one_is_a_linear_dashpot():
+    """In the damping matrix, as a link has it; and as an element with an exponent of its own."""
+    linear, told = (
+        [replace(one, damping_exponent=a) for one in in_every_storey(3e6, 1)] for a in (None, 1)
+    )
+    tables = [sl.simulate([TOWER], FIRM, link=links, **FINITE) for links in (linear, told)]
+    np.testing.assert_array_equal(tables[0].peak, tables[1].peak)
+    found = []
+    for links in (linear, in_every_storey(3e6, 0.5)):
+        (frame,) = all_frames(system_of([TOWER], links))
+        own = frame.part.elements.own.copy()
+        own[frame.part.elements.kind == VISCOUS, 1:] = 1.0
+        part = Storeys(frame.part.elements._replace(own=own), law_of(()))
+        found.append(stepped(part, 3.0, 300)[:, :4])
+    np.testing.assert_allclose(found[1], found[0], rtol=0, atol=1e-8 * np.abs(found[0]).max())
+
+
+def test_a_linear_dashpot_to_the_ground_is_damping():
+    more = 0.1
+    constant = 2 * more * 2 * np.pi / ONE.period * ONE.mass
+    tied = sl.simulate([ONE], FIRM, link=damper(constant, None), **FINITE)
+    damped = sl.simulate([replace(ONE, damping=0.05 + more)], FIRM, **FINITE)
+    np.testing.assert_allclose(tied.peak, damped.peak, rtol=1e-9)
+
+
+def test_a_hysteretic_device_in_an_elastic_oscillator_makes_it_bilinear():
+    k, share, hardening = ONE.mass * (2 * np.pi / ONE.period) ** 2, 0.4, 0.1
+    device = sl.Link(
+        share * k, hardening=hardening, yield_displacement=0.01, structures=(1, 1), floors=(1, 0)
+    )
+    soft = replace(ONE, period=ONE.period / np.sqrt(1 - share), damping=0.05 / np.sqrt(1 - share))
+    left = 1 - share + hardening * share
+    whole = replace(ONE, hardening=left, yield_displacement=0.01)
+    one, other = (
+        sl.simulate([s], FIRM, link=link, **FINITE) for s, link in ((soft, device), (whole, None))
+    )
+    np.testing.assert_allclose(one.peak, other.peak, rtol=1e-7)
+
+
+def test_another_scale_of_mass_length_and_shaking_changes_nothing():
+    """Of a length: forces grow with it, so that a constant does with its power 1 - a."""
+    light = [damper(1e6, 0.3, floors=(n, n - 1)) for n in (1, 2)]
+    heavy = [replace(one, damping_constant=7e6 * 3**0.7) for one in light]
+    small, large = (sl.ShearBuilding([m] * 2, [1500 * m] * 2, [3.0] * 2, 0.05) for m in (2e5, 14e5))
+    grounds = [sl.KanaiTajimi(0.4, 0.6, s) for s in (0.02, 0.02 * 9)]
+    cases = ((small, grounds[0], light), (large, grounds[1], heavy))
+    tables = [sl.simulate([b], g, link=links, **FINITE) for b, g, links in cases]
+    np.testing.assert_allclose(3 * tables[0].peak, tables[1].peak, rtol=1e-6)
+
+
+def test_a_damper_holds_fast_what_moves_slowly():
+    """The smaller its exponent, the more it is one of friction: a strong one hardly lets go."""
+    free, held = (
+        sl.simulate([TOWER], FIRM, link=links, **FINITE) for links in ([], in_every_storey(5e7, 0.2))
+    )
+    assert float(held.peak.max()) < 1e-3 * float(free.peak.max())
+
+
+def test_equal_buildings_do_not_feel_a_damper_between_them():
+    free, tied = (
+        sl.simulate([TOWER, TOWER], FIRM, link=link, **FINITE)
+        for link in (None, sl.Link(0.0, 1e7, damping_exponent=0.4))
+    )
+    np.testing.assert_allclose(free.peak, tied.peak, rtol=1e-9)
+    assert float(tied.separation.max()) < 1e-12
+
+
+def test_a_damper_in_one_building_is_not_felt_by_its_neighbour():
+    pair, device = [TOWER, ONE], damper(3e6, 0.3, 2)
+    free, tied = (sl.simulate(pair, FIRM, link=link, **FINITE) for link in ([], [device]))
+    np.testing.assert_array_equal(free.peak[:, :4], tied.peak[:, :4])
+    assert float(tied.peak_mean[4]) < 0.8 * float(free.peak_mean[4])
+
+
+def test_one_seed_gives_one_answer_whatever_the_number_of_threads(monkeypatch):
+    tables = []
+    for cores in (1, 4):
+        monkeypatch.setattr("stochlin.kernels.basics.parallel.os.cpu_count", lambda cores=cores: cores)
+        links = in_every_storey(1e6, 0.3)
+        tables.append(sl.simulate([TOWER], FIRM, paths=96, duration=3.0, seed=9, link=links))
+    np.testing.assert_array_equal(tables[0].peak, tables[1].peak)
