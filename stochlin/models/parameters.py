@@ -18,6 +18,7 @@ Parameter = float | xr.DataArray | npt.ArrayLike
 """A number, a DataArray (broadcast by dimension name) or a 1-D array (dimension ``case``)."""
 
 CASE = "case"
+_MADE = "_arrays"  # of a model, which stays as it is: its parameters as arrays, once they were asked for
 
 
 @dataclasses.dataclass(frozen=True)
@@ -83,6 +84,7 @@ class Model:
             if value is not None or field.default is not None:
                 checked = check(prefix, field.name, value, field.metadata)
                 object.__setattr__(self, field.name, checked)
+        self.__dict__.pop(_MADE, None)
         try:
             xr.align(*self.arrays().values(), join="exact", copy=False)
         except (xr.AlignmentError, ValueError) as error:
@@ -121,12 +123,16 @@ class Model:
 
     def arrays(self) -> dict[str, xr.DataArray]:
         """The parameters that are set, as labelled arrays (0-d for scalars)."""
-        values = {f.name: getattr(self, f.name) for f in self._declared()}
-        return {
-            name: value if isinstance(value, xr.DataArray) else xr.DataArray(value)
-            for name, value in values.items()
-            if value is not None
-        }
+        made: dict[str, xr.DataArray] | None = self.__dict__.get(_MADE)
+        if made is None:
+            values = {f.name: getattr(self, f.name) for f in self._declared()}
+            made = {
+                name: value if isinstance(value, xr.DataArray) else xr.DataArray(value)
+                for name, value in values.items()
+                if value is not None
+            }
+            object.__setattr__(self, _MADE, made)
+        return dict(made)
 
     def over_cells(self) -> dict[str, xr.DataArray]:
         """Those arrays that make a table, with a cell for each of their values."""
@@ -135,6 +141,7 @@ class Model:
     def isel(self, indexers: Mapping[Any, int | slice]) -> Self:
         """The model with only these cells along the dimensions that it has."""
         part = copy.copy(self)
+        part.__dict__.pop(_MADE, None)
         for name, array in self.arrays().items():
             if array.ndim:
                 object.__setattr__(part, name, array.isel(indexers, missing_dims="ignore"))

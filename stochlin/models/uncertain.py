@@ -159,7 +159,7 @@ class UncertainModel:
     def at(self, factors: Mapping[str, Any]) -> Any:
         """The model with parameters that are such multiples of their medians, 1 unless given."""
         given = {
-            name: np.asarray(value.median) * factors.get(name, 1.0)
+            name: factors.get(name, 1.0) * np.asarray(value.median)
             for name, value in self.uncertain.items()
         }
         return self.build(**{**self.arguments, **given})

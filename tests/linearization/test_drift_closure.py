@@ -359,7 +359,7 @@ def test_unequal_pairs_meet_fresh_simulations(ground, pair, tolerance):
 
 
 def test_clough_penzien_ground_meets_fresh_simulations():
-    """Mean errors of twelve structures and of their pairs; with the memory of the soil alone .23 and .24."""
+    """Mean errors of twelve structures and of their pairs; by the soil's memory alone .23 and .24."""
     random = np.random.default_rng(8)
     columns = [np.exp(random.uniform(*np.log(ends), 12)) for ends in ((0.3, 3), (0.02, 0.1), (2, 10))]
     periods, hardenings, factors = columns

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -34,7 +36,7 @@ def counted(pair, hazard, gap, count, paths):
     ]
     hits = []
     for n, im in enumerate(intensity):
-        ground = type(GROUND)(**{**vars(strong[0]), "intensity": strong[0].intensity * im**2})
+        ground = replace(strong[0], intensity=strong[0].intensity * im**2)
         table = sl.simulate(fixed, ground, paths=paths, seed=1000 + n, duration=15.0, envelope=SHAPE)
         hits.append(float((table.separation[:, 0, 1] > gap).mean()))
     hits, rate = np.array(hits), float(hazard.frequency(lowest))

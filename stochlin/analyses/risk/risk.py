@@ -164,8 +164,8 @@ def required_gap(
     Returns
     -------
     xarray.Dataset
-        Without dimensions: ``required_gap`` [m] with its 95 % interval, ``target_rate`` [1/yr], and the ``annual_rate``
-        [1/yr] of this gap with its standard error.
+        Without dimensions: ``required_gap`` [m] with its 95 % interval, ``target_rate`` [1/yr], and
+        the ``annual_rate`` [1/yr] of this gap with its standard error.
 
     Raises
     ------
