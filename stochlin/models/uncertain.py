@@ -5,15 +5,18 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Self
+from functools import wraps
+from typing import Any, Self, TypeVar
 
 import numpy as np
 import numpy.typing as npt
+import xarray as xr
 from scipy.special import ndtri
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
 
+One = TypeVar("One")
 KINDS = "lognormal", "uniform"
 FAR = 1e-4  # outside of the values at which a model is tried, on each side
 TAKEN = "separation, existing_gap, pounding_probability, mitigate and simulate with a duration"
@@ -164,11 +167,39 @@ class UncertainModel:
         }
         return self.build(**{**self.arguments, **given})
 
+    def over_cells(self) -> dict[str, Any]:
+        """None: it is one model, as in `Model.over_cells`."""
+        return {}
+
+    def valid(self) -> xr.DataArray:
+        """True, since what is not raises when it is made."""
+        return xr.DataArray(True)
+
+    def isel(self, indexers: Mapping[Any, int | slice]) -> Self:
+        """The model itself, which has no dimensions."""
+        return self
+
     def describe(self) -> str:
         """One line with the parameters."""
-        return (
-            f"{self.build.__name__}({', '.join(f'{n}={_told(v)}' for n, v in self.arguments.items())})"
-        )
+        parts = [f"{n}={_told(v)}" for n, v in self.arguments.items() if not isinstance(v, type)]
+        return f"{self.build.__qualname__}({', '.join(parts)})"
+
+
+def median_of(model: Any) -> Any:
+    """A model at the medians of its parameters."""
+    return model.median() if isinstance(model, UncertainModel) else model
+
+
+def takes_uncertain(build: Callable[..., One]) -> Callable[..., One]:
+    """A function that makes a model: its description, with an `Uncertain` among the arguments."""
+
+    @wraps(build)
+    def either(*args: Any, **kwargs: Any) -> Any:
+        if any(isinstance(value, Uncertain) for value in (*args, *kwargs.values())):
+            return UncertainModel.of(build, args, kwargs)
+        return build(*args, **kwargs)
+
+    return either
 
 
 def _told(value: Any) -> str:

@@ -12,7 +12,7 @@ from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.structures import Structure
 from stochlin.models.systems import Stack, stack_of
-from stochlin.models.uncertain import UncertainModel
+from stochlin.models.uncertain import UncertainModel, median_of
 
 PATH, INPUT = "path", "input"
 STREAM = 2  # of the seed, beside those of the motions
@@ -88,11 +88,6 @@ def draw(structures: Sequence[Any], ground: Any, motions: int, seed: int) -> Dra
         if isinstance(model, UncertainModel)
     }
     return found._replace(factors=factors)
-
-
-def median_of(model: Any) -> Any:
-    """A model at the medians of its parameters."""
-    return model.median() if isinstance(model, UncertainModel) else model
 
 
 def _stratified(random: np.random.Generator, count: int) -> Array:
