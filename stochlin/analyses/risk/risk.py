@@ -116,7 +116,8 @@ def pounding_risk(
     True
     """
     asked = _Asked(first, second, ground, hazard, duration, envelope, scatter, paths, seed)
-    asked.check(gap)
+    asked.check()
+    check_existing(gap, duration, {"first": first, "second": second})
     _check_years(years)
     motions = asked.simulated(progress)
     by_path = rates(motions, gap, asked.frequency)
@@ -251,7 +252,7 @@ class _Asked(NamedTuple):
     paths: int
     seed: int
 
-    def check(self, gap: float | None = None) -> None:
+    def check(self) -> None:
         """Raise for what is of the wrong kind, out of range, or too much; before any work is done."""
         both = {"first": self.first, "second": self.second}
         for role, structure in both.items():
@@ -259,10 +260,7 @@ class _Asked(NamedTuple):
         expect(self.ground, Ground, "ground")
         expect(self.hazard, Hazard, "hazard")
         check_scatter(self.scatter)
-        if gap is None:
-            check_duration(self.duration, both)
-        else:
-            check_existing(gap, self.duration, both)
+        check_duration(self.duration, both)
         check_repeated(list(both.values()), self.ground, self.duration, self.paths, self.seed, POINTS)
 
     def check_target(self, target: float, risk: object) -> None:
