@@ -169,7 +169,13 @@ OWN: dict[str, dict[str, Any]] = {
         "hardening": 0.1,
         "base_shear_coefficient": 0.1,
     },
-    "Link": {"hardening": 0.1, "yield_displacement": 0.01, "floors": (1, 1), "structures": (1, 2)},
+    "Link": {
+        "damping_exponent": 0.5,
+        "hardening": 0.1,
+        "yield_displacement": 0.01,
+        "floors": (1, 1),
+        "structures": (1, 2),
+    },
     "pounding_estimate": {"duration": 3.0, "radius_1": 0.1, "radius_2": 0.2},
     **{name: {"restitution": 0.6} for name in DASHPOTS},
 }

@@ -32,6 +32,7 @@ GROUNDS = {
     "Clough-Penzien": sl.CloughPenzien(0.2, 0.6, 1.0, 0.6, 0.01),
 }
 CONTACT, LINK = sl.Kelvin(1e8, restitution=0.65), sl.Link(1e6, 1e5)
+DEVICE = sl.Link(0.0, 1e5, damping_exponent=0.5, structures=(1, 1), floors=(1, 0))
 SIZES = {"duration": 0.2, "paths": 16}
 
 
@@ -104,10 +105,13 @@ ON_GROUND: dict[str, Callable[[Pair], object]] = {
     ),
     "linearize_system": lambda s: sl.linearize_system(s.both, s.ground),
     "linearize_system, links": lambda s: sl.linearize_system(s.both, s.ground, [LINK]),
+    "linearize_system, device": lambda s: sl.linearize_system(s.both, s.ground, [DEVICE]),
     "correlate_linked": lambda s: sl.correlate_linked(*s.both, s.ground, LINK),
+    "correlate_linked, device": lambda s: sl.correlate_linked(*s.both, s.ground, DEVICE),
     "simulate": lambda s: sl.simulate(s.both, s.ground, paths=16, relaxation_times=1.0),
     "simulate, duration": lambda s: sl.simulate(s.both, s.ground, **SIZES),
     "simulate, link": lambda s: sl.simulate(s.both, s.ground, **SIZES, link=LINK),
+    "simulate, device": lambda s: sl.simulate(s.both, s.ground, **SIZES, link=[DEVICE]),
     "statespace": lambda s: sl.statespace(s.both, s.ground, [-1.0] * s.storeys, [0.0] * s.storeys),
     "amplification": lambda s: sl.amplification(s.first, s.ground),
     'amplification, method="simulation"': lambda s: sl.amplification(
@@ -151,6 +155,8 @@ Which function takes which structure, with which law, on which ground. The table
 call, and the tests compare it with what they find; `make takes` writes it anew. A number in the place of
 a tick is that of the message, below the table, with which the call refuses; a dash stands where there is
 one structure alone.
+
+A device is a dashpot with an exponent between the first floor of a structure and the ground.
 
 All columns but the last are tried on Kanai-Tajimi ground, or in a record. The last says on which of
 white noise, Kanai-Tajimi and Clough-Penzien ground the call takes `Bilinear` oscillators.

@@ -16,9 +16,10 @@ from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
-from stochlin.models.systems import check_linear_dashpots, check_mass
+from stochlin.models.systems import check_mass
 
 OF_BOTH = ("rho", "relative_displacement_std", "link_force_std")
+OF_DASHPOT = "equivalent_damping_constant"  # of one with an exponent
 OF_ONE = ("displacement_std", "velocity_std", "ductility_std", "c_eq", "k_eq")
 
 
@@ -42,7 +43,8 @@ def correlate_linked(
         With a mass. Strength by ``reduction_factor`` refers to the structure standing alone.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
     link : Link
-        All parameters but the masses broadcast by dimension name. It may yield, not have slack.
+        All parameters but the masses broadcast by dimension name. It may yield, have a dashpot with an
+        exponent or be a device in one of both, not have slack.
     closure : str
         ``"gaussian"`` or ``"clipped"``, as in `linearize`.
 
@@ -52,7 +54,8 @@ def correlate_linked(
         Over the dimensions of the parameters: ``rho`` [-], ``displacement_std_1`` and ``_2`` [m],
         ``relative_displacement_std`` [m]: of ``u_1 - u_2``, ``velocity_std_1`` and ``_2`` [m/s],
         ``ductility_std_1`` and ``_2`` [-], ``link_force_std`` [N], ``c_eq_1``, ``c_eq_2`` [-],
-        ``k_eq_1``, ``k_eq_2`` [1/s], ``status``.
+        ``k_eq_1``, ``k_eq_2`` [1/s], ``status``; of a link with an exponent also
+        ``equivalent_damping_constant`` [N s/m].
 
     Raises
     ------
@@ -95,20 +98,22 @@ def correlate_linked(
             "link: slack is given; allowed: none, since it pulls one way, and linearization wants "
             "forces that are zero in the mean; simulate it"
         )
-    check_linear_dashpots("link", [link])
     check_laws((first, second), closure)
+
+    of_both = [*OF_BOTH, OF_DASHPOT] if link.damping_exponent is not None else OF_BOTH
+    failed = dict.fromkeys([*of_both, *(f"{name}_{n}" for name in OF_ONE for n in (1, 2))], np.nan)
 
     def of_cell(first: Structure, second: Structure, ground: Ground, link: Link) -> xr.Dataset:
         try:
             equations = equations_of((first, second), ground, [link])
         except ArithmeticError:  # a strength that refers to what cannot be computed
-            return _failed(labels.NOT_PHYSICAL)
+            return xr.Dataset({**failed, "status": np.int8(labels.NOT_PHYSICAL)})
         solution = Loop(equations, closure, USUAL).solve()
         if solution.status >= labels.NOT_CONVERGED:
-            return _failed(solution.status)
+            return xr.Dataset({**failed, "status": np.int8(solution.status)})
         table = solution_table(equations, solution)
         places = {"floor": 0, "floor_2": 1, "link": 0}
-        found = {name: table[name].isel(places, drop=True, missing_dims="ignore") for name in OF_BOTH}
+        found = {name: table[name].isel(places, drop=True, missing_dims="ignore") for name in of_both}
         for name in OF_ONE:
             for n in (0, 1):
                 found[f"{name}_{n + 1}"] = table[name].isel({table[name].dims[0]: n}, drop=True)
@@ -125,8 +130,3 @@ def correlate_linked(
         f"correlate_linked(closure={closure!r})",
         models,
     )
-
-
-def _failed(status: int) -> xr.Dataset:
-    names = [*OF_BOTH, *(f"{name}_{n}" for name in OF_ONE for n in (1, 2))]
-    return xr.Dataset({**dict.fromkeys(names, np.nan), "status": np.int8(status)})

@@ -137,10 +137,7 @@ def _drift_times(
     system: System,
 ) -> Array:
     """Relaxation of the plastic drifts of all storeys by linearization, which knows no slack [s]."""
-    kept = [
-        None if link is None or link.slack is not None or link.damping_exponent is not None else link
-        for link in links
-    ]
+    kept = [None if link is None or link.slack is not None else link for link in links]
     try:
         k_eq = linearize_system(structures, ground, kept).k_eq.values
     except ArithmeticError:  # the run tells by its own drift whether it was too short

@@ -157,25 +157,37 @@ class Solved:
         found: Array = np.sqrt(np.maximum(((rows @ self._turned) * rows).sum(axis=1), 0.0))
         return found
 
-    def slopes(self) -> Array:
-        """Of the last three of the moments by ``c_eq`` and ``k_eq`` (3, m, 2, m)."""
-        z, m = self.system.z, self.system.z.size
-        seen = (
-            self._equation.schur_rows(r) for r in (self.turn.velocities, self.turn.z, self.turn.beyond)
-        )
-        v, own, beyond = seen
-        slopes = np.zeros((3, m, 2, m))
+    def slopes(self, dashpots: Array, mass: Array) -> Array:
+        """Of the last three of the moments (3 m), and the variances of rates beside ``dashpots`` (l).
+
+        By ``c_eq`` and ``k_eq`` (2 m), and by the constants of dashpots beside these springs (l). The
+        floors have the masses (n,).
+        """
+        z, m, turn, velocities = self.system.z, self.system.z.size, self.turn, self.system.velocities
+        extensions = self.system.extensions[dashpots]
+        rates = extensions @ turn.back[velocities]
+        seen = (self._equation.schur_rows(r) for r in (turn.velocities, turn.z, turn.beyond, rates))
+        v, own, beyond, rate = seen
+        pairs = (v, v), (own, own), (v, beyond)
+        slopes = np.zeros((3 * m + dashpots.size, 2 * m + dashpots.size))
+
+        def add(which: int, column: Array, row: Array) -> None:
+            change = self._equation.slope(column, row, self._turned)
+            slopes[: 3 * m, which] += _products(change, *pairs).ravel()
+            slopes[3 * m :, which] += _products(change, (rate, rate))[0]
+
         for spring in range(m):
-            if self.turn.moves[spring]:
-                column = self.turn.into[:, z[spring]]
-                rows = [-self.turn.velocities[spring], -self.turn.z[spring]]
+            if turn.moves[spring]:
+                column = turn.into[:, z[spring]]
+                rows = [-turn.velocities[spring], -turn.z[spring]]
             else:  # z = -c_eq d
-                column = self.turn.into @ self.system.matrix[:, z[spring]]
-                rows = [-self.turn.drifts[spring]]
-                slopes[1, spring, 0, spring] = 2 * rows[0] @ self._turned @ self.turn.z[spring]
+                column = turn.into @ self.system.matrix[:, z[spring]]
+                rows = [-turn.drifts[spring]]
+                slopes[m + spring, spring] = 2 * rows[0] @ self._turned @ turn.z[spring]
             for which, row in enumerate(rows):
-                change = self._equation.slope(column, row, self._turned)
-                slopes[:, :, which, spring] += _products(change, (v, v), (own, own), (v, beyond))
+                add(which * m + spring, column, row)
+        for which, extension in enumerate(extensions):
+            add(2 * m + which, turn.into[:, velocities] @ (extension / mass), -rates[which])
         return slopes
 
 

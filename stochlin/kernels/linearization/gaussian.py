@@ -1,11 +1,11 @@
-"""Expectations over a Gaussian pair ``(v, z)`` on the quadrant where a bilinear law slips."""
+"""Gaussian expectations: of a pair ``(v, z)`` where a bilinear law slips, and of powers of a rate."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import ndtr, owens_t
+from scipy.special import gamma, ndtr, owens_t
 
 from stochlin.kernels.basics.arrays import Array
 
@@ -44,6 +44,17 @@ def slip_quadrant(sz: Array, r: Array) -> SlipQuadrant:
         first = ndtr(-h / q) / SQRT_2PI + r * edge
     second = probability + r * (r * h * edge + q * corner)
     return SlipQuadrant(probability, first, second, h, q, edge, corner)
+
+
+def absolute_moment(power: Array, std: Array) -> Array:
+    """``E |v|^power`` of a Gaussian rate: ``std^power 2^(power/2) Gamma((power + 1)/2) / sqrt(pi)``."""
+    found: Array = std**power * 2 ** (power / 2) * gamma((power + 1) / 2) / np.sqrt(np.pi)
+    return found
+
+
+def equivalent_dashpot(constant: Array, exponent: Array, std: Array) -> Array:
+    """The linear dashpot nearest to ``c |v|^a sign(v)`` in the mean square: ``c E|v|^(a+1) / E v^2``."""
+    return constant * absolute_moment(exponent + 1, std) / std**2
 
 
 def regress_slip(

@@ -45,7 +45,8 @@ KINDS = LINEAR, BILINEAR, SLACK, BOUC_WEN, VISCOUS, OTHER = range(6)
 MOST_PASSES = 60
 MOST_VISCOUS = 600  # passes, where dashpots with an exponent hold many floors fast
 MOST_ROOTS = 60  # steps of Newton's method, of which four or five are the rule
-ROOT = 1e-12  # relative
+NEARLY = 1e-5  # of a root, away from which Newton's method is right to its square
+SOFT = 0.1  # of the stiffness with which floors resist a step: that of a dashpot's spring
 HARDLY = 1e-6  # of the largest drift of a step: less of it in a dashpot with an exponent may be rounding
 CLOSE = 1e-8  # of the strength of an element: where slips change by less, the next change is nothing
 LEAST_SLACK = 0.01  # [m] that counts as the strength of an element with less slack
@@ -104,9 +105,9 @@ def steps_of(elements: Elements, dt: float) -> Steps:
     stiffness = (b.T * (elements.post + elements.couple)) @ b
     resisting = 2 / dt * mass + elements.damping + 0.5 * dt * stiffness
     couple, viscous = elements.couple, elements.kind == VISCOUS
-    if viscous.any():  # as stiff as that with which the floors resist a step
+    if viscous.any():
         own = np.einsum("en,nm,em->e", b, np.linalg.inv(resisting), b)
-        couple = np.where(viscous, 2 / (dt * own), couple)
+        couple = np.where(viscous, SOFT * 2 / (dt * own), couple)
         resisting += 0.5 * dt * (b.T * np.where(viscous, couple, 0.0)) @ b
     flexible = np.linalg.solve(resisting, np.eye(n))
     of_forces = dt * b @ flexible @ b.T
@@ -235,18 +236,24 @@ def _dashpot(steps, i, change, slip, more):
         drift, before = change[i, lane], slip[i, lane]
         alone = drift - g * before
         size = abs(alone)
-        most = min(size / first, (size / second) ** (1.0 / power))
-        x = most
-        if before != 0.0:  # as in the pass before
+        x = 0.0
+        if before != 0.0:  # as in the pass before, or in the step before
             x = abs(drift - before) / of_force if slow else abs(drift) / of_rate
-            x = min(x, most)
         steep = x ** (power - 1.0)
-        for _ in range(MOST_ROOTS):
-            less = (first * x + second * x * steep - size) / (first + power * second * steep)
+        less = (first * x + second * x * steep - size) / (first + power * second * steep)
+        if power * abs(less) < NEARLY * x:
+            steep *= 1.0 - (power - 1.0) * less / x
+            x -= less
+        else:
+            most = min(size / first, (size / second) ** (1.0 / power))
             x = min(x - less, most)
+            for _ in range(MOST_ROOTS):
+                steep = x ** (power - 1.0)
+                less = (first * x + second * x * steep - size) / (first + power * second * steep)
+                x = min(x - less, most)
+                if not power * abs(less) > NEARLY * x:
+                    break
             steep = x ** (power - 1.0)
-            if not abs(less) > ROOT * x:
-                break
         rate, force = (x * steep, x) if slow else (x, x * steep)
         total = of_rate * rate - of_force * force
         more[lane] = (total if alone > 0.0 else -total) - slip[i, lane]
@@ -324,6 +331,53 @@ def _slips(law, steps, d, z, change, slip, more):
             return
 
 
+@called_often
+@called_often
+def _slips(law, steps, d, z, change, slip, more):
+    """All slips of a step; ``change`` are the increments of the drifts that go with them."""
+    e = steps.kind.size
+    widest = 0.0
+    if steps.passes == MOST_VISCOUS:
+        for i in range(e):
+            widest = _largest(change[i], slip[i], 0.0, widest)
+    for _ in range(steps.passes):
+        moved = False
+        for i in range(e):
+            if steps.kind[i] == LINEAR:
+                continue
+            _more_slip(law, steps, i, d, z, change, slip, more)
+            if not _beyond(more, 0.0):
+                continue
+            least = smallest(steps.strength[i])
+            if steps.kind[i] == SLACK:
+                least = max(least, LEAST_SLACK)
+            elif steps.kind[i] == VISCOUS:
+                least = _largest(change[i], slip[i], steps.relief[i, i], HARDLY * widest)
+            moved = moved or _beyond(more, CLOSE * least)
+            for lane in range(LANES):
+                slip[i, lane] += more[lane]
+            for k in range(e):
+                a = steps.relief[k, i]
+                for lane in range(LANES):
+                    change[k, lane] += of_lane(a, lane) * more[lane]
+        if not moved:
+            return
+
+
+@called_often
+def _first_slips(steps, change, slip):
+    """None; of dashpots with an exponent those of the step before."""
+    for i in range(steps.kind.size):
+        if steps.kind[i] != VISCOUS:
+            for lane in range(LANES):
+                slip[i, lane] = 0.0
+            continue
+        for k in range(steps.kind.size):
+            a = steps.relief[k, i]
+            for lane in range(LANES):
+                change[k, lane] += a * slip[i, lane]
+
+
 @entry
 def storey_block(f, owned, law, d, v, z, every, out, version):
     """Elements over the steps of ``f``; ``out`` (samples, e, LANES): floors, then links.
@@ -333,7 +387,7 @@ def storey_block(f, owned, law, d, v, z, every, out, version):
     """
     steps = borrow(owned)
     e, n = steps.kind.size, steps.lowest.size
-    known, change, slip = np.empty((n + e, LANES)), np.empty((e, LANES)), np.empty((e, LANES))
+    known, change, slip = np.empty((n + e, LANES)), np.empty((e, LANES)), np.zeros((e, LANES))
     new, twice = np.empty(LANES), 2.0 / steps.dt
     sample = 0
     for s in range(f.shape[0]):
@@ -347,9 +401,9 @@ def storey_block(f, owned, law, d, v, z, every, out, version):
                     of_lane(post, lane) * d[i, lane] + of_lane(couple, lane) * z[i, lane]
                 )
                 change[i, lane] = of_lane(push, lane) * f[s, lane]
-                slip[i, lane] = 0.0
         for i in range(e):
             multiply(steps.move, i, known, change)
+        _first_slips(steps, change, slip)
         _slips(law, steps, d, z, change, slip, new)
         for i in range(e):
             for lane in range(LANES):

@@ -29,7 +29,6 @@ from stochlin.models.systems import (
     STRUCTURES,
     AnyStructure,
     System,
-    check_linear_dashpots,
     check_links,
     system_of,
 )
@@ -80,8 +79,23 @@ class Equations:
             listed += [f"z_{name}" for name in here if name in names]
         return listed + [f"z_{name}" for name in names if name not in floors]
 
-    def augmented(self, c_eq: Array, k_eq: Array, own: Array) -> Augmented:
-        """With these coefficients of the elements (e,), of which these have a ``z`` of their own."""
+    @cached_property
+    def dashpots(self) -> Array:
+        """Constants of the dashpots of the links (t,), with their exponents."""
+        return self._of_links("damping_constant")
+
+    @cached_property
+    def exponents(self) -> Array:
+        """Of the dashpots of the links (t,)."""
+        return np.array([tie.link.exponent for tie in self.system.ties], float)
+
+    def augmented(
+        self, c_eq: Array, k_eq: Array, own: Array, dashpots: Array | None = None
+    ) -> Augmented:
+        """With these coefficients of the elements (e,), of which these have a ``z`` of their own.
+
+        ``dashpots`` (t,) are those of the links, if they are not what they have themselves.
+        """
         soil, n = self.ground.lone_filter(), len(self.system.floors)
         names = {name: i for i, name in enumerate(self.states(own))}
         springs = self.elements[own]
@@ -89,7 +103,7 @@ class Equations:
         z = np.array([names[f"z_{self.springs[spring]}"] for spring in springs], int)
         q = np.arange(len(soil.states))
         mass, t = self.system.all("mass")[:, None], self.extensions
-        dampers = self._of_links("damping_constant")
+        dampers = self.dashpots if dashpots is None else dashpots
         links = t[n:]
         damping = self.system.damping + (links.T * dampers) @ links
         stiffness = self.stiffness.copy()
@@ -116,10 +130,10 @@ class Equations:
         return self._post + self._couple
 
     @property
-    def forces(self) -> tuple[Array, Array, Array]:
-        """``post``, ``couple`` [N/m] and dashpot [N s/m] of the springs (s,), of storeys none."""
-        dashpots = np.append(np.zeros(len(self.system.floors)), self._of_links("damping_constant"))
-        return self._post, self._couple, dashpots
+    def of_links(self) -> tuple[Array, Array]:
+        """``post`` and ``couple`` [N/m] of the springs of the links (t,)."""
+        n = len(self.system.floors)
+        return self._post[n:], self._couple[n:]
 
     @cached_property
     def _post(self) -> Array:
@@ -150,7 +164,6 @@ def checked_system(
             check_scalars(structure, f"structures, number {number}", ONE_SYSTEM)
     check_scalars(ground, "ground", ONE_SYSTEM)
     links = check_links("links", links, len(structures))
-    check_linear_dashpots("links", links)
     for number, link in enumerate(links, start=1):
         if link is not None:
             check_scalars(link, f"links, number {number}", ONE_SYSTEM)
@@ -206,7 +219,7 @@ def statespace(
     ------
     ValueError
         If there is no structure, a parameter is an array, the coefficients are not one an element, or a
-        link has slack.
+        link has slack or an exponent.
     TypeError
         If something is of the wrong kind.
 
@@ -223,6 +236,12 @@ def statespace(
     ['xg', 'xg_rate', 'u_1', 'v_1', 'u_2', 'v_2']
     """
     links = checked_system(structures, ground, links)
+    for number, link in enumerate(links, start=1):
+        if link is not None and link.is_power_law:
+            raise ValueError(
+                f"links, number {number}: damping_exponent = {link.exponent:g}; allowed: 1, since this "
+                "is a linear system. Give the link the equivalent_damping_constant of linearize_system"
+            )
     given = []
     for name, values in (("c_eq", c_eq), ("k_eq", k_eq)):
         given.append(as_numbers(name, values, "a number for every element").astype(float))

@@ -19,6 +19,7 @@ from stochlin.analyses.tables.floors import element_coordinates, floor_coordinat
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.augmented import Solved
+from stochlin.kernels.linearization.gaussian import absolute_moment
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
@@ -53,7 +54,8 @@ def linearize_system(
         With scalar parameters.
     links : sequence of Link or None, optional
         From each structure to the next, or with ``structures=(.., ..)`` of their own; oscillators
-        then need a mass. One that yields is an element like a storey.
+        then need a mass. One that yields is an element like a storey; a dashpot with an exponent is
+        linearized for a Gaussian rate, ``c_eq = c E|v|^(a+1) / E v^2``, in the same loop.
     closure : str
         ``"gaussian"`` or ``"clipped"``, as in `linearize`.
     rtol : float
@@ -73,7 +75,8 @@ def linearize_system(
         [m/s]; over (``floor``, ``floor_2``): ``rho`` and ``relative_displacement_std`` [m]. Over
         (``state``, ``state_2``): ``covariance``, with the states of `statespace`. Over ``iteration``:
         ``covariance_change``, ``coefficient_change``, of all rounds that were tried. Over ``link``:
-        ``link_force_std`` [N]. And ``status``.
+        ``link_force_std`` [N], and where a link has an exponent ``equivalent_damping_constant`` [N s/m],
+        of its dashpot linearized, NaN where its ends move as one. And ``status``.
 
     Raises
     ------
@@ -92,7 +95,8 @@ def linearize_system(
     References
     ----------
     Valles-Mattox and Reinhorn (1996), eqs. (5) to (12); Baber, T. T. and Wen, Y.
-    K. (1981), J. Eng. Mech. Div. ASCE 107, for storeys.
+    K. (1981), J. Eng. Mech. Div. ASCE 107, for storeys; Roberts, J. B. and Spanos, P. D. (1990), Random
+    vibration and statistical linearization, for dashpots.
 
     Examples
     --------
@@ -225,13 +229,25 @@ def solution_table(equations: Equations, solution: Solution) -> xr.Dataset:
         links = [tie.name for tie in system.ties]
         forces = xr.DataArray(link_forces(equations, solution), dims="link", coords={"link": links})
         table = table.assign(link_force_std=forces)
+        if any(tie.link.damping_exponent is not None for tie in system.ties):
+            table["equivalent_damping_constant"] = ("link", solution.dashpots)
     table.covariance.attrs = {"long_name": "covariance of the states, in m and s"}
     return table
 
 
 def link_forces(equations: Equations, solution: Solution) -> Array:
-    """Standard deviations of the forces in all links (l,) [N]."""
-    n = len(equations.system.floors)
-    springs = np.arange(n, len(equations.springs))
-    assert solution.motion is not None
-    return solution.motion.force_std(springs, *(part[n:] for part in equations.forces))
+    """Standard deviations of the forces in all links (t,) [N].
+
+    A dashpot with an exponent adds what its force has beyond that of the linear one, of a Gaussian rate.
+    """
+    n, motion = len(equations.system.floors), solution.motion
+    assert motion is not None
+    springs, dashpots = np.arange(n, len(equations.springs)), np.nan_to_num(solution.dashpots)
+    linear = motion.force_std(springs, *equations.of_links, dashpots)
+    power = np.array([tie.link.is_power_law for tie in equations.system.ties]) & (dashpots > 0)
+    if not power.any():
+        return linear
+    rate = motion.std(equations.extensions[springs[power]], rates=True)
+    whole = equations.dashpots[power] ** 2 * absolute_moment(2 * equations.exponents[power], rate)
+    linear[power] = np.sqrt(linear[power] ** 2 + whole - (dashpots[power] * rate) ** 2)
+    return linear

@@ -11,6 +11,7 @@ VARIABLES: Variables = {
     "rho": ("1", "correlation coefficient of the displacements"),
     "relative_displacement_std": ("m", "standard deviation of the displacement of floor less floor_2"),
     "link_force_std": ("N", "standard deviation of the force in the link"),
+    "equivalent_damping_constant": ("N s/m", "damping constant of the dashpot linearized"),
     "covariance_change": ("1", "largest change of a covariance over the standard deviations"),
     "coefficient_change": ("1", "largest change of c_eq, and of k_eq over its sum with the frequency"),
 }
