@@ -80,7 +80,8 @@ class Draw(NamedTuple):
 
 def draw(structures: Sequence[Any], ground: Any, motions: int, seed: int) -> Draw:
     """Samples for so many motions: a Latin hypercube, so that each parameter takes all of its range."""
-    found = Draw(structures, ground, motions, {})
+    listed = structures if isinstance(structures, Sequence) else ()  # what else it is, is told later
+    found = Draw(listed, ground, motions, {})
     random = np.random.default_rng([seed, STREAM])
     factors = {
         role: {name: one.factor(_stratified(random, motions)) for name, one in model.uncertain.items()}

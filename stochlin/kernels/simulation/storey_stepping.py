@@ -332,39 +332,6 @@ def _slips(law, steps, d, z, change, slip, more):
 
 
 @called_often
-@called_often
-def _slips(law, steps, d, z, change, slip, more):
-    """All slips of a step; ``change`` are the increments of the drifts that go with them."""
-    e = steps.kind.size
-    widest = 0.0
-    if steps.passes == MOST_VISCOUS:
-        for i in range(e):
-            widest = _largest(change[i], slip[i], 0.0, widest)
-    for _ in range(steps.passes):
-        moved = False
-        for i in range(e):
-            if steps.kind[i] == LINEAR:
-                continue
-            _more_slip(law, steps, i, d, z, change, slip, more)
-            if not _beyond(more, 0.0):
-                continue
-            least = smallest(steps.strength[i])
-            if steps.kind[i] == SLACK:
-                least = max(least, LEAST_SLACK)
-            elif steps.kind[i] == VISCOUS:
-                least = _largest(change[i], slip[i], steps.relief[i, i], HARDLY * widest)
-            moved = moved or _beyond(more, CLOSE * least)
-            for lane in range(LANES):
-                slip[i, lane] += more[lane]
-            for k in range(e):
-                a = steps.relief[k, i]
-                for lane in range(LANES):
-                    change[k, lane] += of_lane(a, lane) * more[lane]
-        if not moved:
-            return
-
-
-@called_often
 def _first_slips(steps, change, slip):
     """None; of dashpots with an exponent those of the step before."""
     for i in range(steps.kind.size):
@@ -375,7 +342,7 @@ def _first_slips(steps, change, slip):
         for k in range(steps.kind.size):
             a = steps.relief[k, i]
             for lane in range(LANES):
-                change[k, lane] += a * slip[i, lane]
+                change[k, lane] += of_lane(a, lane) * slip[i, lane]
 
 
 @entry
