@@ -72,6 +72,7 @@ from .models.laws.bilinear import Bilinear as Bilinear
 from .models.laws.bouc_wen import BoucWen as BoucWen
 from .models.laws.hysteretic import Hysteretic as Hysteretic
 from .models.buildings import ShearBuilding as ShearBuilding
+from .models.uncertain import Uncertain as Uncertain
 from .analyses.linearization.strength import (
     reduction_factor as reduction_factor,
     strength_for_ductility as strength_for_ductility,
@@ -125,6 +126,10 @@ from .models.rules.peak_factors import (
 # Pounding
 from .analyses.probability.probability import pounding_probability as pounding_probability
 from .analyses.probability.fragility import pounding_fragility as pounding_fragility
+from .analyses.risk.risk import (
+    pounding_risk as pounding_risk,
+    required_gap as required_gap,
+)
 from .analyses.pounding.pounding import pound as pound
 from .analyses.pounding.estimates import (
     pounding_estimate as pounding_estimate,

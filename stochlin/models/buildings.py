@@ -18,6 +18,7 @@ from stochlin.messages import DoubtfulInput, brief
 from stochlin.models.laws.hysteretic import Hysteretic, law_of
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, parameter
 from stochlin.models.structures import DAMPING, HARDENING, Structure
+from stochlin.models.uncertain import takes_uncertain
 
 if TYPE_CHECKING:
     import sympy
@@ -155,6 +156,7 @@ class ShearBuilding(Model):
         _ = self.storey_law
 
     @classmethod
+    @takes_uncertain
     def regular(
         cls,
         *,

@@ -12,11 +12,13 @@ import numpy.typing as npt
 import xarray as xr
 
 from stochlin.messages import brief, sentence
+from stochlin.models.uncertain import TAKEN, Uncertain, UncertainModel
 
 Parameter = float | xr.DataArray | npt.ArrayLike
 """A number, a DataArray (broadcast by dimension name) or a 1-D array (dimension ``case``)."""
 
 CASE = "case"
+_MADE = "_arrays"  # of a model, which stays as it is: its parameters as arrays, once they were asked for
 
 
 @dataclasses.dataclass(frozen=True)
@@ -69,6 +71,12 @@ class Model:
     of_arguments: ClassVar[bool] = False  # of a function, whose messages name the argument alone
     instead: ClassVar[str] = ""  # where it is not taken: what to call, or to give
 
+    def __new__(cls, *args: Any, **kwargs: Any) -> Self:
+        """The model, or its description if a parameter is `Uncertain`."""
+        if any(isinstance(value, Uncertain) for value in (*args, *kwargs.values())):
+            return UncertainModel.of(cls, args, kwargs)  # type: ignore[return-value]
+        return super().__new__(cls)
+
     def __post_init__(self) -> None:
         prefix = "" if self.of_arguments else f"{type(self).__name__}: "
         for field in self._declared():
@@ -76,6 +84,7 @@ class Model:
             if value is not None or field.default is not None:
                 checked = check(prefix, field.name, value, field.metadata)
                 object.__setattr__(self, field.name, checked)
+        self.__dict__.pop(_MADE, None)
         try:
             xr.align(*self.arrays().values(), join="exact", copy=False)
         except (xr.AlignmentError, ValueError) as error:
@@ -114,12 +123,16 @@ class Model:
 
     def arrays(self) -> dict[str, xr.DataArray]:
         """The parameters that are set, as labelled arrays (0-d for scalars)."""
-        values = {f.name: getattr(self, f.name) for f in self._declared()}
-        return {
-            name: value if isinstance(value, xr.DataArray) else xr.DataArray(value)
-            for name, value in values.items()
-            if value is not None
-        }
+        made: dict[str, xr.DataArray] | None = self.__dict__.get(_MADE)
+        if made is None:
+            values = {f.name: getattr(self, f.name) for f in self._declared()}
+            made = {
+                name: value if isinstance(value, xr.DataArray) else xr.DataArray(value)
+                for name, value in values.items()
+                if value is not None
+            }
+            object.__setattr__(self, _MADE, made)
+        return dict(made)
 
     def over_cells(self) -> dict[str, xr.DataArray]:
         """Those arrays that make a table, with a cell for each of their values."""
@@ -128,6 +141,7 @@ class Model:
     def isel(self, indexers: Mapping[Any, int | slice]) -> Self:
         """The model with only these cells along the dimensions that it has."""
         part = copy.copy(self)
+        part.__dict__.pop(_MADE, None)
         for name, array in self.arrays().items():
             if array.ndim:
                 object.__setattr__(part, name, array.isel(indexers, missing_dims="ignore"))
@@ -157,6 +171,8 @@ def expect(value: object, kind: type[Model] | tuple[type[Model], ...], role: str
         kinds = kind if isinstance(kind, tuple) else (kind,)
         names = sorted(c.__name__ for each in kinds for c in each.kinds())
         instead = f"; {value.instead}" if isinstance(value, Model) and value.instead else ""
+        if isinstance(value, UncertainModel):
+            instead = f", without uncertain parameters, so give its median(); {TAKEN} take them"
         allowed = f"allowed: {', '.join(names)}{instead}"
         raise TypeError(f"{role} = {brief(value)} is of the wrong kind; {allowed}")
 

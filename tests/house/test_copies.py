@@ -33,6 +33,7 @@ REGISTRIES = (CONTACTS, ENVELOPES, GROUNDS, LAWS, CODE_RULES, EFFECTIVE_RULES, P
 GIVEN: dict[str, dict[str, Any]] = {
     "AminAng": {"strong_end": 9.0},
     "ShinozukaSato": {"fast": 2.0},
+    "Uncertain": {"median": 1.0, "spread": 0.2},
     "HazardCurve": {"intensities": [1.0, 2.0], "frequencies": [0.01, 0.002]},
     "Hysteretic": {"law": V - abs(V) * Z, "hardening": 0.1, "reduction_factor": 4},
     "Measure": {"added_damping_1": 0.1, "link": [sl.Link(damping_constant=1e5), sl.Link(1e6)]},

@@ -132,6 +132,7 @@ SINGLE = {
     "name": "firm",
 }
 DASHPOTS = ("HertzDamp", "ImpactKelvin", "Jankowski", "Kelvin", "NoTensionKelvin")
+HAZARD = sl.HazardCurve([0.1, 8.0], [0.01, 1e-3])
 OWN: dict[str, dict[str, Any]] = {
     "effective_rule": {"name": "iwan_1980"},
     "code_rule": {"name": "eurocode_8"},
@@ -153,6 +154,9 @@ OWN: dict[str, dict[str, Any]] = {
     },
     "amplification": {"of": "peak", "duration": 3.0},
     "pounding_probability": {"duration": 3.0},
+    "Uncertain": {"median": 1.0, "spread": 0.2},
+    "pounding_risk": {"hazard": HAZARD, "duration": 3.0},
+    "required_gap": {"hazard": HAZARD, "duration": 3.0, "risk": 0.002},
     "ShearBuilding": {
         "hardening": 0.1,
         "yield_drifts": 0.01,

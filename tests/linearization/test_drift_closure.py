@@ -358,6 +358,31 @@ def test_unequal_pairs_meet_fresh_simulations(ground, pair, tolerance):
     assert abs(table.rho - exact.rho[0, 1]) < tolerance[1] + 4 * exact.rho_standard_error[0, 1]
 
 
+def test_clough_penzien_ground_meets_fresh_simulations():
+    """Mean errors of twelve structures and of their pairs; by the soil's memory alone .23 and .24."""
+    random = np.random.default_rng(8)
+    columns = [np.exp(random.uniform(*np.log(ends), 12)) for ends in ((0.3, 3), (0.02, 0.1), (2, 10))]
+    periods, hardenings, factors = columns
+    ground = sl.named_ground("ec8_b", 1.0)
+    structures = [
+        building(period * ground.period, factor, hardening)
+        for period, hardening, factor in zip(periods, hardenings, factors, strict=True)
+    ]
+    exact = sl.simulate(structures, ground, paths=64, seed=3, relaxation_times=10, steps_per_period=16)
+    sigma, rho = exact.displacement_std.values, exact.rho.values
+    axes = [[xr.DataArray(column, dims=f"structure_{n}") for column in columns] for n in (1, 2)]
+    pair = [building(p * ground.period, r, a) for p, a, r in axes]
+    table = sl.correlate(*pair, ground, closure="drift")
+    found = table.displacement_std_1.values.ravel()[:12], table.rho.values
+    i, j = np.triu_indices(12, 1)
+
+    def apart(std, rho):
+        return np.sqrt(std[i] ** 2 + std[j] ** 2 - 2 * rho[i, j] * std[i] * std[j])
+
+    assert np.abs(found[0] / sigma - 1).mean() < 0.06
+    assert np.abs(apart(*found) / apart(sigma, rho) - 1).mean() < 0.06
+
+
 def test_caution_outside_of_what_was_simulated():
     inside = sl.linearize(building(), LAKEBED, "drift")
     assert int(inside.caution) == 0

@@ -304,3 +304,17 @@ def test_laws_in_one_frame_are_each_their_own():
 def test_what_does_not_fit_together_is_refused(arguments, message):
     with pytest.raises(ValueError, match=message):
         sl.simulate([four(), two()], FIRM, paths=32, **arguments)
+
+
+def test_oscillators_may_stand_beside_a_building():
+    """Two of them have no height at which they meet; both meet the roof."""
+    tower = sl.ShearBuilding.regular(period=0.8, storeys=3, storey_height=3.0, mass=2e5, damping=0.05)
+    pair = [sl.Bilinear(T, 0.05) for T in (0.6, 0.3, 0.1)]  # the last one sets the steps
+    motion = {"paths": 32, "duration": 10.0}
+    ground = sl.named_ground("firm", 0.01)
+    table = sl.simulate([tower, *pair], ground, **motion)
+    assert table.height.values.tolist() == [9.0]
+    assert np.isnan(table.separation_at_height[:, 1, 2]).all()
+    assert np.isfinite(table.separation_at_height[:, 0, 1:]).all()
+    alone = sl.simulate(pair, ground, **motion)
+    np.testing.assert_allclose(table.separation[:, 1, 2], alone.separation[:, 0, 1], rtol=1e-9)

@@ -19,7 +19,7 @@ from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables.cellwise import cellwise
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.correlation.signatures import Insight, insight, signature
-from stochlin.models.grounds import Ground, KanaiTajimi
+from stochlin.models.grounds import CloughPenzien, Ground, KanaiTajimi
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import DRIFT, Structure
 
@@ -61,7 +61,9 @@ def insights(
     tolerance: Tolerance,
 ) -> list[list[xr.DataArray]]:
     """Arrays of the `Insight` of both structures, flat; none where the map does not know the ground."""
-    if type(ground) is not KanaiTajimi or not any(structure.yields for structure in structures):
+    if type(ground) not in (KanaiTajimi, CloughPenzien) or not any(
+        structure.yields for structure in structures
+    ):
         return [[], []]
     known = solve_derived(references(ground), ground, DRIFT, tolerance)
     both = []

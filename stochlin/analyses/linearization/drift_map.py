@@ -19,10 +19,12 @@ from stochlin.analyses.linearization.bias_map import KNOWN_GROUNDS, between_poin
 from stochlin.analyses.tables.cellwise import cellwise
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.interpolation import Grid
-from stochlin.models.grounds import Ground, WhiteNoise
+from stochlin.models.grounds import CloughPenzien, Ground, WhiteNoise
 from stochlin.models.structures import Structure
 
 FILE = "drift_map.nc"
+# A Clough-Penzien ground is corrected as its soil would be alone.
+CORRECTED_GROUNDS = (*KNOWN_GROUNDS, CloughPenzien)
 ELASTIC = 0.15  # R/p below which no drift grows within a million periods
 STRENGTH, HARDENING = "elastic_ductility_std", "hardening"
 DISPLACEMENT, DISPLACEMENT_WHITE = "displacement_correction", "displacement_correction_white_noise"
@@ -38,7 +40,7 @@ def drift_map() -> xr.Dataset:
 
 def with_correction(structure: Structure, ground: Ground, derived: xr.Dataset) -> xr.Dataset:
     """The derived table with its displacements corrected, where the map knows the kind of ground."""
-    if type(ground) not in KNOWN_GROUNDS or not structure.yields:
+    if type(ground) not in CORRECTED_GROUNDS or not structure.yields:
         return derived
     name = DISPLACEMENT_WHITE if isinstance(ground, WhiteNoise) else DISPLACEMENT
     (logarithm,) = hold_at_ends(name, point_of(structure, ground, derived))

@@ -44,6 +44,7 @@ from stochlin.models.parameters import expect
 from stochlin.models.rules.codes import BuildingPeaks, check_zone
 from stochlin.models.structures import Structure
 from stochlin.models.systems import STRUCTURES, AnyStructure, first_period
+from stochlin.models.uncertain import median_of
 
 VERDICTS = ("answer", "safe", "unsafe", "within_error", "not_available")
 ANSWER, SAFE, UNSAFE, WITHIN_ERROR, NOT_AVAILABLE = range(len(VERDICTS))
@@ -174,14 +175,14 @@ def separation(
     check_truth("unverified", unverified)
     heights = BuildingPeaks(0.0, 0.0, height_1, height_2)
     check_scalars(heights, "separation", "a number, the height of a building")
-    both = {"first": first, "second": second}
+    both = {"first": median_of(first), "second": median_of(second)}
     for role, structure in both.items():
         expect(structure, STRUCTURES, role)
-    expect(ground, Ground, "ground")
+    expect(median_of(ground), Ground, "ground")
     check_duration(duration, both)
     storeys = any(isinstance(structure, ShearBuilding) for structure in both.values())
     if storeys:
-        check_levels(first, second, height_1, height_2, floors_align)
+        check_levels(both["first"], both["second"], height_1, height_2, floors_align)
 
     @np.errstate(all="ignore")  # what comes of extreme input is judged by its status
     def of_cell(first: AnyStructure, second: AnyStructure, ground: Ground) -> xr.Dataset:
@@ -196,6 +197,8 @@ def separation(
             quantiles=[confidence],
             progress=progress,
         )
+        # The rules are of the structures at their medians, fed with peaks of all samples.
+        first, second, ground = (median_of(each) for each in (first, second, ground))
         seconds = strong_seconds(duration, envelope)
         pair: PairInMotion
         if isinstance(first, Structure) and isinstance(second, Structure):
@@ -206,6 +209,8 @@ def separation(
             pair = StoreysInMotion(solid, ground, motions, confidence, seconds)
         rules = all_rules(pair, floors_align, zone, unverified, numbers)
         table = _judged(rules, pair)
+        if "input_factor" in motions:
+            table["input_factor"] = motions.input_factor
         table.attrs = {name: motions.attrs[name] for name in MOTION} | labels.of_scatter(scatter)
         if records is None:
             return table
@@ -213,8 +218,9 @@ def separation(
         recorded = recorded_gap(one, other, records).drop_dims("quantile", errors="ignore")
         return table.assign({f"record_{name}": recorded[name] for name in recorded.data_vars})
 
-    models: dict[str, Any] = {**both, "ground": ground}
-    long_enough = (first_period(first) <= duration) & (first_period(second) <= duration)
+    models: dict[str, Any] = {"first": first, "second": second, "ground": ground}
+    one, two = (first_period(structure) for structure in both.values())
+    long_enough = (one <= duration) & (two <= duration)
     table = over_cells(of_cell, models, long_enough)
     table = labels.label(table, VARIABLES)
     table.verdict.attrs = VERDICT_ATTRS
@@ -222,7 +228,7 @@ def separation(
         table[name].attrs["long_name"] = text
     return labels.with_run_information(
         table.assign_attrs(confidence=confidence),
-        f"Separation of two buildings by rule, {ground.name} ground",
+        f"Separation of two buildings by rule, {median_of(ground).name} ground",
         f"separation(duration={duration:g}, confidence={confidence:g}, paths={paths}, seed={seed}"
         f"{told_numbers(numbers)})",
         models,

@@ -21,7 +21,15 @@ from stochlin.analyses.tables.checks import check_whole, is_number
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.filters import Filter
-from stochlin.kernels.simulation.ensemble import Crowd, Oscillators, Plan, Storeys
+from stochlin.kernels.simulation.ensemble import (
+    AnyGround,
+    Crowd,
+    Oscillators,
+    Plan,
+    SampledGround,
+    SampledStoreys,
+    Storeys,
+)
 from stochlin.kernels.simulation.stepping import LANES, FilterSteps, bilinear_block, filter_steps
 from stochlin.kernels.simulation.storey_stepping import SLACK, VISCOUS
 from stochlin.messages import brief
@@ -56,7 +64,7 @@ class Run(NamedTuple):
     crowd: Crowd
     order: Array  # row in the crowd of each valid floor
     scale: Array  # metres of each valid floor's unit of displacement
-    ground: FilterSteps
+    ground: AnyGround
     root: Array
     plan: Plan
     memory: float  # [s], of the slowest vibration or, where that is longer, of the plastic drift
@@ -150,11 +158,12 @@ def prepare(
     floors: Sequence[int] | None = None,
     drift_times: Array | None = None,
     scatter: float = 0.0,
+    grounds: Sequence[Ground] = (),
 ) -> Run:
     """Choose the step from cells and ground and lay out the ensemble; it has no length yet.
 
     With ``frames``, ``floors`` are the numbers of those that the cells are, and ``drift_times`` [s] are
-    those of all floors.
+    those of all floors. ``grounds`` are samples of this one, one for every motion, if it has any.
     """
     if cells is not None and not cells.valid.any():
         raise ValueError("no structure has valid parameters; correct those that are out of range")
@@ -162,10 +171,11 @@ def prepare(
     count = own + sum(frame.floors.size for frame in frames)
     check_memory(count if cells is None or frames else int(cells.valid.sum()), paths)
     rows, scale, period = np.full(count, -1), np.full(count, np.nan), np.full(count, np.nan)
-    drift_time, parts = np.zeros(count), list[Oscillators | Storeys]()
+    drift_time, parts = np.zeros(count), list[Oscillators | Storeys | SampledStoreys]()
     soil = ground.lone_filter()
     rates = -np.linalg.eigvals(soil.arrays.matrix).real if soil.states else np.array([np.inf])
-    periods = [float(2 * np.pi / np.float64(soil.fastest))] if soil.states else []
+    soils = [each.lone_filter() for each in grounds] or [soil]
+    periods = [float(2 * np.pi / np.float64(each.fastest)) for each in soils if each.states]
     memory = float((1 / rates).max())
     if cells is not None:
         valid = cells.valid
@@ -181,17 +191,19 @@ def prepare(
         scale[frame.floors], period[frame.floors] = 1.0, frame.period
         periods.append(frame.shortest)
         memory = max(memory, frame.slowest)
-        parts.append(frame.part)
+        parts.append(frame.samples or frame.part)
     if drift_times is not None:
         drift_time = drift_times
     dt = min(periods) / steps_per_period
     every = max(1, steps_per_period // SAMPLES_PER_PERIOD)
     known = rows >= 0
+    steps, roots = zip(*(ground_steps(each, dt) for each in soils), strict=True)
     return Run(
         Crowd(tuple(parts)),
         rows[known],
         scale[known],
-        *ground_steps(soil, dt),
+        SampledGround(steps, roots) if grounds else steps[0],
+        roots[0],
         Plan(dt, every, 0, 0, groups=int(np.ceil(paths / LANES)), seed=seed, scatter=scatter),
         memory,
         known,
@@ -235,10 +247,10 @@ def seconds_of(run: Run, steps: float, pairs: float) -> float:
     return STEP * each * steps * run.plan.groups * LANES / (os.cpu_count() or 1)
 
 
-def _weight(part: Oscillators | Storeys) -> float:
+def _weight(part: Oscillators | Storeys | SampledStoreys) -> float:
     """What a step of these takes, over that of one bilinear structure."""
-    if isinstance(part, Storeys):
-        kind = part.elements.kind
+    if isinstance(part, (Storeys, SampledStoreys)):
+        kind = (part.elements if isinstance(part, Storeys) else part.elements[0]).kind
         laws = np.where(kind == VISCOUS, DASHPOT, np.where(kind > SLACK, OTHER_LAW, 1.0))
         return float(laws.sum() + STOREY * part.size**2)
     return part.size * (1.0 if part.steps is bilinear_block else OTHER_LAW)
@@ -246,7 +258,7 @@ def _weight(part: Oscillators | Storeys) -> float:
 
 def _oscillators(
     cells: SimulationCells, valid: Array
-) -> tuple[list[Oscillators | Storeys], Array, Array]:
+) -> tuple[list[Oscillators | Storeys | SampledStoreys], Array, Array]:
     """Structures by law, each in units of its yield displacement, elastic ones in metres."""
     w = 2 * np.pi / cells.period[valid]
     yields = np.isfinite(cells.yield_displacement[valid])
@@ -256,7 +268,7 @@ def _oscillators(
         [2 * cells.damping[valid] * w, alpha * w**2, (1 - alpha) * w**2, 1 / scale], axis=1
     )
     law, blocks = cells.law[valid], cells.block[valid]
-    order, parts, placed = np.empty(w.size, int), list[Oscillators | Storeys](), 0
+    order, parts, placed = np.empty(w.size, int), list[Oscillators | Storeys | SampledStoreys](), 0
     for block in dict.fromkeys(blocks):
         mine = np.flatnonzero(blocks == block)
         extra = law[mine][:, np.isfinite(law[mine]).all(axis=0)]

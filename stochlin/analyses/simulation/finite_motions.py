@@ -197,7 +197,7 @@ def _separations(riders: Riders, pairs: list[Pair], highest: Array, lowest: Arra
     for pair, most, least in zip(pairs, highest.T, lowest.T, strict=True):
         for (i, j), value in (((pair.first, pair.second), most), ((pair.second, pair.first), -least)):
             whole[:, i, j] = np.maximum(whole[:, i, j], value)
-            if heights.size:
+            if not np.isnan(pair.height):
                 at_height[:, i, j, np.searchsorted(heights, pair.height)] = value
     table = xr.Dataset({"separation": (over, whole)}, coords=coords)
     if heights.size:

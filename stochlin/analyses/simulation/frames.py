@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,7 +10,7 @@ import scipy.linalg
 import scipy.sparse.csgraph
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.simulation.ensemble import Storeys
+from stochlin.kernels.simulation.ensemble import SampledStoreys, Storeys
 from stochlin.kernels.simulation.storey_stepping import (
     BILINEAR,
     LINEAR,
@@ -21,7 +22,7 @@ from stochlin.kernels.simulation.storey_stepping import (
 )
 from stochlin.models.links import Link
 from stochlin.models.structures import Structure
-from stochlin.models.systems import System
+from stochlin.models.systems import Stack, System
 
 LEAST_SHARE = 0.01  # of the mass, in a mode that steps are to follow closely; all are followed stably
 
@@ -34,6 +35,7 @@ class Frame(NamedTuple):
     shortest: float  # [s], of the modes while all elements hold that matter for the length of steps
     slowest: float  # [s], in which the slowest one dies out
     period: float  # [s], the longest
+    samples: SampledStoreys | None = None  # of every motion, in place of the part
 
 
 def frames_of(system: System) -> tuple[list[Frame], list[int]]:
@@ -53,6 +55,51 @@ def frames_of(system: System) -> tuple[list[Frame], list[int]]:
 def all_frames(system: System) -> list[Frame]:
     """The frames of a system, oscillators on their own as buildings of one storey among them."""
     return [_frame(system, members) for members in _tied(system)]
+
+
+def sampled_frames(system: System, samples: Sequence[Sequence[Stack]]) -> list[Frame]:
+    """All frames of a system of which every motion has a sample: its stacks in place of those here.
+
+    Steps are short enough for the stiffest sample of each structure.
+    """
+    count = len(system.stacks)
+    stiffest = [max((sample[s] for sample in samples), key=_stiffness) for s in range(count)]
+    found = []
+    for members in _tied(system):
+        frame = _frame(system, members)
+        usual, stacks = frame.part.elements, [system.stacks[m] for m in members]
+        of_links = usual.damping - scipy.linalg.block_diag(*(stack.damping for stack in stacks))
+        elements = [_with_stacks(usual, of_links, [sample[m] for m in members]) for sample in samples]
+        shortest = _frame(system._replace(stacks=tuple(stiffest)), members).shortest
+        own = SampledStoreys(elements, frame.part.law)
+        found.append(frame._replace(samples=own, shortest=shortest))
+    return found
+
+
+def _stiffness(stack: Stack) -> float:
+    return float((stack.elastic / stack.mass).max())
+
+
+def _with_stacks(usual: Elements, of_links: Array, stacks: Sequence[Stack]) -> Elements:
+    """The elements with other storeys, and the same links."""
+    n = usual.mass.size
+
+    def column(name: str) -> Array:
+        of_storeys = [getattr(stack, name) for stack in stacks]
+        return np.concatenate([*of_storeys, getattr(usual, name)[n:]])
+
+    own = usual.own.copy()
+    rows = np.concatenate([np.pad(p, ((0, 0), (0, own.shape[1] - p.shape[1])))
+                           for p in (stack.law_parameters for stack in stacks)])  # fmt: skip
+    own[:n] = np.where(np.isnan(own[:n]), np.nan, rows)
+    return usual._replace(
+        mass=np.concatenate([stack.mass for stack in stacks]),
+        damping=of_links + scipy.linalg.block_diag(*(stack.damping for stack in stacks)),
+        post=column("post"),
+        couple=column("couple"),
+        strength=column("strength"),
+        own=own,
+    )
 
 
 def _tied(system: System) -> list[Array]:

@@ -10,7 +10,7 @@ import numpy as np
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.linearization.systems.systems import linearize_system
 from stochlin.analyses.simulation.ensembles import Run, SimulationCells, cells_of_all, prepare
-from stochlin.analyses.simulation.frames import Frame, frames_of, relaxation_times
+from stochlin.analyses.simulation.frames import Frame, frames_of, relaxation_times, sampled_frames
 from stochlin.analyses.simulation.views import pairs_of
 from stochlin.analyses.tables.floors import ELEMENT, FLOOR, floor_coordinates
 from stochlin.kernels.basics.arrays import Array
@@ -19,6 +19,7 @@ from stochlin.models.links import Link
 from stochlin.models.structures import Structure
 from stochlin.models.systems import (
     AnyStructure,
+    Stack,
     System,
     check_links,
     check_stationary,
@@ -69,7 +70,14 @@ class Riders(NamedTuple):
         return coords | {f"{FLOOR}_2": coords[FLOOR][1]}
 
     def run(
-        self, ground: Ground, *, paths: int, seed: int, steps_per_period: int, scatter: float = 0.0
+        self,
+        ground: Ground,
+        *,
+        paths: int,
+        seed: int,
+        steps_per_period: int,
+        scatter: float = 0.0,
+        grounds: Sequence[Ground] = (),
     ) -> Run:
         """The ensemble, which has no length yet."""
         return prepare(
@@ -82,6 +90,7 @@ class Riders(NamedTuple):
             floors=self.alone,
             drift_times=self.drift_times,
             scatter=scatter,
+            grounds=grounds,
         )
 
 
@@ -90,18 +99,23 @@ def riders_of(
     ground: Ground,
     link: Link | Sequence[Link | None] | None,
     stationary: bool,
+    samples: Sequence[Sequence[Stack]] | None = None,
 ) -> Riders:
-    """Lay out the structures; for a stationary run, with their drift by linearization."""
+    """Lay out the structures; for a stationary run, with their drift by linearization.
+
+    With ``samples``, stacks of all structures for every motion, those here are their medians.
+    """
     links = check_links("link", link, len(structures))
     tied = {s for n, one in enumerate(links, 1) if one is not None for s in one.structures or (n, n + 1)}
+    sampled = samples is not None
     in_metres: list[AnyStructure] = [
-        strength_in_metres(one, ground) if n in tied and isinstance(one, Structure) else one
+        strength_in_metres(one, ground) if sampled or (n in tied and isinstance(one, Structure)) else one
         for n, one in enumerate(structures, start=1)
     ]
     system = system_of(in_metres, links)
     if stationary:
         check_stationary(system)
-    frames, alone = frames_of(system)
+    frames, alone = frames_of(system) if samples is None else (sampled_frames(system, samples), [])
     floors = [int(system.first[n]) for n in alone]
     strength = system.all("strength")
     drift_times = np.zeros(strength.size)

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.simulation.draws import Draw, draw
 from stochlin.analyses.simulation.ensembles import Run, check_memory, check_settings
 from stochlin.analyses.simulation.finite_motions import check_finite, check_motion, simulate_finite
 from stochlin.analyses.simulation.riders import Riders, riders_of
@@ -25,7 +26,7 @@ from stochlin.messages import brief
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
-from stochlin.models.parameters import Model, expect
+from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
 from stochlin.models.systems import STRUCTURES, AnyStructure, floor_count
 
@@ -139,17 +140,26 @@ def simulate(
     True
     """
     check_settings(paths, seed, steps_per_period, relaxation_times)
+    drawn = draw(structures, ground, -(-paths // LANES) * LANES, seed)
+    if drawn.factors:
+        structures, ground = _medians(drawn, duration)
     roles = checked_structures(structures, ground)
     check_motion(duration, envelope, scatter, quantiles, roles)
     check_memory(sum(floor_count(structure) for structure in structures), paths)
-    riders = riders_of(structures, ground, link, stationary=duration is None)
+    riders = riders_of(structures, ground, link, duration is None, drawn.stacks())
     run = riders.run(
-        ground, paths=paths, seed=seed, steps_per_period=steps_per_period, scatter=float(scatter)
+        ground,
+        paths=paths,
+        seed=seed,
+        steps_per_period=steps_per_period,
+        scatter=float(scatter),
+        grounds=drawn.grounds(),
     )
     if not run.valid.all() and (riders.has_storeys or duration is not None):
         lost = roles[f"structures[{int(np.argmin(run.valid))}]"].describe()
         raise ArithmeticError(f"the elastic response of {lost} is beyond what can be computed")
-    models: dict[str, Model] = {f"structure_{n}": s for n, s in enumerate(structures, start=1)}
+    models = drawn.models
+    del models["ground"]
     if isinstance(link, Link):
         models["link"] = link
     else:
@@ -157,6 +167,7 @@ def simulate(
     what = f"Simulation of {len(structures)} structures"
     if duration is not None:
         table = simulate_finite(riders, run, duration, envelope, quantiles, progress)
+        table = table.assign(drawn.table())
         title = f"{what} in finite motions, {ground.name} ground"
         call = f"simulate(paths={paths}, seed={seed}, duration={duration})"
     else:
@@ -164,8 +175,19 @@ def simulate(
         table = _stationary(riders, run, progress).assign_attrs(run_attributes(run))
         title, call = f"{what}, {ground.name} ground", f"simulate(paths={paths}, seed={seed})"
     return labels.with_run_information(
-        labels.label(table, VARIABLES), title, call, models | {"ground": ground}
+        labels.label(table, VARIABLES), title, call, models | {"ground": drawn.ground}
     )
+
+
+def _medians(drawn: Draw, duration: float | None) -> tuple[Sequence[AnyStructure], Ground]:
+    """Structures and ground at their medians; a ValueError if they are to be stationary."""
+    if duration is None:
+        role, names = next((role, list(own)) for role, own in drawn.factors.items())
+        raise ValueError(
+            f"{role}: {', '.join(names)} is not known exactly, and duration is missing; a stationary "
+            "response is that of one structure on one ground: give a duration, or the median()"
+        )
+    return drawn.medians
 
 
 def _stationary(riders: Riders, run: Run, progress: Progress | None) -> xr.Dataset:

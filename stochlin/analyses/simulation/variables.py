@@ -12,6 +12,7 @@ VARIABLES: Variables = {
     "peak": ("m", "largest absolute displacement"),
     "peak_positive": ("m", "largest displacement"),
     "peak_negative": ("m", "largest displacement the other way"),
+    "input_factor": ("1", "sample of the parameter over its median"),
     "drift_std": ("m", "standard deviation of the drift of the storey"),
     "drift_std_standard_error": ("m", "standard error of drift_std"),
     "peak_drift": ("m", "largest absolute drift of the storey"),

@@ -72,8 +72,12 @@ def apart(system: System, pair: Pair) -> Terms:
 
 
 def at_heights(system: System) -> list[tuple[int, float, Terms]]:
-    """Structures, the heights at which they could meet others, and their displacement there."""
-    places = {(n, p.height) for p in pairs_of(system) for n in (p.first, p.second)}
+    """Structures, the heights at which they could meet others, and their displacement there.
+
+    Where two oscillators meet has no height.
+    """
+    known = [pair for pair in pairs_of(system) if not np.isnan(pair.height)]
+    places = {(n, pair.height) for pair in known for n in (pair.first, pair.second)}
     return [(n, h, at_height(system, n, h)) for n, h in sorted(places)]
 
 

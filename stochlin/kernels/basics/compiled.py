@@ -24,12 +24,13 @@ from typing import Any
 
 import numba as nb
 import numpy as np
-from numba.extending import intrinsic
+from numba.extending import intrinsic, overload
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.kept import kept
 
 OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
+OF_OVERLOADS: Any = {"forceinline": True, "error_model": "numpy"}
 
 
 def entry(function: Any, **more: Any) -> Any:
@@ -83,3 +84,27 @@ def _borrow(context: Any, owned: Any) -> Any:
 
 
 borrow: Any = intrinsic(_borrow)
+
+
+def of_lane(value: Any, lane: int) -> Any:
+    """A number that all lanes share, or, of an array, that of this lane."""
+    return value[lane] if np.ndim(value) else value
+
+
+@overload(of_lane, jit_options=OF_OVERLOADS)
+def _of_lane(value, lane):  # type: ignore[no-untyped-def]
+    if isinstance(value, nb.types.Array):
+        return lambda value, lane: value[lane]
+    return lambda value, lane: value
+
+
+def smallest(value: Any) -> Any:
+    """That number, or the smallest of all lanes."""
+    return np.min(value)
+
+
+@overload(smallest, jit_options=OF_OVERLOADS)
+def _smallest(value):  # type: ignore[no-untyped-def]
+    if isinstance(value, nb.types.Array):
+        return lambda value: value.min()
+    return lambda value: value

@@ -373,7 +373,3 @@ class CloughPenzienFilter(Filter):
             return signal - layer.stiffness * moved - layer.damping * (s * moved - with_layer)
 
         return cascade
-
-    def free_motion(self, system: EquivalentSystem) -> tuple[Forcing, FreeMotion]:
-        """As on the soil alone: the high-pass oscillator is slow against a half-cycle."""
-        return self.soil.free_motion(system)

@@ -8,7 +8,7 @@ stream of the group: they are the same motions with and without this scatter.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import reduce
 from operator import add
 from typing import Any, NamedTuple
@@ -22,11 +22,19 @@ from stochlin.kernels.simulation.stepping import (
     LANES,
     FilterSteps,
     add_products,
+    any_ground_block,
     ground_block,
     keep_extremes,
     observe,
 )
-from stochlin.kernels.simulation.storey_stepping import VERSION, Elements, steps_of, storey_block
+from stochlin.kernels.simulation.storey_stepping import (
+    VERSION,
+    Elements,
+    Steps,
+    sampled_steps,
+    steps_of,
+    storey_block,
+)
 
 STRENGTHS = 1  # the stream of a group that these come from
 SAMPLES = 32  # of each block, unless a plan says otherwise: it then fits the second-level cache
@@ -45,7 +53,7 @@ class Oscillators(NamedTuple):
         """Rows of the state, and displacements."""
         return len(self.parameters)
 
-    def block(self, dt: float) -> Block:
+    def block(self, dt: float, group: int = 0) -> Block:
         """Time steps of this length, of the forcing, the state, every how many and the output."""
 
         def block(f: Array, u: Array, v: Array, z: Array, every: int, out: Array) -> None:
@@ -65,20 +73,57 @@ class Storeys(NamedTuple):
         """As for `Oscillators`."""
         return self.elements.kind.size
 
-    def block(self, dt: float) -> Block:
+    def block(self, dt: float, group: int = 0) -> Block:
         """As for `Oscillators`."""
-        steps = steps_of(self.elements, dt)
+        return _storeys_by(steps_of(self.elements, dt), self.law)
 
-        def block(f: Array, d: Array, v: Array, z: Array, every: int, out: Array) -> None:
-            storey_block(f, steps, self.law, d, v, z, every, out, VERSION)
 
-        return block
+class SampledStoreys(NamedTuple):
+    """The same, with elements of their own in every motion."""
+
+    elements: Sequence[Elements]  # of the motions, group after group
+    law: Any
+
+    @property
+    def size(self) -> int:
+        """As for `Oscillators`."""
+        return self.elements[0].kind.size
+
+    def block(self, dt: float, group: int = 0) -> Block:
+        """As for `Oscillators`."""
+        own = self.elements[group * LANES : (group + 1) * LANES]
+        return _storeys_by(sampled_steps(own, dt), self.law)
+
+
+def _storeys_by(steps: Steps, law: Any) -> Block:
+    def block(f: Array, d: Array, v: Array, z: Array, every: int, out: Array) -> None:
+        storey_block(f, steps, law, d, v, z, every, out, VERSION)
+
+    return block
+
+
+class SampledGround(NamedTuple):
+    """A ground of its own for every motion."""
+
+    steps: Sequence[FilterSteps]  # of the motions, group after group
+    roots: Sequence[Array]
+
+    def of(self, group: int) -> tuple[FilterSteps, Array]:
+        """The grounds of a group, and the roots of their covariances (m, m, LANES)."""
+        own = slice(group * LANES, (group + 1) * LANES)
+        columns = zip(*self.steps[own], strict=True)
+        lanes: list[Any] = [np.stack(column, axis=-1) for column in columns]
+        lanes[-1] = self.steps[0].cascade
+        return FilterSteps(*lanes), np.stack(self.roots[own], axis=-1)
+
+
+AnyGround = FilterSteps | SampledGround
 
 
 class Crowd(NamedTuple):
     """All that rides on a motion, part after part."""
 
-    parts: tuple[Oscillators | Storeys, ...]
+    parts: tuple[Oscillators | Storeys | SampledStoreys, ...]
 
     @property
     def size(self) -> int:
@@ -139,24 +184,28 @@ class Sums(NamedTuple):
 class Motion:
     """State of one group of LANES motions and the structures on them."""
 
-    def __init__(self, crowd: Crowd, ground: FilterSteps, root: Array, plan: Plan, group: int) -> None:
-        self.crowd, self.ground, self.plan = crowd, ground, plan
+    def __init__(self, crowd: Crowd, ground: AnyGround, root: Array, plan: Plan, group: int) -> None:
+        self.crowd, self.plan = crowd, plan
+        if isinstance(ground, SampledGround):
+            ground, root = ground.of(group)
+        self.ground = ground
+        self.forcing = ground_block if root.ndim == 2 else any_ground_block
         self.random = generator_state(plan.seed, group, LANES)
         self.strength = strengths(plan, group) if plan.scatter else None
         start = np.empty((len(root), LANES))
         fill_normal(self.random, start)
-        self.q = np.ascontiguousarray(root @ start)
+        self.q = np.ascontiguousarray(root @ start if root.ndim == 2 else (root * start).sum(axis=1))
         self.state = np.zeros((3, crowd.size, LANES))
         steps = plan.every * plan.samples
         self.xi, self.f = np.empty((steps, LANES)), np.empty((steps, LANES))
         self.out = np.empty((plan.samples, crowd.size, LANES))
-        self.blocks = [part.block(plan.dt) for part in crowd.parts]
+        self.blocks = [part.block(plan.dt, group) for part in crowd.parts]
 
     def block(self, envelope: Array | None = None) -> Array:
         """Move on by one block; displacements (samples, n, LANES)."""
         plan, out = self.plan, self.out
         fill_normal(self.random, self.xi)
-        ground_block(self.xi, self.q, *self.ground, self.f)
+        self.forcing(self.xi, self.q, *self.ground, self.f)
         if envelope is not None:
             self.f *= envelope[:, None]
         if self.strength is not None:
@@ -180,7 +229,7 @@ def strengths(plan: Plan, group: int) -> Array:
 def stationary_sums(
     crowd: Crowd,
     view: View | None,
-    ground: FilterSteps,
+    ground: AnyGround,
     root: Array,
     plan: Plan,
     progress: Progress | None,
@@ -216,7 +265,7 @@ def stationary_sums(
 
 
 def plastic_displacements(
-    crowd: Crowd, ground: FilterSteps, root: Array, plan: Plan, stride: int
+    crowd: Crowd, ground: AnyGround, root: Array, plan: Plan, stride: int
 ) -> Array:
     """``u - z`` of all structures after every ``stride``-th recorded block, (times, n, motions)."""
 
@@ -237,7 +286,7 @@ def plastic_displacements(
 def finite_extremes(
     crowd: Crowd,
     view: View,
-    ground: FilterSteps,
+    ground: AnyGround,
     root: Array,
     plan: Plan,
     envelope: Array,

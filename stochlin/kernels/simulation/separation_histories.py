@@ -10,8 +10,8 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, in_order
-from stochlin.kernels.simulation.ensemble import Crowd, Motion, Plan, View
-from stochlin.kernels.simulation.stepping import LANES, FilterSteps
+from stochlin.kernels.simulation.ensemble import AnyGround, Crowd, Motion, Plan, View
+from stochlin.kernels.simulation.stepping import LANES
 
 
 class Watched(NamedTuple):
@@ -36,7 +36,7 @@ class Histories(NamedTuple):
 
 def separation_histories(
     crowd: Crowd,
-    ground: FilterSteps,
+    ground: AnyGround,
     root: Array,
     plan: Plan,
     envelope: Array,

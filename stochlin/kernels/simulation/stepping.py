@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import called_often, compiled, entry
+from stochlin.kernels.basics.compiled import called_often, compiled, entry, of_lane
 
 LANES = 32  # independent motions in the innermost loop: vector registers, first-level cache
 NEWTON_STEPS = 4  # for the implicit midpoint rule
@@ -25,7 +25,8 @@ NEWTON_STEPS = 4  # for the implicit midpoint rule
 class FilterSteps(NamedTuple):
     """One step of a ground filter: ``q_new = transition q + gain xi``, forcing ``row q + direct xi``.
 
-    ``xi`` is a standard normal number a step; white noise has no state (m = 0).
+    ``xi`` is a standard normal number a step; white noise has no state (m = 0). Where every lane has a
+    ground of its own, all arrays have a last axis of LANES.
     """
 
     transition: Array  # (m, m)
@@ -63,25 +64,27 @@ def ground_block(xi, q, transition, gain, row, direct, cascade, f):
     elif cascade:
         _two_oscillators(xi, q, transition, gain, row, direct, f)
     else:
-        _any_states(xi, q, transition, gain, row, direct, f)
+        any_ground_block(xi, q, transition, gain, row, direct, cascade, f)
 
 
 @entry
-def _any_states(xi, q, transition, gain, row, direct, f):
-    """Any number of states; none is white noise."""
-    f[:] = direct * xi
+def any_ground_block(xi, q, transition, gain, row, direct, cascade, f):
+    """`ground_block` for any number of states, none being white noise, and for a ground a lane."""
+    for s in range(xi.shape[0]):
+        for lane in range(LANES):
+            f[s, lane] = of_lane(direct, lane) * xi[s, lane]
     moved = np.empty_like(q)
     for s in range(xi.shape[0] if q.shape[0] else 0):
         number, force = xi[s], f[s]
         for i in range(q.shape[0]):
             state, new, weight, kick = q[i], moved[i], row[i], gain[i]
             for lane in range(LANES):
-                force[lane] += weight * state[lane]
-                new[lane] = kick * number[lane]
+                force[lane] += of_lane(weight, lane) * state[lane]
+                new[lane] = of_lane(kick, lane) * number[lane]
             for j in range(q.shape[0]):
                 other, part = q[j], transition[i, j]
                 for lane in range(LANES):
-                    new[lane] += part * other[lane]
+                    new[lane] += of_lane(part, lane) * other[lane]
         q[:] = moved
 
 

@@ -18,14 +18,25 @@ convex energy, one element after the other, and converge.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from typing import Any, NamedTuple
 
 import numba as nb
 import numpy as np
+from numba.extending import overload
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import borrow, called_often, compiled, entry, version_of
+from stochlin.kernels.basics.compiled import (
+    OF_OVERLOADS,
+    borrow,
+    called_often,
+    compiled,
+    entry,
+    of_lane,
+    smallest,
+    version_of,
+)
 from stochlin.kernels.simulation import stepping
 from stochlin.kernels.simulation.stepping import LANES, bouc_wen_middle
 
@@ -68,7 +79,10 @@ class Elements(NamedTuple):
 
 
 class Steps(NamedTuple):
-    """Elements in steps of one length."""
+    """Elements in steps of one length.
+
+    Where every lane has elements of its own, all arrays of numbers have a last axis of LANES.
+    """
 
     dt: float
     move: Array  # (e, n + e): of drift rates and forces of elements
@@ -112,6 +126,16 @@ def steps_of(elements: Elements, dt: float) -> Steps:
     )
 
 
+def sampled_steps(elements: Sequence[Elements], dt: float) -> Steps:
+    """Of LANES elements that differ in their numbers alone, one set a lane."""
+    each = [steps_of(one, dt) for one in elements]
+    of_lanes = ("move", "push", "relief", "post", "couple", "strength", "own")
+    columns: dict[str, Any] = {
+        name: np.stack([getattr(steps, name) for steps in each], axis=-1) for name in of_lanes
+    }
+    return each[0]._replace(**columns)
+
+
 @cache
 def law_of(middles: tuple[Any, ...]) -> Any:
     """One function for elements of these laws, each given by a `law_middle`: kinds OTHER and on.
@@ -152,24 +176,37 @@ def multiply(matrix, i, rows, out):
     while j + 4 <= m:
         a, b, c, d = matrix[i, j], matrix[i, j + 1], matrix[i, j + 2], matrix[i, j + 3]
         for lane in range(LANES):
-            out[i, lane] += (a * rows[j, lane] + b * rows[j + 1, lane]) + (
-                c * rows[j + 2, lane] + d * rows[j + 3, lane]
+            out[i, lane] += (of_lane(a, lane) * rows[j, lane] + of_lane(b, lane) * rows[j + 1, lane]) + (
+                of_lane(c, lane) * rows[j + 2, lane] + of_lane(d, lane) * rows[j + 3, lane]
             )
         j += 4
     for k in range(j, m):
         a = matrix[i, k]
         for lane in range(LANES):
-            out[i, lane] += a * rows[k, lane]
+            out[i, lane] += of_lane(a, lane) * rows[k, lane]
+
+
+def _own(own: Any, lane: int) -> Any:
+    """Parameters of the law of a lane."""
+    return own if own.ndim == 1 else own[:, lane].copy()
+
+
+@overload(_own, jit_options=OF_OVERLOADS)
+def _own_of_lane(own, lane):
+    if own.ndim == 1:
+        return lambda own, lane: own
+    return lambda own, lane: own[:, lane].copy()
 
 
 @compiled
 def _by_function(law, steps, i, z, change, slip, more):
     """`_more_slip` of a law that is no return map."""
-    kind, g, uy = steps.kind[i], steps.relief[i, i], steps.strength[i]
-    ease = 1.0 / (1.0 - g)
-    rate, slope, half = ease / (steps.dt * uy), 2.0 * g * ease / steps.dt, 0.5 * steps.dt
-    own = steps.own[i]
+    kind, of_all, half = steps.kind[i], steps.own[i], 0.5 * steps.dt
     for lane in range(LANES):
+        g, uy = of_lane(steps.relief[i, i], lane), of_lane(steps.strength[i], lane)
+        ease = 1.0 / (1.0 - g)
+        rate, slope = ease / (steps.dt * uy), 2.0 * g * ease / steps.dt
+        own = _own(of_all, lane)
         hyst, alone = z[i, lane] / uy, change[i, lane] - g * slip[i, lane]
         start = alone * rate + slope * hyst
         if kind == BOUC_WEN:
@@ -187,14 +224,15 @@ def _dashpot(steps, i, change, slip, more):
     the one of ``x`` and ``x^a`` of which the other is a power above 1. Newton's method goes down to the
     root of this convex function from above.
     """
-    g, c, a = steps.relief[i, i], steps.own[i, 0], steps.own[i, 1]
-    of_rate, of_force = steps.dt, 2.0 * c / steps.couple[i]
-    slow = a <= 1.0
-    power = 1.0 / a if slow else a
-    first, second = g * of_force, (1.0 - g) * of_rate
-    if not slow:
-        first, second = second, first
     for lane in range(LANES):
+        g, own = of_lane(steps.relief[i, i], lane), steps.own[i]
+        c, a = of_lane(own[0], lane), of_lane(own[1], lane)
+        of_rate, of_force = steps.dt, 2.0 * c / of_lane(steps.couple[i], lane)
+        slow = a <= 1.0
+        power = 1.0 / a if slow else a
+        first, second = g * of_force, (1.0 - g) * of_rate
+        if not slow:
+            first, second = second, first
         drift, before = change[i, lane], slip[i, lane]
         alone = drift - g * before
         size = abs(alone)
@@ -224,14 +262,17 @@ def _dashpot(steps, i, change, slip, more):
 @called_often
 def _more_slip(law, steps, i, d, z, change, slip, more):
     """What element ``i`` slips beyond ``slip`` if the others stay as they are."""
-    kind, g, uy = steps.kind[i], steps.relief[i, i], steps.strength[i]
-    ease = 1.0 / (1.0 - g)
+    kind, relief, strength = steps.kind[i], steps.relief[i, i], steps.strength[i]
     if kind == BILINEAR:
         for lane in range(LANES):
+            g, uy = of_lane(relief, lane), of_lane(strength, lane)
+            ease = 1.0 / (1.0 - g)
             y = z[i, lane] + (change[i, lane] - g * slip[i, lane])
             more[lane] = (y - min(max(y, -uy), uy)) * ease - slip[i, lane]
     elif kind == SLACK:
         for lane in range(LANES):
+            g, uy = of_lane(relief, lane), of_lane(strength, lane)
+            ease = 1.0 / (1.0 - g)
             beyond = d[i, lane] - uy
             slack = beyond - z[i, lane]
             at_end = beyond + (change[i, lane] - g * slip[i, lane]) - g * slack
@@ -254,7 +295,7 @@ def _beyond(more, least):
 def _largest(change, slip, relief, most):
     """Drift of the lane that drifts most, if the element did not slip; at least ``most``."""
     for lane in range(LANES):
-        most = max(most, abs(change[lane] - relief * slip[lane]))
+        most = max(most, abs(change[lane] - of_lane(relief, lane) * slip[lane]))
     return most
 
 
@@ -274,7 +315,7 @@ def _slips(law, steps, d, z, change, slip, more):
             _more_slip(law, steps, i, d, z, change, slip, more)
             if not _beyond(more, 0.0):
                 continue
-            least = steps.strength[i]
+            least = smallest(steps.strength[i])
             if steps.kind[i] == SLACK:
                 least = max(least, LEAST_SLACK)
             elif steps.kind[i] == VISCOUS:
@@ -285,7 +326,7 @@ def _slips(law, steps, d, z, change, slip, more):
             for k in range(e):
                 a = steps.relief[k, i]
                 for lane in range(LANES):
-                    change[k, lane] += a * more[lane]
+                    change[k, lane] += of_lane(a, lane) * more[lane]
         if not moved:
             return
 
@@ -301,7 +342,7 @@ def _first_slips(steps, change, slip):
         for k in range(steps.kind.size):
             a = steps.relief[k, i]
             for lane in range(LANES):
-                change[k, lane] += a * slip[i, lane]
+                change[k, lane] += of_lane(a, lane) * slip[i, lane]
 
 
 @entry
@@ -323,8 +364,10 @@ def storey_block(f, owned, law, d, v, z, every, out, version):
         for i in range(e):
             post, couple, push = steps.post[i], steps.couple[i], steps.push[i]
             for lane in range(LANES):
-                known[n + i, lane] = post * d[i, lane] + couple * z[i, lane]
-                change[i, lane] = push * f[s, lane]
+                known[n + i, lane] = (
+                    of_lane(post, lane) * d[i, lane] + of_lane(couple, lane) * z[i, lane]
+                )
+                change[i, lane] = of_lane(push, lane) * f[s, lane]
         for i in range(e):
             multiply(steps.move, i, known, change)
         _first_slips(steps, change, slip)

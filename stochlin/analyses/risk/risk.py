@@ -1,0 +1,405 @@
+"""Risk: how often in a year two buildings pound, and the gap with which it is no more than allowed."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy.optimize
+import xarray as xr
+
+from stochlin.analyses.linearization.strength import strength_in_metres
+from stochlin.analyses.risk.rates import Motions, lognormal_fragility, lognormal_rate, rates
+from stochlin.analyses.risk.variables import VARIABLES
+from stochlin.analyses.simulation.finite_motions import keeping_apart, pair_separation
+from stochlin.analyses.simulation.simulation import check_repeated, simulate
+from stochlin.analyses.sites.intensity import scale_ground
+from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.checks import check_duration, check_existing, check_scatter, is_number
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import Progress
+from stochlin.messages import DoubtfulInput, brief
+from stochlin.models.envelopes import Envelope
+from stochlin.models.grounds import Ground
+from stochlin.models.hazards import Hazard, HazardCurve
+from stochlin.models.parameters import expect
+from stochlin.models.systems import STRUCTURES, AnyStructure
+
+POINTS = 13  # intensities that are simulated
+RETURN_PERIODS = (5.0, 2e5)  # yr, of these, where the hazard has no ends
+CERTAIN = 1.96  # standard errors of a 95 % interval
+WEAKEST = 0.1  # probability of pounding at the lowest intensity of a hazard beyond which it lacks some
+CLOSE = 1e-6  # relative, of a gap that is sought
+UNITS = {"pga": "m/s^2", "sa": "m/s^2", "intensity": "m^2/s^3"}
+_RISK = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*%\s*in\s*(\d+\.?\d*)\s*(?:yr|years|a)\s*")
+REFERENCES = (
+    "Cornell, C. A. (1968), Bull. Seismol. Soc. Am. 58; McGuire, R. K. (2004), Seismic Hazard and Risk "
+    "Analysis; Baker, J. W. (2015), Earthquake Spectra 31, for fragilities by maximum likelihood."
+)
+
+
+def pounding_risk(
+    first: AnyStructure,
+    second: AnyStructure,
+    ground: Ground,
+    gap: float,
+    hazard: Hazard,
+    duration: float,
+    *,
+    envelope: Envelope | None = None,
+    years: float = 50.0,
+    scatter: float = 0.0,
+    paths: int = 1024,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """How often two buildings pound: the hazard of the site and their response, in one number.
+
+    The mean annual frequency ``Int P(pounding | im) |d lambda(im)|`` over the intensities ``im`` of the
+    hazard; in ``t`` years they pound with the probability ``1 - exp(-rate t)``. The same motions are
+    simulated at rising intensities, and each tells from which of them on the buildings pound.
+
+    Parameters
+    ----------
+    first, second, ground, duration, envelope, scatter, seed, progress
+        As in `separation`, numbers only; a ``reduction_factor`` refers to ``ground`` as given, and the
+        strength in metres that it means there is kept at all intensities.
+    gap : float
+        [m], positive.
+    hazard : HazardCurve or PowerLawHazard
+        Of peak ground acceleration, ``Sa`` at a period, or ``S0``: a motion's intensity is the mean of
+        all motions of its ground, as in `scale_ground`.
+    years : float
+        ``t`` [yr], positive.
+    paths : int
+        Motions at each of 13 intensities.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``annual_rate`` [1/yr] with its standard error, ``annual_rate_unseen``: what shaking stronger
+        than that of the hazard's table, or of a return period of 200 000 years, could add at most;
+        ``probability_in_years`` [-] with its 95 % interval; ``annual_rate_lognormal`` by a lognormal
+        fragility, of ``fragility_median`` and ``fragility_dispersion`` [-] with standard errors. Over
+        ``intensity``: ``pounding_probability`` [-] with its 95 % interval, ``exceedance_frequency``
+        [1/yr]; over ``from_intensity`` also ``annual_rate_by_intensity``: the part of the rate that
+        comes from each interval of intensities, which begins there.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the gap, the years or the hazard is out of range or of the wrong kind; otherwise as
+        `separation`.
+
+    Notes
+    -----
+    Of motions that make them pound at one intensity and not at a higher one both are counted. A hazard
+    says how often an intensity is exceeded, and the motions of one intensity differ: that they differ
+    as those of a random process do is in the answer, that earthquakes differ more is in ``scatter``.
+
+    References
+    ----------
+    Cornell, C. A. (1968), Engineering seismic risk analysis, Bull. Seismol. Soc. Am. 58.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> one, two = (sl.Bilinear(T, 0.05) for T in (0.6, 1.0))
+    >>> ground = sl.named_ground("firm", intensity=0.01)
+    >>> hazard = sl.PowerLawHazard(k0=0.01, k=2.5)
+    >>> table = sl.pounding_risk(one, two, ground, 0.1, hazard, 20.0, paths=64)
+    >>> bool(table.annual_rate_standard_error < 0.2 * table.annual_rate)
+    True
+    """
+    asked = _Asked(first, second, ground, hazard, duration, envelope, scatter, paths, seed)
+    asked.check()
+    check_existing(gap, duration, {"first": first, "second": second})
+    _check_years(years)
+    motions = asked.simulated(progress)
+    by_path = rates(motions, gap, asked.frequency)
+    rate, error = _mean(by_path.sum(axis=1))
+    fragility = lognormal_fragility(motions, gap)
+    asked.warn_of_weak(motions, gap)
+    table = xr.Dataset(
+        {
+            "annual_rate": rate,
+            "annual_rate_standard_error": error,
+            "annual_rate_lognormal": lognormal_rate(fragility, asked.frequency),
+            "annual_rate_unseen": _unseen(motions, gap, asked.frequency),
+            **_in_years(rate, error, years),
+            **{f"fragility_{name.replace('_error', '_standard_error')}": value
+               for name, value in fragility._asdict().items()},
+        }
+    )  # fmt: skip
+    table = table.assign(_by_intensity(motions, by_path, gap, asked))
+    return asked.labelled(table.assign_attrs(years=float(years), gap_m=float(gap)), "pounding_risk")
+
+
+def required_gap(
+    first: AnyStructure,
+    second: AnyStructure,
+    ground: Ground,
+    hazard: Hazard,
+    duration: float,
+    *,
+    risk: str | float,
+    envelope: Envelope | None = None,
+    scatter: float = 0.0,
+    paths: int = 1024,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """The gap with which two buildings pound no more often than is allowed.
+
+    Parameters
+    ----------
+    first, second, ground, hazard, duration, envelope, scatter, paths, seed, progress
+        As in `pounding_risk`.
+    risk : str or float
+        ``"2 % in 50 years"``, or a mean annual frequency [1/yr].
+
+    Returns
+    -------
+    xarray.Dataset
+        Without dimensions: ``required_gap`` [m] with its 95 % interval, ``target_rate`` [1/yr], and
+        the ``annual_rate`` [1/yr] of this gap with its standard error.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the risk cannot be read or is out of range, if it is rarer than all that the hazard tells of
+        or more frequent than shaking of any kind in it; otherwise as `pounding_risk`.
+
+    References
+    ----------
+    Cornell, C. A. (1968), Engineering seismic risk analysis, Bull. Seismol. Soc. Am. 58.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> one, two = (sl.Bilinear(T, 0.05) for T in (0.6, 1.0))
+    >>> ground = sl.named_ground("firm", intensity=0.01)
+    >>> hazard = sl.PowerLawHazard(k0=0.01, k=2.5)
+    >>> table = sl.required_gap(one, two, ground, hazard, 20.0, risk="10 % in 50 years", paths=64)
+    >>> bool(abs(table.annual_rate / table.target_rate - 1) < 1e-3)
+    True
+    """
+    asked = _Asked(first, second, ground, hazard, duration, envelope, scatter, paths, seed)
+    asked.check()
+    target = target_rate(risk)
+    asked.check_target(target, risk)
+    motions = asked.simulated(progress)
+
+    def rate(gap: float) -> tuple[float, float]:
+        return _mean(rates(motions, gap, asked.frequency).sum(axis=1))
+
+    def gap_of(excess: Callable[[float, float], float]) -> float:
+        """Where the rate, or an end of its interval, is the target."""
+        least, most = 1e-3 * float(motions.separation.min() or 1e-6), 2 * float(motions.separation.max())
+        if excess(*rate(least)) <= target:
+            return 0.0
+        found = scipy.optimize.brentq(
+            lambda x: excess(*rate(np.exp(x))) - target, np.log(least), np.log(most), xtol=CLOSE
+        )
+        return float(np.exp(found))
+
+    gap = gap_of(lambda mean, _: mean)
+    mean, error = rate(gap) if gap else (np.nan, np.nan)
+    table = xr.Dataset(
+        {
+            "required_gap": gap,
+            "required_gap_lower": gap_of(lambda mean, error: mean - CERTAIN * error),
+            "required_gap_upper": gap_of(lambda mean, error: mean + CERTAIN * error),
+            "target_rate": target,
+            "annual_rate": mean,
+            "annual_rate_standard_error": error,
+        }
+    )
+    return asked.labelled(table.assign_attrs(risk=brief(risk)), "required_gap")
+
+
+def target_rate(risk: str | float) -> float:
+    """A mean annual frequency from one, or from a text as ``"2 % in 50 years"``: ``-ln(1 - p)/t``."""
+    if is_number(risk):
+        if not 0 < risk < np.inf:
+            raise ValueError(f"risk = {brief(risk)}; allowed: a positive annual frequency [1/yr]")
+        return float(risk)
+    found = _RISK.fullmatch(risk) if isinstance(risk, str) else None
+    if found is None:
+        raise ValueError(
+            f'risk = {brief(risk)}; allowed: a text as "2 % in 50 years", or an annual frequency [1/yr]'
+        )
+    share, years = float(found[1]) / 100, float(found[2])
+    if not 0 < share < 1 or not years > 0:
+        raise ValueError(f"risk = {brief(risk)}; allowed: more than 0 % and less than 100 %, in years")
+    return -np.log1p(-share) / years
+
+
+class _Asked(NamedTuple):
+    """What a question about risk is about."""
+
+    first: AnyStructure
+    second: AnyStructure
+    ground: Ground
+    hazard: Hazard
+    duration: float
+    envelope: Envelope | None
+    scatter: float
+    paths: int
+    seed: int
+
+    def check(self) -> None:
+        """Raise for what is of the wrong kind, out of range, or too much; before any work is done."""
+        both = {"first": self.first, "second": self.second}
+        for role, structure in both.items():
+            expect(structure, STRUCTURES, role)
+        expect(self.ground, Ground, "ground")
+        expect(self.hazard, Hazard, "hazard")
+        check_scatter(self.scatter)
+        check_duration(self.duration, both)
+        check_repeated(list(both.values()), self.ground, self.duration, self.paths, self.seed, POINTS)
+
+    def check_target(self, target: float, risk: object) -> None:
+        """Raise a ValueError for a risk that this hazard cannot tell of."""
+        rarest, commonest = (float(self.hazard.frequency(im)) for im in self.intensities()[[-1, 0]])
+        if not rarest < target < commonest:
+            raise ValueError(
+                f"risk = {brief(risk)} is {target:.3g} a year; allowed: between {rarest:.3g} and "
+                f"{commonest:.3g} a year, the rarest and the most frequent shaking of the hazard"
+            )
+
+    def intensities(self) -> Array:
+        """Where motions are simulated: over the table, or over the return periods that matter."""
+        if isinstance(self.hazard, HazardCurve):
+            ends = self.hazard.intensities
+        else:
+            ends = tuple(float(self.hazard.intensity(years)) for years in RETURN_PERIODS)
+        return np.geomspace(ends[0], ends[-1], POINTS)
+
+    def frequency(self, intensity: Array) -> Array:
+        """How often it is exceeded: that of the least there is below it, none beyond the largest."""
+        if not isinstance(self.hazard, HazardCurve):
+            return np.asarray(self.hazard.frequency(xr.DataArray(intensity)))
+        x, y = np.log(self.hazard.intensities), np.log(self.hazard.frequencies)
+        with np.errstate(divide="ignore"):
+            at = np.log(intensity)
+        return np.where(at > x[-1], 0.0, np.exp(np.interp(at, x, y)))
+
+    def simulated(self, progress: Progress | None) -> Motions:
+        """The same motions at all intensities."""
+        found = []
+        motion: dict[str, Any] = {"duration": self.duration, "envelope": self.envelope}
+        pair = [strength_in_metres(one, self.ground) for one in (self.first, self.second)]
+        at_one = self._ground_of_one()
+        for n, intensity in enumerate(self.intensities()):
+            changed: dict[str, Any] = {"intensity": at_one * self._power(intensity)}
+            table = simulate(
+                pair,
+                replace(self.ground, **changed),
+                paths=self.paths,
+                seed=self.seed,
+                scatter=self.scatter,
+                **motion,
+            )
+            found.append(pair_separation(table).to_numpy())
+            if progress is not None:
+                progress((n + 1) / POINTS)
+        return Motions(self.intensities(), np.stack(found, axis=1))
+
+    def _power(self, intensity: float) -> float:
+        """``S0`` over that of an intensity of 1."""
+        return float(intensity if self.hazard.measure == "intensity" else intensity**2)
+
+    def _ground_of_one(self) -> float:
+        """``S0`` of motions whose intensity by the hazard's measure is 1."""
+        if self.hazard.measure == "intensity":
+            return 1.0
+        goal: dict[str, Any] = {self.hazard.measure: 1.0}
+        if self.hazard.period is not None:
+            goal["period"] = self.hazard.period
+        scaled = scale_ground(self.ground, self.duration, self.envelope, seed=self.seed, **goal)
+        return float(scaled.arrays()["intensity"])
+
+    def warn_of_weak(self, motions: Motions, gap: float) -> None:
+        """Warn if weaker shaking than the hazard tells of makes them pound, too."""
+        share = float((motions.separation[:, 0] > gap).mean())
+        if isinstance(self.hazard, HazardCurve) and share > WEAKEST:
+            warnings.warn(
+                f"hazard: it begins at {motions.intensity[0]:.3g} {UNITS[self.hazard.measure]}, where "
+                f"they pound in {100 * share:.0f} % of the motions; weaker shaking, of which it does "
+                "not tell, is left out: give it from lower intensities on",
+                DoubtfulInput,
+                stacklevel=3,
+            )
+
+    def labelled(self, table: xr.Dataset, call: str) -> xr.Dataset:
+        """With units, and how it was made."""
+        units = UNITS[self.hazard.measure]
+        table = labels.label(table, VARIABLES)
+        for name in ("fragility_median", "fragility_median_standard_error"):
+            if name in table:
+                error = "standard error of " if name.endswith("error") else ""
+                about = f"{error}median intensity at which they pound"
+                table[name].attrs = {"units": units, "long_name": about}
+        models: dict[str, Any] = {
+            "first": self.first, "second": self.second, "ground": self.ground, "hazard": self.hazard,
+        }  # fmt: skip
+        return labels.with_run_information(
+            table.assign_attrs(
+                paths=self.paths,
+                seed=self.seed,
+                duration_s=float(self.duration),
+                envelope="none" if self.envelope is None else self.envelope.describe(),
+                measure=self.hazard.measure,
+                **labels.of_scatter(self.scatter),
+            ),
+            f"Risk of pounding of two structures, {self.ground.name} ground",
+            f"{call}(duration={self.duration:g}, paths={self.paths}, seed={self.seed})",
+            models,
+            REFERENCES,
+        )
+
+
+def _by_intensity(
+    motions: Motions, by_path: Array, gap: float, asked: _Asked
+) -> dict[str, xr.DataArray]:
+    """What each intensity does, and what each interval of them adds to the rate."""
+    attrs = {"units": UNITS[asked.hazard.measure], "long_name": f"intensity, {asked.hazard.measure}"}
+    axis = {"intensity": ("intensity", motions.intensity, attrs)}
+    samples = xr.DataArray(motions.separation, dims=("path", "intensity"), coords=axis)
+    apart = keeping_apart(samples, gap)
+    found = {"pounding_probability": 1 - apart["no_pounding_probability"]}
+    for end, other in (("lower", "upper"), ("upper", "lower")):
+        found[f"pounding_probability_{end}"] = 1 - apart[f"no_pounding_probability_{other}"]
+    of_curve = asked.frequency(motions.intensity)
+    found["exceedance_frequency"] = xr.DataArray(of_curve, dims="intensity", coords=axis)
+    begin = {"from_intensity": ("from_intensity", np.append(0.0, motions.intensity), attrs)}
+    by_interval = xr.DataArray(by_path.mean(axis=0), dims="from_intensity", coords=begin)
+    return found | {"annual_rate_by_intensity": by_interval}
+
+
+def _unseen(motions: Motions, gap: float, frequency: Callable[[Array], Array]) -> float:
+    """What shaking beyond the highest intensity could add: all of it counts where they pound there."""
+    spared = float((motions.separation[:, -1] <= gap).mean())
+    return spared * float(frequency(motions.intensity[-1:])[0])
+
+
+def _in_years(rate: float, error: float, years: float) -> dict[str, float]:
+    ends = {"": 0.0, "_lower": -CERTAIN, "_upper": CERTAIN}
+    return {
+        f"probability_in_years{end}": float(-np.expm1(-max(rate + times * error, 0.0) * years))
+        for end, times in ends.items()
+    }
+
+
+def _mean(samples: Array) -> tuple[float, float]:
+    return float(samples.mean()), float(samples.std(ddof=1) / np.sqrt(samples.size))
+
+
+def _check_years(years: object) -> None:
+    if not is_number(years) or not 0 < years < np.inf:
+        raise ValueError(f"years = {brief(years)}; allowed: a positive number of years")

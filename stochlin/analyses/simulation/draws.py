@@ -1,0 +1,96 @@
+"""Samples of what is not known exactly, one for every motion."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.linearization.strength import strength_in_metres
+from stochlin.kernels.basics.arrays import Array
+from stochlin.models.structures import Structure
+from stochlin.models.systems import Stack, stack_of
+from stochlin.models.uncertain import UncertainModel, median_of
+
+PATH, INPUT = "path", "input"
+STREAM = 2  # of the seed, beside those of the motions
+
+
+class Draw(NamedTuple):
+    """Structures and ground as they were given, and samples of what is not known of them."""
+
+    structures: Sequence[Any]
+    ground: Any
+    motions: int
+    factors: Mapping[str, Mapping[str, Array]]  # by model and parameter: (motions,), over the median
+
+    @property
+    def models(self) -> dict[str, Any]:
+        """All of them, by their names in a dataset."""
+        named = {f"structure_{n}": each for n, each in enumerate(self.structures, start=1)}
+        return named | {"ground": self.ground}
+
+    @property
+    def medians(self) -> tuple[list[Any], Any]:
+        """Structures and ground at the medians of their parameters."""
+        return [median_of(each) for each in self.structures], median_of(self.ground)
+
+    def stacks(self) -> list[list[Stack]] | None:
+        """The structures of every motion (motions, structures); None if all are known exactly.
+
+        Strengths by reduction factor refer to the ground at its median.
+        """
+        if not self.factors:
+            return None
+        _, ground = self.medians
+        columns = [
+            self._stacks(each, self.factors.get(f"structure_{n}", {}), ground)
+            for n, each in enumerate(self.structures, start=1)
+        ]
+        return [list(row) for row in zip(*columns, strict=True)]
+
+    def _stacks(self, model: Any, factors: Mapping[str, Array], ground: Any) -> list[Stack]:
+        if not factors:
+            return [stack_of(strength_in_metres(model, ground))] * self.motions
+        if isinstance(model.median(), Structure) and "mass" not in factors:
+            along = {name: xr.DataArray(column, dims=PATH) for name, column in factors.items()}
+            sampled = strength_in_metres(model.at(along), ground)
+            return [stack_of(sampled.isel({PATH: n})) for n in range(self.motions)]
+        rows = zip(*factors.values(), strict=True)
+        each = (dict(zip(factors, map(float, row), strict=True)) for row in rows)
+        return [stack_of(strength_in_metres(model.at(one), ground)) for one in each]
+
+    def grounds(self) -> list[Any]:
+        """The grounds of every motion; none if there is but one."""
+        columns = self.factors.get("ground", {})
+        rows = zip(*columns.values(), strict=True)
+        return [self.ground.at(dict(zip(columns, map(float, row), strict=True))) for row in rows]
+
+    def table(self) -> dict[str, xr.DataArray]:
+        """The samples, as a variable of a dataset."""
+        if not self.factors:
+            return {}
+        columns = {f"{m}.{name}": c for m, own in self.factors.items() for name, c in own.items()}
+        values = np.stack(list(columns.values()), axis=1)
+        told = (INPUT, list(columns), {"long_name": "parameter that is not known exactly"})
+        return {"input_factor": xr.DataArray(values, dims=(PATH, INPUT), coords={INPUT: told})}
+
+
+def draw(structures: Sequence[Any], ground: Any, motions: int, seed: int) -> Draw:
+    """Samples for so many motions: a Latin hypercube, so that each parameter takes all of its range."""
+    listed = structures if isinstance(structures, Sequence) else ()  # what else it is, is told later
+    found = Draw(listed, ground, motions, {})
+    random = np.random.default_rng([seed, STREAM])
+    factors = {
+        role: {name: one.factor(_stratified(random, motions)) for name, one in model.uncertain.items()}
+        for role, model in found.models.items()
+        if isinstance(model, UncertainModel)
+    }
+    return found._replace(factors=factors)
+
+
+def _stratified(random: np.random.Generator, count: int) -> Array:
+    """Numbers between 0 and 1, one in each of as many equal parts, in any order."""
+    return (random.permutation(count) + random.random(count)) / count

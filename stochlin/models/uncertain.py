@@ -1,0 +1,206 @@
+"""Parameters that are not known exactly, and models that are described with them."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import wraps
+from typing import Any, Self, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+from scipy.special import ndtri
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import brief
+
+One = TypeVar("One")
+KINDS = "lognormal", "uniform"
+FAR = 1e-4  # outside of the values at which a model is tried, on each side
+TAKEN = "separation, existing_gap, pounding_probability, mitigate and simulate with a duration"
+
+
+@dataclass(frozen=True)
+class Uncertain:
+    """A parameter that is not known exactly: a median, and how far it may be off.
+
+    It stands wherever a parameter of a structure or a ground is expected. Every simulated motion gets
+    its own value; of an array, as the stiffnesses of the storeys of one building, all values are
+    multiplied by the same factor.
+
+    Parameters
+    ----------
+    median : float or array
+        In the unit of the parameter, ``[s]`` of a period; half of all values are below.
+    spread : float
+        Lognormal: standard deviation [-] of the natural logarithm. Uniform: largest deviation over the
+        median. From 0 to 1.
+    kind : {"lognormal", "uniform"}
+        Values ``median exp(spread n)`` with a standard normal ``n``, or evenly from ``median (1 -
+        spread)`` to ``median (1 + spread)``.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the median is no number or not finite, the spread is out of range, or the kind is unknown.
+
+    References
+    ----------
+    Joint Committee on Structural Safety (2001), Probabilistic Model Code, for lognormal strengths.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> period = sl.Uncertain(1.0, 0.2)
+    >>> [round(float(period.at(share)), 3) for share in (0.16, 0.5, 0.84)]
+    [0.82, 1.0, 1.22]
+    >>> sl.Uncertain.between(0.8, 1.2).at(0.25).round(9)
+    np.float64(0.9)
+    >>> sl.Bilinear(period=period, damping=0.05).describe()
+    'Bilinear(period=1 +- 20 %, damping=0.05)'
+    """
+
+    median: float | npt.ArrayLike
+    spread: float
+    kind: str = "lognormal"
+
+    def __post_init__(self) -> None:
+        try:
+            median = np.asarray(self.median)
+        except (ValueError, TypeError):  # ragged lists
+            median = np.empty((), object)
+        if median.dtype.kind not in "iuf":
+            raise TypeError(f"Uncertain: median = {brief(self.median)}; allowed: a number, or an array")
+        if not np.isfinite(median).all():
+            raise ValueError(f"Uncertain: median = {brief(self.median)}; allowed: finite numbers")
+        spread = self.spread
+        a_number = isinstance(spread, (int, float, np.number)) and not isinstance(spread, bool)
+        if not a_number or not 0 <= spread <= 1:
+            cure = f"; for {spread:g} % write {spread / 100:g}" if a_number and 1 < spread <= 100 else ""
+            raise ValueError(f"Uncertain: spread = {brief(spread)}; allowed: 0 to 1, .2 for 20 %{cure}")
+        if not isinstance(self.kind, str) or self.kind not in KINDS:
+            raise ValueError(f"Uncertain: kind = {brief(self.kind)}; allowed: {', '.join(KINDS)}")
+
+    @classmethod
+    def between(cls, low: float, high: float) -> Self:
+        """Uniform from ``low`` to ``high``, both positive."""
+        if not 0 < low <= high < np.inf:
+            raise ValueError(
+                f"Uncertain: from {low:g} to {high:g}; allowed: two positive numbers, the lower first"
+            )
+        return cls(0.5 * (low + high), (high - low) / (high + low), "uniform")
+
+    def factor(self, share: float | Array) -> Any:
+        """The value over the median below which this share of all values lies."""
+        if self.kind == "uniform":
+            return 1 + self.spread * (2 * np.asarray(share) - 1)
+        return np.exp(self.spread * ndtri(share))
+
+    def at(self, share: float) -> Any:
+        """The value below which this share of all values lies."""
+        return np.asarray(self.median) * self.factor(share)
+
+    def describe(self) -> str:
+        """The median and the spread."""
+        median = np.asarray(self.median, float)
+        if self.kind == "uniform":
+            low, high = median * (1 - self.spread), median * (1 + self.spread)
+            return f"{_brief(low)} to {_brief(high)}"
+        return f"{_brief(median)} +- {100 * self.spread:.4g} %"
+
+
+def _brief(values: Array) -> str:
+    ends = [f"{end:.6g}" for end in (values.min(), values.max())]
+    return ends[0] if values.ndim == 0 else f"[{', '.join(ends)}]"
+
+
+@dataclass(frozen=True)
+class UncertainModel:
+    """A structure or a ground some of whose parameters are not known exactly.
+
+    Made by giving an `Uncertain` where it takes a number.
+    """
+
+    build: Callable[..., Any]
+    arguments: Mapping[str, Any]
+
+    @classmethod
+    def of(cls, build: Callable[..., Any], args: tuple[Any, ...], kwargs: Mapping[str, Any]) -> Self:
+        """The description, once it has been tried at its median and at both ends of every parameter.
+
+        ``build`` is called as a function of keywords.
+        """
+        bound = inspect.signature(build).bind(*args, **kwargs)
+        arguments = dict(bound.arguments)
+        for name, parameter in bound.signature.parameters.items():
+            if parameter.kind is parameter.VAR_KEYWORD:
+                arguments |= arguments.pop(name, {})
+        model = cls(build, arguments)
+        model.median()
+        for name, uncertain in model.uncertain.items():
+            for share in (FAR, 1 - FAR):
+                try:
+                    model.at({name: float(uncertain.factor(share))})
+                except ValueError as error:
+                    raise ValueError(
+                        f"{error}: {name} is uncertain, {uncertain.describe()}, and one value in "
+                        f"{1 / FAR:.0f} lies beyond this one; give it less spread, or another kind"
+                    ) from error
+        return model
+
+    @property
+    def uncertain(self) -> dict[str, Uncertain]:
+        """The parameters that are not known exactly."""
+        return {n: value for n, value in self.arguments.items() if isinstance(value, Uncertain)}
+
+    def median(self) -> Any:
+        """The model with all parameters at their medians."""
+        return self.at({})
+
+    def at(self, factors: Mapping[str, Any]) -> Any:
+        """The model with parameters that are such multiples of their medians, 1 unless given."""
+        given = {
+            name: factors.get(name, 1.0) * np.asarray(value.median)
+            for name, value in self.uncertain.items()
+        }
+        return self.build(**{**self.arguments, **given})
+
+    def over_cells(self) -> dict[str, Any]:
+        """None: it is one model, as in `Model.over_cells`."""
+        return {}
+
+    def valid(self) -> xr.DataArray:
+        """True, since what is not raises when it is made."""
+        return xr.DataArray(True)
+
+    def isel(self, indexers: Mapping[Any, int | slice]) -> Self:
+        """The model itself, which has no dimensions."""
+        return self
+
+    def describe(self) -> str:
+        """One line with the parameters."""
+        parts = [f"{n}={_told(v)}" for n, v in self.arguments.items() if not isinstance(v, type)]
+        return f"{self.build.__qualname__}({', '.join(parts)})"
+
+
+def median_of(model: Any) -> Any:
+    """A model at the medians of its parameters."""
+    return model.median() if isinstance(model, UncertainModel) else model
+
+
+def takes_uncertain(build: Callable[..., One]) -> Callable[..., One]:
+    """A function that makes a model: its description, with an `Uncertain` among the arguments."""
+
+    @wraps(build)
+    def either(*args: Any, **kwargs: Any) -> Any:
+        if any(isinstance(value, Uncertain) for value in (*args, *kwargs.values())):
+            return UncertainModel.of(build, args, kwargs)
+        return build(*args, **kwargs)
+
+    return either
+
+
+def _told(value: Any) -> str:
+    return value.describe() if hasattr(value, "describe") else brief(value)

@@ -1,0 +1,87 @@
+"""Rates against closed forms, and against counting."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.stats import norm
+
+import stochlin as sl
+from stochlin.analyses.risk.rates import Fragility, Motions, lognormal_fragility, lognormal_rate, rates
+
+K0, K = 0.02, 2.7
+HAZARD = sl.PowerLawHazard(K0, K)
+
+
+def power_law(intensity):
+    return K0 * np.asarray(intensity) ** -K
+
+
+@pytest.mark.parametrize("dispersion", [0.1, 0.4, 0.9, 1.5])
+def test_lognormal_fragility_under_a_power_law_has_its_closed_form(dispersion):
+    """Cornell: ``k0 theta^-k exp(k^2 b^2/2)``."""
+    rate = lognormal_rate(Fragility(3.0, dispersion, 0, 0), power_law)
+    assert rate == pytest.approx(K0 * 3.0**-K * np.exp(0.5 * (K * dispersion) ** 2), rel=1e-10)
+
+
+def lognormal_motions(count=4000, dispersion=0.4, highest=1e4):
+    """Structures whose separation is in proportion to the intensity: exact for any intensities."""
+    share = (np.arange(count) + 0.5) / count
+    of_one = 0.1 * np.exp(dispersion * norm.ppf(share))
+    intensity = np.geomspace(1e-3, highest, 9)
+    return Motions(intensity, of_one[:, None] * intensity)
+
+
+def test_sums_over_motions_are_the_integral():
+    """With the quantiles of a lognormal fragility as motions."""
+    found = rates(lognormal_motions(), 0.3, power_law).sum(axis=1).mean()
+    exact = K0 * 3.0**-K * np.exp(0.5 * (K * 0.4) ** 2)
+    assert found == pytest.approx(exact, rel=2e-3)  # the quantiles leave out both ends
+
+
+def test_parts_of_the_rate_add_up_and_lie_where_they_pound():
+    motions = lognormal_motions()
+    parts = rates(motions, 0.3, power_law).mean(axis=0)
+    inside = (motions.intensity > 0.5) & (motions.intensity < 20)
+    assert parts.sum() == pytest.approx(rates(motions, 0.3, power_law).sum(axis=1).mean(), rel=1e-12)
+    assert parts[1:][inside | np.roll(inside, -1)].sum() > 0.99 * parts.sum()
+
+
+def test_rate_is_the_power_of_the_gap_where_all_is_linear():
+    """``rate ~ gap^-k``, whatever the grid."""
+    one, two = (rates(lognormal_motions(), gap, power_law).sum() for gap in (0.2, 0.4))
+    assert one / two == pytest.approx(2**K, rel=1e-12)
+
+
+def test_what_pounds_and_then_does_not_is_counted_where_it_does():
+    """A yielding pair: beyond the gap from 2 to 4, and from 8 on."""
+    intensity = np.array([1.0, 2.0, 4.0, 8.0, 16.0])
+    separation = np.array([[0.5, 1.0, 1.0, 1.0, 2.0]])
+    separation[0, 1:3] *= [1 + 1e-9, 1 + 1e-9]
+    separation[0, 3] *= 1 - 1e-9
+    found = rates(Motions(intensity, separation), 1.0, power_law).sum()
+    wanted = power_law(2.0) - power_law(np.sqrt(32.0)) + power_law(8.0)
+    assert found == pytest.approx(wanted, rel=1e-6)
+
+
+@pytest.mark.parametrize("highest", [1e4, 4.0])
+def test_fragility_is_found_again_also_where_half_of_the_motions_never_pound(highest):
+    rng = np.random.default_rng(3)
+    of_one = 0.1 * np.exp(0.5 * rng.standard_normal(2000))
+    intensity = np.geomspace(1e-2, highest, 7)
+    found = lognormal_fragility(Motions(intensity, of_one[:, None] * intensity), 0.3)
+    assert abs(np.log(found.median / 3)) < 4 * found.median_error / found.median
+    assert abs(found.dispersion - 0.5) < 4 * found.dispersion_error
+    assert 0.5 / np.sqrt(2000) * 0.8 < found.median_error / found.median < 0.03
+
+
+def test_errors_of_the_fragility_are_those_of_repetitions():
+    rng = np.random.default_rng(4)
+    intensity, found = np.geomspace(1e-2, 4.0, 7), []
+    for _ in range(300):
+        of_one = 0.1 * np.exp(0.5 * rng.standard_normal(200))
+        found.append(lognormal_fragility(Motions(intensity, of_one[:, None] * intensity), 0.3))
+    median, dispersion, median_error, dispersion_error = np.array(found).T
+    sampling = 4 / np.sqrt(2 * 300)  # of a standard deviation, four standard errors
+    assert median.std() == pytest.approx(median_error.mean(), rel=sampling)
+    assert dispersion.std() == pytest.approx(dispersion_error.mean(), rel=sampling)

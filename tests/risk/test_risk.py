@@ -1,0 +1,129 @@
+"""Risk of two buildings, against counting in motions of drawn intensities."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import stochlin as sl
+from stochlin.analyses.risk.risk import target_rate
+
+GROUND = sl.named_ground("firm", intensity=0.01)
+SHAPE = sl.AminAng(2.0, 10.0, 0.5)
+ELASTIC = tuple(sl.Bilinear(T, 0.05) for T in (0.6, 1.0))
+YIELDING = tuple(sl.Bilinear(T, 0.05, 0.05, reduction_factor=3) for T in (0.6, 1.0))
+STOREYS = sl.ShearBuilding.regular(
+    period=0.4, storeys=3, storey_height=3.0, mass=2e5, damping=0.05, hardening=0.05,
+    base_shear_coefficient=0.2,
+)  # fmt: skip
+
+
+def counted(pair, hazard, gap, count, paths):
+    """Share of motions that pound among those of intensities drawn from the hazard, times its rate.
+
+    ``count`` intensities of equal share, one in the middle of each; motions of a seed of their own.
+    """
+    lowest = float(hazard.intensity(20.0))
+    share = (np.arange(count) + 0.5) / count
+    intensity = np.array([float(hazard.intensity(20.0 / one)) for one in share])
+    strong = [sl.scale_ground(GROUND, 15.0, SHAPE, pga=1.0)]
+    uy = [sl.reduction_factor(s, GROUND).yield_displacement if s.yields else None for s in pair]
+    fixed = [
+        sl.Bilinear(s.period, s.damping, s.hardening, yield_displacement=None if y is None else float(y))
+        for s, y in zip(pair, uy, strict=True)
+    ]
+    hits = []
+    for n, im in enumerate(intensity):
+        ground = replace(strong[0], intensity=strong[0].intensity * im**2)
+        table = sl.simulate(fixed, ground, paths=paths, seed=1000 + n, duration=15.0, envelope=SHAPE)
+        hits.append(float((table.separation[:, 0, 1] > gap).mean()))
+    hits, rate = np.array(hits), float(hazard.frequency(lowest))
+    error = np.sqrt((hits * (1 - hits)).sum() / paths) / count
+    return rate * hits.mean(), rate * error
+
+
+def check_against_counting(pair, count, paths):
+    hazard, gap = sl.PowerLawHazard(k0=0.02, k=2.5), 0.08
+    table = sl.pounding_risk(*pair, GROUND, gap, hazard, 15.0, envelope=SHAPE, paths=512)
+    found, error = counted(pair, hazard, gap, count, paths)
+    # What is weaker than 20 years has hardly a part in it.
+    weak = float(table.annual_rate_by_intensity.sel(from_intensity=slice(0, 0.4)).sum())
+    both = np.hypot(error, float(table.annual_rate_standard_error))
+    assert abs(float(table.annual_rate) - found) < 4 * both + weak
+
+
+def test_rate_of_elastic_structures_is_that_of_counting():
+    check_against_counting(ELASTIC, 24, 128)
+
+
+def test_rate_of_yielding_structures_is_that_of_counting():
+    check_against_counting(YIELDING, 24, 128)
+
+
+@pytest.mark.slow
+def test_rate_of_yielding_structures_is_that_of_a_hundred_thousand_motions():
+    check_against_counting(YIELDING, 100, 1024)
+
+
+def test_storeys_keep_the_gap_that_is_asked_for():
+    hazard = sl.HazardCurve([0.5, 1.0, 2.0, 4.0, 8.0], [0.02, 5e-3, 1e-3, 1.5e-4, 1e-5])
+    common = {"envelope": SHAPE, "paths": 128}
+    asked = sl.required_gap(STOREYS, ELASTIC[1], GROUND, hazard, 15.0, risk="10 % in 50 years", **common)
+    gap = float(asked.required_gap)
+    assert float(asked.required_gap_lower) < gap < float(asked.required_gap_upper)
+    table = sl.pounding_risk(STOREYS, ELASTIC[1], GROUND, gap, hazard, 15.0, **common)
+    assert float(table.annual_rate) == pytest.approx(-np.log(0.9) / 50, rel=1e-4)
+    assert float(table.probability_in_years) == pytest.approx(0.1, rel=1e-4)
+    ends = [float(table[f"probability_in_years_{end}"]) for end in ("lower", "upper")]
+    assert ends[0] < 0.1 < ends[1]
+
+
+def test_hazards_of_different_measures_are_one_hazard():
+    """Of PGA, of ``Sa``, and of ``S0`` whose square root they are in proportion to."""
+    motion = {"duration": 15.0, "envelope": SHAPE}
+    by_pga = sl.PowerLawHazard(0.01, 2.4)
+    intensity = sl.scale_ground(GROUND, **motion, pga=1.0).intensity
+    sa = float(
+        sl.simulated_spectrum(
+            sl.scale_ground(GROUND, **motion, pga=1.0), [0.6], 15.0, SHAPE, paths=1024
+        ).pseudo_acceleration[0]
+    )
+    by_sa = sl.PowerLawHazard(0.01 * sa**2.4, 2.4, measure="sa", period=0.6)
+    by_intensity = sl.PowerLawHazard(0.01 * intensity**1.2, 1.2, measure="intensity")
+    rates = [
+        float(
+            sl.pounding_risk(*YIELDING, GROUND, 0.08, hazard, 15.0, envelope=SHAPE, paths=64).annual_rate
+        )
+        for hazard in (by_pga, by_intensity, by_sa)
+    ]
+    assert rates[1] == pytest.approx(rates[0], rel=0.01)  # other points of the same curve
+    assert rates[2] == pytest.approx(rates[0], rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("risk", "rate"),
+    [("2 % in 50 years", -np.log(0.98) / 50), ("10%in 10yr", -np.log(0.9) / 10), (1e-3, 1e-3)],
+)
+def test_risks_are_read(risk, rate):
+    assert target_rate(risk) == pytest.approx(rate, rel=1e-12)
+
+
+@pytest.mark.parametrize("risk", ["2 %", "100 % in 50 years", "0 % in 50 years", -1.0, 0, None, "often"])
+def test_risks_that_are_none_are_named(risk):
+    with pytest.raises(ValueError, match="risk = "):
+        target_rate(risk)
+
+
+def test_risks_outside_of_the_hazard_are_named():
+    hazard = sl.HazardCurve([0.5, 4.0], [0.01, 1e-3])
+    for risk in (0.1, 1e-5):
+        with pytest.raises(ValueError, match=r"allowed: between 0.001 and 0.01 a year"):
+            sl.required_gap(*ELASTIC, GROUND, hazard, 15.0, risk=risk)
+
+
+def test_a_hazard_that_begins_too_high_is_doubted():
+    hazard = sl.HazardCurve([4.0, 8.0], [0.01, 1e-3])
+    with pytest.warns(UserWarning, match="weaker shaking, of which it does not tell"):
+        sl.pounding_risk(*ELASTIC, GROUND, 0.01, hazard, 15.0, paths=32)
