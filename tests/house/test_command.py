@@ -26,7 +26,7 @@ pytestmark = pytest.mark.cli
 FORMULAS = ("fig3a", "fig3b", "fig6", "fig7", "fig8")  # of no ground
 YIELDING = ("--hardening", 0.05, "--reduction-factor", 4)
 FIGURES = (*FORMULAS, "fig4a", "fig4b", "fig4c", "fig5a", "fig5b")
-RECORDED = ("site_spectrum", "fig1", "fig1b", "per_spectrum", "fig2")
+RECORDED = ("site_spectrum", "fig1", "fig1b", "per_spectrum", "fig2", "added_damping")
 
 
 def run(*arguments: object) -> Result:

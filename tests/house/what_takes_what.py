@@ -34,6 +34,7 @@ GROUNDS = {
 CONTACT, LINK = sl.Kelvin(1e8, restitution=0.65), sl.Link(1e6, 1e5)
 DEVICE = sl.Link(0.0, 1e5, damping_exponent=0.5, structures=(1, 1), floors=(1, 0))
 SIZES = {"duration": 0.2, "paths": 16}
+HAZARD = sl.HazardCurve([0.001, 0.01, 0.1], [0.1, 0.02, 0.001], measure="intensity")
 
 
 class Pair(NamedTuple):
@@ -131,6 +132,8 @@ ON_GROUND: dict[str, Callable[[Pair], object]] = {
         *s.both, s.ground, 0.005, method="hybrid", record=RECORD, points=5
     ),
     "pounding_fragility": lambda s: sl.pounding_fragility(*s.both, s.ground, 0.005, [0.01], **SIZES),
+    "pounding_risk": lambda s: sl.pounding_risk(*s.both, s.ground, 0.005, HAZARD, **SIZES),
+    "required_gap": lambda s: sl.required_gap(*s.both, s.ground, HAZARD, risk=0.01, **SIZES),
     "mitigate": lambda s: sl.mitigate(
         *s.both, s.ground, gap=0.005, measures={"dampers": sl.Measure(0.1, link=LINK)}, **SIZES
     ),

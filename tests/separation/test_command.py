@@ -230,7 +230,7 @@ def test_the_page_warns_of_what_is_doubtful(site: Done) -> None:
     words = " ".join(" ".join(Page(site.page).words).split())
     assert "Strength from ductility" in words
     assert "storeys are 2.50 m and 3.00 m high" in words
-    assert "Kasai Jagiasi Jeng 1996 unverified" in words
+    assert "Kasai, Jagiasi and Jeng (1996), constants unverified" in words
     assert "In the recorded motions they would have needed" in words
     assert "How far each may go" in words
     assert re.search(r"keep them apart in [\d.]+.% of the motions .*: enough\.", words)

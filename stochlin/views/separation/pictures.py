@@ -47,7 +47,8 @@ def rules_figure(answer: CaseAnswer) -> Figure:
     shown = [row for row in rows(answer) if row.verdict in VERDICTS]
     gaps = [100 * float(answer.separation.gap[row.number - 1]) for row in shown]
     names = [filled([f"{row.number}  {row.label}"], NAME_WIDTH) for row in shown]
-    pitch = 0.34 if any("\n" in name for name in names) else 0.235
+    wide = any("\n" in name for name in names)
+    pitch, middle = (0.34, 0.1) if wide else (0.235, 0.3)
     figure, axes = _blank(pitch * len(shown) + 1.35)
     place = np.arange(len(shown))
     right = 1.04 * _farthest(answer, gaps) or 1
@@ -63,7 +64,7 @@ def rules_figure(answer: CaseAnswer) -> Figure:
     axes.grid(visible=False, axis="y")
     axes.invert_yaxis()
     axes.set(ylim=(len(shown) - 0.4, -0.6), xlim=(0, right), xlabel="gap [cm]")
-    _verdict_legend(axes, {row.verdict for row in shown})
+    _verdict_legend(axes, {row.verdict for row in shown}, middle)
     return figure
 
 
@@ -182,7 +183,7 @@ def _answer_line(axes: Axes, answer: CaseAnswer) -> None:
     axes.axvline(100 * float(table.gap[0]), label="the answer, with its 95 % interval", **line)
 
 
-def _verdict_legend(axes: Axes, verdicts: set[str]) -> None:
+def _verdict_legend(axes: Axes, verdicts: set[str], middle: float) -> None:
     from matplotlib.patches import Patch
 
     patches = [
@@ -191,7 +192,7 @@ def _verdict_legend(axes: Axes, verdicts: set[str]) -> None:
         if word in verdicts
     ]
     axes.legend(
-        handles=patches, ncols=4, loc="lower center", bbox_to_anchor=(0.3, 1.0), fontsize=9,
+        handles=patches, ncols=4, loc="lower center", bbox_to_anchor=(middle, 1.0), fontsize=9,
         columnspacing=1.0, handlelength=1.4, handletextpad=0.5,
     )  # fmt: skip
 

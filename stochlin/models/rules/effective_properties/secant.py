@@ -31,7 +31,6 @@ class Elastic(EffectiveRule):
     "Rosenblueth, E. and Herrera, I. (1964), J. Eng. Mech. Div. ASCE 90",
     "C",
     2,
-    "secant stiffness",
 )
 @dataclass(frozen=True)
 class Secant(EffectiveRule):
