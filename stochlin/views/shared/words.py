@@ -25,7 +25,7 @@ CAPITALS = {
     "e030": "E.030",
 }
 COMMON = {
-    *("simulation", "simulated", "linearization", "linearized", "elastic"),
+    *("simulation", "simulated", "linearization", "linearized", "elastic", "secant"),
     *("share", "of", "sum", "height", "fixed", "distance", "unverified", "drift", "white", "noise"),
     *("simplified",),
 }

@@ -12,4 +12,6 @@ sl.required_gap(ONE, TWO, GROUND, HAZARD, 12.0, risk="10 % in 50 years", **COMMO
 )
 existing = sl.Bilinear(sl.Uncertain(0.6, 0.25), 0.05, 0.05, reduction_factor=sl.Uncertain(3.0, 0.3))
 unknown = sl.separation(existing, TWO, GROUND, 12.0, **COMMON)
-unknown[["gap", "gap_lower", "gap_upper", "input_factor"]].to_netcdf("unknown.nc", engine="scipy")
+unknown = unknown.sel(rule="simulation", drop=True)
+names = ["gap", "gap_lower", "gap_upper", "input_factor"]
+unknown[names].reset_coords(drop=True).to_netcdf("unknown.nc", engine="scipy")
