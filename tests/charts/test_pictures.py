@@ -47,8 +47,11 @@ def test_every_chart_says_its_kind_and_files_that_do_not_are_drawn_alike(charts_
 @pytest.mark.parametrize("path", FIGURES, ids=lambda path: path.stem)
 def test_saved_figures_are_of_the_kind_they_are_drawn_as(path):
     with xr.open_dataset(path) as chart:
-        told = chart.attrs.pop("chart")
-        assert charts._kind(chart) == told
+        told = chart.attrs["chart"]
+        assert told in sl.charts.PICTURES
+        if told in {kind for kind, _ in charts.UNTOLD}:
+            del chart.attrs["chart"]
+            assert charts._kind(chart) == told
 
 
 def test_what_is_no_chart_is_refused_with_the_kinds_there_are():
