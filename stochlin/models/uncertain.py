@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import wraps
 from typing import Any, Self, TypeVar
 
@@ -167,6 +167,15 @@ class UncertainModel:
         }
         return self.build(**{**self.arguments, **given})
 
+    def changed(self, change: Callable[[Any], Any]) -> Self:
+        """The description of what a change makes of every sample."""
+
+        @wraps(self.build)
+        def build(*args: Any, **kwargs: Any) -> Any:
+            return change(self.build(*args, **kwargs))
+
+        return replace(self, build=build)
+
     def over_cells(self) -> dict[str, Any]:
         """None: it is one model, as in `Model.over_cells`."""
         return {}
@@ -188,6 +197,11 @@ class UncertainModel:
 def median_of(model: Any) -> Any:
     """A model at the medians of its parameters."""
     return model.median() if isinstance(model, UncertainModel) else model
+
+
+def applied(change: Callable[[Any], Any], model: Any) -> Any:
+    """A model after a change, or the description of what the change makes of every sample."""
+    return model.changed(change) if isinstance(model, UncertainModel) else change(model)
 
 
 def takes_uncertain(build: Callable[..., One]) -> Callable[..., One]:

@@ -6,6 +6,7 @@ import re
 import warnings
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -28,6 +29,7 @@ from stochlin.models.grounds import Ground
 from stochlin.models.hazards import Hazard, HazardCurve
 from stochlin.models.parameters import expect
 from stochlin.models.systems import STRUCTURES, AnyStructure
+from stochlin.models.uncertain import applied, median_of
 
 POINTS = 13  # intensities that are simulated
 RETURN_PERIODS = (5.0, 2e5)  # yr, of these, where the hazard has no ends
@@ -117,7 +119,7 @@ def pounding_risk(
     """
     asked = _Asked(first, second, ground, hazard, duration, envelope, scatter, paths, seed)
     asked.check()
-    check_existing(gap, duration, {"first": first, "second": second})
+    check_existing(gap, duration, {"first": median_of(first), "second": median_of(second)})
     _check_years(years)
     motions = asked.simulated(progress)
     by_path = rates(motions, gap, asked.frequency)
@@ -254,14 +256,15 @@ class _Asked(NamedTuple):
 
     def check(self) -> None:
         """Raise for what is of the wrong kind, out of range, or too much; before any work is done."""
-        both = {"first": self.first, "second": self.second}
+        both = {"first": median_of(self.first), "second": median_of(self.second)}
         for role, structure in both.items():
             expect(structure, STRUCTURES, role)
-        expect(self.ground, Ground, "ground")
+        ground = median_of(self.ground)
+        expect(ground, Ground, "ground")
         expect(self.hazard, Hazard, "hazard")
         check_scatter(self.scatter)
         check_duration(self.duration, both)
-        check_repeated(list(both.values()), self.ground, self.duration, self.paths, self.seed, POINTS)
+        check_repeated(list(both.values()), ground, self.duration, self.paths, self.seed, POINTS)
 
     def check_target(self, target: float, risk: object) -> None:
         """Raise a ValueError for a risk that this hazard cannot tell of."""
@@ -293,13 +296,15 @@ class _Asked(NamedTuple):
         """The same motions at all intensities."""
         found = []
         motion: dict[str, Any] = {"duration": self.duration, "envelope": self.envelope}
-        pair = [strength_in_metres(one, self.ground) for one in (self.first, self.second)]
-        at_one = self._ground_of_one()
+        usual = median_of(self.ground)
+        both = self.first, self.second
+        pair = [applied(lambda s: strength_in_metres(s, usual), one) for one in both]
+        at_one = self._ground_of_one(usual) / float(usual.arrays()["intensity"])
         for n, intensity in enumerate(self.intensities()):
-            changed: dict[str, Any] = {"intensity": at_one * self._power(intensity)}
+            times = at_one * self._power(intensity)
             table = simulate(
                 pair,
-                replace(self.ground, **changed),
+                applied(partial(_times, factor=times), self.ground),
                 paths=self.paths,
                 seed=self.seed,
                 scatter=self.scatter,
@@ -314,14 +319,14 @@ class _Asked(NamedTuple):
         """``S0`` over that of an intensity of 1."""
         return float(intensity if self.hazard.measure == "intensity" else intensity**2)
 
-    def _ground_of_one(self) -> float:
+    def _ground_of_one(self, ground: Ground) -> float:
         """``S0`` of motions whose intensity by the hazard's measure is 1."""
         if self.hazard.measure == "intensity":
             return 1.0
         goal: dict[str, Any] = {self.hazard.measure: 1.0}
         if self.hazard.period is not None:
             goal["period"] = self.hazard.period
-        scaled = scale_ground(self.ground, self.duration, self.envelope, seed=self.seed, **goal)
+        scaled = scale_ground(ground, self.duration, self.envelope, seed=self.seed, **goal)
         return float(scaled.arrays()["intensity"])
 
     def warn_of_weak(self, motions: Motions, gap: float) -> None:
@@ -357,11 +362,16 @@ class _Asked(NamedTuple):
                 measure=self.hazard.measure,
                 **labels.of_scatter(self.scatter),
             ),
-            f"Risk of pounding of two structures, {self.ground.name} ground",
+            f"Risk of pounding of two structures, {median_of(self.ground).name} ground",
             f"{call}(duration={self.duration:g}, paths={self.paths}, seed={self.seed})",
             models,
             REFERENCES,
         )
+
+
+def _times(ground: Any, factor: float) -> Any:
+    """The ground with so many times the intensity."""
+    return replace(ground, intensity=ground.intensity * factor)
 
 
 def _by_intensity(

@@ -24,10 +24,12 @@ from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
 from stochlin.models.systems import STRUCTURES, AnyStructure, first_mode, weaker
+from stochlin.models.uncertain import applied, median_of
 
 STRENGTHS = np.geomspace(1 / 8, 8, 13)  # factors on both reduction factors
 AMPLITUDES = np.geomspace(1 / 16, 16, 17)  # factors on the motion
 DAMPINGS = np.linspace(0, 0.4, 9)  # added to both
+MOST_DAMPING = 0.999
 CLOSE = 1e-3  # relative, of what is searched
 SIMULATIONS = 60  # that the three searches take together, as a rule
 
@@ -92,11 +94,11 @@ def existing_gap(
     """
     check_confidence(confidence)
     check_scatter(scatter)
-    for role, structure in (("first", first), ("second", second)):
+    both = {"first": median_of(first), "second": median_of(second)}
+    for role, structure in both.items():
         expect(structure, STRUCTURES, role)
-    check_existing(gap, duration, {"first": first, "second": second})
-
-    check_repeated([first, second], ground, duration, paths, seed, SIMULATIONS)
+    check_existing(gap, duration, both)
+    check_repeated(list(both.values()), median_of(ground), duration, paths, seed, SIMULATIONS)
     if progress is not None:
         progress(0.0)
     done = itertools.count(1)
@@ -117,7 +119,7 @@ def existing_gap(
     strength = first_above(lambda s: required(case.weaker(s), ground), STRENGTHS, gap)
     amplitude = first_above(lambda a: required(case.pair, case.stronger(a)), AMPLITUDES, gap)
     damping = first_below(lambda x: required(case.damped(x), ground), DAMPINGS, gap)
-    intensity = float(ground.arrays()["intensity"])
+    intensity = float(median_of(ground).arrays()["intensity"])
     table = xr.Dataset(
         {
             **keeping_apart(samples, float(gap)),
@@ -136,7 +138,7 @@ def existing_gap(
         table.assign_attrs(
             gap_m=float(gap), confidence=confidence, searched=searched, **labels.of_scatter(scatter)
         ),
-        f"What an existing gap allows, {ground.name} ground",
+        f"What an existing gap allows, {median_of(ground).name} ground",
         f"existing_gap(gap={gap:g}, duration={duration:g}, confidence={confidence:g}, seed={seed})",
         {"first": first, "second": second, "ground": ground},
     )
@@ -151,22 +153,31 @@ class _ExistingPair(NamedTuple):
 
     @classmethod
     def of(cls, structures: tuple[AnyStructure, AnyStructure], ground: Ground) -> _ExistingPair:
-        one, other = (strength_in_metres(structure, ground) for structure in structures)
-        modes = [first_mode(structure) for structure in structures]
-        solved = [solve_structure(mode, ground, "gaussian", USUAL) for mode in modes]
+        usual = median_of(ground)
+        one, other = (applied(lambda s: strength_in_metres(s, usual), each) for each in structures)
+        modes = [first_mode(median_of(structure)) for structure in structures]
+        solved = [solve_structure(mode, usual, "gaussian", USUAL) for mode in modes]
         first, second = (solved_reduction_factor(*both) for both in zip(modes, solved, strict=True))
         return cls((one, other), ground, (first, second))
 
     def weaker(self, factor: float) -> list[AnyStructure]:
-        return [weaker(structure, factor) for structure in self.pair]
+        return [applied(lambda s: weaker(s, factor), structure) for structure in self.pair]
 
     def stronger(self, amplitude: float) -> Ground:
-        intensity = float(self.ground.arrays()["intensity"]) * amplitude**2
-        changed: dict[str, Any] = {"intensity": intensity}
-        return replace(self.ground, **changed)
+        return applied(lambda ground: _times(ground, amplitude**2), self.ground)
 
     def damped(self, added: float) -> list[AnyStructure]:
-        return [replace(s, damping=min(s.damping + added, 0.999)) for s in self.pair]
+        return [applied(lambda s: _damped(s, added), structure) for structure in self.pair]
+
+
+def _times(ground: Any, factor: float) -> Any:
+    """The ground with so many times the intensity."""
+    return replace(ground, intensity=ground.intensity * factor)
+
+
+def _damped(structure: Any, added: float) -> Any:
+    """The structure with more damping, as much as there can be."""
+    return replace(structure, damping=np.minimum(structure.damping + added, MOST_DAMPING))
 
 
 def first_above(required: Callable[[float], float], grid: Any, gap: float) -> float:
