@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.separation.existing_gap import CLOSE
+from stochlin.analyses.separation.searches import CLOSE
 from stochlin.models.systems import retrofitted
 
 pytestmark = pytest.mark.oracle
@@ -317,3 +317,27 @@ def test_links_and_contacts_ask_for_masses():
         sl.mitigate(*light, GROUND, DURATION, GAP, {}, contact=STEEL, records={"r": record()}, **MOTION)
     table = sl.mitigate(*light, GROUND, DURATION, GAP, {}, **MOTION)
     assert "least dashpot between" not in table.measure
+
+
+def test_measures_of_buildings_that_are_not_known_exactly():
+    """Without spread as known; with it, more is required, and the least is more."""
+
+    def table(size):
+        pair = [
+            sl.Bilinear(sl.Uncertain(T, size), 0.05, 0.05, reduction_factor=3, mass=1e6)
+            for T in (0.6, 1.0)
+        ]
+        ground = sl.named_ground("firm", intensity=0.01)
+        given = {"link": sl.Measure(link=sl.Link(1e7, 1e6))}
+        return pair, sl.mitigate(*pair, ground, 15.0, 0.08, given, paths=64)
+
+    pair, still = table(0.0)
+    ground = sl.named_ground("firm", intensity=0.01)
+    known = sl.mitigate(
+        *(one.median() for one in pair), ground, 15.0, 0.08,
+        {"link": sl.Measure(link=sl.Link(1e7, 1e6))}, paths=64,
+    )  # fmt: skip
+    np.testing.assert_allclose(still.required_gap, known.required_gap, rtol=5e-3)
+    np.testing.assert_allclose(still.rho, known.rho, rtol=0.05)
+    _, spread = table(0.3)
+    assert float(spread.required_gap[0]) > float(still.required_gap[0])

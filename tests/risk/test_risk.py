@@ -127,3 +127,27 @@ def test_a_hazard_that_begins_too_high_is_doubted():
     hazard = sl.HazardCurve([4.0, 8.0], [0.01, 1e-3])
     with pytest.warns(UserWarning, match="weaker shaking, of which it does not tell"):
         sl.pounding_risk(*ELASTIC, GROUND, 0.01, hazard, 15.0, paths=32)
+
+
+def test_risk_of_what_is_not_known_exactly():
+    """Without spread as known; with it, the mean of the rates of drawn pairs."""
+    hazard, gap = sl.PowerLawHazard(k0=0.02, k=2.5), 0.08
+    known = sl.Bilinear(0.6, 0.05, 0.05, yield_displacement=0.02)
+    motion = {"envelope": SHAPE}
+
+    def risk(first, paths, seed=0):
+        return sl.pounding_risk(
+            first, ELASTIC[1], GROUND, gap, hazard, 15.0, paths=paths, seed=seed, **motion
+        )
+
+    still = sl.Bilinear(sl.Uncertain(0.6, 0.0), 0.05, 0.05, yield_displacement=0.02)
+    one, other = (float(risk(each, 64).annual_rate) for each in (still, known))
+    assert one == pytest.approx(other, rel=1e-6)
+    spread = sl.Bilinear(sl.Uncertain(0.6, 0.4), 0.05, 0.05, yield_displacement=0.02)
+    table = risk(spread, 512)
+    random = np.random.default_rng(9)
+    factors = np.exp(0.4 * random.standard_normal(24))
+    pairs = [spread.at({"period": float(factor)}) for factor in factors]
+    drawn = np.array([float(risk(one, 32, 50 + n).annual_rate) for n, one in enumerate(pairs)])
+    error = np.hypot(drawn.std(ddof=1) / np.sqrt(24), float(table.annual_rate_standard_error))
+    assert abs(drawn.mean() - float(table.annual_rate)) < 4 * error

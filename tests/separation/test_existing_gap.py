@@ -82,3 +82,52 @@ def test_hopeless_and_ample_gaps():
 def test_gap_is_a_positive_number(gap):
     with pytest.raises(ValueError, match=r"gap = .*positive"):
         sl.existing_gap(FIRST, SECOND, GROUND, 25.0, gap, **OPTIONS)
+
+
+def test_strengths_that_hold_need_not_begin_at_the_strongest():
+    """Elastic, both are in resonance with the ground; as built they yield, and the gap holds."""
+    pair = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (1.9, 2.1)]
+    ground, shape = sl.KanaiTajimi(2.0, 0.05, 0.001), sl.AminAng(4.0, 15.0, 0.35)
+    motion = {"envelope": shape, "paths": 256}
+    table = sl.existing_gap(*pair, ground, 30.0, 0.2149, **motion)
+    assert float(table.no_pounding_probability) > 0.9
+    least = float(table.least_reduction_factor_1)
+    assert 1 < least < 4 < float(table.largest_reduction_factor_1)
+    ends = [float(table[f"least_reduction_factor_{end}_1"]) for end in ("lower", "upper")]
+    assert ends[0] < least < ends[1]
+    for factor, enough in ((0.9 * least, False), (1.1 * least, True)):
+        uy = [float(sl.linearize(s, ground).yield_displacement) * 4 / factor for s in pair]
+        weaker = [
+            replace(s, reduction_factor=None, yield_displacement=u)
+            for s, u in zip(pair, uy, strict=True)
+        ]
+        gap = float(sl.separation(*weaker, ground, 30.0, **motion).gap[0])
+        assert (gap <= 0.2149) == enough
+
+
+def test_ends_of_intervals_ask_for_the_gap_with_the_ends_of_what_is_required():
+    """Of linear structures in closed form: gaps go with the root of the intensity."""
+    pair = sl.Bilinear(0.5, 0.05), sl.Bilinear(1.0, 0.05)
+    table = sl.existing_gap(*pair, GROUND, 25.0, 0.1, **OPTIONS)
+    now = sl.separation(*pair, GROUND, 25.0, **OPTIONS)
+    for end, other in (("lower", "upper"), ("upper", "lower")):
+        exact = float(GROUND.intensity) * (0.1 / float(now[f"gap_{other}"][0])) ** 2
+        assert float(table[f"largest_intensity_{end}"]) == pytest.approx(exact, rel=0.02)
+
+
+def test_what_is_not_known_exactly_is_in_every_answer():
+    """The same samples as in `separation`; without spread, the same answers."""
+    uncertain, still = (
+        [sl.Bilinear(sl.Uncertain(T, size), 0.05, 0.05, reduction_factor=3) for T in (0.6, 1.0)]
+        for size in (0.25, 0.0)
+    )
+    options = {"paths": 64, "confidence": 0.8}
+    table = sl.existing_gap(*uncertain, GROUND, 15.0, 0.08, **options)
+    gap = sl.separation(*uncertain, GROUND, 15.0, **options).gap[0]
+    assert float(table.required_gap) == pytest.approx(float(gap), rel=1e-9)
+    one, other = (
+        sl.existing_gap(*pair, GROUND, 15.0, 0.08, **options)
+        for pair in (still, [each.median() for each in still])
+    )
+    for name in other.data_vars:
+        assert float(one[name]) == pytest.approx(float(other[name]), rel=5e-3, nan_ok=True), name

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -27,6 +27,7 @@ from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.measures import Measure
 from stochlin.models.systems import retrofitted, system_of
+from stochlin.models.uncertain import applied, median_of
 
 RECORDED = (
     *("amplification_1", "amplification_2", "impacts", "largest_force"),
@@ -52,16 +53,24 @@ class MitigatedPair:
 
     def changed(self, measure: Measure) -> tuple[Any, Any]:
         """The structures with what the measure adds to each of them, but for devices."""
-        pair = [self._changed(structure, measure, n) for n, structure in enumerate(self.structures, 1)]
+        pair = [
+            applied(partial(self._changed, measure=measure, number=n), structure)
+            for n, structure in enumerate(self.structures, 1)
+        ]
         return pair[0], pair[1]
+
+    def known(self, measure: Measure) -> tuple[Any, Any]:
+        """The same, at the medians of what is not known exactly."""
+        one, two = self.changed(measure)
+        return median_of(one), median_of(two)
 
     def _changed(self, structure: Any, measure: Measure, number: int) -> Any:
         names = ("added_damping", "stiffening", "strengthening")
         more, stiffening, strengthening = (float(getattr(measure, f"{n}_{number}")) for n in names)
-        total = float(structure.damping) + more
-        if total >= 1:
+        total = structure.damping + more
+        if (largest := float(np.max(total))) >= 1:
             raise ValueError(
-                f"added_damping_{number} = {more:g} makes the damping {total:g}; allowed: less than 1 "
+                f"added_damping_{number} = {more:g} makes the damping {largest:g}; allowed: less than 1 "
                 "in all"
             )
         if strengthening != 1 and not structure.yields:
@@ -84,7 +93,7 @@ class MitigatedPair:
     def check(self, measure: Measure) -> None:
         """Raise a ValueError or TypeError for a measure that does not fit the pair."""
         self.open_gap(measure)
-        system_of(self.changed(measure), checked_links(measure.links, len(self.structures)))
+        system_of(self.known(measure), checked_links(measure.links, len(self.structures)))
 
     def simulated(self, measure: Measure) -> dict[str, float]:
         """What random motions say: the required gap, how probable no pounding is, mean peaks.
@@ -114,7 +123,7 @@ class MitigatedPair:
         rho = apart = np.nan
         # Not solved; or nothing stationary: a link with slack, storeys without stiffness beyond yield.
         with suppress(ArithmeticError, ValueError):
-            rho, apart = linearized_at_roof(self.changed(measure), self.ground, measure.links)
+            rho, apart = linearized_at_roof(self.known(measure), median_of(self.ground), measure.links)
         return {"rho": rho, "relative_displacement_std": apart}
 
     def recorded(self, measure: Measure) -> dict[str, Array]:
@@ -123,7 +132,7 @@ class MitigatedPair:
         contact = self.contact if measure.contact is None else measure.contact
         unknown = xr.DataArray(np.nan)
         for motion, peaks in zip(self.records.values(), self.peaks_alone, strict=True):
-            pair, gap = self.changed(measure), self.open_gap(measure)
+            pair, gap = self.known(measure), self.open_gap(measure)
             table = pound(pair, gap, contact, motion, link=measure.links)
             for n in (0, 1):
                 found[f"amplification_{n + 1}"].append(float(np.nanmax(table.peak[n] / peaks[n])))
@@ -145,7 +154,7 @@ class MitigatedPair:
     def peaks_alone(self) -> list[Array]:
         """Peaks of the floors as built and standing alone, record by record [m]."""
         return [
-            pound(self.structures, self.gap, self.contact, motion).peak_alone.values
+            pound(self.known(Measure()), self.gap, self.contact, motion).peak_alone.values
             for motion in self.records.values()
         ]
 

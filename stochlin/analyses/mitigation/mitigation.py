@@ -34,6 +34,7 @@ from stochlin.models.measures import Measure
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
 from stochlin.models.systems import STRUCTURES, AnyStructure
+from stochlin.models.uncertain import applied, median_of
 
 AS_BUILT = "as built"
 SIMULATIONS = 60  # that the searches take together, as a rule
@@ -146,8 +147,9 @@ def mitigate(
     one, two = _checked(first, second, ground, measures, contact, records, amplification_limit)
     check_confidence(confidence)
     check_scatter(scatter)
-    check_existing(gap, duration, {"first": first, "second": second})
-    check_repeated([one, two], ground, duration, paths, seed, len(measures) + SIMULATIONS)
+    both = [median_of(structure) for structure in (one, two)]
+    check_existing(gap, duration, dict(zip(("first", "second"), both, strict=True)))
+    check_repeated(both, median_of(ground), duration, paths, seed, len(measures) + SIMULATIONS)
     if progress is not None:
         progress(0.0)
     site = MitigatedPair(
@@ -191,7 +193,7 @@ def mitigate(
             paths=paths,
             seed=seed,
         ),
-        f"Measures against pounding, {ground.name} ground",
+        f"Measures against pounding, {median_of(ground).name} ground",
         f"mitigate(gap={gap:g}, duration={duration:g}, confidence={confidence:g}, seed={seed})",
         models if contact is None else models | {"contact": contact},
     )
@@ -207,7 +209,7 @@ def _checked(
     limit: float | None,
 ) -> list[Any]:
     """The structures by their yield displacements, once all that is given fits together."""
-    expect(ground, Ground, "ground")
+    expect(median_of(ground), Ground, "ground")
     if contact is not None:
         expect(contact, Contact, "contact")
     for name, given in (("measures", measures), ("records", records)):
@@ -224,7 +226,7 @@ def _checked(
             checked_record(motion)
         except (TypeError, ValueError) as error:
             raise type(error)(f"records[{brief(name)}]: {error}") from error
-    for role, structure in (("first", first), ("second", second)):
+    for role, structure in (("first", median_of(first)), ("second", median_of(second))):
         expect(structure, STRUCTURES, role)
         if records and isinstance(structure, Structure) and structure.mass is None:
             raise ValueError(f"{role} cannot pound: its mass is not given; allowed: 0 < mass, in kg")
@@ -232,9 +234,10 @@ def _checked(
         raise ValueError(
             f"amplification_limit = {brief(limit)}; allowed: a positive number, with contact and records"
         )
-    pair = [strength_in_metres(structure, ground) for structure in (first, second)]
+    usual = median_of(ground)
+    pair = [applied(lambda s: strength_in_metres(s, usual), structure) for structure in (first, second)]
     if records:
-        checked_buildings(pair)
+        checked_buildings([median_of(structure) for structure in pair])
     return pair
 
 

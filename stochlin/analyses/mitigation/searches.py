@@ -10,7 +10,8 @@ import numpy as np
 
 from stochlin.analyses.mitigation.mitigated_pair import MitigatedPair
 from stochlin.analyses.separation.added_damping import SIDES
-from stochlin.analyses.separation.existing_gap import DAMPINGS, first_below
+from stochlin.analyses.separation.existing_gap import DAMPINGS
+from stochlin.analyses.separation.searches import Required, least
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding.contact import reduced_mass
 from stochlin.models.links import Link
@@ -43,7 +44,7 @@ class Search(NamedTuple):
 
     def result(self) -> MeasureLine:
         """The least measure, or why there is none."""
-        value = first_below(lambda x: self.outcome(self.build(x)), self.values, self.most)
+        value = least(Required(lambda x: self.outcome(self.build(x)), self.most), self.values).value
         if np.isfinite(value):
             return MeasureLine(self.name, "least", self.build(value), self.aim)
         tried = f"nothing up to {self.values[-1]:.3g}{self.unit} meets the aim"
@@ -85,7 +86,8 @@ def _dashpot(constant: float) -> Measure:
 
 def _dampings(site: MitigatedPair, shares: tuple[float, float]) -> Array:
     """The values to try, as far as the damping stays a ratio below 1."""
-    own = max(float(s.damping) for s, share in zip(site.structures, shares, strict=True) if share)
+    built = site.known(Measure())
+    own = max(float(s.damping) for s, share in zip(built, shares, strict=True) if share)
     values: Array = DAMPINGS[own + DAMPINGS < 1]
     return values
 
@@ -96,9 +98,9 @@ def _dashpot_scale(site: MitigatedPair) -> float | None:
     None where there are no masses, or no floors at one level.
     """
     try:
-        system_of(site.structures, _dashpot(0.0).links)
+        system_of(site.known(Measure()), _dashpot(0.0).links)
     except ValueError:
         return None
-    modes = [first_mode(structure) for structure in site.structures]
+    modes = [first_mode(structure) for structure in site.known(Measure())]
     mass = float(reduced_mass(*(float(mode.arrays()["mass"]) for mode in modes)))
     return 2 * mass * float(np.mean([2 * np.pi / float(mode.arrays()["period"]) for mode in modes]))

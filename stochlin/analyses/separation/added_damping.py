@@ -12,7 +12,8 @@ import xarray as xr
 
 from stochlin.analyses.records.cells import RECORD, Records, check_structure, checked_motions
 from stochlin.analyses.separation.energy_gap import WHITE_NOISE, RhoEstimate, estimated_gap
-from stochlin.analyses.separation.existing_gap import DAMPINGS, first_below
+from stochlin.analyses.separation.existing_gap import DAMPINGS
+from stochlin.analyses.separation.searches import Required, least
 from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import over_cells
@@ -165,7 +166,7 @@ def _of_one(
     estimate = estimate._replace(ground=ground)
     scan = damped_gaps(first, second, record, estimate)
 
-    def least(n: int, shares: tuple[float, float], name: str) -> float:
+    def least_of(n: int, shares: tuple[float, float], name: str) -> float:
         tried = scan[BY_DAMPING].values.tolist()
         known = dict(zip(tried, scan[name].values[n].tolist(), strict=True))
 
@@ -175,10 +176,10 @@ def _of_one(
             one, two = (_damped(s, x * added) for s, x in zip((first, second), shares, strict=True))
             return float(estimated_gap(one, two, record, estimate)[name])
 
-        return first_below(needed, known, gap)
+        return least(Required(needed, gap), list(known)).value
 
     found = [
-        xr.DataArray([least(n, shares, name) for n, shares in enumerate(SIDES.values())], dims=DAMPED)
+        xr.DataArray([least_of(n, shares, name) for n, shares in enumerate(SIDES.values())], dims=DAMPED)
         for name in ("critical_gap", "separation")
     ]
     return scan[[*CURVES, "status"]].assign(

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.optimize
 import xarray as xr
 
 from stochlin.analyses.linearization.equivalent_systems import solve_structure
 from stochlin.analyses.linearization.strength import solved_reduction_factor, strength_in_metres
 from stochlin.analyses.linearization.tolerance import USUAL
+from stochlin.analyses.separation.searches import Edge, Required, around, least, up_to
 from stochlin.analyses.separation.variables import VARIABLES
-from stochlin.analyses.simulation.finite_motions import keeping_apart, pair_separation
+from stochlin.analyses.simulation.finite_motions import (
+    keeping_apart,
+    pair_separation,
+    quantile_intervals,
+)
 from stochlin.analyses.simulation.simulation import check_repeated, simulate
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_confidence, check_existing, check_scatter
@@ -27,10 +31,11 @@ from stochlin.models.systems import STRUCTURES, AnyStructure, first_mode, weaker
 from stochlin.models.uncertain import applied, median_of
 
 STRENGTHS = np.geomspace(1 / 8, 8, 13)  # factors on both reduction factors
+AS_BUILT = 6  # of these, the one that changes nothing
+ENDS = "", "_lower", "_upper"
 AMPLITUDES = np.geomspace(1 / 16, 16, 17)  # factors on the motion
 DAMPINGS = np.linspace(0, 0.4, 9)  # added to both
 MOST_DAMPING = 0.999
-CLOSE = 1e-3  # relative, of what is searched
 SIMULATIONS = 60  # that the three searches take together, as a rule
 
 
@@ -68,11 +73,14 @@ def existing_gap(
     xarray.Dataset
         Without dimensions: ``no_pounding_probability`` [-] as things are, with its 95 % interval;
         ``required_gap`` [m]; ``largest_reduction_factor_1`` and ``_2`` [-]: both strengths lowered
-        alike, as far as the confidence holds throughout (of a building with storeys, that of its first
-        mode); ``largest_intensity`` [m^2/s^3] of the ground, strengths in metres kept;
-        ``least_added_damping`` [-], the same ratio added to both.
-        Infinite where the confidence holds over all of the range that was searched, NaN where it
-        holds nowhere; ``searched`` in the attributes says which it was.
+        alike, from the present ones as far as the confidence holds (of a building with storeys, that of
+        its first mode), and ``least_reduction_factor_1`` and ``_2`` where it ceases to hold if they are
+        raised, as between structures that are in resonance while elastic; if it does not hold at
+        present, the ends of the strengths next to it where it does. ``largest_intensity`` [m^2/s^3] of
+        the ground, up to which it holds throughout, strengths in metres kept; ``least_added_damping``
+        [-], the same ratio added to both. Each with its 95 % interval, ``_lower`` and ``_upper``.
+        Infinite, or for a least 0, where the confidence holds to the end of the range that was searched,
+        NaN where it holds nowhere; ``searched`` in the attributes says which it was.
 
     Raises
     ------
@@ -111,22 +119,26 @@ def existing_gap(
             progress(min(next(done) / SIMULATIONS, 1.0))
         return pair_separation(motions)
 
-    def required(pair: Sequence[AnyStructure], ground: Ground) -> float:
-        return float(np.quantile(separations(pair, ground), confidence))
+    def required(pair: Sequence[AnyStructure], ground: Ground) -> list[float]:
+        ends = quantile_intervals(separations(pair, ground).values, np.array([confidence]))
+        return [float(end[0]) for end in ends]
 
     samples = separations([first, second], ground)
     case = _ExistingPair.of((first, second), ground)
-    strength = first_above(lambda s: required(case.weaker(s), ground), STRENGTHS, gap)
-    amplitude = first_above(lambda a: required(case.pair, case.stronger(a)), AMPLITUDES, gap)
-    damping = first_below(lambda x: required(case.damped(x), ground), DAMPINGS, gap)
+    by_strength = Required(lambda s: required(case.weaker(s), ground), gap)
+    least_factor, largest_factor = around(by_strength, STRENGTHS, AS_BUILT)
+    by_amplitude = Required(lambda a: required(case.pair, case.stronger(a)), gap)
+    amplitude = up_to(by_amplitude, AMPLITUDES)
+    damping = least(Required(lambda x: required(case.damped(x), ground), gap), DAMPINGS)
     intensity = float(median_of(ground).arrays()["intensity"])
     table = xr.Dataset(
         {
             **keeping_apart(samples, float(gap)),
             "required_gap": float(np.quantile(samples, confidence)),
-            **{f"largest_reduction_factor_{n}": r * strength for n, r in enumerate(case.factors, 1)},
-            "largest_intensity": intensity * amplitude**2,
-            "least_added_damping": damping,
+            **_factors("largest", case.factors, largest_factor),
+            **_factors("least", case.factors, least_factor),
+            **_with_interval("largest_intensity", Edge(*(intensity * a**2 for a in amplitude))),
+            **_with_interval("least_added_damping", damping),
         }
     )
     searched = (
@@ -142,6 +154,18 @@ def existing_gap(
         f"existing_gap(gap={gap:g}, duration={duration:g}, confidence={confidence:g}, seed={seed})",
         {"first": first, "second": second, "ground": ground},
     )
+
+
+def _with_interval(name: str, edge: Edge, end: str = "") -> dict[str, float]:
+    return {f"{name}{which}{end}": value for which, value in zip(ENDS, edge, strict=True)}
+
+
+def _factors(which: str, factors: Sequence[float], edge: Edge) -> dict[str, float]:
+    """Reduction factors of both structures at an edge."""
+    found: dict[str, float] = {}
+    for n, factor in enumerate(factors, start=1):
+        found |= _with_interval(f"{which}_reduction_factor", edge.times(factor), f"_{n}")
+    return found
 
 
 class _ExistingPair(NamedTuple):
@@ -178,28 +202,3 @@ def _times(ground: Any, factor: float) -> Any:
 def _damped(structure: Any, added: float) -> Any:
     """The structure with more damping, as much as there can be."""
     return replace(structure, damping=np.minimum(structure.damping + added, MOST_DAMPING))
-
-
-def first_above(required: Callable[[float], float], grid: Any, gap: float) -> float:
-    """Largest value up to which the required gap stays within; infinite if it always does, or NaN."""
-    before = np.nan
-    for value in grid:
-        if required(value) > gap:
-            return np.nan if np.isnan(before) else _root(required, before, value, gap)
-        before = value
-    return np.inf
-
-
-def first_below(required: Callable[[float], float], grid: Any, gap: float) -> float:
-    """Smallest value with which the required gap is within the gap; NaN if there is none."""
-    before = np.nan
-    for value in grid:
-        if required(value) <= gap:
-            return float(value) if np.isnan(before) else _root(required, before, value, gap)
-        before = value
-    return np.nan
-
-
-def _root(required: Callable[[float], float], low: float, high: float, gap: float) -> float:
-    """Where the required gap passes the gap between two values that bracket it."""
-    return float(scipy.optimize.brentq(lambda x: required(x) - gap, low, high, rtol=CLOSE, xtol=1e-6))

@@ -15,7 +15,13 @@ VARIABLES: Variables = {
     "no_pounding_probability": ("1", "share of the simulated motions that the gap survives"),
     "ductility": ("1", "mean peak displacement over yield displacement"),
     "required_gap": ("m", "gap that keeps the confidence"),
-    "largest_reduction_factor": ("1", "reduction factor at which the gap just keeps the confidence"),
+    "largest_reduction_factor": ("1", "reduction factor up to which the gap keeps the confidence"),
+    "least_reduction_factor": ("1", "reduction factor from which on the gap keeps the confidence"),
+    **{
+        f"{which}_reduction_factor_{end}": ("1", f"{end} end of the 95 % interval of that")
+        for which in ("largest", "least")
+        for end in ("lower", "upper")
+    },
     "largest_intensity": ("m^2/s^3", "intensity S0 at which the gap just keeps the confidence"),
     "critical_gap": ("m", "critical gap of eq. (3) with the energy radii"),
     "critical_gap_error": ("1", "critical gap over the gap that the record takes, less one"),
