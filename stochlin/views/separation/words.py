@@ -167,15 +167,20 @@ def allowances(answer: CaseAnswer) -> list[str]:
     enough = float(found.required_gap) <= float(found.attrs["gap_m"])
     now = float(case.ground.arrays()["intensity"])
     intensity, damping = float(found.largest_intensity), float(found.least_added_damping)
-    more = f"at least {per_cent(damping, 1)} more in both" if damping else "no more is needed"
+    ends = [float(found[f"least_added_damping_{end}"]) for end in ("lower", "upper")]
+    told = f" [{per_cent(ends[0], 1)} to {per_cent(ends[1], 1)}]" if ends[0] < ends[1] else ""
+    more = f"at least {per_cent(damping, 1)}{told} more in both" if damping else "no more is needed"
     return [
         "How far each may go, alone, with the gap still enough:"
         if enough
         else "What would make the gap enough, one change alone:",
         *_strength(found, answer.separation),
-        "Shaking: " + _limit(intensity, f"S0 up to {intensity:.3g} m²/s³ (now {now:.3g})"),
+        "Shaking: "
+        + _limit(
+            intensity, f"S0 up to {_with_interval(found, 'largest_intensity')} m²/s³ (now {now:.3g})"
+        ),
         "Damping: " + _limit(damping, more),
-        f"Searched: {found.attrs['searched']}.",
+        f"Searched: {found.attrs['searched']}. In brackets: 95 % intervals.",
     ]
 
 
@@ -269,16 +274,35 @@ def _existing(found: xr.Dataset, case: Case) -> str:
 
 
 def _strength(found: xr.Dataset, table: xr.Dataset) -> list[str]:
-    pairs = [
-        (float(found[f"largest_reduction_factor_{n}"]), float(table[f"reduction_factor_{n}"]))
-        for n in (1, 2)
-    ]
-    yielding = [(largest, now) for largest, now in pairs if np.isfinite(now)]
+    factors = [float(table[f"reduction_factor_{n}"]) for n in (1, 2)]
+    yielding = [n for n, now in enumerate(factors, start=1) if np.isfinite(now)]
     if not yielding:
         return []
-    largest = " and ".join(f"{value:.3g}" for value, _ in yielding)
-    now = " and ".join(f"{value:.3g}" for _, value in yielding)
-    return ["Strength: " + _limit(yielding[0][0], f"R up to {largest} (now {now})")]
+    least, largest = (
+        [found[f"{which}_reduction_factor_{n}"] for n in yielding] for which in ("least", "largest")
+    )
+    now = " and ".join(f"{factors[n - 1]:.3g}" for n in yielding)
+
+    def both(which: str) -> str:
+        return " and ".join(
+            _with_interval(found, f"{which}_reduction_factor", f"_{n}") for n in yielding
+        )
+
+    low, high = float(least[0]), float(largest[0])
+    if np.isnan(high):
+        text = "none of those searched"
+    elif np.isinf(high):
+        text = f"R from {both('least')} on (now {now})" if low > 0 else "any of those searched"
+    else:
+        begin = f"from {both('least')} " if low > 0 else ""
+        text = f"R {begin}up to {both('largest')} (now {now})"
+    return [f"Strength: {text}"]
+
+
+def _with_interval(found: xr.Dataset, name: str, end: str = "") -> str:
+    """A value and its 95 % interval."""
+    value, low, high = (float(found[f"{name}{which}{end}"]) for which in ("", "_lower", "_upper"))
+    return f"{value:.3g} [{low:.3g} to {high:.3g}]" if low < high else f"{value:.3g}"
 
 
 def _limit(value: float, text: str) -> str:
