@@ -195,7 +195,9 @@ class UncertainModel:
 
 
 def median_of(model: Any) -> Any:
-    """A model at the medians of its parameters."""
+    """A model at the medians of its parameters; of a parameter its median."""
+    if isinstance(model, Uncertain):
+        return model.median
     return model.median() if isinstance(model, UncertainModel) else model
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import re
 from dataclasses import dataclass
+from typing import Any
 
 from stochlin.analyses.cases.storeys import (
     OF_STOREYS,
@@ -19,6 +20,7 @@ from stochlin.models.grounds import Ground
 from stochlin.models.laws import laws_in_numbers
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE
 from stochlin.models.structures import Structure
+from stochlin.models.uncertain import UncertainModel, applied, median_of
 
 STRENGTHS = ("reduction_factor", "yield_displacement", "ductility", "elastic")
 LENGTH, OPEN_OR_TOUCHING = Quantity("m", POSITIVE), Quantity("m", NOT_NEGATIVE)
@@ -30,6 +32,8 @@ class Building:
     """A building of a case that is one oscillator.
 
     ``strength`` says by which key the file gives it; ``height`` [m] and ``storeys`` may be unknown.
+    ``uncertain`` describes it where parameters are not known exactly, of which ``structure`` has the
+    medians.
     """
 
     name: str
@@ -37,6 +41,12 @@ class Building:
     strength: str
     height: float | None
     storeys: int | None
+    uncertain: UncertainModel | None = None
+
+    @property
+    def sampled(self) -> Any:
+        """The structure as verbs take it that draw a sample for every motion."""
+        return self.uncertain or self.structure
 
     @property
     def period(self) -> float:
@@ -119,17 +129,21 @@ def _oscillator(one: Section, number: int, ground: Ground) -> Building:
     # A class has what is usual as an attribute; what has no such thing has to be given.
     own = [name for name in law.own_parameters() if name in one or not hasattr(law, name)]
     names = (*names, *(["mass"] if "mass" in one else []), *own)
-    structure: Structure = one.model(law, names)
+    described = one.described(law, names)
+    structure: Structure = median_of(described)
     if strength == "ductility":
         wanted = one.model(DuctilityTarget, ("ductility",)).ductility
         try:
             found = strength_for_ductility(structure, ground, wanted)
         except ArithmeticError as error:
             raise one.error("ductility", f"has no strength ({error}); give another one") from error
-        structure = dataclasses.replace(structure, reduction_factor=float(found.reduction_factor))
+        factor = float(found.reduction_factor)
+        described = applied(lambda s: dataclasses.replace(s, reduction_factor=factor), described)
+        structure = median_of(described)
     return Building(
         name=one.text("name", default=f"Building {number}"),
         structure=structure,
+        uncertain=described if isinstance(described, UncertainModel) else None,
         strength=strength,
         height=one.number("height", LENGTH) if "height" in one else None,
         storeys=one.whole("storeys", 1) if "storeys" in one else None,

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from importlib.resources import files
 from itertools import pairwise
 from pathlib import Path
@@ -47,6 +48,7 @@ from stochlin.models.measures import Measure
 from stochlin.models.parameters import POSITIVE, Range
 from stochlin.models.rules.codes import CODE_RULES, ZONES
 from stochlin.models.rules.codes.families import Numbered
+from stochlin.models.uncertain import UncertainModel, median_of
 
 SHARE = Quantity("1", Range(upper=1.0, reason="a probability"))
 FEWEST_PATHS = 100  # for a quantile to have an interval
@@ -85,6 +87,19 @@ class Case:
     measures: Mapping[str, Measure]
     amplification_limit: float | None
     spectrum: xr.DataArray | None = None  # elastic, which the ground delivers
+    uncertain_ground: UncertainModel | None = None  # of which ``ground`` has the medians
+
+    @property
+    def sampled_ground(self) -> Any:
+        """The ground as verbs take it that draw a sample for every motion."""
+        return self.uncertain_ground or self.ground
+
+    @property
+    def uncertain(self) -> dict[str, UncertainModel]:
+        """What is described by parameters that are not known exactly, by its name."""
+        found = {building.name: building.uncertain for building in self.buildings}
+        found["ground"] = self.uncertain_ground
+        return {name: model for name, model in found.items() if model is not None}
 
     @property
     def fitted(self) -> bool:
@@ -225,17 +240,22 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     wanted.only("confidence", "existing", "floors_align", "zone", "numbers", "unverified")
     records = recorded_motions(site, path.parent)
     spectrum = design_spectrum(site, path.parent) if SPECTRUM in site else None
+    described = None
     if fitted := fitted_motion(site, motion, records):
         ground, envelope, duration = fitted.ground, fitted.envelope, fitted.duration
     else:
         envelope, duration = read_envelope(motion), motion.number("duration", TIME)
         if spectrum is None:
-            ground = read_ground(site, records)
+            described = read_ground(site, records)
+            ground = median_of(described)
         else:
             ground = ground_of_design(site, spectrum, duration, envelope)
         if site.values.get("ground") == FITTED:
             check_energy(motion, next(iter(records.values())), ground, envelope, duration)
+    given = ground
     ground, spectrum = as_strong_as_asked(site, path.parent, ground, spectrum, duration, envelope)
+    if isinstance(described, UncertainModel):
+        described = described.changed(partial(_as_strong, given=given, wanted=ground))
     records, of_suite = read_suite(site, path.parent, records, spectrum)
     of_site = site.text("ground" if spectrum is None else SPECTRUM)
     buildings = read_buildings(whole, ground)
@@ -259,6 +279,7 @@ def read_case(path: str | os.PathLike[str]) -> Case:
         title=whole.text("title", default=" and ".join(filter(None, [before, last]))),
         site=of_site,
         ground=ground,
+        uncertain_ground=described if isinstance(described, UncertainModel) else None,
         buildings=buildings,
         duration=duration,
         envelope=envelope,
@@ -284,3 +305,9 @@ def _numbers(section: Section) -> dict[str, float]:
     known = {name: rule.units for name, rule in CODE_RULES.items() if issubclass(rule, Numbered)}
     section.only(*known)
     return {name: section.number(name, Quantity(known[name], POSITIVE)) for name in section.values}
+
+
+def _as_strong(ground: Any, given: Ground, wanted: Ground) -> Any:
+    """A sample of the ground as many times as strong as the one that is wanted is over the one given."""
+    before, after = (float(one.arrays()["intensity"]) for one in (given, wanted))
+    return replace(ground, intensity=ground.intensity * (after / before))

@@ -49,9 +49,9 @@ def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
         _check_fits(case, name)
     pounding = bool(case.records) and case.contact is not None and weighed
     table = mitigate(
-        first.structure,
-        second.structure,
-        case.ground,
+        first.sampled,
+        second.sampled,
+        case.sampled_ground,
         gap=case.gap,
         measures=case.measures,
         **case.motion,

@@ -46,7 +46,8 @@ def judge_gap(case: Case, gap: float, progress: Progress | None = None) -> Proba
     many = len(case.records) > MOST_RECORDS
     motions = {} if many or not bilinear else case.records  # the hybrid method is of these alone
     asked = first.structure, second.structure, case.ground, gap
-    table = pounding_probability(*asked, **case.motion, progress=progress)
+    sampled = first.sampled, second.sampled, case.sampled_ground, gap
+    table = pounding_probability(*sampled, **case.motion, progress=progress)
     records = {
         name: pounding_probability(*asked, method="hybrid", record=record, confidence=case.confidence)
         for name, record in motions.items()

@@ -65,7 +65,7 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
     `separation` and `existing_gap`.
     """
     first, second = case.pair
-    pair = first.structure, second.structure
+    pair = first.sampled, second.sampled
     if case.gap == 0:
         raise ValueError(
             f"{case.file}: separation.existing = 0; allowed here: 0 < gap, so leave it out for "
@@ -78,10 +78,10 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
     existing = None
     if case.gap is not None:
         options = {**case.motion, "progress": part(0.0, SEARCHES)}
-        existing = existing_gap(*pair, case.ground, gap=case.gap, **options)
+        existing = existing_gap(*pair, case.sampled_ground, gap=case.gap, **options)
     table = separation(
         *pair,
-        case.ground,
+        case.sampled_ground,
         **case.motion,
         height_1=first.height,
         height_2=second.height,

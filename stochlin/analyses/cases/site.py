@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import xarray as xr
 
@@ -32,8 +33,11 @@ TIME = Quantity("s", POSITIVE)
 _LIKE = 0.8, 1.25  # energy of motions over that of a record, without a warning
 
 
-def read_ground(site: Section, records: Mapping[str, xr.DataArray]) -> Ground:
-    """The ground, by name, by parameters, fitted to the first record, or several of them in parallel."""
+def read_ground(site: Section, records: Mapping[str, xr.DataArray]) -> Any:
+    """The ground, by name, by parameters, fitted to the first record, or several of them in parallel.
+
+    Its description, where parameters are not known exactly.
+    """
     kinds = (*ground_names(), *GROUNDS, FITTED, PARALLEL)
     name = site.text("ground", kinds)
     if name == FITTED:
@@ -59,7 +63,8 @@ def read_ground(site: Section, records: Mapping[str, xr.DataArray]) -> Ground:
         raise site.error(INTENSITY, f"is missing; write, for instance, intensity = {EXAMPLE}")
     kind = GROUNDS.get(name, WhiteNoise)
     own = [each for each in names if each in site or each != INTENSITY]
-    values = {INTENSITY: 1.0} | {each: site.number(each, Quantity.declared(kind, each)) for each in own}
+    values: dict[str, Any] = {INTENSITY: 1.0}
+    values |= {each: site.parameter(each, Quantity.declared(kind, each)) for each in own}
     return site.made(kind, values) if name in GROUNDS else named_ground(name, **values)
 
 

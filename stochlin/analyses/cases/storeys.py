@@ -21,6 +21,7 @@ from stochlin.models.buildings import (
 )
 from stochlin.models.laws import laws_in_numbers
 from stochlin.models.systems import slabs_on_columns
+from stochlin.models.uncertain import UncertainModel, median_of
 
 REGULAR = ("period", "floor_mass", "base_shear_coefficient")
 STOREY_BY_STOREY = ("masses", "stiffnesses", "yield_drifts")
@@ -47,6 +48,12 @@ class StoreyBuilding:
     structure: ShearBuilding
     strength: str
     regular: Mapping[str, Any] | None = None
+    uncertain: UncertainModel | None = None  # as of an oscillator
+
+    @property
+    def sampled(self) -> Any:
+        """The structure as verbs take it that draw a sample for every motion."""
+        return self.uncertain or self.structure
 
     @property
     def height(self) -> float:
@@ -131,20 +138,23 @@ def read_storeys(one: Section, number: int) -> StoreyBuilding:
     _check_counts(one, [*STOREY_BY_STOREY, "heights", "dampers", *law.own_parameters()])
     own = [key for key in law.own_parameters() if key in one or not hasattr(law, key)]
     values: dict[str, Any] = {
-        "damping": one.number("damping", Quantity.declared(ShearBuilding, "damping")),
+        "damping": one.parameter("damping", Quantity.declared(ShearBuilding, "damping")),
         "law": name,
         "law_parameters": {key: one.number_or_list(key, Quantity.declared(law, key)) for key in own},
         "p_delta": one.truth("p_delta"),
     }
     if strength != "elastic":
-        values["hardening"] = one.number("hardening", Quantity.declared(ShearBuilding, "hardening"))
+        values["hardening"] = one.parameter("hardening", Quantity.declared(ShearBuilding, "hardening"))
     if "dampers" in one:
         values["dampers"] = one.number_or_list("dampers", Quantity.declared(ShearBuilding, "dampers"))
-    structure = (_singly if singly else _regular)(one, strength, values)
+    described = (_singly if singly else _regular)(one, strength, values)
+    structure = median_of(described)
     if strength != "elastic":
         _doubt_strength(one, strength, structure)
     known = one.text("name", default=f"Building {number}")
-    return StoreyBuilding(known, structure, strength, None if singly else values)
+    told = None if singly else {key: median_of(value) for key, value in values.items()}
+    uncertain = described if isinstance(described, UncertainModel) else None
+    return StoreyBuilding(known, structure, strength, told, uncertain)
 
 
 def strength_key(one: Section, keys: Sequence[str], example: str) -> str:
@@ -162,12 +172,12 @@ def strength_key(one: Section, keys: Sequence[str], example: str) -> str:
     return given[0]
 
 
-def _regular(one: Section, strength: str, values: dict[str, Any]) -> ShearBuilding:
+def _regular(one: Section, strength: str, values: dict[str, Any]) -> Any:
     """One from a few numbers."""
     heights = _heights(one)
     values |= {
-        "period": one.number("period", Quantity.declared(RegularBuilding, "period")),
-        "mass": one.number("floor_mass", Quantity.declared(RegularBuilding, "mass")),
+        "period": one.parameter("period", Quantity.declared(RegularBuilding, "period")),
+        "mass": one.parameter("floor_mass", Quantity.declared(RegularBuilding, "mass")),
         "storey_height": heights,
         "storeys": len(heights)
         if isinstance(heights, list)
@@ -175,13 +185,13 @@ def _regular(one: Section, strength: str, values: dict[str, Any]) -> ShearBuildi
     }
     if strength == "elastic":
         return one.made(ShearBuilding.regular, values)
-    values[strength] = one.number(strength, COEFFICIENT)
+    values[strength] = one.parameter(strength, COEFFICIENT)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DoubtfulInput)  # it is said elsewhere, with its line
         return one.made(ShearBuilding.regular, values)
 
 
-def _singly(one: Section, strength: str, values: dict[str, Any]) -> ShearBuilding:
+def _singly(one: Section, strength: str, values: dict[str, Any]) -> Any:
     """One storey by storey."""
     for key in ("masses", "stiffnesses"):
         values[key] = one.numbers(key, Quantity.declared(ShearBuilding, key))
@@ -247,10 +257,7 @@ def _check_counts(one: Section, keys: Sequence[str]) -> None:
 
 def _doubt_strength(one: Section, strength: str, structure: ShearBuilding) -> None:
     """Warn of a building that resists more than its weight, or leans far before it yields."""
-    if (
-        strength in REGULAR
-        and one.number(strength, Quantity.declared(RegularBuilding, strength)) > PLAUSIBLE_COEFFICIENT
-    ):
+    if strength in REGULAR and median_of(one.parameter(strength, COEFFICIENT)) > PLAUSIBLE_COEFFICIENT:
         one.doubt(strength, f"is doubtful: {IMPLAUSIBLE}")
         return
     values = structure.arrays()

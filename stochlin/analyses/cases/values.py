@@ -16,6 +16,7 @@ from stochlin.analyses.tables.checks import A_LABEL, LARGEST_WHOLE, is_label, is
 from stochlin.analyses.tables.toml import read_toml
 from stochlin.messages import DoubtfulInput, brief, plain
 from stochlin.models.parameters import Model, Range
+from stochlin.models.uncertain import Uncertain
 
 One = TypeVar("One", bound=Model)
 Place = tuple[str | int, ...]
@@ -37,6 +38,8 @@ UNITS: Mapping[str, Mapping[str, float]] = {
 _OF_POWER = ("N/m^", "N (s/m)^")  # of a spring or a dashpot that is not linear: any exponent
 _OTHER_SIGNS = str.maketrans({"²": "^2", "³": "^3", "·": " "})
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(.*)", re.DOTALL)
+_SPREAD = re.compile(r"\s*(.+?)\s*(?:\+-|\+/-|±)\s*(\d+\.?\d*|\.\d+)\s*%\s*", re.DOTALL)
+_FROM_TO = re.compile(r"\s*(.+?)\s+to\s+(.+?)\s*", re.DOTALL)
 _BARE, _QUOTED = r"[A-Za-z0-9_-]+", r"\"[^\"]*\"|'[^']*'"
 _DOTTED = rf"(?:{_BARE}|{_QUOTED})(?:\s*\.\s*(?:{_BARE}|{_QUOTED}))*"
 _HEADER = re.compile(rf"\s*(\[\[?)\s*({_DOTTED})\s*\]")
@@ -134,6 +137,26 @@ class Section:
         """A number in SI: with a unit, in a text; a ratio as it is, or as per cent."""
         return self._number(key, self.need(key, quantity.example), quantity)
 
+    def parameter(self, key: str, quantity: Quantity) -> float | Uncertain:
+        """A number in SI, or one that is not known exactly, ``"1 s +- 20 %"`` or ``"0.8 to 1.2 s"``."""
+        given = self.values.get(key)
+        spread, ends = (
+            pattern.fullmatch(given) if isinstance(given, str) else None
+            for pattern in (_SPREAD, _FROM_TO)
+        )
+        if spread is None and ends is None:
+            return self.number(key, quantity)
+        with self.naming(key, "is not a parameter that is not known exactly"):
+            if spread is not None:
+                return Uncertain(_with_unit(spread[1], quantity), float(spread[2]) / 100)
+            assert ends is not None
+            low, high = ends[1], ends[2]
+            unit = _NUMBER.fullmatch(high)
+            alone = _NUMBER.fullmatch(low)
+            if alone and unit and not alone[2].strip():  # both in the unit of the second
+                low = f"{low} {unit[2].strip()}"
+            return Uncertain.between(*(_with_unit(text, quantity) for text in (low, high)))
+
     def numbers(self, key: str, quantity: Quantity) -> list[float]:
         """A list of numbers in SI, at least one."""
         example = f"[{quantity.example}, {quantity.example}]"
@@ -163,6 +186,10 @@ class Section:
     def model(self, kind: type[One], names: Sequence[str]) -> One:
         """A model from those of its parameters that the file has to give."""
         return self.made(kind, {n: self.number(n, Quantity.declared(kind, n)) for n in names})
+
+    def described(self, kind: type[Model], names: Sequence[str]) -> Any:
+        """The same, or its description where parameters are not known exactly."""
+        return self.made(kind, {n: self.parameter(n, Quantity.declared(kind, n)) for n in names})
 
     def given(self, kind: type[Model], names: Sequence[str]) -> dict[str, float]:
         """Those of the parameters that the file gives."""
@@ -237,6 +264,14 @@ def in_si(given: Any, quantity: Quantity) -> float:
     if unit and unit not in known:
         raise ValueError(f"has the unknown unit {brief(unit)}; allowed: {', '.join(known)}")
     return value * known[unit] if unit else value
+
+
+def _with_unit(text: str, quantity: Quantity) -> float:
+    """A number in a text, in SI; of a ratio it may stand alone."""
+    found = _NUMBER.fullmatch(text)
+    if quantity.units == "1" and found and not found[2].strip():
+        return float(found[1])
+    return in_si(text, quantity)
 
 
 def _split(given: Any, quantity: Quantity) -> tuple[float, str]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import xarray as xr
 
 from stochlin.analyses.linearization.strength import strength_in_metres
@@ -16,6 +18,7 @@ from stochlin.analyses.probability.simulated import Draws
 from stochlin.analyses.probability.storeys import storeys_in_motion
 from stochlin.analyses.probability.strengths import at_strengths, strengths
 from stochlin.analyses.probability.variables import VARIABLES
+from stochlin.analyses.simulation.draws import draw
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_confidence, check_scatter, check_whole
 from stochlin.kernels.basics.parallel import Progress
@@ -25,6 +28,7 @@ from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Parameter, expect
 from stochlin.models.structures import Gap, Structure
 from stochlin.models.systems import STRUCTURES, AnyStructure
+from stochlin.models.uncertain import median_of
 
 METHODS = ("evolutionary", "hybrid")
 REFERENCES = (
@@ -147,6 +151,9 @@ def pounding_probability(
     >>> bool(last.confidence_of_no_pounding > last.confidence_of_no_pounding_poisson)
     True
     """
+    described: dict[str, Any] = {"first": first, "second": second, "ground": ground}
+    if method != "hybrid":
+        first, second, ground = (median_of(each) for each in described.values())
     for role, structure in (("first", first), ("second", second)):
         expect(structure, STRUCTURES, role)
     check_confidence(confidence)
@@ -183,10 +190,7 @@ def pounding_probability(
     table = by_formula(of_formula, below, confidence)
     if paths:
         options = confidence, Draws(paths, seed, float(scatter)), progress
-        if any(side.has_storeys for side in pairs.moments.sides):
-            simulated = storeys_in_motion(first, second, ground, distance, course, *options)
-        else:
-            simulated = by_simulation(pairs, ground, *options)
+        simulated = _simulated(pairs, described, distance, *options)
         table = table.assign(simulated.data_vars).assign_attrs(simulated.attrs)
     table = over_time(table, course).assign(status=of_formula.status)
     table = table.assign_attrs(confidence=confidence, **labels.of_scatter(scatter))
@@ -199,9 +203,27 @@ def pounding_probability(
         f"Probability of pounding in a finite motion, {ground.name} ground",
         f"pounding_probability(duration={duration:g}, confidence={confidence:g}, paths={paths}, "
         f"seed={seed})",
-        {"first": first, "second": second, "ground": ground, "gap": distance},
+        {**described, "gap": distance},
         REFERENCES,
     )
+
+
+def _simulated(
+    pairs: PairTable,
+    described: dict[str, Any],
+    distance: Gap,
+    confidence: float,
+    draws: Draws,
+    progress: Progress | None,
+) -> xr.Dataset:
+    """Oscillators on the same motions; with storeys, or with samples, pair by pair."""
+    first, second, ground = described.values()
+    drawn = draw([first, second], ground, draws.paths, draws.seed)
+    if not drawn.factors and not any(side.has_storeys for side in pairs.moments.sides):
+        return by_simulation(pairs, ground, confidence, draws, progress)
+    (one, two), soil = drawn.medians
+    motion = distance, pairs.moments.course, confidence, draws, progress
+    return storeys_in_motion(one, two, soil, *motion, drawn).assign(drawn.table())
 
 
 def _oscillator(role: str, structure: AnyStructure) -> Structure:

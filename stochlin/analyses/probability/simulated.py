@@ -14,6 +14,7 @@ from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.linearization.filters import Filter
+from stochlin.kernels.simulation.ensemble import SampledGround
 from stochlin.kernels.simulation.separation_histories import Histories, Watched, separation_histories
 from stochlin.kernels.simulation.stepping import LANES, filter_steps
 from stochlin.models.envelopes import envelope_at
@@ -72,13 +73,16 @@ def simulate_course(
     one, two = (view_of([{int(n): 1.0} for n in side], run.order, metres) for side in pairs)
     watched = Watched(one, two, np.arange(pairs.shape[1]), *gaps)
     soil = ground.filter({name: float(row[0]) for name, row in below.items()})
-    return histories_of(run, soil, course, watched, progress)
+    return histories_of(run, [soil], course, watched, progress)
 
 
 def histories_of(
-    run: Run, soil: Filter, course: Course, watched: Watched, progress: Progress | None
+    run: Run, soils: Sequence[Filter], course: Course, watched: Watched, progress: Progress | None
 ) -> Histories:
-    """A run through the course, in steps of which a whole number goes into each of its intervals."""
+    """A run through the course, in steps of which a whole number goes into each of its intervals.
+
+    ``soils`` are those of the motions, or the one of all.
+    """
     paths, instants = run.plan.groups * LANES, course.duration / run.plan.dt
     count = len(watched.first.row)
     check_work(
@@ -91,7 +95,8 @@ def histories_of(
     blocks = course.shown.size - 1
     samples = int(np.ceil(course.duration / blocks / run.plan.dt))
     dt = course.duration / blocks / samples
-    steps = filter_steps(*soil.arrays, 2 * np.pi * soil.intensity, dt)
+    each = [filter_steps(*soil.arrays, 2 * np.pi * soil.intensity, dt) for soil in soils]
+    steps = run.ground._replace(steps=each) if isinstance(run.ground, SampledGround) else each[0]
     plan = run.plan._replace(dt=dt, every=1, samples=samples)
     middle = dt * (np.arange(blocks * samples) + 0.5)
     shape = envelope_at(course.envelope, middle)

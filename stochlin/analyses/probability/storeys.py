@@ -8,6 +8,7 @@ import xarray as xr
 from stochlin.analyses.linearization.transient_systems import Course, numbered, of_cells
 from stochlin.analyses.probability.cells import height_numbers, simulated_table
 from stochlin.analyses.probability.simulated import STEPS_PER_PERIOD, Draws, histories_of
+from stochlin.analyses.simulation.draws import Draw
 from stochlin.analyses.simulation.riders import riders_of
 from stochlin.analyses.simulation.views import displacements, pairs_of, view_of
 from stochlin.analyses.tables.cells import over_cells
@@ -27,15 +28,18 @@ def storeys_in_motion(
     confidence: float,
     draws: Draws,
     progress: Progress | None,
+    drawn: Draw | None = None,
 ) -> xr.Dataset:
     """What simulated motions say, with errors.
 
-    The gap is kept at all heights at once. Each cell of models is a simulation of its own.
+    The gap is kept at all heights at once. Each cell of models is a simulation of its own. With samples
+    in ``drawn`` every motion has its own, and these are the models at their medians.
     """
+    stacks, grounds = (None, []) if drawn is None else (drawn.stacks(), drawn.grounds())
 
     def of_cell(first: AnyStructure, second: AnyStructure, ground: Ground, distance: Gap) -> xr.Dataset:
-        riders = riders_of([first, second], ground, None, stationary=False)
-        run = riders.run(ground, steps_per_period=STEPS_PER_PERIOD, **draws._asdict())
+        riders = riders_of([first, second], ground, None, stationary=False, samples=stacks)
+        run = riders.run(ground, steps_per_period=STEPS_PER_PERIOD, grounds=grounds, **draws._asdict())
         gap = distance.arrays()["gap"]
         cell = numbered((gap > 0) & np.isfinite(gap))
         pairs = pairs_of(riders.system)
@@ -45,8 +49,11 @@ def storeys_in_motion(
         )
         gaps = of_cells(gap, cell).astype(float)
         watched = Watched(one, two, np.zeros(1, int), gaps, np.zeros(gaps.size, int))
-        found = histories_of(run, ground.lone_filter(), course, watched, progress)
-        heights = height_numbers([pair.height for pair in pairs])
+        soils = [each.lone_filter() for each in grounds or [ground]]
+        found = histories_of(run, soils, course, watched, progress)
+        heights = xr.DataArray(0)
+        if riders.has_storeys:
+            heights = height_numbers([pair.height for pair in pairs])
         return simulated_table(found, cell, heights, confidence, draws.seed)
 
     models = {"first": first, "second": second, "ground": ground}

@@ -7,6 +7,7 @@ CORRECTED = "linearization corrected for its known bias"
 VARIABLES: Variables = {
     **LINEARIZATION,
     "rho": ("1", "correlation coefficient of the displacements"),
+    "input_factor": ("1", "sample of the parameter over its median"),
     "radius": ("m", "root of u^2 + (u'/w)^2"),
     "recorded_difference": ("m", "u_1 - u_2 in the record"),
     "required_gap": ("m", "gap that keeps the confidence"),

@@ -10,6 +10,7 @@ import xarray as xr
 
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.structures import Structure
 from stochlin.models.systems import Stack, stack_of
 from stochlin.models.uncertain import UncertainModel, median_of
@@ -78,8 +79,12 @@ class Draw(NamedTuple):
         return {"input_factor": xr.DataArray(values, dims=(PATH, INPUT), coords={INPUT: told})}
 
 
-def draw(structures: Sequence[Any], ground: Any, motions: int, seed: int) -> Draw:
-    """Samples for so many motions: a Latin hypercube, so that each parameter takes all of its range."""
+def draw(structures: Sequence[Any], ground: Any, paths: int, seed: int) -> Draw:
+    """Samples for so many paths, in whole groups.
+
+    A Latin hypercube (McKay, Beckman and Conover 1979): each parameter takes all of its range.
+    """
+    motions = -(-paths // LANES) * LANES
     listed = structures if isinstance(structures, Sequence) else ()  # what else it is, is told later
     found = Draw(listed, ground, motions, {})
     random = np.random.default_rng([seed, STREAM])

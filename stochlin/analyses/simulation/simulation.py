@@ -140,7 +140,7 @@ def simulate(
     True
     """
     check_settings(paths, seed, steps_per_period, relaxation_times)
-    drawn = draw(structures, ground, -(-paths // LANES) * LANES, seed)
+    drawn = draw(structures, ground, paths, seed)
     if drawn.factors:
         structures, ground = _medians(drawn, duration)
     roles = checked_structures(structures, ground)
