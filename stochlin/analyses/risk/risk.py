@@ -65,7 +65,7 @@ def pounding_risk(
 
     Parameters
     ----------
-    first, second, ground, duration, envelope, scatter, seed, progress
+    first, second, ground
         As in `separation`, numbers only; a ``reduction_factor`` refers to ``ground`` as given, and the
         strength in metres that it means there is kept at all intensities.
     gap : float
@@ -73,10 +73,16 @@ def pounding_risk(
     hazard : HazardCurve or PowerLawHazard
         Of peak ground acceleration, ``Sa`` at a period, or ``S0``: a motion's intensity is the mean of
         all motions of its ground, as in `scale_ground`.
+    duration, envelope
+        As in `separation`.
     years : float
         ``t`` [yr], positive.
+    scatter
+        As in `separation`.
     paths : int
         Motions at each of 13 intensities.
+    seed, progress
+        As in `separation`.
 
     Returns
     -------
@@ -157,10 +163,12 @@ def required_gap(
 
     Parameters
     ----------
-    first, second, ground, hazard, duration, envelope, scatter, paths, seed, progress
+    first, second, ground, hazard, duration
         As in `pounding_risk`.
     risk : str or float
         ``"2 % in 50 years"``, or a mean annual frequency [1/yr].
+    envelope, scatter, paths, seed, progress
+        As in `pounding_risk`.
 
     Returns
     -------
