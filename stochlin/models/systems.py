@@ -309,16 +309,6 @@ def check_links(name: str, links: object, count: int) -> tuple[Link | None, ...]
     return tuple(links)
 
 
-def check_linear_dashpots(name: str, links: Sequence[Link | None]) -> None:
-    """Raise a ValueError for a link with an exponent, where only linear dashpots are taken."""
-    for number, link in enumerate(links, start=1):
-        if link is not None and link.damping_exponent is not None:
-            raise ValueError(
-                f"{name}, number {number}: damping_exponent is given; allowed here: none, so a linear "
-                "dashpot"
-            )
-
-
 def check_mass(structure: AnyStructure, role: str) -> None:
     """Raise a ValueError unless a link has something to act on."""
     if isinstance(structure, Structure) and structure.mass is None:

@@ -192,7 +192,29 @@ def _with_simulated_amplification(
         f"{shape[0]:.3g} s, {shape[1]:.3g} s, {shape[2]:.3g}/s); "
         f"std. deviations simulated for R ≥ {SLOWEST_DRIFT:g}"
     )
-    return labels.label(chart, VARIABLES).assign_attrs(chart="amplification", caption=caption)
+    return labels.label(chart, VARIABLES).assign_attrs(
+        chart="amplification", caption=caption, comment=_errors_of_amplification(chart)
+    )
+
+
+def _errors_of_amplification(chart: xr.Dataset) -> str:
+    """Standard errors of what is simulated, and how far the curves are from it."""
+    simulated = {OF_PEAKS: "maxima", OF_STD: "std. deviations"}
+    told = [
+        f"{text} {100 * float((chart[f'{name}_standard_error'] / chart[name]).max()):.2g} %"
+        for name, text in simulated.items()
+        if name in chart
+    ]
+    text = f"Largest standard error of the simulated {', '.join(told)}."
+    curves = {"amplification": "linearized", "amplification_drift": "drift closure"}
+    if OF_STD not in chart:
+        return text
+    off = []
+    for name, curve in curves.items():
+        if name in chart:
+            ratio = 100 * np.abs(chart[name] / chart[OF_STD] - 1)
+            off.append(f"{curve} {float(ratio.mean()):.2g} % ({float(ratio.max()):.2g} %)")
+    return f"{text} Off from std. deviations in the mean (at most): {'; '.join(off)}."
 
 
 for _letter, _ratio in (("a", 0.5), ("b", 1.0), ("c", 2.0)):

@@ -34,8 +34,8 @@ def effective_rules_chart(
     points : int
         Period ratios, from 1/4 to 4.
     rules : list of str, optional
-        Names of `effective_rule_names`, the unverified among them, or rules; without it those that are
-        verified.
+        Names of `stochlin.effective_rule_names`, the unverified among them, or rules; without it those
+        that are verified.
 
     Returns
     -------

@@ -16,6 +16,7 @@ from stochlin.analyses.pounding.rows import checked_links
 from stochlin.analyses.separation.storeys import linearized_at_roof
 from stochlin.analyses.simulation.finite_motions import (
     keeping_apart,
+    mean_with_error,
     pair_peaks,
     pair_separation,
     required_gaps,
@@ -98,7 +99,7 @@ class MitigatedPair:
     def simulated(self, measure: Measure) -> dict[str, float]:
         """What random motions say: the required gap, how probable no pounding is, mean peaks.
 
-        Buildings whose bumpers touch, touch.
+        Contact between bumpers counts as pounding.
         """
         motions = self._motions(measure)
         apart = keeping_apart(pair_separation(motions), self.open_gap(measure))
@@ -109,8 +110,8 @@ class MitigatedPair:
             **{name: float(share) for name, share in apart.items()},
         }
         for n, samples in enumerate(pair_peaks(motions).T, start=1):
-            row[f"peak_mean_{n}"] = float(samples.mean())
-            row[f"peak_mean_standard_error_{n}"] = float(samples.std(ddof=1) / np.sqrt(samples.size))
+            mean, error = mean_with_error(samples)
+            row |= {f"peak_mean_{n}": float(mean), f"peak_mean_standard_error_{n}": float(error)}
         return row
 
     def required_gap(self, measure: Measure) -> float:

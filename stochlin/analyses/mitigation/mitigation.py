@@ -123,8 +123,9 @@ def mitigate(
     Stiffening and strengthening act on these strengths: see `Measure`. A least measure is the first that
     meets its aim going up from none.
 
-    Buildings whose bumpers touch, touch: with bumpers the probability of no pounding is that of the gap
-    less their thickness, the required gap has it in it, and the records are run with what is left. A
+    Contact between bumpers counts as pounding: with bumpers the probability of no pounding is that of
+    the gap less their thickness, the required gap includes it, and pounding in the records is computed
+    with the gap that is left. A
     ``deepest_compression`` beyond ``bumper_thickness`` says that the bumpers would be crushed; what they
     do then is not modelled.
 

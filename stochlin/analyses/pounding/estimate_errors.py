@@ -101,7 +101,8 @@ def pounding_estimate_error(
     A radius is taken at the samples of the motion: a little below the largest where samples are coarse.
 
     Measured over random rows, 60 of each kind, each in two motions of 12 s on firm ground, with contacts
-    of ``e`` = .65 and strengths of a quarter of the elastic demand (`benchmarks/pounding_estimates.py`).
+    of ``e`` = .65 and strengths of a quarter of the elastic demand
+    (``benchmarks/pounding_estimates.py``).
     Of the largest displacement:
 
     ====================================  =====  =======  ========

@@ -16,7 +16,11 @@ import xarray as xr
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.risk.rates import Motions, lognormal_fragility, lognormal_rate, rates
 from stochlin.analyses.risk.variables import VARIABLES
-from stochlin.analyses.simulation.finite_motions import keeping_apart, pair_separation
+from stochlin.analyses.simulation.finite_motions import (
+    keeping_apart,
+    mean_with_error,
+    pair_separation,
+)
 from stochlin.analyses.simulation.simulation import check_repeated, simulate
 from stochlin.analyses.sites.intensity import scale_ground
 from stochlin.analyses.tables import labels
@@ -36,6 +40,7 @@ RETURN_PERIODS = (5.0, 2e5)  # yr, of these, where the hazard has no ends
 CERTAIN = 1.96  # standard errors of a 95 % interval
 WEAKEST = 0.1  # probability of pounding at the lowest intensity of a hazard beyond which it lacks some
 CLOSE = 1e-6  # relative, of a gap that is sought
+ROUNDING = 1e-12  # relative, of the end of a hazard curve
 UNITS = {"pga": "m/s^2", "sa": "m/s^2", "intensity": "m^2/s^3"}
 _RISK = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*%\s*in\s*(\d+\.?\d*)\s*(?:yr|years|a)\s*")
 REFERENCES = (
@@ -67,7 +72,7 @@ def pounding_risk(
 
     Parameters
     ----------
-    first, second, ground, duration, envelope, scatter, seed, progress
+    first, second, ground
         As in `separation`, numbers only; a ``reduction_factor`` refers to ``ground`` as given, and the
         strength in metres that it means there is kept at all intensities.
     gap : float
@@ -75,10 +80,16 @@ def pounding_risk(
     hazard : HazardCurve or PowerLawHazard
         Of peak ground acceleration, ``Sa`` at a period, or ``S0``: a motion's intensity is the mean of
         all motions of its ground, as in `scale_ground`.
+    duration, envelope
+        As in `separation`.
     years : float
         ``t`` [yr], positive.
+    scatter
+        As in `separation`.
     paths : int
         Motions at each of 13 intensities.
+    seed, progress
+        As in `separation`.
 
     Returns
     -------
@@ -123,7 +134,7 @@ def pounding_risk(
     _check_years(years)
     motions = asked.simulated(progress)
     by_path = rates(motions, gap, asked.frequency)
-    rate, error = _mean(by_path.sum(axis=1))
+    rate, error = mean_with_error(by_path.sum(axis=1))
     fragility = lognormal_fragility(motions, gap)
     asked.warn_of_weak(motions, gap)
     table = xr.Dataset(
@@ -159,10 +170,12 @@ def required_gap(
 
     Parameters
     ----------
-    first, second, ground, hazard, duration, envelope, scatter, paths, seed, progress
+    first, second, ground, hazard, duration
         As in `pounding_risk`.
     risk : str or float
         ``"2 % in 50 years"``, or a mean annual frequency [1/yr].
+    envelope, scatter, paths, seed, progress
+        As in `pounding_risk`.
 
     Returns
     -------
@@ -197,7 +210,7 @@ def required_gap(
     motions = asked.simulated(progress)
 
     def rate(gap: float) -> tuple[float, float]:
-        return _mean(rates(motions, gap, asked.frequency).sum(axis=1))
+        return mean_with_error(rates(motions, gap, asked.frequency).sum(axis=1))
 
     def gap_of(excess: Callable[[float, float], float]) -> float:
         """Where the rate, or an end of its interval, is the target."""
@@ -285,12 +298,12 @@ class _Asked(NamedTuple):
 
     def frequency(self, intensity: Array) -> Array:
         """How often it is exceeded: that of the least there is below it, none beyond the largest."""
-        if not isinstance(self.hazard, HazardCurve):
-            return np.asarray(self.hazard.frequency(xr.DataArray(intensity)))
-        x, y = np.log(self.hazard.intensities), np.log(self.hazard.frequencies)
-        with np.errstate(divide="ignore"):
-            at = np.log(intensity)
-        return np.where(at > x[-1], 0.0, np.exp(np.interp(at, x, y)))
+        known, top = intensity, np.inf
+        if isinstance(self.hazard, HazardCurve):
+            least, top = self.hazard.intensities[0], self.hazard.intensities[-1]
+            known = np.clip(intensity, least, top)
+        found = np.asarray(self.hazard.frequency(xr.DataArray(known)))
+        return np.where(intensity > top * (1 + ROUNDING), 0.0, found)
 
     def simulated(self, progress: Progress | None) -> Motions:
         """The same motions at all intensities."""
@@ -404,10 +417,6 @@ def _in_years(rate: float, error: float, years: float) -> dict[str, float]:
         f"probability_in_years{end}": float(-np.expm1(-max(rate + times * error, 0.0) * years))
         for end, times in ends.items()
     }
-
-
-def _mean(samples: Array) -> tuple[float, float]:
-    return float(samples.mean()), float(samples.std(ddof=1) / np.sqrt(samples.size))
 
 
 def _check_years(years: object) -> None:

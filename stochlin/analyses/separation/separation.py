@@ -98,7 +98,9 @@ def separation(
     first, second : Bilinear, BoucWen or Hysteretic
         Strength by ``reduction_factor`` refers to the stationary ground.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
-        All parameters broadcast by dimension name; each cell is a simulation of its own.
+        All parameters broadcast by dimension name; each cell is a simulation of its own. Parameters of
+        structures and ground may be `Uncertain`, as in `simulate`; the rules are then those of the
+        medians.
     duration : float
         Of each motion [s], at least a period of the structures.
     envelope : AminAng, ShinozukaSato or GammaEnvelope, optional

@@ -13,7 +13,7 @@ import xarray as xr
 from stochlin.analyses.linearization.strength import reduction_factor
 from stochlin.analyses.linearization.systems.systems import linearized_motion
 from stochlin.analyses.separation.rules import PairInMotion, effective_arguments
-from stochlin.analyses.simulation.finite_motions import pair_peaks
+from stochlin.analyses.simulation.finite_motions import mean_with_error, pair_peaks
 from stochlin.analyses.simulation.riders import riders_of
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.simulation.views import at_height, meeting_heights
@@ -117,8 +117,8 @@ class StoreysInMotion(PairInMotion):
         at_roof, table = pair_peaks(self.motions), dict[str, Any]()
         for n, (structure, mode) in enumerate(zip(self.structures, self.oscillators, strict=True)):
             samples = at_roof[:, n]
-            table[f"peak_mean_{n + 1}"] = samples.mean()
-            table[f"peak_mean_standard_error_{n + 1}"] = samples.std(ddof=1) / np.sqrt(samples.size)
+            mean, error = mean_with_error(samples)
+            table |= {f"peak_mean_{n + 1}": mean, f"peak_mean_standard_error_{n + 1}": error}
             table[f"peak_{n + 1}"] = float(self.peaks[n, -1])
             storeys = self.motions.ductility.values[self.motions.element_structure.values == n + 1]
             table[f"ductility_{n + 1}"] = float(storeys.max()) if structure.yields else np.nan

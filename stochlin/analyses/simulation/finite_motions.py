@@ -126,10 +126,9 @@ def simulate_finite(
     for name in ("peak", "peak_positive", "peak_drift", "separation"):
         if name not in table:
             continue
-        samples = table[name].values
         over = table[name].dims[1:]
-        table[f"{name}_mean"] = (over, samples.mean(axis=0))
-        error = samples.std(axis=0, ddof=1) / np.sqrt(len(samples))
+        mean, error = mean_with_error(table[name].values)
+        table[f"{name}_mean"] = (over, mean)
         table[f"{name}_mean_standard_error"] = (over, error)
     if storeys:
         table["ductility"] = table.peak_drift_mean / riders.strength
@@ -297,6 +296,11 @@ def share_interval(count: Array, motions: int) -> tuple[Array, Array]:
     lower = scipy.stats.beta.ppf(TAIL, count, motions - count + 1)
     upper = scipy.stats.beta.ppf(1 - TAIL, count + 1, motions - count)
     return np.nan_to_num(lower, nan=0.0), np.nan_to_num(upper, nan=1.0)
+
+
+def mean_with_error(samples: Array) -> tuple[Any, Any]:
+    """Mean along the first axis, and its standard error."""
+    return samples.mean(axis=0), samples.std(axis=0, ddof=1) / np.sqrt(len(samples))
 
 
 def quantile_intervals(samples: Array, levels: Array) -> tuple[Array, Array, Array]:

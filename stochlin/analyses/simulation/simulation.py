@@ -70,9 +70,10 @@ def simulate(
     Parameters
     ----------
     structures : sequence of Bilinear, BoucWen, Hysteretic or ShearBuilding
-        With scalar parameters, strengths by ``reduction_factor`` referring to each standing alone.
+        With scalar parameters, strengths by ``reduction_factor`` referring to each standing alone. With
+        a duration a parameter may be `Uncertain`: every motion then has its own sample.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
-        With scalar parameters.
+        With scalar parameters, or `Uncertain` ones as for structures.
     paths : int
         Independent motions; rounded up to a multiple of 32.
     seed : int
@@ -110,7 +111,9 @@ def simulate(
         larger of the two, all [m]; over ``path``, ``structure`` and ``structure_2``: ``separation`` [m],
         the largest ``u_1 - u_2``, the gap that would just have been enough with ``structure`` on the
         left. Their means with standard errors, and ``separation_quantile`` with a 95 % interval,
-        ``_lower`` and ``_upper``. `exceedance` takes the probability of a gap from the samples.
+        ``_lower`` and ``_upper``. `exceedance` takes the probability of a gap from the samples. Of
+        uncertain parameters also ``input_factor`` [-] over ``path`` and ``input``: the sample over the
+        median.
 
     Raises
     ------

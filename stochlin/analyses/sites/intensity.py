@@ -10,6 +10,7 @@ import xarray as xr
 
 from stochlin.analyses.records.files import METRES
 from stochlin.analyses.simulation.ensembles import check_settings
+from stochlin.analyses.simulation.finite_motions import mean_with_error
 from stochlin.analyses.simulation.ground_motions import USUAL_STEP, simulated_motions
 from stochlin.analyses.sites.simulated_spectra import peak_accelerations
 from stochlin.analyses.sites.spectra import USUAL_DAMPING, check_damping, check_goal
@@ -111,7 +112,7 @@ def scale_ground(
         (samples,) = peak_accelerations(
             np.array([float(period)]), damping, ground, **motion, progress=progress
         ).T
-    found, error = _mean(samples)
+    found, error = mean_with_error(samples)
     wanted = float(pga if sa is None else sa)  # type: ignore[arg-type]
     times = wanted / found
     what = "peak ground acceleration" if sa is None else f"Sa({period:g} s), damping {damping:g},"
@@ -147,12 +148,13 @@ def shaking(
     known = np.isfinite(std)
     found = {"rms_acceleration": std if known else np.nan}
     found["ground_intensity"] = float(ground.arrays()["intensity"])
-    peak = _mean(_peaks(ground, **motion)) if known else (np.nan, np.nan)
+    peak = mean_with_error(_peaks(ground, **motion)) if known else (np.nan, np.nan)
     found |= dict(zip(_with_error("peak_ground_acceleration", ""), peak, strict=True))
     # Each by itself, in the steps in which `scale_ground` has sought it: what was asked for is told.
     of_each = {
-        period: _mean(peak_accelerations(np.array([period]), USUAL_DAMPING, ground, **motion))
+        period: mean_with_error(samples)
         for period in set(map(float, periods))
+        for samples in peak_accelerations(np.array([period]), USUAL_DAMPING, ground, **motion).T
     }
     for n, period in enumerate(map(float, periods), start=1):
         found |= dict(zip(_with_error("spectral_acceleration", f"_{n}"), of_each[period], strict=True))
@@ -162,11 +164,6 @@ def shaking(
 def _peaks(ground: Ground, **motion: Any) -> Array:
     highest: Array = np.abs(simulated_motions(ground, **motion).to_numpy()).max(axis=1)
     return highest
-
-
-def _mean(samples: Array) -> tuple[float, float]:
-    """With its standard error."""
-    return float(samples.mean()), float(samples.std(ddof=1) / np.sqrt(samples.size))
 
 
 def _with_error(stem: str, end: str) -> tuple[str, str]:

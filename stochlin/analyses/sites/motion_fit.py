@@ -13,6 +13,7 @@ from stochlin.analyses.records.files import METRES
 from stochlin.analyses.records.records import checked_record, strong_part
 from stochlin.analyses.records.response import response_spectrum
 from stochlin.analyses.simulation.ensembles import check_settings
+from stochlin.analyses.simulation.finite_motions import mean_with_error
 from stochlin.analyses.sites.simulated_spectra import spectrum_and_motions
 from stochlin.analyses.sites.spectra import SHORTEST, USUAL_DAMPING
 from stochlin.analyses.sites.spectrum_fit import LONGEST, POINTS, Wanted, deliver
@@ -211,8 +212,8 @@ def compare_motions(
     of_motions = _energy(motions.to_numpy(), motions.attrs["dt"]) / energy
     lengths = np.array([_significant(one) for one in motions])
     for name, samples in (("energy_ratio", of_motions), ("significant_duration", lengths)):
-        table[name] = (), samples.mean()
-        table[f"{name}_standard_error"] = (), samples.std(ddof=1) / np.sqrt(samples.size)
+        mean, error = mean_with_error(samples)
+        table[name], table[f"{name}_standard_error"] = ((), mean), ((), error)
     table["record_arias_intensity"] = (), np.pi / (2 * METRES["g"]) * energy
     table["record_significant_duration"] = (), _significant(record)
     call = f"compare_motions(paths={paths}, seed={seed})"

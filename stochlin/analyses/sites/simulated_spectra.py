@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.simulation.ensembles import Run, cells_of_all, check_settings, prepare
-from stochlin.analyses.simulation.finite_motions import check_finite, finite_steps
+from stochlin.analyses.simulation.finite_motions import check_finite, finite_steps, mean_with_error
 from stochlin.analyses.simulation.ground_motions import simulated_motions
 from stochlin.analyses.simulation.views import view_of
 from stochlin.analyses.sites.spectra import (
@@ -139,16 +139,16 @@ def spectrum_and_motions(
     said = {"duration_s": float(duration), "damping": float(damping)}
     table = xr.Dataset(coords={"period": labels.axis("period", "period", periods, "s")}, attrs=said)
     table = table.assign_coords(quantile=labels.axis("quantile", "quantile", np.array(QUANTILES)))
-    table["pseudo_acceleration"] = "period", peaks.mean(axis=0)
-    error = peaks.std(axis=0, ddof=1) / np.sqrt(len(peaks))
+    mean, error = mean_with_error(peaks)
+    table["pseudo_acceleration"] = "period", mean
     table["pseudo_acceleration_standard_error"] = "period", error
     quantiles = np.quantile(peaks, QUANTILES, axis=0)
     table["pseudo_acceleration_quantile"] = ("quantile", "period"), quantiles
     motions = simulated_motions(ground, duration, envelope, paths=paths, seed=seed)
     highest = np.abs(motions.to_numpy()).max(axis=1)
-    table["peak_ground_acceleration"] = (), highest.mean()
-    error_of_peak = highest.std(ddof=1) / np.sqrt(highest.size)
-    table["peak_ground_acceleration_standard_error"] = (), error_of_peak
+    mean, error = mean_with_error(highest)
+    table["peak_ground_acceleration"] = (), mean
+    table["peak_ground_acceleration_standard_error"] = (), error
     if wanted is not None:
         table["target"] = "period", wanted
         table["ratio"] = table.pseudo_acceleration / table.target

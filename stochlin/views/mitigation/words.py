@@ -35,7 +35,6 @@ NOTES = (
     "standard deviation of the relative displacement by linearization, which is too small where "
     "buildings yield. All measures ride on the same motions."
 )
-EXTRAS = {"stiffening": "stiffness", "strengthening": "strength", "devices": "dampers"}
 # What is said of columns that are there only where some measure has them.
 OF_STRENGTH = "; stiffness and yield force over those as built"
 OF_DEVICES = "; the number of dampers in them"
