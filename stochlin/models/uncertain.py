@@ -19,7 +19,10 @@ from stochlin.messages import brief
 One = TypeVar("One")
 KINDS = "lognormal", "uniform"
 FAR = 1e-4  # outside of the values at which a model is tried, on each side
-TAKEN = "separation, and simulate with a duration,"
+TAKEN = (
+    "separation, existing_gap, pounding_probability, pounding_risk, required_gap, mitigate, "
+    "and simulate with a duration,"
+)
 
 
 @dataclass(frozen=True)

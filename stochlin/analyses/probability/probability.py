@@ -151,6 +151,8 @@ def pounding_probability(
     >>> bool(last.confidence_of_no_pounding > last.confidence_of_no_pounding_poisson)
     True
     """
+    if not isinstance(method, str) or method not in METHODS:
+        raise ValueError(f"method = {brief(method)}; allowed: {', '.join(METHODS)}")
     described: dict[str, Any] = {"first": first, "second": second, "ground": ground}
     if method != "hybrid":
         first, second, ground = (median_of(each) for each in described.values())
@@ -158,8 +160,6 @@ def pounding_probability(
         expect(structure, STRUCTURES, role)
     check_confidence(confidence)
     check_scatter(scatter)
-    if not isinstance(method, str) or method not in METHODS:
-        raise ValueError(f"method = {brief(method)}; allowed: {', '.join(METHODS)}")
     distance = Gap(gap)
     if method == "hybrid":
         if envelope is not None or duration is not None:
