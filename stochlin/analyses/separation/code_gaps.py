@@ -124,7 +124,7 @@ def code_gaps(
     usable = valid & xr.DataArray([not lacks for lacks in missing], dims="rule")
     table = xr.Dataset({"gap": gap, "status": labels.status_where(usable).transpose(*gap.dims)})
     for name, text in TEXTS.items():
-        kept = {"missing": missing, "assumptions": [rule.told for rule in rules]}
+        kept = {"missing": missing, "assumptions": [rule.told(alone) for rule in rules]}
         told = kept.get(name) or [getattr(rule, name) for rule in rules]
         table = table.assign_coords({name: ("rule", told, {"long_name": text})})
     table = labels.label(table, VARIABLES)

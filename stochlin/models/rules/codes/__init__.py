@@ -22,6 +22,7 @@ ZONES: Mapping[str, float] = {"I": 0.001, "II": 0.003, "III": 0.006}  # share of
 # The families of the paper, by which a rule gets its gap.
 SRSS, SUM, HEIGHT, FIXED = FAMILIES = ("SRSS", "sum", "height", "fixed")
 INELASTIC = "peaks are largest displacements, inelastic where the structure yields"
+ALIGNED = "the factor for floors that align accepts contact at slab level"
 TWO = "a second building: what it says of a property line is not known here"
 CODE_RULES: Registry[type[CodeRule]] = Registry("code rule", "stochlin.models.rules.codes")
 
@@ -45,7 +46,7 @@ class CodeRule(Published):
     assumptions: ClassVar[str] = INELASTIC
     family: ClassVar[str] = ""  # one of FAMILIES, that which mostly governs
     needs: ClassVar[tuple[str, ...]] = ()  # arguments of `gap` beyond the peaks
-    of_line: ClassVar[bool] = False  # whether it says of one building how far its property line must be
+    line: ClassVar[str] = ""  # what it says of one building and its property line, where that is known
 
     def gap(
         self,
@@ -63,7 +64,7 @@ class CodeRule(Published):
         ValueError says what is missing. ``floors_align``: whether the floors of the buildings are at the
         same levels.
         """
-        if peak_2 is None and not self.of_line:
+        if peak_2 is None and not self.line:
             raise ValueError(f"{self.name} needs {TWO}; give peak_2")
         told = {"height_1": height_1, "height_2": height_2, "zone": zone}
         given = [name for name, value in told.items() if value is not None]
@@ -79,7 +80,7 @@ class CodeRule(Published):
 
     def missing(self, given: Collection[str], alone: bool) -> list[str]:
         """What it needs beyond the peaks and is not given, for two buildings or for one."""
-        if alone and not self.of_line:
+        if alone and not self.line:
             return [TWO]
         return [name for name in self.needs if name not in given and not (alone and name == "height_2")]
 
@@ -91,14 +92,18 @@ class CodeRule(Published):
         """Required distance from a property line [m]: from a neighbour as high, which does not move."""
         return self.of_site(site)
 
-    @property
-    def told(self) -> str:
-        """The assumptions, after the number of the rule where that is not the usual one."""
+    def told(self, alone: bool) -> str:
+        """The assumptions, after the number of the rule where that is not the usual one.
+
+        Of one building what the rule says of its property line comes first, and nothing of floors.
+        """
         stated = [
             f"{field.name} {getattr(self, field.name):g}"
             for field in fields(self)
             if getattr(self, field.name) != field.default
         ]
+        if alone and self.line:
+            return "; ".join([*stated, self.line, self.assumptions.removesuffix(f"; {ALIGNED}")])
         return "; ".join([*stated, self.assumptions])
 
 

@@ -45,7 +45,7 @@ class ShareOfSum(Numbered):
     """A factor times the sum of displacements, or times that of one; 1 unless told."""
 
     family = SUM
-    of_line = True
+    line = "of one building the factor times its own peak"
 
     factor: float = 1.0
 
@@ -64,7 +64,7 @@ class ShareOfHeight(Numbered):
     assumptions = NO_PEAKS
     family = HEIGHT
     needs = OF_HEIGHT
-    of_line = True
+    line = "of one building the factor times its own height"
 
     factor: float
 
@@ -79,7 +79,7 @@ class FixedDistance(Numbered):
 
     assumptions = NO_PEAKS
     family = FIXED
-    of_line = True
+    line = "the same distance from a property line"
     units = "m"
 
     distance: float

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stochlin.models.rules.codes import (
+    ALIGNED,
     CODE_RULES,
     FIXED,
     HEIGHT,
@@ -21,7 +22,8 @@ from stochlin.models.rules.codes import (
 from stochlin.models.rules.codes.families import NO_PEAKS, OF_HEIGHT, Numbered, ShareOfHeight, SquareRoot
 from stochlin.models.rules.published import published
 
-ALIGNED = "the factor for floors that align accepts contact at slab level"
+OWN_PEAK = "from a property line not common to a public way a building keeps its own displacement"
+OWN_LOT = "each building keeps its part from its own boundary"
 
 
 @published(CODE_RULES, "asce_7", "ASCE 7, section on structural separation; IBC", "S", 3)
@@ -31,7 +33,7 @@ class Asce7(SquareRoot):
     From a property line the building's own displacement (ASCE 7-16, 12.12.3).
     """
 
-    of_line = True
+    line = OWN_PEAK
     assumptions = "peaks are maximum inelastic displacements, Cd times elastic over Ie"
 
 
@@ -58,7 +60,7 @@ class Ubc97(SquareRoot):
     From a property line the building's own.
     """
 
-    of_line = True
+    line = OWN_PEAK
     assumptions = "peaks are maximum inelastic displacements, .7 R times those of design"
 
 
@@ -72,7 +74,7 @@ class MexicoCity(CodeRule):
     assumptions = f"{INELASTIC}; {ALIGNED}"
     family = SUM
     needs = (*OF_HEIGHT, "zone")
-    of_line = True
+    line = OWN_LOT
 
     def of_site(self, site: Site) -> Any:
         return site.if_aligned(0.5) * (self.from_line(site) + self.from_line(site.mirrored()))
@@ -124,7 +126,7 @@ class Asce41(ShareOfHeight):
     """
 
     assumptions = f".04 of the height is a first check of existing buildings; {NO_PEAKS}"
-    of_line = False
+    line = ""
 
     factor: float = 0.04
 
@@ -142,7 +144,7 @@ class MexicoCitySimplified(CodeRule):
     assumptions = f"{NO_PEAKS}: the simplified method has none; {ALIGNED}"
     family = HEIGHT
     needs = (*OF_HEIGHT, "zone")
-    of_line = True
+    line = OWN_LOT
 
     def of_site(self, site: Site) -> Any:
         return site.if_aligned(0.5) * (self.from_line(site) + self.from_line(site.mirrored()))
