@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import html
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 import xarray as xr
+from click.testing import CliRunner
 
 import stochlin as sl
+from stochlin.views.command import main
 
 GROUND = sl.named_ground("firm", intensity=0.01)
 QUAKE = {"duration": 20.0, "envelope": sl.AminAng(4.0, 15.0, 0.35), "paths": 256, "seed": 3}
@@ -230,3 +236,108 @@ def test_what_takes_two_says_what_takes_one() -> None:
             TypeError, match=r"one building alone.* is taken by separation, existing_gap"
         ):
             call()
+
+
+OSCILLATOR = """period = "1.0 s"
+damping = "5 %"
+hardening = "5 %"
+reduction_factor = 4
+height = "24 m"
+"""
+STOREYS = """period = "0.9 s"
+damping = "5 %"
+hardening = "5 %"
+storeys = 4
+storey_height = "3 m"
+floor_mass = "400 t"
+base_shear_coefficient = 0.15
+"""
+CASE = """[site]
+ground = "firm"
+intensity = "0.01 m^2/s^3"
+[[site.records]]
+path = "kick.txt"
+name = "Kick"
+units = "m/s^2"
+dt = "0.02 s"
+[motion]
+duration = "20 s"
+envelope = "none"
+[building_1]
+name = "Mill"
+{building}[separation]
+confidence = "90 %"
+zone = "II"
+floors_align = true
+{more}
+[simulation]
+paths = 128
+"""
+ABOUT_TWO = re.compile(r"apart|eq\. \(3\)|buildings (could|do|stay)|both|[Pp]eak 2|\bgap\b|they\b")
+
+
+def case_file(folder: Path, building: str = OSCILLATOR, more: str = "") -> Path:
+    np.savetxt(folder / "kick.txt", RECORD.values)
+    path = folder / "mill.toml"
+    path.write_text(CASE.format(building=building, more=more), encoding="utf-8")
+    return path
+
+
+@pytest.mark.cli
+@pytest.mark.parametrize(
+    ("building", "more"),
+    [
+        pytest.param(OSCILLATOR, "", id="oscillator"),
+        pytest.param(STOREYS, 'existing = "6 cm"', id="storeys", marks=pytest.mark.slow),
+    ],
+)
+def test_the_command_answers_for_one_building(building: str, more: str, tmp_path: Path) -> None:
+    page, out, picture = (tmp_path / name for name in ("page.html", "mill.nc", "mill.png"))
+    path = case_file(tmp_path, building, more)
+    options = ["--report", str(page), "--out", str(out), "--picture", str(picture)]
+    done = CliRunner().invoke(main, ["gap", str(path), *options])
+    assert done.exit_code == 0, done.output
+    shown = " ".join(done.output.split())
+    case = sl.read_case(path)
+    answer = sl.separation(
+        case.buildings[0].structure, None, case.ground, 20.0, paths=128, records=dict(case.records)
+    )
+    gap = f"{100 * float(answer.gap[0]):.1f} cm"
+    assert f"Mill should stand {gap} away from its property line." in shown
+    assert "With that set-back it stays on its side of the line in 90 %" in shown
+    assert f"would have needed: Kick {100 * float(answer.record_separation[0]):.1f} cm" in shown
+    text = page.read_text(encoding="utf-8")
+    plain = html.unescape(re.sub(r"<style.*?</style>|<svg.*?</svg>|<[^>]+>", " ", text, flags=re.DOTALL))
+    assert "Mill: the set-back from the property line" in plain
+    assert "Set-backs by rule" in plain
+    for said in (done.output, plain):
+        assert not re.search(r"canada|Canada|Eurocode|\bnan\b|None", said)
+    first = plain[: plain.index("Every rule beside the answer")]
+    assert not ABOUT_TWO.search(first), ABOUT_TWO.search(first)
+    assert ("The existing set-back" in plain) == bool(more)
+    assert picture.stat().st_size > 10_000
+    with xr.open_dataset(out) as table:
+        assert float(table.gap[0]) == float(answer.gap[0])
+        assert ("existing_required_gap" in table) == bool(more)
+        assert "Set-back of one building" in table.attrs["title"]
+        if building == STOREYS:
+            labels = [axes.get_xlabel() for axes in sl.charts.draw_heights(table).axes]
+            assert labels[0].startswith("set-back [cm]")
+
+
+@pytest.mark.cli
+def test_commands_of_two_buildings_say_which_take_one(tmp_path: Path) -> None:
+    path = case_file(tmp_path, more='existing = "6 cm"')
+    for command in (["probability"], ["mitigate"], ["probability", "--gap", "5cm"]):
+        done = CliRunner().invoke(main, [command[0], str(path), *command[1:]])
+        assert done.exit_code == 2
+        shown = " ".join(done.output.split())
+        assert "building_2 is missing; this takes two" in shown
+        assert "only 'stochlin gap' and 'stochlin pound' take one building alone" in shown
+    path = case_file(tmp_path, more='existing = ["6 cm", "2 cm"]')
+    with pytest.raises(ValueError, match="is 2 gaps beside one building alone; allowed: its distance"):
+        sl.read_case(path)
+    path = case_file(tmp_path, more='existing = "0 cm"')
+    done = CliRunner().invoke(main, ["gap", str(path)])
+    assert done.exit_code == 2
+    assert "leave it out for a building at its property line" in " ".join(done.output.split())

@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     import xarray as xr
 
     from stochlin.analyses.cases.case import Case
@@ -27,6 +29,7 @@ class Subject(NamedTuple):
     families: str  # of building codes
     rules: str  # that are told
     records: str  # what a set-back in a record is of
+    labels: Mapping[str, str]  # of rules that have another name here
 
 
 PAIR = Subject(
@@ -44,6 +47,7 @@ PAIR = Subject(
     families="Families of building codes",
     rules="",
     records="",
+    labels={},
 )
 ALONE = Subject(
     page="the set-back from the property line",
@@ -61,6 +65,7 @@ ALONE = Subject(
     rules="Rules of which nothing is known for a property line are left out.",
     records="The line is where displacements are positive; on the other side a record may take as much "
     "as the peak.",
+    labels={"share_of_sum": "share of its peak", "share_of_height": "share of its height"},
 )
 
 

@@ -89,7 +89,7 @@ def ductilities(table: xr.Dataset) -> str:
 
 def rows(answer: CaseAnswer) -> list[RuleLine]:
     """The table of rules, the answer first; of one building alone those that say something of one."""
-    table = answer.separation
+    table, about = answer.separation, subject_of(answer.case)
     if answer.case.alone:
         of_two = [str(text).startswith(OF_TWO) for text in table.missing.values]
         table = table.isel(rule=~np.array(of_two))
@@ -97,8 +97,8 @@ def rows(answer: CaseAnswer) -> list[RuleLine]:
     return [
         RuleLine(
             number=n,
-            rule=str(one.rule.item()),
-            label=rule_label(str(one.rule.item())),
+            rule=(rule := str(one.rule.item())),
+            label=about.labels.get(rule, rule_label(rule)),
             kind=str(one.kind.item()),
             gap=centimetres(float(one.gap)),
             error=per_cent(float(one.error), sign="+") if n > 1 else "",
