@@ -215,8 +215,8 @@ def read_case(path: str | os.PathLike[str]) -> Case:
         `ShearBuilding`), ``duration`` [s],
         ``envelope``, ``scatter``, ``records``, ``confidence``, ``gap`` [m] and the rest, as `separation`
         takes them;
-        ``buildings`` and ``gaps`` [m] of a longer row, ``contact``, ``measures`` and
-        ``amplification_limit`` [-], as `pound` takes them.
+        ``buildings`` and ``gaps`` [m] of a longer row, or of one building and its property line,
+        ``contact``, ``measures`` and ``amplification_limit`` [-], as `pound` takes them.
 
     Raises
     ------

@@ -32,8 +32,8 @@ def draw_heights(dataset: xr.Dataset, caption: bool = True) -> Figure:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of one pair, at least one of them a ``ShearBuilding``; from memory or as ``stochlin gap``
-        saves it.
+        Of one pair, at least one of them a ``ShearBuilding``, or of one alone; from memory or as
+        ``stochlin gap`` saves it.
     caption : bool
         Whether to say below of what it is.
 
