@@ -23,7 +23,7 @@ from stochlin.models.rules.codes.families import NO_PEAKS, OF_HEIGHT, Numbered, 
 from stochlin.models.rules.published import published
 
 OWN_PEAK = "from a property line not common to a public way a building keeps its own displacement"
-OWN_LOT = "each building keeps its part from its own boundary"
+OWN_LOT = "a share of its height from its own boundary, 50 mm at least"
 
 
 @published(CODE_RULES, "asce_7", "ASCE 7, section on structural separation; IBC", "S", 3)
@@ -74,7 +74,7 @@ class MexicoCity(CodeRule):
     assumptions = f"{INELASTIC}; {ALIGNED}"
     family = SUM
     needs = (*OF_HEIGHT, "zone")
-    line = OWN_LOT
+    line = f"a building keeps its displacement and {OWN_LOT}"
 
     def of_site(self, site: Site) -> Any:
         return site.if_aligned(0.5) * (self.from_line(site) + self.from_line(site.mirrored()))
@@ -144,7 +144,7 @@ class MexicoCitySimplified(CodeRule):
     assumptions = f"{NO_PEAKS}: the simplified method has none; {ALIGNED}"
     family = HEIGHT
     needs = (*OF_HEIGHT, "zone")
-    line = OWN_LOT
+    line = f"a building keeps {OWN_LOT}"
 
     def of_site(self, site: Site) -> Any:
         return site.if_aligned(0.5) * (self.from_line(site) + self.from_line(site.mirrored()))
