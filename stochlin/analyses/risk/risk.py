@@ -14,8 +14,13 @@ import scipy.optimize
 import xarray as xr
 
 from stochlin.analyses.linearization.strength import strength_in_metres
-from stochlin.analyses.risk.rates import Motions, lognormal_fragility, lognormal_rate, rates
-from stochlin.analyses.risk.variables import VARIABLES
+from stochlin.analyses.risk.rates import (
+    Motions,
+    lognormal_fragility,
+    lognormal_rate,
+    rates,
+)
+from stochlin.analyses.risk.variables import VARIABLES, labelled_fragility
 from stochlin.analyses.simulation.finite_motions import (
     keeping_apart,
     mean_with_error,
@@ -97,7 +102,8 @@ def pounding_risk(
         ``annual_rate`` [1/yr] with its standard error, ``annual_rate_unseen``: what shaking stronger
         than that of the hazard's table, or of a return period of 200 000 years, could add at most;
         ``probability_in_years`` [-] with its 95 % interval; ``annual_rate_lognormal`` by a lognormal
-        fragility, of ``fragility_median`` and ``fragility_dispersion`` [-] with standard errors. Over
+        fragility, of ``fragility_median`` and ``fragility_dispersion`` [-] with standard errors;
+        ``fragility_status``, why there is none. Over
         ``intensity``: ``pounding_probability`` [-] with its 95 % interval, ``exceedance_frequency``
         [1/yr]; over ``from_intensity`` also ``annual_rate_by_intensity``: the part of the rate that
         comes from each interval of intensities, which begins there.
@@ -144,10 +150,9 @@ def pounding_risk(
             "annual_rate_lognormal": lognormal_rate(fragility, asked.frequency),
             "annual_rate_unseen": _unseen(motions, gap, asked.frequency),
             **_in_years(rate, error, years),
-            **{f"fragility_{name.replace('_error', '_standard_error')}": value
-               for name, value in fragility._asdict().items()},
+            **fragility.named(),
         }
-    )  # fmt: skip
+    )
     table = table.assign(_by_intensity(motions, by_path, gap, asked))
     return asked.labelled(table.assign_attrs(years=float(years), gap_m=float(gap)), "pounding_risk")
 
@@ -326,7 +331,8 @@ class _Asked(NamedTuple):
             found.append(pair_separation(table).to_numpy())
             if progress is not None:
                 progress((n + 1) / POINTS)
-        return Motions(self.intensities(), np.stack(found, axis=1))
+        power = 0.5 if self.hazard.measure == "intensity" else 1.0
+        return Motions(self.intensities(), np.stack(found, axis=1), power)
 
     def _power(self, intensity: float) -> float:
         """``S0`` over that of an intensity of 1."""
@@ -357,12 +363,7 @@ class _Asked(NamedTuple):
     def labelled(self, table: xr.Dataset, call: str) -> xr.Dataset:
         """With units, and how it was made."""
         units = UNITS[self.hazard.measure]
-        table = labels.label(table, VARIABLES)
-        for name in ("fragility_median", "fragility_median_standard_error"):
-            if name in table:
-                error = "standard error of " if name.endswith("error") else ""
-                about = f"{error}median intensity at which they pound"
-                table[name].attrs = {"units": units, "long_name": about}
+        table = labelled_fragility(labels.label(table, VARIABLES), units)
         models: dict[str, Any] = {
             "first": self.first, "second": self.second, "ground": self.ground, "hazard": self.hazard,
         }  # fmt: skip
