@@ -8,7 +8,7 @@ from typing import Any
 import xarray as xr
 
 from stochlin.analyses.cases.sites.records import SUITE
-from stochlin.analyses.cases.sites.strength import EXAMPLE, GOALS, INTENSITY
+from stochlin.analyses.cases.sites.strength import EXAMPLE, GOALS, HAZARD, INTENSITY
 from stochlin.analyses.cases.values import Quantity, Section
 from stochlin.analyses.records.ground_fit import fitted_grounds
 from stochlin.analyses.records.spectra import ESTIMATORS
@@ -59,7 +59,7 @@ def read_ground(site: Section, records: Mapping[str, xr.DataArray]) -> Any:
         return site.made(ParallelGround, {"grounds": parts, **given})
     names = GROUNDS[name].parameter_names() if name in GROUNDS else (INTENSITY,)
     site.only("ground", *RECORDS, *names, *GOALS)
-    if INTENSITY not in site and not any(key in site for key in GOALS):
+    if not any(key in site for key in (INTENSITY, *GOALS) if key != HAZARD):
         raise site.error(INTENSITY, f"is missing; write, for instance, intensity = {EXAMPLE}")
     kind = GROUNDS.get(name, WhiteNoise)
     own = [each for each in names if each in site or each != INTENSITY]
@@ -81,7 +81,7 @@ def fitted_motion(
             "[[site.records]]",
         )
     motion.only("envelope", "scatter")  # the duration is the record's
-    site.only("ground", "records", "filters")
+    site.only("ground", "records", "filters", HAZARD)
     filters = site.whole("filters", 1, FILTERS, MOST_FILTERS)
     name, record = next(iter(records.items()))
     try:

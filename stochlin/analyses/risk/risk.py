@@ -232,7 +232,8 @@ def check_target(hazard: Hazard, risk: str | float) -> None:
     if not rarest < target < commonest:
         raise ValueError(
             f"risk = {brief(risk)} is {target:.3g} a year; allowed: between {rarest:.3g} and "
-            f"{commonest:.3g} a year, the rarest and the most frequent shaking of the hazard"
+            f"{commonest:.3g} a year, the rarest and the most frequent shaking of the hazard; give "
+            "a hazard that reaches it"
         )
 
 

@@ -30,6 +30,7 @@ VARIABLES: Variables = {
     "annual_rate_by_intensity": ("1/yr", "part of annual_rate from shaking of this intensity"),
     "pounding_probability": ("1", "share of the simulated motions of this intensity with pounding"),
     "exceedance_frequency": ("1/yr", "annual frequency with which this intensity is exceeded"),
+    "required_gap": ("m", "gap with which the mean annual frequency of pounding is target_rate"),
     "target_rate": ("1/yr", "mean annual frequency of pounding that is allowed"),
 }
 

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from stochlin.analyses.cases.storeys import StoreyBuilding
-from stochlin.views.shared.screen import paragraph
+from stochlin.views.separation.risk import risk_lines
+from stochlin.views.shared.screen import columns, paragraph
+from stochlin.views.shared.uncertain import HEADS, contained, unknowns
 from stochlin.views.shared.words import (
     SPACE,
     centimetres,
@@ -102,6 +104,9 @@ def answer_lines(answer: CaseAnswer) -> list[str]:
     if allowed:
         lines += ["", *paragraph(allowed[0])]
         lines += [line for text in allowed[1:] for line in paragraph(f"  {text}", "    ")]
+    if unknown := unknowns(answer.case):
+        lines += ["", *columns(HEADS, unknown)]
+    lines += risk_lines(answer)
     shown = rows(answer)
     wide = max(len(row.rule) for row in shown)
     lines += ["", f"{'rule':{wide}}  gap [cm]  error    apart  {'verdict':13}  {'mark':6}  family"]
@@ -136,6 +141,7 @@ def summary(answer: CaseAnswer) -> list[str]:
         f"With that gap they do not touch in {confidence} of motions like the one "
         f"described. This comes from simulating {case.paths} such motions; the 95{SPACE}% interval of "
         f"the gap is {interval}.",
+        contained(case, "the gap is that"),
         shaking(answer.shaking, case),
         scatter(case),
         _heights(answer),
