@@ -154,7 +154,7 @@ def _left_out(answer: CaseAnswer, one: xr.Dataset) -> list[str]:
         name, units = _named(label)
         least = f"{float(one.risk_intensity[0]) / unit:.2g}{SPACE}{units}"
         told.append(
-            f"The hazard begins at a {name} of {least}, with which they pound in {per_cent(weakest)} of "
+            f"The hazard begins at {name} {least}, with which they pound in {per_cent(weakest)} of "
             "the motions. Weaker shaking, of which it does not tell, is left out, and they pound more "
             "often than is said here: give it from lower intensities on."
         )
@@ -183,7 +183,7 @@ def _strongest(answer: CaseAnswer, one: xr.Dataset) -> str:
     begin = f"{low:.2g} to {high:.2g}{SPACE}{units}" if low else f"less than {high:.2g}{SPACE}{units}"
     if not np.isfinite(high):
         begin = f"more than {low:.2g}{SPACE}{units}"
-    return f"Nine tenths of this come from shaking with a {name} of {begin}."
+    return f"Nine tenths of this come from shaking of {name} {begin}."
 
 
 def _named(label: str) -> tuple[str, str]:
