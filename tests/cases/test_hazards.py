@@ -104,7 +104,7 @@ def test_a_file_is_read_as_from_python(tmp_path):
         sl.read_hazard(of_s0)
     with pytest.raises(ValueError, match=r"contradicts hazard\.csv, which states 'g'"):
         sl.read_hazard(tmp_path / "hazard.csv", units="gal")
-    with pytest.raises(ValueError, match="HazardCurve: period = None with measure = 'sa'"):
+    with pytest.raises(ValueError, match="Hazard: period = None with measure = 'sa'"):
         sl.read_hazard(tmp_path / "hazard.csv", "sa")
     with pytest.raises(FileNotFoundError):
         sl.read_hazard(tmp_path / "none.csv")

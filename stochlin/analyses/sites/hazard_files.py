@@ -13,7 +13,7 @@ from stochlin.analyses.records.files import (
 )
 from stochlin.analyses.tables.checks import as_path
 from stochlin.messages import plain
-from stochlin.models.hazards import HazardCurve, check_curve
+from stochlin.models.hazards import Hazard, HazardCurve, check_curve
 
 
 def read_hazard(
@@ -62,15 +62,15 @@ def read_hazard(
     0.196
     """
     path = as_path("path", path)
+    of = Hazard(measure=measure, period=period)  # which checks both
     units = None if units is None else acceleration_units(units, "units")
+    of_s0 = of.measure == "intensity"
+    if of_s0 and units is not None:
+        raise ValueError(
+            f"units = {units!r} with measure = 'intensity'; allowed: none, since that is in m^2/s^3"
+        )
     intensities, frequencies = (read_series(path, column, None) for column in (0, 1))
     check_curve(intensities.values, frequencies.values, rows_in_words(path))
-    if measure == "intensity" and units is not None:
-        raise ValueError(
-            f"units = {units!r} with measure = 'intensity'; allowed: none, it is in m^2/s^3"
-        )
-    unit = 1.0
-    if measure != "intensity":
-        unit = METRES[stated_units(intensities, plain(path.name), units)]
-    values = unit * intensities.values
-    return HazardCurve(tuple(values), tuple(frequencies.values), measure=measure, period=period)
+    unit = 1.0 if of_s0 else METRES[stated_units(intensities, plain(path.name), units)]
+    values = tuple(unit * intensities.values)
+    return HazardCurve(values, tuple(frequencies.values), measure=of.measure, period=of.period)
