@@ -187,6 +187,19 @@ def test_what_cannot_be_uncertain_says_so_with_the_cure(old, new, tmp_path):
         read(tmp_path, text.replace(old, new))
 
 
+def test_several_grounds_may_be_uncertain_together_alone(tmp_path):
+    parts = "".join(
+        f'[[site.grounds]]\nground = "{name}"\nintensity = "0.01 m^2/s^3"\n' for name in ("firm", "soft")
+    )
+    site = f'ground = "parallel"\nintensity = "0.02 m^2/s^3 +- 30 %"\n{parts}'
+    case = read(tmp_path, case_text(OSCILLATOR, FIRM_SITE.replace(GROUND, site)))
+    table = sl.simulate([case.first.sampled], case.sampled_ground, duration=5.0, paths=32)
+    assert table.input.values.tolist() == ["ground.intensity"]
+    site = f'ground = "parallel"\n{parts.replace("0.01 m^2/s^3", "0.01 m^2/s^3 +- 30 %", 1)}'
+    with pytest.raises(ValueError, match=r"line \d+: site.grounds.intensity .* one of several"):
+        read(tmp_path, case_text(OSCILLATOR, FIRM_SITE.replace(GROUND, site)))
+
+
 def test_answers_say_what_is_not_known_and_that_they_contain_it(tmp_path):
     building = changed(changed(OSCILLATOR, "period", '"1.0 s +- 20 %"'), "damping", '"3 to 7 %"')
     case = read(tmp_path, case_text(building))

@@ -26,6 +26,7 @@ from stochlin.models.envelopes import ENVELOPES, Envelope
 from stochlin.models.grounds import GROUNDS, Ground, ParallelGround, WhiteNoise
 from stochlin.models.grounds.named import ground_names, named_ground
 from stochlin.models.parameters import POSITIVE
+from stochlin.models.uncertain import UncertainModel
 
 FITTED, NONE, PARALLEL = "fitted", "none", "parallel"
 RECORDS = ("records", SUITE)
@@ -54,9 +55,10 @@ def read_ground(site: Section, records: Mapping[str, xr.DataArray]) -> Any:
         site.only("ground", *RECORDS, INTENSITY, "grounds", *GOALS)
         for part in site.sections("grounds"):
             part.text("ground", (*ground_names(), *GROUNDS))
-        parts = [read_ground(part, {}) for part in site.sections("grounds")]
-        given = site.given(ParallelGround, (INTENSITY,))
-        return site.made(ParallelGround, {"grounds": parts, **given})
+        quantity = Quantity.declared(ParallelGround, INTENSITY)
+        whole = {INTENSITY: site.parameter(INTENSITY, quantity)} if INTENSITY in site else {}
+        parts = [_part(part) for part in site.sections("grounds")]
+        return site.made(ParallelGround, {"grounds": parts, **whole})
     names = GROUNDS[name].parameter_names() if name in GROUNDS else (INTENSITY,)
     site.only("ground", *RECORDS, *names, *GOALS)
     if not any(key in site for key in (INTENSITY, *GOALS) if key != HAZARD):
@@ -66,6 +68,19 @@ def read_ground(site: Section, records: Mapping[str, xr.DataArray]) -> Any:
     values: dict[str, Any] = {INTENSITY: 1.0}
     values |= {each: site.parameter(each, Quantity.declared(kind, each)) for each in own}
     return site.made(kind, values) if name in GROUNDS else named_ground(name, **values)
+
+
+def _part(site: Section) -> Ground:
+    """One of several grounds in parallel."""
+    found = read_ground(site, {})
+    if isinstance(found, UncertainModel):
+        raise site.error(
+            next(iter(found.uncertain)),
+            "cannot be uncertain in one of several grounds; allowed: one number, or an uncertain intensity "
+            "of all of them together in [site]",
+        )
+    ground: Ground = found
+    return ground
 
 
 def fitted_motion(
