@@ -76,8 +76,8 @@ def _part(site: Section) -> Ground:
     if isinstance(found, UncertainModel):
         raise site.error(
             next(iter(found.uncertain)),
-            "cannot be uncertain in one of several grounds; allowed: one number, or an uncertain intensity "
-            "of all of them together in [site]",
+            "cannot be uncertain in one of several grounds; allowed: one number, or an uncertain "
+            "intensity of all of them together in [site]",
         )
     ground: Ground = found
     return ground
