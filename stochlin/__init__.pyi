@@ -26,6 +26,7 @@ from .analyses.sites.design_spectra import (
 from .analyses.sites.spectrum_files import read_spectrum as read_spectrum
 from .analyses.sites.simulated_spectra import simulated_spectrum as simulated_spectrum
 from .analyses.sites.intensity import scale_ground as scale_ground
+from .analyses.sites.hazard_files import read_hazard as read_hazard
 from .models.hazards import (
     HazardCurve as HazardCurve,
     PowerLawHazard as PowerLawHazard,

@@ -148,7 +148,11 @@ def test_a_hazard_that_is_wrong_names_the_line(tmp_path):
         ('ground = "white_noise"\npga = "1 g"\n', "site.pga = '1 g' cannot be met: .*white noise"),
         (f'{FIRM}return_period = "475 yr"\n', r"needs a hazard; write \[site.hazard\]"),
         (f'{FIRM}return_period = "475"\n', 'has no unit; allowed: .*"475 yr"'),
-        (f"{FIRM}pga = '1 g'\n[site.hazard]\nk0 = 1\n", "site.hazard goes with return_period"),
+        (f"{FIRM}pga = '1 g'\n[site.hazard]\nk0 = 1\n", "site.hazard.measure is missing"),
+        (
+            f'{FIRM}[site.hazard]\nmeasure = "pga"\nk0 = 1e-4\nk = 2\nunits = "g"\n',
+            "site.intensity is missing",
+        ),
         (f"{HAZARD}k0 = 1e-4\nk = 2\n", 'site.hazard.units is missing; write, .*units = "g"'),
         (f'{HAZARD}k0 = 0\nk = 2\nunits = "g"\n', "site.hazard.k0 = 0 is out of range"),
         (f'{HAZARD}sa_period = "1 s"\n', "sa_period = '1 s' goes with measure = 'sa'"),

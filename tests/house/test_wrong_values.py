@@ -140,6 +140,7 @@ OWN: dict[str, dict[str, Any]] = {
     "Hysteretic": {"hardening": 0.1, "reduction_factor": 4, "law": V - abs(V) * Z},
     "read_record": {"dt": 0.02, "units": "g"},
     "read_records": {"dt": 0.02, "units": "g"},
+    "read_hazard": {"units": "g"},
     "read_spectrum": {"units": "g"},
     "eurocode_8": {"ag": 2.0, "soil": "B"},
     "asce_7": {"sds": 9.8, "sd1": 5.0, "tl": 8.0},
@@ -222,6 +223,7 @@ def arguments(name: str, tmp: Path) -> dict[str, Any]:
     }
     if "path" in parameters:
         texts = {"read_case": sl.example_case(), "read_spectrum": SPECTRUM}
+        texts["read_hazard"] = "0.1,0.01\n0.3,0.001\n"
         text = texts.get(name, "\n".join(map(str, np.sin(TIME))))
         (tmp / "file.txt").write_text(text, encoding="utf-8")
         chosen["path"] = tmp if name == "read_records" else tmp / "file.txt"

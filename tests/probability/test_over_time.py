@@ -234,6 +234,29 @@ def test_simulation_beside_several_intensities_is_that_of_each_alone():
     )
 
 
+def test_lognormal_fragility_of_elastic_structures_is_that_of_their_separations():
+    """Each motion takes the gap at ``S0`` times the square of gap over separation."""
+    pair, gap = [sl.Bilinear(T, 0.05) for T in (0.6, 1.0)], 0.1
+    intensities = [0.016, 0.001, 0.004, 0.064, 0.256]  # in any order
+    table = sl.pounding_fragility(*pair, FIRM, [gap, 5.0, 1e-4], intensities, paths=256, **QUAKE)
+    motions = sl.simulate(pair, FIRM, paths=256, **QUAKE).separation[:, 0, 1].values
+    enough = np.log(0.01 * (gap / motions) ** 2)
+    found, error = table.sel(gap=gap), enough.std() / np.sqrt(256)
+    # The same motions, in other steps.
+    assert float(found.fragility_median) == pytest.approx(np.exp(enough.mean()), rel=0.01)
+    assert float(found.fragility_dispersion) == pytest.approx(enough.std(), rel=0.01)
+    assert float(found.fragility_median_standard_error / found.fragility_median) == pytest.approx(
+        error, rel=0.01
+    )
+    meanings = table.fragility_status.attrs["flag_meanings"].split()
+    assert [meanings[code] for code in table.fragility_status.values] == [
+        "fitted",
+        "fewer_than_two_motions_pound",
+        "all_pound_at_the_lowest_intensity",
+    ]
+    assert table.fragility_median.isnull().values.tolist() == [False, True, True]
+
+
 # --- Bad input ------------------------------------------------------------------------------------
 
 

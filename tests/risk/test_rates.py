@@ -7,7 +7,16 @@ import pytest
 from scipy.stats import norm
 
 import stochlin as sl
-from stochlin.analyses.risk.rates import Fragility, Motions, lognormal_fragility, lognormal_rate, rates
+from stochlin.analyses.risk.rates import (
+    ALL_POUND,
+    TOO_FEW_INTENSITIES,
+    TOO_FEW_POUND,
+    Fragility,
+    Motions,
+    lognormal_fragility,
+    lognormal_rate,
+    rates,
+)
 
 K0, K = 0.02, 2.7
 HAZARD = sl.PowerLawHazard(K0, K)
@@ -81,7 +90,38 @@ def test_errors_of_the_fragility_are_those_of_repetitions():
     for _ in range(300):
         of_one = 0.1 * np.exp(0.5 * rng.standard_normal(200))
         found.append(lognormal_fragility(Motions(intensity, of_one[:, None] * intensity), 0.3))
-    median, dispersion, median_error, dispersion_error = np.array(found).T
+    median, dispersion, median_error, dispersion_error, _ = np.array(found).T
+    for values, errors, exact in ((median, median_error, 3.0), (dispersion, dispersion_error, 0.5)):
+        covered = (np.abs(values - exact) < 1.96 * errors).mean()
+        assert abs(covered - 0.95) < 4 * np.sqrt(0.95 * 0.05 / 300)
     sampling = 4 / np.sqrt(2 * 300)  # of a standard deviation, four standard errors
     assert median.std() == pytest.approx(median_error.mean(), rel=sampling)
     assert dispersion.std() == pytest.approx(dispersion_error.mean(), rel=sampling)
+
+
+@pytest.mark.parametrize(
+    ("separation", "status"),
+    [
+        (np.full((8, 3), 0.2), TOO_FEW_POUND),  # none of them
+        (np.vstack([np.full((7, 3), 0.2), [[0.2, 0.2, 0.4]]]), TOO_FEW_POUND),
+        (np.full((8, 3), 0.4), ALL_POUND),
+        (np.array([[0.2], [0.4]]), TOO_FEW_INTENSITIES),
+        (np.vstack([np.full((4, 3), 0.2), np.tile([0.2, 0.3, 0.4], (4, 1))]), TOO_FEW_POUND),  # as one
+    ],
+)
+def test_a_fragility_that_cannot_be_fitted_says_why(separation, status):
+    found = lognormal_fragility(Motions(np.arange(1.0, separation.shape[1] + 1), separation), 0.3)
+    assert found.status == status
+    assert np.isnan(found[:4]).all()
+
+
+def test_below_the_lowest_intensity_separations_go_as_those_of_linear_structures():
+    """In proportion to accelerations, with the root of ``S0``."""
+    of_one = 0.1 * np.exp(0.5 * np.random.default_rng(5).standard_normal(500))
+    for power in (1.0, 0.5):
+        low, high = (np.geomspace(lowest, 1e3, 9) for lowest in (1e-3, 6.0))
+        whole, cut = (
+            lognormal_fragility(Motions(im, of_one[:, None] * im**power, power), 0.3)
+            for im in (low, high)
+        )
+        np.testing.assert_allclose(cut[:4], whole[:4], rtol=1e-9)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import stochlin as sl
-from stochlin.analyses.risk.risk import target_rate
+from stochlin.analyses.risk.risk import Target
 
 GROUND = sl.named_ground("firm", intensity=0.01)
 SHAPE = sl.AminAng(2.0, 10.0, 0.5)
@@ -107,13 +107,13 @@ def test_hazards_of_different_measures_are_one_hazard():
     [("2 % in 50 years", -np.log(0.98) / 50), ("10%in 10yr", -np.log(0.9) / 10), (1e-3, 1e-3)],
 )
 def test_risks_are_read(risk, rate):
-    assert target_rate(risk) == pytest.approx(rate, rel=1e-12)
+    assert Target.of(risk).rate == pytest.approx(rate, rel=1e-12)
 
 
 @pytest.mark.parametrize("risk", ["2 %", "100 % in 50 years", "0 % in 50 years", -1.0, 0, None, "often"])
 def test_risks_that_are_none_are_named(risk):
     with pytest.raises(ValueError, match="risk = "):
-        target_rate(risk)
+        Target.of(risk)
 
 
 def test_risks_outside_of_the_hazard_are_named():

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import stochlin as sl
+from stochlin.analyses.simulation.finite_motions import required_gaps
 
 GROUND = sl.named_ground("firm", intensity=0.01)
 SHAPE = sl.AminAng(2.0, 10.0, 0.5)
@@ -111,6 +112,27 @@ def test_required_gap_of_uncertain_periods_is_that_of_brute_force():
     assert abs(counted.mean() - 0.9) < 4 * error
     known = sl.separation(first.median(), second.median(), GROUND, paths=1024, **MOTION)
     assert float(table.gap[0]) > 1.05 * float(known.gap[0])  # what is not known costs
+
+
+@pytest.mark.slow
+def test_the_interval_of_a_gap_with_uncertain_periods_contains_it_as_often_as_it_says():
+    """Two hundred seeds against one run of as many motions as half of them together."""
+    pair = [sl.Bilinear(sl.Uncertain(T, 0.25), 0.05, 0.05, yield_displacement=0.03) for T in (0.6, 1.0)]
+    motion = {"duration": 8.0, "envelope": sl.AminAng(2.0, 5.0, 0.5)}
+
+    def gaps(paths, seed):
+        return required_gaps(
+            sl.simulate(pair, GROUND, paths=paths, seed=seed, quantiles=[0.9], **motion)
+        )
+
+    table = sl.separation(*pair, GROUND, paths=64, seed=3, **motion)
+    answer = [float(table[name][0]) for name in ("gap", "gap_lower", "gap_upper")]
+    assert gaps(64, 3) == pytest.approx(answer, rel=1e-12)
+    exact, *_ = gaps(6400, 900)
+    intervals = np.array([gaps(64, seed)[1:] for seed in range(200)])
+    covered = ((intervals[:, 0] <= exact) & (exact <= intervals[:, 1])).mean()
+    # Order statistics are a little more careful than they say; .98 with these seeds.
+    assert abs(covered - 0.95) < 3 * np.sqrt(0.95 * 0.05 / 200)
 
 
 def test_a_stationary_response_is_of_one_structure():

@@ -37,13 +37,20 @@ from stochlin.analyses.cases.sites.design_spectrum import (
     spectrum_file,
 )
 from stochlin.analyses.cases.sites.records import read_suite, recorded_motions
-from stochlin.analyses.cases.sites.strength import as_strong_as_asked, hazard_file
+from stochlin.analyses.cases.sites.strength import (
+    HAZARD_EXAMPLE,
+    as_strong_as_asked,
+    hazard_file,
+    read_hazard_of,
+)
 from stochlin.analyses.cases.storeys import SlabOnColumn, StoreyBuilding, slabs_of_row
 from stochlin.analyses.cases.values import Quantity, Section, read_sections
+from stochlin.analyses.risk.risk import check_target
 from stochlin.analyses.tables.checks import as_path
 from stochlin.models.contacts import Contact
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
+from stochlin.models.hazards import Hazard
 from stochlin.models.measures import Measure
 from stochlin.models.parameters import POSITIVE, Range
 from stochlin.models.rules.codes import CODE_RULES, ZONES
@@ -89,6 +96,8 @@ class Case:
     amplification_limit: float | None
     spectrum: xr.DataArray | None = None  # elastic, which the ground delivers
     uncertain_ground: UncertainModel | None = None  # of which ``ground`` has the medians
+    hazard: Hazard | None = None
+    risk: str | float | None = None  # that is allowed, as `required_gap` takes it
 
     @property
     def sampled_ground(self) -> Any:
@@ -216,7 +225,8 @@ def read_case(path: str | os.PathLike[str]) -> Case:
         ``envelope``, ``scatter``, ``records``, ``confidence``, ``gap`` [m] and the rest, as `separation`
         takes them;
         ``buildings`` and ``gaps`` [m] of a longer row, or of one building and its property line,
-        ``contact``, ``measures`` and ``amplification_limit`` [-], as `pound` takes them.
+        ``contact``, ``measures`` and ``amplification_limit`` [-], as `pound` takes them; ``hazard`` and
+        ``risk``, as `required_gap` takes them.
 
     Raises
     ------
@@ -246,9 +256,11 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     path = as_path("path", path)
     whole = read_sections(path)
     keys = building_keys(whole)
+    if "hazard" in whole:
+        raise whole.error("hazard", "is of the site; write [site.hazard], below all else of the site")
     whole.only("title", *TABLES[:2], *keys, *TABLES[2:])
     site, motion, wanted = (whole.section(key) for key in ("site", "motion", "separation"))
-    wanted.only("confidence", "existing", "floors_align", "zone", "numbers", "unverified")
+    wanted.only("confidence", "existing", "risk", "floors_align", "zone", "numbers", "unverified")
     records = recorded_motions(site, path.parent)
     spectrum = design_spectrum(site, path.parent) if SPECTRUM in site else None
     described = None
@@ -263,6 +275,7 @@ def read_case(path: str | os.PathLike[str]) -> Case:
             ground = ground_of_design(site, spectrum, duration, envelope)
         if site.values.get("ground") == FITTED:
             check_energy(motion, next(iter(records.values())), ground, envelope, duration)
+    hazard = read_hazard_of(site, path.parent)
     given = ground
     ground, spectrum = as_strong_as_asked(site, path.parent, ground, spectrum, duration, envelope)
     if isinstance(described, UncertainModel):
@@ -308,7 +321,21 @@ def read_case(path: str | os.PathLike[str]) -> Case:
         measures=read_measures(whole, buildings),
         amplification_limit=read_amplification_limit(whole),
         spectrum=spectrum,
+        hazard=hazard,
+        risk=_risk(wanted, hazard),
     )
+
+
+def _risk(wanted: Section, hazard: Hazard | None) -> str | float | None:
+    """The risk that is allowed, if that is said."""
+    risk: str | float | None = wanted.values.get("risk")
+    if risk is None:
+        return None
+    if hazard is None:
+        raise wanted.error("risk", f"needs a hazard; {HAZARD_EXAMPLE}")
+    with wanted.naming("risk"):
+        check_target(hazard, risk)
+    return risk
 
 
 def _numbers(section: Section) -> dict[str, float]:

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.risk import risk_table, simulated_risk
 from stochlin.analyses.cases.sites.shaking import MOST_RECORDS, doubts, over_records, shaking_of
 from stochlin.analyses.separation.existing_gap import existing_gap
 from stochlin.analyses.separation.separation import UNSAFE, separation
@@ -19,6 +20,7 @@ from stochlin.models.grounds import rms_acceleration
 from stochlin.models.parameters import Model
 
 POINTS, SPECTRUM_PATHS = 401, 512
+OF_RISK = 0.2  # share of the work that a risk takes, where there is a hazard
 SEARCHES = 0.95  # share of the work that an existing gap takes, where there is one
 AROUND = 5.0  # how far the spectrum goes beyond the periods of buildings and ground
 
@@ -34,6 +36,7 @@ class CaseAnswer:
     rms_acceleration: float  # m/s^2; infinite for white noise
     shaking: xr.Dataset  # of the motions, in the mean
     over_records: xr.Dataset | None  # what they come to, where they are many
+    risk: xr.Dataset | None = None  # where there is a hazard
 
     def table(self, samples: bool = True) -> xr.Dataset:
         """All of it for a file; without samples, what there is one of each rule, in rows."""
@@ -45,6 +48,8 @@ class CaseAnswer:
         if self.existing is not None:
             existing = {f"existing_{name}": array for name, array in self.existing.items()}
             table = table.assign(existing).assign_attrs(existing_gap_m=self.existing.attrs["gap_m"])
+        if samples and self.risk is not None:
+            table = table.merge(self.risk).assign_attrs(self.risk.attrs)
         table = table.assign_attrs(title=f"{self.case.title}: {table.attrs['title']}")
         return table if samples else table.drop_dims(set(table.dims) - {"rule"})
 
@@ -78,9 +83,11 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
     def part(begin: float, end: float) -> Progress | None:
         return None if progress is None else lambda share: progress(begin + (end - begin) * share)
 
+    begin = OF_RISK if case.hazard else 0.0
+    risky = simulated_risk(case, part(0.0, OF_RISK))
     existing = None
     if case.gap is not None:
-        options = {**case.motion, "progress": part(0.0, SEARCHES)}
+        options = {**case.motion, "progress": part(begin, SEARCHES)}
         existing = existing_gap(*pair, case.sampled_ground, gap=case.gap, **options)
     table = separation(
         *pair,
@@ -93,13 +100,20 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
         numbers=case.numbers,
         unverified=case.unverified,
         records=dict(case.records) or None,
-        progress=part(0.0 if case.gap is None else SEARCHES, 1.0),
+        progress=part(begin if case.gap is None else SEARCHES, 1.0),
     )
     records = None
     if len(case.records) > MOST_RECORDS:
         records = over_records(table.record_separation, float(table.gap[0]), case.confidence)
     return CaseAnswer(
-        case, table, existing, _spectrum(case), rms_acceleration(case.ground), shaking_of(case), records
+        case,
+        table,
+        existing,
+        _spectrum(case),
+        rms_acceleration(case.ground),
+        shaking_of(case),
+        records,
+        None if risky is None else risk_table(risky, case, float(table.gap[0])),
     )
 
 

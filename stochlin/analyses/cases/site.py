@@ -8,7 +8,7 @@ from typing import Any
 import xarray as xr
 
 from stochlin.analyses.cases.sites.records import SUITE
-from stochlin.analyses.cases.sites.strength import EXAMPLE, GOALS, INTENSITY
+from stochlin.analyses.cases.sites.strength import EXAMPLE, GOALS, HAZARD, INTENSITY
 from stochlin.analyses.cases.values import Quantity, Section
 from stochlin.analyses.records.ground_fit import fitted_grounds
 from stochlin.analyses.records.spectra import ESTIMATORS
@@ -26,6 +26,7 @@ from stochlin.models.envelopes import ENVELOPES, Envelope
 from stochlin.models.grounds import GROUNDS, Ground, ParallelGround, WhiteNoise
 from stochlin.models.grounds.named import ground_names, named_ground
 from stochlin.models.parameters import POSITIVE
+from stochlin.models.uncertain import UncertainModel
 
 FITTED, NONE, PARALLEL = "fitted", "none", "parallel"
 RECORDS = ("records", SUITE)
@@ -54,18 +55,32 @@ def read_ground(site: Section, records: Mapping[str, xr.DataArray]) -> Any:
         site.only("ground", *RECORDS, INTENSITY, "grounds", *GOALS)
         for part in site.sections("grounds"):
             part.text("ground", (*ground_names(), *GROUNDS))
-        parts = [read_ground(part, {}) for part in site.sections("grounds")]
-        given = site.given(ParallelGround, (INTENSITY,))
-        return site.made(ParallelGround, {"grounds": parts, **given})
+        quantity = Quantity.declared(ParallelGround, INTENSITY)
+        whole = {INTENSITY: site.parameter(INTENSITY, quantity)} if INTENSITY in site else {}
+        parts = [_part(part) for part in site.sections("grounds")]
+        return site.made(ParallelGround, {"grounds": parts, **whole})
     names = GROUNDS[name].parameter_names() if name in GROUNDS else (INTENSITY,)
     site.only("ground", *RECORDS, *names, *GOALS)
-    if INTENSITY not in site and not any(key in site for key in GOALS):
+    if not any(key in site for key in (INTENSITY, *GOALS) if key != HAZARD):
         raise site.error(INTENSITY, f"is missing; write, for instance, intensity = {EXAMPLE}")
     kind = GROUNDS.get(name, WhiteNoise)
     own = [each for each in names if each in site or each != INTENSITY]
     values: dict[str, Any] = {INTENSITY: 1.0}
     values |= {each: site.parameter(each, Quantity.declared(kind, each)) for each in own}
     return site.made(kind, values) if name in GROUNDS else named_ground(name, **values)
+
+
+def _part(site: Section) -> Ground:
+    """One of several grounds in parallel."""
+    found = read_ground(site, {})
+    if isinstance(found, UncertainModel):
+        raise site.error(
+            next(iter(found.uncertain)),
+            "cannot be uncertain in one of several grounds; allowed: one number, or an uncertain "
+            "intensity of all of them together in [site]",
+        )
+    ground: Ground = found
+    return ground
 
 
 def fitted_motion(
@@ -81,7 +96,7 @@ def fitted_motion(
             "[[site.records]]",
         )
     motion.only("envelope", "scatter")  # the duration is the record's
-    site.only("ground", "records", "filters")
+    site.only("ground", "records", "filters", HAZARD)
     filters = site.whole("filters", 1, FILTERS, MOST_FILTERS)
     name, record = next(iter(records.items()))
     try:

@@ -146,7 +146,7 @@ def read_storeys(one: Section, number: int) -> StoreyBuilding:
     if strength != "elastic":
         values["hardening"] = one.parameter("hardening", Quantity.declared(ShearBuilding, "hardening"))
     if "dampers" in one:
-        values["dampers"] = one.number_or_list("dampers", Quantity.declared(ShearBuilding, "dampers"))
+        values["dampers"] = one.parameter_or_list("dampers", Quantity.declared(ShearBuilding, "dampers"))
     described = (_singly if singly else _regular)(one, strength, values)
     structure = median_of(described)
     if strength != "elastic":
@@ -194,11 +194,11 @@ def _regular(one: Section, strength: str, values: dict[str, Any]) -> Any:
 def _singly(one: Section, strength: str, values: dict[str, Any]) -> Any:
     """One storey by storey."""
     for key in ("masses", "stiffnesses"):
-        values[key] = one.numbers(key, Quantity.declared(ShearBuilding, key))
-    heights = _heights(one)
-    values["heights"] = heights if isinstance(heights, list) else [heights] * len(values["masses"])
+        values[key] = one.parameters(key, Quantity.declared(ShearBuilding, key))
+    heights, storeys = _heights(one), np.size(median_of(values["masses"]))
+    values["heights"] = heights if isinstance(heights, list) else [heights] * storeys
     if strength != "elastic":
-        values[strength] = one.number_or_list(strength, Quantity.declared(ShearBuilding, strength))
+        values[strength] = one.parameter_or_list(strength, Quantity.declared(ShearBuilding, strength))
     return one.made(ShearBuilding, values)
 
 

@@ -10,7 +10,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeGuard, TypeVar
+
+import numpy as np
 
 from stochlin.analyses.tables.checks import A_LABEL, LARGEST_WHOLE, is_label, is_number, is_whole
 from stochlin.analyses.tables.toml import read_toml
@@ -39,6 +41,7 @@ _OF_POWER = ("N/m^", "N (s/m)^")  # of a spring or a dashpot that is not linear:
 _OTHER_SIGNS = str.maketrans({"²": "^2", "³": "^3", "·": " "})
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(.*)", re.DOTALL)
 _SPREAD = re.compile(r"\s*(.+?)\s*(?:\+-|\+/-|±)\s*(\d+\.?\d*|\.\d+)\s*%\s*", re.DOTALL)
+_SIGNS = re.compile(r"\+-|\+/-|±|\bto\b")  # of what is not known exactly
 _FROM_TO = re.compile(r"\s*(.+?)\s+to\s+(.+?)\s*", re.DOTALL)
 _BARE, _QUOTED = r"[A-Za-z0-9_-]+", r"\"[^\"]*\"|'[^']*'"
 _DOTTED = rf"(?:{_BARE}|{_QUOTED})(?:\s*\.\s*(?:{_BARE}|{_QUOTED}))*"
@@ -140,22 +143,56 @@ class Section:
     def parameter(self, key: str, quantity: Quantity) -> float | Uncertain:
         """A number in SI, or one that is not known exactly, ``"1 s +- 20 %"`` or ``"0.8 to 1.2 s"``."""
         given = self.values.get(key)
-        spread, ends = (
-            pattern.fullmatch(given) if isinstance(given, str) else None
-            for pattern in (_SPREAD, _FROM_TO)
-        )
-        if spread is None and ends is None:
+        if not _is_uncertain(given):
             return self.number(key, quantity)
-        with self.naming(key, "is not a parameter that is not known exactly"):
+        spread, ends = _SPREAD.fullmatch(given), _FROM_TO.fullmatch(given)
+        example = next(iter(quantity.spellings))
+        if spread is None and ends is None:
+            raise self.error(
+                key,
+                f'does not say how far it may be off; allowed: "10 {example} +- 20 %", the standard '
+                f'deviation of its logarithm, or "8 to 12 {example}", evenly between both',
+            )
+        if spread is not None and float(spread[2]) > 100:
+            raise self.error(key, f"has a spread of {spread[2]} %; allowed: 0 to 100 %")
+        with self.naming(key, "cannot be read"):
             if spread is not None:
                 return Uncertain(_with_unit(spread[1], quantity), float(spread[2]) / 100)
             assert ends is not None
             low, high = ends[1], ends[2]
-            unit = _NUMBER.fullmatch(high)
+            unit_of_high = _NUMBER.fullmatch(high)
             alone = _NUMBER.fullmatch(low)
-            if alone and unit and not alone[2].strip():  # both in the unit of the second
-                low = f"{low} {unit[2].strip()}"
+            if alone and unit_of_high and not alone[2].strip():  # both in the unit of the second
+                low = f"{low} {unit_of_high[2].strip()}"
             return Uncertain.between(*(_with_unit(text, quantity) for text in (low, high)))
+
+    def parameters(self, key: str, quantity: Quantity) -> list[float] | Uncertain:
+        """A list of numbers in SI; those that are not known exactly vary by one factor, as one."""
+        given = self.values.get(key)
+        if not isinstance(given, list) or not any(map(_is_uncertain, given)):
+            return self.numbers(key, quantity)
+        alone = (Section(self.file, self.place, {key: one}, self.lines) for one in given)
+        each = [one.parameter(key, quantity) for one in alone]
+        first = next(one for one in each if isinstance(one, Uncertain))
+        alike = [
+            one.median
+            for one in each
+            if isinstance(one, Uncertain)
+            and one.kind == first.kind
+            and math.isclose(one.spread, first.spread, rel_tol=1e-6)
+        ]
+        if len(alike) < len(each):
+            raise self.error(
+                key,
+                "differs in how far its numbers may be off; allowed: one spread for all of them, since "
+                "they vary together, by one factor",
+            )
+        return Uncertain(np.array(alike), first.spread, first.kind)
+
+    def parameter_or_list(self, key: str, quantity: Quantity) -> float | list[float] | Uncertain:
+        """One for all, or a list of them."""
+        listed = isinstance(self.values.get(key), list)
+        return self.parameters(key, quantity) if listed else self.parameter(key, quantity)
 
     def numbers(self, key: str, quantity: Quantity) -> list[float]:
         """A list of numbers in SI, at least one."""
@@ -174,6 +211,13 @@ class Section:
         return self.numbers(key, quantity) if listed else self.number(key, quantity)
 
     def _number(self, key: str, given: Any, quantity: Quantity, which: str = "") -> float:
+        if _is_uncertain(given):
+            raise self.error(
+                key,
+                f"{which}cannot be uncertain; allowed: one number, as {quantity.example}; what "
+                "describes a building or the ground can: period, damping, hardening, strength, mass, "
+                "intensity",
+            )
         try:
             value = in_si(given, quantity)
         except ValueError as error:
@@ -255,6 +299,11 @@ class Section:
             what = "is no table" if key in self else "is missing"
             raise self.error(key, f"{what}; allowed: a line [{self.name(key)}] and its keys below it")
         return Section(self.file, place, values, self.lines)
+
+
+def _is_uncertain(given: object) -> TypeGuard[str]:
+    """Whether a text means to say that a number is not known exactly."""
+    return isinstance(given, str) and _SIGNS.search(given) is not None
 
 
 def in_si(given: Any, quantity: Quantity) -> float:

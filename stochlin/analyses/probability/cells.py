@@ -52,6 +52,7 @@ AT_HEIGHT = (
     "required_gap_simulated",
     "rho",
 )
+SAMPLES = "separation_samples"  # for a fragility, of which they are the data
 
 
 class PairTable(NamedTuple):
@@ -253,10 +254,12 @@ def simulated_table(
     for row, name in enumerate(names):
         table[name] = spread_over(np.sqrt(mean[:, row]), pair)
     table["difference_std_simulated_standard_error"] = spread_over(error[:, 2], pair)
-    table = table.assign(_simulated_gaps(found.largest, pair, confidence))
+    largest, place = found.largest, pair
+    table = table.assign(_simulated_gaps(largest, pair, confidence))
     if HEIGHT in pair.dims:
-        whole = _simulated_gaps(found.largest.max(axis=1, keepdims=True), xr.DataArray(0), confidence)
-        table = over_heights(table).assign(whole)
+        largest, place = largest.max(axis=1, keepdims=True), xr.DataArray(0)
+        table = over_heights(table).assign(_simulated_gaps(largest, place, confidence))
+    table[SAMPLES] = spread_over(largest, place).rename({TIME: "path"})
     return table.assign_attrs(paths=n, seed=seed)
 
 

@@ -5,12 +5,17 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from stochlin.analyses.linearization.strength import strength_in_metres
-from stochlin.analyses.probability.probability import REFERENCES, pounding_probability
+from stochlin.analyses.probability.cells import SAMPLES
+from stochlin.analyses.probability.probability import REFERENCES, with_samples
 from stochlin.analyses.probability.variables import VARIABLES
+from stochlin.analyses.risk.rates import NOT_SIMULATED, Fragility, Motions, lognormal_fragility
+from stochlin.analyses.risk.variables import labelled_fragility
 from stochlin.analyses.tables import labels
+from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground, WhiteNoise
@@ -67,16 +72,28 @@ def pounding_fragility(
         clumps; ``_poisson``; ``_corrected``; ``_simulated`` with a 95 % interval, ``_lower`` and
         ``_upper``; with a building ``_at_height`` and ``_at_most``, which the formulas of all heights
         allow for them together. Over ``intensity``: ``required_gap`` [m], ``_corrected`` and
-        ``_simulated``; ``status``.
+        ``_simulated``; ``status``. Over ``gap``, of the simulated motions: the lognormal fragility of
+        most likelihood, ``fragility_median`` [m^2/s^3] and ``fragility_dispersion`` [-], the standard
+        deviation of the logarithm of ``S0``, with standard errors; NaN where ``fragility_status`` says
+        why: fewer than two motions pound, all of them do at the lowest intensity already, there is but
+        one intensity, or the cell is not valid.
 
     Raises
     ------
     ValueError, TypeError, ArithmeticError
         As `pounding_probability`.
 
+    Notes
+    -----
+    Each motion tells at which intensity it makes them pound, interpolated as in `pounding_risk`; of one
+    that never does it is known that it takes more than the largest (censored). Below the lowest
+    intensity separations go on with the root of ``S0``, as those of elastic structures do: let the
+    intensities begin where hardly any motion makes them pound.
+
     References
     ----------
-    Vanmarcke, E. H. (1975), J. Appl. Mech. 42; Rice, S. O. (1945), Bell Syst. Tech. J. 24.
+    Vanmarcke, E. H. (1975), J. Appl. Mech. 42; Rice, S. O. (1945), Bell Syst. Tech. J. 24; Baker, J. W.
+    (2015), Earthquake Spectra 31, for fragilities by maximum likelihood.
 
     Examples
     --------
@@ -95,7 +112,7 @@ def pounding_fragility(
     named_gap = _named(Gap(gap).gap, "gap", "m", "gap")
     named_intensity = _named(WhiteNoise(intensity).intensity, "intensity", "m^2/s^3", "intensity S0")
     changed: dict[str, Any] = {"intensity": named_intensity}
-    found = pounding_probability(
+    found = with_samples(
         strength_in_metres(first, ground),
         strength_in_metres(second, ground),
         replace(ground, **changed),
@@ -117,7 +134,10 @@ def pounding_fragility(
     for ending in ENDINGS:
         if f"required_gap{ending}" in found:
             table[f"required_gap{ending}"] = found[f"required_gap{ending}"]
+    if SAMPLES in found:
+        table = table.assign(_lognormal(found[SAMPLES], named_gap, named_intensity))
     table = labels.label(table.assign(status=found.status), VARIABLES).assign_attrs(found.attrs)
+    table = labelled_fragility(table, "m^2/s^3")
     return labels.with_run_information(
         table,
         f"Fragility of two structures against pounding, {ground.name} ground",
@@ -126,6 +146,32 @@ def pounding_fragility(
         {"first": first, "second": second, "ground": ground},
         REFERENCES,
     )
+
+
+def _lognormal(samples: xr.DataArray, gap: Any, intensity: Any) -> dict[str, xr.DataArray]:
+    """A lognormal fragility of every gap, from the intensity at which each motion makes them pound."""
+    gap, intensity = xr.DataArray(gap), xr.DataArray(intensity)
+    along = intensity.dims if intensity.ndim == 1 and intensity.dims[0] not in gap.dims else ()
+    if not along:
+        samples, along, levels = samples.expand_dims("of_one"), ("of_one",), np.ones(1)
+    else:
+        levels, order = np.unique(intensity.to_numpy(), return_index=True)
+        samples = samples.isel({along[0]: order})
+
+    def fitted(largest: Array, gap: float) -> tuple[float, ...]:
+        if np.isfinite(largest).all() and 0 < gap < np.inf:
+            return lognormal_fragility(Motions(levels, largest, 0.5), gap)
+        return Fragility.none(NOT_SIMULATED)
+
+    found = xr.apply_ufunc(
+        fitted,
+        samples,
+        gap,
+        input_core_dims=[["path", *along], []],
+        output_core_dims=[[]] * len(Fragility._fields),
+        vectorize=True,
+    )
+    return Fragility(*found).named()
 
 
 def _named(value: Any, name: str, units: str, long_name: str) -> Any:

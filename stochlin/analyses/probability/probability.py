@@ -12,7 +12,7 @@ from stochlin.analyses.linearization.transient_systems import (
     check_course,
     over_time,
 )
-from stochlin.analyses.probability.cells import PairTable, by_formula, by_simulation
+from stochlin.analyses.probability.cells import SAMPLES, PairTable, by_formula, by_simulation
 from stochlin.analyses.probability.hybrid import hybrid_pounding
 from stochlin.analyses.probability.simulated import Draws
 from stochlin.analyses.probability.storeys import storeys_in_motion
@@ -151,6 +151,43 @@ def pounding_probability(
     >>> bool(last.confidence_of_no_pounding > last.confidence_of_no_pounding_poisson)
     True
     """
+    table = with_samples(
+        first,
+        second,
+        ground,
+        gap,
+        envelope=envelope,
+        duration=duration,
+        method=method,
+        record=record,
+        confidence=confidence,
+        scatter=scatter,
+        points=points,
+        paths=paths,
+        seed=seed,
+        progress=progress,
+    )
+    return table.drop_vars(SAMPLES, errors="ignore")
+
+
+def with_samples(
+    first: AnyStructure,
+    second: AnyStructure,
+    ground: Ground | None,
+    gap: Parameter,
+    *,
+    envelope: Envelope | None,
+    duration: float | None,
+    method: str = METHODS[0],
+    record: xr.DataArray | None = None,
+    confidence: float,
+    scatter: float,
+    points: int,
+    paths: int,
+    seed: int,
+    progress: Progress | None,
+) -> xr.Dataset:
+    """What `pounding_probability` returns, and the largest separation of each simulated motion."""
     if not isinstance(method, str) or method not in METHODS:
         raise ValueError(f"method = {brief(method)}; allowed: {', '.join(METHODS)}")
     described: dict[str, Any] = {"first": first, "second": second, "ground": ground}

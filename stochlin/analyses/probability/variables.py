@@ -1,11 +1,14 @@
 """How likely pounding is, over time and in a motion."""
 
 from stochlin.analyses.linearization.variables import VARIABLES as LINEARIZATION
+from stochlin.analyses.risk.variables import FRAGILITY
 from stochlin.analyses.tables.labels import Variables
 
 CORRECTED = "linearization corrected for its known bias"
 VARIABLES: Variables = {
     **LINEARIZATION,
+    **FRAGILITY,
+    "separation_samples": ("m", "largest u_1 - u_2 of each simulated motion"),
     "rho": ("1", "correlation coefficient of the displacements"),
     "input_factor": ("1", "sample of the parameter over its median"),
     "radius": ("m", "root of u^2 + (u'/w)^2"),

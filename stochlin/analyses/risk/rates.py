@@ -2,13 +2,13 @@
 
 The motions are the same at all intensities. Between two of them the logarithm of a motion's separation
 is linear in the logarithm of the intensity, which is exact for linear structures; below the lowest it
-goes on in proportion to the intensity.
+goes on as that of linear structures.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.optimize
@@ -17,6 +17,7 @@ from scipy.special import log_ndtr
 from stochlin.kernels.basics.arrays import Array
 
 TINY = 1e-12  # [m]: less than this is no separation
+FITTED, TOO_FEW_POUND, ALL_POUND, TOO_FEW_INTENSITIES, NOT_SIMULATED = range(5)
 REACH, POINTS = 24.0, 6001  # of the integral over a lognormal fragility, in standard deviations
 
 
@@ -25,6 +26,7 @@ class Motions(NamedTuple):
 
     intensity: Array  # (n,)
     separation: Array  # (paths, n) [m]
+    power: float = 1.0  # of the intensity, with which linear structures go: .5 of S0
 
     def crossings(self, gap: float) -> tuple[Array, Array]:
         """Between which intensities each motion makes them pound, interval by interval (paths, n + 1).
@@ -40,7 +42,7 @@ class Motions(NamedTuple):
         begin = np.where(left > 0, x[:-1], np.where(right > 0, at, x[1:]))
         end = np.where(right > 0, x[1:], np.where(left > 0, at, x[1:]))
         first, last = beyond[:, :1], beyond[:, -1:]
-        low = np.where(first > 0, x[0] - first, x[0]), np.full_like(first, x[0])
+        low = np.where(first > 0, x[0] - first / self.power, x[0]), np.full_like(first, x[0])
         high = np.full_like(last, x[-1]), np.where(last > 0, np.inf, x[-1])
         whole = (np.hstack(parts) for parts in zip(low, (begin, end), high, strict=True))
         begin, end = whole
@@ -66,20 +68,37 @@ class Fragility(NamedTuple):
     dispersion: float
     median_error: float
     dispersion_error: float
+    status: int = FITTED
+
+    @classmethod
+    def none(cls, status: int) -> Fragility:
+        """One that cannot be fitted, and why."""
+        return cls(np.nan, np.nan, np.nan, np.nan, status)
+
+    def named(self) -> dict[str, Any]:
+        """As the variables of a dataset are called."""
+        told = {
+            name.replace("_error", "_standard_error"): value for name, value in self._asdict().items()
+        }
+        return {f"fragility_{name}": value for name, value in told.items()}
 
 
 def lognormal_fragility(motions: Motions, gap: float) -> Fragility:
     """By maximum likelihood from the intensity at which each motion first makes them pound.
 
-    Of a motion that never does it is known that it takes more than the highest. NaN where fewer than two
-    motions do.
+    Of a motion that never does it is known that it takes more than the highest. NaN, with the reason in
+    ``status``, where fewer than two motions do, or all of them at the lowest intensity already.
     """
+    if motions.intensity.size < 2:
+        return Fragility.none(TOO_FEW_INTENSITIES)
+    if (motions.separation[:, 0] > gap).all():
+        return Fragility.none(ALL_POUND)
     begin, end = motions.crossings(gap)
     first = np.where(end > begin, begin, np.inf).min(axis=1)
     seen = np.isfinite(first)
     known = np.log(first[seen])
     if known.size < 2 or np.ptp(known) == 0:
-        return Fragility(np.nan, np.nan, np.nan, np.nan)
+        return Fragility.none(TOO_FEW_POUND)
     top, never = np.log(motions.intensity[-1]), int((~seen).sum())
 
     def surprise(parameters: Array) -> float:

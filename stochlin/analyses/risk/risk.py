@@ -17,8 +17,13 @@ import scipy.optimize
 import xarray as xr
 
 from stochlin.analyses.linearization.strength import strength_in_metres
-from stochlin.analyses.risk.rates import Motions, lognormal_fragility, lognormal_rate, rates
-from stochlin.analyses.risk.variables import VARIABLES
+from stochlin.analyses.risk.rates import (
+    Motions,
+    lognormal_fragility,
+    lognormal_rate,
+    rates,
+)
+from stochlin.analyses.risk.variables import VARIABLES, labelled_fragility
 from stochlin.analyses.simulation.finite_motions import (
     keeping_apart,
     mean_with_error,
@@ -107,7 +112,8 @@ def pounding_risk(
         ``annual_rate`` [1/yr] with its standard error, ``annual_rate_unseen``: what shaking stronger
         than that of the hazard's table, or of a return period of 200 000 years, could add at most;
         ``probability_in_years`` [-] with its 95 % interval; ``annual_rate_lognormal`` by a lognormal
-        fragility, of ``fragility_median`` and ``fragility_dispersion`` [-] with standard errors. Over
+        fragility, of ``fragility_median`` and ``fragility_dispersion`` [-] with standard errors;
+        ``fragility_status``, why there is none. Over
         ``intensity``: ``pounding_probability`` [-] with its 95 % interval, ``exceedance_frequency``
         [1/yr]; over ``from_intensity`` also ``annual_rate_by_intensity``: the part of the rate that
         comes from each interval of intensities, which begins there.
@@ -139,28 +145,11 @@ def pounding_risk(
     True
     """
     given = standing(first, second)
-    asked = _Asked(given, ground, hazard, duration, envelope, scatter, paths, seed)
+    asked = RiskAsked(given, ground, hazard, duration, envelope, scatter, paths, seed)
     asked.check()
     check_existing(gap, duration, {role: median_of(one) for role, one in given.items()})
     _check_years(years)
-    motions = asked.simulated(progress)
-    by_path = rates(motions, gap, asked.frequency)
-    rate, error = mean_with_error(by_path.sum(axis=1))
-    fragility = lognormal_fragility(motions, gap)
-    asked.warn_of_weak(motions, gap)
-    table = xr.Dataset(
-        {
-            "annual_rate": rate,
-            "annual_rate_standard_error": error,
-            "annual_rate_lognormal": lognormal_rate(fragility, asked.frequency),
-            "annual_rate_unseen": _unseen(motions, gap, asked.frequency),
-            **_in_years(rate, error, years),
-            **{f"fragility_{name.replace('_error', '_standard_error')}": value
-               for name, value in fragility._asdict().items()},
-        }
-    )  # fmt: skip
-    table = table.assign(_by_intensity(motions, by_path, gap, asked))
-    return asked.labelled(table.assign_attrs(years=float(years), gap_m=float(gap)), "pounding_risk")
+    return asked.simulated(progress).of_gap(gap, years)
 
 
 def required_gap(
@@ -215,58 +204,61 @@ def required_gap(
     True
     """
     given = standing(first, second)
-    asked = _Asked(given, ground, hazard, duration, envelope, scatter, paths, seed)
+    asked = RiskAsked(given, ground, hazard, duration, envelope, scatter, paths, seed)
     asked.check()
-    target = target_rate(risk)
-    asked.check_target(target, risk)
-    motions = asked.simulated(progress)
-
-    def rate(gap: float) -> tuple[float, float]:
-        return mean_with_error(rates(motions, gap, asked.frequency).sum(axis=1))
-
-    def gap_of(excess: Callable[[float, float], float]) -> float:
-        """Where the rate, or an end of its interval, is the target."""
-        least, most = 1e-3 * float(motions.separation.min() or 1e-6), 2 * float(motions.separation.max())
-        if excess(*rate(least)) <= target:
-            return 0.0
-        found = scipy.optimize.brentq(
-            lambda x: excess(*rate(np.exp(x))) - target, np.log(least), np.log(most), xtol=CLOSE
-        )
-        return float(np.exp(found))
-
-    gap = gap_of(lambda mean, _: mean)
-    mean, error = rate(gap) if gap else (np.nan, np.nan)
-    table = xr.Dataset(
-        {
-            "required_gap": gap,
-            "required_gap_lower": gap_of(lambda mean, error: mean - CERTAIN * error),
-            "required_gap_upper": gap_of(lambda mean, error: mean + CERTAIN * error),
-            "target_rate": target,
-            "annual_rate": mean,
-            "annual_rate_standard_error": error,
-        }
-    )
-    return asked.labelled(table.assign_attrs(risk=brief(risk)), "required_gap")
+    asked.check_target(risk)
+    return asked.simulated(progress).gap_of(risk)
 
 
-def target_rate(risk: str | float) -> float:
-    """A mean annual frequency from one, or from a text as ``"2 % in 50 years"``: ``-ln(1 - p)/t``."""
-    if is_number(risk):
-        if not 0 < risk < np.inf:
-            raise ValueError(f"risk = {brief(risk)}; allowed: a positive annual frequency [1/yr]")
-        return float(risk)
-    found = _RISK.fullmatch(risk) if isinstance(risk, str) else None
-    if found is None:
+class Target(NamedTuple):
+    """A risk that is allowed."""
+
+    rate: float  # 1/yr
+    years: float | None  # of which it was said, if it was
+
+    @classmethod
+    def of(cls, risk: str | float) -> Target:
+        """From a mean annual frequency, or from ``"2 % in 50 years"``: ``-ln(1 - p)/t``."""
+        if is_number(risk):
+            if not 0 < risk < np.inf:
+                raise ValueError(f"risk = {brief(risk)}; allowed: a positive annual frequency [1/yr]")
+            return cls(float(risk), None)
+        found = _RISK.fullmatch(risk) if isinstance(risk, str) else None
+        if found is None:
+            raise ValueError(
+                f'risk = {brief(risk)}; allowed: a text as "2 % in 50 years", or an annual frequency '
+                "[1/yr]"
+            )
+        share, years = float(found[1]) / 100, float(found[2])
+        if not 0 < share < 1 or not years > 0:
+            raise ValueError(
+                f"risk = {brief(risk)}; allowed: more than 0 % and less than 100 %, in years"
+            )
+        return cls(-np.log1p(-share) / years, years)
+
+
+def check_target(hazard: Hazard, risk: str | float) -> None:
+    """Raise a ValueError for a risk that this hazard cannot tell of."""
+    target = Target.of(risk).rate
+    rarest, commonest = (float(hazard.frequency(im)) for im in simulated_at(hazard)[[-1, 0]])
+    if not rarest < target < commonest:
         raise ValueError(
-            f'risk = {brief(risk)}; allowed: a text as "2 % in 50 years", or an annual frequency [1/yr]'
+            f"risk = {brief(risk)} is {target:.3g} a year; allowed: between {rarest:.3g} and "
+            f"{commonest:.3g} a year, the rarest and the most frequent shaking of the hazard; give "
+            "a hazard that reaches it"
         )
-    share, years = float(found[1]) / 100, float(found[2])
-    if not 0 < share < 1 or not years > 0:
-        raise ValueError(f"risk = {brief(risk)}; allowed: more than 0 % and less than 100 %, in years")
-    return -np.log1p(-share) / years
 
 
-class _Asked(NamedTuple):
+def simulated_at(hazard: Hazard) -> Array:
+    """Intensities at which motions are simulated: over the table, or the return periods that matter."""
+    if isinstance(hazard, HazardCurve):
+        ends = hazard.intensities
+    else:
+        ends = tuple(float(hazard.intensity(years)) for years in RETURN_PERIODS)
+    return np.geomspace(ends[0], ends[-1], POINTS)
+
+
+class RiskAsked(NamedTuple):
     """What a question about risk is about."""
 
     structures: Mapping[str, AnyStructure]  # by their roles
@@ -293,22 +285,9 @@ class _Asked(NamedTuple):
         check_duration(self.duration, both)
         check_repeated(list(both.values()), ground, self.duration, self.paths, self.seed, POINTS)
 
-    def check_target(self, target: float, risk: object) -> None:
+    def check_target(self, risk: str | float) -> None:
         """Raise a ValueError for a risk that this hazard cannot tell of."""
-        rarest, commonest = (float(self.hazard.frequency(im)) for im in self.intensities()[[-1, 0]])
-        if not rarest < target < commonest:
-            raise ValueError(
-                f"risk = {brief(risk)} is {target:.3g} a year; allowed: between {rarest:.3g} and "
-                f"{commonest:.3g} a year, the rarest and the most frequent shaking of the hazard"
-            )
-
-    def intensities(self) -> Array:
-        """Where motions are simulated: over the table, or over the return periods that matter."""
-        if isinstance(self.hazard, HazardCurve):
-            ends = self.hazard.intensities
-        else:
-            ends = tuple(float(self.hazard.intensity(years)) for years in RETURN_PERIODS)
-        return np.geomspace(ends[0], ends[-1], POINTS)
+        check_target(self.hazard, risk)
 
     def frequency(self, intensity: Array) -> Array:
         """How often it is exceeded: that of the least there is below it, none beyond the largest."""
@@ -319,7 +298,7 @@ class _Asked(NamedTuple):
         found = np.asarray(self.hazard.frequency(xr.DataArray(known)))
         return np.where(intensity > top * (1 + ROUNDING), 0.0, found)
 
-    def simulated(self, progress: Progress | None) -> Motions:
+    def simulated(self, progress: Progress | None) -> SimulatedRisk:
         """The same motions at all intensities."""
         found = []
         motion: dict[str, Any] = {"duration": self.duration, "envelope": self.envelope}
@@ -327,7 +306,7 @@ class _Asked(NamedTuple):
         both = self.structures.values()
         pair = [applied(lambda s: strength_in_metres(s, usual), one) for one in both]
         at_one = self._ground_of_one(usual) / float(usual.arrays()["intensity"])
-        for n, intensity in enumerate(self.intensities()):
+        for n, intensity in enumerate(simulated_at(self.hazard)):
             times = at_one * self._power(intensity)
             table = simulate(
                 pair,
@@ -340,7 +319,9 @@ class _Asked(NamedTuple):
             found.append(pair_separation(table).to_numpy())
             if progress is not None:
                 progress((n + 1) / POINTS)
-        return Motions(self.intensities(), np.stack(found, axis=1))
+        power = 0.5 if self.hazard.measure == "intensity" else 1.0
+        motions = Motions(simulated_at(self.hazard), np.stack(found, axis=1), power)
+        return SimulatedRisk(self, motions)
 
     def _power(self, intensity: float) -> float:
         """``S0`` over that of an intensity of 1."""
@@ -356,28 +337,10 @@ class _Asked(NamedTuple):
         scaled = scale_ground(ground, self.duration, self.envelope, seed=self.seed, **goal)
         return float(scaled.arrays()["intensity"])
 
-    def warn_of_weak(self, motions: Motions, gap: float) -> None:
-        """Warn if weaker shaking than the hazard tells of makes them pound, too."""
-        share = float((motions.separation[:, 0] > gap).mean())
-        if isinstance(self.hazard, HazardCurve) and share > WEAKEST:
-            met = "it crosses" if self.alone else "they pound"
-            warnings.warn(
-                f"hazard: it begins at {motions.intensity[0]:.3g} {UNITS[self.hazard.measure]}, where "
-                f"{met} in {100 * share:.0f} % of the motions; weaker shaking, of which it does "
-                "not tell, is left out: give it from lower intensities on",
-                DoubtfulInput,
-                stacklevel=3,
-            )
-
     def labelled(self, table: xr.Dataset, call: str) -> xr.Dataset:
         """With units, and how it was made."""
         units = UNITS[self.hazard.measure]
-        table = labels.label(table, VARIABLES)
-        for name in ("fragility_median", "fragility_median_standard_error"):
-            if name in table:
-                error = "standard error of " if name.endswith("error") else ""
-                about = f"{error}median intensity at which they pound"
-                table[name].attrs = {"units": units, "long_name": about}
+        table = labelled_fragility(labels.label(table, VARIABLES), units)
         models: dict[str, Any] = {**self.structures, "ground": self.ground, "hazard": self.hazard}
         what = "one structure crossing its property line" if self.alone else "pounding of two structures"
         return labels.with_run_information(
@@ -396,13 +359,87 @@ class _Asked(NamedTuple):
         )
 
 
+class SimulatedRisk(NamedTuple):
+    """What is asked, and the motions that answer it for any gap."""
+
+    asked: RiskAsked
+    motions: Motions
+
+    def of_gap(self, gap: float, years: float) -> xr.Dataset:
+        """What `pounding_risk` returns."""
+        asked, motions = self
+        by_path = rates(motions, gap, asked.frequency)
+        rate, error = mean_with_error(by_path.sum(axis=1))
+        fragility = lognormal_fragility(motions, gap)
+        self._warn_of_weak(gap)
+        table = xr.Dataset(
+            {
+                "annual_rate": rate,
+                "annual_rate_standard_error": error,
+                "annual_rate_lognormal": lognormal_rate(fragility, asked.frequency),
+                "annual_rate_unseen": _unseen(motions, gap, asked.frequency),
+                **_in_years(rate, error, years),
+                **fragility.named(),
+            }
+        )
+        table = table.assign(_by_intensity(motions, by_path, gap, asked))
+        return asked.labelled(table.assign_attrs(years=float(years), gap_m=float(gap)), "pounding_risk")
+
+    def gap_of(self, risk: str | float) -> xr.Dataset:
+        """What `required_gap` returns."""
+        asked, motions = self
+        target = Target.of(risk).rate
+
+        def rate(gap: float) -> tuple[float, float]:
+            return mean_with_error(rates(motions, gap, asked.frequency).sum(axis=1))
+
+        def gap_of(excess: Callable[[float, float], float]) -> float:
+            """Where the rate, or an end of its interval, is the target."""
+            least = 1e-3 * float(motions.separation.min() or 1e-6)
+            most = 2 * float(motions.separation.max())
+            if excess(*rate(least)) <= target:
+                return 0.0
+            found = scipy.optimize.brentq(
+                lambda x: excess(*rate(np.exp(x))) - target, np.log(least), np.log(most), xtol=CLOSE
+            )
+            return float(np.exp(found))
+
+        gap = gap_of(lambda mean, _: mean)
+        mean, error = rate(gap) if gap else (np.nan, np.nan)
+        table = xr.Dataset(
+            {
+                "required_gap": gap,
+                "required_gap_lower": gap_of(lambda mean, error: mean - CERTAIN * error),
+                "required_gap_upper": gap_of(lambda mean, error: mean + CERTAIN * error),
+                "target_rate": target,
+                "annual_rate": mean,
+                "annual_rate_standard_error": error,
+            }
+        )
+        return asked.labelled(table.assign_attrs(risk=brief(risk)), "required_gap")
+
+    def _warn_of_weak(self, gap: float) -> None:
+        """Warn if weaker shaking than the hazard tells of makes them pound, too."""
+        motions, hazard = self.motions, self.asked.hazard
+        share = float((motions.separation[:, 0] > gap).mean())
+        if isinstance(hazard, HazardCurve) and share > WEAKEST:
+            met = "it crosses" if self.asked.alone else "they pound"
+            warnings.warn(
+                f"hazard: it begins at {motions.intensity[0]:.3g} {UNITS[hazard.measure]}, where "
+                f"{met} in {100 * share:.0f} % of the motions; weaker shaking, of which it does "
+                "not tell, is left out: give it from lower intensities on",
+                DoubtfulInput,
+                stacklevel=4,
+            )
+
+
 def _times(ground: Any, factor: float) -> Any:
     """The ground with so many times the intensity."""
     return replace(ground, intensity=ground.intensity * factor)
 
 
 def _by_intensity(
-    motions: Motions, by_path: Array, gap: float, asked: _Asked
+    motions: Motions, by_path: Array, gap: float, asked: RiskAsked
 ) -> dict[str, xr.DataArray]:
     """What each intensity does, and what each interval of them adds to the rate."""
     attrs = {"units": UNITS[asked.hazard.measure], "long_name": f"intensity, {asked.hazard.measure}"}

@@ -9,6 +9,7 @@ import numpy as np
 from stochlin.analyses.cases.sites.shaking import doubts
 from stochlin.analyses.separation.separation import NOT_AVAILABLE, SAFE, UNSAFE
 from stochlin.views.shared.screen import columns, cut, paragraph
+from stochlin.views.shared.uncertain import unknown_lines
 from stochlin.views.shared.words import (
     MISSING,
     SPACE,
@@ -59,6 +60,7 @@ def answer_lines(table: xr.Dataset, case: Case) -> list[str]:
         *paragraph(headline(table)),
         *paragraph(shaking(table, case)),
         *paragraph(scatter(case)),
+        *unknown_lines(case, "needed gaps and shares are those"),
         "",
     ]
     lines += [*columns(*_motions(table)), ""]

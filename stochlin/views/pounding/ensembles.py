@@ -16,6 +16,7 @@ from stochlin.views.pounding.pictures import caption_of
 from stochlin.views.pounding.words import ALONE, JUMPS
 from stochlin.views.shared.screen import columns, cut, paragraph
 from stochlin.views.shared.style import AS_GIVEN, CURVES, styled
+from stochlin.views.shared.uncertain import at_medians
 from stochlin.views.shared.words import (
     MISSING,
     doubted,
@@ -69,6 +70,7 @@ def ensemble_lines(case: Case, table: xr.Dataset) -> list[str]:
         strength = shaking(table, case)
     lines += paragraph(f"{motions}: {_shares(table) if 'neighbours' in table.dims else ALONE}")
     lines += [*paragraph(strength), *(paragraph(scatter(case)) if over == "path" else [])]
+    lines += paragraph(at_medians(case))
     if good < table.sizes[over]:
         why = next(str(text) for text in table.missing.values if text)
         lines += ["", *paragraph(FAILED.format(table.sizes[over] - good, table.sizes[over], why))]

@@ -12,6 +12,7 @@ from stochlin.analyses.cases.sites.shaking import doubts
 from stochlin.analyses.pounding.rows import COLUMN as SLAB_TO_COLUMN
 from stochlin.analyses.records.files import METRES
 from stochlin.views.shared.screen import columns, cut, paragraph
+from stochlin.views.shared.uncertain import at_medians
 from stochlin.views.shared.words import (
     MISSING,
     centimetres,
@@ -61,6 +62,7 @@ def answer_lines(case: Case, tables: Mapping[str, xr.Dataset]) -> list[str]:
     found = {record: _doubts(table, case) for record, table in tables.items()}
     told = [f"in {record} {one}" for record, several in found.items() for one in several]
     lines = [*paragraph(doubted(told)), case.title, *paragraph(floors(case))]
+    lines += paragraph(at_medians(case))
     for record, table in tables.items():
         lines += ["", *paragraph(f"{record}: {headline(table)}")]
         lines += [*paragraph(recorded_shaking(table, case)), ""]

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from stochlin.views.shared.screen import paragraph
+from stochlin.views.shared.uncertain import unknown_lines
 from stochlin.views.shared.words import doubted, floors, over_records, scatter, shaking
 
 if TYPE_CHECKING:
@@ -35,6 +36,7 @@ def answer_lines(answer: ProbabilityAnswer) -> list[str]:
         *paragraph(floors(case)),
         *paragraph(shaking(answer.shaking, case)),
         *paragraph(scatter(case)),
+        *unknown_lines(case, "the simulated confidence is that"),
         "",
         "Confidence of no pounding so far",
         f"{'time [s]':>9}" + "".join(f"{name:>11}" for name, _ in shown) + f"{'95 % interval':>20}",

@@ -12,18 +12,14 @@ from stochlin.analyses.records.files import METRES
 from stochlin.models.buildings import ShearBuilding
 from stochlin.views.separation.subjects import subject_of
 from stochlin.views.separation.words import ductilities, rows
-from stochlin.views.shared.words import length, per_cent
+from stochlin.views.shared.words import length, per_cent, valued
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
     import xarray as xr
 
     from stochlin.analyses.cases.buildings import AnyBuilding
     from stochlin.analyses.cases.case import Case
     from stochlin.analyses.cases.separation import CaseAnswer
-
-
-LARGE = {"kg": ("t", 1e-3), "N/m": ("MN/m", 1e-6), "N s/m": ("MN s/m", 1e-6)}
 
 
 LINE = (
@@ -43,8 +39,7 @@ def uncertainties(answer: CaseAnswer) -> list[str]:
         "given. How strong the next earthquake will be is the largest unknown, and not in the interval"
         f"{f'; a scatter of {case.scatter:g} about that is in the answer' if case.scatter else ''}.",
         f"{subject_of(case).the_buildings.capitalize()}: {_models(case)}, torsion, soil under the "
-        "foundations, and loss of strength are left out, and so is the error of the periods and "
-        "dampings that you gave.",
+        f"foundations, and loss of strength are left out, and so is {_of_parameters(case)}.",
         f"The rules: all are fed with the simulated peaks of {_whose(case)} peaks, not how an engineer "
         "would get those peaks. Building codes have displacements, load factors and least distances of "
         "their own in mind.",
@@ -69,6 +64,13 @@ def _whose(case: Case) -> str:
     if case.alone:
         return "this building, so that the table judges what they make of"
     return "these buildings, so that the table judges how they combine"
+
+
+def _of_parameters(case: Case) -> str:
+    """What is not known of the parameters that were given."""
+    if case.uncertain:
+        return "the error of all that you gave as known; what you gave as uncertain is in the answer"
+    return "the error of the periods and dampings that you gave"
 
 
 def _models(case: Case) -> str:
@@ -131,7 +133,7 @@ def _building(building: AnyBuilding, table: xr.Dataset, number: int) -> list[tup
     if isinstance(structure, ShearBuilding):
         of = " of the first mode"
         found = [(f"period{of}", f"{building.period:.4g} s"), *found]
-        found += [(name, _shown(value)) for name, value in (structure.law_parameters or {}).items()]
+        found += [(name, valued(value, "1")) for name, value in (structure.law_parameters or {}).items()]
         found += [("weight softens storeys (P-delta)", "yes")] if structure.p_delta else []
     if structure.yields:
         shown = {f"reduction factor{of}": f"{float(table[f'reduction_factor_{number}']):.3g}"}
@@ -157,14 +159,5 @@ def _parameters(model: object) -> list[tuple[str, str]]:
     for field in dataclasses.fields(model):  # type: ignore[arg-type]
         value = getattr(model, field.name)
         if "units" in field.metadata and value is not None:
-            units, scale = LARGE.get(field.metadata["units"], (field.metadata["units"], 1.0))
-            units = units.replace("^2", "²").replace("^3", "³")
-            shown = f"{_shown(scale * np.asarray(value))} {units if units != '1' else ''}".strip()
-            facts.append((field.metadata["long_name"], shown))
+            facts.append((field.metadata["long_name"], valued(value, field.metadata["units"])))
     return facts
-
-
-def _shown(value: npt.ArrayLike) -> str:
-    """Storey by storey where they differ."""
-    each = [f"{one:.4g}" for one in np.atleast_1d(value)]
-    return ", ".join(each if len(set(each)) > 1 else each[:1])

@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from stochlin.views.separation import facts as small_print
 from stochlin.views.separation import pictures, words
+from stochlin.views.separation.risk import risk_caption, risk_figure, risk_words
 from stochlin.views.separation.storeys import draw_heights
 from stochlin.views.separation.subjects import subject_of
+from stochlin.views.shared.uncertain import HEADS, unknowns
 from stochlin.views.shared.words import centimetres, doubted
 from stochlin.views.sites.words import fit_in_words
 
@@ -57,6 +59,9 @@ def report_page(answer: CaseAnswer) -> str:
         headline=words.headline(answer),
         summary=words.summary(answer),
         allowances=words.allowances(answer),
+        unknowns=unknowns(answer.case),
+        unknown_heads=HEADS,
+        risk=risk_words(answer),
         rows=shown,
         kinds=[(KINDS[kind], list(group)) for kind, group in groupby(shown, lambda row: row.kind)],
         columns=words.columns(answer.case),
@@ -106,6 +111,8 @@ def _pictures(answer: CaseAnswer) -> list[Picture]:
                 "heights. Below, how far storeys drift, and where they yield.",
             ),
         )
+    if answer.risk is not None:
+        drawn.append((f"How often {about.meet}", risk_figure, risk_caption(answer)))
     if answer.case.records:
         drawn.append(
             (

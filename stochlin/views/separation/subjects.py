@@ -29,6 +29,9 @@ class Subject(NamedTuple):
     families: str  # of building codes
     rules: str  # that are told
     records: str  # what a set-back in a record is of
+    meet: str  # what is not wanted
+    met: str
+    stand_at: str  # the answer of a risk
     labels: Mapping[str, str]  # of rules that have another name here
 
 
@@ -47,6 +50,9 @@ PAIR = Subject(
     families="Families of building codes",
     rules="",
     records="",
+    meet="they pound",
+    met="they pounded",
+    stand_at="they should stand {gap} apart",
     labels={},
 )
 ALONE = Subject(
@@ -65,6 +71,9 @@ ALONE = Subject(
     rules="Rules of which nothing is known for a property line are left out.",
     records="The line is where displacements are positive; on the other side a record may take as much "
     "as the peak.",
+    meet="it crosses its property line",
+    met="it crossed its property line",
+    stand_at="it should stand {gap} away from its property line",
     labels={"share_of_sum": "share of its peak", "share_of_height": "share of its height"},
 )
 

@@ -7,8 +7,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from stochlin.analyses.cases.storeys import StoreyBuilding
+from stochlin.views.separation.risk import risk_lines
 from stochlin.views.separation.subjects import subject_of
+from stochlin.views.shared.screen import columns as in_columns
 from stochlin.views.shared.screen import paragraph
+from stochlin.views.shared.uncertain import HEADS, contained, unknowns
 from stochlin.views.shared.words import (
     SPACE,
     centimetres,
@@ -120,6 +123,9 @@ def answer_lines(answer: CaseAnswer) -> list[str]:
     if allowed:
         lines += ["", *paragraph(allowed[0])]
         lines += [line for text in allowed[1:] for line in paragraph(f"  {text}", "    ")]
+    if unknown := unknowns(answer.case):
+        lines += ["", *in_columns(HEADS, unknown)]
+    lines += risk_lines(answer)
     shown, about = rows(answer), subject_of(answer.case)
     wide, head = max(len(row.rule) for row in shown), f"{about.gap} [cm]"
     lines += [
@@ -159,6 +165,7 @@ def summary(answer: CaseAnswer) -> list[str]:
         f"With that {about.gap} {about.kept} in {confidence} of motions like the one "
         f"described. This comes from simulating {case.paths} such motions; the 95{SPACE}% interval of "
         f"the {about.gap} is {interval}.",
+        contained(case, f"the {about.gap} is that"),
         shaking(answer.shaking, case),
         scatter(case),
         _heights(answer),

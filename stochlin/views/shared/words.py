@@ -12,6 +12,7 @@ from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    import numpy.typing as npt
     import xarray as xr
 
     from stochlin.analyses.cases.case import Case
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 MISSING, MINUS, SPACE = "\N{EN DASH}", "\N{MINUS SIGN}", "\N{NO-BREAK SPACE}"
 BEYOND = "\N{RIGHTWARDS ARROW}"
 FAR = 2.5  # times what most rules ask: gaps beyond are told at the border of a picture, not drawn
+LARGE = {"kg": ("t", 1e-3), "N/m": ("MN/m", 1e-6), "N s/m": ("MN s/m", 1e-6)}
 CAPITALS = {
     **{word: word.upper() for word in ("asce", "is", "ubc", "srss", "gb")},
     "e030": "E.030",
@@ -70,6 +72,23 @@ def short(value: float) -> str:
     if not np.isfinite(value):
         return MISSING
     return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"
+
+
+def valued(value: npt.ArrayLike, units: str, digits: int = 4) -> str:
+    """A parameter with its unit; storey by storey where they differ."""
+    unit, scale = shown_unit(units)
+    each = [
+        f"{one:.{digits}g}" if abs(one) < 10**digits else f"{one:.0f}"
+        for one in np.atleast_1d(scale * np.asarray(value))
+    ]
+    return ", ".join(each if len(set(each)) > 1 else each[:1]) + unit
+
+
+def shown_unit(units: str) -> tuple[str, float]:
+    """A unit as it stands behind a number, and what a number in SI is multiplied by."""
+    unit, scale = LARGE.get(units, (units, 1.0))
+    unit = unit.replace("^2", "²").replace("^3", "³")
+    return f" {unit}" if units != "1" else "", scale
 
 
 def columns_hit(slabs: Sequence[SlabOnColumn]) -> str:

@@ -10,6 +10,8 @@ sl.pounding_risk(ONE, TWO, GROUND, 0.06, HAZARD, 12.0, **COMMON).to_netcdf("risk
 sl.required_gap(ONE, TWO, GROUND, HAZARD, 12.0, risk="10 % in 50 years", **COMMON).to_netcdf(
     "gap.nc", engine="scipy"
 )
+read = sl.read_hazard("hazard.csv")
+print(read.describe(), read.intensity(return_period=475))
 existing = sl.Bilinear(sl.Uncertain(0.6, 0.25), 0.05, 0.05, reduction_factor=sl.Uncertain(3.0, 0.3))
 unknown = sl.separation(existing, TWO, GROUND, 12.0, **COMMON)
 unknown = unknown.sel(rule="simulation", drop=True)

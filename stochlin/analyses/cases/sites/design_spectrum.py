@@ -8,7 +8,7 @@ from typing import Any
 import xarray as xr
 
 from stochlin.analyses.cases.sites.records import SUITE
-from stochlin.analyses.cases.sites.strength import ACCELERATION, GOALS, INTENSITY, TIME
+from stochlin.analyses.cases.sites.strength import ACCELERATION, GOALS, HAZARD, INTENSITY, TIME
 from stochlin.analyses.cases.values import Quantity, Section
 from stochlin.analyses.sites.design_spectra import asce_7, eurocode_8
 from stochlin.analyses.sites.ground_fit import fit_ground
@@ -87,13 +87,13 @@ def _of_file(site: Section, folder: Path) -> xr.DataArray:
 def _check_keys(site: Section, own: tuple[str, ...], strength: str) -> None:
     """Raise for a key that the spectrum has not; of how strong it is, in words."""
     for key in (INTENSITY, *GOALS):
-        if key in site and key not in own:
+        if key in site and key not in (*own, HAZARD):
             raise site.error(
                 key,
                 f"is given beside spectrum = {brief(site.values[SPECTRUM])}; how strong that is says "
                 f"{strength}, so leave {key} out",
             )
-    site.only(*_SHARED, *own)
+    site.only(*_SHARED, HAZARD, *own)
 
 
 _CODES = {"eurocode_8": _eurocode_8, "asce_7": _asce_7}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -10,19 +11,29 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.cases.values import Quantity, Section
-from stochlin.analyses.records.files import METRES, read_series, rows_in_words, stated_units
+from stochlin.analyses.records.files import METRES
+from stochlin.analyses.sites.hazard_files import read_hazard
 from stochlin.analyses.sites.intensity import paths_for, scale_ground
-from stochlin.messages import plain
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
-from stochlin.models.hazards import Hazard, HazardCurve, PowerLawHazard, check_curve
+from stochlin.models.hazards import MEASURES, Hazard, HazardCurve, PowerLawHazard, check_curve
 from stochlin.models.parameters import POSITIVE
 
 INTENSITY, RETURN_PERIOD, HAZARD = "intensity", "return_period", "hazard"
 GOALS = ("pga", "sa", "sa_period", RETURN_PERIOD, HAZARD)  # keys beside or in place of an intensity
 ACCELERATION, TIME = Quantity("m/s^2", POSITIVE), Quantity("s", POSITIVE)
 YEARS, NUMBER = Quantity("yr", POSITIVE), Quantity("1", POSITIVE)
-MEASURES = ("pga", "sa")
+SPECTRAL_DENSITY = Quantity("m^2/s^3", POSITIVE)
+WAYS = {  # of describing a hazard, by the key that says which, and what goes with it
+    "file": ("file", "units"),
+    "intensities": ("intensities", "frequencies", "return_periods"),
+    "k0": ("k0", "k", "units"),
+}
+HAZARD_EXAMPLES = (
+    'file = "hazard.csv"; intensities = ["0.1 g", "0.3 g"] with frequencies = [0.01, 0.001] or '
+    'return_periods = ["100 yr", "1000 yr"]; k0, k and units'
+)
+HAZARD_EXAMPLE = f'write [site.hazard], and below it measure = "pga" and one of {HAZARD_EXAMPLES}'
 STRONGEST, WEAKEST = 3.0, 1e-3  # peak ground accelerations in g: beyond, units are likely to be mixed up
 EXAMPLE = '"0.01 m^2/s^3", or pga = "0.3 g", or sa = "0.8 g" with sa_period = "1 s"'
 
@@ -36,8 +47,7 @@ class Goal(NamedTuple):
 
 def read_goal(site: Section, folder: Path) -> Goal | None:
     """What the site says in place of an intensity; None if nothing."""
-    of = {"sa_period": "sa", HAZARD: RETURN_PERIOD}
-    key = chosen_key(site, (INTENSITY, "pga", "sa", RETURN_PERIOD), of)
+    key = chosen_key(site, (INTENSITY, "pga", "sa", RETURN_PERIOD), {"sa_period": "sa"})
     if key == "pga":
         pga = site.number(key, ACCELERATION)
         if doubt := doubtful_peak(pga):
@@ -48,16 +58,17 @@ def read_goal(site: Section, folder: Path) -> Goal | None:
     if key != RETURN_PERIOD:
         return None
     years = site.number(key, YEARS)
-    if HAZARD not in site:
-        raise site.error(
-            key,
-            'needs a hazard; write [site.hazard], and below it measure = "pga", and file = "hazard.csv" '
-            "or k0, k and units",
-        )
-    hazard = read_hazard(site.section(HAZARD), folder)
+    hazard = read_hazard_of(site, folder)
+    if hazard is None:
+        raise site.error(key, f"needs a hazard; {HAZARD_EXAMPLE}")
     with site.naming(key, "is not in the hazard"):
         found = hazard.intensity(years)
-    return Goal(key, {"pga": found} if hazard.period is None else _sa(found, hazard.period))
+    return Goal(key, {hazard.measure: found} if hazard.period is None else _sa(found, hazard.period))
+
+
+def read_hazard_of(site: Section, folder: Path) -> Hazard | None:
+    """How often which shaking is exceeded, where the site says so."""
+    return described_hazard(site.section(HAZARD), folder) if HAZARD in site else None
 
 
 def chosen_key(one: Section, keys: Sequence[str], companions: Mapping[str, str]) -> str:
@@ -100,47 +111,73 @@ def as_strong_as_asked(
     goal = read_goal(site, folder)
     if goal is None:
         return ground, spectrum
-    with site.naming(goal.key, "cannot be met"):
-        found: Ground = scale_ground(ground, duration, envelope, **goal.asked, paths=paths_for(duration))
+    found: Ground
+    if INTENSITY in goal.asked:  # by a hazard of it
+        found = replace(ground, **goal.asked)
+    else:
+        with site.naming(goal.key, "cannot be met"):
+            found = scale_ground(ground, duration, envelope, **goal.asked, paths=paths_for(duration))
     if spectrum is not None:
         times = found.arrays()["intensity"].item() / ground.arrays()["intensity"].item()
         spectrum = (np.sqrt(times) * spectrum).assign_attrs(spectrum.attrs)
     return found, spectrum
 
 
-def read_hazard(one: Section, folder: Path) -> Hazard:
-    """A table of a file, or a power law; both say of what, and in which units."""
-    by_file = "file" in one
-    keys = ("file", "units") if by_file else ("k0", "k", "units")
-    one.only("measure", "sa_period", *keys, elsewhere=("file", "k0", "k"))
+def described_hazard(one: Section, folder: Path) -> Hazard:
+    """A file, a few points or a power law; each says of what, and in which units."""
+    way = next((key for key in ("file", "intensities") if key in one), "k0")
+    one.only(
+        "measure", "sa_period", *WAYS[way], elsewhere=[key for keys in WAYS.values() for key in keys]
+    )
     measure = one.text("measure", MEASURES)
     if "sa_period" in one and measure != "sa":
         raise one.error("sa_period", f"goes with measure = 'sa', not with {measure!r}; leave it out")
     of: dict[str, Any] = {"measure": measure}
     if measure == "sa":
         of["period"] = one.number("sa_period", TIME)
-    if by_file:
-        return _curve(one, folder, of)
+    if way == "file":
+        units = one.text("units", tuple(METRES)) if "units" in one else None
+        with one.naming("file"):
+            return read_hazard(folder / one.text("file"), **of, units=units)
+    if way == "intensities":
+        return _of_points(one, of)
+    if "k0" not in one and "k" not in one:
+        raise one.error("", f"has no numbers; allowed: one of {HAZARD_EXAMPLES}")
     k0, k = (one.number(key, NUMBER) for key in ("k0", "k"))
     # k0 is how often 1 g, or whatever the unit is, is exceeded.
-    unit = METRES[one.text("units", tuple(METRES))]
+    units_of = SPECTRAL_DENSITY.spellings if measure == INTENSITY else METRES
+    unit = units_of[one.text("units", tuple(units_of))]
     return PowerLawHazard(k0 * unit**k, k, **of)
+
+
+def _of_points(one: Section, of: Mapping[str, Any]) -> HazardCurve:
+    """Intensities, each with its annual frequency or its return period."""
+    intensities = one.numbers(
+        "intensities", SPECTRAL_DENSITY if of["measure"] == INTENSITY else ACCELERATION
+    )
+    key = chosen_key(one, ("frequencies", "return_periods"), {})
+    if not key:
+        raise one.error(
+            "intensities",
+            "has neither frequencies nor return_periods; write, for instance, "
+            'return_periods = ["95 yr", "475 yr"], as many as there are intensities',
+        )
+    given = one.numbers(key, NUMBER if key == "frequencies" else YEARS)
+    if len(given) != len(intensities):
+        raise one.error(
+            key, f"has {len(given)} values for {len(intensities)} intensities; allowed: one for each"
+        )
+    frequencies = given if key == "frequencies" else [1 / years for years in given]
+    places = [f"point {n}, {value}" for n, value in enumerate(one.values[key], start=1)]
+    with one.naming("intensities", "and the others are no hazard"):
+        check_curve(np.array(intensities), np.array(frequencies), places)
+    return HazardCurve(tuple(intensities), tuple(frequencies), **of)
 
 
 def hazard_file(site: Section, folder: Path) -> list[Path]:
     """The file that the hazard is read from, if there is one."""
     hazard = site.section(HAZARD, needed=False)
     return [folder / hazard.text("file")] if "file" in hazard else []
-
-
-def _curve(one: Section, folder: Path, of: dict[str, Any]) -> Hazard:
-    path = folder / one.text("file")
-    units = one.text("units", tuple(METRES)) if "units" in one else None
-    with one.naming("file"):
-        intensities, frequencies = (read_series(path, column, None) for column in (0, 1))
-        values = intensities.values * METRES[stated_units(intensities, plain(path.name), units)]
-        check_curve(intensities.values, frequencies.values, rows_in_words(path))
-    return HazardCurve(tuple(values), tuple(frequencies.values), **of)
 
 
 def _sa(sa: float, period: float) -> dict[str, Any]:

@@ -1,0 +1,75 @@
+"""Risk of the two buildings of a case file: with the gaps that matter, and the gap for a risk."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.cases.case import FEWEST_PATHS, Case
+from stochlin.analyses.risk.risk import CERTAIN, RiskAsked, SimulatedRisk, Target
+from stochlin.analyses.risk.variables import VARIABLES
+from stochlin.analyses.tables import labels
+from stochlin.kernels.basics.parallel import Progress
+from stochlin.messages import DoubtfulInput
+
+YEARS = 50.0  # of the probability, where the file names no other
+SHARE = 4  # of the motions of the case, one in so many: there are 13 intensities
+PREFIX, GAP, OF = "risk_", "risk_gap", "risk_of"
+KEPT = ("required_gap", "required_gap_lower", "required_gap_upper", "target_rate")
+
+
+def simulated_risk(case: Case, progress: Progress | None) -> SimulatedRisk | None:
+    """Motions of all intensities of the hazard; None if the file has none."""
+    if case.hazard is None:
+        return None
+    sampled = [building.sampled for building in case.one_or_two]
+    structures = dict(zip(("first", "second"), sampled, strict=False))
+    motion = case.duration, case.envelope, case.scatter
+    paths = max(FEWEST_PATHS, case.paths // SHARE)
+    asked = RiskAsked(structures, case.sampled_ground, case.hazard, *motion, paths, case.seed)
+    try:
+        asked.check()
+        return asked.simulated(progress)
+    except (ValueError, ArithmeticError) as error:
+        raise ValueError(f"{case.file}: site.hazard cannot be used: {error}") from error
+
+
+def risk_table(found: SimulatedRisk, case: Case, answer: float) -> xr.Dataset | None:
+    """Risk with the existing gap, with that of the answer [m], and with the one that has the risk asked.
+
+    None where they need no gap. Names begin with ``risk_``, to stand beside those of the answer.
+    """
+    gaps = {"existing": case.gap or 0.0, "answer": answer}
+    years, target = YEARS, xr.Dataset()
+    if case.risk is not None:
+        years = Target.of(case.risk).years or YEARS
+        target = found.gap_of(case.risk)
+        gaps["target"] = float(target.required_gap)
+        target = target[list(KEPT)]
+    gaps = {what: gap for what, gap in gaps.items() if gap > 0}
+    if not gaps:
+        return None
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DoubtfulInput)  # of weak shaking that is left out: see the words
+        each = [found.of_gap(gap, years) for gap in gaps.values()]
+    along = labels.axis(GAP, "gap of which the risk is", np.array(list(gaps.values())), "m")
+    table = xr.concat(each, along, data_vars="all", coords="minimal", compat="override", join="exact")
+    told = {"long_name": "which gap this is"}
+    table = table.assign_coords({OF: (GAP, list(gaps), told)}).assign(target.data_vars)
+    for end, times in (("lower", -CERTAIN), ("upper", CERTAIN)):
+        table[f"annual_rate_{end}"] = (
+            table.annual_rate + times * table.annual_rate_standard_error
+        ).clip(0)
+    table = labels.label(table, VARIABLES).rename(
+        {name: f"{PREFIX}{name}" for name in table.variables if name not in (GAP, OF)}
+    )
+    asked = found.asked
+    table.attrs = {
+        "risk_hazard": asked.hazard.describe(),
+        "risk_measure": asked.hazard.measure,
+        "risk_years": years,
+        "risk_paths": asked.paths,
+    }
+    return table

@@ -1,0 +1,204 @@
+"""How often the buildings of a case pound: in words, as a table, and by the strength of the shaking."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from stochlin.analyses.records.files import METRES
+from stochlin.models.hazards import HazardCurve
+from stochlin.views.separation.subjects import subject_of
+from stochlin.views.shared.screen import columns, paragraph
+from stochlin.views.shared.words import MISSING, SPACE, centimetres, length, per_cent
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from stochlin.analyses.cases.separation import CaseAnswer
+
+GAPS = {"existing": "existing", "answer": "the answer above", "target": "for the risk allowed"}
+SIZE = (4.6, 4.4)  # inches
+LITTLE = 0.05  # of the rate, left out at either end
+NOTICED = 0.1  # of the rate, or of the motions, that the hazard's table leaves out
+
+
+class RiskWords(NamedTuple):
+    """What is said of a risk."""
+
+    sentences: list[str]
+    heads: tuple[str, ...]
+    rows: list[tuple[str, ...]]
+    note: str
+
+
+def risk_words(answer: CaseAnswer) -> RiskWords | None:
+    """How often they pound with the gaps that matter; None where the case has no hazard."""
+    table = answer.risk
+    if table is None:
+        return None
+    rows = [_row(table.isel(risk_gap=n)) for n in range(table.sizes["risk_gap"])]
+    heads = ("gap", "[cm]", "per year", "once in", f"in {table.attrs['risk_years']:g} years", "interval")
+    note = (
+        f"From {table.attrs['risk_paths']} motions at each of {table.sizes['risk_intensity']} "
+        f"intensities of the hazard; the intervals, of 95{SPACE}%, are those of the sampling of "
+        "motions. What happens in different years is taken as independent."
+    )
+    return RiskWords(_sentences(answer, table), heads, rows, note)
+
+
+def risk_lines(answer: CaseAnswer) -> list[str]:
+    """The same for the screen; nothing where the case has no hazard."""
+    words = risk_words(answer)
+    if words is None:
+        return []
+    told = [line for sentence in words.sentences for line in paragraph(sentence)]
+    return ["", *told, "", *columns(words.heads, words.rows), "", *paragraph(words.note)]
+
+
+def risk_figure(answer: CaseAnswer) -> Figure:
+    """Above, how likely they pound at each intensity; below, which intensities make up the rate."""
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+
+    assert answer.risk is not None
+    one, (unit, label) = answer.risk.isel(risk_gap=0), _axis(answer)
+    figure = Figure(figsize=SIZE, layout="constrained")
+    above, below = figure.subplots(2, sharex=True)
+    x = one.risk_intensity.values / unit
+    ends = [100 * one[f"risk_pounding_probability_{end}"] for end in ("lower", "upper")]
+    above.fill_between(x, *ends, color="0.75", lw=0, label="95 % interval")
+    above.plot(x, 100 * one.risk_pounding_probability, color="0.1", marker="o", ms=3, label="simulated")
+    bad = "across the line" if answer.case.alone else "with pounding"
+    above.set(ylim=(-2, 102), ylabel=f"motions\n{bad} [%]")
+    above.legend(loc="upper left", fontsize=9)
+    edges, share = _shares(one)
+    # What is weaker or stronger than all that is simulated is as wide as the interval beside it.
+    first, last = edges[1] ** 2 / edges[2], edges[-2] ** 2 / edges[-3]
+    edges = np.array([first, *edges[1:-1], last]) / unit
+    style: Any = {"color": "0.8", "edgecolor": "0.1", "lw": 0.6, "zorder": 2}
+    below.bar(edges[:-1], 100 * share, np.diff(edges), align="edge", **style)
+    below.set(
+        xscale="log", xlim=(edges[0], edges[-1]), xlabel=label, ylabel="share of the\nfrequency [%]"
+    )
+    below.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    below.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    below.xaxis.set_minor_formatter(NullFormatter())
+    for axes in (above, below):
+        axes.set_axisbelow(True)
+        for side in ("top", "right"):
+            axes.spines[side].set_visible(False)
+    return figure
+
+
+def risk_caption(answer: CaseAnswer) -> str:
+    """What the picture shows."""
+    assert answer.risk is not None
+    return (
+        f"Of a {subject_of(answer.case).gap} of {length(float(answer.risk.risk_gap[0]))}: above, how "
+        f"often {subject_of(answer.case).meet} in motions of one intensity; below, which part of the "
+        "frequency comes from shaking of which strength, the outermost bars all that is weaker and "
+        "stronger."
+    )
+
+
+def _row(one: xr.Dataset) -> tuple[str, ...]:
+    rate, of_years = float(one.risk_annual_rate), "risk_probability_in_years"
+    low, high = (per_cent(float(one[f"{of_years}_{end}"]), 1) for end in ("lower", "upper"))
+    return (
+        GAPS[str(one.risk_of.item())],
+        centimetres(float(one.risk_gap)),
+        f"{rate:.2g}",
+        _years(rate),
+        per_cent(float(one[of_years]), 1),
+        f"{low} to {high}",
+    )
+
+
+def _years(rate: float) -> str:
+    return f"{float(f'{1 / rate:.2g}'):.0f}{SPACE}years" if rate else MISSING
+
+
+def _sentences(answer: CaseAnswer, table: xr.Dataset) -> list[str]:
+    about = subject_of(answer.case)
+    one, years = table.isel(risk_gap=0), table.attrs["risk_years"]
+    rate, low, high = (float(one[f"risk_annual_rate{end}"]) for end in ("", "_lower", "_upper"))
+    which = "that there are" if one.risk_of.item() == "existing" else "of the answer above"
+    gap = f"the {length(float(one.risk_gap))} {which}"
+    told = [f"With {gap} {about.met} in none of the motions, at any intensity of the hazard."]
+    if rate:
+        told = [
+            f"By the hazard of the site {about.meet}, with {gap}, {rate:.2g} times a year in the mean "
+            f"({low:.2g} to {high:.2g}), once in {_years(rate)}; the probability of that in "
+            f"{years:g} years is {per_cent(float(one.risk_probability_in_years), 1)}. "
+            f"{_strongest(answer, one)}"
+        ]
+    if "risk_required_gap" in table:
+        needed, *ends = (float(table[f"risk_required_gap{end}"]) for end in ("", "_lower", "_upper"))
+        told.append(
+            f"For the risk allowed, {_allowed(answer)}, {about.stand_at.format(gap=length(needed))} "
+            f"({' to '.join(map(centimetres, ends))})."
+        )
+    return told + _left_out(answer, one)
+
+
+def _allowed(answer: CaseAnswer) -> str:
+    risk = answer.case.risk
+    return risk if isinstance(risk, str) else f"{risk:g} a year"
+
+
+def _left_out(answer: CaseAnswer, one: xr.Dataset) -> list[str]:
+    """What the hazard does not tell of, where that could be much."""
+    told, rate, weakest = [], float(one.risk_annual_rate), float(one.risk_pounding_probability[0])
+    unit, label = _axis(answer)
+    if isinstance(answer.case.hazard, HazardCurve) and weakest > NOTICED:
+        name, units = _named(label)
+        least = f"{float(one.risk_intensity[0]) / unit:.2g}{SPACE}{units}"
+        told.append(
+            f"The hazard begins at {name} {least}, with which {subject_of(answer.case).meet} in "
+            f"{per_cent(weakest)} of the motions. Weaker shaking, of which it does not tell, is left "
+            "out, and it happens more often than is said here: give it from lower intensities on."
+        )
+    if float(one.risk_annual_rate_unseen) > NOTICED * rate:
+        told.append(
+            "Shaking stronger than all that the hazard tells of could add up to "
+            f"{float(one.risk_annual_rate_unseen):.2g} a year: give it for rarer shaking."
+        )
+    return told
+
+
+def _shares(one: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
+    """Edges of the intervals of intensities, from 0 to infinity, and their parts of the rate."""
+    parts = one.risk_annual_rate_by_intensity.values
+    return np.append(one.risk_from_intensity.values, np.inf), parts / (parts.sum() or 1.0)
+
+
+def _strongest(answer: CaseAnswer, one: xr.Dataset) -> str:
+    """Which intensities nine tenths of the rate come from."""
+    edges, share = _shares(one)
+    above = 1 - np.append(0.0, np.cumsum(share))
+    unit, label = _axis(answer)
+    low = edges[np.flatnonzero(above >= 1 - LITTLE)[-1]] / unit
+    high = edges[np.flatnonzero(above <= LITTLE)[0]] / unit
+    name, units = _named(label)
+    begin = f"{low:.2g} to {high:.2g}{SPACE}{units}" if low else f"less than {high:.2g}{SPACE}{units}"
+    if not np.isfinite(high):
+        begin = f"more than {low:.2g}{SPACE}{units}"
+    return f"Nine tenths of this come from shaking of {name} {begin}."
+
+
+def _named(label: str) -> tuple[str, str]:
+    """The name of an axis and its unit."""
+    name, _, units = label.rstrip("]").rpartition(" [")
+    return name, units
+
+
+def _axis(answer: CaseAnswer) -> tuple[float, str]:
+    """Unit of the intensity in SI, and its name with the unit."""
+    hazard = answer.case.hazard
+    assert hazard is not None
+    if hazard.measure == "intensity":
+        return 1.0, "S0 [m²/s³]"
+    name = "PGA" if hazard.period is None else f"Sa({hazard.period:.3g} s)"
+    return METRES["g"], f"{name} [g]"

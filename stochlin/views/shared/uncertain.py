@@ -1,0 +1,58 @@
+"""What of a case is not known exactly: in words and as a table, for every command."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from stochlin.models.buildings import RegularBuilding
+from stochlin.views.shared.screen import columns, paragraph
+from stochlin.views.shared.words import shown_unit, valued
+
+if TYPE_CHECKING:
+    from stochlin.analyses.cases.case import Case
+    from stochlin.models.uncertain import Uncertain, UncertainModel
+
+HEADS = ("not known exactly", "median", "nine of ten within")
+WITHIN = 0.05, 0.95
+
+
+def unknowns(case: Case) -> list[tuple[str, ...]]:
+    """A row for everything that is not known exactly; none if all is."""
+    return [
+        _row(of, model, name, uncertain)
+        for of, model in case.uncertain.items()
+        for name, uncertain in model.uncertain.items()
+    ]
+
+
+def contained(case: Case, what: str) -> str:
+    """That the answer contains it; empty where all is known."""
+    if not case.uncertain:
+        return ""
+    return (
+        f"Not all of the buildings and the ground is known exactly: each of the {case.paths} simulated "
+        f"motions meets its own sample of what is not, and {what} of motions and samples together. "
+        "Formulas, and how strong the shaking is said to be, are those of the medians."
+    )
+
+
+def unknown_lines(case: Case, what: str) -> list[str]:
+    """Both for the screen; nothing where all is known."""
+    rows = unknowns(case)
+    return [*paragraph(contained(case, what)), *columns(HEADS, rows)] if rows else []
+
+
+def at_medians(case: Case) -> str:
+    """Where the answer does not contain it; empty where all is known."""
+    told = "Not all of the buildings and the ground is known exactly: here it is taken at its median."
+    return told if case.uncertain else ""
+
+
+def _row(of: str, model: UncertainModel, name: str, uncertain: Uncertain) -> tuple[str, ...]:
+    median: Any = model.median()
+    regular = "storeys" in model.arguments and name in RegularBuilding.parameter_names()
+    kind = RegularBuilding if regular else type(median)
+    units, told = kind.units(name), kind.__dataclass_fields__[name].metadata["long_name"]
+    unit, _ = shown_unit(units)
+    low, high = (valued(uncertain.at(share), units, 3).removesuffix(unit) for share in WITHIN)
+    return f"{of}, {told}", valued(uncertain.median, units), f"{low} to {high}{unit}"

@@ -1,0 +1,254 @@
+"""The hazard of a case file and the risk that is allowed: what is read, answered and shown."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from cases import FIRM_SITE
+from click.testing import CliRunner
+
+import stochlin as sl
+from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.separation import answer_case
+from stochlin.views.command import main
+from stochlin.views.separation.risk import risk_figure, risk_lines, risk_words
+
+pytestmark = pytest.mark.invariant
+
+G = 9.80665
+HAZARD = '[site.hazard]\nmeasure = "pga"\n'
+POINTS = (
+    'intensities = ["0.05 g", "0.1 g", "0.2 g", "0.4 g", "0.8 g"]\n'
+    'return_periods = ["30 yr", "100 yr", "475 yr", "2475 yr", "20000 yr"]\n'
+)
+TWO = 'intensities = ["0.1 g", "0.2 g"]\n'
+BUILDINGS = """\
+[building_1]
+period = "1.0 s"
+damping = 0.05
+hardening = 0.05
+reduction_factor = 3
+[building_2]
+period = "0.6 s"
+damping = 0.05
+elastic = true
+[separation]
+confidence = "90 %"
+floors_align = false
+"""
+SIMULATION = "[simulation]\npaths = 512\n"
+CURVE = ([0.05, 0.1, 0.2, 0.4, 0.8], [1 / 30, 1 / 100, 1 / 475, 1 / 2475, 1 / 20000])
+
+
+def text_of(hazard: str, wanted: str = "") -> str:
+    site = FIRM_SITE.replace("[motion]", f"{hazard}[motion]")
+    return f"{site}{BUILDINGS}{wanted}{SIMULATION}"
+
+
+def read(folder: Path, hazard: str, wanted: str = "") -> Case:
+    path = folder / "case.toml"
+    path.write_text(text_of(hazard, wanted), encoding="utf-8")
+    return sl.read_case(path)
+
+
+@pytest.mark.parametrize(
+    ("lines", "hazard"),
+    [
+        (f"{HAZARD}{POINTS}", sl.HazardCurve([G * im for im in CURVE[0]], CURVE[1])),
+        (
+            f"{HAZARD}{TWO}frequencies = [0.01, 0.001]\n",
+            sl.HazardCurve([0.1 * G, 0.2 * G], [0.01, 0.001]),
+        ),
+        (f'{HAZARD}k0 = 1e-4\nk = 2\nunits = "m/s^2"\n', sl.PowerLawHazard(1e-4, 2.0)),
+        (
+            f'{HAZARD.replace("pga", "sa")}sa_period = "1 s"\n{TWO}frequencies = [0.01, 0.001]\n',
+            sl.HazardCurve([0.1 * G, 0.2 * G], [0.01, 0.001], measure="sa", period=1.0),
+        ),
+        (
+            f'{HAZARD.replace("pga", "intensity")}intensities = ["10 cm^2/s^3", "0.01 m^2/s^3"]\n'
+            "frequencies = [0.01, 0.001]\n",
+            sl.HazardCurve([0.001, 0.01], [0.01, 0.001], measure="intensity"),
+        ),
+        (
+            f'{HAZARD.replace("pga", "intensity")}k0 = 1e-5\nk = 1.3\nunits = "m^2/s^3"\n',
+            sl.PowerLawHazard(1e-5, 1.3, measure="intensity"),
+        ),
+    ],
+)
+def test_a_hazard_is_read_in_every_form(lines, hazard, tmp_path):
+    found = read(tmp_path, lines).hazard
+    assert type(found) is type(hazard)
+    assert (found.measure, found.period) == (hazard.measure, hazard.period)
+    years = 1 / 0.003
+    assert float(found.intensity(years)) == pytest.approx(float(hazard.intensity(years)), rel=1e-12)
+
+
+def test_a_file_is_read_as_from_python(tmp_path):
+    rows = "# by the survey\npga [g],per year\n0.1,1e-2\n0.4,1e-3\n"
+    (tmp_path / "hazard.csv").write_text(rows, encoding="utf-8")
+    case = read(tmp_path, f'{HAZARD}file = "hazard.csv"\n')
+    assert case.hazard == sl.read_hazard(tmp_path / "hazard.csv")
+    assert case.hazard.intensities == pytest.approx([0.1 * G, 0.4 * G])
+    assert tmp_path / "hazard.csv" in case.inputs
+    of_s0 = tmp_path / "s0.csv"
+    of_s0.write_text("S0,per year\n0.001,1e-2\n0.02,1e-3\n", encoding="utf-8")
+    assert sl.read_hazard(of_s0, "intensity").intensities == (0.001, 0.02)
+    again = read(tmp_path, f'{HAZARD.replace("pga", "intensity")}file = "s0.csv"\n')
+    assert again.hazard.measure == "intensity"
+    with pytest.raises(ValueError, match=r"units = 'g' with measure = 'intensity'; allowed: none"):
+        sl.read_hazard(of_s0, "intensity", units="g")
+    with pytest.raises(ValueError, match=r"units is missing and s0\.csv does not state it"):
+        sl.read_hazard(of_s0)
+    with pytest.raises(ValueError, match=r"contradicts hazard\.csv, which states 'g'"):
+        sl.read_hazard(tmp_path / "hazard.csv", units="gal")
+    with pytest.raises(ValueError, match="Hazard: period = None with measure = 'sa'"):
+        sl.read_hazard(tmp_path / "hazard.csv", "sa")
+    with pytest.raises(FileNotFoundError):
+        sl.read_hazard(tmp_path / "none.csv")
+
+
+def test_a_return_period_by_intensity(tmp_path):
+    lines = f'{HAZARD.replace("pga", "intensity")}k0 = 1e-5\nk = 1.5\nunits = "m^2/s^3"\n'
+    site = FIRM_SITE.replace('intensity = "0.01 m^2/s^3"', 'return_period = "475 yr"')
+    path = tmp_path / "case.toml"
+    path.write_text(f"{site.replace('[motion]', f'{lines}[motion]')}{BUILDINGS}", encoding="utf-8")
+    assert sl.read_case(path).ground.intensity == pytest.approx((1e-5 * 475) ** (1 / 1.5))
+
+
+@pytest.mark.parametrize(
+    ("lines", "told"),
+    [
+        (
+            f"{TWO}frequencies = [0.001, 0.01]\n",
+            r"0\.001.* follows|0\.01 follows 0\.001; allowed: falling",
+        ),
+        (
+            f'{TWO}return_periods = ["475 yr", "95 yr"]\n',
+            "point 2, 95 yr: .*falling frequencies",
+        ),
+        ('intensities = ["0.2 g", "0.1 g"]\nfrequencies = [0.01, 0.001]\n', "so sort them"),
+        ('intensities = ["0.2 g"]\nfrequencies = [0.01]\n', "1 points; allowed: 2 or more"),
+        (
+            f"{TWO}frequencies = [0.01, -0.001]\n",
+            "has a number 2 that is out of range",
+        ),
+        (f"{TWO}frequencies = [0.01, 0]\n", "has a number 2 that is out of range"),
+        (f"{TWO}frequencies = [0.01]\n", "has 1 values for 2 intensities; allowed: one for each"),
+        (
+            f'{TWO}frequencies = [0.01, 0.001]\nreturn_periods = ["95 yr"]\n',
+            "is given beside frequencies",
+        ),
+        (TWO, 'has neither frequencies nor return_periods; write, .*return_periods = .*"475 yr"'),
+        (f"{TWO}return_periods = [95, 475]\n", 'has a number 1 that has no unit; .*"95 yr"'),
+        ("intensities = [0.1, 0.2]\nfrequencies = [0.01, 0.001]\n", 'has no unit; .*"0.1 g"'),
+        (f"{TWO}frequencies = [0.01, 0.001]\nk0 = 1\n", "k0 = 1 is not a key that is known here"),
+        ("", r'has no numbers; allowed: one of file = "hazard.csv"; intensities = .*; k0, k and units'),
+        ('file = "none.csv"\n', ".file = 'none.csv' cannot be used: .*No such file"),
+    ],
+)
+def test_a_hazard_that_is_none_is_named_with_its_line(lines, told, tmp_path):
+    with pytest.raises(ValueError, match=rf"case.toml, line \d+: site.hazard.*{told}"):
+        read(tmp_path, f"{HAZARD}{lines}")
+
+
+def test_a_hazard_beside_the_site_is_sent_there(tmp_path):
+    with pytest.raises(ValueError, match=r"line \d+: hazard is of the site; write \[site.hazard\]"):
+        read(tmp_path, HAZARD.replace("site.", "") + POINTS)
+
+
+@pytest.mark.parametrize(
+    ("risk", "told"),
+    [
+        ('"2 %"', 'a text as "2 % in 50 years"'),
+        ("0", "a positive annual frequency"),
+        ("true", 'a text as "2 % in 50 years"'),
+        ('"100 % in 50 years"', "more than 0 % and less than 100 %"),
+        (
+            '"0.01 % in 50 years"',
+            "allowed: between 5e-05 and 0.0333 a year, .* a hazard that reaches it",
+        ),
+        ("0.5", "allowed: between 5e-05 and 0.0333 a year"),
+    ],
+)
+def test_a_risk_that_cannot_be_is_named_with_its_line(risk, told, tmp_path):
+    with pytest.raises(ValueError, match=rf"line \d+: separation.risk = .*{told}"):
+        read(tmp_path, HAZARD + POINTS, f"risk = {risk}\n")
+
+
+def test_a_risk_needs_a_hazard(tmp_path):
+    with pytest.raises(ValueError, match=r"separation.risk = .* needs a hazard; write \[site.hazard\]"):
+        read(tmp_path, "", 'risk = "2 % in 50 years"\n')
+
+
+@pytest.fixture(scope="module")
+def answered(tmp_path_factory):
+    wanted = 'existing = "4 cm"\nrisk = "5 % in 30 years"\n'
+    return answer_case(read(tmp_path_factory.mktemp("risk"), HAZARD + POINTS, wanted))
+
+
+def test_risk_of_a_case_is_that_from_python(answered):
+    case, table = answered.case, answered.risk
+    assert table.risk_of.values.tolist() == ["existing", "answer", "target"]
+    pair = case.first.structure, case.second.structure
+    common = {"paths": 128, "envelope": case.envelope}
+    one = sl.pounding_risk(*pair, case.ground, 0.04, case.hazard, case.duration, years=30.0, **common)
+    for name in ("annual_rate", "annual_rate_standard_error", "probability_in_years_upper"):
+        assert float(table[f"risk_{name}"][0]) == pytest.approx(float(one[name]), rel=1e-12)
+    by_intensity = table.risk_annual_rate_by_intensity.isel(risk_gap=0)
+    np.testing.assert_allclose(by_intensity, one.annual_rate_by_intensity, rtol=1e-12)
+    asked = sl.required_gap(
+        *pair, case.ground, case.hazard, case.duration, risk="5 % in 30 years", **common
+    )
+    assert float(table.risk_required_gap) == pytest.approx(float(asked.required_gap), rel=1e-12)
+    assert float(table.risk_probability_in_years[2]) == pytest.approx(0.05, rel=1e-4)
+    whole = answered.table()
+    assert whole.attrs["paths"] == 512
+    assert whole.attrs["risk_paths"] == 128
+    for name in table.data_vars:
+        assert whole[name].attrs["long_name"], name
+    assert set(answered.table(samples=False).dims) == {"rule"}
+
+
+def test_words_and_picture_of_a_risk(answered):
+    text = " ".join("\n".join(risk_lines(answered)).split())
+    rate = float(answered.risk.risk_annual_rate[0])
+    assert f"with the 4.0 cm that there are, {rate:.2g} times a year" in text
+    assert "For the risk allowed, 5 % in 30 years, they should stand" in text
+    assert "in 30 years" in text
+    bars = risk_figure(answered).axes[1].patches
+    assert sum(bar.get_height() for bar in bars) == pytest.approx(100)
+    assert [row[0] for row in risk_words(answered).rows] == [
+        "existing",
+        "the answer above",
+        "for the risk allowed",
+    ]
+
+
+def test_a_hazard_that_leaves_much_out_says_so(tmp_path):
+    lines = 'intensities = ["1 g", "2 g"]\nfrequencies = [0.01, 0.001]\n'
+    told = risk_words(answer_case(read(tmp_path, HAZARD + lines))).sentences
+    assert "The hazard begins at PGA 1\N{NO-BREAK SPACE}g" in told[1]
+    lines = 'intensities = ["0.001 g", "0.005 g"]\nfrequencies = [0.1, 0.02]\n'
+    found = risk_words(answer_case(read(tmp_path, HAZARD + lines)))
+    assert "pounded in none of the motions" in found.sentences[0]
+    assert "could add up to 0.02 a year" in found.sentences[1]
+    assert found.rows[0][2:5] == ("0", "\N{EN DASH}", "0.0\N{NO-BREAK SPACE}%")
+
+
+def test_the_command_writes_risk_on_screen_page_and_file(tmp_path):
+    path = tmp_path / "case.toml"
+    text = text_of(HAZARD + POINTS).replace("512", "100")
+    path.write_text(text, encoding="utf-8")
+    out, page = tmp_path / "gap.nc", tmp_path / "gap.html"
+    found = CliRunner().invoke(main, ["gap", str(path), "--report", str(page), "--out", str(out)])
+    assert found.exit_code == 0, found.output
+    assert "By the hazard of the site they pound" in found.output
+    written = page.read_text(encoding="utf-8")
+    assert "How often they pound" in written
+    assert written.count("risk allowed") == 0  # none is asked for
+    with xr.open_dataset(out) as table:
+        assert table.risk_annual_rate.sizes == {"risk_gap": 1}
+        assert "risk_annual_rate_by_intensity" in table

@@ -1,0 +1,234 @@
+"""Case files with parameters that are not known exactly: what is read, and what cannot be."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from cases import FIRM_SITE
+
+import stochlin as sl
+from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.pounding import pound_case
+from stochlin.analyses.cases.probability import judge_gap
+from stochlin.analyses.cases.separation import answer_case
+from stochlin.views.pounding.words import answer_lines as pound_lines
+from stochlin.views.probability.words import answer_lines as probability_lines
+from stochlin.views.separation.report import report_page
+from stochlin.views.separation.words import answer_lines
+
+pytestmark = pytest.mark.invariant
+
+SECOND = '[building_2]\nperiod = "0.6 s"\ndamping = 0.05\nelastic = true\n'
+WANTED = '[separation]\nconfidence = "90 %"\nfloors_align = false\n[simulation]\npaths = 100\n'
+OSCILLATOR = """\
+name = "Old block"
+period = "1.0 s"
+damping = "5 %"
+hardening = 0.05
+reduction_factor = 4
+"""
+REGULAR = """\
+period = "0.8 s"
+storeys = 3
+storey_height = "3 m"
+floor_mass = "400 t"
+base_shear_coefficient = 0.15
+damping = "5 %"
+hardening = 0.05
+"""
+STOREYS = """\
+masses = ["800 t", "600 t"]
+stiffnesses = ["1200 MN/m", "1000 MN/m"]
+heights = ["4 m", "3 m"]
+yield_drifts = "1 cm"
+dampers = "2 MN s/m"
+damping = "5 %"
+hardening = 0.05
+"""
+GROUND = 'ground = "firm"\nintensity = "0.01 m^2/s^3"\n'
+
+
+def case_text(building: str, site: str = FIRM_SITE) -> str:
+    return f"{site}[building_1]\n{building}{SECOND}{WANTED}"
+
+
+def read(folder: Path, text: str) -> Case:
+    path = folder / "case.toml"
+    path.write_text(text, encoding="utf-8")
+    return sl.read_case(path)
+
+
+def changed(text: str, key: str, value: str) -> str:
+    """The lines with another value of a key."""
+    lines = [f"{key} = {value}" if line.startswith(f"{key} =") else line for line in text.splitlines()]
+    assert f"{key} = {value}" in lines
+    return "\n".join([*lines, ""])
+
+
+@pytest.mark.parametrize(
+    ("text", "uncertain"),
+    [
+        ('"1.0 s +- 20 %"', sl.Uncertain(1.0, 0.2)),
+        ('"1.0 s ± 20 %"', sl.Uncertain(1.0, 0.2)),
+        ('"1000 ms +/- 20%"', sl.Uncertain(1.0, 0.2)),
+        ('"0.8 to 1.2 s"', sl.Uncertain.between(0.8, 1.2)),
+        ('"800 ms to 1.2 s"', sl.Uncertain.between(0.8, 1.2)),
+        ('"1.0 s +- 0 %"', sl.Uncertain(1.0, 0.0)),
+        ('"1.0 to 1.0 s"', sl.Uncertain.between(1.0, 1.0)),
+    ],
+)
+def test_a_period_that_is_not_known_exactly_is_read(text, uncertain, tmp_path):
+    case = read(tmp_path, case_text(changed(OSCILLATOR, "period", text)))
+    assert case.first.uncertain.uncertain == {"period": uncertain}
+    assert case.first.structure == sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=4)
+    assert case.uncertain.keys() == {"Old block"}
+
+
+@pytest.mark.parametrize("text", ['"3 to 7 %"', '"0.03 to 0.07"', '"3 % to 7 %"'])
+def test_a_ratio_that_is_not_known_exactly_is_read(text, tmp_path):
+    case = read(tmp_path, case_text(changed(OSCILLATOR, "damping", text)))
+    found = case.first.uncertain.uncertain["damping"]
+    assert [float(found.at(share)) for share in (0.0, 1.0)] == pytest.approx([0.03, 0.07])
+
+
+@pytest.mark.parametrize(
+    ("building", "key", "text", "name"),
+    [
+        (OSCILLATOR, "hardening", '"3 to 7 %"', "hardening"),
+        (OSCILLATOR, "reduction_factor", '"4 +- 30 %"', "reduction_factor"),
+        (REGULAR, "period", '"0.8 s +- 20 %"', "period"),
+        (REGULAR, "floor_mass", '"400 t +- 10 %"', "mass"),
+        (REGULAR, "base_shear_coefficient", '"0.15 +- 30 %"', "base_shear_coefficient"),
+        (REGULAR, "damping", '"3 to 7 %"', "damping"),
+        (STOREYS, "masses", '["800 t +- 10 %", "600 t +- 10 %"]', "masses"),
+        (STOREYS, "stiffnesses", '["900 to 1500 MN/m", "750 to 1250 MN/m"]', "stiffnesses"),
+        (STOREYS, "yield_drifts", '"1 cm +- 20 %"', "yield_drifts"),
+        (STOREYS, "yield_drifts", '["1 cm +- 20 %", "8 mm +- 20 %"]', "yield_drifts"),
+        (STOREYS, "dampers", '"2 MN s/m +- 30 %"', "dampers"),
+        (STOREYS, "hardening", '"3 to 7 %"', "hardening"),
+    ],
+)
+def test_every_parameter_of_a_building_may_be_uncertain(building, key, text, name, tmp_path):
+    case = read(tmp_path, case_text(changed(building, key, text)))
+    assert case.first.uncertain.uncertain.keys() == {name}
+    table = sl.simulate([case.first.sampled], case.sampled_ground, duration=5.0, paths=32)
+    assert table.input.values.tolist() == [f"structure_1.{name}"]
+    assert np.isfinite(table.peak).all()
+
+
+@pytest.mark.parametrize(
+    ("site", "name"),
+    [
+        ('ground = "firm"\nintensity = "0.01 m^2/s^3 +- 30 %"\n', "intensity"),
+        (
+            'ground = "kanai_tajimi"\nperiod = "0.4 s +- 20 %"\ndamping = 0.6\n'
+            'intensity = "0.01 m^2/s^3"\n',
+            "period",
+        ),
+        (
+            'ground = "clough_penzien"\nperiod = "0.4 s"\ndamping = "0.5 to 0.7"\n'
+            'high_pass_period = "4 s"\nhigh_pass_damping = 0.6\npga = "0.3 g"\n',
+            "damping",
+        ),
+    ],
+)
+def test_the_ground_may_be_uncertain(site, name, tmp_path):
+    text = case_text(OSCILLATOR, FIRM_SITE.replace(GROUND, site))
+    case = read(tmp_path, text)
+    assert case.uncertain_ground.uncertain.keys() == {name}
+    median = case.uncertain_ground.median().arrays()
+    for key, value in case.ground.arrays().items():
+        assert float(median[key]) == pytest.approx(float(value), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("building", "key", "text", "told"),
+    [
+        (OSCILLATOR, "period", '"1.0 s +- -20 %"', r'far it may be off; allowed: "10 s \+- 20 %"'),
+        (OSCILLATOR, "period", '"1.0 s +- 20"', "does not say how far it may be off"),
+        (OSCILLATOR, "period", '"1.0 s +-"', "does not say how far it may be off"),
+        (OSCILLATOR, "period", '"1.0 s +- 0.2 s"', "does not say how far it may be off"),
+        (OSCILLATOR, "period", '"1.0 s +- 120 %"', "has a spread of 120 %; allowed: 0 to 100 %"),
+        (OSCILLATOR, "period", '"1.2 to 0.8 s"', "two positive numbers, the lower first"),
+        (OSCILLATOR, "period", '"-1 to 1 s"', "two positive numbers, the lower first"),
+        (OSCILLATOR, "period", '"0.8 to 1.2"', 'has no unit; .*"0.8 s"'),
+        (OSCILLATOR, "period", '"1.0 +- 20 %"', 'has no unit; .*"1.0 s"'),
+        (OSCILLATOR, "period", '"0.8 to 1.2 cm"', "unknown unit 'cm'; allowed: s, ms"),
+        (OSCILLATOR, "period", '"one s +- 20 %"', "is no number"),
+        (OSCILLATOR, "period", '"0 s +- 20 %"', "period = 0 is out of range"),
+        (OSCILLATOR, "damping", '"90 % +- 50 %"', "give it less spread, or another kind"),
+        (REGULAR, "storey_height", '"3 m +- 10 %"', "cannot be uncertain; allowed: one number"),
+        (STOREYS, "heights", '["4 m +- 10 %", "3 m"]', "has a number 1 that cannot be uncertain"),
+        (STOREYS, "masses", '["800 t +- 10 %", "600 t"]', "allowed: one spread for all of them"),
+        (STOREYS, "masses", '["800 t +- 10 %", "600 t +- 5 %"]', "allowed: one spread for all of them"),
+    ],
+)
+def test_what_is_wrong_with_it_is_said_with_its_line(building, key, text, told, tmp_path):
+    with pytest.raises(ValueError, match=rf"(?s)case.toml, line \d+: .*{told}"):
+        read(tmp_path, case_text(changed(building, key, text)))
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('duration = "12 s"', 'duration = "12 s +- 20 %"'),
+        ('confidence = "90 %"', 'confidence = "80 to 90 %"'),
+        ('confidence = "90 %"', 'confidence = "90 %"\nexisting = "5 cm +- 10 %"'),
+        ('intensity = "0.01 m^2/s^3"', 'pga = "0.3 g +- 30 %"'),
+        ("reduction_factor = 4", 'ductility = "4 +- 30 %"'),
+    ],
+)
+def test_what_cannot_be_uncertain_says_so_with_the_cure(old, new, tmp_path):
+    text = case_text(OSCILLATOR)
+    assert old in text
+    with pytest.raises(ValueError, match=r"line \d+: .* cannot be uncertain; allowed: one number, as"):
+        read(tmp_path, text.replace(old, new))
+
+
+def test_several_grounds_may_be_uncertain_together_alone(tmp_path):
+    parts = "".join(
+        f'[[site.grounds]]\nground = "{name}"\nintensity = "0.01 m^2/s^3"\n' for name in ("firm", "soft")
+    )
+    site = f'ground = "parallel"\nintensity = "0.02 m^2/s^3 +- 30 %"\n{parts}'
+    case = read(tmp_path, case_text(OSCILLATOR, FIRM_SITE.replace(GROUND, site)))
+    table = sl.simulate([case.first.sampled], case.sampled_ground, duration=5.0, paths=32)
+    assert table.input.values.tolist() == ["ground.intensity"]
+    site = f'ground = "parallel"\n{parts.replace("0.01 m^2/s^3", "0.01 m^2/s^3 +- 30 %", 1)}'
+    with pytest.raises(ValueError, match=r"line \d+: site.grounds.intensity .* one of several"):
+        read(tmp_path, case_text(OSCILLATOR, FIRM_SITE.replace(GROUND, site)))
+
+
+def test_answers_say_what_is_not_known_and_that_they_contain_it(tmp_path):
+    building = changed(changed(OSCILLATOR, "period", '"1.0 s +- 20 %"'), "damping", '"3 to 7 %"')
+    case = read(tmp_path, case_text(building))
+    told = "Old block, period of small oscillations"
+    answer = answer_case(case)
+    assert answer.separation.input.values.tolist() == ["structure_1.period", "structure_1.damping"]
+    screen, page = "\n".join(answer_lines(answer)), report_page(answer)
+    for text in (screen, page):
+        assert told in text
+        assert "0.72 to 1.39 s" in text  # exp of 1.645 times .2
+        assert "0.032 to 0.068" in text
+        assert "the gap is that of" in " ".join(text.split())
+    assert "what you gave as uncertain is in the answer" in page
+    judged = judge_gap(case, 0.05)
+    assert told in "\n".join(probability_lines(judged))
+    assert "input_factor" in judged.whole()
+    sure = "\n".join(answer_lines(answer_case(read(tmp_path, case_text(OSCILLATOR)))))
+    assert "known exactly" not in sure
+
+
+def test_pounding_in_a_record_says_that_it_is_that_of_the_medians(tmp_path):
+    np.savetxt(tmp_path / "wave.txt", 0.3 * np.sin(0.1 * np.arange(400)))
+    record = f'{GROUND}[[site.records]]\npath = "wave.txt"\nunits = "g"\ndt = "20 ms"\n'
+    building = changed(OSCILLATOR, "period", '"1.0 s +- 20 %"') + 'mass = "100 t"\n'
+    text = case_text(building, FIRM_SITE.replace(GROUND, record)).replace(
+        "elastic = true\n", 'elastic = true\nmass = "100 t"\n'
+    )
+    contact = '[contact]\nmodel = "linear_spring"\nstiffness = "100 MN/m"\n'
+    text = text.replace("floors", 'existing = "5 cm"\nfloors') + contact
+    case = read(tmp_path, text)
+    said = " ".join("\n".join(pound_lines(case, pound_case(case))).split())
+    assert "here it is taken at its median" in said

@@ -1,0 +1,87 @@
+"""Probability of pounding of what is not known exactly, against each sample by itself."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import stochlin as sl
+from stochlin.analyses.probability.probability import with_samples
+
+pytestmark = pytest.mark.oracle
+
+GROUND = sl.KanaiTajimi(0.42, 0.6, intensity=0.01)
+QUAKE = {"envelope": sl.AminAng(2.0, 6.0, 0.5), "duration": 8.0, "points": 5}
+SECOND = sl.Bilinear(0.6, 0.05, 0.05, yield_displacement=0.02)
+STIFF = {"bilinear": 0.4, "storeys": 0.2}  # periods that set the steps
+GAPS = xr.DataArray([0.03, 0.06], dims="gap", coords={"gap": [0.03, 0.06]})
+STEM = "confidence_of_no_pounding_simulated"
+
+
+def uncertain(size):
+    """Structures with this spread of all that the test varies."""
+    some = lambda median: sl.Uncertain(median, size)  # noqa: E731
+    return {
+        "bilinear": sl.Bilinear(some(1.0), some(0.05), 0.05, yield_displacement=some(0.03)),
+        "storeys": sl.ShearBuilding.regular(
+            period=some(0.8), storeys=2, storey_height=3.0, mass=2e5, damping=0.05, hardening=0.05,
+            base_shear_coefficient=some(0.15),
+        ),
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", uncertain(0.0))
+def test_without_spread_it_is_that_of_the_median(kind):
+    one = uncertain(0.0)[kind]
+    found, exact = (
+        sl.pounding_probability(each, SECOND, GROUND, GAPS, paths=64, **QUAKE)
+        for each in (one, one.median())
+    )
+    assert (found.input_factor == 1).all()
+    for name in (STEM, f"{STEM}_lower", "instantaneous_probability_simulated"):
+        np.testing.assert_array_equal(found[name], exact[name])
+    for name in ("required_gap_simulated", "difference_std_simulated", "displacement_std_simulated_1"):
+        np.testing.assert_allclose(found[name], exact[name], rtol=1e-9)
+    for name in ("required_gap", "confidence_of_no_pounding", "rho"):  # formulas are of the median
+        np.testing.assert_array_equal(found[name], exact[name])
+
+
+@pytest.mark.parametrize("kind", uncertain(0.2))
+def test_every_motion_is_counted_with_the_structure_that_it_meets(kind):
+    """Brute force: each motion with its own structure, run alone on the same motions."""
+    one, two = uncertain(0.2)[kind], sl.Bilinear(STIFF[kind], 0.05)
+    options = QUAKE | {"confidence": 0.9, "scatter": 0.0, "paths": 32, "seed": 0, "progress": None}
+    found = with_samples(one, two, GROUND, GAPS, **options)
+    names = [str(name).partition(".")[2] for name in found.input.values]
+    for path in (22,):
+        sample = dict(zip(names, map(float, found.input_factor[path]), strict=True))
+        alone = with_samples(one.at(sample), two, GROUND, GAPS, **options)
+        exact = float(alone.separation_samples[path])
+        assert float(found.separation_samples[path]) == pytest.approx(exact, rel=1e-6)
+    kept = (found.separation_samples <= found.gap).mean("path")
+    np.testing.assert_array_equal(found[STEM][-1], kept)
+
+
+def test_an_uncertain_ground_widens_what_is_needed():
+    strong = sl.KanaiTajimi(0.42, 0.6, intensity=sl.Uncertain(0.01, 1.0))
+    first = sl.Bilinear(1.0, 0.05)
+    known, unknown = (
+        sl.pounding_probability(first, SECOND, each, 0.06, paths=256, **QUAKE)
+        for each in (GROUND, strong)
+    )
+    assert float(unknown.required_gap_simulated_lower) > float(known.required_gap_simulated_upper)
+    assert float(unknown.required_gap) == float(known.required_gap)
+
+
+def test_the_hybrid_method_is_of_what_is_known():
+    record = sl.simulated_motions(GROUND, duration=10.0, paths=2)[0]
+    one = sl.Bilinear(sl.Uncertain(1.0, 0.2), 0.05)
+    with pytest.raises((TypeError, ValueError), match=r"first = .* \+- 20 %.*give its median\(\)"):
+        sl.pounding_probability(one, SECOND, GROUND, 0.05, method="hybrid", record=record)
+
+
+def test_a_fragility_is_of_what_is_known():
+    one = sl.Bilinear(sl.Uncertain(1.0, 0.2), 0.05)
+    with pytest.raises((TypeError, ValueError), match=r"first = .* \+- 20 %.*give its median\(\)"):
+        sl.pounding_fragility(one, SECOND, GROUND, 0.05, [0.01, 0.02], duration=10.0)
