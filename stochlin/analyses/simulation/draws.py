@@ -12,7 +12,7 @@ from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.structures import Structure
-from stochlin.models.systems import Stack, stack_of
+from stochlin.models.systems import Stack, stack_of, stacks_of
 from stochlin.models.uncertain import UncertainModel, median_of
 
 PATH, INPUT = "path", "input"
@@ -58,7 +58,7 @@ class Draw(NamedTuple):
         if isinstance(model.median(), Structure) and "mass" not in factors:
             along = {name: xr.DataArray(column, dims=PATH) for name, column in factors.items()}
             sampled = strength_in_metres(model.at(along), ground)
-            return [stack_of(sampled.isel({PATH: n})) for n in range(self.motions)]
+            return stacks_of(sampled, PATH, self.motions)
         rows = zip(*factors.values(), strict=True)
         each = (dict(zip(factors, map(float, row), strict=True)) for row in rows)
         return [stack_of(strength_in_metres(model.at(one), ground)) for one in each]
@@ -79,15 +79,15 @@ class Draw(NamedTuple):
         return {"input_factor": xr.DataArray(values, dims=(PATH, INPUT), coords={INPUT: told})}
 
 
-def draw(structures: Sequence[Any], ground: Any, paths: int, seed: int) -> Draw:
-    """Samples for so many paths, in whole groups.
+def draw(structures: Sequence[Any], ground: Any, paths: int, seed: int, number: int = 0) -> Draw:
+    """Samples for so many paths, in whole groups; those of other numbers are independent.
 
     A Latin hypercube (McKay, Beckman and Conover 1979): each parameter takes all of its range.
     """
     motions = -(-paths // LANES) * LANES
     listed = structures if isinstance(structures, Sequence) else ()  # what else it is, is told later
     found = Draw(listed, ground, motions, {})
-    random = np.random.default_rng([seed, STREAM])
+    random = np.random.default_rng([seed, STREAM, *([number] if number else [])])
     factors = {
         role: {name: one.factor(_stratified(random, motions)) for name, one in model.uncertain.items()}
         for role, model in found.models.items()
