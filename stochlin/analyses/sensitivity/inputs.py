@@ -9,14 +9,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stochlin.analyses.linearization.strength import strength_in_metres
-from stochlin.analyses.simulation.draws import Draw, draw
+from stochlin.analyses.simulation.draws import GROUND, Draw, draw
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.buildings import RegularBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.systems import AnyStructure
 from stochlin.models.uncertain import Uncertain, UncertainModel, median_of
 
-GROUND = "ground"
 WITHOUT = ("peak_factor", "mass")  # of an oscillator: a definition, and what nothing here hangs on
 STEP = 0.1  # by which an input is changed for its slope, to either side; an example of what is known
 RANGE = 0.16, 0.84  # shares of the values of an uncertain input below its ends

@@ -72,14 +72,14 @@ def sensitivity(
     -------
     xarray.Dataset
         Over ``input``, ``"structure_1.period"`` and so on, with the coordinates ``input_median`` and
-        ``input_unit``, and ``uncertain``, 1 where it is not known exactly; an array, as the stiffnesses of
+        ``input_unit``, and ``uncertain``, 1 where it is not known exactly; an array, as stiffnesses of
         storeys, is one input, a common factor of median 1. ``variance_share`` [-]: the first-order index
         ``Var(E[Y | x])/Var(Y)`` of the separation ``Y`` of each motion, 0 of what is known. ``slope``
         [m]: change of the gap per unit of the input, or of its median; ``elasticity`` [-]: per cent of
         the gap per per cent of the input. Over ``end`` too: ``input_factor_at`` [-], a low and a high
         value over the median, those of 16 and 84 % where the input is uncertain, and as an example 10 %
-        to either side where it is known; ``gap_change`` [m]: how the gap changes if the input is known to
-        have that value, all others being as they are. Without dimensions: ``gap`` [m] with its 95 %
+        to either side where it is known; ``gap_change`` [m]: how the gap changes if the input is known
+        to have that value, all others being as they are. Without dimensions: ``gap`` [m] with its 95 %
         interval, ``gap_of_medians`` [m], ``motion_share`` and ``interaction_share`` [-], the parts of
         the variance from the motion alone and from several together. All but gaps have standard errors.
 
@@ -178,10 +178,18 @@ class _Asked(NamedTuple):
         inputs, done = self.inputs.inputs, 0
         motions = -(-self.paths // LANES) * LANES
         step: float | None = None
+        sets = [self.inputs.sampled(self.paths, self.seed, number) for number in range(SAMPLES)]
+        base = sets[0]
+        of_base = self.inputs.at(base, {}, motions)
+        made = {role: of_base.samples_of(role) for role in of_base.factors}
 
         def run(samples: Mapping[str, Array], changes: Mapping[str, float]) -> Array:
             nonlocal done, step
             drawn = self.inputs.at(samples, changes, motions)
+            if samples is base or changes:
+                changed = {name.partition(".")[0] for name in changes}
+                kept = {role: each for role, each in made.items() if role not in changed}
+                drawn = drawn._replace(made=kept)
             found, step = drawn_separations(
                 drawn,
                 paths=self.paths,
@@ -196,9 +204,7 @@ class _Asked(NamedTuple):
                 self.progress(done / self.times)
             return found
 
-        drawn = [self.inputs.sampled(self.paths, self.seed, number) for number in range(SAMPLES)]
-        base = drawn[0]
-        samples = np.array([run(one, {}) for one in drawn])
+        samples = np.array([run(one, {}) for one in sets])
         near_factors, end_factors = np.ones((2, len(inputs), 2))
         near, ends = np.empty((2, len(inputs), 2, motions))
         for n, one in enumerate(inputs):
@@ -209,7 +215,7 @@ class _Asked(NamedTuple):
                 near[n, side] = run(base, {one.name: near_factors[n, side]})
                 end_factors[n, side] = end if one.uncertain else near_factors[n, side]
                 ends[n, side] = run(others, {one.name: end}) if one.uncertain else near[n, side]
-        columns = [[each[one.name] for one in self.inputs.uncertain] for each in drawn]
+        columns = [[each[one.name] for one in self.inputs.uncertain] for each in sets]
         ranks = np.argsort(np.argsort(np.reshape(columns, (SAMPLES, -1, motions)), axis=2), axis=2)
         return _Responses(
             samples,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ from stochlin.models.structures import Structure
 from stochlin.models.systems import Stack, stack_of, stacks_of
 from stochlin.models.uncertain import UncertainModel, median_of
 
-PATH, INPUT = "path", "input"
+PATH, INPUT, GROUND = "path", "input", "ground"
 STREAM = 2  # of the seed, beside those of the motions
 
 
@@ -26,12 +27,13 @@ class Draw(NamedTuple):
     ground: Any
     motions: int
     factors: Mapping[str, Mapping[str, Array]]  # by model and parameter: (motions,), over the median
+    made: Mapping[str, list[Any]] = MappingProxyType({})  # by model: samples that are there already
 
     @property
     def models(self) -> dict[str, Any]:
         """All of them, by their names in a dataset."""
         named = {f"structure_{n}": each for n, each in enumerate(self.structures, start=1)}
-        return named | {"ground": self.ground}
+        return named | {GROUND: self.ground}
 
     @property
     def medians(self) -> tuple[list[Any], Any]:
@@ -45,12 +47,18 @@ class Draw(NamedTuple):
         """
         if not self.factors:
             return None
-        _, ground = self.medians
-        columns = [
-            self._stacks(each, self.factors.get(f"structure_{n}", {}), ground)
-            for n, each in enumerate(self.structures, start=1)
-        ]
+        columns = [self.samples_of(name) for name in self.models if name != GROUND]
         return [list(row) for row in zip(*columns, strict=True)]
+
+    def samples_of(self, name: str) -> list[Any]:
+        """A model in every motion: stacks of a structure, or grounds, none if there is but one."""
+        if name in self.made:
+            return self.made[name]
+        factors = self.factors.get(name, {})
+        if name != GROUND:
+            return self._stacks(self.models[name], factors, self.medians[1])
+        rows = zip(*factors.values(), strict=True)
+        return [self.ground.at(dict(zip(factors, map(float, row), strict=True))) for row in rows]
 
     def _stacks(self, model: Any, factors: Mapping[str, Array], ground: Any) -> list[Stack]:
         if not factors:
@@ -65,9 +73,7 @@ class Draw(NamedTuple):
 
     def grounds(self) -> list[Any]:
         """The grounds of every motion; none if there is but one."""
-        columns = self.factors.get("ground", {})
-        rows = zip(*columns.values(), strict=True)
-        return [self.ground.at(dict(zip(columns, map(float, row), strict=True))) for row in rows]
+        return self.samples_of(GROUND)
 
     def table(self) -> dict[str, xr.DataArray]:
         """The samples, as a variable of a dataset."""
