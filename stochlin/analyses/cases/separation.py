@@ -10,6 +10,8 @@ import xarray as xr
 
 from stochlin.analyses.cases.case import Case
 from stochlin.analyses.cases.sites.shaking import MOST_RECORDS, doubts, over_records, shaking_of
+from stochlin.analyses.cases.storeys import StoreyBuilding
+from stochlin.analyses.sensitivity.sensitivity import sensitivity
 from stochlin.analyses.separation.existing_gap import existing_gap
 from stochlin.analyses.separation.separation import UNSAFE, separation
 from stochlin.analyses.sites.motion_fit import FittedMotion, compare_motions
@@ -20,6 +22,8 @@ from stochlin.models.parameters import Model
 
 POINTS, SPECTRUM_PATHS = 401, 512
 SEARCHES = 0.95  # share of the work that an existing gap takes, where there is one
+WITH_SENSITIVITIES = 0.5  # share of the work before them
+USUAL_PATHS, FEW_PATHS = 512, 128  # of them
 AROUND = 5.0  # how far the spectrum goes beyond the periods of buildings and ground
 
 
@@ -34,6 +38,7 @@ class CaseAnswer:
     rms_acceleration: float  # m/s^2; infinite for white noise
     shaking: xr.Dataset  # of the motions, in the mean
     over_records: xr.Dataset | None  # what they come to, where they are many
+    matters: xr.Dataset | None = None  # what the gap depends on
 
     def table(self, samples: bool = True) -> xr.Dataset:
         """All of it for a file; without samples, what there is one of each rule, in rows."""
@@ -58,12 +63,15 @@ class CaseAnswer:
         return int(self.separation.gap.where(self.separation.verdict == UNSAFE).argmin("rule"))
 
 
-def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
+def answer_case(case: Case, progress: Progress | None = None, sensitivities: bool = False) -> CaseAnswer:
     """Separation of the two buildings of a case, and what the existing gap allows.
 
-    ``progress`` is called with the share of the work that is done; errors are those of
-    `separation` and `existing_gap`.
+    What it depends on is looked at if something is uncertain, or if ``sensitivities`` are asked for.
+    ``progress`` is called with the share of the work that is done; errors are those of `separation`,
+    `existing_gap` and `sensitivity`.
     """
+    sensitivities = sensitivities or bool(case.uncertain)
+    end = WITH_SENSITIVITIES if sensitivities else 1.0
     first, second = case.pair
     pair = first.sampled, second.sampled
     if case.gap == 0:
@@ -77,7 +85,7 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
 
     existing = None
     if case.gap is not None:
-        options = {**case.motion, "progress": part(0.0, SEARCHES)}
+        options = {**case.motion, "progress": part(0.0, end * SEARCHES)}
         existing = existing_gap(*pair, case.sampled_ground, gap=case.gap, **options)
     table = separation(
         *pair,
@@ -90,14 +98,23 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
         numbers=case.numbers,
         unverified=case.unverified,
         records=dict(case.records) or None,
-        progress=part(0.0 if case.gap is None else SEARCHES, 1.0),
+        progress=part(0.0 if case.gap is None else end * SEARCHES, end),
     )
+    matters = None
+    if sensitivities:
+        motion = {**case.motion, "paths": min(case.paths, _paths(case)), "progress": part(end, 1.0)}
+        matters = sensitivity(*pair, case.sampled_ground, **motion)
     records = None
     if len(case.records) > MOST_RECORDS:
         records = over_records(table.record_separation, float(table.gap[0]), case.confidence)
-    return CaseAnswer(
-        case, table, existing, _spectrum(case), rms_acceleration(case.ground), shaking_of(case), records
-    )
+    rms, shaking = rms_acceleration(case.ground), shaking_of(case)
+    return CaseAnswer(case, table, existing, _spectrum(case), rms, shaking, records, matters)
+
+
+def _paths(case: Case) -> int:
+    """Motions for what matters: a building with storeys takes long to be made anew for each of them."""
+    storeys = any(isinstance(one, StoreyBuilding) and one.uncertain for one in case.pair)
+    return FEW_PATHS if storeys else USUAL_PATHS
 
 
 def periods_of(*models: Model) -> list[float]:

@@ -81,7 +81,8 @@ def sensitivity(
         to either side where it is known; ``gap_change`` [m]: how the gap changes if the input is known
         to have that value, all others being as they are. Without dimensions: ``gap`` [m] with its 95 %
         interval, ``gap_of_medians`` [m], ``motion_share`` and ``interaction_share`` [-], the parts of
-        the variance from the motion alone and from several together. All but gaps have standard errors.
+        the variance from the motion alone and from several together. All but ``gap`` have standard
+        errors.
 
     Raises
     ------
@@ -235,7 +236,8 @@ def _table(found: _Responses, inputs: Inputs, confidence: float) -> xr.Dataset:
     width = np.diff(found.near_factors)[:, 0]
     below, above = np.moveaxis(found.near, 1, 0)
     slopes = changed_quantiles(base, above, below, confidence)
-    at_ends = changed_quantiles(base, found.ends.reshape(-1, base.size), base[None], confidence)
+    of_ends = np.vstack([found.ends.reshape(-1, base.size), found.usual])
+    at_ends = changed_quantiles(base, of_ends, base[None], confidence)
     shape = found.end_factors.shape
     shares = _shares(found, inputs)
     units = [one.units for one in listed]
@@ -249,7 +251,8 @@ def _table(found: _Responses, inputs: Inputs, confidence: float) -> xr.Dataset:
     }  # fmt: skip
     table = xr.Dataset(coords=coords)
     table = table.assign(gap=gap, gap_lower=lower, gap_upper=upper)
-    table["gap_of_medians"] = np.quantile(found.usual, confidence)
+    table["gap_of_medians"] = gap + at_ends.value[-1]
+    table["gap_of_medians_standard_error"] = at_ends.error[-1]
     table["input_factor_at"] = (INPUT, END), found.end_factors
     with np.errstate(divide="ignore", invalid="ignore"):
         relative = Estimate(*(part / width for part in slopes))
@@ -259,7 +262,7 @@ def _table(found: _Responses, inputs: Inputs, confidence: float) -> xr.Dataset:
         "motion_share": ((), shares[1]),
         "interaction_share": ((), shares[2]),
         **{name: (INPUT, Estimate(*(part / by for part in relative))) for name, by in sizes.items()},
-        "gap_change": ((INPUT, END), Estimate(*(part.reshape(shape) for part in at_ends))),
+        "gap_change": ((INPUT, END), Estimate(*(part[:-1].reshape(shape) for part in at_ends))),
     }
     for name, (dims, estimate) in estimates.items():
         table[name] = dims, estimate.value

@@ -19,5 +19,6 @@ VARIABLES: Variables = {
         for name, (units, _) in OWN.items()
     },
     "gap_of_medians": ("m", "gap if all inputs were known to be at their medians"),
+    "gap_of_medians_standard_error": ("m", "standard error of its difference from the gap"),
     "input_factor_at": ("1", "the input over its median at this end of its range"),
 }

@@ -11,7 +11,7 @@ from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.analyses.records.files import METRES
 from stochlin.models.buildings import ShearBuilding
 from stochlin.views.separation.words import ductilities, rows
-from stochlin.views.shared.words import length, per_cent
+from stochlin.views.shared.words import LARGE, length, per_cent
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -20,9 +20,6 @@ if TYPE_CHECKING:
     from stochlin.analyses.cases.buildings import AnyBuilding
     from stochlin.analyses.cases.case import Case
     from stochlin.analyses.cases.separation import CaseAnswer
-
-
-LARGE = {"kg": ("t", 1e-3), "N/m": ("MN/m", 1e-6), "N s/m": ("MN s/m", 1e-6)}
 
 
 def uncertainties(answer: CaseAnswer) -> list[str]:

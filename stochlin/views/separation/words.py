@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from stochlin.analyses.cases.storeys import StoreyBuilding
+from stochlin.views.sensitivity import words as matters
 from stochlin.views.shared.screen import paragraph
 from stochlin.views.shared.words import (
     SPACE,
@@ -114,7 +115,14 @@ def answer_lines(answer: CaseAnswer) -> list[str]:
     for row in shown:
         if row.missing:
             lines += paragraph(f"{row.rule}: {row.missing}", "  ")
-    return [*lines, *paragraph(COLUMNS), *paragraph(MARKS), *paragraph(FAMILIES)]
+    lines += [*paragraph(COLUMNS), *paragraph(MARKS), *paragraph(FAMILIES)]
+    return lines if answer.matters is None else lines + matters.lines(answer.matters, names_of(answer))
+
+
+def names_of(answer: CaseAnswer) -> dict[str, str]:
+    """What to call the models of the pair."""
+    first, second = answer.case.pair
+    return {"structure_1": first.name, "structure_2": second.name, "ground": "the ground"}
 
 
 def headline(answer: CaseAnswer) -> str:
