@@ -125,6 +125,7 @@ ON_GROUND: dict[str, Callable[[Pair], object]] = {
     "transient_response": lambda s: sl.transient_response(s.first, s.ground, 0.2, points=5),
     "separation": lambda s: sl.separation(*s.both, s.ground, **SIZES),
     "existing_gap": lambda s: sl.existing_gap(*s.both, s.ground, gap=0.005, **SIZES),
+    "sensitivity": lambda s: sl.sensitivity(*s.both, s.ground, **SIZES),
     "pounding_probability": lambda s: sl.pounding_probability(
         *s.both, s.ground, 0.005, **SIZES, points=5
     ),

@@ -124,7 +124,10 @@ def _pictures(answer: CaseAnswer) -> list[Picture]:
 def _matters(answer: CaseAnswer, table: xr.Dataset) -> dict[str, Any]:
     """What the gap depends on: sentences, a row an input, what the columns are, and the picture."""
     names = words.names_of(answer)
-    text = "How the gap changes with each input at the ends of its range. Numbers as in the table."
+    text = (
+        "How the gap changes with each input at the ends of its range, with standard errors (lines). "
+        "Inputs in brackets are known: 10 % to either side as an example. Numbers as in the table."
+    )
     picture = _svg(
         lambda _: draw_sensitivity(table, names, caption=False), answer, "m", f"What matters. {text}"
     )
