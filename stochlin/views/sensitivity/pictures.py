@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stochlin.views.sensitivity.words import CENTIMETRES, NAMES, rows
+from stochlin.views.sensitivity.words import CENTIMETRES, EXAMPLE, NAMES, rows
 from stochlin.views.shared.style import AS_GIVEN, filled, styled
 
 if TYPE_CHECKING:
@@ -100,6 +100,10 @@ def draw_sensitivity(
     return figure
 
 
+def _of_known(dataset: xr.Dataset) -> str:
+    return "Inputs in brackets are known" if dataset.uncertain.any() else "Inputs are known"
+
+
 def _caption(dataset: xr.Dataset) -> str:
     attrs = dataset.attrs
     roles = {"first": "building 1", "second": "building 2", "ground": "ground", "envelope": "envelope"}
@@ -107,6 +111,6 @@ def _caption(dataset: xr.Dataset) -> str:
     lines.append(
         f"{attrs['paths']} motions of {attrs['duration_s']:g} s, seed {attrs['seed']}; gap "
         f"{CENTIMETRES * float(dataset.gap):.1f} cm with {100 * attrs['confidence']:.4g} % confidence. "
-        "Inputs in brackets are known: 10 % to either side as an example. Lines: standard errors."
+        f"{_of_known(dataset)}: {EXAMPLE}. Lines: standard errors."
     )
     return filled(lines, CAPTION, "    ")

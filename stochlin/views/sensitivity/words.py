@@ -20,13 +20,12 @@ CENTIMETRES = 100.0
 LARGE_GAP = 0.05  # [m]: from here on tenths of a centimetre tell enough of a change
 NOTHING = 1e-6  # of the gap: what moves it by less does not matter
 FEWEST, MOST = 2.0, 3  # standard errors of a share that is told; shares that are told
-NOTE = (
-    "Range: of what is uncertain, from the value that 16 % lie below to that of 84 %; of what is known "
-    "(in brackets), 10 % to either side as an example. Gap: how it changes if the input is known to be "
-    "at either end. Elasticity: change of the gap in per cent for one per cent more of the input. "
-    "Share: of the variance of the separation, what comes from this input alone. After ±: standard "
-    "errors."
+EXAMPLE = "10 % to either side as an example"
+COLUMNS = (
+    "Gap: how it changes if the input is known to be at either end. Elasticity: change of the gap in "
+    "per cent for one per cent more of the input. After ±: standard errors."
 )
+SHARE = "Share: of the variance of the separation, what comes from this input alone."
 
 
 class InputLine(NamedTuple):
@@ -49,10 +48,21 @@ def rows(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[InputLine]
     uncertain = table.uncertain.values.astype(bool)
     order = np.lexsort((-moves, ~uncertain))
     there = moves > NOTHING * max(float(table.gap), float(moves.max()))
-    return [_row(table.isel(input=n), int(n), names) for n in order if there[n]]
+    some = bool(uncertain.any())
+    return [_row(table.isel(input=n), int(n), names, some) for n in order if there[n]]
 
 
-def _row(one: xr.Dataset, place: int, names: Mapping[str, str]) -> InputLine:
+def note(table: xr.Dataset) -> str:
+    """What the columns are."""
+    if not table.uncertain.any():
+        return f"Range: {EXAMPLE}. {COLUMNS}"
+    return (
+        "Range: of what is uncertain, from the value that 16 % lie below to that of 84 %; of what is "
+        f"known (in brackets), {EXAMPLE}. {COLUMNS} {SHARE}"
+    )
+
+
+def _row(one: xr.Dataset, place: int, names: Mapping[str, str], some_uncertain: bool) -> InputLine:
     role, _, key = str(one.input.item()).partition(".")
     uncertain = bool(one.uncertain)
     label = f"{key.replace('_', ' ')} of {names[role]}"
@@ -64,7 +74,7 @@ def _row(one: xr.Dataset, place: int, names: Mapping[str, str]) -> InputLine:
     number, _, unit = low.partition(SPACE)
     return InputLine(
         place=place,
-        label=label if uncertain else f"({label})",
+        label=f"({label})" if some_uncertain and not uncertain else label,
         uncertain=uncertain,
         low=low,
         high=high,
@@ -139,7 +149,7 @@ def lines(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[str]:
     if not shown:
         return found
     columns = ("label", "range", "change", "elasticity", "share")
-    heads = ("input", "range", "gap [cm]", "elasticity", "share")
+    heads = ("input", "range", "gap [cm]", "elasticity", "share" if table.uncertain.any() else "")
     cells = [heads, *([getattr(row, name).translate(PLAIN) for name in columns] for row in shown)]
     wide = [max(len(row[n]) for row in cells) for n in range(len(columns))]
     found.append("")
@@ -147,4 +157,4 @@ def lines(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[str]:
         aligned = (f"{text:<{w}}" if n < 2 else f"{text:>{w}}"
                    for n, (text, w) in enumerate(zip(row, wide, strict=True)))  # fmt: skip
         found.append("  ".join(aligned).rstrip())
-    return [*found, "", *paragraph(NOTE)]
+    return [*found, "", *paragraph(note(table))]

@@ -126,7 +126,7 @@ def _matters(answer: CaseAnswer, table: xr.Dataset) -> dict[str, Any]:
     names = words.names_of(answer)
     text = (
         "How the gap changes with each input at the ends of its range, with standard errors (lines). "
-        "Inputs in brackets are known: 10 % to either side as an example. Numbers as in the table."
+        "Numbers and ranges as in the table."
     )
     picture = _svg(
         lambda _: draw_sensitivity(table, names, caption=False), answer, "m", f"What matters. {text}"
@@ -134,7 +134,8 @@ def _matters(answer: CaseAnswer, table: xr.Dataset) -> dict[str, Any]:
     return {
         "sentences": what_matters.sentences(table, names),
         "rows": what_matters.rows(table, names),
-        "note": what_matters.NOTE,
+        "shares": bool(table.uncertain.any()),
+        "note": what_matters.note(table),
         "picture": Picture("What moves the gap", picture, text),
     }
 
