@@ -15,8 +15,9 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-WIDTH, ROW, HEAD, AXIS, LINE, MARGIN = 4.6, 0.36, 0.28, 0.5, 0.14, 0.05  # inches
-NAME, CAPTION = 30, 66  # characters on a line
+WIDTH, ROW, HEAD, AXIS, LINE, MARGIN = 4.6, 0.34, 0.28, 0.5, 0.14, 0.05  # inches
+SMALL = 0.13  # inches: a line of a label
+NAME, CAPTION = 34, 66  # characters on a line
 LEFT, RIGHT = 0.44, 0.97  # of the width
 MOST = 14  # inputs that are drawn
 BETWEEN = 0.5  # rows, between what is uncertain and what is known
@@ -61,12 +62,14 @@ def draw_sensitivity(
     shown = rows(dataset, names)[:MOST]
     told = _caption(dataset) if caption else ""
     foot = LINE * (told.count("\n") + 1.5) if told else 0.0
+    labels = [f"{filled([row.label], NAME)}\n{row.range}" for row in shown]
+    pitch = max([ROW, *(SMALL * (label.count("\n") + 1.4) for label in labels)])
     known = [not row.uncertain for row in shown]
     place = np.arange(len(shown)) + BETWEEN * np.array(known, float) * (not all(known))
     rows_high = (place[-1] if shown else 0) + 1
-    height = ROW * rows_high + HEAD + AXIS + foot + MARGIN
+    height = pitch * rows_high + HEAD + AXIS + foot + MARGIN
     figure = Figure(figsize=(WIDTH, height))
-    axes = figure.add_axes((LEFT, (AXIS + foot) / height, RIGHT - LEFT, ROW * rows_high / height))
+    axes = figure.add_axes((LEFT, (AXIS + foot) / height, RIGHT - LEFT, pitch * rows_high / height))
     changes, errors = (
         CENTIMETRES * dataset[f"gap_change{end}"].values for end in ("", "_standard_error")
     )
@@ -80,7 +83,7 @@ def draw_sensitivity(
             axes.plot([change - error, change + error], [at + shift] * 2, color=EDGE, lw=1.0, zorder=3)
             right = max(right, abs(change) + error)
     axes.axvline(0, color=EDGE, lw=0.8, zorder=4)
-    axes.set_yticks(place, [f"{filled([row.label], NAME)}\n{row.range}" for row in shown])
+    axes.set_yticks(place, labels)
     axes.tick_params(axis="y", length=0, labelsize=7.5)
     axes.grid(visible=False, axis="y")
     axes.set_axisbelow(True)
