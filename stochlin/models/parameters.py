@@ -18,6 +18,10 @@ Parameter = float | xr.DataArray | npt.ArrayLike
 """A number, a DataArray (broadcast by dimension name) or a 1-D array (dimension ``case``)."""
 
 CASE = "case"
+ALONE = (
+    "one building alone, beside its property line, is taken by separation, existing_gap, recorded_gap, "
+    "pounding_risk and required_gap"
+)
 _MADE = "_arrays"  # of a model, which stays as it is: its parameters as arrays, once they were asked for
 
 
@@ -173,6 +177,8 @@ def expect(value: object, kind: type[Model] | tuple[type[Model], ...], role: str
         instead = f"; {value.instead}" if isinstance(value, Model) and value.instead else ""
         if isinstance(value, UncertainModel):
             instead = f", without uncertain parameters, so give its median(); {TAKEN} take them"
+        if value is None and role == "second":
+            instead = f"; {ALONE}"
         allowed = f"allowed: {', '.join(names)}{instead}"
         raise TypeError(f"{role} = {brief(value)} is of the wrong kind; {allowed}")
 

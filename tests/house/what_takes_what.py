@@ -124,6 +124,7 @@ ON_GROUND: dict[str, Callable[[Pair], object]] = {
     "peak_response": lambda s: sl.peak_response(s.first, s.ground, 2.0),
     "transient_response": lambda s: sl.transient_response(s.first, s.ground, 0.2, points=5),
     "separation": lambda s: sl.separation(*s.both, s.ground, **SIZES),
+    "separation, second=None": lambda s: sl.separation(s.first, None, s.ground, **SIZES),
     "existing_gap": lambda s: sl.existing_gap(*s.both, s.ground, gap=0.005, **SIZES),
     "sensitivity": lambda s: sl.sensitivity(*s.both, s.ground, **SIZES),
     "pounding_probability": lambda s: sl.pounding_probability(
@@ -142,6 +143,7 @@ ON_GROUND: dict[str, Callable[[Pair], object]] = {
 ON_RECORD: dict[str, Callable[[Pair], object]] = {
     "respond": lambda s: sl.respond(s.first, RECORD),
     "recorded_gap": lambda s: sl.recorded_gap(*s.both, RECORD),
+    "recorded_gap, second=None": lambda s: sl.recorded_gap(s.first, None, RECORD),
     "energy_gap": lambda s: sl.energy_gap(*s.both, RECORD),
     "damping_for_gap": lambda s: sl.damping_for_gap(RECORD, *s.both, 0.001),
     "separation, records": lambda s: sl.separation(

@@ -142,7 +142,7 @@ def test_a_gap_beside_one_building_and_other_commands_say_what_is_wrong(tmp_path
     assert done.exit_code == 2
     assert "separation.existing = '5 cm' is a gap beside one building alone; leave it out" in done.output
     path = alone_file(tmp_path, False)
-    for command in ("gap", "probability", "mitigate"):
+    for command in ("probability", "mitigate"):
         done = CliRunner().invoke(main, [command, str(path)])
         assert done.exit_code == 2
         assert "building_2 is missing; this takes two: write a line [building_2]" in done.output

@@ -41,7 +41,7 @@ def test_steps_give_the_exact_answer_of_bilinear_pairs(seed):
         )
     ]
     record = motion(seed=seed)
-    exact, found = sl.recorded_gap(*pair, record), stepped_gap(*pair, checked_motions(record))
+    exact, found = sl.recorded_gap(*pair, record), stepped_gap(pair, checked_motions(record))
     for name in ("separation", "peak_1", "peak_2", "rho"):
         assert float(found[name]) == pytest.approx(float(exact[name]), rel=2e-4), name
     assert float(found.step_error) <= 1e-4

@@ -93,6 +93,17 @@ def test_the_gap_is_that_of_separation_with_the_same_motions():
 
 
 @pytest.mark.invariant
+def test_the_set_back_of_one_building():
+    first = sl.Bilinear(uncertain(0.6), 0.05)
+    table = sl.sensitivity(first, None, GROUND, **MOTION, paths=64, seed=3)
+    same = sl.separation(first, None, GROUND, **MOTION, paths=64, seed=3)
+    assert float(table.gap) == pytest.approx(float(same.gap[0]), rel=1e-9)
+    assert of(table, "ground.intensity")[0] == pytest.approx(0.5, abs=1e-3)
+    assert not [name for name in table.input.values if name.startswith("structure_2")]
+    assert "set-back" in table.attrs["title"]
+
+
+@pytest.mark.invariant
 def test_ends_of_a_range():
     """16 and 84 % of what is uncertain, 10 % of what is known; no value beyond what a model takes."""
     first = sl.Bilinear(uncertain(0.6), 0.05, 0.95, yield_displacement=0.02)

@@ -94,15 +94,22 @@ def read_buildings(whole: Section, ground: Ground) -> tuple[AnyBuilding, ...]:
 
 
 def read_gaps(wanted: Section, count: int) -> tuple[float, ...]:
-    """The gaps there are between so many buildings [m]; none if nothing is said."""
+    """The gaps there are between so many buildings [m]; none if nothing is said.
+
+    Of one building it is its distance from its property line.
+    """
     key = "existing"
     if key not in wanted:
         return ()
-    if count == 1:
-        raise wanted.error(key, "is a gap beside one building alone; leave it out, or add [building_2]")
     listed = isinstance(wanted.values[key], list)
     gaps = wanted.numbers(key, OPEN_OR_TOUCHING) if listed else [wanted.number(key, OPEN_OR_TOUCHING)]
-    if len(gaps) != count - 1:
+    if len(gaps) != max(count - 1, 1):
+        if count == 1:
+            raise wanted.error(
+                key,
+                f"is {len(gaps)} gaps beside one building alone; allowed: its distance from its "
+                f'property line, as {key} = "5 cm"',
+            )
         each = ", ".join(['"5 cm"'] * (count - 1))
         example = each if count == 2 else f"[{each}]"
         raise wanted.error(

@@ -62,7 +62,8 @@ class Case:
     ``inputs`` are the file itself and those of its records: nothing may be written over them.
 
     ``buildings`` stand in a row from left to right, oscillators and buildings with storeys. What is
-    about two asks for ``pair``, ``first``, ``second`` and ``gap``.
+    about two asks for ``pair``, ``first``, ``second`` and ``gap``; what also takes one beside its
+    property line, for ``one_or_two``.
     """
 
     file: str
@@ -114,18 +115,28 @@ class Case:
     @property
     def pair(self) -> tuple[AnyBuilding, AnyBuilding]:
         """The two buildings, the left one first; an error if there are others."""
-        if len(self.buildings) == 1:
+        if self.alone:
             raise ValueError(
                 f"{self.file}: building_2 is missing; this takes two: write a line [building_2] and its "
-                "keys below it; only 'stochlin pound' takes one building alone"
+                "keys below it; only 'stochlin gap' and 'stochlin pound' take one building alone"
             )
-        first, second, *more = self.buildings
-        if more:
+        first, second = self.one_or_two
+        return first, second
+
+    @property
+    def one_or_two(self) -> tuple[AnyBuilding, ...]:
+        """The two buildings, or the one beside its property line; an error if there are more."""
+        if len(self.buildings) > 2:
             raise ValueError(
                 f"{self.file}: describes {len(self.buildings)} buildings; this takes two, building_1 "
                 "and building_2, so leave the others out; 'stochlin pound' takes any number"
             )
-        return first, second
+        return self.buildings
+
+    @property
+    def alone(self) -> bool:
+        """Whether there is but one building."""
+        return len(self.buildings) == 1
 
     @property
     def slabs_on_columns(self) -> tuple[SlabOnColumn, ...]:
@@ -167,8 +178,8 @@ class Case:
 
     @property
     def gap(self) -> float | None:
-        """The gap between the two buildings [m]; an error if there are others."""
-        return self.gaps[0] if self.pair and self.gaps else None
+        """Between two buildings, or from one to its property line [m]; an error if there are more."""
+        return self.gaps[0] if self.one_or_two and self.gaps else None
 
 
 def example_case() -> str:
@@ -204,8 +215,8 @@ def read_case(path: str | os.PathLike[str]) -> Case:
         `ShearBuilding`), ``duration`` [s],
         ``envelope``, ``scatter``, ``records``, ``confidence``, ``gap`` [m] and the rest, as `separation`
         takes them;
-        ``buildings`` and ``gaps`` [m] of a longer row, ``contact``, ``measures`` and
-        ``amplification_limit`` [-], as `pound` takes them.
+        ``buildings`` and ``gaps`` [m] of a longer row, or of one building and its property line,
+        ``contact``, ``measures`` and ``amplification_limit`` [-], as `pound` takes them.
 
     Raises
     ------

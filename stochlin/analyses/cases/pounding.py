@@ -178,6 +178,12 @@ def _checked(case: Case, simulated: bool = False) -> Contact | None:
             f'{needs} the gap there is; write existing = "5 cm" in [separation], "0 cm" for buildings '
             "that touch, and a list for more than two"
         )
+    if case.alone and case.gaps:
+        raise ValueError(
+            f"{case.file}: separation.existing = '{100 * case.gaps[0]:g} cm' is a gap beside one "
+            "building alone; leave it out, or add [building_2]: pounding takes a neighbour, "
+            "'stochlin gap' a property line"
+        )
     for number, building in enumerate(case.buildings, start=1):
         if not building.weighed:
             raise ValueError(

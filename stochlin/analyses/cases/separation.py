@@ -1,4 +1,4 @@
-"""The answer to a case file: separation, what the existing gap allows, and the site's spectrum."""
+"""The answer to a case file: separation or set-back, what there is allows, and the site's spectrum."""
 
 from __future__ import annotations
 
@@ -55,8 +55,9 @@ class CaseAnswer:
 
     def doubts(self) -> list[str]:
         """What of it can hardly be meant."""
-        peaks = tuple(float(self.separation[f"peak_mean_{n}"]) for n in (1, 2))
-        return doubts(self.shaking, self.case.pair, float(self.separation.gap[0]), peaks)
+        buildings = self.case.one_or_two
+        peaks = tuple(float(self.separation[f"peak_mean_{n + 1}"]) for n in range(len(buildings)))
+        return doubts(self.shaking, buildings, float(self.separation.gap[0]), peaks)
 
     def worst(self) -> int:
         """Row of the smallest gap among those that are unsafe."""
@@ -66,18 +67,20 @@ class CaseAnswer:
 def answer_case(case: Case, progress: Progress | None = None, sensitivities: bool = False) -> CaseAnswer:
     """Separation of the two buildings of a case, and what the existing gap allows.
 
-    What it depends on is looked at if something is uncertain, or if ``sensitivities`` are asked for.
-    ``progress`` is called with the share of the work that is done; errors are those of `separation`,
-    `existing_gap` and `sensitivity`.
+    Of one building its set-back. What it depends on is looked at if something is uncertain, or if
+    ``sensitivities`` are asked for. ``progress`` is called with the share of the work that is done;
+    errors are those of `separation`, `existing_gap` and `sensitivity`.
     """
     sensitivities = sensitivities or bool(case.uncertain)
     end = WITH_SENSITIVITIES if sensitivities else 1.0
-    first, second = case.pair
-    pair = first.sampled, second.sampled
+    first, *others = case.one_or_two
+    second = others[0] if others else None
+    pair = first.sampled, second.sampled if second else None
     if case.gap == 0:
+        touching = "a building at its property line" if case.alone else "buildings that touch"
         raise ValueError(
             f"{case.file}: separation.existing = 0; allowed here: 0 < gap, so leave it out for "
-            "buildings that touch"
+            f"{touching}"
         )
 
     def part(begin: float, end: float) -> Progress | None:
@@ -92,8 +95,8 @@ def answer_case(case: Case, progress: Progress | None = None, sensitivities: boo
         case.sampled_ground,
         **case.motion,
         height_1=first.height,
-        height_2=second.height,
-        floors_align=case.floors_align,
+        height_2=second.height if second else None,
+        floors_align=case.floors_align and not case.alone,
         zone=case.zone,
         numbers=case.numbers,
         unverified=case.unverified,
@@ -113,7 +116,7 @@ def answer_case(case: Case, progress: Progress | None = None, sensitivities: boo
 
 def _paths(case: Case) -> int:
     """Motions for what matters: a building with storeys takes long to be made anew for each of them."""
-    storeys = any(isinstance(one, StoreyBuilding) and one.uncertain for one in case.pair)
+    storeys = any(isinstance(one, StoreyBuilding) and one.uncertain for one in case.buildings)
     return FEW_PATHS if storeys else USUAL_PATHS
 
 
@@ -131,7 +134,7 @@ def _spectrum(case: Case) -> xr.Dataset:
     if case.fitted:
         fitted = FittedMotion(case.ground, case.envelope, case.duration)
         return compare_motions(next(iter(case.records.values())), fitted, **options)
-    periods = [*(building.period for building in case.pair), *periods_of(case.ground)]
+    periods = [*(building.period for building in case.buildings), *periods_of(case.ground)]
     low, high = min(periods) / AROUND, max(periods) * AROUND
     frequency = np.geomspace(2 * np.pi / high, 2 * np.pi / low, POINTS)
     spectrum = case.ground.psd(frequency).rename("psd_ground").to_dataset()

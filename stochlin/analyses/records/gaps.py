@@ -1,4 +1,4 @@
-"""The gap that two structures would have needed in a recorded motion."""
+"""The gap that two structures would have needed in a recorded motion, or the set-back of one."""
 
 from __future__ import annotations
 
@@ -17,19 +17,21 @@ from stochlin.analyses.records.cells import (
     table_over,
 )
 from stochlin.analyses.records.stepped import stepped_gap
-from stochlin.analyses.records.variables import VARIABLES
+from stochlin.analyses.records.variables import ALONE, VARIABLES
 from stochlin.analyses.simulation.finite_motions import quantile_intervals
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import over_cells
+from stochlin.analyses.tables.checks import standing
 from stochlin.kernels.records import oscillator as recorded
-from stochlin.kernels.records.runs import PAIR, gaps_on_records
+from stochlin.kernels.records.runs import PAIR, gaps_on_records, peaks_on_records
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.systems import AnyStructure
 
+SET_BACK = "Set-back of one structure from its property line in recorded motions"
 QUANTILES = np.array([0.5, 0.84, 0.9, 0.95])
 
 
-def recorded_gap(first: AnyStructure, second: AnyStructure, record: Records) -> xr.Dataset:
+def recorded_gap(first: AnyStructure, second: AnyStructure | None, record: Records) -> xr.Dataset:
     """Gap that would just have been enough between two structures in a recorded motion.
 
     ``max (u_1 - u_2)`` over the motion, ``first`` on the left: nothing random is left in it, and no rule
@@ -37,8 +39,9 @@ def recorded_gap(first: AnyStructure, second: AnyStructure, record: Records) -> 
 
     Parameters
     ----------
-    first, second : Bilinear, BoucWen, Hysteretic or ShearBuilding
+    first, second : Bilinear, BoucWen, Hysteretic or ShearBuilding, or None for ``second``
         Elastic, or with strengths in metres; parameters of oscillators broadcast by dimension name.
+        None: ``first`` stands alone, and the gap is its distance from the property line on its right.
     record : xarray.DataArray, or list or mapping of them
         Ground acceleration [m/s^2] over ``time``, as `read_record` gives it. Several records make
         a dimension ``record``.
@@ -55,7 +58,8 @@ def recorded_gap(first: AnyStructure, second: AnyStructure, record: Records) -> 
         last. With storeys ``separation`` holds at all heights, and there are ``separation_at_height``
         [m] over ``height``, ``peak_drift`` [m] and ``ductility`` [-] over ``element``. Of several
         records also ``separation_quantile`` [m] over ``quantile``, with a 95 % interval, ``_lower`` and
-        ``_upper``: infinite where the records are too few to bound it.
+        ``_upper``: infinite where the records are too few to bound it. Of one structure alone what is of
+        two is left out.
 
     Raises
     ------
@@ -83,23 +87,27 @@ def recorded_gap(first: AnyStructure, second: AnyStructure, record: Records) -> 
     True
     >>> float(sl.recorded_gap(soft, soft, record).separation)
     0.0
+    >>> float(sl.recorded_gap(soft, None, record).separation) <= float(table.peak_1)
+    True
     """
-    for role, structure in (("first", first), ("second", second)):
+    given = standing(first, second)
+    for role, structure in given.items():
         check_structure(structure, role)
     motions = checked_motions(record)
-    if isinstance(first, Bilinear) and isinstance(second, Bilinear):
-        table = _exactly(first, second, motions)
+    if all(isinstance(structure, Bilinear) for structure in given.values()):
+        table = _exactly(list(given.values()), motions)
     else:
-        table = over_cells(
-            lambda first, second: stepped_gap(first, second, motions), {"first": first, "second": second}
-        )
+        table = over_cells(lambda **given: stepped_gap(list(given.values()), motions), given)
     if RECORD in table.dims:
         table = table.assign(_over_records(table.separation))
     return labels.with_run_information(
-        labels.label(table.assign_attrs(records=motions.describe()), VARIABLES),
-        "Gap of two structures in recorded motions",
+        labels.label(
+            table.assign_attrs(records=motions.describe()),
+            VARIABLES if second is not None else {**VARIABLES, **ALONE},
+        ),
+        "Gap of two structures in recorded motions" if second is not None else SET_BACK,
         "recorded_gap()",
-        {"first": first, "second": second},
+        given,
     )
 
 
@@ -115,23 +123,29 @@ def _over_records(separation: xr.DataArray) -> dict[str, xr.DataArray]:
     }
 
 
-def _exactly(first: Bilinear, second: Bilinear, motions: Motions) -> xr.Dataset:
+def _exactly(structures: list[Bilinear], motions: Motions) -> xr.Dataset:
     """Every cell, without labels."""
-    like = dims_of(first, second)
-    one, two = (cells_of(structure, like, motions) for structure in (first, second))
-    valid = one.valid & two.valid
-    pairs = one.parameters[valid], two.parameters[valid]
-    check_run(motions, 2 * PAIR * np.maximum(pairs[0][:, 0], pairs[1][:, 0]), kept=6)
-    found = gaps_on_records(motions.grounds, *pairs)
-    *both, together = np.split(found, [recorded.PEAKS, 2 * recorded.PEAKS], axis=-1)
-    separation, rho = np.moveaxis(together, -1, 0)
-    columns = {"separation": separation, "rho": rho}
-    stayed = np.ones(rho.shape, bool)
-    for number, (peaks, parameters) in enumerate(zip(both, pairs, strict=True), start=1):
+    like = dims_of(*structures)
+    cells = [cells_of(structure, like, motions) for structure in structures]
+    valid = np.all([one.valid for one in cells], axis=0)
+    sides = [one.parameters[valid] for one in cells]
+    if len(sides) == 1:
+        check_run(motions, sides[0][:, 0])
+        each = [peaks_on_records(motions.grounds, sides[0])]
+        columns = {"separation": each[0][..., recorded.HIGHEST]}
+    else:
+        check_run(motions, 2 * PAIR * np.maximum(sides[0][:, 0], sides[1][:, 0]), kept=6)
+        found = gaps_on_records(motions.grounds, *sides)
+        *each, together = np.split(found, [recorded.PEAKS, 2 * recorded.PEAKS], axis=-1)
+        separation, rho = np.moveaxis(together, -1, 0)
+        columns = {"separation": separation, "rho": rho}
+    stayed = np.ones(columns["separation"].shape, bool)
+    for number, (peaks, parameters) in enumerate(zip(each, sides, strict=True), start=1):
         peak = np.maximum(peaks[..., recorded.HIGHEST], peaks[..., recorded.LOWEST])
         columns[f"peak_{number}"] = peak
         columns[f"pseudo_energy_radius_{number}"] = peaks[..., recorded.RADIUS]
         stayed &= peak <= parameters[:, 3]
-    columns["srss"] = np.hypot(columns["peak_1"], columns["peak_2"])
-    columns["separation_over_srss"] = columns["separation"] / columns["srss"]
+    if len(sides) == 2:
+        columns["srss"] = np.hypot(columns["peak_1"], columns["peak_2"])
+        columns["separation_over_srss"] = columns["separation"] / columns["srss"]
     return table_over(columns, stayed, like, motions, valid)

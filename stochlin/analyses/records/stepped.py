@@ -144,22 +144,26 @@ def _energies(
     return xr.Dataset({name: ("time", values) for name, values in (spent | inside).items()})
 
 
-def stepped_gap(first: AnyStructure, second: AnyStructure, motions: Motions) -> xr.Dataset:
-    """What `recorded_gap` says of two structures with scalar parameters, without labels."""
-    system = system_of([first, second])
-    pairs = pairs_of(system)
-    functions = [
-        *displacements(system, pairs[-1]),
-        *drifts_of(system),
-        *(apart(system, pair) for pair in pairs),
-    ]
+def stepped_gap(structures: Sequence[AnyStructure], motions: Motions) -> xr.Dataset:
+    """What `recorded_gap` says of structures with scalar parameters, without labels."""
+    system = system_of(structures)
+    if len(structures) == 1:
+        floors: list[Terms] = [{floor: 1.0} for floor in range(int(system.first[-1]))]
+        functions = [floors[-1], *drifts_of(system), *floors]
+    else:
+        pairs = pairs_of(system)
+        functions = [
+            *displacements(system, pairs[-1]),
+            *drifts_of(system),
+            *(apart(system, pair) for pair in pairs),
+        ]
     frames = all_frames(system)
-    periods = [float(one.arrays()["period"]) for one in (first, second) if isinstance(one, Structure)]
+    periods = [float(one.arrays()["period"]) for one in structures if isinstance(one, Structure)]
     tables = []
     for ground in motions.grounds:
         motion = ridden(frames, ground, functions)
         table = _in_one(system, motion)
-        if len(periods) == 2:
+        if len(periods) == len(structures):
             table = table.assign(_radii(motion, periods, ground.dt / motion.cuts))
         tables.append(table)
     if motions.names is None:
@@ -169,35 +173,34 @@ def stepped_gap(first: AnyStructure, second: AnyStructure, motions: Motions) -> 
 
 
 def _in_one(system: System, motion: Ridden) -> xr.Dataset:
-    """Of one record; the functions are both displacements, all drifts, and what lies between both."""
-    n, values = int(system.first[-1]), motion.values
-    peak_1, peak_2, *drifts = np.abs(values[:, : 2 + n]).max(axis=0)
-    at_height = np.maximum(values[:, 2 + n :].max(axis=0), 0.0)
-    one, two = values[:, 0], values[:, 1]
-    srss = np.hypot(peak_1, peak_2)
+    """Of one record; the functions are a displacement of each, all drifts, and what is kept apart."""
+    n, values, count = int(system.first[-1]), motion.values, len(system.stacks)
+    peaks, drifts = np.split(np.abs(values[:, : count + n]).max(axis=0), [count])
+    at_height = np.maximum(values[:, count + n :].max(axis=0), 0.0)
     strength = system.all("strength")
-    stayed = (np.array(drifts) <= strength).all()
-    with np.errstate(invalid="ignore", divide="ignore"):
-        table = xr.Dataset(
-            {
-                "separation": at_height.max(),
-                "rho": np.trapezoid(one * two) / np.sqrt(np.trapezoid(one**2) * np.trapezoid(two**2)),
-                "peak_1": peak_1,
-                "peak_2": peak_2,
-                "srss": srss,
-                "separation_over_srss": at_height.max() / srss,
-                "step_error": motion.error,
-                "status": np.int8(labels.ELASTIC_LIMIT if stayed else labels.CONVERGED),
-            }
-        )
+    stayed = (drifts <= strength).all()
+    columns = {"separation": at_height.max()}
+    columns |= {f"peak_{number}": peak for number, peak in enumerate(peaks, start=1)}
+    if count == 2:
+        one, two = values[:, 0], values[:, 1]
+        srss = np.hypot(*peaks)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            power = np.sqrt(np.trapezoid(one**2) * np.trapezoid(two**2))
+            columns["rho"] = np.trapezoid(one * two) / power
+            columns |= {"srss": srss, "separation_over_srss": at_height.max() / srss}
+    table = xr.Dataset(columns).assign(
+        step_error=motion.error, status=np.int8(labels.ELASTIC_LIMIT if stayed else labels.CONVERGED)
+    )
     if all(stack.is_oscillator for stack in system.stacks):
         return table
-    heights = np.array([pair.height for pair in pairs_of(system)])
+    heights = system.stacks[0].levels
+    if count == 2:
+        heights = np.array([pair.height for pair in pairs_of(system)])
     attrs = {"units": "m", "long_name": "height above the ground"}
     return table.assign(
         separation_at_height=("height", at_height),
         peak_drift=(ELEMENT, drifts),
-        ductility=(ELEMENT, np.array(drifts) / strength),
+        ductility=(ELEMENT, drifts / strength),
     ).assign_coords({"height": ("height", heights, attrs), **element_coordinates(system)})
 
 

@@ -34,3 +34,9 @@ VARIABLES: Variables = {
     "record_energy": ("1", "share of the record's energy so far"),
     "envelope_energy": ("1", "share of the envelope's energy so far"),
 }
+
+# Of one structure, beside its property line.
+ALONE: Variables = {
+    "separation": ("m", "largest displacement of the structure towards its property line"),
+    "separation_at_height": ("m", "largest displacement towards the property line at this height"),
+}

@@ -1,10 +1,13 @@
-"""Risk: how often in a year two buildings pound, and the gap with which it is no more than allowed."""
+"""Risk: how often in a year two buildings pound, and the gap with which it is no more than allowed.
+
+Or how often one building crosses its property line.
+"""
 
 from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
@@ -24,7 +27,13 @@ from stochlin.analyses.simulation.finite_motions import (
 from stochlin.analyses.simulation.simulation import check_repeated, simulate
 from stochlin.analyses.sites.intensity import scale_ground
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_duration, check_existing, check_scatter, is_number
+from stochlin.analyses.tables.checks import (
+    check_duration,
+    check_existing,
+    check_scatter,
+    is_number,
+    standing,
+)
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import DoubtfulInput, brief
@@ -32,7 +41,7 @@ from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.hazards import Hazard, HazardCurve
 from stochlin.models.parameters import expect
-from stochlin.models.systems import STRUCTURES, AnyStructure
+from stochlin.models.systems import AnyStructure
 from stochlin.models.uncertain import applied, median_of
 
 POINTS = 13  # intensities that are simulated
@@ -51,7 +60,7 @@ REFERENCES = (
 
 def pounding_risk(
     first: AnyStructure,
-    second: AnyStructure,
+    second: AnyStructure | None,
     ground: Ground,
     gap: float,
     hazard: Hazard,
@@ -74,9 +83,10 @@ def pounding_risk(
     ----------
     first, second, ground
         As in `separation`, numbers only; a ``reduction_factor`` refers to ``ground`` as given, and the
-        strength in metres that it means there is kept at all intensities.
+        strength in metres that it means there is kept at all intensities. With None for ``second`` it is
+        how often one building crosses its property line.
     gap : float
-        [m], positive.
+        [m], positive; of one building its distance from the line.
     hazard : HazardCurve or PowerLawHazard
         Of peak ground acceleration, ``Sa`` at a period, or ``S0``: a motion's intensity is the mean of
         all motions of its ground, as in `scale_ground`.
@@ -128,9 +138,10 @@ def pounding_risk(
     >>> bool(table.annual_rate_standard_error < 0.2 * table.annual_rate)
     True
     """
-    asked = _Asked(first, second, ground, hazard, duration, envelope, scatter, paths, seed)
+    given = standing(first, second)
+    asked = _Asked(given, ground, hazard, duration, envelope, scatter, paths, seed)
     asked.check()
-    check_existing(gap, duration, {"first": median_of(first), "second": median_of(second)})
+    check_existing(gap, duration, {role: median_of(one) for role, one in given.items()})
     _check_years(years)
     motions = asked.simulated(progress)
     by_path = rates(motions, gap, asked.frequency)
@@ -154,7 +165,7 @@ def pounding_risk(
 
 def required_gap(
     first: AnyStructure,
-    second: AnyStructure,
+    second: AnyStructure | None,
     ground: Ground,
     hazard: Hazard,
     duration: float,
@@ -203,7 +214,8 @@ def required_gap(
     >>> bool(abs(table.annual_rate / table.target_rate - 1) < 1e-3)
     True
     """
-    asked = _Asked(first, second, ground, hazard, duration, envelope, scatter, paths, seed)
+    given = standing(first, second)
+    asked = _Asked(given, ground, hazard, duration, envelope, scatter, paths, seed)
     asked.check()
     target = target_rate(risk)
     asked.check_target(target, risk)
@@ -257,8 +269,7 @@ def target_rate(risk: str | float) -> float:
 class _Asked(NamedTuple):
     """What a question about risk is about."""
 
-    first: AnyStructure
-    second: AnyStructure
+    structures: Mapping[str, AnyStructure]  # by their roles
     ground: Ground
     hazard: Hazard
     duration: float
@@ -267,11 +278,14 @@ class _Asked(NamedTuple):
     paths: int
     seed: int
 
+    @property
+    def alone(self) -> bool:
+        """Whether it is one building beside its property line."""
+        return len(self.structures) == 1
+
     def check(self) -> None:
         """Raise for what is of the wrong kind, out of range, or too much; before any work is done."""
-        both = {"first": median_of(self.first), "second": median_of(self.second)}
-        for role, structure in both.items():
-            expect(structure, STRUCTURES, role)
+        both = {role: median_of(structure) for role, structure in self.structures.items()}
         ground = median_of(self.ground)
         expect(ground, Ground, "ground")
         expect(self.hazard, Hazard, "hazard")
@@ -310,7 +324,7 @@ class _Asked(NamedTuple):
         found = []
         motion: dict[str, Any] = {"duration": self.duration, "envelope": self.envelope}
         usual = median_of(self.ground)
-        both = self.first, self.second
+        both = self.structures.values()
         pair = [applied(lambda s: strength_in_metres(s, usual), one) for one in both]
         at_one = self._ground_of_one(usual) / float(usual.arrays()["intensity"])
         for n, intensity in enumerate(self.intensities()):
@@ -346,9 +360,10 @@ class _Asked(NamedTuple):
         """Warn if weaker shaking than the hazard tells of makes them pound, too."""
         share = float((motions.separation[:, 0] > gap).mean())
         if isinstance(self.hazard, HazardCurve) and share > WEAKEST:
+            met = "it crosses" if self.alone else "they pound"
             warnings.warn(
                 f"hazard: it begins at {motions.intensity[0]:.3g} {UNITS[self.hazard.measure]}, where "
-                f"they pound in {100 * share:.0f} % of the motions; weaker shaking, of which it does "
+                f"{met} in {100 * share:.0f} % of the motions; weaker shaking, of which it does "
                 "not tell, is left out: give it from lower intensities on",
                 DoubtfulInput,
                 stacklevel=3,
@@ -363,9 +378,8 @@ class _Asked(NamedTuple):
                 error = "standard error of " if name.endswith("error") else ""
                 about = f"{error}median intensity at which they pound"
                 table[name].attrs = {"units": units, "long_name": about}
-        models: dict[str, Any] = {
-            "first": self.first, "second": self.second, "ground": self.ground, "hazard": self.hazard,
-        }  # fmt: skip
+        models: dict[str, Any] = {**self.structures, "ground": self.ground, "hazard": self.hazard}
+        what = "one structure crossing its property line" if self.alone else "pounding of two structures"
         return labels.with_run_information(
             table.assign_attrs(
                 paths=self.paths,
@@ -375,7 +389,7 @@ class _Asked(NamedTuple):
                 measure=self.hazard.measure,
                 **labels.of_scatter(self.scatter),
             ),
-            f"Risk of pounding of two structures, {median_of(self.ground).name} ground",
+            f"Risk of {what}, {median_of(self.ground).name} ground",
             f"{call}(duration={self.duration:g}, paths={self.paths}, seed={self.seed})",
             models,
             REFERENCES,

@@ -19,14 +19,14 @@ from stochlin.analyses.simulation.draws import INPUT
 from stochlin.analyses.simulation.finite_motions import check_motion, quantile_intervals
 from stochlin.analyses.simulation.simulation import check_repeated, drawn_separations
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_confidence, check_duration
+from stochlin.analyses.tables.checks import check_confidence, check_duration, standing
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
-from stochlin.models.systems import STRUCTURES, AnyStructure
+from stochlin.models.systems import AnyStructure
 from stochlin.models.uncertain import median_of
 
 SAMPLES = 2  # of the inputs for each motion, of which shares of variance come
@@ -39,7 +39,7 @@ REFERENCES = (
 
 def sensitivity(
     first: AnyStructure,
-    second: AnyStructure,
+    second: AnyStructure | None,
     ground: Ground,
     duration: float,
     *,
@@ -59,7 +59,8 @@ def sensitivity(
     Parameters
     ----------
     first, second, ground
-        As in `separation`, numbers or `Uncertain` ones.
+        As in `separation`, numbers or `Uncertain` ones; of one structure, with None second, all is about
+        its set-back.
     duration, envelope, confidence, scatter
         As in `separation`.
     paths : int
@@ -115,14 +116,13 @@ def sensitivity(
     """
     check_confidence(confidence)
     usual = median_of(ground)
-    both = {"first": median_of(first), "second": median_of(second)}
-    for role, structure in both.items():
-        expect(structure, STRUCTURES, role)
+    given = standing(first, second)
+    both = {role: median_of(structure) for role, structure in given.items()}
     expect(usual, Ground, "ground")
     check_duration(duration, both)
     check_motion(duration, envelope, scatter, [confidence], both)
     check_repeated([*both.values()], usual, duration, paths, seed, 1)
-    inputs = Inputs.of([first, second], ground)
+    inputs = Inputs.of([*given.values()], ground)
     times = 1 + SAMPLES + 2 * (len(inputs.inputs) + len(inputs.uncertain))
     check_repeated([*both.values()], usual, duration, paths, seed, times)
     asked = _Asked(inputs, duration, envelope, scatter, paths, seed, progress, times)
@@ -138,11 +138,15 @@ def sensitivity(
             envelope="none" if envelope is None else envelope.describe(),
             **labels.of_scatter(scatter),
         ),
-        f"What matters for the gap of two buildings, {usual.name} ground",
+        f"What matters for {_asked_of(second)}, {usual.name} ground",
         f"sensitivity(duration={duration:g}, confidence={confidence:g}, paths={paths}, seed={seed})",
-        {"first": first, "second": second, "ground": ground},
+        {**given, "ground": ground},
         REFERENCES,
     )
+
+
+def _asked_of(second: AnyStructure | None) -> str:
+    return "the set-back of a building" if second is None else "the gap of two buildings"
 
 
 class _Responses(NamedTuple):

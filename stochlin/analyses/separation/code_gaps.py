@@ -33,7 +33,7 @@ TEXTS: Mapping[str, str] = {
 
 def code_gaps(
     peak_1: Parameter,
-    peak_2: Parameter,
+    peak_2: Parameter | None,
     *,
     height_1: Parameter | None = None,
     height_2: Parameter | None = None,
@@ -50,7 +50,8 @@ def code_gaps(
     ----------
     peak_1, peak_2 : float or array
         Peak displacements [m], not negative, at the level where the buildings could meet. Every code
-        means another displacement by this: see ``assumptions``.
+        means another displacement by this: see ``assumptions``. With None for ``peak_2`` one building
+        is alone, and the gap its distance from the property line, for rules that say one.
     height_1, height_2 : float or array, optional
         Heights of the buildings [m].
     floors_align : bool
@@ -92,21 +93,27 @@ def code_gaps(
     0.035
     >>> table.missing.sel(rule="peru_e030").item()
     'height_1, height_2'
+    >>> alone = sl.code_gaps(0.03, None, height_1=12.0, zone="II")  # from its property line
+    >>> float(alone.gap.sel(rule="asce_7")), round(float(alone.gap.sel(rule="mexico_city")), 6)
+    (0.03, 0.066)
     >>> stated = sl.code_gaps(0.03, 0.04, height_1=12, height_2=20, numbers={"share_of_height": 0.01})
     >>> float(stated.gap.sel(rule="share_of_height"))
     0.12
     """
     check_zone(zone)
     check_truth("floors_align", floors_align)
+    alone = peak_2 is None
+    check_alone(alone, height_2, floors_align)
     pair = BuildingPeaks(peak_1, peak_2, height_1, height_2)
     valid = pair.valid()
     values = {name: array.where(valid) for name, array in pair.arrays().items()}
     given = {*values, *(() if zone is None else ("zone",))}
     rules = rules_with(numbers)
-    missing = [", ".join(n for n in rule.needs if n not in given) for rule in rules]
+    missing = [", ".join(rule.missing(given, alone)) for rule in rules]
     nothing = xr.full_like(valid, np.nan, float)
+    absent = {"peak_2": None} if alone else {}
     gaps = [
-        nothing if lacks else rule.gap(**values, floors_align=bool(floors_align), zone=zone)
+        nothing if lacks else rule.gap(**absent | values, floors_align=bool(floors_align), zone=zone)
         for rule, lacks in zip(rules, missing, strict=True)
     ]
     dimension = xr.DataArray([rule.name for rule in rules], dims="rule", name="rule")
@@ -117,14 +124,14 @@ def code_gaps(
     usable = valid & xr.DataArray([not lacks for lacks in missing], dims="rule")
     table = xr.Dataset({"gap": gap, "status": labels.status_where(usable).transpose(*gap.dims)})
     for name, text in TEXTS.items():
-        kept = {"missing": missing, "assumptions": [rule.told for rule in rules]}
+        kept = {"missing": missing, "assumptions": [rule.told(alone) for rule in rules]}
         told = kept.get(name) or [getattr(rule, name) for rule in rules]
         table = table.assign_coords({name: ("rule", told, {"long_name": text})})
     table = labels.label(table, VARIABLES)
     table.attrs["comment"] = "Rules whose mark has an M are from memory, not compared with the source."
     return labels.with_run_information(
         table,
-        "Separation by the rules of building codes",
+        f"{'Set-back' if alone else 'Separation'} by the rules of building codes",
         f"code_gaps(floors_align={bool(floors_align)}, zone={zone!r}{told_numbers(numbers)})",
         {"pair": pair},
         "; ".join(dict.fromkeys(rule.reference for rule in rules)),
@@ -143,6 +150,13 @@ def rules_with(numbers: Mapping[str, float] | None) -> list[CodeRule]:
         stated[rule.name] = value
     usual = code_rule_names()
     return [code_rule(name, stated.get(name)) for name in CODE_RULES if name in usual or name in stated]
+
+
+def check_alone(alone: bool, height_2: object, floors_align: bool) -> None:
+    """Raise a ValueError if something is told of a second building that is not there."""
+    told = {"height_2": height_2 is not None, "floors_align": floors_align}
+    for name in (name for name, given in told.items() if alone and given):
+        raise ValueError(f"{name} is given, of a second building, and there is none; leave it out")
 
 
 def told_numbers(numbers: Mapping[str, float] | None) -> str:

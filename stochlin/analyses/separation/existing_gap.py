@@ -22,12 +22,11 @@ from stochlin.analyses.simulation.finite_motions import (
 )
 from stochlin.analyses.simulation.simulation import check_repeated, simulate
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_confidence, check_existing, check_scatter
+from stochlin.analyses.tables.checks import check_confidence, check_existing, check_scatter, standing
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
-from stochlin.models.parameters import expect
-from stochlin.models.systems import STRUCTURES, AnyStructure, first_mode, weaker
+from stochlin.models.systems import AnyStructure, first_mode, weaker
 from stochlin.models.uncertain import applied, median_of
 
 STRENGTHS = np.geomspace(1 / 8, 8, 13)  # factors on both reduction factors
@@ -41,7 +40,7 @@ SIMULATIONS = 60  # that the three searches take together, as a rule
 
 def existing_gap(
     first: AnyStructure,
-    second: AnyStructure,
+    second: AnyStructure | None,
     ground: Ground,
     duration: float,
     gap: float,
@@ -60,9 +59,9 @@ def existing_gap(
     Parameters
     ----------
     first, second, ground, duration
-        As in `separation`.
+        As in `separation`; with None for ``second`` of one building beside its property line.
     gap : float
-        The existing gap [m], positive.
+        The existing gap [m], positive; of one building its distance from the line.
     envelope, confidence, scatter, paths, seed
         As in `separation`.
     progress : callable, optional
@@ -102,9 +101,8 @@ def existing_gap(
     """
     check_confidence(confidence)
     check_scatter(scatter)
-    both = {"first": median_of(first), "second": median_of(second)}
-    for role, structure in both.items():
-        expect(structure, STRUCTURES, role)
+    given = standing(first, second)
+    both = {role: median_of(structure) for role, structure in given.items()}
     check_existing(gap, duration, both)
     check_repeated(list(both.values()), median_of(ground), duration, paths, seed, SIMULATIONS)
     if progress is not None:
@@ -123,8 +121,8 @@ def existing_gap(
         ends = quantile_intervals(separations(pair, ground).values, np.array([confidence]))
         return [float(end[0]) for end in ends]
 
-    samples = separations([first, second], ground)
-    case = _ExistingPair.of((first, second), ground)
+    samples = separations(list(given.values()), ground)
+    case = _ExistingPair.of(list(given.values()), ground)
     by_strength = Required(lambda s: required(case.weaker(s), ground), gap)
     least_factor, largest_factor = around(by_strength, STRENGTHS, AS_BUILT)
     by_amplitude = Required(lambda a: required(case.pair, case.stronger(a)), gap)
@@ -150,9 +148,10 @@ def existing_gap(
         table.assign_attrs(
             gap_m=float(gap), confidence=confidence, searched=searched, **labels.of_scatter(scatter)
         ),
-        f"What an existing gap allows, {median_of(ground).name} ground",
+        f"What an existing {'gap' if second is not None else 'set-back'} allows, "
+        f"{median_of(ground).name} ground",
         f"existing_gap(gap={gap:g}, duration={duration:g}, confidence={confidence:g}, seed={seed})",
-        {"first": first, "second": second, "ground": ground},
+        {**given, "ground": ground},
     )
 
 
@@ -161,7 +160,7 @@ def _with_interval(name: str, edge: Edge, end: str = "") -> dict[str, float]:
 
 
 def _factors(which: str, factors: Sequence[float], edge: Edge) -> dict[str, float]:
-    """Reduction factors of both structures at an edge."""
+    """Reduction factors of the structures at an edge."""
     found: dict[str, float] = {}
     for n, factor in enumerate(factors, start=1):
         found |= _with_interval(f"{which}_reduction_factor", edge.times(factor), f"_{n}")
@@ -169,20 +168,20 @@ def _factors(which: str, factors: Sequence[float], edge: Edge) -> dict[str, floa
 
 
 class _ExistingPair(NamedTuple):
-    """The pair by its yield displacements, and how to change it."""
+    """The structures by their yield displacements, and how to change them."""
 
-    pair: tuple[Any, Any]
+    pair: Sequence[Any]  # or one of them alone
     ground: Ground
-    factors: tuple[float, float]  # reduction factors, NaN where elastic
+    factors: Sequence[float]  # reduction factors, NaN where elastic
 
     @classmethod
-    def of(cls, structures: tuple[AnyStructure, AnyStructure], ground: Ground) -> _ExistingPair:
+    def of(cls, structures: Sequence[AnyStructure], ground: Ground) -> _ExistingPair:
         usual = median_of(ground)
-        one, other = (applied(lambda s: strength_in_metres(s, usual), each) for each in structures)
+        pair = [applied(lambda s: strength_in_metres(s, usual), each) for each in structures]
         modes = [first_mode(median_of(structure)) for structure in structures]
         solved = [solve_structure(mode, usual, "gaussian", USUAL) for mode in modes]
-        first, second = (solved_reduction_factor(*both) for both in zip(modes, solved, strict=True))
-        return cls((one, other), ground, (first, second))
+        factors = [solved_reduction_factor(*both) for both in zip(modes, solved, strict=True)]
+        return cls(pair, ground, factors)
 
     def weaker(self, factor: float) -> list[AnyStructure]:
         return [applied(lambda s: weaker(s, factor), structure) for structure in self.pair]

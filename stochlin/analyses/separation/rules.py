@@ -1,4 +1,4 @@
-"""Every rule for the separation of two buildings, fed with their simulated peaks."""
+"""Every rule for the separation of two buildings, or the set-back of one, fed with simulated peaks."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import xarray as xr
 from stochlin.analyses.correlation.correlation import correlate
 from stochlin.analyses.correlation.effective import rho_effective
 from stochlin.analyses.linearization.equivalent_systems import solve_elastic, solve_structure
-from stochlin.analyses.linearization.peaks import peak_table, relative_moments
+from stochlin.analyses.linearization.peaks import peak_table, relative_moments, response_moments
 from stochlin.analyses.linearization.strength import solved_reduction_factor
 from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.separation.code_gaps import code_gaps
@@ -28,6 +28,8 @@ from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
 
 GUMBEL = np.sqrt(6) / np.pi
 EQ_3 = "eq. (3) with the peaks of both structures"
+COMBINES = "needs a second building: eq. (3) combines the peaks of two"
+SOLVED = "simulated", "linearized", "drift"
 
 
 @dataclass(frozen=True)
@@ -58,16 +60,22 @@ class Rule:
 
 @dataclass(frozen=True)
 class PairInMotion(ABC):
-    """Two structures, and what the simulation of finite motions tells of each.
+    """Two structures, or one beside its property line, and what the simulation of finite motions tells.
 
-    Arrays are over the heights at which they could meet; for two oscillators that is one, of no number.
+    Arrays are over the heights at which they could meet, or cross the line; without storeys that is one,
+    of no number.
     """
 
-    structures: tuple[Any, Any]
+    structures: tuple[Any, ...]
     ground: Ground
     motions: xr.Dataset
     confidence: float
     strong_seconds: float  # length of the stationary motion that an envelope stands for
+
+    @property
+    def alone(self) -> bool:
+        """Whether there is but one."""
+        return len(self.structures) == 1
 
     @property
     @abstractmethod
@@ -76,13 +84,13 @@ class PairInMotion(ABC):
 
     @property
     @abstractmethod
-    def code_heights(self) -> tuple[Any, Any]:
-        """Heights of both that codes ask for [m], each a number, an array or None."""
+    def code_heights(self) -> tuple[Any, ...]:
+        """Heights of each that codes ask for [m], each a number, an array or None."""
 
     @property
     @abstractmethod
     def peaks(self) -> Array:
-        """Largest ``|u|`` of both (2, heights) [m], not exceeded with the probability ``confidence``."""
+        """Largest ``|u|`` of each (structures, heights) [m], of the probability ``confidence``."""
 
     @abstractmethod
     def simulated_rho(self) -> Array:
@@ -98,7 +106,7 @@ class PairInMotion(ABC):
 
     @abstractmethod
     def relative_moments(self) -> tuple[Array, Array, Array]:
-        """Spectral moments of the linearized ``u_1 - u_2`` [m]."""
+        """Spectral moments of the linearized ``u_1 - u_2``, or of ``u_1`` alone [m]."""
 
     @abstractmethod
     def quantities(self) -> dict[str, Any]:
@@ -107,9 +115,9 @@ class PairInMotion(ABC):
 
 @dataclass(frozen=True)
 class OscillatorsInMotion(PairInMotion):
-    """Two oscillators; ``known_heights`` are those of the buildings that they stand for."""
+    """Oscillators; ``known_heights`` are those of the buildings that they stand for."""
 
-    known_heights: tuple[float | None, float | None]
+    known_heights: tuple[float | None, ...]
 
     @property
     def heights(self) -> Array:
@@ -117,7 +125,7 @@ class OscillatorsInMotion(PairInMotion):
         return np.array([np.nan])
 
     @property
-    def code_heights(self) -> tuple[Any, Any]:
+    def code_heights(self) -> tuple[Any, ...]:
         """See `PairInMotion`."""
         return self.known_heights
 
@@ -151,7 +159,8 @@ class OscillatorsInMotion(PairInMotion):
         lacking = {type(s).__name__ for s in self.structures if closure not in s.closure_names()}
         if lacking:
             raise ValueError(f"no {closure} closure for {', '.join(sorted(lacking))}")
-        return np.atleast_1d(correlate(*self.structures, self.ground, closure=closure).rho.values)
+        first, second = self.structures
+        return np.atleast_1d(correlate(first, second, self.ground, closure=closure).rho.values)
 
     def effective_arguments(self) -> dict[str, float]:
         """See `PairInMotion`."""
@@ -159,7 +168,11 @@ class OscillatorsInMotion(PairInMotion):
 
     def relative_moments(self) -> tuple[Array, Array, Array]:
         """See `PairInMotion`."""
-        l0, l1, l2 = relative_moments(self.solved[0], self.solved[1], self.ground)
+        one, *others = self.solved
+        if others:
+            l0, l1, l2 = relative_moments(one, others[0], self.ground)
+        else:
+            l0, l1, l2 = response_moments(one, self.ground)
         return l0.values, l1.values, l2.values
 
     def quantities(self) -> dict[str, Any]:
@@ -194,13 +207,8 @@ def all_rules(
     numbers: Mapping[str, float] | None,
 ) -> list[Rule]:
     """Every rule that there is, those that lack something too."""
-    return [  # simulation is refused for structures so rarely yielding that it would take hours
-        _with_solved_rho(pair, "simulated", "stationary simulation", pair.simulated_rho),
-        _with_solved_rho(pair, "linearized", "linearization", lambda: pair.linearized_rho(GAUSSIAN)),
-        _with_solved_rho(
-            pair, "drift", "linearization with plastic drift", lambda: pair.linearized_rho(DRIFT)
-        ),
-        *(_with_effective_rho(pair, name) for name in effective_rule_names(unverified)),
+    return [
+        *_with_correlations(pair, effective_rule_names(unverified)),
         linearized_rule(
             pair.relative_moments,
             pair.strong_seconds,
@@ -208,6 +216,23 @@ def all_rules(
             pair.motions.attrs.get("scatter", 0.0),
         ),
         *code_rules(pair.peaks, pair.code_heights, floors_align, zone, numbers),
+    ]
+
+
+def _with_correlations(pair: PairInMotion, effective: Sequence[str]) -> list[Rule]:
+    """Eq. (3) with each correlation that there is; one building alone has none."""
+    if pair.alone:
+        names = (f"eq_3_{name}" for name in (*SOLVED, *effective))
+        return [Rule(name, "equation_3", _nothing(pair), missing=COMBINES) for name in names]
+    ways: list[tuple[str, Callable[[], Array]]] = [
+        # simulation is refused for structures so rarely yielding that it would take hours
+        ("stationary simulation", pair.simulated_rho),
+        ("linearization", lambda: pair.linearized_rho(GAUSSIAN)),
+        ("linearization with plastic drift", lambda: pair.linearized_rho(DRIFT)),
+    ]
+    return [
+        *(_with_solved_rho(pair, name, *way) for name, way in zip(SOLVED, ways, strict=True)),
+        *(_with_effective_rho(pair, name) for name in effective),
     ]
 
 
@@ -278,19 +303,20 @@ def peak_quantile(
 
 def code_rules(
     peaks: Array,
-    heights: tuple[Any, Any],
+    heights: tuple[Any, ...],
     floors_align: bool,
     zone: str | None,
     numbers: Mapping[str, float] | None = None,
 ) -> list[Rule]:
-    """The rules of building codes, fed with these peaks (2, heights) [m]."""
+    """The rules of building codes, fed with these peaks (1 or 2, heights) [m]."""
     height_1, height_2 = (
-        xr.DataArray(height, dims="height") if np.ndim(height) else height for height in heights
+        xr.DataArray(height, dims="height") if np.ndim(height) else height
+        for height in (*heights, None)[:2]
     )
-    peak_1, peak_2 = (xr.DataArray(peak, dims="height") for peak in peaks)
+    peak_1, *others = (xr.DataArray(peak, dims="height") for peak in peaks)
     table = code_gaps(
         peak_1,
-        peak_2,
+        next(iter(others), None),
         height_1=height_1,
         height_2=height_2,
         floors_align=floors_align,

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import reduce
+from operator import and_
 from typing import Any
 
 import numpy as np
@@ -10,7 +12,7 @@ import xarray as xr
 
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.records.gaps import recorded_gap
-from stochlin.analyses.separation.code_gaps import rules_with, told_numbers
+from stochlin.analyses.separation.code_gaps import check_alone, rules_with, told_numbers
 from stochlin.analyses.separation.rules import (
     OscillatorsInMotion,
     PairInMotion,
@@ -18,12 +20,14 @@ from stochlin.analyses.separation.rules import (
     all_rules,
 )
 from stochlin.analyses.separation.storeys import StoreysInMotion, check_levels
-from stochlin.analyses.separation.variables import VARIABLES
+from stochlin.analyses.separation.variables import ALONE, VARIABLES
 from stochlin.analyses.simulation.finite_motions import (
     keeping_apart,
+    mean_with_error,
     pair_separation,
     quantile_intervals,
     required_gaps,
+    separation_at,
 )
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.tables import labels
@@ -34,6 +38,7 @@ from stochlin.analyses.tables.checks import (
     check_scalars,
     check_scatter,
     check_truth,
+    standing,
 )
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
@@ -43,7 +48,7 @@ from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
 from stochlin.models.rules.codes import BuildingPeaks, check_zone
 from stochlin.models.structures import Structure
-from stochlin.models.systems import STRUCTURES, AnyStructure, first_period
+from stochlin.models.systems import AnyStructure, first_period
 from stochlin.models.uncertain import median_of
 
 VERDICTS = ("answer", "safe", "unsafe", "within_error", "not_available")
@@ -53,6 +58,7 @@ VERDICT_ATTRS: Mapping[str, Any] = {
     "flag_values": np.arange(len(VERDICTS), dtype=np.int8),
     "flag_meanings": " ".join(VERDICTS),
 }
+SET_BACK = "Set-back of one building from its property line"
 EXACT = "exact laws, no model error"
 MOTION = ("paths", "seed", "step_s", "duration_s", "envelope")
 TEXTS: Mapping[str, str] = {
@@ -68,7 +74,7 @@ TEXTS: Mapping[str, str] = {
 
 def separation(
     first: AnyStructure,
-    second: AnyStructure,
+    second: AnyStructure | None,
     ground: Ground,
     duration: float,
     *,
@@ -93,10 +99,13 @@ def separation(
     same buildings' simulated peaks of the same probability, so that each is judged for what it
     makes of them, and for how many of the motions its gap would have survived.
 
+    With None for ``second`` it is the set-back of one building: how far it must be from the property
+    line on its right, so that ``max(u_1)`` of all its floors stays on its own side.
+
     Parameters
     ----------
-    first, second : Bilinear, BoucWen or Hysteretic
-        Strength by ``reduction_factor`` refers to the stationary ground.
+    first, second : Bilinear, BoucWen, Hysteretic or ShearBuilding, or None for ``second``
+        Strength by ``reduction_factor`` refers to the stationary ground. None: ``first`` stands alone.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
         All parameters broadcast by dimension name; each cell is a simulation of its own. Parameters of
         structures and ground may be `Uncertain`, as in `simulate`; the rules are then those of the
@@ -141,13 +150,15 @@ def separation(
         records, over ``record``: what `recorded_gap` gives, with the prefix ``record_``. With storeys,
         over ``rule`` and ``height`` [m]: ``gap_at_height`` [m], that of the simulation with its 95 %
         interval, ``_lower`` and ``_upper``, and ``governing_height`` [m]; over ``element``, storey by
-        storey: ``peak_drift_mean`` [m] with its standard error, and ``ductility`` [-].
+        storey: ``peak_drift_mean`` [m] with its standard error, and ``ductility`` [-]. Of one building
+        alone what ends in ``_2`` is left out, heights are those of its floors, and rules that say
+        nothing of one are NaN, with the reason in ``missing``.
 
     Raises
     ------
     ValueError, TypeError
-        If a number is out of range, the duration is shorter than a period, or the run would not fit into
-        memory: before any work is done.
+        If a number is out of range, the duration is shorter than a period, something is told of a second
+        building that is not there, or the run would not fit into memory: before any work is done.
 
     Notes
     -----
@@ -168,6 +179,9 @@ def separation(
     >>> table = sl.separation(one, two, sl.named_ground("firm", intensity=0.01), 20.0, paths=256)
     >>> bool(table.gap.sel(rule="share_of_sum") > table.gap.sel(rule="simulation"))
     True
+    >>> alone = sl.separation(two, None, sl.named_ground("firm", intensity=0.01), 20.0, paths=256)
+    >>> bool(alone.gap.sel(rule="asce_7") > alone.gap.sel(rule="simulation"))  # |u| and u
+    True
     """
     check_confidence(confidence)
     check_scatter(scatter)
@@ -177,19 +191,20 @@ def separation(
     check_truth("unverified", unverified)
     heights = BuildingPeaks(0.0, 0.0, height_1, height_2)
     check_scalars(heights, "separation", "a number, the height of a building")
-    both = {"first": median_of(first), "second": median_of(second)}
-    for role, structure in both.items():
-        expect(structure, STRUCTURES, role)
+    given = standing(first, second)
+    alone = second is None
+    check_alone(alone, height_2, floors_align)
+    both = {role: median_of(structure) for role, structure in given.items()}
     expect(median_of(ground), Ground, "ground")
     check_duration(duration, both)
-    storeys = any(isinstance(structure, ShearBuilding) for structure in both.values())
-    if storeys:
-        check_levels(both["first"], both["second"], height_1, height_2, floors_align)
+    tall = (height_1, height_2)[: len(both)]
+    if any(isinstance(structure, ShearBuilding) for structure in both.values()):
+        check_levels(list(both.values()), tall, floors_align)
 
     @np.errstate(all="ignore")  # what comes of extreme input is judged by its status
-    def of_cell(first: AnyStructure, second: AnyStructure, ground: Ground) -> xr.Dataset:
+    def of_cell(ground: Ground, **given: AnyStructure) -> xr.Dataset:
         motions = simulate(
-            [first, second],
+            list(given.values()),
             ground,
             paths=paths,
             seed=seed,
@@ -200,15 +215,13 @@ def separation(
             progress=progress,
         )
         # The rules are of the structures at their medians, fed with peaks of all samples.
-        first, second, ground = (median_of(each) for each in (first, second, ground))
+        structures, ground = tuple(map(median_of, given.values())), median_of(ground)
         seconds = strong_seconds(duration, envelope)
         pair: PairInMotion
-        if isinstance(first, Structure) and isinstance(second, Structure):
-            heights = (height_1, height_2)
-            pair = OscillatorsInMotion((first, second), ground, motions, confidence, seconds, heights)
+        if all(isinstance(structure, Structure) for structure in structures):
+            pair = OscillatorsInMotion(structures, ground, motions, confidence, seconds, tall)
         else:
-            solid = strength_in_metres(first, ground), strength_in_metres(second, ground)
-            pair = StoreysInMotion(solid, ground, motions, confidence, seconds)
+            pair = StoreysInMotion(in_metres(structures, ground), ground, motions, confidence, seconds)
         rules = all_rules(pair, floors_align, zone, unverified, numbers)
         table = _judged(rules, pair)
         if "input_factor" in motions:
@@ -216,25 +229,32 @@ def separation(
         table.attrs = {name: motions.attrs[name] for name in MOTION} | labels.of_scatter(scatter)
         if records is None:
             return table
-        one, other = (strength_in_metres(structure, ground) for structure in (first, second))
-        recorded = recorded_gap(one, other, records).drop_dims("quantile", errors="ignore")
+        one, *others = in_metres(structures, ground)
+        recorded = recorded_gap(one, others[0] if others else None, records).drop_dims(
+            "quantile", errors="ignore"
+        )
         return table.assign({f"record_{name}": recorded[name] for name in recorded.data_vars})
 
-    models: dict[str, Any] = {"first": first, "second": second, "ground": ground}
-    one, two = (first_period(structure) for structure in both.values())
-    long_enough = (one <= duration) & (two <= duration)
+    models: dict[str, Any] = {**given, "ground": ground}
+    long_enough = reduce(and_, (first_period(structure) <= duration for structure in both.values()))
     table = over_cells(of_cell, models, long_enough)
-    table = labels.label(table, VARIABLES)
+    table = labels.label(table, {**VARIABLES, **ALONE} if alone else VARIABLES)
     table.verdict.attrs = VERDICT_ATTRS
     for name, text in TEXTS.items():
         table[name].attrs["long_name"] = text
     return labels.with_run_information(
         table.assign_attrs(confidence=confidence),
-        f"Separation of two buildings by rule, {median_of(ground).name} ground",
+        f"{SET_BACK if alone else 'Separation of two buildings'} by rule, "
+        f"{median_of(ground).name} ground",
         f"separation(duration={duration:g}, confidence={confidence:g}, paths={paths}, seed={seed}"
         f"{told_numbers(numbers)})",
         models,
     )
+
+
+def in_metres(structures: Sequence[AnyStructure], ground: Ground) -> tuple[AnyStructure, ...]:
+    """The structures with their strengths in metres."""
+    return tuple(strength_in_metres(structure, ground) for structure in structures)
 
 
 def verdict_of(apart: Mapping[Any, xr.DataArray], confidence: float) -> xr.DataArray:
@@ -274,15 +294,16 @@ def _judged(rules: list[Rule], pair: PairInMotion) -> xr.Dataset:
         coords={"rule": ("rule", [rule.name for rule in rules]), **columns},
     )
     table = table.assign(pair.quantities())
-    for name in ("separation_mean", "separation_mean_standard_error"):
-        table[name] = float(motions[name][0, 1])
+    names = ("separation_mean", "separation_mean_standard_error")
+    of_both = [float(motions[name][0, 1]) for name in names] if not pair.alone else None
+    for name, value in zip(names, of_both or mean_with_error(samples.values), strict=True):
+        table[name] = value
     return table if np.isnan(pair.heights).all() else table.merge(_by_height(rules, pair))
 
 
 def _by_height(rules: list[Rule], pair: PairInMotion) -> xr.Dataset:
     """What is required at each height, and how far both go there."""
-    samples = pair.motions.separation_at_height.isel(structure=0, structure_2=1, drop=True)
-    samples = samples.sel(height=pair.heights)
+    samples = separation_at(pair.motions, pair.heights)
     levels = np.array([pair.confidence])
     simulated, *interval = (ends[0] for ends in quantile_intervals(samples.values, levels))
     peaks = xr.DataArray(pair.peaks, dims=("structure", "height"))
@@ -290,7 +311,7 @@ def _by_height(rules: list[Rule], pair: PairInMotion) -> xr.Dataset:
     unknown = np.full((len(rules) - 1, simulated.size), np.nan)
     for end, values in zip(("lower", "upper"), interval, strict=True):
         table[f"gap_at_height_{end}"] = ("rule", "height"), np.vstack([values, unknown])
-    table = table.assign({f"peak_at_height_{n + 1}": peaks[n] for n in (0, 1)})
+    table = table.assign({f"peak_at_height_{n + 1}": peaks[n] for n in range(len(pair.peaks))})
     return table.assign_coords(height=samples.height)
 
 

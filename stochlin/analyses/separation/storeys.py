@@ -1,4 +1,4 @@
-"""Two structures, at least one of them a building with storeys, in simulated motions."""
+"""Two structures, at least one of them a building with storeys, or one such, in simulated motions."""
 
 from __future__ import annotations
 
@@ -40,27 +40,31 @@ NO_DRIFT = "the drift closure is of oscillators; storeys have none"
 
 @dataclass(frozen=True)
 class StoreysInMotion(PairInMotion):
-    """Two structures whose strengths are in metres, at least one of them a building with storeys."""
+    """Structures whose strengths are in metres, at least one of them a building with storeys."""
 
     @cached_property
     def system(self) -> System:
-        """Both, unlinked."""
+        """All, unlinked."""
         return system_of(self.structures)
 
     @cached_property
     def heights(self) -> Array:
         """See `PairInMotion`."""
-        return meeting_heights(*self.system.stacks)
+        stacks = self.system.stacks
+        return stacks[0].levels if self.alone else meeting_heights(*stacks)
 
     @property
-    def code_heights(self) -> tuple[Array, Array]:
+    def code_heights(self) -> tuple[Array, ...]:
         """The level itself: what a code says of a roof holds at every level below it."""
-        return self.heights, self.heights
+        return (self.heights,) * len(self.structures)
 
     @cached_property
     def peaks(self) -> Array:
         """See `PairInMotion`."""
-        peaks = self.motions.peak_at_height.sel(height=self.heights).values
+        if self.alone:
+            peaks = self.motions.peak.values[:, None]
+        else:
+            peaks = self.motions.peak_at_height.sel(height=self.heights).values
         quantile: Array = np.quantile(peaks, self.confidence, axis=0)
         return quantile
 
@@ -105,9 +109,9 @@ class StoreysInMotion(PairInMotion):
 
     def relative_moments(self) -> tuple[Array, Array, Array]:
         """See `PairInMotion`."""
-        one, two = self._weights
+        one, *others = self._weights
         try:
-            l0, l1, l2 = self.linearized.spectral_moments(one - two)
+            l0, l1, l2 = self.linearized.spectral_moments(one - sum(others))
         except (ArithmeticError, ValueError):
             l0 = l1 = l2 = np.full(self.heights.size, np.nan)
         return l0, l1, l2
@@ -133,13 +137,12 @@ class StoreysInMotion(PairInMotion):
         return table
 
     @cached_property
-    def _weights(self) -> tuple[Array, Array]:
-        """Displacements of both at the heights (heights, floors)."""
-        one, two = (
+    def _weights(self) -> list[Array]:
+        """Displacements of each at the heights (heights, floors)."""
+        return [
             np.array([weights(self.system, number, height) for height in self.heights])
-            for number in (0, 1)
-        )
-        return one, two
+            for number in range(len(self.structures))
+        ]
 
 
 def weights(system: System, number: int, height: float) -> Array:
@@ -206,14 +209,10 @@ def correlation_in(table: xr.Dataset, one: Array, two: Array) -> Array:
 
 
 def check_levels(
-    first: AnyStructure,
-    second: AnyStructure,
-    height_1: float | None,
-    height_2: float | None,
-    floors_align: bool,
+    structures: Sequence[AnyStructure], heights: Sequence[float | None], floors_align: bool
 ) -> None:
     """Raise a ValueError if heights are given twice, or floors are said to align and do not."""
-    for n, (structure, height) in enumerate(((first, height_1), (second, height_2)), start=1):
+    for n, (structure, height) in enumerate(zip(structures, heights, strict=True), start=1):
         if isinstance(structure, ShearBuilding) and height is not None:
             roof = float(structure.levels()[-1])
             if abs(height - roof) > LEVEL:
@@ -221,9 +220,9 @@ def check_levels(
                     f"height_{n} = {height:g} m, but the storeys of that building add up to {roof:g} m; "
                     "leave it out"
                 )
-    if not (floors_align and isinstance(first, ShearBuilding) and isinstance(second, ShearBuilding)):
+    levels = [one.levels() for one in structures if isinstance(one, ShearBuilding)]
+    if not floors_align or len(levels) < len(structures):
         return
-    levels = first.levels(), second.levels()
     off = [levels[side][floor - 1] for side, floor in slabs_on_columns(*levels)]
     if off:
         raise ValueError(

@@ -28,3 +28,11 @@ VARIABLES: Variables = {
     "rho_estimate": ("1", "correlation coefficient that eq. (3) takes"),
     "least_added_damping": ("1", "damping ratio to be added to both for the gap to keep the confidence"),
 }
+
+# Of one structure, beside its property line.
+ALONE: Variables = {
+    "gap": ("m", "distance of the structure from its property line"),
+    "gap_at_height": ("m", "distance of the structure from its property line at this height"),
+    "separation_samples": ("m", "largest displacement of the structure towards its property line"),
+    "separation_mean": ("m", "mean largest displacement towards the property line"),
+}

@@ -36,6 +36,7 @@ from stochlin.models.systems import AnyStructure
 
 TAIL = (1 - 0.95) / 2  # outside of an interval, on each side
 BLOCK = 256  # steps
+HEIGHT = "height above the ground"
 ENVELOPES, RESULTS = 6, 6  # numbers that are held at once, of each step and of each peak
 
 
@@ -200,8 +201,7 @@ def _separations(riders: Riders, pairs: list[Pair], highest: Array, lowest: Arra
                 at_height[:, i, j, np.searchsorted(heights, pair.height)] = value
     table = xr.Dataset({"separation": (over, whole)}, coords=coords)
     if heights.size:
-        attrs = {"units": "m", "long_name": "height above the ground"}
-        table = table.assign_coords(height=("height", heights, attrs))
+        table = table.assign_coords(height=labels.axis("height", HEIGHT, heights, "m").height)
         table["separation_at_height"] = ((*over, "height"), at_height)
     return table
 
@@ -259,12 +259,28 @@ def exceedance(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Dataset:
 
 
 def pair_separation(motions: xr.Dataset) -> xr.DataArray:
-    """The largest ``u_1 - u_2`` [m] in each motion, of what `simulate` returns for two structures."""
+    """The largest ``u_1 - u_2`` [m] in each motion, of what `simulate` returns for two structures.
+
+    Of one alone, which stands beside a property line, the largest ``u_1`` of all its floors.
+    """
+    if _is_alone(motions):
+        return motions.peak_positive.max(motions.peak_positive.dims[1])
     return _of_pair(motions.separation)
 
 
+def separation_at(motions: xr.Dataset, heights: Array) -> xr.DataArray:
+    """The same (paths, height) where two structures could meet, or at the floors of one [m]."""
+    if _is_alone(motions):
+        axis = labels.axis("height", HEIGHT, heights, "m")
+        at_floors = motions.peak_positive.values
+        return xr.DataArray(at_floors, dims=("path", "height"), coords={"height": axis.height})
+    return _of_pair(motions.separation_at_height).sel(height=heights)
+
+
 def pair_peaks(motions: xr.Dataset) -> Array:
-    """Peaks [m] of two structures (paths, 2), where the lower roof meets the other if there is one."""
+    """Peaks [m] of one or two structures (paths, 1 or 2): of roofs, where the lower meets the other."""
+    if _is_alone(motions):
+        return motions.peak.values[:, -1:]
     if "peak_at_height" not in motions:
         return motions.peak.values
     return motions.peak_at_height.isel(height=-1).values
@@ -272,9 +288,13 @@ def pair_peaks(motions: xr.Dataset) -> Array:
 
 def required_gaps(motions: xr.Dataset) -> tuple[float, float, float]:
     """The first quantile of `pair_separation`, and both ends of its 95 % interval."""
-    names = (f"separation_quantile{end}" for end in ("", "_lower", "_upper"))
-    required, lower, upper = (float(_of_pair(motions[name])[0]) for name in names)
+    found = quantile_intervals(pair_separation(motions).values, motions["quantile"].values[:1])
+    required, lower, upper = (float(one[0]) for one in found)
     return required, lower, upper
+
+
+def _is_alone(motions: xr.Dataset) -> bool:
+    return motions.sizes[STRUCTURE] == 1
 
 
 def _of_pair(separation: xr.DataArray) -> xr.DataArray:

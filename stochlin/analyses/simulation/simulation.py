@@ -197,7 +197,7 @@ def drawn_separations(
     scatter: float,
     step: float | None = None,
 ) -> tuple[Array, float]:
-    """The largest ``u_1 - u_2`` [m] of two structures in each motion, and the step of time [s].
+    """The largest ``u_1 - u_2`` [m] in each motion, or ``u_1`` of one structure, and the step [s].
 
     As by `simulate`, of samples that are there already; unless a ``step`` is given, in steps that fit.
     """

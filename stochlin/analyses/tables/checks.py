@@ -12,8 +12,9 @@ import numpy as np
 import numpy.typing as npt
 
 from stochlin.messages import brief
-from stochlin.models.parameters import Model
-from stochlin.models.systems import AnyStructure, first_period
+from stochlin.models.parameters import Model, expect
+from stochlin.models.systems import STRUCTURES, AnyStructure, first_period
+from stochlin.models.uncertain import median_of
 
 LONGEST_LABEL, LONGEST_PATH = 200, 4096
 A_LABEL = f"some words on one line, {LONGEST_LABEL} characters at most, no control characters"
@@ -111,6 +112,22 @@ def check_duration(duration: object, structures: Mapping[str, AnyStructure] | No
                 "allowed: a period and more"
             )
     return float(duration)
+
+
+def standing(first: object, second: object) -> dict[str, Any]:
+    """The structures by their roles; where ``second`` is None, one alone beside its property line.
+
+    A TypeError unless they are structures.
+    """
+    if first is None:
+        raise TypeError(
+            "first = None; allowed: a structure; one alone stands first, and None second, for the "
+            "property line on its right"
+        )
+    found = {"first": first} | ({} if second is None else {"second": second})
+    for role, structure in found.items():
+        expect(median_of(structure), STRUCTURES, role)
+    return found
 
 
 def check_confidence(confidence: object) -> None:

@@ -46,6 +46,7 @@ def probability(case: Path, gap: float | None, out: Path | None, picture: Path |
         described = read_case(case)
         check_target("--out", out, FORMATS, described.inputs)
         check_target("--picture", picture, PICTURES, described.inputs)
+        _ = described.pair  # raises where there are not two
         chosen = described.gap if gap is None else gap
         if chosen is None:
             raise ValueError(f"{described.file} states no existing gap; give it there, or --gap 5cm")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stochlin.views.sensitivity.words import CENTIMETRES, EXAMPLE, NAMES, rows
+from stochlin.views.sensitivity.words import CENTIMETRES, EXAMPLE, NAMES, asked, rows
 from stochlin.views.shared.style import AS_GIVEN, filled, styled
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def draw_sensitivity(
     axes.grid(visible=False, axis="y")
     axes.set_axisbelow(True)
     axes.set(xlim=(-1.05 * right, 1.05 * right), ylim=(rows_high - 0.5, -0.5))
-    axes.set(xlabel="change of the gap [cm]")
+    axes.set(xlabel=f"change of the {asked(dataset)} [cm]")
     for side in ("top", "right", "left"):
         axes.spines[side].set_visible(False)
     axes.legend(
@@ -110,9 +110,12 @@ def _of_known(dataset: xr.Dataset) -> str:
 def _caption(dataset: xr.Dataset) -> str:
     attrs = dataset.attrs
     roles = {"first": "building 1", "second": "building 2", "ground": "ground", "envelope": "envelope"}
-    lines = [attrs["title"], *(f"{name}: {attrs[role]}" for role, name in roles.items())]
+    lines = [
+        attrs["title"],
+        *(f"{name}: {attrs[role]}" for role, name in roles.items() if role in attrs),
+    ]
     lines.append(
-        f"{attrs['paths']} motions of {attrs['duration_s']:g} s, seed {attrs['seed']}; gap "
+        f"{attrs['paths']} motions of {attrs['duration_s']:g} s, seed {attrs['seed']}; {asked(dataset)} "
         f"{CENTIMETRES * float(dataset.gap):.1f} cm with {100 * attrs['confidence']:.4g} % confidence. "
         f"{_of_known(dataset)}: {EXAMPLE}. Lines: standard errors."
     )

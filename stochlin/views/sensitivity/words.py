@@ -22,8 +22,8 @@ NOTHING = 1e-6  # of the gap: what moves it by less does not matter
 FEWEST, MOST = 2.0, 3  # standard errors of a share that is told; shares that are told
 EXAMPLE = "10 % to either side as an example"
 COLUMNS = (
-    "Gap: how it changes if the input is known to be at either end. Elasticity: change of the gap in "
-    "per cent for one per cent more of the input. After ±: standard errors."
+    "[cm]: how it changes if the input is known to be at either end. Elasticity: its change in per cent "
+    "for one per cent more of the input. After ±: standard errors."
 )
 SHARE = "Share: of the variance of the separation, what comes from this input alone."
 
@@ -50,6 +50,11 @@ def rows(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[InputLine]
     there = moves > NOTHING * max(float(table.gap), float(moves.max()))
     some = bool(uncertain.any())
     return [_row(table.isel(input=n), int(n), names, some) for n in order if there[n]]
+
+
+def asked(table: xr.Dataset) -> str:
+    """What is asked for: a gap, or the set-back of one building."""
+    return "gap" if "second" in table.attrs else "set-back"
 
 
 def note(table: xr.Dataset) -> str:
@@ -109,13 +114,13 @@ def sentences(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[str]:
     """What an engineer would say of it."""
     shown = rows(table, names)
     if not shown:
-        return ["No number of the buildings or of the ground moves the gap."]
+        return ["No number of the buildings or of the ground moves it."]
     most = shown[0]
     begin = "Of what is uncertain" if most.uncertain else "Of all inputs, each 10 % less and more"
     low, high = most.change.split(" / ")
     told = [
-        f"{begin}, the gap depends most on the {most.label.strip('()')}: {most.low} would change it by "
-        f"{low}{SPACE}cm, {most.high} by {high}{SPACE}cm."
+        f"{begin}, the {asked(table)} depends most on the {most.label.strip('()')}: {most.low} would "
+        f"change it by {low}{SPACE}cm, {most.high} by {high}{SPACE}cm."
     ]
     if not table.uncertain.any():
         return told
@@ -134,7 +139,7 @@ def sentences(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[str]:
     error = float(table.gap_of_medians_standard_error / table.gap)
     word = "smaller" if less < 0 else "larger"
     told.append(
-        "If all inputs were known to be at their medians, the gap would be "
+        f"If all inputs were known to be at their medians, the {asked(table)} would be "
         f"{100 * abs(less):.0f} ± {per_cent(error)} {word}."
     )
     return told
@@ -149,7 +154,8 @@ def lines(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[str]:
     if not shown:
         return found
     columns = ("label", "range", "change", "elasticity", "share")
-    heads = ("input", "range", "gap [cm]", "elasticity", "share" if table.uncertain.any() else "")
+    share = "share" if table.uncertain.any() else ""
+    heads = ("input", "range", f"{asked(table)} [cm]", "elasticity", share)
     cells = [heads, *([getattr(row, name).translate(PLAIN) for name in columns] for row in shown)]
     wide = [max(len(row[n]) for row in cells) for n in range(len(columns))]
     found.append("")

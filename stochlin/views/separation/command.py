@@ -49,7 +49,8 @@ def gap(
 ) -> None:
     """How far apart two buildings must stand, by simulation and by every rule.
 
-    CASE is a file that describes the site, the motion and the buildings.
+    CASE is a file that describes the site, the motion and the buildings; of one building alone it is how
+    far that must stand from its property line.
 
     \b
     Examples:

@@ -10,6 +10,7 @@ import numpy as np
 from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.analyses.records.files import METRES
 from stochlin.models.buildings import ShearBuilding
+from stochlin.views.separation.subjects import subject_of
 from stochlin.views.separation.words import ductilities, rows
 from stochlin.views.shared.words import LARGE, length, per_cent
 
@@ -22,6 +23,13 @@ if TYPE_CHECKING:
     from stochlin.analyses.cases.separation import CaseAnswer
 
 
+LINE = (
+    "The property line: it is on one side of the building, and nothing beyond it is in the model. Two "
+    "neighbours that each stay on their own side cannot meet; with one that stands nearer than that "
+    "to the line, ask for the gap between both."
+)
+
+
 def uncertainties(answer: CaseAnswer) -> list[str]:
     """What the answer does not know, for the page."""
     case, table = answer.case, answer.separation
@@ -31,13 +39,16 @@ def uncertainties(answer: CaseAnswer) -> list[str]:
         "The ground: a stationary random motion with an envelope, its spectrum and intensity taken as "
         "given. How strong the next earthquake will be is the largest unknown, and not in the interval"
         f"{f'; a scatter of {case.scatter:g} about that is in the answer' if case.scatter else ''}.",
-        f"The buildings: {_models(case)}, torsion, soil under the foundations, and loss of strength are "
-        "left out, and so is the error of the periods and dampings that you gave.",
-        "The rules: all are fed with the simulated peaks of these buildings, so that the table judges "
-        "how they combine peaks, not how an engineer would get those peaks. Building codes have "
-        "displacements, load factors and least distances of their own in mind.",
+        f"{subject_of(case).the_buildings.capitalize()}: {_models(case)}, torsion, soil under the "
+        "foundations, and loss of strength are left out, and so is the error of the periods and "
+        "dampings that you gave.",
+        f"The rules: all are fed with the simulated peaks of {_whose(case)} peaks, not how an engineer "
+        "would get those peaks. Building codes have displacements, load factors and least distances of "
+        "their own in mind.",
     ]
-    if any(building.strength == "ductility" for building in case.pair):
+    if case.alone:
+        sentences.append(LINE)
+    if any(building.strength == "ductility" for building in case.buildings):
         sentences.append(
             "Strength from ductility: found by linearization, which underestimates ductility; the "
             f"simulated mean peaks are {ductilities(table)}."
@@ -50,16 +61,25 @@ def uncertainties(answer: CaseAnswer) -> list[str]:
     return sentences
 
 
+def _whose(case: Case) -> str:
+    """The building or buildings, and what the table judges of the rules."""
+    if case.alone:
+        return "this building, so that the table judges what they make of"
+    return "these buildings, so that the table judges how they combine"
+
+
 def _models(case: Case) -> str:
     """What the buildings are taken for, and the first of what that leaves out."""
-    laws = [_law(building).replace("Bilinear", "bilinear") for building in case.pair]
-    storeys = [isinstance(building, StoreyBuilding) for building in case.pair]
+    laws = [_law(building).replace("Bilinear", "bilinear") for building in case.buildings]
+    storeys = [isinstance(building, StoreyBuilding) for building in case.buildings]
     if not any(storeys):
         kinds = " or ".join(dict.fromkeys(laws))
+        if case.alone:
+            return f"it is one {kinds} oscillator, at the level of its roof. Higher modes"
         return f"each is one {kinds} oscillator, at the level where they could meet. Higher modes"
     told = [
         f"{building.name} is {f'a row of {law} storeys' if known else f'one {law} oscillator'}"
-        for building, law, known in zip(case.pair, laws, storeys, strict=True)
+        for building, law, known in zip(case.buildings, laws, storeys, strict=True)
     ]
     return f"{', '.join(told)}. Floors are stiff and storeys shear alone. Bending as a whole"
 
@@ -86,14 +106,14 @@ def facts(answer: CaseAnswer) -> list[tuple[str, str, str]]:
     motion.append(("Motion", "scatter from motion to motion", f"{case.scatter:g}"))
     wanted = [
         ("confidence", per_cent(case.confidence, 1)),
-        ("existing gap", "none" if case.gap is None else length(case.gap)),
-        ("floors align", "yes" if case.floors_align else "no"),
+        (f"existing {subject_of(case).gap}", "none" if case.gap is None else length(case.gap)),
+        *([] if case.alone else [("floors align", "yes" if case.floors_align else "no")]),
         ("zone of Mexico City", case.zone or "not given"),
         ("simulated motions", f"{case.paths}, seed {case.seed}"),
     ]
     both = [
         (f"Building {n}", *fact)
-        for n, building in enumerate(case.pair, start=1)
+        for n, building in enumerate(case.buildings, start=1)
         for fact in _building(building, answer.separation, n)
     ]
     return [*ground, *motion, *both, *(("Separation", *fact) for fact in wanted)]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stochlin.views.separation.storeys import draw_heights
+from stochlin.views.separation.subjects import subject_of
 from stochlin.views.separation.words import RuleLine, rows
 from stochlin.views.shared.style import CURVES, STYLE, filled, styled
 from stochlin.views.shared.words import BEYOND, FAR
@@ -45,7 +46,7 @@ def answer_figure(answer: CaseAnswer) -> Figure:
 def rules_figure(answer: CaseAnswer) -> Figure:
     """Gaps by rule, against the answer and its interval."""
     shown = [row for row in rows(answer) if row.verdict in VERDICTS]
-    gaps = [100 * float(answer.separation.gap[row.number - 1]) for row in shown]
+    gaps = [100 * _gap(answer, row) for row in shown]
     names = [filled([f"{row.number}  {row.label}"], NAME_WIDTH) for row in shown]
     wide = any("\n" in name for name in names)
     pitch, middle = (0.34, 0.1) if wide else (0.235, 0.3)
@@ -63,33 +64,33 @@ def rules_figure(answer: CaseAnswer) -> Figure:
     axes.tick_params(axis="y", length=0)
     axes.grid(visible=False, axis="y")
     axes.invert_yaxis()
-    axes.set(ylim=(len(shown) - 0.4, -0.6), xlim=(0, right), xlabel="gap [cm]")
+    axes.set(ylim=(len(shown) - 0.4, -0.6), xlim=(0, right), xlabel=_axis(answer))
     _verdict_legend(axes, {row.verdict for row in shown}, middle)
     return figure
 
 
 def distribution_figure(answer: CaseAnswer) -> Figure:
     """Probability of no pounding over the gap, with the gaps of the rules on it."""
-    table = answer.separation
+    table, about = answer.separation, subject_of(answer.case)
     samples = 100 * np.sort(table.separation_samples.values)
     share = np.linspace(0, 1, 401)
     figure, axes = _blank(3.9)
     axes.plot(np.quantile(samples, share), share, color="0.1", zorder=3)
     shown = [row for row in rows(answer) if row.verdict in VERDICTS]
-    gaps = {row.number: 100 * float(table.gap[row.number - 1]) for row in shown}
+    gaps = {row.number: 100 * _gap(answer, row) for row in shown}
     right = 1.06 * max(_farthest(answer, gaps.values()), samples[-1]) or 1
     now = 100 * answer.existing.attrs["gap_m"] if answer.existing is not None else np.inf
     if now < 1.6 * right:  # farther off it would squeeze the rest
         right = max(right, 1.3 * now)
         axes.axvline(now, ymax=1 / TOP, color="#2166ac", lw=1.2, ls=(0, (6, 1.5, 1, 1.5)))
-        axes.text(now + 0.01 * right, 0.02, "existing gap", size=9, color="#1d4f86")
+        axes.text(now + 0.01 * right, 0.02, f"existing {about.gap}", size=9, color="#1d4f86")
     axes.set(xlim=(0, right), ylim=(0, TOP))
     far = [f"{row.number}: {row.gap} cm {BEYOND}" for row in shown if gaps[row.number] > right]
     axes.text(0.99 * right, 0.84, "\n".join(far), ha="right", va="top", size=9)
     shown = [row for row in shown if gaps[row.number] <= right]
     for row in shown:
         face, hatch = VERDICTS[row.verdict]
-        chance = float(table.no_pounding_probability[row.number - 1])
+        chance = float(table.no_pounding_probability.sel(rule=row.rule))
         style: Any = {"color": face, "mec": EDGE, "mew": 0.8, "ls": "", "zorder": 4}
         axes.plot(gaps[row.number], chance, marker="s" if hatch else "o", ms=5.5, **style)
     _rule_numbers(axes, shown, gaps, right)
@@ -97,7 +98,7 @@ def distribution_figure(answer: CaseAnswer) -> Figure:
     axes.axhline(confidence, color="0.3", lw=0.9, ls=(0, (4, 2)))
     axes.text(0.01 * right, confidence + 0.015, f"{100 * confidence:g} %", size=9, color="0.2")
     axes.set_yticks(np.arange(0, 1.01, 0.2), [f"{p:.0f} %" for p in np.arange(0, 101, 20)])
-    axes.set(xlabel="gap [cm]", ylabel="motions without pounding")
+    axes.set(xlabel=_axis(answer), ylabel=about.good)
     return figure
 
 
@@ -113,11 +114,11 @@ def spectrum_figure(answer: CaseAnswer) -> Figure:
 
     spectrum = answer.spectrum
     if "target" in spectrum:
-        return draw_spectrum(spectrum, False, [building.period for building in answer.case.pair])
+        return draw_spectrum(spectrum, False, [building.period for building in answer.case.buildings])
     figure, axes = _blank(3.3)
     period = spectrum.period.values
     axes.plot(period, spectrum.psd_ground, color=CURVES[1][0], label="ground")
-    for n, building in enumerate(answer.case.pair, start=1):
+    for n, building in enumerate(answer.case.buildings, start=1):
         color, dash = CURVES[0] if n == 1 else CURVES[2]
         axes.axvline(
             building.period,
@@ -147,7 +148,8 @@ def records_figure(answer: CaseAnswer) -> Figure:
     axes.set_yticks(place, [f"record {n}" for n in place + 1])
     axes.grid(visible=False, axis="y")
     axes.set_ylim(len(gaps) - 0.4, -0.6)
-    axes.set(xlim=(0, 1.04 * max(*gaps, 100 * float(answer.separation.gap[0])) or 1), xlabel="gap [cm]")
+    axes.set(xlim=(0, 1.04 * max(*gaps, 100 * float(answer.separation.gap[0])) or 1))
+    axes.set(xlabel=_axis(answer))
     _legend_above(axes)
     return figure
 
@@ -158,9 +160,18 @@ def _many_records(answer: CaseAnswer, gaps: np.ndarray) -> Figure:
     axes.ecdf(gaps, color="#6b5d45", lw=1.6, label="records")
     _answer_line(axes, answer)
     right = 1.04 * max(*gaps, 100 * float(answer.separation.gap[0])) or 1
-    axes.set(xlim=(0, right), ylim=(0, 1.02), xlabel="gap [cm]", ylabel="share of the records")
+    axes.set(xlim=(0, right), ylim=(0, 1.02), xlabel=_axis(answer), ylabel="share of the records")
     _legend_above(axes)
     return figure
+
+
+def _gap(answer: CaseAnswer, row: RuleLine) -> float:
+    """What a rule asks for [m]."""
+    return float(answer.separation.gap.sel(rule=row.rule))
+
+
+def _axis(answer: CaseAnswer) -> str:
+    return f"{subject_of(answer.case).gap} [cm]"
 
 
 def _blank(height: float) -> tuple[Figure, Axes]:

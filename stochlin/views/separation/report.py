@@ -13,6 +13,7 @@ from stochlin.views.sensitivity.pictures import draw_sensitivity
 from stochlin.views.separation import facts as small_print
 from stochlin.views.separation import pictures, words
 from stochlin.views.separation.storeys import draw_heights
+from stochlin.views.separation.subjects import subject_of
 from stochlin.views.shared.words import centimetres, doubted
 from stochlin.views.sites.words import fit_in_words
 
@@ -54,15 +55,16 @@ def report_page(answer: CaseAnswer) -> str:
     shown = words.rows(answer)
     return environment.get_template("report.html").render(
         case=answer.case,
+        subject=subject_of(answer.case),
         doubt=doubted(answer.doubts()),
         headline=words.headline(answer),
         summary=words.summary(answer),
         allowances=words.allowances(answer),
         rows=shown,
         kinds=[(KINDS[kind], list(group)) for kind, group in groupby(shown, lambda row: row.kind)],
-        columns=words.COLUMNS,
+        columns=words.columns(answer.case),
         marks=words.MARKS,
-        families=words.FAMILIES,
+        families=words.families(answer.case),
         pictures=_pictures(answer),
         facts=_grouped(small_print.facts(answer)),
         records=_records(answer),
@@ -74,26 +76,27 @@ def report_page(answer: CaseAnswer) -> str:
 
 
 def _pictures(answer: CaseAnswer) -> list[Picture]:
-    gap = centimetres(float(answer.separation.gap[0]))
+    gap, about = centimetres(float(answer.separation.gap[0])), subject_of(answer.case)
+    lines = "lines are the elastic periods" if not answer.case.alone else "line is the elastic period"
     drawn = [
         (
-            "Gaps by rule",
+            f"{about.gap.capitalize()}s by rule",
             pictures.rules_figure,
-            f"Each rule's gap against the answer, {gap} cm (dashed, its 95 % interval grey). Numbers as "
-            "in the table.",
+            f"Each rule's {about.gap} against the answer, {gap} cm (dashed, its 95 % interval grey). "
+            "Numbers as in the table.",
         ),
         (
-            "How often a gap is enough",
+            f"How often a {about.gap} is enough",
             pictures.distribution_figure,
-            "Share of the simulated motions in which a gap would have kept the buildings apart. The "
+            f"Share of the simulated motions in which {about.would}. The "
             "rules stand on the curve, squares where they are unsafe or within error; their numbers are "
             "those of the table.",
         ),
         (
-            "The ground and the buildings",
+            f"The ground and {about.the_buildings}",
             pictures.spectrum_figure,
-            f"{_of_site(answer)} The lines are the elastic periods of the buildings; yielding lengthens "
-            "them.",
+            f"{_of_site(answer)} The {lines} of {about.the_buildings}; yielding lengthens "
+            f"{'it' if answer.case.alone else 'them'}.",
         ),
     ]
     if "height" in answer.separation.dims:
@@ -102,9 +105,9 @@ def _pictures(answer: CaseAnswer) -> list[Picture]:
             (
                 "Height by height, storey by storey",
                 lambda answer: draw_heights(answer.table(), caption=False),
-                "Above, the gap that is needed at each height, and where it governs. One gap for all "
-                "heights takes the largest, or more: motions need it at different heights. Below, how "
-                "far storeys drift, and where they yield.",
+                f"Above, the {about.gap} that is needed at each height, and where it governs. One "
+                f"{about.gap} for all heights takes the largest, or more: motions need it at different "
+                "heights. Below, how far storeys drift, and where they yield.",
             ),
         )
     if answer.case.records:
@@ -112,7 +115,8 @@ def _pictures(answer: CaseAnswer) -> list[Picture]:
             (
                 "Recorded motions",
                 pictures.records_figure,
-                "Gap that would just have been enough in each record, against the answer.",
+                f"{about.gap.capitalize()} that would just have been enough in each record, against "
+                f"the answer. {about.records}".strip(),
             )
         )
     return [
@@ -123,9 +127,9 @@ def _pictures(answer: CaseAnswer) -> list[Picture]:
 
 def _matters(answer: CaseAnswer, table: xr.Dataset) -> dict[str, Any]:
     """What the gap depends on: sentences, a row an input, what the columns are, and the picture."""
-    names = words.names_of(answer)
+    names, asked = words.names_of(answer), what_matters.asked(table)
     text = (
-        "How the gap changes with each input at the ends of its range, with standard errors (lines). "
+        f"How the {asked} changes with each input at the ends of its range; lines: standard errors. "
         "Numbers and ranges as in the table."
     )
     picture = _svg(
@@ -134,9 +138,10 @@ def _matters(answer: CaseAnswer, table: xr.Dataset) -> dict[str, Any]:
     return {
         "sentences": what_matters.sentences(table, names),
         "rows": what_matters.rows(table, names),
+        "asked": asked,
         "shares": bool(table.uncertain.any()),
         "note": what_matters.note(table),
-        "picture": Picture("What moves the gap", picture, text),
+        "picture": Picture(f"What moves the {asked}", picture, text),
     }
 
 
@@ -169,9 +174,10 @@ def _grouped(facts: Iterable[tuple[str, str, str]]) -> list[tuple[str, list[tupl
 
 
 def _records(answer: CaseAnswer) -> list[tuple[str, list[str]]]:
-    """Name of each record, and its gap and both peaks in cm."""
+    """Name of each record, and its gap and the peaks in cm."""
     table = answer.separation
-    names = ("record_separation", "record_peak_1", "record_peak_2")
+    known = ("record_separation", "record_peak_1", "record_peak_2")
+    names = [name for name in known if name in table]
     return [
         (record, [centimetres(float(table[name][n])) for name in names])
         for n, record in enumerate(answer.case.records)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from stochlin.views.separation.subjects import gap_of
 from stochlin.views.shared.style import AS_GIVEN, CURVES, filled, styled
 from stochlin.views.shared.words import rule_label
 
@@ -31,8 +32,8 @@ def draw_heights(dataset: xr.Dataset, caption: bool = True) -> Figure:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of one pair, at least one of them a ``ShearBuilding``; from memory or as ``stochlin gap``
-        saves it.
+        Of one pair, at least one of them a ``ShearBuilding``, or of one alone; from memory or as
+        ``stochlin gap`` saves it.
     caption : bool
         Whether to say below of what it is.
 
@@ -113,9 +114,15 @@ def _gaps(axes: Axes, dataset: xr.Dataset) -> None:
         axes.axvline(whole, color="0.1", lw=0.9, ls=(0, (4, 2)), label="one for all heights")
     if "existing_gap_m" in dataset.attrs:
         now = CENTIMETRES * float(dataset.attrs["existing_gap_m"])
-        axes.axvline(now, color="0.35", lw=1.0, ls=(0, (8, 2, 1, 2, 1, 2)), label="the gap there is")
+        axes.axvline(
+            now,
+            color="0.35",
+            lw=1.0,
+            ls=(0, (8, 2, 1, 2, 1, 2)),
+            label=f"the {gap_of(dataset)} there is",
+        )
     asked = f"{100 * float(dataset.attrs['confidence']):.4g} %"
-    axes.set(ylabel="height [m]", xlabel=f"gap [cm] that {asked} of the motions keep")
+    axes.set(ylabel="height [m]", xlabel=f"{gap_of(dataset)} [cm] that {asked} of the motions keep")
     if grounded:
         axes.set(ylim=(0, 1.04 * heights[-1]))
     else:
@@ -126,7 +133,7 @@ def _drifts(axes: Axes, dataset: xr.Dataset) -> None:
     """Mean peak drifts of the storeys of both buildings; an oscillator has none."""
     for number, (color, dash), marker in zip((1, 2), CURVES, "os", strict=False):
         there = dataset.element_structure.values == number
-        if dataset.element.values[there][0] == str(number):
+        if str(number) in dataset.element.values[there] or not there.any():
             continue
         own = dataset.isel(element=there)
         drift, storeys = CENTIMETRES * own.peak_drift_mean.values, own.storey.values
@@ -144,6 +151,7 @@ def _drifts(axes: Axes, dataset: xr.Dataset) -> None:
 def _caption(dataset: xr.Dataset) -> str:
     attrs = dataset.attrs
     roles = {"first": "building 1", "second": "building 2", "ground": "ground", "envelope": "envelope"}
-    lines = [dataset.attrs["title"], *(f"{name}: {attrs[role]}" for role, name in roles.items())]
+    told = (f"{name}: {attrs[role]}" for role, name in roles.items() if role in attrs)
+    lines = [dataset.attrs["title"], *told]
     lines.append(f"{attrs['paths']} motions of {attrs['duration_s']:g} s, seed {attrs['seed']}")
     return filled(lines, CAPTION, "    ")

@@ -8,6 +8,7 @@ import numpy as np
 
 from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.views.sensitivity import words as matters
+from stochlin.views.separation.subjects import subject_of
 from stochlin.views.shared.screen import paragraph
 from stochlin.views.shared.words import (
     SPACE,
@@ -29,22 +30,17 @@ if TYPE_CHECKING:
     from stochlin.analyses.cases.case import Case
     from stochlin.analyses.cases.separation import CaseAnswer
 
-COLUMNS = (
-    "Error: the rule's gap against the answer; minus is unsafe. Apart: share of the simulated motions "
-    "in which the rule's gap keeps the buildings apart. Within error: the simulation cannot tell."
-)
 MARKS = (
     "Marks: S, formula seen in a copy of its source; C, derived and checked; P, printed in the paper; "
     "M, from memory, not compared with its source."
 )
 FAMILIES = (
-    "Families of building codes: SRSS, root of the sum of squared displacements; sum, a factor times "
+    "SRSS, root of the sum of squared displacements; sum, a factor times "
     "their sum; height, a factor times the height; fixed, a distance."
 )
 MOST_SHOWN = 4  # heights at which the gap is told
 ALIKE, MUCH = 0.05, 10.0  # gap over peak of buildings that move alike; ductility that is doubtful
-
-
+OF_TWO = "needs a second building"  # the reason why a rule is not available
 SHOWN_TEXTS = ("family", "mark", "reference", "assumptions", "missing")
 
 
@@ -66,22 +62,44 @@ class RuleLine(NamedTuple):
     missing: str
 
 
+def columns(case: Case) -> str:
+    """What the columns of the table of rules mean."""
+    about = subject_of(case)
+    return (
+        f"Error: the rule's {about.gap} against the answer; minus is unsafe. "
+        f"{about.column.capitalize()}: share of the simulated motions in which {about.share}. Within "
+        "error: the simulation cannot tell."
+    )
+
+
+def families(case: Case) -> str:
+    """What the families of the rules mean."""
+    return f"{subject_of(case).families}: {FAMILIES}"
+
+
+def _of_each(table: xr.Dataset, name: str) -> list[float]:
+    """A number of both buildings, or of the one that there is."""
+    return [float(table[f"{name}_{n}"]) for n in (1, 2) if f"{name}_{n}" in table]
+
+
 def ductilities(table: xr.Dataset) -> str:
-    """Mean peak ductilities of both buildings."""
-    values = [float(table[f"ductility_{n}"]) for n in (1, 2)]
-    texts = [f"{value:.1f}" if np.isfinite(value) else "none (elastic)" for value in values]
+    """Mean peak ductilities of the buildings."""
+    texts = [f"{v:.1f}" if np.isfinite(v) else "none (elastic)" for v in _of_each(table, "ductility")]
     return " and ".join(texts)
 
 
 def rows(answer: CaseAnswer) -> list[RuleLine]:
-    """The table of rules, the answer first."""
-    table = answer.separation
+    """The table of rules, the answer first; of one building alone those that say something of one."""
+    table, about = answer.separation, subject_of(answer.case)
+    if answer.case.alone:
+        of_two = [str(text).startswith(OF_TWO) for text in table.missing.values]
+        table = table.isel(rule=~np.array(of_two))
     meanings = table.verdict.attrs["flag_meanings"].split()
     return [
         RuleLine(
             number=n,
-            rule=str(one.rule.item()),
-            label=rule_label(str(one.rule.item())),
+            rule=(rule := str(one.rule.item())),
+            label=about.labels.get(rule, rule_label(rule)),
             kind=str(one.kind.item()),
             gap=centimetres(float(one.gap)),
             error=per_cent(float(one.error), sign="+") if n > 1 else "",
@@ -103,37 +121,42 @@ def answer_lines(answer: CaseAnswer) -> list[str]:
     if allowed:
         lines += ["", *paragraph(allowed[0])]
         lines += [line for text in allowed[1:] for line in paragraph(f"  {text}", "    ")]
-    shown = rows(answer)
-    wide = max(len(row.rule) for row in shown)
-    lines += ["", f"{'rule':{wide}}  gap [cm]  error    apart  {'verdict':13}  {'mark':6}  family"]
+    shown, about = rows(answer), subject_of(answer.case)
+    wide, head = max(len(row.rule) for row in shown), f"{about.gap} [cm]"
     lines += [
-        f"{row.rule:{wide}}  {row.gap:>8} {row.error:>6}  {row.probability:>7}  {row.verdict:13}  "
-        f"{row.mark:6}  {row.family}".rstrip()
+        "",
+        f"{'rule':{wide}}  {head}  error  {about.column:>7}  {'verdict':13}  {'mark':6}  family",
+    ]
+    lines += [
+        f"{row.rule:{wide}}  {row.gap:>{len(head)}} {row.error:>6}  {row.probability:>7}  "
+        f"{row.verdict:13}  {row.mark:6}  {row.family}".rstrip()
         for row in shown
     ]
     lines += [""]
     for row in shown:
         if row.missing:
             lines += paragraph(f"{row.rule}: {row.missing}", "  ")
-    lines += [*paragraph(COLUMNS), *paragraph(MARKS), *paragraph(FAMILIES)]
+    told = (about.rules, columns(answer.case), MARKS, families(answer.case))
+    lines += [line for text in told if text for line in paragraph(text)]
     return lines if answer.matters is None else lines + matters.lines(answer.matters, names_of(answer))
 
 
 def names_of(answer: CaseAnswer) -> dict[str, str]:
-    """What to call the models of the pair."""
-    first, second = answer.case.pair
-    return {"structure_1": first.name, "structure_2": second.name, "ground": "the ground"}
+    """What to call the models of the case."""
+    buildings = enumerate(answer.case.buildings, start=1)
+    return {**{f"structure_{n}": one.name for n, one in buildings}, "ground": "the ground"}
 
 
 def headline(answer: CaseAnswer) -> str:
     """The answer in one sentence."""
+    first, *others = (building.name for building in answer.case.one_or_two)
     gap = length(float(answer.separation.gap[0]))
-    return f"{answer.case.first.name} and {answer.case.second.name} should stand {gap} apart."
+    return subject_of(answer.case).stand.format(first=first, second="".join(others), gap=gap)
 
 
 def summary(answer: CaseAnswer) -> list[str]:
     """What the answer means, how sure it is, and what the rules make of the case."""
-    case, table = answer.case, answer.separation
+    case, table, about = answer.case, answer.separation, subject_of(answer.case)
     low, high = (float(table[f"gap_{end}"][0]) for end in ("lower", "upper"))
     interval = f"{length(low)} or more, from too few motions to say how much"
     if np.isfinite(high):
@@ -141,9 +164,9 @@ def summary(answer: CaseAnswer) -> list[str]:
     confidence = f"{100 * case.confidence:.4g}{SPACE}%"
     sentences = [
         floors(case),
-        f"With that gap they do not touch in {confidence} of motions like the one "
+        f"With that {about.gap} {about.kept} in {confidence} of motions like the one "
         f"described. This comes from simulating {case.paths} such motions; the 95{SPACE}% interval of "
-        f"the gap is {interval}.",
+        f"the {about.gap} is {interval}.",
         shaking(answer.shaking, case),
         scatter(case),
         _heights(answer),
@@ -156,13 +179,13 @@ def summary(answer: CaseAnswer) -> list[str]:
         sentences.append(_existing(answer.existing, case))
     if answer.over_records is not None:
         gap = float(table.gap[0])
-        sentences.append(over_records(answer.over_records, len(case.records), gap))
+        sentences.append(over_records(answer.over_records, len(case.records), gap, about.gap))
     elif case.records:
         gaps = ", ".join(
             f"{name} {length(float(gap))}"
             for name, gap in zip(case.records, table.record_separation.values, strict=True)
         )
-        sentences.append(f"In the recorded motions they would have needed: {gaps}.")
+        sentences.append(f"In the recorded motions {about.they} would have needed: {gaps}.")
     sentences.append(" ".join(fit_in_words(answer.spectrum)))
     return [sentence for sentence in sentences if sentence]
 
@@ -171,17 +194,18 @@ def allowances(answer: CaseAnswer) -> list[str]:
     """What would make the existing gap enough, or how far it is: a heading, changes, the range."""
     if answer.existing is None:
         return []
-    found, case = answer.existing, answer.case
+    found, case, about = answer.existing, answer.case, subject_of(answer.case)
     enough = float(found.required_gap) <= float(found.attrs["gap_m"])
     now = float(case.ground.arrays()["intensity"])
     intensity, damping = float(found.largest_intensity), float(found.least_added_damping)
     ends = [float(found[f"least_added_damping_{end}"]) for end in ("lower", "upper")]
     told = f" [{per_cent(ends[0], 1)} to {per_cent(ends[1], 1)}]" if ends[0] < ends[1] else ""
-    more = f"at least {per_cent(damping, 1)}{told} more in both" if damping else "no more is needed"
+    more = f"at least {per_cent(damping, 1)}{told} more{'' if case.alone else ' in both'}"
+    more = more if damping else "no more is needed"
     return [
-        "How far each may go, alone, with the gap still enough:"
+        f"How far each may go, alone, with the {about.gap} still enough:"
         if enough
-        else "What would make the gap enough, one change alone:",
+        else f"What would make the {about.gap} enough, one change alone:",
         *_strength(found, answer.separation),
         "Shaking: "
         + _limit(
@@ -197,7 +221,8 @@ def _heights(answer: CaseAnswer) -> str:
     table = answer.separation
     if "height" not in table.dims:
         return ""
-    for one, other in (answer.case.pair, answer.case.pair[::-1]):
+    both = answer.case.one_or_two
+    for one, other in zip(both, both[::-1], strict=True):
         if not isinstance(one, StoreyBuilding):
             told = f", although it is {one.height:.4g}{SPACE}m high" if one.height else ""
             return (
@@ -212,10 +237,13 @@ def _heights(answer: CaseAnswer) -> str:
         for one in (lower[int(index)] for index in np.unique(places.astype(int)))
     ]
     told = f"; below, less would do: {', '.join(parts)}" if parts else ""
-    return f"The gap is needed at {governs:.4g}{SPACE}m{told}."
+    what = subject_of(answer.case).gap
+    return f"The {what} is needed at {governs:.4g}{SPACE}m{told}."
 
 
 def _alike(table: xr.Dataset) -> str:
+    if "peak_2" not in table:
+        return ""
     if float(table.gap[0]) > ALIKE * max(float(table.peak_1), float(table.peak_2)):
         return ""
     return (
@@ -225,12 +253,14 @@ def _alike(table: xr.Dataset) -> str:
 
 
 def _yielding(table: xr.Dataset) -> str:
-    values = [float(table[f"ductility_{n}"]) for n in (1, 2)]
+    values = _of_each(table, "ductility")
+    alone = len(values) == 1
     if not np.isfinite(values).any():
-        return "Both buildings stay elastic."
-    sentence = f"Their mean peak ductilities are {ductilities(table)}"
+        return "The building stays elastic." if alone else "Both buildings stay elastic."
+    begin = "Its mean peak ductility is" if alone else "Their mean peak ductilities are"
+    sentence = f"{begin} {ductilities(table)}"
     if np.nanmax(values) < 1:
-        return f"{sentence}: they hardly yield."
+        return f"{sentence}: {'it hardly yields' if alone else 'they hardly yield'}."
     if np.nanmax(values) > MUCH:
         return f"{sentence}: more than most buildings bear. Loss of strength is not in the model."
     return f"{sentence}."
@@ -239,7 +269,7 @@ def _yielding(table: xr.Dataset) -> str:
 def _storeys(answer: CaseAnswer) -> str:
     """The storey of each building that yields most, or that drifts most if none does."""
     table, parts = answer.separation, []
-    for number, building in enumerate(answer.case.pair, start=1):
+    for number, building in enumerate(answer.case.one_or_two, start=1):
         if not isinstance(building, StoreyBuilding):
             continue
         own = table.isel(element=np.flatnonzero(table.element_structure == number))
@@ -258,12 +288,15 @@ def _verdicts(answer: CaseAnswer) -> str:
     count = {word: sum(row.verdict == word for row in shown) for word in {r.verdict for r in shown}}
     words = {"safe": "safe here", "unsafe": "unsafe", "within error": "too close to tell"}
     parts = [f"{count[word]} {text}" for word, text in words.items() if count.get(word)]
-    sentence = f"Rules for the gap, {sum(count.get(w, 0) for w in words)} of them: {', '.join(parts)}."
+    about = subject_of(answer.case)
+    sentence = (
+        f"Rules for the {about.gap}, {sum(count.get(w, 0) for w in words)} of them: {', '.join(parts)}."
+    )
     if not count.get("unsafe"):
         return sentence
-    worst = answer.worst()
-    lacking = per_cent(-float(answer.separation.error[worst]))
-    row = shown[worst - 1]
+    worst = answer.separation.isel(rule=answer.worst())
+    lacking = per_cent(-float(worst.error))
+    row = next(row for row in shown if row.rule == worst.rule)
     return f"{sentence} The worst, {row.label}, gives {row.gap}{SPACE}cm, {lacking} less than needed."
 
 
@@ -276,13 +309,13 @@ def _existing(found: xr.Dataset, case: Case) -> str:
     elif high < case.confidence:
         word = "not enough"
     return (
-        f"The {length(float(found.attrs['gap_m']))} that there are keep them apart in "
+        f"The {length(float(found.attrs['gap_m']))} that there are {subject_of(case).keeping} in "
         f"{per_cent(share, 1)} of the motions ({per_cent(low, 1)} to {per_cent(high, 1)}): {word}."
     )
 
 
 def _strength(found: xr.Dataset, table: xr.Dataset) -> list[str]:
-    factors = [float(table[f"reduction_factor_{n}"]) for n in (1, 2)]
+    factors = _of_each(table, "reduction_factor")
     yielding = [n for n, now in enumerate(factors, start=1) if np.isfinite(now)]
     if not yielding:
         return []

@@ -133,7 +133,7 @@ def _at_periods(of_each: Mapping[str, str]) -> str:
     return ", ".join(f"{shown} at {period}" for period, shown in of_each.items())
 
 
-def over_records(found: xr.Dataset, count: int, gap: float) -> str:
+def over_records(found: xr.Dataset, count: int, gap: float, what: str = "gap") -> str:
     """What many records say of a gap [m], in place of one number each."""
     parts = []
     for level in found["quantile"].values:
@@ -144,7 +144,7 @@ def over_records(found: xr.Dataset, count: int, gap: float) -> str:
             f"{length(float(one.record_gap_quantile))} in {100 * level:.4g}{SPACE}% of them ({to})"
         )
     return (
-        f"The {count} recorded motions would have taken {', '.join(parts)}. A gap of {length(gap)} "
+        f"The {count} recorded motions would have taken {', '.join(parts)}. A {what} of {length(gap)} "
         f"holds {in_records(found, count)}."
     )
 

@@ -1,4 +1,4 @@
-"""The gap between two buildings, and what 8 cm would allow."""
+"""The gap between two buildings, the set-back of one of them, and what 8 cm would allow."""
 
 import stochlin as sl
 
@@ -7,6 +7,8 @@ ground = sl.KanaiTajimi(0.5, 0.5, intensity=0.01)
 options = {"paths": 256, "seed": 2, "confidence": 0.8}
 table = sl.separation(one, two, ground, 15.0, height_1=12.0, height_2=20.0, zone="III", **options)
 table.drop_vars("separation_samples").to_netcdf("gap.nc")
+alone = sl.separation(two, None, ground, 15.0, height_1=20.0, zone="III", **options)
+alone[["gap", "gap_lower", "gap_upper"]].reset_coords(drop=True).to_netcdf("alone.nc", engine="scipy")
 sl.existing_gap(
     one, two, ground, 15.0, gap=0.08, envelope=sl.GammaEnvelope(2.0, 0.4), **options
 ).to_netcdf("allows.nc")

@@ -66,7 +66,8 @@ def doubts(
     heights = {building.name: building.height for building in buildings if building.height}
     if heights and gap > min(heights.values()):
         name = min(heights, key=lambda name: heights[name])
-        found.append(f"a gap of {gap:.3g} m is wider than {name} is tall, {heights[name]:.3g} m")
+        what = "gap" if len(buildings) > 1 else "set-back"
+        found.append(f"a {what} of {gap:.3g} m is wider than {name} is tall, {heights[name]:.3g} m")
     for building, peak in zip(buildings, peaks, strict=False):
         if building.height and peak > building.height:
             found.append(

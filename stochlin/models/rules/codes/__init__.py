@@ -1,13 +1,14 @@
 """Separation between two buildings: as building codes ask for it, and by the four families of the paper.
 
 The peaks are the displacements that the code means by its own word, at the level where the
-buildings could meet; each rule says which in ``assumptions``.
+buildings could meet; each rule says which in ``assumptions``. Some rules also say how far one building
+stays away from its property line.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import MISSING, dataclass, fields
+from collections.abc import Collection, Mapping
+from dataclasses import MISSING, dataclass, fields, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -21,17 +22,19 @@ ZONES: Mapping[str, float] = {"I": 0.001, "II": 0.003, "III": 0.006}  # share of
 # The families of the paper, by which a rule gets its gap.
 SRSS, SUM, HEIGHT, FIXED = FAMILIES = ("SRSS", "sum", "height", "fixed")
 INELASTIC = "peaks are largest displacements, inelastic where the structure yields"
+ALIGNED = "the factor for floors that align accepts contact at slab level"
+TWO = "a second building: what it says of a property line is not known here"
 CODE_RULES: Registry[type[CodeRule]] = Registry("code rule", "stochlin.models.rules.codes")
 
 
 @dataclass(frozen=True)
 class BuildingPeaks(Model):
-    """Peak displacements of two buildings, and their heights where a rule needs them."""
+    """Peak displacements of two buildings, or of one, and their heights where a rule needs them."""
 
     of_arguments = True
 
     peak_1: Parameter = parameter("m", "peak displacement, structure 1", NOT_NEGATIVE)
-    peak_2: Parameter = parameter("m", "peak displacement, structure 2", NOT_NEGATIVE)
+    peak_2: Parameter | None = parameter("m", "peak displacement, structure 2", NOT_NEGATIVE, None)
     height_1: Parameter | None = parameter("m", "height, structure 1", POSITIVE, None)
     height_2: Parameter | None = parameter("m", "height, structure 2", POSITIVE, None)
 
@@ -43,6 +46,7 @@ class CodeRule(Published):
     assumptions: ClassVar[str] = INELASTIC
     family: ClassVar[str] = ""  # one of FAMILIES, that which mostly governs
     needs: ClassVar[tuple[str, ...]] = ()  # arguments of `gap` beyond the peaks
+    line: ClassVar[str] = ""  # what it says of one building and its property line, where that is known
 
     def gap(
         self,
@@ -55,32 +59,51 @@ class CodeRule(Published):
     ) -> Any:
         """Required separation [m], for peak displacements [m] as the rule means them.
 
-        Some rules also need the heights of the buildings [m], or the zone ``"I"``, ``"II"`` or ``"III"``
-        of Mexico City: a ValueError says what is missing. ``floors_align``: whether the floors of the
-        buildings are at the same levels.
+        Without ``peak_2`` the distance of one building from its property line. Some rules also need the
+        heights of the buildings [m], or the zone ``"I"``, ``"II"`` or ``"III"`` of Mexico City: a
+        ValueError says what is missing. ``floors_align``: whether the floors of the buildings are at the
+        same levels.
         """
-        given = {"height_1": height_1, "height_2": height_2, "zone": zone}
-        missing = [name for name in self.needs if given[name] is None]
-        if missing:
+        if peak_2 is None and not self.line:
+            raise ValueError(f"{self.name} needs {TWO}; give peak_2")
+        told = {"height_1": height_1, "height_2": height_2, "zone": zone}
+        given = [name for name, value in told.items() if value is not None]
+        if missing := self.missing(given, peak_2 is None):
             raise ValueError(
                 f"{self.name} needs {', '.join(missing)}, which is not given; allowed: heights "
                 f"[m], zone one of {', '.join(ZONES)}"
             )
         check_zone(zone)
+        if peak_2 is None:
+            return self.from_line(Site(peak_1, 0 * peak_1, height_1, height_1, False, zone))
         return self.of_site(Site(peak_1, peak_2, height_1, height_2, floors_align, zone))
+
+    def missing(self, given: Collection[str], alone: bool) -> list[str]:
+        """What it needs beyond the peaks and is not given, for two buildings or for one."""
+        if alone and not self.line:
+            return [TWO]
+        return [name for name in self.needs if name not in given and not (alone and name == "height_2")]
 
     def of_site(self, site: Site) -> Any:
         """Required separation [m]."""
         raise NotImplementedError
 
-    @property
-    def told(self) -> str:
-        """The assumptions, after the number of the rule where that is not the usual one."""
+    def from_line(self, site: Site) -> Any:
+        """Required distance from a property line [m]: from a neighbour as high, which does not move."""
+        return self.of_site(site)
+
+    def told(self, alone: bool) -> str:
+        """The assumptions, after the number of the rule where that is not the usual one.
+
+        Of one building what the rule says of its property line comes first, and nothing of floors.
+        """
         stated = [
             f"{field.name} {getattr(self, field.name):g}"
             for field in fields(self)
             if getattr(self, field.name) != field.default
         ]
+        if alone and self.line:
+            return "; ".join([*stated, self.line, self.assumptions.removesuffix(f"; {ALIGNED}")])
         return "; ".join([*stated, self.assumptions])
 
 
@@ -114,6 +137,11 @@ class Site:
     def lower_height(self) -> Any:
         """Height at which the roof of the lower building meets the other."""
         return np.minimum(self.height_1, self.height_2)
+
+    def mirrored(self) -> Site:
+        """The same with the buildings exchanged."""
+        swapped = {"peak_1": self.peak_2, "peak_2": self.peak_1}
+        return replace(self, **swapped, height_1=self.height_2, height_2=self.height_1)
 
     def if_aligned(self, factor: float) -> float:
         """The factor if floors align, else one."""

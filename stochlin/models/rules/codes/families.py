@@ -42,9 +42,10 @@ class Numbered(CodeRule):
 @published(CODE_RULES, "share_of_sum", PAPER, "P", 2)
 @dataclass(frozen=True)
 class ShareOfSum(Numbered):
-    """A factor times the sum of displacements; 1 unless told."""
+    """A factor times the sum of displacements, or times that of one; 1 unless told."""
 
     family = SUM
+    line = "of one building the factor times its own peak"
 
     factor: float = 1.0
 
@@ -58,11 +59,12 @@ OF_HEIGHT = ("height_1", "height_2")
 @published(CODE_RULES, "share_of_height", PAPER, "P", 11)
 @dataclass(frozen=True)
 class ShareOfHeight(Numbered):
-    """A factor times the lower building's height."""
+    """A factor times the lower building's height, or times that of one."""
 
     assumptions = NO_PEAKS
     family = HEIGHT
     needs = OF_HEIGHT
+    line = "of one building the factor times its own height"
 
     factor: float
 
@@ -77,6 +79,7 @@ class FixedDistance(Numbered):
 
     assumptions = NO_PEAKS
     family = FIXED
+    line = "the same distance from a property line"
     units = "m"
 
     distance: float

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stochlin.models.rules.codes import (
+    ALIGNED,
     CODE_RULES,
     FIXED,
     HEIGHT,
@@ -21,13 +22,18 @@ from stochlin.models.rules.codes import (
 from stochlin.models.rules.codes.families import NO_PEAKS, OF_HEIGHT, Numbered, ShareOfHeight, SquareRoot
 from stochlin.models.rules.published import published
 
-ALIGNED = "the factor for floors that align accepts contact at slab level"
+OWN_PEAK = "from a property line not common to a public way a building keeps its own displacement"
+OWN_LOT = "a share of its height from its own boundary, 50 mm at least"
 
 
 @published(CODE_RULES, "asce_7", "ASCE 7, section on structural separation; IBC", "S", 3)
 class Asce7(SquareRoot):
-    """ASCE 7 and IBC: square root of the sum of squares."""
+    """ASCE 7 and IBC: square root of the sum of squares.
 
+    From a property line the building's own displacement (ASCE 7-16, 12.12.3).
+    """
+
+    line = OWN_PEAK
     assumptions = "peaks are maximum inelastic displacements, Cd times elastic over Ie"
 
 
@@ -49,8 +55,12 @@ class Eurocode8(CodeRule):
 
 @published(CODE_RULES, "ubc_97", "Uniform Building Code 1997, 1633.2.11", "M high", 6)
 class Ubc97(SquareRoot):
-    """UBC-97: square root of the sum of squares of maximum inelastic displacements."""
+    """UBC-97: square root of the sum of squares of maximum inelastic displacements.
 
+    From a property line the building's own.
+    """
+
+    line = OWN_PEAK
     assumptions = "peaks are maximum inelastic displacements, .7 R times those of design"
 
 
@@ -64,14 +74,13 @@ class MexicoCity(CodeRule):
     assumptions = f"{INELASTIC}; {ALIGNED}"
     family = SUM
     needs = (*OF_HEIGHT, "zone")
+    line = f"a building keeps its displacement and {OWN_LOT}"
 
     def of_site(self, site: Site) -> Any:
-        share = ZONES[str(site.zone)]
-        one, two = (
-            np.maximum(peak + share * height, 0.05)
-            for peak, height in ((site.peak_1, site.height_1), (site.peak_2, site.height_2))
-        )
-        return site.if_aligned(0.5) * (one + two)
+        return site.if_aligned(0.5) * (self.from_line(site) + self.from_line(site.mirrored()))
+
+    def from_line(self, site: Site) -> Any:
+        return np.maximum(site.peak_1 + ZONES[str(site.zone)] * site.height_1, 0.05)
 
 
 @published(CODE_RULES, "is_1893", "IS 1893 (Part 1)", "M", 8)
@@ -117,6 +126,7 @@ class Asce41(ShareOfHeight):
     """
 
     assumptions = f".04 of the height is a first check of existing buildings; {NO_PEAKS}"
+    line = ""
 
     factor: float = 0.04
 
@@ -134,11 +144,13 @@ class MexicoCitySimplified(CodeRule):
     assumptions = f"{NO_PEAKS}: the simplified method has none; {ALIGNED}"
     family = HEIGHT
     needs = (*OF_HEIGHT, "zone")
+    line = f"a building keeps {OWN_LOT}"
 
     def of_site(self, site: Site) -> Any:
-        share = BY_HEIGHT[str(site.zone)]
-        one, two = (np.maximum(share * height, 0.05) for height in (site.height_1, site.height_2))
-        return site.if_aligned(0.5) * (one + two) + 0 * site.total
+        return site.if_aligned(0.5) * (self.from_line(site) + self.from_line(site.mirrored()))
+
+    def from_line(self, site: Site) -> Any:
+        return np.maximum(BY_HEIGHT[str(site.zone)] * site.height_1, 0.05) + 0 * site.peak_1
 
 
 @published(CODE_RULES, "china_gb_50011", "GB 50011-2010, 6.1.4", "S", 15)

@@ -1,0 +1,79 @@
+"""What an answer is about: two buildings and the gap between them, or one and its property line."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import xarray as xr
+
+    from stochlin.analyses.cases.case import Case
+
+
+class Subject(NamedTuple):
+    """The words that differ; ``{gap}`` and ``{name}`` stand for a length and a name."""
+
+    page: str  # title
+    gap: str  # what is asked
+    stand: str  # the answer
+    kept: str  # what a gap that is wide enough does
+    keeping: str
+    they: str
+    the_buildings: str
+    column: str  # of the share of motions in which it is enough
+    good: str  # motions in which it is
+    share: str  # of a rule, what that share is of
+    would: str  # of any gap
+    families: str  # of building codes
+    rules: str  # that are told
+    records: str  # what a set-back in a record is of
+    labels: Mapping[str, str]  # of rules that have another name here
+
+
+PAIR = Subject(
+    page="the gap between two buildings",
+    gap="gap",
+    stand="{first} and {second} should stand {gap} apart.",
+    kept="they do not touch",
+    keeping="keep them apart",
+    they="they",
+    the_buildings="the buildings",
+    column="apart",
+    good="motions without pounding",
+    share="the rule's gap keeps the buildings apart",
+    would="a gap would have kept the buildings apart",
+    families="Families of building codes",
+    rules="",
+    records="",
+    labels={},
+)
+ALONE = Subject(
+    page="the set-back from the property line",
+    gap="set-back",
+    stand="{first} should stand {gap} away from its property line.",
+    kept="it stays on its side of the line",
+    keeping="keep it on its side of the line",
+    they="it",
+    the_buildings="the building",
+    column="inside",
+    good="motions inside the line",
+    share="the building, with the rule's set-back, stays on its side of the line",
+    would="a set-back would have kept the building on its side of the line",
+    families="Families of building codes, by what they say of two buildings",
+    rules="Rules of which nothing is known for a property line are left out.",
+    records="The line is where displacements are positive; on the other side a record may take as much "
+    "as the peak.",
+    labels={"share_of_sum": "share of its peak", "share_of_height": "share of its height"},
+)
+
+
+def subject_of(case: Case) -> Subject:
+    """What the answer to a case is about."""
+    return ALONE if case.alone else PAIR
+
+
+def gap_of(dataset: xr.Dataset) -> str:
+    """A gap or a set-back, of a table that `stochlin.separation` returned."""
+    return PAIR.gap if "peak_2" in dataset else ALONE.gap

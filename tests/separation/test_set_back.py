@@ -1,0 +1,343 @@
+"""The set-back of one building: against its own peaks, a neighbour that hardly moves, and by hand."""
+
+from __future__ import annotations
+
+import html
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+
+import stochlin as sl
+from stochlin.views.command import main
+
+GROUND = sl.named_ground("firm", intensity=0.01)
+QUAKE = {"duration": 20.0, "envelope": sl.AminAng(4.0, 15.0, 0.35), "paths": 256, "seed": 3}
+OFFICE = sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=4)
+STIFF = sl.Bilinear(0.03, 0.05)  # moves by less than .2 mm
+TOWER = sl.ShearBuilding(
+    [4e5] * 4, [3e8] * 4, [3.0] * 4, 0.05, hardening=0.05, yield_drifts=0.008, p_delta=True
+)
+TIME = 0.02 * np.arange(400)
+RECORD = xr.DataArray(3 * np.sin(6 * TIME) * np.exp(-TIME / 3), dims="time", coords={"time": TIME})
+OF_ONE = {"simulation", "linearization", "share_of_sum", "asce_7", "ubc_97"}
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize(
+    ("structure", "scatter"),
+    [
+        (OFFICE, 0.0),
+        (sl.Bilinear(0.7, 0.05), 0.3),
+        (sl.BoucWen(0.8, 0.05, 0.1, reduction_factor=3), 0.0),
+        (sl.Bilinear(sl.Uncertain(1.0, 0.2), 0.05, 0.05, reduction_factor=4), 0.0),
+        (TOWER, 0.0),
+    ],
+)
+def test_it_is_the_largest_displacement_to_one_side(structure: object, scatter: float) -> None:
+    table = sl.separation(structure, None, GROUND, **QUAKE, scatter=scatter)
+    motions = sl.simulate([structure], GROUND, **QUAKE, scatter=scatter, quantiles=[0.9])
+    towards = motions.peak_positive.values.max(axis=1)
+    np.testing.assert_array_equal(table.separation_samples, towards)
+    assert float(table.gap.sel(rule="simulation")) == np.quantile(towards, 0.9)
+    assert float(table.peak_1) == np.quantile(motions.peak.values[:, -1], 0.9)
+    assert float(table.gap_lower[0]) < float(table.gap[0]) < float(table.gap_upper[0])
+    np.testing.assert_allclose(table.separation_mean, towards.mean(), rtol=1e-12)
+    assert not [name for name in table.variables if str(name).endswith("_2")]
+    assert "second" not in table.attrs
+    assert table.attrs["title"].startswith("Set-back of one building from its property line")
+    assert "property line" in table.gap.attrs["long_name"]
+    if "input_factor" in motions:
+        np.testing.assert_array_equal(table.input_factor, motions.input_factor)
+
+
+@pytest.mark.invariant
+def test_its_peak_is_that_beside_a_neighbour_on_the_same_motions() -> None:
+    """A softer neighbour leaves the steps as they are."""
+    beside = sl.separation(OFFICE, sl.Bilinear(1.7, 0.05), GROUND, **QUAKE)
+    alone = sl.separation(OFFICE, None, GROUND, **QUAKE)
+    for name in ("peak_1", "peak_mean_1", "ductility_1", "yield_displacement_1", "reduction_factor_1"):
+        assert float(alone[name]) == float(beside[name]), name
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize("structure", [OFFICE, TOWER])
+def test_it_is_the_gap_beside_a_neighbour_that_hardly_moves(structure: object) -> None:
+    """Other steps make other motions: means agree within their errors, formulas closely."""
+    beside = sl.separation(structure, STIFF, GROUND, **QUAKE)
+    alone = sl.separation(structure, None, GROUND, **QUAKE)
+    means, errors = zip(
+        *((float(t.separation_mean), float(t.separation_mean_standard_error)) for t in (alone, beside)),
+        strict=True,
+    )
+    assert abs(means[0] - means[1]) < 3 * np.hypot(*errors)
+    assert float(alone.gap_lower[0]) < float(beside.gap_upper[0])
+    assert float(beside.gap_lower[0]) < float(alone.gap_upper[0])
+    one, two = (float(table.gap.sel(rule="linearization")) for table in (alone, beside))
+    assert one == pytest.approx(two, rel=2e-3)
+    for table in (alone, beside):  # a code's sum with a peak of nearly nothing
+        share = float(table.gap.sel(rule="share_of_sum") / table.peak_1)
+        assert share == pytest.approx(1, rel=2e-3)
+
+
+@pytest.mark.invariant
+def test_a_building_stays_on_its_side_with_every_floor() -> None:
+    table = sl.separation(TOWER, None, GROUND, **QUAKE, zone="II")
+    motions = sl.simulate([TOWER], GROUND, **QUAKE)
+    np.testing.assert_array_equal(table.height, TOWER.levels())
+    by_floor = np.quantile(motions.peak_positive.values, 0.9, axis=0)
+    np.testing.assert_array_equal(table.gap_at_height.sel(rule="simulation"), by_floor)
+    np.testing.assert_array_equal(table.peak_at_height_1, np.quantile(motions.peak, 0.9, axis=0))
+    assert float(table.governing_height.sel(rule="simulation")) == 12.0
+    low, high = (table[f"gap_at_height_{end}"].sel(rule="simulation") for end in ("lower", "upper"))
+    assert ((low < by_floor) & (by_floor < high)).all()
+    by_hand = np.maximum(table.peak_at_height_1 + 0.003 * TOWER.levels(), 0.05)
+    np.testing.assert_array_equal(table.gap_at_height.sel(rule="mexico_city"), by_hand)
+    assert set(table.element.values) == {"1.1", "1.2", "1.3", "1.4"}
+
+
+@pytest.mark.invariant
+def test_rules_of_two_say_that_they_need_a_second() -> None:
+    table = sl.separation(OFFICE, None, GROUND, **QUAKE, height_1=24.0, zone="I", unverified=True)
+    known = table.gap.notnull()
+    assert set(table.rule.values[known]) == OF_ONE | {"mexico_city", "mexico_city_simplified"}
+    for rule in table.rule.values[~known]:
+        assert table.missing.sel(rule=rule).item().startswith("needs a second building")
+    assert set(table.verdict.values[~known.values]) == {4}
+    peak = float(table.peak_1)
+    assert float(table.gap.sel(rule="asce_7")) == float(table.gap.sel(rule="ubc_97")) == peak
+    assert float(table.gap.sel(rule="mexico_city")) == pytest.approx(peak + 0.024)
+    assert float(table.gap.sel(rule="mexico_city_simplified")) == pytest.approx(0.168)
+
+
+@pytest.mark.paper
+def test_codes_of_one_building_by_hand() -> None:
+    """The paper's families; ASCE 7-16, 12.12.3; Mexico City, 1.10, which keeps 50 mm at least."""
+    stated = {"share_of_height": 0.005, "fixed_distance": 0.04, "share_of_sum": 0.8}
+    one = sl.code_gaps([0.02, 0.1], None, height_1=10.0, zone="III", numbers=stated)
+    by_hand = {
+        "asce_7": [0.02, 0.1],
+        "share_of_sum": [0.016, 0.08],
+        "share_of_height": [0.05, 0.05],
+        "fixed_distance": [0.04, 0.04],
+        "mexico_city": [0.08, 0.16],
+        "mexico_city_simplified": [0.12, 0.12],
+    }
+    for rule, gaps in by_hand.items():
+        np.testing.assert_allclose(one.gap.sel(rule=rule), gaps)
+    low = sl.code_gaps(0.001, None, height_1=2.0, zone="I")
+    assert float(low.gap.sel(rule="mexico_city")) == 0.05
+    assert one.missing.sel(rule="canada").item().startswith("a second building")
+    assert sl.code_gaps(0.02, None).missing.sel(rule="mexico_city").item() == "height_1, zone"
+    assert sl.code_rule("asce_7").gap(0.03, None) == 0.03
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize(
+    "structure",
+    [
+        sl.Bilinear(1.0, 0.05, 0.05, yield_displacement=0.02),
+        sl.BoucWen(1.0, 0.05, 0.05, yield_displacement=0.02),
+        TOWER,
+    ],
+)
+def test_in_a_record_it_is_the_largest_displacement_of_respond(structure: sl.Bilinear) -> None:
+    motion = sl.respond(structure, RECORD, refine=8).displacement
+    table = sl.recorded_gap(structure, None, RECORD)
+    assert float(table.separation) == pytest.approx(float(motion.max()), rel=1e-3)
+    roof = motion if motion.ndim == 1 else motion[:, -1]
+    assert float(table.peak_1) == pytest.approx(float(abs(roof).max()), rel=1e-3)
+    assert not {"rho", "srss", "peak_2"} & set(table.variables)
+    whole = sl.separation(structure, None, GROUND, **QUAKE, records={"a": RECORD, "b": -RECORD})
+    assert float(whole.record_separation[0]) == float(table.separation)
+    assert float(whole.record_separation[1]) == pytest.approx(-float(motion.min()), rel=1e-3)
+
+
+@pytest.mark.invariant
+def test_what_an_existing_set_back_allows_and_how_often_it_is_crossed() -> None:
+    quake = QUAKE | {"paths": 64}
+    gap = float(sl.separation(OFFICE, None, GROUND, **quake).gap[0])
+    found = sl.existing_gap(OFFICE, None, GROUND, gap=gap, **quake)
+    assert float(found.required_gap) == gap
+    assert float(found.largest_intensity) == pytest.approx(0.01, rel=2e-3)
+    assert not [name for name in found.variables if str(name).endswith("_2")]
+    assert found.attrs["title"].startswith("What an existing set-back allows")
+
+
+@pytest.mark.oracle
+def test_the_risk_of_crossing_a_line_is_that_of_the_peaks_of_a_linear_building() -> None:
+    """Of motion ``i`` the line is reached at ``S0 (gap/x_i)^2``; what is beyond the hazard is little."""
+    quake = QUAKE | {"paths": 64}
+    linear, hazard = sl.Bilinear(0.7, 0.05), sl.PowerLawHazard(k0=1e-4, k=1.2, measure="intensity")
+    towards = sl.simulate([linear], GROUND, **quake).peak_positive.values[:, 0]
+    gap = 3 * float(np.median(towards))
+    by_hand = float(np.mean(hazard.frequency(xr.DataArray(0.01 * (gap / towards) ** 2))))
+    table = sl.pounding_risk(linear, None, GROUND, gap, hazard, **quake)
+    assert float(table.annual_rate) == pytest.approx(by_hand, rel=0.01)
+    needed = sl.required_gap(linear, None, GROUND, hazard, risk=by_hand, **quake)
+    assert float(needed.required_gap) == pytest.approx(gap, rel=0.01)
+    assert "crossing its property line" in table.attrs["title"]
+
+
+@pytest.mark.invariant
+def test_a_table_of_buildings_has_a_set_back_each() -> None:
+    periods = xr.DataArray([0.5, -1.0, 30.0, 1.0], dims="period", coords={"period": [0.5, -1, 30, 1.0]})
+    table = sl.separation(sl.Bilinear(periods, 0.05), None, GROUND, **QUAKE)
+    one = sl.separation(sl.Bilinear(0.5, 0.05), None, GROUND, **QUAKE)
+    assert table.gap.isel(period=0).equals(one.gap.assign_coords(period=0.5))
+    assert table.gap.isel(period=[1, 2]).isnull().all()
+    assert float(table.gap.sel(rule="simulation").isel(period=3)) > 0
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        ((None, OFFICE), "first = None; allowed: a structure; one alone stands first, and None second"),
+        ((None, None), "first = None"),
+        (("office", None), "first = 'office' is of the wrong kind"),
+    ],
+)
+def test_one_alone_stands_first(given: tuple[object, object], says: str) -> None:
+    for call in (
+        lambda *both: sl.separation(*both, GROUND, 20.0),
+        lambda *both: sl.existing_gap(*both, GROUND, 20.0, 0.05),
+        lambda *both: sl.pounding_risk(*both, GROUND, 0.05, sl.PowerLawHazard(0.01, 2.0), 20.0),
+        lambda *both: sl.recorded_gap(*both, RECORD),
+    ):
+        with pytest.raises(TypeError, match=says):
+            call(*given)
+
+
+@pytest.mark.invariant
+def test_what_is_of_a_second_building_is_refused() -> None:
+    for name, value in (("height_2", 12.0), ("floors_align", True)):
+        with pytest.raises(ValueError, match=f"{name} is given, of a second building"):
+            sl.separation(OFFICE, None, GROUND, 20.0, **{name: value})
+        with pytest.raises(ValueError, match=f"{name} is given, of a second building"):
+            sl.code_gaps(0.03, None, **{name: value})
+    with pytest.raises(ValueError, match="canada needs a second building"):
+        sl.code_rule("canada").gap(0.03, None)
+
+
+@pytest.mark.invariant
+def test_what_takes_two_says_what_takes_one() -> None:
+    for call in (
+        lambda: sl.pounding_probability(OFFICE, None, GROUND, 0.1, duration=20.0),
+        lambda: sl.mitigate(OFFICE, None, GROUND, 20.0, 0.1, {}),
+        lambda: sl.correlate(OFFICE, None, GROUND),
+        lambda: sl.pounding_fragility(OFFICE, None, GROUND, 0.1, [0.01], duration=20.0),
+        lambda: sl.energy_gap(OFFICE, None, RECORD),
+    ):
+        with pytest.raises(
+            TypeError, match=r"one building alone.* is taken by separation, existing_gap"
+        ):
+            call()
+
+
+OSCILLATOR = """period = "1.0 s"
+damping = "5 %"
+hardening = "5 %"
+reduction_factor = 4
+height = "24 m"
+"""
+STOREYS = """period = "0.9 s"
+damping = "5 %"
+hardening = "5 %"
+storeys = 4
+storey_height = "3 m"
+floor_mass = "400 t"
+base_shear_coefficient = 0.15
+"""
+CASE = """[site]
+ground = "firm"
+intensity = "0.01 m^2/s^3"
+[[site.records]]
+path = "kick.txt"
+name = "Kick"
+units = "m/s^2"
+dt = "0.02 s"
+[motion]
+duration = "20 s"
+envelope = "none"
+[building_1]
+name = "Mill"
+{building}[separation]
+confidence = "90 %"
+zone = "II"
+floors_align = true
+{more}
+[simulation]
+paths = 128
+"""
+ABOUT_TWO = re.compile(r"apart|eq\. \(3\)|buildings (could|do|stay)|both|[Pp]eak 2|\bgap\b|they\b")
+
+
+def case_file(folder: Path, building: str = OSCILLATOR, more: str = "") -> Path:
+    np.savetxt(folder / "kick.txt", RECORD.values)
+    path = folder / "mill.toml"
+    path.write_text(CASE.format(building=building, more=more), encoding="utf-8")
+    return path
+
+
+@pytest.mark.cli
+@pytest.mark.parametrize(
+    ("building", "more"),
+    [
+        pytest.param(OSCILLATOR, "", id="oscillator"),
+        pytest.param(STOREYS, 'existing = "6 cm"', id="storeys", marks=pytest.mark.slow),
+    ],
+)
+def test_the_command_answers_for_one_building(building: str, more: str, tmp_path: Path) -> None:
+    page, out, picture = (tmp_path / name for name in ("page.html", "mill.nc", "mill.png"))
+    path = case_file(tmp_path, building, more)
+    options = ["--report", str(page), "--out", str(out), "--picture", str(picture)]
+    done = CliRunner().invoke(main, ["gap", str(path), *options])
+    assert done.exit_code == 0, done.output
+    shown = " ".join(done.output.split())
+    case = sl.read_case(path)
+    answer = sl.separation(
+        case.buildings[0].structure, None, case.ground, 20.0, paths=128, records=dict(case.records)
+    )
+    gap = f"{100 * float(answer.gap[0]):.1f} cm"
+    assert f"Mill should stand {gap} away from its property line." in shown
+    assert "With that set-back it stays on its side of the line in 90 %" in shown
+    assert f"would have needed: Kick {100 * float(answer.record_separation[0]):.1f} cm" in shown
+    text = page.read_text(encoding="utf-8")
+    plain = html.unescape(re.sub(r"<style.*?</style>|<svg.*?</svg>|<[^>]+>", " ", text, flags=re.DOTALL))
+    assert "Mill: the set-back from the property line" in plain
+    assert "Set-backs by rule" in plain
+    for said in (done.output, plain):
+        assert not re.search(r"canada|Canada|Eurocode|\bnan\b|None", said)
+    first = plain[: plain.index("Every rule beside the answer")]
+    assert not ABOUT_TWO.search(first), ABOUT_TWO.search(first)
+    assert ("The existing set-back" in plain) == bool(more)
+    assert picture.stat().st_size > 10_000
+    with xr.open_dataset(out) as table:
+        assert float(table.gap[0]) == float(answer.gap[0])
+        assert ("existing_required_gap" in table) == bool(more)
+        assert "Set-back of one building" in table.attrs["title"]
+        if building == STOREYS:
+            labels = [axes.get_xlabel() for axes in sl.charts.draw_heights(table).axes]
+            assert labels[0].startswith("set-back [cm]")
+
+
+@pytest.mark.cli
+def test_commands_of_two_buildings_say_which_take_one(tmp_path: Path) -> None:
+    path = case_file(tmp_path, more='existing = "6 cm"')
+    for command in (["probability"], ["mitigate"], ["probability", "--gap", "5cm"]):
+        done = CliRunner().invoke(main, [command[0], str(path), *command[1:]])
+        assert done.exit_code == 2
+        shown = " ".join(done.output.split())
+        assert "building_2 is missing; this takes two" in shown
+        assert "only 'stochlin gap' and 'stochlin pound' take one building alone" in shown
+    path = case_file(tmp_path, more='existing = ["6 cm", "2 cm"]')
+    with pytest.raises(ValueError, match="is 2 gaps beside one building alone; allowed: its distance"):
+        sl.read_case(path)
+    path = case_file(tmp_path, more='existing = "0 cm"')
+    done = CliRunner().invoke(main, ["gap", str(path)])
+    assert done.exit_code == 2
+    assert "leave it out for a building at its property line" in " ".join(done.output.split())
