@@ -98,6 +98,7 @@ from .analyses.linearization.systems.systems import linearize_system as lineariz
 # The gap
 from .analyses.separation.separation import separation as separation
 from .analyses.separation.existing_gap import existing_gap as existing_gap
+from .analyses.sensitivity.sensitivity import sensitivity as sensitivity
 from .analyses.simulation.finite_motions import exceedance as exceedance
 from .analyses.separation.critical_gap import critical_gap as critical_gap
 from .analyses.separation.energy_gap import energy_gap as energy_gap

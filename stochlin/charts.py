@@ -28,6 +28,7 @@ from stochlin.views.charts.charts import draw as draw
 from stochlin.views.pounding.ensembles import draw_ensemble as draw_ensemble
 from stochlin.views.pounding.floors import draw_floors as draw_floors
 from stochlin.views.pounding.pictures import draw_pound as draw_pound
+from stochlin.views.sensitivity.pictures import draw_sensitivity as draw_sensitivity
 from stochlin.views.separation.storeys import draw_heights as draw_heights
 from stochlin.views.shared.style import CURVES as CURVES
 from stochlin.views.shared.style import STYLE as STYLE

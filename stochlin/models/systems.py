@@ -9,7 +9,7 @@ weight above a storey is in ``post``.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -147,19 +147,30 @@ def stack_of(structure: AnyStructure) -> Stack:
             levels=structure.levels(),
             law=structure.storey_law,
         )
-    mass = np.atleast_1d(values.get("mass", 1.0)).astype(float)
+    return next(_of_oscillators(structure, 1))
+
+
+def stacks_of(oscillators: Structure, dimension: str, count: int) -> list[Stack]:
+    """Those of so many oscillators, whose parameters lie along this dimension, as by `stack_of`."""
+    found = list(_of_oscillators(oscillators, count))
+    if not oscillators.own_parameters():
+        return found
+    return [one._replace(law=oscillators.isel({dimension: n})) for n, one in enumerate(found)]
+
+
+def _of_oscillators(structure: Structure, count: int) -> Iterator[Stack]:
+    """A stack for each value; ``law`` has them all."""
+    values = {name: array.to_numpy() for name, array in structure.arrays().items()}
+    mass = float(values.get("mass", 1.0))
     w = 2 * np.pi / values["period"]
-    hardening = float(values["hardening"]) if structure.yields else 1.0
+    hardening = values["hardening"] if structure.yields else 1.0
     k = mass * w**2
-    return Stack(
-        mass=mass,
-        post=hardening * k,
-        couple=(1 - hardening) * k,
-        strength=np.atleast_1d(values.get("yield_displacement", np.inf)).astype(float),
-        damping=(2 * values["damping"] * w * mass).reshape(1, 1),
-        levels=np.full(1, np.nan),
-        law=structure,
-    )
+    strength = values.get("yield_displacement", np.inf)
+    columns = (mass, hardening * k, (1 - hardening) * k, strength, 2 * values["damping"] * w * mass)
+    rows = np.stack([np.broadcast_to(column, count) for column in columns], axis=1)
+    for row in rows[:, :, None]:
+        own, post, couple, limit, damping = row
+        yield Stack(own, post, couple, limit, damping[:, None], np.full(1, np.nan), structure)
 
 
 def check_stationary(system: System) -> None:

@@ -20,8 +20,8 @@ One = TypeVar("One")
 KINDS = "lognormal", "uniform"
 FAR = 1e-4  # outside of the values at which a model is tried, on each side
 TAKEN = (
-    "separation, existing_gap, pounding_probability, pounding_risk, required_gap, mitigate, "
-    "and simulate with a duration,"
+    "separation, existing_gap, sensitivity, pounding_probability, pounding_risk, required_gap, "
+    "mitigate, and simulate with a duration,"
 )
 
 

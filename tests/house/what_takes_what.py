@@ -126,6 +126,8 @@ ON_GROUND: dict[str, Callable[[Pair], object]] = {
     "separation": lambda s: sl.separation(*s.both, s.ground, **SIZES),
     "separation, second=None": lambda s: sl.separation(s.first, None, s.ground, **SIZES),
     "existing_gap": lambda s: sl.existing_gap(*s.both, s.ground, gap=0.005, **SIZES),
+    "sensitivity": lambda s: sl.sensitivity(*s.both, s.ground, **SIZES),
+    "sensitivity, second=None": lambda s: sl.sensitivity(s.first, None, s.ground, **SIZES),
     "pounding_probability": lambda s: sl.pounding_probability(
         *s.both, s.ground, 0.005, **SIZES, points=5
     ),

@@ -11,6 +11,8 @@ import xarray as xr
 from stochlin.analyses.cases.case import Case
 from stochlin.analyses.cases.risk import risk_table, simulated_risk
 from stochlin.analyses.cases.sites.shaking import MOST_RECORDS, doubts, over_records, shaking_of
+from stochlin.analyses.cases.storeys import StoreyBuilding
+from stochlin.analyses.sensitivity.sensitivity import sensitivity
 from stochlin.analyses.separation.existing_gap import existing_gap
 from stochlin.analyses.separation.separation import UNSAFE, separation
 from stochlin.analyses.sites.motion_fit import FittedMotion, compare_motions
@@ -22,6 +24,8 @@ from stochlin.models.parameters import Model
 POINTS, SPECTRUM_PATHS = 401, 512
 OF_RISK = 0.2  # share of the work that a risk takes, where there is a hazard
 SEARCHES = 0.95  # share of the work that an existing gap takes, where there is one
+WITH_SENSITIVITIES = 0.5  # share of the work before them
+USUAL_PATHS, FEW_PATHS = 512, 128  # of them
 AROUND = 5.0  # how far the spectrum goes beyond the periods of buildings and ground
 
 
@@ -37,6 +41,7 @@ class CaseAnswer:
     shaking: xr.Dataset  # of the motions, in the mean
     over_records: xr.Dataset | None  # what they come to, where they are many
     risk: xr.Dataset | None = None  # where there is a hazard
+    matters: xr.Dataset | None = None  # what the gap depends on
 
     def table(self, samples: bool = True) -> xr.Dataset:
         """All of it for a file; without samples, what there is one of each rule, in rows."""
@@ -64,12 +69,15 @@ class CaseAnswer:
         return int(self.separation.gap.where(self.separation.verdict == UNSAFE).argmin("rule"))
 
 
-def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
+def answer_case(case: Case, progress: Progress | None = None, sensitivities: bool = False) -> CaseAnswer:
     """Separation of the two buildings of a case, and what the existing gap allows.
 
-    Of one building its set-back. ``progress`` is called with the share of the work that is done; errors
-    are those of `separation` and `existing_gap`.
+    Of one building its set-back. What it depends on is looked at if something is uncertain, or if
+    ``sensitivities`` are asked for. ``progress`` is called with the share of the work that is done;
+    errors are those of `separation`, `existing_gap` and `sensitivity`.
     """
+    sensitivities = sensitivities or bool(case.uncertain)
+    end = WITH_SENSITIVITIES if sensitivities else 1.0
     first, *others = case.one_or_two
     second = others[0] if others else None
     pair = first.sampled, second.sampled if second else None
@@ -83,11 +91,12 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
     def part(begin: float, end: float) -> Progress | None:
         return None if progress is None else lambda share: progress(begin + (end - begin) * share)
 
-    begin = OF_RISK if case.hazard else 0.0
-    risky = simulated_risk(case, part(0.0, OF_RISK))
+    begin = end * OF_RISK if case.hazard else 0.0
+    middle = begin if case.gap is None else begin + (end - begin) * SEARCHES
+    risky = simulated_risk(case, part(0.0, begin))
     existing = None
     if case.gap is not None:
-        options = {**case.motion, "progress": part(begin, SEARCHES)}
+        options = {**case.motion, "progress": part(begin, middle)}
         existing = existing_gap(*pair, case.sampled_ground, gap=case.gap, **options)
     table = separation(
         *pair,
@@ -100,21 +109,24 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
         numbers=case.numbers,
         unverified=case.unverified,
         records=dict(case.records) or None,
-        progress=part(begin if case.gap is None else SEARCHES, 1.0),
+        progress=part(middle, end),
     )
+    matters = None
+    if sensitivities:
+        motion = {**case.motion, "paths": min(case.paths, _paths(case)), "progress": part(end, 1.0)}
+        matters = sensitivity(*pair, case.sampled_ground, **motion)
     records = None
     if len(case.records) > MOST_RECORDS:
         records = over_records(table.record_separation, float(table.gap[0]), case.confidence)
-    return CaseAnswer(
-        case,
-        table,
-        existing,
-        _spectrum(case),
-        rms_acceleration(case.ground),
-        shaking_of(case),
-        records,
-        None if risky is None else risk_table(risky, case, float(table.gap[0])),
-    )
+    rms, shaking = rms_acceleration(case.ground), shaking_of(case)
+    risk = None if risky is None else risk_table(risky, case, float(table.gap[0]))
+    return CaseAnswer(case, table, existing, _spectrum(case), rms, shaking, records, risk, matters)
+
+
+def _paths(case: Case) -> int:
+    """Motions for what matters: a building with storeys takes long to be made anew for each of them."""
+    storeys = any(isinstance(one, StoreyBuilding) and one.uncertain for one in case.buildings)
+    return FEW_PATHS if storeys else USUAL_PATHS
 
 
 def periods_of(*models: Model) -> list[float]:

@@ -159,11 +159,13 @@ def prepare(
     drift_times: Array | None = None,
     scatter: float = 0.0,
     grounds: Sequence[Ground] = (),
+    step: float | None = None,
 ) -> Run:
     """Choose the step from cells and ground and lay out the ensemble; it has no length yet.
 
     With ``frames``, ``floors`` are the numbers of those that the cells are, and ``drift_times`` [s] are
-    those of all floors. ``grounds`` are samples of this one, one for every motion, if it has any.
+    those of all floors. ``grounds`` are samples of this one, one for every motion, if it has any. A
+    ``step`` [s] is taken as it is.
     """
     if cells is not None and not cells.valid.any():
         raise ValueError("no structure has valid parameters; correct those that are out of range")
@@ -194,7 +196,7 @@ def prepare(
         parts.append(frame.samples or frame.part)
     if drift_times is not None:
         drift_time = drift_times
-    dt = min(periods) / steps_per_period
+    dt = step or min(periods) / steps_per_period
     every = max(1, steps_per_period // SAMPLES_PER_PERIOD)
     known = rows >= 0
     steps, roots = zip(*(ground_steps(each, dt) for each in soils), strict=True)

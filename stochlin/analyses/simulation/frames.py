@@ -68,12 +68,18 @@ def sampled_frames(system: System, samples: Sequence[Sequence[Stack]]) -> list[F
     for members in _tied(system):
         frame = _frame(system, members)
         usual, stacks = frame.part.elements, [system.stacks[m] for m in members]
-        of_links = usual.damping - scipy.linalg.block_diag(*(stack.damping for stack in stacks))
+        of_links = usual.damping - _damping(stacks)
         elements = [_with_stacks(usual, of_links, [sample[m] for m in members]) for sample in samples]
         shortest = _frame(system._replace(stacks=tuple(stiffest)), members).shortest
         own = SampledStoreys(elements, frame.part.law)
         found.append(frame._replace(samples=own, shortest=shortest))
     return found
+
+
+def _damping(stacks: Sequence[Stack]) -> Array:
+    own = [stack.damping for stack in stacks]
+    whole: Array = scipy.linalg.block_diag(*own) if own[1:] else own[0]
+    return whole
 
 
 def _stiffness(stack: Stack) -> float:
@@ -94,7 +100,7 @@ def _with_stacks(usual: Elements, of_links: Array, stacks: Sequence[Stack]) -> E
     own[:n] = np.where(np.isnan(own[:n]), np.nan, rows)
     return usual._replace(
         mass=np.concatenate([stack.mass for stack in stacks]),
-        damping=of_links + scipy.linalg.block_diag(*(stack.damping for stack in stacks)),
+        damping=of_links + _damping(stacks),
         post=column("post"),
         couple=column("couple"),
         strength=column("strength"),

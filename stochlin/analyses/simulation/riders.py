@@ -78,6 +78,7 @@ class Riders(NamedTuple):
         steps_per_period: int,
         scatter: float = 0.0,
         grounds: Sequence[Ground] = (),
+        step: float | None = None,
     ) -> Run:
         """The ensemble, which has no length yet."""
         return prepare(
@@ -91,6 +92,7 @@ class Riders(NamedTuple):
             drift_times=self.drift_times,
             scatter=scatter,
             grounds=grounds,
+            step=step,
         )
 
 

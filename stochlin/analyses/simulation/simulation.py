@@ -10,7 +10,12 @@ import xarray as xr
 
 from stochlin.analyses.simulation.draws import Draw, draw
 from stochlin.analyses.simulation.ensembles import Run, check_memory, check_settings
-from stochlin.analyses.simulation.finite_motions import check_finite, check_motion, simulate_finite
+from stochlin.analyses.simulation.finite_motions import (
+    check_finite,
+    check_motion,
+    pair_separation,
+    simulate_finite,
+)
 from stochlin.analyses.simulation.riders import Riders, riders_of
 from stochlin.analyses.simulation.run_lengths import with_length
 from stochlin.analyses.simulation.variables import VARIABLES
@@ -180,6 +185,35 @@ def simulate(
     return labels.with_run_information(
         labels.label(table, VARIABLES), title, call, models | {"ground": drawn.ground}
     )
+
+
+def drawn_separations(
+    drawn: Draw,
+    *,
+    paths: int,
+    seed: int,
+    duration: float,
+    envelope: Envelope | None,
+    scatter: float,
+    step: float | None = None,
+) -> tuple[Array, float]:
+    """The largest ``u_1 - u_2`` [m] in each motion, or ``u_1`` of one structure, and the step [s].
+
+    As by `simulate`, of samples that are there already; unless a ``step`` is given, in steps that fit.
+    """
+    structures, ground = drawn.medians
+    riders = riders_of(structures, ground, None, False, drawn.stacks())
+    run = riders.run(
+        ground,
+        paths=paths,
+        seed=seed,
+        steps_per_period=STEPS_PER_PERIOD,
+        scatter=scatter,
+        grounds=drawn.grounds(),
+        step=step,
+    )
+    table = simulate_finite(riders, run, duration, envelope, (), None)
+    return pair_separation(table).to_numpy(), run.plan.dt
 
 
 def _medians(drawn: Draw, duration: float | None) -> tuple[Sequence[AnyStructure], Ground]:

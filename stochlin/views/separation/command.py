@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import click
@@ -31,9 +32,20 @@ REPORTS = (".html", ".htm")
     help="Draw the gap over height and the drifts of storeys, or, without storeys, the gaps by rule: "
     ".png, .svg or .pdf; the data is saved beside it.",
 )
+@click.option(
+    "--sensitivity",
+    type=FILE,
+    help="Draw what matters for the gap, also where nothing is uncertain: .png, .svg or .pdf; the data "
+    "is saved beside it.",
+)
 @click.option("--example", is_flag=True, help="Print a case file to start from, and stop.")
 def gap(
-    case: Path | None, report: Path | None, out: Path | None, picture: Path | None, example: bool
+    case: Path | None,
+    report: Path | None,
+    out: Path | None,
+    picture: Path | None,
+    sensitivity: Path | None,
+    example: bool,
 ) -> None:
     """How far apart two buildings must stand, by simulation and by every rule.
 
@@ -46,6 +58,7 @@ def gap(
       stochlin gap case.toml
       stochlin gap case.toml --report gap.html --out gap.nc
       stochlin gap case.toml --picture gap.png
+      stochlin gap case.toml --sensitivity tornado.png
     """
     with bad_input():
         if example:
@@ -60,21 +73,27 @@ def gap(
         from stochlin.analyses.cases.case import read_case
         from stochlin.analyses.cases.separation import answer_case
         from stochlin.analyses.tables.storage import FORMATS, whole_file
+        from stochlin.views.sensitivity.pictures import draw_sensitivity
         from stochlin.views.separation.pictures import answer_figure
         from stochlin.views.separation.report import report_page
-        from stochlin.views.separation.words import answer_lines
+        from stochlin.views.separation.words import answer_lines, names_of
 
         described = read_case(case)
         check_target("--report", report, REPORTS, described.inputs)
         data = out if out or not picture else picture.with_suffix(".nc")
         check_target("--out" if out else "--picture", data, FORMATS, described.inputs)
         check_target("--picture", picture, PICTURES, described.inputs)
+        beside = None if sensitivity is None else sensitivity.with_suffix(".nc")
+        check_target("--sensitivity", sensitivity, PICTURES, described.inputs)
+        check_target("--sensitivity", beside, FORMATS, described.inputs)
         with progress_bar("simulating") as progress:
-            answer = answer_case(described, progress)
+            answer = answer_case(described, progress, sensitivity is not None)
         page = report_page(answer) if report else ""
         show(answer_lines(answer))
         table = answer.table(samples=data is not None and data.suffix.lower() == ".nc")
         write(table, data, picture, lambda _: answer_figure(answer))
+        if answer.matters is not None:
+            write(answer.matters, beside, sensitivity, partial(draw_sensitivity, names=names_of(answer)))
         if report is not None:
             with whole_file(report) as temporary:
                 temporary.write_text(page, encoding="utf-8")

@@ -6,8 +6,10 @@ import io
 import re
 from collections.abc import Callable, Iterable
 from itertools import groupby
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+from stochlin.views.sensitivity import words as what_matters
+from stochlin.views.sensitivity.pictures import draw_sensitivity
 from stochlin.views.separation import facts as small_print
 from stochlin.views.separation import pictures, words
 from stochlin.views.separation.risk import risk_caption, risk_figure, risk_words
@@ -18,6 +20,7 @@ from stochlin.views.shared.words import centimetres, doubted
 from stochlin.views.sites.words import fit_in_words
 
 if TYPE_CHECKING:
+    import xarray as xr
     from markupsafe import Markup
     from matplotlib.figure import Figure
 
@@ -70,6 +73,7 @@ def report_page(answer: CaseAnswer) -> str:
         pictures=_pictures(answer),
         facts=_grouped(small_print.facts(answer)),
         records=_records(answer),
+        matters=None if answer.matters is None else _matters(answer, answer.matters),
         uncertainties=small_print.uncertainties(answer),
         references=table.attrs["references"],
         history=table.attrs["history"],
@@ -126,6 +130,26 @@ def _pictures(answer: CaseAnswer) -> list[Picture]:
         Picture(title, _svg(draw, answer, f"p{n}", f"{title}. {text}"), text)
         for n, (title, draw, text) in enumerate(drawn, start=1)
     ]
+
+
+def _matters(answer: CaseAnswer, table: xr.Dataset) -> dict[str, Any]:
+    """What the gap depends on: sentences, a row an input, what the columns are, and the picture."""
+    names, asked = words.names_of(answer), what_matters.asked(table)
+    text = (
+        f"How the {asked} changes with each input at the ends of its range; lines: standard errors. "
+        "Numbers and ranges as in the table."
+    )
+    picture = _svg(
+        lambda _: draw_sensitivity(table, names, caption=False), answer, "m", f"What matters. {text}"
+    )
+    return {
+        "sentences": what_matters.sentences(table, names),
+        "rows": what_matters.rows(table, names),
+        "asked": asked,
+        "shares": bool(table.uncertain.any()),
+        "note": what_matters.note(table),
+        "picture": Picture(f"What moves the {asked}", picture, text),
+    }
 
 
 def _of_site(answer: CaseAnswer) -> str:

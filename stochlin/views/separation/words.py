@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from stochlin.analyses.cases.storeys import StoreyBuilding
+from stochlin.views.sensitivity import words as matters
 from stochlin.views.separation.risk import risk_lines
 from stochlin.views.separation.subjects import subject_of
 from stochlin.views.shared.screen import columns as in_columns
@@ -142,7 +143,14 @@ def answer_lines(answer: CaseAnswer) -> list[str]:
         if row.missing:
             lines += paragraph(f"{row.rule}: {row.missing}", "  ")
     told = (about.rules, columns(answer.case), MARKS, families(answer.case))
-    return [*lines, *(line for text in told if text for line in paragraph(text))]
+    lines += [line for text in told if text for line in paragraph(text)]
+    return lines if answer.matters is None else lines + matters.lines(answer.matters, names_of(answer))
+
+
+def names_of(answer: CaseAnswer) -> dict[str, str]:
+    """What to call the models of the case."""
+    buildings = enumerate(answer.case.buildings, start=1)
+    return {**{f"structure_{n}": one.name for n, one in buildings}, "ground": "the ground"}
 
 
 def headline(answer: CaseAnswer) -> str:

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 MISSING, MINUS, SPACE = "\N{EN DASH}", "\N{MINUS SIGN}", "\N{NO-BREAK SPACE}"
 BEYOND = "\N{RIGHTWARDS ARROW}"
-FAR = 2.5  # times what most rules ask: gaps beyond are told at the border of a picture, not drawn
 LARGE = {"kg": ("t", 1e-3), "N/m": ("MN/m", 1e-6), "N s/m": ("MN s/m", 1e-6)}
+FAR = 2.5  # times what most rules ask: gaps beyond are told at the border of a picture, not drawn
 CAPITALS = {
     **{word: word.upper() for word in ("asce", "is", "ubc", "srss", "gb")},
     "e030": "E.030",

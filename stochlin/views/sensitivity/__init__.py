@@ -1,0 +1,1 @@
+"""What matters for a gap, in words and as a picture."""

@@ -1,0 +1,122 @@
+"""The tornado chart of what matters for a gap: a column wide, and for print in grey."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stochlin.views.sensitivity.words import CENTIMETRES, EXAMPLE, NAMES, asked, rows
+from stochlin.views.shared.style import AS_GIVEN, filled, styled
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+WIDTH, ROW, HEAD, AXIS, LINE, MARGIN = 4.6, 0.34, 0.28, 0.5, 0.14, 0.05  # inches
+SMALL = 0.13  # inches: a line of a label
+NAME, CAPTION = 34, 66  # characters on a line
+LEFT, RIGHT = 0.44, 0.97  # of the width
+MOST = 14  # inputs that are drawn
+BETWEEN = 0.5  # rows, between what is uncertain and what is known
+EDGE = "#1b1b1b"
+ENDS = {"low": ("#f2f2f2", "////"), "high": ("#7a9cbf", "")}  # face, hatch: told apart in grey
+
+
+@styled(AS_GIVEN | {"font.size": 9, "hatch.linewidth": 0.7})
+def draw_sensitivity(
+    dataset: xr.Dataset, names: Mapping[str, str] = NAMES, caption: bool = True
+) -> Figure:
+    """Draw what `stochlin.sensitivity` returns: a bar for every input, the longest on top.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From memory or as ``stochlin gap --sensitivity`` saves it.
+    names : mapping
+        What to call ``structure_1``, ``structure_2`` and ``ground``.
+    caption : bool
+        Whether to say below of what it is.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        How the gap changes with each input at the low and at the high end of its range, with standard
+        errors; first what is uncertain, below it what is known, as an example 10 % to either side.
+        Inputs that do not move the gap are left out, and of more than 14 the least.
+
+    Raises
+    ------
+    ValueError
+        If the dataset is another one.
+    """
+    from matplotlib.figure import Figure
+    from matplotlib.patches import Patch
+
+    if "gap_change" not in dataset or "input" not in dataset.dims:
+        raise ValueError(
+            f"dataset has the dimensions {tuple(dataset.dims)}; allowed: what sensitivity returns"
+        )
+    shown = rows(dataset, names)[:MOST]
+    told = _caption(dataset) if caption else ""
+    foot = LINE * (told.count("\n") + 1.5) if told else 0.0
+    labels = [f"{filled([row.label], NAME)}\n{row.range}" for row in shown]
+    pitch = max([ROW, *(SMALL * (label.count("\n") + 1.4) for label in labels)])
+    known = [not row.uncertain for row in shown]
+    place = np.arange(len(shown)) + BETWEEN * np.array(known, float) * (not all(known))
+    rows_high = (place[-1] if shown else 0) + 1
+    height = pitch * rows_high + HEAD + AXIS + foot + MARGIN
+    figure = Figure(figsize=(WIDTH, height))
+    axes = figure.add_axes((LEFT, (AXIS + foot) / height, RIGHT - LEFT, pitch * rows_high / height))
+    changes, errors = (
+        CENTIMETRES * dataset[f"gap_change{end}"].values for end in ("", "_standard_error")
+    )
+    right = 1e-9
+    for at, row in zip(place, shown, strict=True):
+        for n, (end, shift) in enumerate((("low", -0.19), ("high", 0.19))):
+            change, error = changes[row.place, n], errors[row.place, n]
+            face, hatch = ENDS[end]
+            style: Any = {"color": face, "hatch": hatch, "edgecolor": EDGE, "lw": 0.6, "zorder": 2}
+            axes.barh(at + shift, change, 0.36, **style)
+            axes.plot([change - error, change + error], [at + shift] * 2, color=EDGE, lw=1.0, zorder=3)
+            right = max(right, abs(change) + error)
+    axes.axvline(0, color=EDGE, lw=0.8, zorder=4)
+    axes.set_yticks(place, labels)
+    axes.tick_params(axis="y", length=0, labelsize=7.5)
+    axes.grid(visible=False, axis="y")
+    axes.set_axisbelow(True)
+    axes.set(xlim=(-1.05 * right, 1.05 * right), ylim=(rows_high - 0.5, -0.5))
+    axes.set(xlabel=f"change of the {asked(dataset)} [cm]")
+    for side in ("top", "right", "left"):
+        axes.spines[side].set_visible(False)
+    axes.legend(
+        handles=[
+            Patch(facecolor=face, hatch=hatch, edgecolor=EDGE, lw=0.6, label=f"input {end}")
+            for end, (face, hatch) in ENDS.items()
+        ],
+        loc="lower right", bbox_to_anchor=(1.02, 1.0), ncols=2, borderaxespad=0.2, fontsize=8.5,
+        columnspacing=1.2, handlelength=1.6,
+    )  # fmt: skip
+    figure.text(0.02, foot / height, told, va="top", size=8)
+    return figure
+
+
+def _of_known(dataset: xr.Dataset) -> str:
+    return "Inputs in brackets are known" if dataset.uncertain.any() else "Inputs are known"
+
+
+def _caption(dataset: xr.Dataset) -> str:
+    attrs = dataset.attrs
+    roles = {"first": "building 1", "second": "building 2", "ground": "ground", "envelope": "envelope"}
+    lines = [
+        attrs["title"],
+        *(f"{name}: {attrs[role]}" for role, name in roles.items() if role in attrs),
+    ]
+    lines.append(
+        f"{attrs['paths']} motions of {attrs['duration_s']:g} s, seed {attrs['seed']}; {asked(dataset)} "
+        f"{CENTIMETRES * float(dataset.gap):.1f} cm with {100 * attrs['confidence']:.4g} % confidence. "
+        f"{_of_known(dataset)}: {EXAMPLE}. Lines: standard errors."
+    )
+    return filled(lines, CAPTION, "    ")

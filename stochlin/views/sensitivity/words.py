@@ -1,0 +1,166 @@
+"""What matters for a gap in plain words and short numbers: what the screen and the page share."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from stochlin.models.buildings import OF_STOREYS
+from stochlin.views.shared.screen import PLAIN, paragraph
+from stochlin.views.shared.words import LARGE, MINUS, MISSING, SPACE, per_cent, short
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import xarray as xr
+
+NAMES = {"structure_1": "building 1", "structure_2": "building 2", "ground": "the ground"}
+CENTIMETRES = 100.0
+LARGE_GAP = 0.05  # [m]: from here on tenths of a centimetre tell enough of a change
+NOTHING = 1e-6  # of the gap: what moves it by less does not matter
+FEWEST, MOST = 2.0, 3  # standard errors of a share that is told; shares that are told
+EXAMPLE = "10 % to either side as an example"
+COLUMNS = (
+    "[cm]: how it changes if the input is known to be at either end. Elasticity: its change in per cent "
+    "for one per cent more of the input. After ±: standard errors."
+)
+SHARE = "Share: of the variance of the separation, what comes from this input alone."
+
+
+class InputLine(NamedTuple):
+    """One input as it is shown."""
+
+    place: int  # in the dataset
+    label: str
+    uncertain: bool
+    low: str
+    high: str
+    range: str
+    change: str
+    elasticity: str
+    share: str
+
+
+def rows(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[InputLine]:
+    """What moves the gap, first what is uncertain, then what is known; in each the most first."""
+    moves = np.abs(table.gap_change).max("end").values
+    uncertain = table.uncertain.values.astype(bool)
+    order = np.lexsort((-moves, ~uncertain))
+    there = moves > NOTHING * max(float(table.gap), float(moves.max()))
+    some = bool(uncertain.any())
+    return [_row(table.isel(input=n), int(n), names, some) for n in order if there[n]]
+
+
+def asked(table: xr.Dataset) -> str:
+    """What is asked for: a gap, or the set-back of one building."""
+    return "gap" if "second" in table.attrs else "set-back"
+
+
+def note(table: xr.Dataset) -> str:
+    """What the columns are."""
+    if not table.uncertain.any():
+        return f"Range: {EXAMPLE}. {COLUMNS}"
+    return (
+        "Range: of what is uncertain, from the value that 16 % lie below to that of 84 %; of what is "
+        f"known (in brackets), {EXAMPLE}. {COLUMNS} {SHARE}"
+    )
+
+
+def _row(one: xr.Dataset, place: int, names: Mapping[str, str], some_uncertain: bool) -> InputLine:
+    role, _, key = str(one.input.item()).partition(".")
+    uncertain = bool(one.uncertain)
+    label = f"{key.replace('_', ' ')} of {names[role]}"
+    low, high = (_value(one, key, float(factor)) for factor in one.input_factor_at)
+    digits = 1 if float(one.gap) >= LARGE_GAP else 2
+    changes = [_signed(CENTIMETRES * float(change), digits) for change in one.gap_change]
+    share = _with_error(float(one.variance_share), float(one.variance_share_standard_error))
+    slope, error = float(one.elasticity), float(one.elasticity_standard_error)
+    number, _, unit = low.partition(SPACE)
+    return InputLine(
+        place=place,
+        label=f"({label})" if some_uncertain and not uncertain else label,
+        uncertain=uncertain,
+        low=low,
+        high=high,
+        range=f"{number} to {high}" if unit else f"{low} to {high}",
+        change=" / ".join(changes),
+        elasticity=f"{_signed(slope, 2)} ± {error:.2f}" if np.isfinite(slope) else MISSING,
+        share=share if uncertain else "",
+    )
+
+
+def _value(one: xr.Dataset, key: str, factor: float) -> str:
+    """An input at an end of its range; of an array how many times what is given."""
+    unit, median = str(one.input_unit.item()), float(one.input_median)
+    if unit == "1" and key in OF_STOREYS:
+        return f"{factor:.2f}{SPACE}times"
+    unit, scale = {"m": ("cm", CENTIMETRES), **LARGE}.get(unit, (unit, 1.0))
+    unit = unit.replace("^2", "²").replace("^3", "³")
+    return f"{short(scale * median * factor)}{'' if unit == '1' else SPACE + unit}"
+
+
+def _signed(value: float, digits: int) -> str:
+    rounded = round(value, digits)
+    return f"{rounded:+.{digits}f}".replace("-", MINUS) if rounded else f"{0:.{digits}f}"
+
+
+def _with_error(share: float, error: float) -> str:
+    digits = 0 if error >= 0.01 else 1
+    return f"{100 * max(share, 0.0):.{digits}f} ± {100 * error:.{digits}f}{SPACE}%"
+
+
+def sentences(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[str]:
+    """What an engineer would say of it."""
+    shown = rows(table, names)
+    if not shown:
+        return ["No number of the buildings or of the ground moves it."]
+    most = shown[0]
+    begin = "Of what is uncertain" if most.uncertain else "Of all inputs, each 10 % less and more"
+    low, high = most.change.split(" / ")
+    told = [
+        f"{begin}, the {asked(table)} depends most on the {most.label.strip('()')}: {most.low} would "
+        f"change it by {low}{SPACE}cm, {most.high} by {high}{SPACE}cm."
+    ]
+    if not table.uncertain.any():
+        return told
+    order = np.argsort(-table.variance_share.values)
+    clear = table.variance_share > FEWEST * table.variance_share_standard_error
+    largest = [n for n in order if bool(clear[n])][:MOST]
+    labels = {row.place: row.label for row in shown}
+    of_inputs = [
+        f"{per_cent(float(table.variance_share[n]))} the {labels[n]}" for n in largest if n in labels
+    ]
+    rest = float(table.motion_share + table.interaction_share)
+    of_motions = f"{per_cent(rest)} the motions and how they meet these buildings"
+    parts = "; ".join([*of_inputs, of_motions])
+    told.append(f"Why separations differ from motion to motion, as shares of their variance: {parts}.")
+    less = float(table.gap_of_medians / table.gap) - 1
+    error = float(table.gap_of_medians_standard_error / table.gap)
+    word = "smaller" if less < 0 else "larger"
+    told.append(
+        f"If all inputs were known to be at their medians, the {asked(table)} would be "
+        f"{100 * abs(less):.0f} ± {per_cent(error)} {word}."
+    )
+    return told
+
+
+def lines(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[str]:
+    """What the screen shows."""
+    shown = rows(table, names)
+    found = ["", "What matters:"]
+    for sentence in sentences(table, names):
+        found += paragraph(sentence)
+    if not shown:
+        return found
+    columns = ("label", "range", "change", "elasticity", "share")
+    share = "share" if table.uncertain.any() else ""
+    heads = ("input", "range", f"{asked(table)} [cm]", "elasticity", share)
+    cells = [heads, *([getattr(row, name).translate(PLAIN) for name in columns] for row in shown)]
+    wide = [max(len(row[n]) for row in cells) for n in range(len(columns))]
+    found.append("")
+    for row in cells:
+        aligned = (f"{text:<{w}}" if n < 2 else f"{text:>{w}}"
+                   for n, (text, w) in enumerate(zip(row, wide, strict=True)))  # fmt: skip
+        found.append("  ".join(aligned).rstrip())
+    return [*found, "", *paragraph(note(table))]
