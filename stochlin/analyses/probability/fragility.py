@@ -66,8 +66,8 @@ def pounding_fragility(
         Over ``intensity`` and ``gap``: ``pounding_probability`` [-] in the whole motion, crossings in
         clumps; ``_poisson``; ``_corrected``; ``_simulated`` with a 95 % interval, ``_lower`` and
         ``_upper``; with a building ``_at_height`` and ``_at_most``, which the formulas of all heights
-        allow for them together. Over ``intensity``: ``required_gap`` [m], ``_corrected`` and
-        ``_simulated``; ``status``.
+        allow for them together; ``caution`` and ``caution_corrected``, as in `pounding_probability`.
+        Over ``intensity``: ``required_gap`` [m], ``_corrected`` and ``_simulated``; ``status``.
 
     Raises
     ------
@@ -117,7 +117,9 @@ def pounding_fragility(
     for ending in ENDINGS:
         if f"required_gap{ending}" in found:
             table[f"required_gap{ending}"] = found[f"required_gap{ending}"]
-    table = labels.label(table.assign(status=found.status), VARIABLES).assign_attrs(found.attrs)
+    table = labels.label(
+        table.assign(found[["status", "caution", "caution_corrected"]]), VARIABLES
+    ).assign_attrs(found.attrs)
     return labels.with_run_information(
         table,
         f"Fragility of two structures against pounding, {ground.name} ground",
