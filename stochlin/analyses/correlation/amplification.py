@@ -143,7 +143,7 @@ def amplification(
     assert isinstance(structure, Structure)  # of one floor, as expected above
     elastic = solve_elastic(structure, ground).displacement_std
     method = method or LINEARIZATION
-    closure = closure or usual_closure(structure, ground)
+    closure = usual_closure(structure, ground) if closure is None else closure
     if method == LINEARIZATION:
         inelastic = linearize(structure, ground, closure)
     else:

@@ -122,7 +122,7 @@ def peak_response(
     chosen = peak_factor_model(model)
     check_whole("sides", sides, 1, 2)
     domain = chosen.domain(sides)
-    closure = closure or usual_closure(structure, ground)
+    closure = usual_closure(structure, ground) if closure is None else closure
     check_closure(structure, closure)
     motion = StationaryMotion(duration)
     solved = solve_structure(structure, ground, closure, USUAL)

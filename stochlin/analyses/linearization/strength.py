@@ -127,7 +127,7 @@ def strength_for_ductility(
         )
     factor = structure.peak_factor if peak_factor is None else peak_factor
     strong = replace(structure, yield_displacement=None, reduction_factor=1.0, peak_factor=factor)
-    closure = closure or usual_closure(strong, ground)
+    closure = usual_closure(strong, ground) if closure is None else closure
     target = DuctilityTarget(ductility)
     reduction = _search(strong, ground, target, closure)
     if not reduction.ndim and np.isnan(reduction):
