@@ -210,6 +210,8 @@ def test_formulas_are_flagged_where_they_are_off_and_trusted_where_they_are_not(
     assert max(off) > 0.2
     assert (last.caution_corrected == 0).any()
     assert set(table.caution.dims) == {"gap"}
+    named = gaps.assign_coords(gap=("gap", gaps.values, {"units": "m"}))
+    assert probability(ONE, TWO, FIRM, named, points=3).gap.attrs["units"] == "m"
 
 
 def test_formulas_are_flagged_outside_of_what_was_checked():

@@ -39,8 +39,8 @@ def cautions(
         for ending in ("", "_corrected")
     )
     if not (isinstance(first, Structure) and isinstance(second, Structure)):
-        unknown = xr.full_like(plain, 2, np.int8)
-        return {"caution": _flag(unknown), "caution_corrected": _flag(unknown)}
+        unknown = _flag(plain, xr.full_like(plain, 2))
+        return {"caution": unknown, "caution_corrected": unknown}
     pair = (first, second)
     most = xr.apply_ufunc(np.maximum, *(_strength(side, ground) for side in pair))
     one, two = (side.arrays()["period"] for side in pair)
@@ -59,8 +59,8 @@ def cautions(
         ("caution_corrected", sure, inside & corrected.notnull()),
     ):
         value = xr.where(known, xr.where(good, 0, 1), 2)  # type: ignore[no-untyped-call]
-        value = xr.where(elastic, 0, value).broadcast_like(plain)  # type: ignore[no-untyped-call]
-        flags[name] = _flag(value.where(plain.notnull(), 2).transpose(*plain.dims))
+        value = xr.where(elastic, 0, value)  # type: ignore[no-untyped-call]
+        flags[name] = _flag(plain, value)
     return flags
 
 
@@ -80,10 +80,13 @@ def _checked(pair: tuple[Structure, Structure], ground: Ground, scatter: float) 
     return inside
 
 
-def _flag(value: xr.DataArray) -> xr.DataArray:
-    attrs = {
+def _flag(like: xr.DataArray, value: xr.DataArray) -> xr.DataArray:
+    """The flag where ``like`` is known, over its dimensions, with its coordinates as they are."""
+    shown = value.broadcast_like(like).where(like.notnull(), 2).transpose(*like.dims)
+    flag = like.copy(data=shown.values.astype(np.int8))
+    flag.attrs = {
         "long_name": "whether the confidence at the end of the motion can be relied on",
         "flag_values": np.arange(len(MEANINGS), dtype=np.int8),
         "flag_meanings": " ".join(MEANINGS),
     }
-    return value.astype(np.int8).drop_attrs().assign_attrs(attrs)
+    return flag

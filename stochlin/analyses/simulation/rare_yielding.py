@@ -97,7 +97,7 @@ def with_drift(
     named = ", ".join(f"{n + 1}" for n in chosen)
     slowest = max(1 / float(solved[n].drift_rate) for n in chosen)
     table = table.assign({name: table[name].copy(data=values) for name, values in columns.items()})
-    table["estimate"] = table.displacement_std.copy(data=rare.astype(np.int8)).drop_attrs()
+    table["estimate"] = table.displacement_std.copy(data=rare.astype(np.int8))
     table.estimate.attrs = {
         "long_name": "how the response was found",
         "flag_values": np.arange(len(MEANINGS), dtype=np.int8),
