@@ -14,8 +14,11 @@ import numpy as np
 import xarray as xr
 
 import stochlin as sl
+from stochlin.analyses.simulation import rare_yielding
 from stochlin.analyses.tables.storage import whole_file
 from stochlin.kernels.simulation.stepping import LANES
+
+rare_yielding.MOST_STEPS = np.inf  # all is simulated that closures are held against
 
 HARDENING = (0.02, 0.05, 0.1, 0.2, 0.5)
 DAMPING = (0.02, 0.05, 0.1)

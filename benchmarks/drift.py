@@ -17,7 +17,10 @@ import stochlin as sl
 from stochlin.analyses.correlation.derived_pairs import derived_correlation
 from stochlin.analyses.linearization.equivalent_systems import solve_derived
 from stochlin.analyses.linearization.tolerance import USUAL
+from stochlin.analyses.simulation import rare_yielding
 from stochlin.analyses.tables.storage import save_table
+
+rare_yielding.MOST_STEPS = np.inf  # all is simulated that closures are held against
 
 PAIRS, SEED = 500, 20261207
 CLOSURES = ("gaussian", "clipped", "narrow_band", "drift")

@@ -18,8 +18,11 @@ from stochlin.analyses.correlation.drifting_signatures import derived_signatures
 from stochlin.analyses.linearization.bias_map import bias_map
 from stochlin.analyses.linearization.equivalent_systems import solve_derived
 from stochlin.analyses.linearization.tolerance import USUAL
+from stochlin.analyses.simulation import rare_yielding
 from stochlin.analyses.tables.storage import whole_file
 from stochlin.kernels.correlation.signatures import signature
+
+rare_yielding.MOST_STEPS = np.inf  # all is simulated that closures are held against
 
 HARDENING = (0.02, 0.05, 0.1, 0.2, 0.5)
 DAMPING = (0.01, 0.02, 0.05, 0.1)

@@ -169,7 +169,7 @@ def test_units_change_nothing(tmp_path: Path) -> None:
 def test_ductility_gives_the_strength_that_has_it(tmp_path: Path) -> None:
     case = read(tmp_path, changed("\nreduction_factor = 4\nheight", "\nductility = 3\nheight"))
     structure = case.first.structure
-    found = sl.linearize(structure, case.ground)
+    found = sl.linearize(structure, case.ground, "drift")
     assert 3 * float(found.ductility_std) == pytest.approx(3.0, rel=1e-6)
 
 

@@ -191,6 +191,54 @@ def test_correction_of_a_yielding_pair_is_nearer_to_simulation():
     assert float(last.required_gap) < 0.85 * simulated
 
 
+def test_formulas_are_flagged_where_they_are_off_and_trusted_where_they_are_not():
+    """Strengths 2 and 6: the formula is unsafe. What has caution 0 is too large by .1 at most."""
+    gaps = xr.DataArray([0.04, 0.08, 0.12, 0.16], dims="gap")
+    off = []
+    for factors in ((2, 6), (6, 2), (4, 4), (1.3, 1.3)):
+        pair = [
+            sl.Bilinear(T, 0.05, 0.05, reduction_factor=R)
+            for T, R in zip((0.6, 1.1), factors, strict=True)
+        ]
+        table = probability(*pair, FIRM, gaps, paths=2048, points=5)
+        last = table.isel(time=-1)
+        for ending in ("", "_corrected"):
+            error = last[f"confidence_of_no_pounding{ending}"] - last.confidence_of_no_pounding_simulated
+            # four standard errors of a share of 2048 are .044 at most
+            assert not ((last[f"caution{ending}"] == 0) & (error > 0.1 + 0.044)).any()
+            off.append(float(error.max()))
+    assert max(off) > 0.2
+    assert (last.caution_corrected == 0).any()
+    assert set(table.caution.dims) == {"gap"}
+    named = gaps.assign_coords(gap=("gap", gaps.values, {"units": "m"}))
+    assert probability(ONE, TWO, FIRM, named, points=3).gap.attrs["units"] == "m"
+
+
+def test_formulas_are_flagged_outside_of_what_was_checked():
+    def flags(first, second, ground=FIRM, **changes):
+        brief = {"envelope": None, "duration": 4.0, "points": 3}
+        table = probability(first, second, ground, 0.1, **brief, **changes)
+        return int(table.caution), int(table.caution_corrected)
+
+    one, two = (sl.Bilinear(T, 0.05, 0.05, reduction_factor=1.3) for T in (0.6, 1.0))
+    assert flags(one, two)[0] == 0
+    apart = sl.Bilinear(0.3, 0.05, 0.05, reduction_factor=1.3)
+    assert flags(apart, two)[0] == 2
+    assert flags(one, sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=12))[0] == 2
+    assert flags(one, sl.BoucWen(1.0, 0.05, 0.05, reduction_factor=1.3)) == (2, 2)
+    assert flags(one, two, scatter=0.4) == (2, 2)
+    both = sl.ParallelGround([FIRM, sl.KanaiTajimi(1.0, 0.3, intensity=0.01)])
+    assert flags(one, two, both) == (2, 2)
+    assert flags(ONE, TWO, both, scatter=0.4) == (0, 0)  # linear: exact but for the crossings
+    assert flags(one, two, sl.KanaiTajimi(1.5, 0.3, intensity=0.01))[0] == 1  # T < Tg/2
+
+
+def test_a_simulation_is_usual():
+    table = sl.pounding_probability(ONE, TWO, FIRM, 0.12, points=3, duration=4.0)
+    assert table.confidence_of_no_pounding_simulated.notnull().all()
+    assert table.attrs["paths"] >= 256
+
+
 def test_tables_are_labelled_and_bad_cells_blank():
     gaps = xr.DataArray([0.1, -0.1, 0.2], dims="gap")
     periods = xr.DataArray([0.5, 30.0], dims="period_1")

@@ -49,7 +49,7 @@ def test_every_variable_says_what_it_is(result):
     table = result()
     for name, variable in table.data_vars.items():
         assert variable.attrs["long_name"], name
-        if name == "status":
+        if name in ("status", "caution"):
             assert variable.dtype == variable.attrs["flag_values"].dtype == np.int8
         else:
             assert variable.attrs["units"], name

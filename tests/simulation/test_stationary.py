@@ -8,6 +8,7 @@ import pytest
 import scipy.stats
 
 import stochlin as sl
+from stochlin.analyses.simulation import rare_yielding
 from stochlin.analyses.simulation.ensembles import cells_of, join_cells, prepare
 from stochlin.analyses.simulation.run_lengths import with_length
 from stochlin.analyses.simulation.simulation import NOT_STATIONARY, simulate_moments
@@ -357,10 +358,11 @@ def test_structure_that_hardly_ever_yields_is_refused_by_the_time_that_its_drift
 
     monkeypatch.setattr("stochlin.analyses.simulation.simulation.stationary_sums", never)
     rare = yielding(0.7, 0.15, 0.01)
+    both = sl.ParallelGround([sl.KanaiTajimi(T, 0.6) for T in (0.4, 0.8)])  # no closure knows its drift
     with pytest.raises(
         ValueError, match=r"would take .*; allowed: 15 minutes .*period 0\.7 s yields so rarely"
     ):
-        sl.simulate([PLAIN, rare], NOISE)
+        sl.simulate([PLAIN, rare], both)
 
 
 def test_cells_out_of_range_spoil_only_themselves():
@@ -372,3 +374,50 @@ def test_cells_out_of_range_spoil_only_themselves():
     pair = [sl.Bilinear(period, 0.05) for period in (1.0, 0.7)]
     alone = sl.simulate(pair, NOISE, paths=64, steps_per_period=8, relaxation_times=2.0)
     np.testing.assert_array_equal(moments.rho[np.ix_([0, 2], [0, 2])], alone.rho)
+
+
+# --- Structures that yield rarely -----------------------------------------------------------------
+
+
+def test_rare_yielding_is_bounded_and_flagged():
+    """At R = .7 the drift takes 1e5 s to settle: it is the drift closure's, with its error."""
+    ground = sl.KanaiTajimi(1.0, 0.3, intensity=0.01)
+    rare, usual = yielding(1.0, 0.7 / 3), yielding(0.9, 1.0)
+    table = sl.simulate([rare, usual], ground, paths=32)
+    assert table.attrs["memory_s"] < 1000
+    assert table.estimate.values.tolist() == [1, 0]
+    assert table.estimate.attrs["flag_meanings"].split()[1] == "elastic_and_drift_by_closure"
+    assert "Structure 1 yields so rarely" in table.attrs["comment"]
+    assert not table.status.any()
+    closure = sl.linearize(rare, ground, "drift")
+    assert float(table.displacement_std[0]) == pytest.approx(float(closure.displacement_std), rel=1e-9)
+    assert float(table.ductility_std[0]) == pytest.approx(float(closure.ductility_std), rel=1e-9)
+    # a simulation of 32 motions of 2.5e6 s, seed 0: .07425 with a standard error of .00034
+    error = float(table.displacement_std_standard_error[0])
+    assert abs(float(table.displacement_std[0]) - 0.07425) < 2 * np.hypot(error, 0.00034)
+    alone = sl.simulate([usual], ground, paths=32)
+    assert "estimate" not in alone
+    assert float(alone.displacement_std[0]) == pytest.approx(float(table.displacement_std[1]), rel=0.02)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "ground", [sl.KanaiTajimi(1.0, 0.3, intensity=0.01), NOISE], ids=["soil", "white"]
+)
+def test_bounded_rare_yielding_agrees_with_a_long_simulation(ground, monkeypatch):
+    structures = [yielding(1.0, 0.29, 0.1), yielding(1.1, 0.3, 0.1), yielding(0.9, 0.7, 0.1)]
+    options = {"paths": 64, "relaxation_times": 10.0}
+    whole = sl.simulate(structures, ground, **options)
+    assert "estimate" not in whole
+    monkeypatch.setattr(rare_yielding, "MOST_STEPS", 1e5)
+    bounded = sl.simulate(structures, ground, **options)
+    assert bounded.estimate.values.tolist() == [1, 1, 0]
+    for name in ("displacement_std", "rho"):
+        error = np.hypot(*(table[f"{name}_standard_error"].values for table in (whole, bounded)))
+        assert (np.abs(bounded[name] - whole[name]).values <= ERRORS * error + 1e-12).all()
+
+
+def test_rare_yielding_of_a_law_without_the_closure_is_simulated():
+    smooth = yielding(1.0, 0.2, 0.2, sl.BoucWen)
+    table = sl.simulate([smooth], NOISE, paths=32, relaxation_times=1.0)
+    assert "estimate" not in table

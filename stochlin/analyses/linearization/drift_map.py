@@ -20,7 +20,7 @@ from stochlin.analyses.tables.cellwise import cellwise
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.interpolation import Grid
 from stochlin.models.grounds import CloughPenzien, Ground, WhiteNoise
-from stochlin.models.structures import Structure
+from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
 
 FILE = "drift_map.nc"
 # A Clough-Penzien ground is corrected as its soil would be alone.
@@ -47,6 +47,12 @@ def with_correction(structure: Structure, ground: Ground, derived: xr.Dataset) -
     factor = np.exp(logarithm)
     shown = ("displacement_std", "ductility_std")
     return derived.assign({variable: derived[variable] * factor for variable in shown})
+
+
+def usual_closure(structure: Structure, ground: Ground) -> str:
+    """The drift closure where it holds and is corrected, elsewhere the Gaussian one."""
+    known = DRIFT in structure.closure_names() and type(ground) in CORRECTED_GROUNDS
+    return DRIFT if known and structure.yields else GAUSSIAN
 
 
 def hold_at_ends(name: str, point: list[xr.DataArray]) -> tuple[xr.DataArray, ...]:

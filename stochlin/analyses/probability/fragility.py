@@ -71,12 +71,13 @@ def pounding_fragility(
         Over ``intensity`` and ``gap``: ``pounding_probability`` [-] in the whole motion, crossings in
         clumps; ``_poisson``; ``_corrected``; ``_simulated`` with a 95 % interval, ``_lower`` and
         ``_upper``; with a building ``_at_height`` and ``_at_most``, which the formulas of all heights
-        allow for them together. Over ``intensity``: ``required_gap`` [m], ``_corrected`` and
-        ``_simulated``; ``status``. Over ``gap``, of the simulated motions: the lognormal fragility of
-        most likelihood, ``fragility_median`` [m^2/s^3] and ``fragility_dispersion`` [-], the standard
-        deviation of the logarithm of ``S0``, with standard errors; NaN where ``fragility_status`` says
-        why: fewer than two motions pound, all of them do at the lowest intensity already, there is but
-        one intensity, or the cell is not valid.
+        allow for them together; ``caution`` and ``caution_corrected``, as in `pounding_probability`.
+        Over ``intensity``: ``required_gap`` [m], ``_corrected`` and ``_simulated``; ``status``. Over
+        ``gap``, of the simulated motions: the lognormal fragility of most likelihood,
+        ``fragility_median`` [m^2/s^3] and ``fragility_dispersion`` [-], the standard deviation of the
+        logarithm of ``S0``, with standard errors; NaN where ``fragility_status`` says why: fewer than
+        two motions pound, all of them do at the lowest intensity already, there is but one intensity,
+        or the cell is not valid.
 
     Raises
     ------
@@ -136,7 +137,8 @@ def pounding_fragility(
             table[f"required_gap{ending}"] = found[f"required_gap{ending}"]
     if SAMPLES in found:
         table = table.assign(_lognormal(found[SAMPLES], named_gap, named_intensity))
-    table = labels.label(table.assign(status=found.status), VARIABLES).assign_attrs(found.attrs)
+    kept = found[["status", "caution", "caution_corrected"]]
+    table = labels.label(table.assign(kept), VARIABLES).assign_attrs(found.attrs)
     table = labelled_fragility(table, "m^2/s^3")
     return labels.with_run_information(
         table,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -16,6 +16,7 @@ from stochlin.analyses.simulation.finite_motions import (
     pair_separation,
     simulate_finite,
 )
+from stochlin.analyses.simulation.rare_yielding import elastic, rarely_yielding, with_drift
 from stochlin.analyses.simulation.riders import Riders, riders_of
 from stochlin.analyses.simulation.run_lengths import with_length
 from stochlin.analyses.simulation.variables import VARIABLES
@@ -111,7 +112,9 @@ def simulate(
         Over ``structure``: ``displacement_std`` [m] and ``displacement_std_standard_error``,
         ``ductility_std`` [-], ``drift`` [-]: the change of the variance from the first half of the
         run to the second in standard errors, ``status``: not converged where a drift exceeds 5;
-        over (``structure``, ``structure_2``): ``rho`` and ``rho_standard_error``. With a duration
+        over (``structure``, ``structure_2``): ``rho`` and ``rho_standard_error``. Where a structure
+        yields too rarely for that, ``estimate``: a flag of how it was found; see the notes. With a
+        duration
         instead, over ``path`` and ``structure``: ``peak_positive``, ``peak_negative`` and ``peak``, the
         larger of the two, all [m]; over ``path``, ``structure`` and ``structure_2``: ``separation`` [m],
         the largest ``u_1 - u_2``, the gap that would just have been enough with ``structure`` on the
@@ -132,6 +135,15 @@ def simulate(
     others; for linear structures the second moments are exact for any step. A law in sympy is
     compiled in a second or two, and runs a tenth as fast, as dashpots with an exponent do. Standard
     errors come from the scatter between independent paths.
+
+    A structure that yields rarely has a plastic drift that takes very long to settle. A bilinear
+    oscillator without links that would need more than ten million steps is simulated as elastic, and its
+    drift is that of the drift closure, which grows for a million periods at most: ``estimate`` flags it,
+    and the standard errors hold those of the closure. Against simulations of up to fifty million steps
+    (R .72 to .77, white noise, firm ground, a lake bed) standard deviations were off by 2 % at most and
+    ``rho`` by .03, of two that are nearly alike on the lake bed by .12. Fewer ``relaxation_times`` let
+    more be simulated. Of other structures and linked ones the whole time is simulated, and refused from
+    a quarter of an hour on.
 
     References
     ----------
@@ -155,14 +167,14 @@ def simulate(
     check_motion(duration, envelope, scatter, quantiles, roles)
     check_memory(sum(floor_count(structure) for structure in structures), paths)
     riders = riders_of(structures, ground, link, duration is None, drawn.stacks())
-    run = riders.run(
-        ground,
-        paths=paths,
-        seed=seed,
-        steps_per_period=steps_per_period,
-        scatter=float(scatter),
-        grounds=drawn.grounds(),
-    )
+    options: dict[str, Any] = {
+        "paths": paths,
+        "seed": seed,
+        "steps_per_period": steps_per_period,
+        "scatter": float(scatter),
+        "grounds": drawn.grounds(),
+    }
+    run = riders.run(ground, **options)
     if not run.valid.all() and (riders.has_storeys or duration is not None):
         lost = roles[f"structures[{int(np.argmin(run.valid))}]"].describe()
         raise ArithmeticError(f"the elastic response of {lost} is beyond what can be computed")
@@ -179,8 +191,7 @@ def simulate(
         title = f"{what} in finite motions, {ground.name} ground"
         call = f"simulate(paths={paths}, seed={seed}, duration={duration})"
     else:
-        run = with_length(run, relaxation_times)
-        table = _stationary(riders, run, progress).assign_attrs(run_attributes(run))
+        table = _settled(structures, ground, riders, run, options, relaxation_times, progress)
         title, call = f"{what}, {ground.name} ground", f"simulate(paths={paths}, seed={seed})"
     return labels.with_run_information(
         labels.label(table, VARIABLES), title, call, models | {"ground": drawn.ground}
@@ -214,6 +225,27 @@ def drawn_separations(
     )
     table = simulate_finite(riders, run, duration, envelope, (), None)
     return pair_separation(table).to_numpy(), run.plan.dt
+
+
+def _settled(
+    structures: Sequence[AnyStructure],
+    ground: Ground,
+    riders: Riders,
+    run: Run,
+    options: dict[str, Any],
+    relaxation_times: float,
+    progress: Progress | None,
+) -> xr.Dataset:
+    """Stationary second moments, with the drift of oscillators that yield too rarely to settle."""
+    rare = np.zeros(len(structures), bool)
+    if not riders.frames:
+        rare = rarely_yielding(structures, ground, run, relaxation_times)
+    if rare.any():
+        riders = riders_of(elastic(structures, rare), ground, None, stationary=True)
+        run = riders.run(ground, **options)
+    run = with_length(run, relaxation_times)
+    table = _stationary(riders, run, progress).assign_attrs(run_attributes(run))
+    return with_drift(table, structures, ground, rare) if rare.any() else table
 
 
 def _medians(drawn: Draw, duration: float | None) -> tuple[Sequence[AnyStructure], Ground]:

@@ -34,9 +34,10 @@ def drift_variances(
     pace = 2 * SPEED * hardening * own.relaxation
     full = own.displacement / (1 + bias) ** 2
     drift = _relaxing(full - own.displacement, pace, times)
-    root = np.sqrt(own.displacement[:, one] * own.displacement[:, two])
+    # Near rest rounding may leave less than nothing of a variance.
+    root = np.sqrt(np.maximum(own.displacement[:, one] * own.displacement[:, two], 0))
     rho = both.product / np.where(root > 0, root, 1.0) - rho_bias
-    shared = np.clip(rho, -1, 1) * np.sqrt(full[:, one] * full[:, two]) - both.product
+    shared = np.clip(rho, -1, 1) * np.sqrt(np.maximum(full[:, one] * full[:, two], 0)) - both.product
     shared = _relaxing(shared, 0.5 * (pace[:, one] + pace[:, two]), times)
     apart = drift[:, one] + drift[:, two] - 2 * shared
     # Less than nothing, where rho is corrected upwards by more than the variances: no drift apart.

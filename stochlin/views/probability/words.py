@@ -55,6 +55,12 @@ def answer_lines(answer: ProbabilityAnswer) -> list[str]:
             f"Formulas are of the worst height, {float(table.governing_height):.4g} m; simulated is "
             "what holds at all heights at once."
         )
+    last = table.isel(time=-1)
+    lines += [
+        f"Do not rely on the column {name}: for buildings like these it may be too large by far."
+        for name, ending in shown
+        if int(table.get(f"caution{ending}", 0)) and bool(last[STEM + ending].notnull())
+    ]
     yields = case.first.structure.yields or case.second.structure.yields
     if yields and bool(table.permanent_set.any()):
         end = table.attrs["strong_shaking_end_s"]

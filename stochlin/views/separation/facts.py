@@ -48,8 +48,8 @@ def uncertainties(answer: CaseAnswer) -> list[str]:
         sentences.append(LINE)
     if any(building.strength == "ductility" for building in case.buildings):
         sentences.append(
-            "Strength from ductility: found by linearization, which underestimates ductility; the "
-            f"simulated mean peaks are {ductilities(table)}."
+            "Strength from ductility: found by linearization, for a motion without end; the simulated "
+            f"mean peaks of this one are {ductilities(table)}."
         )
     if case.fitted:
         sentences.append(f"The fit: one record, one estimator. {case.ground.source}.")

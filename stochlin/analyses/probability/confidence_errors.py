@@ -1,0 +1,92 @@
+"""Where the formulas' confidence of no pounding can be relied on, by region.
+
+Found on half of 840 random pairs, 762 of them yielding, in finite motions, simulated at four gaps each,
+and tested on the other half by `benchmarks/probability.py`, which prints the errors.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.linearization.drift_map import CORRECTED_GROUNDS
+from stochlin.analyses.linearization.equivalent_systems import STRENGTH_RATIO, solve_elastic
+from stochlin.models.grounds import Ground
+from stochlin.models.laws.bilinear import Bilinear
+from stochlin.models.structures import Structure
+from stochlin.models.systems import AnyStructure
+
+MEANINGS = ("too_large_by_0.1_at_most", "may_be_larger_than_that", "outside_of_what_was_checked")
+# What was checked: R/p, hardening and damping of structures that yield, periods over one another.
+STRENGTH, HARDENING, DAMPING, RATIO = (0.0, 3.0), (0.02, 0.3), (0.02, 0.1), 3.0
+STIFF = 0.5  # shorter period over that of the ground, below which no formula is relied on
+WEAK_YIELDING, MODERATE, APART = 0.5, 4.0 / 3, 1.5  # R/p, R/p and ratio of the periods
+SAFE, NEAR = 0.85, 0.05  # a confidence that is corrected, and how much more the formula may say
+ROUNDING = 1e-9
+
+
+def cautions(
+    first: AnyStructure, second: AnyStructure, ground: Ground, table: xr.Dataset, scatter: float
+) -> dict[str, xr.DataArray]:
+    """Flags of the confidence at the end of the motion, and of the corrected one, of every cell.
+
+    The formula is relied on for pairs that stay elastic, that hardly yield, and where the correction is
+    relied on and changes little. The correction is relied on where it says that the gap will do, and for
+    pairs that yield moderately and have periods apart.
+    """
+    plain, corrected = (
+        table[f"confidence_of_no_pounding{ending}"].isel(time=-1, drop=True)
+        for ending in ("", "_corrected")
+    )
+    if not (isinstance(first, Structure) and isinstance(second, Structure)):
+        unknown = _flag(plain, xr.full_like(plain, 2))
+        return {"caution": unknown, "caution_corrected": unknown}
+    pair = (first, second)
+    most = xr.apply_ufunc(np.maximum, *(_strength(side, ground) for side in pair))
+    one, two = (side.arrays()["period"] for side in pair)
+    shorter = xr.apply_ufunc(np.minimum, one, two)
+    apart = one * two / shorter**2
+    soil = ground.arrays().get("period", xr.DataArray(0.0))
+    inside = _checked(pair, ground, scatter) & (most <= STRENGTH[1]) & (apart <= RATIO + ROUNDING)
+    soft = shorter >= STIFF * soil
+    elastic = xr.DataArray(not (first.yields or second.yields))
+    sure = soft & ((corrected >= SAFE) | ((apart >= APART) & (most <= MODERATE)))
+    hardly = soft & (most <= WEAK_YIELDING + ROUNDING)
+    little = soft & (corrected >= SAFE) & (plain <= corrected + NEAR)
+    flags = {}
+    for name, good, known in (
+        ("caution", hardly | little, inside),
+        ("caution_corrected", sure, inside & corrected.notnull()),
+    ):
+        value = xr.where(known, xr.where(good, 0, 1), 2)  # type: ignore[no-untyped-call]
+        value = xr.where(elastic, 0, value)  # type: ignore[no-untyped-call]
+        flags[name] = _flag(plain, value)
+    return flags
+
+
+def _strength(structure: Structure, ground: Ground) -> xr.DataArray:
+    """R/p, 0 where it stays elastic."""
+    return solve_elastic(structure, ground)[STRENGTH_RATIO] if structure.yields else xr.DataArray(0.0)
+
+
+def _checked(pair: tuple[Structure, Structure], ground: Ground, scatter: float) -> xr.DataArray:
+    inside = xr.DataArray(type(ground) in CORRECTED_GROUNDS and not scatter)
+    for one in pair:
+        if one.yields:
+            values = one.arrays()
+            inside = inside & isinstance(one, Bilinear)
+            for name, (low, high) in (("hardening", HARDENING), ("damping", DAMPING)):
+                inside = inside & (values[name] >= low - ROUNDING) & (values[name] <= high + ROUNDING)
+    return inside
+
+
+def _flag(like: xr.DataArray, value: xr.DataArray) -> xr.DataArray:
+    """The flag where ``like`` is known, over its dimensions, with its coordinates as they are."""
+    shown = value.broadcast_like(like).where(like.notnull(), 2).transpose(*like.dims)
+    flag = like.copy(data=shown.values.astype(np.int8))
+    flag.attrs = {
+        "long_name": "whether the confidence at the end of the motion can be relied on",
+        "flag_values": np.arange(len(MEANINGS), dtype=np.int8),
+        "flag_meanings": " ".join(MEANINGS),
+    }
+    return flag
