@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.linearization.bias_map import caution_of, relative_bias
+from stochlin.analyses.linearization.bias_map import caution_of, caution_of_error, relative_bias
 from stochlin.analyses.linearization.equivalent_systems import PUBLIC, solve_structure
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.linearization.variables import VARIABLES
@@ -107,11 +107,15 @@ def linearize(
     expect(ground, Ground, "ground")
     tolerance = Tolerance(rtol, atol, max_iterations)
     solved = gaussian = solve_structure(structure, ground, closure, tolerance)
-    if closure != "gaussian":
+    if closure not in ("gaussian", DRIFT):
         gaussian = solve_structure(structure, ground, "gaussian", tolerance)
     table = solved[list(PUBLIC)]
-    bias = relative_bias(structure, ground, solved, gaussian)
-    table = table.assign(bias=bias, caution=caution_of(bias))
+    if closure == DRIFT:
+        error = solved.displacement_error.where(solved.displacement_std.notnull())
+        table = table.assign(bias=0 * error, displacement_error=error, caution=caution_of_error(error))
+    else:
+        bias = relative_bias(structure, ground, solved, gaussian)
+        table = table.assign(bias=bias, caution=caution_of(bias))
     if closure == NARROW_BAND:
         equivalent = np.sqrt(solved.system_stiffness)
         table = table.assign(
