@@ -39,7 +39,7 @@ def drifting_pairs(
     gaussian = table = linearized_pairs(first, second, ground, "gaussian", tolerance)
     truth = gaussian.rho - gaussian.bias
     sides = [solve_structure(s, ground, DRIFT, tolerance) for s in (first, second)]
-    rho, doubt = _rho_and_doubt((first, second), sides, ground, tolerance)
+    rho, doubt, share = _rho_and_doubt((first, second), sides, ground, tolerance)
     (status,) = cellwise(np.maximum, *(side.status for side in sides), kinds=(np.int8,))
     table = table.assign(rho=rho.where(status < labels.NOT_CONVERGED).clip(-1, 1), status=status)
     table["bias"] = table.rho - truth
@@ -53,10 +53,10 @@ def drifting_pairs(
         table[f"bias_{number}"] = 0 * own
         (worst,) = cellwise(np.maximum, worst, caution_of_error(own), kinds=(np.int8,))
     of_sides = [side[name] for side in sides for name in ("displacement_std", "displacement_error")]
-    (apart,) = cellwise(relative_error, *of_sides, table.rho, doubt)
-    apart = apart.where(table.rho_error.notnull()).where(table.rho_error != 0, 0.0)
+    apart, lean = cellwise(relative_error, *of_sides, table.rho, doubt, share, kinds=(float, float))
+    apart = apart.where(table.rho_error.notnull()).where(table.rho_error != 0, 0.0)  # both elastic: 0
     table[f"{DIFFERENCE}_error"] = apart
-    table[f"{DIFFERENCE}_bias"] = 0 * apart
+    table[f"{DIFFERENCE}_bias"] = lean.where(apart.notnull())
     table[f"{DIFFERENCE}_caution"] = caution_of_error(apart)
     return table.assign(caution=worst.astype(np.int8).assign_attrs(attrs))
 
@@ -76,30 +76,29 @@ def _rho_and_doubt(
     sides: list[xr.Dataset],
     ground: Ground,
     tolerance: Tolerance,
-) -> tuple[xr.DataArray, xr.DataArray]:
-    """``rho``, and the expected relative error of ``1 - rho``."""
+) -> tuple[xr.DataArray, ...]:
+    """``rho``, the expected relative error of ``1 - rho``, and the share of nearness in it."""
     inputs = [[side[name] for name in OF_A_SIDE] for side in sides]
     known = insights(structures, sides, ground, tolerance)
     arrays = (*inputs[0], *known[0], *inputs[1], *known[1])
-    rho, doubt = cellwise(_cells, *arrays, kinds=(float, float))
-    return rho, doubt
+    return cellwise(_cells, *arrays, kinds=(float,) * 3)
 
 
 @np.errstate(all="ignore")  # what comes of extreme input is judged by its status
-def _cells(*inputs: Array) -> tuple[Array, Array]:
+def _cells(*inputs: Array) -> tuple[Array, ...]:
     def piece(*parts: Array) -> Array:
         half, own = len(parts) // 2, len(OF_A_SIDE)
         one, other = parts[:half], parts[half:]
         derived = pieces_of_rho(*one[:own], *other[:own])
         if half == own:
-            return np.stack([derived, doubt_of(derived)])
+            return np.stack([derived, doubt_of(derived), 0 * derived])
         (seen_1, like_1), (seen_2, like_2) = insight_of(one[own:]), insight_of(other[own:])
         informed, unseen = derived, np.ones_like(derived)
         if seen_1 is not None and seen_2 is not None:
             informed, unseen = informed_correlation(derived, seen_1, seen_2), seen_1.left * seen_2.left
         rho, share, apart = with_nearness(informed, like_1, like_2, unseen)
-        strength = (like_1.place[1] + like_2.place[1]) / 2
-        return np.stack([rho, doubt_of(rho, corrected(derived, informed), share, apart, strength)])
+        _, strength, _, damping = (like_1.place + like_2.place) / 2
+        doubt = doubt_of(rho, corrected(derived, informed), share, apart, strength, damping)
+        return np.stack(np.broadcast_arrays(rho, doubt, share))
 
-    rho, doubt = in_slabs(piece, *inputs, results=2)
-    return rho, doubt
+    return tuple(in_slabs(piece, *inputs, results=3))

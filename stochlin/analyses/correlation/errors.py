@@ -33,7 +33,9 @@ DIFFERENCE = "relative_displacement"  # of the names of variables
 # logarithm; of nearly equal structures at R/p = 1, larger for weaker motions, and with what their forms
 # change.
 BY_RHO, BY_SIGNATURES = 0.14, 0.25
+SAFE_SIDE = 0.06  # by which the difference of nearly equal structures is too large in the mean
 OF_NEAR, BY_WEAKNESS, BY_NEARNESS = 0.06, 0.75, 0.15
+BY_DAMPING, USUAL_DAMPING = 0.35, np.log(0.03)  # larger for less damping
 
 
 def expected_rho_error(
@@ -92,29 +94,40 @@ def doubt_of(
     share: Array | float = 0.0,
     apart: Array | float = 0.0,
     strength: Array | float = 0.0,
+    damping: Array | float = USUAL_DAMPING,
 ) -> Array:
     """Expected relative error of ``1 - rho``.
 
     ``moved`` by the signatures, ``share`` of the forms of nearly equal structures, and ``apart`` by
-    these; ``strength`` is the logarithm of the mean R/p.
+    these; ``strength`` and ``damping`` are logarithms of the mean R/p and damping ratio.
     """
     near = np.where(share > 0, share * OF_NEAR * np.exp(-BY_WEAKNESS * strength), 0.0)
     of_any = (1 - share) * BY_RHO * np.maximum(rho, 0) + near
+    of_any = of_any * np.exp(BY_DAMPING * (USUAL_DAMPING - damping))
     return np.sqrt(of_any**2 + (BY_SIGNATURES * moved) ** 2 + (BY_NEARNESS * apart) ** 2)
 
 
 @np.errstate(divide="ignore", invalid="ignore")  # equal structures have no difference; invalid cells
 def relative_error(
-    std_1: Array, error_1: Array, std_2: Array, error_2: Array, rho: Array, doubt: Array
-) -> Array:
-    """Expected relative error of the standard deviation of the difference."""
+    std_1: Array,
+    error_1: Array,
+    std_2: Array,
+    error_2: Array,
+    rho: Array,
+    doubt: Array,
+    share: Array | float = 0.0,
+) -> tuple[Array, Array]:
+    """Expected relative error of the standard deviation of the difference, and its bias.
+
+    ``share`` is that of the forms of nearly equal structures, which are on the safe side.
+    """
     joint = std_1 * std_2 * (1 - rho)
     square = (std_1 - std_2) ** 2 + 2 * joint
     shares = (std_1 * (std_1 - std_2) + joint, std_2 * (std_2 - std_1) + joint, joint)
-    parts = [share / square * off for share, off in zip(shares, (error_1, error_2, doubt), strict=True)]
-    error = np.sqrt(sum(part**2 for part in parts))
-    known = np.isfinite(error_1) & np.isfinite(error_2) & np.isfinite(rho)
-    return np.where(known & (square == 0), 0.0, error)
+    parts = [one / square * off for one, off in zip(shares, (error_1, error_2, doubt), strict=True)]
+    error, bias = np.sqrt(sum(part**2 for part in parts)), SAFE_SIDE * share * 2 * joint / square
+    equal = np.isfinite(error_1) & np.isfinite(error_2) & (square == 0)
+    return np.where(equal, 0.0, error), np.where(equal, 0.0, bias)
 
 
 def with_difference(table: xr.Dataset) -> xr.Dataset:
@@ -130,8 +143,9 @@ def with_difference(table: xr.Dataset) -> xr.Dataset:
     if "rho_standard_error" in table:
         shares = [table[f"displacement_std_standard_error_{n}"] / values[n - 1] for n in (1, 2)]
         doubt = table.rho_standard_error / (1 - table.rho)
-        (error,) = cellwise(relative_error, values[0], shares[0], values[1], shares[1], values[2], doubt)
-        std, bias, flag = *cellwise(_difference, *values), 0 * error, caution_of_error(error)
+        of_sides = (values[0], shares[0], values[1], shares[1])
+        error, bias = cellwise(relative_error, *of_sides, values[2], doubt, kinds=(float, float))
+        std, flag = *cellwise(_difference, *values), caution_of_error(error)
     else:
         unknown = xr.DataArray(np.nan)
         biases = [table.get(name, unknown) for name in ("bias_1", "bias_2", "bias")]

@@ -20,7 +20,7 @@ ENTRIES = AXES + len(PAIRS)
 LEAST = 1e-3  # eigenvalue of the correlations of the slopes
 NEAR, FAR = 0.3, 1.5  # the form up to which it counts in full, and from which on it does not
 WEIGHT = 0.5  # beside the other estimate, in the logarithm: both err alike, and independently
-SAFE = 0.1  # and so far on the safe side, once more where references see nothing of both
+SAFE = 0.12  # and so far on the safe side, once more where references see nothing of both
 
 
 class Nearness(NamedTuple):
