@@ -91,6 +91,10 @@ def correlate(
         structures, and ``rho`` where both have equal damping, hardening and strength ratio. The
         closure ``"drift"`` adds ``rho_error``, the mean error of ``rho`` over simulated pairs of the
         region, NaN where none were simulated; in ``caution`` it stands in for an unknown ``bias``.
+        Every method: ``relative_displacement_std`` [m], of ``u_1 - u_2``, with a bias and a caution of
+        its own, ``relative_displacement_bias`` (NaN where unknown) and
+        ``relative_displacement_caution``; the closure ``"drift"`` adds
+        ``relative_displacement_error``, its expected relative error.
         ``"effective"`` adds ``period_eq_1`` and ``_2`` [s], ``damping_eq_1`` and ``_2`` [-], and
         ``ductility_peak_1`` and ``_2`` [-]: the structure's ``peak_factor`` times its
         ``ductility_std``. Simulation adds ``rho_standard_error``,
