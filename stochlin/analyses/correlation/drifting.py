@@ -97,8 +97,8 @@ def _cells(*inputs: Array) -> tuple[Array, ...]:
         if seen_1 is not None and seen_2 is not None:
             informed, unseen = informed_correlation(derived, seen_1, seen_2), seen_1.left * seen_2.left
         rho, share, apart = with_nearness(informed, like_1, like_2, unseen)
-        _, strength, _, damping = (like_1.place + like_2.place) / 2
-        doubt = doubt_of(rho, corrected(derived, informed), share, apart, strength, damping)
+        mean = (like_1.place + like_2.place)[1:] / 2
+        doubt = doubt_of(rho, corrected(derived, informed), share, apart, *mean)
         return np.stack(np.broadcast_arrays(rho, doubt, share))
 
     return tuple(in_slabs(piece, *inputs, results=3))

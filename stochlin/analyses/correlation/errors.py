@@ -35,6 +35,8 @@ DIFFERENCE = "relative_displacement"  # of the names of variables
 BY_RHO, BY_SIGNATURES = 0.14, 0.25
 SAFE_SIDE = 0.06  # by which the difference of nearly equal structures is too large in the mean
 OF_NEAR, BY_WEAKNESS, BY_NEARNESS = 0.06, 0.75, 0.15
+# R/p and hardening towards which the forms are those of the next hardening, and twice as uncertain.
+WEAK, SOFT = (0.8, 0.5), (0.05, 0.02)
 BY_DAMPING, USUAL_DAMPING = 0.35, np.log(0.03)  # larger for less damping
 
 
@@ -94,17 +96,26 @@ def doubt_of(
     share: Array | float = 0.0,
     apart: Array | float = 0.0,
     strength: Array | float = 0.0,
+    hardening: Array | float = 0.0,
     damping: Array | float = USUAL_DAMPING,
 ) -> Array:
     """Expected relative error of ``1 - rho``.
 
     ``moved`` by the signatures, ``share`` of the forms of nearly equal structures, and ``apart`` by
-    these; ``strength`` and ``damping`` are logarithms of the mean R/p and damping ratio.
+    these; ``strength``, ``hardening`` and ``damping`` are logarithms of the mean R/p and of ratios.
     """
     near = np.where(share > 0, share * OF_NEAR * np.exp(-BY_WEAKNESS * strength), 0.0)
+    left_out = _towards(strength, WEAK) * _towards(hardening, SOFT)
+    near = near * (1 + left_out)
     of_any = (1 - share) * BY_RHO * np.maximum(rho, 0) + near
     of_any = of_any * np.exp(BY_DAMPING * (USUAL_DAMPING - damping))
     return np.sqrt(of_any**2 + (BY_SIGNATURES * moved) ** 2 + (BY_NEARNESS * apart) ** 2)
+
+
+def _towards(logarithm: Array | float, ends: tuple[float, float]) -> Array:
+    """How far on the way between two values, 0 to 1."""
+    begin, end = np.log(ends)
+    return np.clip((logarithm - begin) / (end - begin), 0, 1)
 
 
 @np.errstate(divide="ignore", invalid="ignore")  # equal structures have no difference; invalid cells
