@@ -161,7 +161,7 @@ def with_difference(table: xr.Dataset) -> xr.Dataset:
         unknown = xr.DataArray(np.nan)
         biases = [table.get(name, unknown) for name in ("bias_1", "bias_2", "bias")]
         std, bias = cellwise(_difference_and_bias, *values, *biases, kinds=(float, float))
-        flag = caution_of(bias)
+        std, flag = table.get(f"{DIFFERENCE}_std", std), caution_of(bias)  # storeys have their own
     return table.assign(
         {f"{DIFFERENCE}_std": std, f"{DIFFERENCE}_bias": bias, f"{DIFFERENCE}_caution": flag}
     )
