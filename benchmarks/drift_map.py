@@ -1,9 +1,11 @@
 """Remake the map that corrects the drift closure: `python benchmarks/drift_map.py FILE --work FOLDER`.
 
 Simulates 60 structures at a time together with the reference structures, on grounds from narrow to broad
-band: their signatures, which are the correlations with the references, whitened. Takes a quarter of an
-hour or so on two cores; a run that was stopped goes on with the parts in FOLDER. Then compares with the
-derived closure, and the map of the bias with it, too. Times are in ground periods.
+band: their signatures, which are the correlations with the references, whitened. Then structures
+between the points of the map of the bias, where it is too coarse, and groups of five that are nearly
+equal. Takes three quarters of an hour or so on two cores; a run that was stopped goes on with the parts
+in FOLDER. Then compares with the derived closure, and the map of the bias with it, too. Times are in
+ground periods.
 """
 
 import argparse
@@ -20,6 +22,7 @@ from stochlin.analyses.linearization.equivalent_systems import solve_derived
 from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.simulation import rare_yielding
 from stochlin.analyses.tables.storage import whole_file
+from stochlin.kernels.correlation.nearness import ENTRIES, form_of
 from stochlin.kernels.correlation.signatures import signature
 
 rare_yielding.MOST_STEPS = np.inf  # all is simulated that closures are held against
@@ -34,6 +37,27 @@ PATHS = {3.2: 128, 2.0: 128, 1.25: 128, 0.8: 64, 0.5: 64, 1 / 3: 32}
 MEMORIES = {1 / 3: 4}
 LEFT_OUT = (1 / 3, 0.02)  # remembers 18 000 ground periods: corrected as at the next hardening
 STEPS_PER_PERIOD = 16
+# Where displacements are simulated anew, stiff structures on slow ground: near the resonance of the
+# yielding structure, T = sqrt(hardening) Tg, and where yielding begins to matter, the map is steep.
+FINE = {
+    "refined_strength": (0.5, 0.63, 0.71, 0.8, 0.9, 1.0, 1.1, 1.25, 1.6, 2.0),
+    "refined_hardening": (0.02, 0.03, 0.05, 0.07, 0.1, 0.14, 0.2, 0.3, 0.5),
+    "refined_damping": DAMPING,
+    "refined_ground_damping": (0.03, 0.045, 0.07, 0.11, 0.17, 0.4),
+    "refined_period": 10 ** (0.05 * np.arange(-14, 1)),
+}
+# Groups of nearly equal structures, and by how much one of each is off the first in the logarithms of
+# period, strength, hardening and damping.
+NEAR = {
+    "near_strength": (0.5, 0.8, 1.25, 2.0, 3.2),
+    "near_hardening": (0.02, 0.05, 0.14, 0.5),
+    "near_damping": (0.01, 0.03, 0.1),
+    "near_ground_damping": (0.03, 0.1, 0.3, 1.0),
+    "near_period": 10 ** (0.14 * np.arange(-5, 6)),
+}
+NEAR_LEFT_OUT = (0.5, 0.02)  # remembers longest
+STEPS = np.array([0.02, 0.125, 0.175, 0.175])
+SCALES = {"signature_correction": 1e-4, "displacement_refinement": 1e-4, "nearness": 3e-4}
 GRID = ("elastic_ductility_std", "hardening", "damping", "ground_damping", "period")
 # Period over that of the ground, elastic ductility, hardening, damping. The first ones tell most.
 REFERENCES = (
@@ -87,10 +111,53 @@ def part(ductility, hardening, ground_damping, seed=1):
     }
 
 
-def kept(folder, ductility, hardening, ground_damping):
-    path = folder / f"{ductility:.3g}_{hardening:g}_{ground_damping:g}.npz"
+def fine_part(ductility, hardening, ground_damping, seed=4):
+    """Ductilities of the structures between the points of the map of the bias."""
+    dampings, periods = FINE["refined_damping"], FINE["refined_period"]
+    table = sl.simulate(
+        [building(p, ductility, hardening, d) for d in dampings for p in periods],
+        sl.KanaiTajimi(1.0, ground_damping),
+        paths=128 if ductility > 0.6 else 64,
+        relaxation_times=8,
+        steps_per_period=STEPS_PER_PERIOD,
+        seed=seed,
+    )
+    if (table.status > 1).any():
+        raise ArithmeticError(f"R/p = {ductility}, hardening {hardening}: not stationary")
+    error = table.displacement_std_standard_error / table.displacement_std
+    return {
+        "ductility_std": table.ductility_std.values.reshape(len(dampings), -1),
+        "error": error.values,
+        "memory": table.attrs["memory_s"],
+    }
+
+
+def near_part(ductility, hardening, ground_damping, seed=5):
+    """Correlations within each group of nearly equal structures, its middle at the point of the map."""
+    dampings, periods = NEAR["near_damping"], NEAR["near_period"]
+    group = np.concatenate([np.zeros((1, 4)), np.diag(STEPS)]) - STEPS / 5
+    middles = [[p, ductility, hardening, d] for d in dampings for p in periods]
+    table = sl.simulate(
+        [building(*np.exp(np.log(middle) + off)) for middle in middles for off in group],
+        sl.KanaiTajimi(1.0, ground_damping),
+        paths=32,
+        relaxation_times=6,
+        steps_per_period=STEPS_PER_PERIOD,
+        seed=seed,
+    )
+    own = (len(middles), 5, len(middles), 5)
+    within = np.arange(len(middles))
+    return {
+        "rho": table.rho.values.reshape(own)[within, :, within],
+        "error": table.rho_standard_error.values.reshape(own)[within, :, within],
+        "memory": table.attrs["memory_s"],
+    }
+
+
+def kept(folder, ductility, hardening, ground_damping, simulated=part, kind=""):
+    path = folder / f"{kind}{ductility:.3g}_{hardening:g}_{ground_damping:g}.npz"
     if not path.exists():
-        result = part(ductility, hardening, ground_damping)
+        result = simulated(ductility, hardening, ground_damping)
         with whole_file(path) as temporary:
             np.savez(temporary, **result)
         print(path.stem, f"{result['memory']:.0f}", f"{result['error'].max():.4f}", flush=True)
@@ -185,8 +252,64 @@ def exact_over_derived(bias, ground, hardening=HARDENING):
     return np.log(gaussian / (1 + bias) / derived).transpose(*bias.dims)
 
 
-def labelled(signatures, displacement, white):
+def points(axes):
+    """Strength, hardening and ground damping of each part of such a grid."""
+    strengths, hardenings, _, ground_dampings, _ = axes.values()
+    return list(itertools.product(strengths, hardenings, ground_dampings))
+
+
+def on_grid(axes, parts, count=()):
+    """Parts, damping by period each, over the grid; NaN where there is none."""
+    strengths, hardenings, _, ground_dampings, _ = map(list, axes.values())
+    whole = np.full([len(axis) for axis in axes.values()] + list(count), np.nan)
+    for (strength, hardening, ground_damping), values in parts.items():
+        at = strengths.index(strength), hardenings.index(hardening)
+        whole[*at, :, ground_dampings.index(ground_damping)] = values
+    return xr.DataArray(
+        whole,
+        dims=[*axes, "nearness_entry"][: whole.ndim],
+        coords={name: list(axis) for name, axis in axes.items()},
+    )
+
+
+def refinement(ductility, coarse):
+    """What the finer grid adds to the coarse one: nothing at its points, nor where none is."""
+    fine = on_grid(FINE, ductility)
+    strength, hardening, damping, ground_damping, period = (fine[name] for name in FINE)
+    structure, ground = (
+        building(period, strength, hardening, damping),
+        sl.KanaiTajimi(1.0, ground_damping),
+    )
+    derived = solve_derived(structure, ground, "drift", USUAL).ductility_std.transpose(*FINE)
+    logarithms = {name: np.log(coarse[name].values.astype(float)) for name in coarse.dims}
+    inside = {name: np.log(fine[own]) for name, own in zip(coarse.dims, FINE, strict=True)}
+    between = coarse.assign_coords(logarithms).interp(inside).transpose(*FINE)
+    added = np.log(fine / derived) - between.values
+    known = [
+        np.isin(fine[own].values, coarse[name]) for name, own in zip(coarse.dims, FINE, strict=True)
+    ]
+    known[2] &= fine.refined_damping.values > DAMPING[0]  # not simulated for the map of the bias
+    known[4] = np.isclose(fine.refined_period.values[:, None], coarse.period.values).any(axis=1)
+    added.values[np.ix_(*known)] = 0
+    return added.fillna(0)
+
+
+def nearness(shares):
+    """Slopes and their correlations; where they were not simulated, those at the next hardening."""
+    forms = {
+        point: form_of(np.moveaxis(1 - rho, 0, -1), STEPS).T.reshape(
+            len(NEAR["near_damping"]), -1, ENTRIES
+        )
+        for point, rho in shares.items()
+    }
+    found = on_grid(NEAR, forms, (ENTRIES,))
+    return found.fillna(found.shift(near_hardening=-1))
+
+
+def labelled(signatures, displacement, white, added, near):
     table = xr.Dataset(reference_arrays()).assign(
+        displacement_refinement=added,
+        nearness=near.assign_coords(nearness_entry=np.arange(ENTRIES)),
         signature_correction=signatures.rename(period="signature_period"),
         displacement_correction=displacement.astype("float32"),
         displacement_correction_white_noise=white.astype("float32").rename(
@@ -208,6 +331,19 @@ def labelled(signatures, displacement, white):
         "signature_correction": "simulated less derived signature",
         "displacement_correction": "logarithm of the exact over the derived displacement_std",
         "displacement_correction_white_noise": "the same on white noise",
+        "displacement_refinement": "what a finer grid adds between the points",
+        "refined_strength": "R/p, of the finer grid",
+        "refined_hardening": "hardening ratio, of the finer grid",
+        "refined_damping": "damping ratio, of the finer grid",
+        "refined_ground_damping": "damping ratio of the ground, of the finer grid",
+        "refined_period": "period over ground period, of the finer grid",
+        "nearness": "slopes of sqrt(1 - rho) of nearly equal structures, logarithms, and correlations",
+        "nearness_entry": "slopes by period, strength, hardening, damping; then their correlations",
+        "near_strength": "R/p, of nearly equal structures",
+        "near_hardening": "hardening ratio, of nearly equal structures",
+        "near_damping": "damping ratio, of nearly equal structures",
+        "near_ground_damping": "damping ratio of the ground, of nearly equal structures",
+        "near_period": "period over ground period, of nearly equal structures",
     }
     for name, long_name in long_names.items():
         table[name].attrs = {"units": "1", "long_name": long_name}
@@ -217,8 +353,9 @@ def labelled(signatures, displacement, white):
         history="benchmarks/drift_map.py",
         comment=(
             "Displacements from the map of the bias; at the least damping by their simulated ratio to "
-            "those at the next one. What remembers longest is corrected as at the next hardening. "
-            "Nothing is added at hardening 1 and where nothing yields."
+            "those at the next one, and on the finer grid as simulated. What remembers longest is "
+            "corrected as at the next hardening. Nothing is added at hardening 1 and where nothing "
+            "yields."
         ),
     )
 
@@ -229,13 +366,28 @@ def main():
     parser.add_argument("--work", type=Path, required=True)
     options = parser.parse_args()
     options.work.mkdir(parents=True, exist_ok=True)
-    points = itertools.product(ELASTIC_DUCTILITY, HARDENING[::-1], GROUND_DAMPING)
-    parts = {point: kept(options.work, *point) for point in points if point[:2] != LEFT_OUT}
+    wanted = itertools.product(ELASTIC_DUCTILITY, HARDENING[::-1], GROUND_DAMPING)
+    parts = {point: kept(options.work, *point) for point in wanted if point[:2] != LEFT_OUT}
     simulated, ductility = assembled(parts)
-    table = labelled(signature_correction(simulated), *displacement_corrections(ductility))
-    packed = {"dtype": "int16", "scale_factor": 1e-4, "_FillValue": np.int16(-32768)}
-    with whole_file(options.file) as temporary:
-        table.to_netcdf(temporary, engine="scipy", encoding={"signature_correction": packed})
+    displacement, white = displacement_corrections(ductility)
+    fine = {p: kept(options.work, *p, fine_part, "fine_")["ductility_std"] for p in points(FINE)}
+    near = {
+        p: kept(options.work, *p, near_part, "near_")["rho"]
+        for p in points(NEAR)
+        if p[:2] != NEAR_LEFT_OUT
+    }
+    signatures = signature_correction(simulated)
+    table = labelled(signatures, displacement, white, refinement(fine, displacement), nearness(near))
+    save(table, options.file)
+
+
+def save(table, file):
+    packed = {
+        name: {"dtype": "int16", "scale_factor": scale, "_FillValue": np.int16(-32768)}
+        for name, scale in SCALES.items()
+    }
+    with whole_file(file) as temporary:
+        table.to_netcdf(temporary, engine="scipy", encoding=packed)
 
 
 if __name__ == "__main__":

@@ -191,8 +191,10 @@ def test_cautions_are_those_of_each_cell():
         assert np.isnan(outside.rho_error)
     narrow = sl.KanaiTajimi(1.0, 0.02)
     assert int(sl.correlate(building(), building(1.5), narrow, closure="drift").caution) == 2
-    penzien = sl.CloughPenzien(1.0, 0.3, high_pass_period=10.0, high_pass_damping=0.6)
-    assert int(sl.correlate(building(), building(1.5), penzien, closure="drift").caution) == 2
+    for high_pass_period, caution in ((10.0, 0), (40.0, 2)):
+        penzien = sl.CloughPenzien(1.0, 0.3, high_pass_period=high_pass_period, high_pass_damping=0.6)
+        table = sl.correlate(building(), building(1.5), penzien, closure="drift")
+        assert int(table.caution) == int(table.relative_displacement_caution) == caution
     elastic = sl.correlate(sl.Bilinear(1.0, 0.05), sl.Bilinear(9.0, 0.05), LAKEBED, closure="drift")
     assert float(elastic.rho_error) == 0
 

@@ -11,6 +11,7 @@ import xarray as xr
 
 from stochlin.analyses.correlation.drifting import drifting_pairs
 from stochlin.analyses.correlation.effective import EQ_4, effective_pair
+from stochlin.analyses.correlation.errors import with_difference
 from stochlin.analyses.correlation.linearized import SHOWN, linearized_pairs
 from stochlin.analyses.correlation.simulated import SimulationSettings, simulate_pairs
 from stochlin.analyses.correlation.storeys import floor_pairs
@@ -90,6 +91,10 @@ def correlate(
         structures, and ``rho`` where both have equal damping, hardening and strength ratio. The
         closure ``"drift"`` adds ``rho_error``, the mean error of ``rho`` over simulated pairs of the
         region, NaN where none were simulated; in ``caution`` it stands in for an unknown ``bias``.
+        Every method: ``relative_displacement_std`` [m], of ``u_1 - u_2``, with a bias and a caution of
+        its own, ``relative_displacement_bias`` (NaN where unknown) and
+        ``relative_displacement_caution``; the closure ``"drift"`` adds
+        ``relative_displacement_error``, its expected relative error.
         ``"effective"`` adds ``period_eq_1`` and ``_2`` [s], ``damping_eq_1`` and ``_2`` [-], and
         ``ductility_peak_1`` and ``_2`` [-]: the structure's ``peak_factor`` times its
         ``ductility_std``. Simulation adds ``rho_standard_error``,
@@ -150,7 +155,7 @@ def correlate(
     else:
         both = first, second
         table, details = floor_pairs(both, ground, method, closure, tolerance, settings)
-    table = labels.label(table, VARIABLES)
+    table = labels.label(with_difference(table), VARIABLES)
     case = f"correlate({first.describe()}, {second.describe()}, {ground.describe()})"
     labels.raise_if_lone_failure(table, case)
     return labels.with_run_information(
@@ -216,8 +221,8 @@ def _by_simulation(asked: Question) -> Answer:
     return simulate_pairs(*asked.pair, asked.ground, settings), settings.told
 
 
-DRIFTING, WHITE_NOISE = 100, 80  # bytes that a cell takes, roughly
-BYTES = {"linearization": 20, "white_noise": WHITE_NOISE, "effective": 80, "simulation": 40}
+DRIFTING, WHITE_NOISE = 150, 80  # bytes that a cell takes, roughly
+BYTES = {"linearization": 40, "white_noise": WHITE_NOISE, "effective": 100, "simulation": 80}
 METHODS: Mapping[str, Callable[[Question], Answer]] = {
     "linearization": _by_linearization,
     "white_noise": _by_white_noise,

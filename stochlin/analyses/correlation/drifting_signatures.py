@@ -13,17 +13,30 @@ import xarray as xr
 
 from stochlin.analyses.correlation.derived_pairs import derived_correlation
 from stochlin.analyses.linearization.bias_map import point_of
-from stochlin.analyses.linearization.drift_map import REFERENCE, SIGNATURE, drift_map, hold_at_ends
+from stochlin.analyses.linearization.drift_map import (
+    CORRECTED_GROUNDS,
+    ELASTIC,
+    NEARNESS,
+    REFERENCE,
+    SIGNATURE,
+    drift_map,
+    hold_at_ends,
+)
 from stochlin.analyses.linearization.equivalent_systems import solve_derived
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables.cellwise import cellwise
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.correlation.nearness import AXES, ENTRIES, Nearness
 from stochlin.kernels.correlation.signatures import Insight, insight, signature
-from stochlin.models.grounds import CloughPenzien, Ground, KanaiTajimi
+from stochlin.models.grounds import Ground, WhiteNoise
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import DRIFT, Structure
 
 OTHER = "other_reference"
+OF_NEARNESS = AXES + ENTRIES + 1
+KNOWN_NEARNESS = (0.5, 0.5)  # R/p from which, and hardening up to which the map has it; elastic: none
+# Periods of the ground from which on the broadest Kanai-Tajimi ground is white for a structure.
+AS_ON_WHITE_NOISE = 5.0
 PEAK_FACTOR = 3.0  # of the references, by which a reduction factor is told from R/p
 
 
@@ -60,19 +73,42 @@ def insights(
     ground: Ground,
     tolerance: Tolerance,
 ) -> list[list[xr.DataArray]]:
-    """Arrays of the `Insight` of both structures, flat; none where the map does not know the ground."""
-    if type(ground) not in (KanaiTajimi, CloughPenzien) or not any(
-        structure.yields for structure in structures
-    ):
+    """Arrays of what the map knows of both structures, flat; none where it does not know the ground.
+
+    Those of the `Insight`, and then those of the `Nearness`.
+    """
+    if type(ground) not in CORRECTED_GROUNDS or not any(structure.yields for structure in structures):
         return [[], []]
+    pairs = list(zip(structures, solved, strict=True))
+    points = [point_of(structure, ground, side) for structure, side in pairs]
+    if isinstance(ground, WhiteNoise):
+        soil = [xr.DataArray(1.0), xr.DataArray(AS_ON_WHITE_NOISE)]
+        both = zip(points, pairs, strict=True)
+        return [_like([*point, *soil], one.arrays()["period"]) for point, (one, _) in both]
     known = solve_derived(references(ground), ground, DRIFT, tolerance)
-    both = []
-    derived = derived_signatures(solved, known)
-    for structure, side, own in zip(structures, solved, derived, strict=True):
+    told = []
+    for point, own in zip(points, derived_signatures(solved, known), strict=True):
         parts = [own.isel({REFERENCE: n}, drop=True) for n in range(own.sizes[REFERENCE])]
-        correction = hold_at_ends(SIGNATURE, point_of(structure, ground, side))
-        both.append(list(cellwise(_insight, *parts, *correction, kinds=(float,) * (2 * len(parts) + 1))))
-    return both
+        correction = hold_at_ends(SIGNATURE, point)
+        seen = cellwise(_insight, *parts, *correction, kinds=(float,) * (2 * len(parts) + 1))
+        told.append([*seen, *_like(point, point[-1])])
+    return told
+
+
+def _like(point: list[xr.DataArray], period: xr.DataArray) -> list[xr.DataArray]:
+    """Arrays of the `Nearness`; periods are compared with one another only."""
+    arrays = (period, *point[:3], *hold_at_ends(NEARNESS, point))
+    return list(cellwise(_nearness, *arrays, kinds=(float,) * OF_NEARNESS))
+
+
+@np.errstate(divide="ignore", invalid="ignore")  # elastic: log 0, and not trusted
+def _nearness(*arrays: Array) -> tuple[Array, ...]:
+    strength, hardening = arrays[1:3]
+    place = [np.log(value) for value in arrays[:AXES]]
+    least, most = KNOWN_NEARNESS
+    trust = np.log(strength / ELASTIC) / np.log(least / ELASTIC)
+    trust = np.clip(trust, 0, 1) * np.clip(np.log(hardening) / np.log(most), 0, 1)
+    return tuple(np.broadcast_arrays(*place, *arrays[AXES:], trust))
 
 
 @np.errstate(invalid="ignore")  # cells that are not solved are NaN
@@ -85,8 +121,12 @@ def _insight(*arrays: Array) -> tuple[Array, ...]:
     return (*found.known, *found.derived, found.unseen)
 
 
-def insight_of(arrays: tuple[Array, ...] | list[Array]) -> Insight:
+def insight_of(arrays: tuple[Array, ...] | list[Array]) -> tuple[Insight | None, Nearness]:
     """From arrays as `insights` lists them."""
-    half = len(arrays) // 2
-    known, derived = (np.stack(part) for part in (arrays[:half], arrays[half : 2 * half]))
-    return Insight(known, derived, arrays[-1])
+    seen, like = arrays[:-OF_NEARNESS], arrays[-OF_NEARNESS:]
+    nearness = Nearness(np.stack(like[:AXES]), np.stack(like[AXES:-1]), like[-1])
+    if not seen:
+        return None, nearness
+    half = len(seen) // 2
+    known, derived = (np.stack(part) for part in (seen[:half], seen[half : 2 * half]))
+    return Insight(known, derived, seen[-1]), nearness

@@ -25,6 +25,7 @@ from stochlin.models.structures import Structure
 FILE = "bias_map.nc"
 SHARED = ("elastic_ductility_std", "hardening", "damping")
 KNOWN_GROUNDS = (KanaiTajimi, WhiteNoise)
+EXPECTED = 0.05  # error from which on one of more than OFF is not rare
 MEANINGS = ("within_10_percent", "off_by_more_than_10_percent", "outside_of_the_map")
 
 
@@ -111,7 +112,15 @@ def _rho_grid(white_noise: bool) -> Grid:
 
 def caution_of(bias: xr.DataArray) -> xr.DataArray:
     """Flag (int8) of a bias: 0 small, 1 large, 2 unknown."""
-    flag = xr.where(bias.notnull(), np.abs(bias) > OFF, 2)  # type: ignore[no-untyped-call]
+    return _flag(xr.where(bias.notnull(), np.abs(bias) > OFF, 2))  # type: ignore[no-untyped-call]
+
+
+def caution_of_error(error: xr.DataArray) -> xr.DataArray:
+    """Flag of an expected error: 0 where more than `OFF` is rare, 1 where it is not, 2 unknown."""
+    return _flag(xr.where(error.notnull(), error > EXPECTED, 2))  # type: ignore[no-untyped-call]
+
+
+def _flag(flag: xr.DataArray) -> xr.DataArray:
     flag.attrs = {
         "long_name": "whether linearization can be trusted here",
         "flag_values": np.arange(len(MEANINGS), dtype=np.int8),

@@ -1,10 +1,11 @@
 """What simulation adds to the drift closure: a map of corrections, interpolated, held at its ends.
 
 The closure is derived; how far it is off is known where structures were simulated. The map holds the
-exact over the derived standard deviation, and the simulated less the derived signature (see
-`drift_signatures`). Both vary slowly. Beyond its ends the map is held, but for weak motions and for
-hardening 1: where the yield displacement is seven standard deviations away nothing yields and nothing is
-off. ``make bias`` computes it anew.
+exact over the derived standard deviation, finer where the ground is slower than the structure, the
+simulated less the derived signature, and how fast nearly equal structures part (see
+`drifting_signatures`). Beyond its ends the map is held, but for weak motions and for hardening 1: where
+the yield displacement is seven standard deviations away nothing yields and nothing is off. Between its
+points it is the less sure the more they differ: ``displacement_error``. ``make bias`` computes it anew.
 """
 
 from __future__ import annotations
@@ -26,9 +27,20 @@ FILE = "drift_map.nc"
 # A Clough-Penzien ground is corrected as its soil would be alone.
 CORRECTED_GROUNDS = (*KNOWN_GROUNDS, CloughPenzien)
 ELASTIC = 0.15  # R/p below which no drift grows within a million periods
-STRENGTH, HARDENING = "elastic_ductility_std", "hardening"
 DISPLACEMENT, DISPLACEMENT_WHITE = "displacement_correction", "displacement_correction_white_noise"
+REFINEMENT = "displacement_refinement"
 SIGNATURE, REFERENCE = "signature_correction", "drift_reference"
+NEARNESS, ENTRY = "nearness", "nearness_entry"
+COLUMNS = (REFERENCE, ENTRY)  # what a variable of the map has many of, each a map of its own
+# Where structures were simulated: R/p, hardening, damping, and of the ground; T/Tg.
+STRENGTH, HARDENING, DAMPING = (0.0, 4.0), (0.02, 1.0), (0.01, 0.1)
+GROUND_DAMPING, PERIOD = (0.03, 1.0), (0.1, 10.0)
+# Of a Clough-Penzien ground: period of the high-pass oscillator over that of the soil, and its damping.
+HIGH_PASS_PERIOD, HIGH_PASS_DAMPING = (2.0, 25.0), (0.2, 1.3)
+BEYOND = 2.0  # of the high-pass period, from which on T/sqrt(alpha) loses more than the map knows
+# Expected relative error of a standard deviation: of any, and by how much the map differs around it.
+LEAST, LEAST_CLOUGH_PENZIEN, BY_SPREAD = 0.01, 0.03, 0.45
+ROUNDING = 1e-9
 
 
 @cache
@@ -39,14 +51,44 @@ def drift_map() -> xr.Dataset:
 
 
 def with_correction(structure: Structure, ground: Ground, derived: xr.Dataset) -> xr.Dataset:
-    """The derived table with its displacements corrected, where the map knows the kind of ground."""
-    if type(ground) not in CORRECTED_GROUNDS or not structure.yields:
-        return derived
+    """The derived table with its displacements corrected, where the map knows the kind of ground.
+
+    ``displacement_error`` is what is expected to be left, NaN where nothing was simulated.
+    """
+    if not structure.yields:
+        return derived.assign(displacement_error=xr.zeros_like(derived.displacement_std))
+    if type(ground) not in CORRECTED_GROUNDS:
+        return derived.assign(displacement_error=xr.full_like(derived.displacement_std, np.nan))
     name = DISPLACEMENT_WHITE if isinstance(ground, WhiteNoise) else DISPLACEMENT
-    (logarithm,) = hold_at_ends(name, point_of(structure, ground, derived))
+    point = point_of(structure, ground, derived)
+    logarithm, spread = cellwise(_held_with_spread, *point, name=name, kinds=(float, float))
     factor = np.exp(logarithm)
     shown = ("displacement_std", "ductility_std")
-    return derived.assign({variable: derived[variable] * factor for variable in shown})
+    table = derived.assign({variable: derived[variable] * factor for variable in shown})
+    least = LEAST_CLOUGH_PENZIEN if isinstance(ground, CloughPenzien) else LEAST
+    error = ((least**2 + (BY_SPREAD * spread) ** 2) ** 0.5).where(checked(structure, ground, point))
+    return table.assign(displacement_error=error.where(~np.isinf(derived.yield_displacement), 0.0))
+
+
+def checked(structure: Structure, ground: Ground, point: list[xr.DataArray]) -> xr.DataArray:
+    """Whether structures like it were simulated on such ground."""
+    inside = within(point[0], STRENGTH) & within(point[1], HARDENING) & within(point[2], DAMPING)
+    if isinstance(ground, WhiteNoise):
+        return inside
+    inside = inside & within(point[3], GROUND_DAMPING) & within(point[4], PERIOD)
+    if not isinstance(ground, CloughPenzien):
+        return inside
+    soil = ground.arrays()
+    ratio = soil["high_pass_period"] / soil["period"]
+    inside = (
+        inside & within(ratio, HIGH_PASS_PERIOD) & within(soil["high_pass_damping"], HIGH_PASS_DAMPING)
+    )
+    return inside & (point[4] / np.sqrt(point[1]) <= BEYOND * ratio)
+
+
+def within(value: xr.DataArray, ends: tuple[float, float]) -> xr.DataArray:
+    """Whether a value is between these, but for rounding."""
+    return (value >= ends[0] * (1 - ROUNDING)) & (value <= ends[1] * (1 + ROUNDING))
 
 
 def usual_closure(structure: Structure, ground: Ground) -> str:
@@ -63,20 +105,52 @@ def hold_at_ends(name: str, point: list[xr.DataArray]) -> tuple[xr.DataArray, ..
 @cache
 def _grids(name: str) -> tuple[Grid, ...]:
     whole = drift_map()[name]
-    for dim, value, before in ((STRENGTH, ELASTIC, True), (HARDENING, 1.0, False)):
-        exact = xr.zeros_like(whole.isel({dim: [0]})).assign_coords({dim: [value]})
-        order = (exact, whole) if before else (whole, exact)
-        whole = xr.concat(order, dim).transpose(*whole.dims)
-    axes = [np.log(whole[dim].values.astype(float)) for dim in whole.dims if dim != REFERENCE]
-    columns = whole.values if REFERENCE in whole.dims else whole.values[..., None]
+    if name == DISPLACEMENT:
+        whole = _refined(whole, drift_map()[REFINEMENT])
+    if name != NEARNESS:
+        strength, hardening = whole.dims[:2]
+        for dim, value, before in ((strength, ELASTIC, True), (hardening, 1.0, False)):
+            exact = xr.zeros_like(whole.isel({dim: [0]})).assign_coords({dim: [value]})
+            order = (exact, whole) if before else (whole, exact)
+            whole = xr.concat(order, dim).transpose(*whole.dims)
+    axes = [np.log(whole[dim].values.astype(float)) for dim in whole.dims if dim not in COLUMNS]
+    columns = whole.values if whole.dims[-1] in COLUMNS else whole.values[..., None]
     return tuple(Grid.of(axes, column) for column in np.moveaxis(columns, -1, 0))
+
+
+def _refined(coarse: xr.DataArray, refinement: xr.DataArray) -> xr.DataArray:
+    """The coarse map on the points of both, and what the finer one adds, nothing beyond its ends."""
+    inner, outer = (
+        [array[dim].values.round(12) for dim in array.dims] for array in (refinement, coarse)
+    )
+    points = [np.union1d(one, other) for one, other in zip(outer, inner, strict=True)]
+    logarithms = [np.log(axis.astype(float)) for axis in outer]
+    whole = [array.ravel() for array in np.meshgrid(*map(np.log, points), indexing="ij")]
+    values = between_points(Grid.of(logarithms, coarse.values), whole)
+    values = values.reshape([axis.size for axis in points])
+    values[np.ix_(*map(np.searchsorted, points, inner))] += refinement.values
+    return xr.DataArray(values, dims=coarse.dims, coords=dict(zip(coarse.dims, points, strict=True)))
 
 
 @np.errstate(divide="ignore", invalid="ignore")  # elastic: log 0; invalid cells are NaN and stay so
 def _held(*point: Array, name: str) -> Array | tuple[Array, ...]:
-    arrays = np.broadcast_arrays(*(np.log(array) for array in point))
     grids = _grids(name)
-    ends = [axis[[0, size - 1]] for axis, size in zip(grids[0].axes, grids[0].sizes, strict=True)]
-    inside = [np.clip(array, *end) for array, end in zip(arrays, ends, strict=True)]
+    inside = _inside(grids[0], point)
     found = tuple(between_points(grid, inside) for grid in grids)
     return found if len(found) > 1 else found[0]
+
+
+@np.errstate(divide="ignore", invalid="ignore")
+def _held_with_spread(*point: Array, name: str) -> tuple[Array, Array]:
+    """A value of the map, and the standard deviation of the points around by their weights in it."""
+    (grid,) = _grids(name)
+    inside = _inside(grid, point)
+    value = between_points(grid, inside)
+    square = between_points(grid._replace(values=grid.values**2), inside)
+    return value, np.sqrt(np.maximum(square - value**2, 0))
+
+
+def _inside(grid: Grid, point: tuple[Array, ...]) -> list[Array]:
+    arrays = np.broadcast_arrays(*(np.log(array) for array in point))
+    ends = [axis[[0, size - 1]] for axis, size in zip(grid.axes, grid.sizes, strict=True)]
+    return [np.clip(array, *end) for array, end in zip(arrays, ends, strict=True)]

@@ -16,6 +16,7 @@ VARIABLES: Variables = {
     "drift_std": ("m", "standard deviation of the plastic drift in the displacement, as derived"),
     "drift_time": ("s", "relaxation time of the plastic drift"),
     "bias": ("1", "relative error of the linearized standard deviation of the displacement"),
+    "displacement_error": ("1", "expected relative error of displacement_std"),
     "period_eq": ("s", "equivalent period"),
     "damping_eq": ("1", "equivalent damping ratio"),
     "peak_mean": ("m", "mean of the largest absolute displacement"),

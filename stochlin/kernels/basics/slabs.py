@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 
@@ -11,13 +12,17 @@ from stochlin.kernels.basics.arrays import Array
 CHUNK = 8192  # cells at a time
 
 
-def in_slabs(function: Callable[..., Array], *inputs: Array) -> Array:
-    """``function`` of arrays that broadcast, without temporaries of the table's size."""
+def in_slabs(function: Callable[..., Array], *inputs: Array, results: int = 1) -> Array:
+    """``function`` of arrays that broadcast, without temporaries of the table's size.
+
+    With several ``results`` both it and this have them along a first axis.
+    """
     shape = np.broadcast_shapes(*(array.shape for array in inputs))
-    result = np.empty(shape)
+    result = np.empty(shape if results == 1 else (results, *shape))
     padded = [array.reshape((1,) * (len(shape) - array.ndim) + array.shape) for array in inputs]
     for slab in _slabs(shape):
-        result[slab] = function(*(array[_clip(slab, array.shape)] for array in padded))
+        cells: tuple[Any, ...] = (..., *slab)
+        result[cells] = function(*(array[_clip(slab, array.shape)] for array in padded))
     return result
 
 

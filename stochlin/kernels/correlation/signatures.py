@@ -26,6 +26,11 @@ class Insight(NamedTuple):
     derived: Array  # (k, n) derived signature times `unseen`
     unseen: Array  # (n,) ratio of the standard deviations that no reference sees, simulated to derived
 
+    @property
+    def left(self) -> Array:
+        """Share of the standard deviation that no reference sees."""
+        return np.sqrt(np.maximum(1 - (self.known**2).sum(axis=0), 0))
+
 
 def signature(joint: Array, gram: Array) -> Array:
     """Signatures (..., k) from correlations with the references (..., k) and among them (..., k, k)."""

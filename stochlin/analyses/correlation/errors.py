@@ -1,0 +1,183 @@
+"""How far pairs are off: ``rho`` of the drift closure where it was checked, and the difference.
+
+Mean absolute errors of ``rho`` over 2750 random pairs of unequal bilinear structures, each simulated,
+drawn as `benchmarks/drift.py` draws them, with another seed; rounded to .01. The expected error of the
+standard deviation of the difference comes from those of both structures and from how much the steps
+from the derivation to the simulated map move ``1 - rho``; ``docs/drift.md`` says how it was calibrated.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.linearization.bias_map import caution_of, caution_of_error, point_of
+from stochlin.analyses.linearization.drift_map import checked
+from stochlin.analyses.tables.cellwise import cellwise
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.slabs import in_slabs
+from stochlin.models.grounds import CloughPenzien, Ground, KanaiTajimi, WhiteNoise
+from stochlin.models.structures import Structure
+
+PERIODS, GROUND_DAMPINGS = (0.2, 0.5, 0.9, 5.0), (0.03, 0.1, 0.3, 1.0)  # of the shorter T/Tg; of xig
+# By PERIODS, and within each by GROUND_DAMPINGS; on Clough-Penzien ground over 9115 pairs.
+ERRORS = {
+    KanaiTajimi: np.array([0.04, 0.03, 0.02, 0.03, 0.02, 0.02, 0.02, 0.02, 0.02]),
+    CloughPenzien: np.array([0.05, 0.04, 0.03, 0.04, 0.02, 0.02, 0.04, 0.03, 0.03]),
+}
+ON_WHITE_NOISE = np.full(1, 0.03)
+RATIO = 3.0  # of the periods
+ROUNDING = 1e-9
+DIFFERENCE = "relative_displacement"  # of the names of variables
+# Expected relative error of 1 - rho: it grows with rho, and with what the signatures change in its
+# logarithm; of nearly equal structures at R/p = 1, larger for weaker motions, and with what their forms
+# change.
+BY_RHO, BY_SIGNATURES = 0.14, 0.25
+SAFE_SIDE = 0.06  # by which the difference of nearly equal structures is too large in the mean
+OF_NEAR, BY_WEAKNESS, BY_NEARNESS = 0.06, 0.75, 0.15
+# R/p and hardening towards which the forms are those of the next hardening, and twice as uncertain.
+WEAK, SOFT = (0.8, 0.5), (0.05, 0.02)
+BY_DAMPING, USUAL_DAMPING = 0.35, np.log(0.03)  # larger for less damping
+
+
+def expected_rho_error(
+    first: Structure, second: Structure, ground: Ground, sides: list[xr.Dataset]
+) -> xr.DataArray:
+    """Mean error of ``rho`` in the region of each pair; 0 if both are elastic, NaN where not checked."""
+    white = isinstance(ground, WhiteNoise)
+    values = ON_WHITE_NOISE if white else ERRORS.get(type(ground), np.full(9, np.nan))
+    arrays: list[xr.DataArray] = []
+    for structure, side in zip((first, second), sides, strict=True):
+        place = point_of(structure, ground, side)
+        inside = checked(structure, ground, place)
+        region = cellwise(_region, inside, *place[3:], kinds=(np.int8,))
+        period = structure.arrays()["period"]
+        arrays += [*region, period, np.isinf(side.yield_displacement)]
+    (error,) = cellwise(_error, *arrays, values=values)
+    return error
+
+
+@np.errstate(invalid="ignore")  # invalid cells are in no region
+def _region(inside: Array, *soil: Array) -> Array:
+    """Number of a structure's region by damping and period of the ground, -1 outside."""
+    if not soil:
+        return np.where(inside, 0, -1).astype(np.int8)
+    ground_damping, ratio = soil
+    inside = inside & (ratio >= PERIODS[0] * (1 - ROUNDING)) & (ratio <= PERIODS[-1] * (1 + ROUNDING))
+    band = (len(GROUND_DAMPINGS) - 1) * _band(ratio, PERIODS) + _band(ground_damping, GROUND_DAMPINGS)
+    return np.where(inside, band, -1).astype(np.int8)
+
+
+@np.errstate(divide="ignore", invalid="ignore")
+def _error(
+    region_1: Array, period_1: Array, elastic_1: Array, region_2: Array, period_2: Array,
+    elastic_2: Array, *, values: Array,
+) -> Array:  # fmt: skip
+    # Both have the ground's column: the lower number is that of the shorter period, or outside.
+    region = np.minimum(region_1, region_2)
+    near = np.abs(np.log(period_1 / period_2)) <= np.log(RATIO) + ROUNDING
+    error = np.append(values, np.nan)[np.where(near, region, -1)]
+    return np.asarray(np.where(elastic_1 & elastic_2, 0.0, error))
+
+
+def _band(value: Array, edges: tuple[float, ...]) -> Array:
+    return np.searchsorted(edges[1:-1], value, side="right")
+
+
+def corrected(derived: Array, informed: Array) -> Array:
+    """By how much the signatures have moved the logarithm of ``1 - rho``."""
+    moved = np.log((1 - derived) / (1 - informed))
+    return np.asarray(np.where(np.isfinite(moved), moved, 0.0))
+
+
+def doubt_of(
+    rho: Array,
+    moved: Array | float = 0.0,
+    share: Array | float = 0.0,
+    apart: Array | float = 0.0,
+    strength: Array | float = 0.0,
+    hardening: Array | float = 0.0,
+    damping: Array | float = USUAL_DAMPING,
+) -> Array:
+    """Expected relative error of ``1 - rho``.
+
+    ``moved`` by the signatures, ``share`` of the forms of nearly equal structures, and ``apart`` by
+    these; ``strength``, ``hardening`` and ``damping`` are logarithms of the mean R/p and of ratios.
+    """
+    near = np.where(share > 0, share * OF_NEAR * np.exp(-BY_WEAKNESS * strength), 0.0)
+    left_out = _towards(strength, WEAK) * _towards(hardening, SOFT)
+    near = near * (1 + left_out)
+    of_any = (1 - share) * BY_RHO * np.maximum(rho, 0) + near
+    of_any = of_any * np.exp(BY_DAMPING * (USUAL_DAMPING - damping))
+    return np.sqrt(of_any**2 + (BY_SIGNATURES * moved) ** 2 + (BY_NEARNESS * apart) ** 2)
+
+
+def _towards(logarithm: Array | float, ends: tuple[float, float]) -> Array:
+    """How far on the way between two values, 0 to 1."""
+    begin, end = np.log(ends)
+    return np.clip((logarithm - begin) / (end - begin), 0, 1)
+
+
+@np.errstate(divide="ignore", invalid="ignore")  # equal structures have no difference; invalid cells
+def relative_error(
+    std_1: Array,
+    error_1: Array,
+    std_2: Array,
+    error_2: Array,
+    rho: Array,
+    doubt: Array,
+    share: Array | float = 0.0,
+) -> tuple[Array, Array]:
+    """Expected relative error of the standard deviation of the difference, and its bias.
+
+    ``share`` is that of the forms of nearly equal structures, which are on the safe side.
+    """
+    joint = std_1 * std_2 * (1 - rho)
+    square = (std_1 - std_2) ** 2 + 2 * joint
+    shares = (std_1 * (std_1 - std_2) + joint, std_2 * (std_2 - std_1) + joint, joint)
+    parts = [one / square * off for one, off in zip(shares, (error_1, error_2, doubt), strict=True)]
+    error, bias = np.sqrt(sum(part**2 for part in parts)), SAFE_SIDE * share * 2 * joint / square
+    equal = np.isfinite(error_1) & np.isfinite(error_2) & (square == 0)
+    return np.where(equal, 0.0, error), np.where(equal, 0.0, bias)
+
+
+def with_difference(table: xr.Dataset) -> xr.Dataset:
+    """Add the standard deviation of the difference of both displacements, its bias and its caution.
+
+    By what the table says of both structures and ``rho``: their standard errors, or their biases;
+    nothing is known without. The drift closure has told the bias and the caution itself.
+    """
+    names = ("displacement_std_1", "displacement_std_2", "rho")
+    values = [table[name] for name in names]
+    if f"{DIFFERENCE}_bias" in table:
+        return table.assign({f"{DIFFERENCE}_std": cellwise(_difference, *values)[0]})
+    if "rho_standard_error" in table:
+        shares = [table[f"displacement_std_standard_error_{n}"] / values[n - 1] for n in (1, 2)]
+        doubt = table.rho_standard_error / (1 - table.rho)
+        of_sides = (values[0], shares[0], values[1], shares[1])
+        error, bias = cellwise(relative_error, *of_sides, values[2], doubt, kinds=(float, float))
+        std, flag = *cellwise(_difference, *values), caution_of_error(error)
+    else:
+        unknown = xr.DataArray(np.nan)
+        biases = [table.get(name, unknown) for name in ("bias_1", "bias_2", "bias")]
+        std, bias = cellwise(_difference_and_bias, *values, *biases, kinds=(float, float))
+        std, flag = table.get(f"{DIFFERENCE}_std", std), caution_of(bias)  # storeys have their own
+    return table.assign(
+        {f"{DIFFERENCE}_std": std, f"{DIFFERENCE}_bias": bias, f"{DIFFERENCE}_caution": flag}
+    )
+
+
+def _difference(std_1: Array, std_2: Array, rho: Array) -> Array:
+    return np.sqrt((std_1 - std_2) ** 2 + 2 * std_1 * std_2 * (1 - rho))
+
+
+@np.errstate(all="ignore")  # cells that are not solved; no difference
+def _difference_and_bias(*inputs: Array) -> tuple[Array, Array]:
+    def piece(std_1: Array, std_2: Array, rho: Array, bias_1: Array, bias_2: Array, off: Array) -> Array:
+        found = _difference(std_1, std_2, rho)
+        true = _difference(std_1 / (1 + bias_1), std_2 / (1 + bias_2), np.clip(rho - off, -1, 1))
+        bias = np.where((found == 0) & (true == 0), 0.0, found / true - 1)
+        return np.stack(np.broadcast_arrays(found, bias))
+
+    std, bias = in_slabs(piece, *inputs, results=2)
+    return std, bias
