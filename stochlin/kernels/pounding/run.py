@@ -33,7 +33,7 @@ from stochlin.kernels.pounding.events import (
 )
 from stochlin.kernels.pounding.impacts import COLUMNS, FIRST_LINES, MOST_BLOWS, begin_entry, end_entry
 from stochlin.kernels.pounding.rates import rates, starting_branches
-from stochlin.kernels.pounding.rows import LAWS, Row, sizes
+from stochlin.kernels.pounding.rows import LAWS, Row, sizes_of
 from stochlin.kernels.pounding.steps import (
     STAGES,
     attempt,
@@ -169,7 +169,8 @@ def _pass(row, branch, event, way, ground, time, planned, x, space, table, used)
     before = branch.contact.copy()
     if used + MOST_BLOWS + 2 * before.size > len(table):
         longer = np.empty((2 * len(table), COLUMNS))
-        longer[:used] = table[:used]
+        for line in range(used):
+            copy(table[line], longer[line])
         table = longer
     used = pass_event(row, branch, event, way, ground, time, x, space, table, used)
     for j in range(before.size):
@@ -199,7 +200,7 @@ def _interval(
         if end < 1.0:
             state_within(x, end, space, after)
         else:
-            after[:] = space.new
+            copy(space.new, after)
         last = dt if taken == left and end == 1.0 else tau + end * taken
         known = _watch(
             row, branch, ground, slope, taken, end, x, after, known, space, asked, most, table
@@ -207,11 +208,11 @@ def _interval(
         done = _report(
             row, branch, ground, slope, taken, tau, last, x, after, known, space, asked, at, done
         )
-        x[:] = after
+        copy(after, x)
         tau = last
         grow_reach(row, x, space.reach)
         if event == NOTHING:
-            space.stages[0] = space.stages[STAGES]
+            copy(space.stages[STAGES], space.stages[0])
         else:
             now, time = begin + slope * tau, at * dt + tau
             rates(row, branch, now, x, space.rate, space.force)
@@ -231,7 +232,8 @@ def _run(owned, acceleration, dt, wanted, most, x, version):
     space, branch = borrow(own_space), borrow(own_branch)
     table = np.empty((FIRST_LINES + 4 * row.gap.size, COLUMNS))
     used = steps = done = np.int64(0)  # a literal would be a type of its own, to be compiled for too
-    asked.peaks[:] = x[: row.mass.size]
+    for peaks in asked.peaks:
+        copy(x[: row.mass.size], peaks)
     speed = OUTSET * dt * np.abs(acceleration).max()
     space.reach[0], space.reach[1] = speed * dt, speed
     grow_reach(row, x, space.reach)
@@ -240,7 +242,8 @@ def _run(owned, acceleration, dt, wanted, most, x, version):
         if branch.contact[j] == TOGETHER:
             used = begin_entry(row, branch, j, 0.0, 0.0, x, table, used)
     while done < asked.since.size and asked.interval[done] == 0 and asked.since[done] <= 0.0:
-        asked.states[done], asked.forces[done] = x, space.force
+        copy(x, asked.states[done])
+        copy(space.force, asked.forces[done])
         _keep_accelerations(row, acceleration[0], space.stages[0], asked.accelerations[done])
         done += 1
     watch_state(row, branch, acceleration[0], x, space.stages[0], most)
@@ -268,7 +271,7 @@ def run(row: Row, motion: SampledMotion, start: Array | None = None) -> Run:
     """
     if not np.isin(row.law, LAWS).all():
         raise ValueError(f"law = {row.law} has one that is not known; allowed: {list(LAWS)}")
-    n, _, c, k = sizes(row)
+    n, _, c, k = sizes_of(row)
     state = np.zeros(k) if start is None else np.array(start, float)
     times = motion.since.size
     states, forces, accelerations = (np.zeros((times, size)) for size in (k, c, n))
