@@ -34,8 +34,8 @@ from stochlin.kernels.pounding.rows import (
     slip_of,
 )
 
-# See `measure`.
-STRAIN, STRAIN_RATE, PENETRATION, CLOSING_RATE, MARGIN, STRETCH, STRETCH_RATE = range(7)
+# See `measure`. Whole numbers of Python would be literals to numba, and compiled for one by one.
+STRAIN, STRAIN_RATE, PENETRATION, CLOSING_RATE, MARGIN, STRETCH, STRETCH_RATE = np.arange(7)
 
 
 @compiled
@@ -100,8 +100,7 @@ def _building(row, branch, b, ground, x, dx):
     dx[3 * n + b], dx[3 * n + s + b], dx[3 * n + 2 * s + b] = entering * ground, viscous, hysteretic
 
 
-@called_often
-def rates(row, branch, ground, x, dx, force):
+def _rates(row, branch, ground, x, dx, force):
     """Rates ``dx`` of the state ``x`` and forces (c,) of the contacts, for a ground acceleration."""
     n, s, c, _ = sizes(row)
     for b in range(s):
@@ -127,6 +126,10 @@ def rates(row, branch, ground, x, dx, force):
         force[j], dx[3 * n + 3 * s + j] = f, lost
     if row.jumps:
         _hold_together(row, branch, dx, force)
+
+
+rates = called_often(_rates)
+rates_at_times = compiled(_rates)  # the same where it is not called in every stage: compiled only once
 
 
 @called_often

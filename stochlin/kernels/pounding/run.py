@@ -32,7 +32,7 @@ from stochlin.kernels.pounding.events import (
     watch_state,
 )
 from stochlin.kernels.pounding.impacts import COLUMNS, FIRST_LINES, MOST_BLOWS, begin_entry, end_entry
-from stochlin.kernels.pounding.rates import rates, starting_branches
+from stochlin.kernels.pounding.rates import rates, rates_at_times, starting_branches
 from stochlin.kernels.pounding.rows import LAWS, Row, sizes_of
 from stochlin.kernels.pounding.steps import (
     STAGES,
@@ -139,7 +139,7 @@ def _report(row, branch, ground, slope, h, tau, last, x, after, known, space, as
                 known = True
             state_within(x, t, space, state)
         now = ground + slope * (t * h)
-        rates(row, branch, now, state, space.rate, asked.forces[done])
+        rates_at_times(row, branch, now, state, space.rate, asked.forces[done])
         _keep_accelerations(row, now, space.rate, asked.accelerations[done])
         done += 1
     return done
@@ -176,7 +176,7 @@ def _pass(row, branch, event, way, ground, time, planned, x, space, table, used)
     for j in range(before.size):
         if before[j] == OPEN and branch.contact[j] == CLOSED:
             planned = min(planned, _first_in_contact(row, branch, j))
-    rates(row, branch, ground, x, space.stages[0], space.force)
+    rates_at_times(row, branch, ground, x, space.stages[0], space.force)
     return table, used, planned
 
 
@@ -215,7 +215,7 @@ def _interval(
             copy(space.stages[STAGES], space.stages[0])
         else:
             now, time = begin + slope * tau, at * dt + tau
-            rates(row, branch, now, x, space.rate, space.force)
+            rates_at_times(row, branch, now, x, space.rate, space.force)
             watch_state(row, branch, now, x, space.rate, most)
             table, used, planned = _pass(
                 row, branch, event, way, now, time, planned, x, space, table, used
@@ -237,7 +237,7 @@ def _run(owned, acceleration, dt, wanted, most, x, version):
     speed = OUTSET * dt * np.abs(acceleration).max()
     space.reach[0], space.reach[1] = speed * dt, speed
     grow_reach(row, x, space.reach)
-    rates(row, branch, acceleration[0], x, space.stages[0], space.force)
+    rates_at_times(row, branch, acceleration[0], x, space.stages[0], space.force)
     for j in range(row.gap.size):
         if branch.contact[j] == TOGETHER:
             used = begin_entry(row, branch, j, 0.0, 0.0, x, table, used)
