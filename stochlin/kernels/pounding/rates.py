@@ -15,6 +15,8 @@ yielding have done in each building, what each contact and each link has dissipa
 the links.
 """
 
+from typing import Any
+
 import numpy as np
 
 from stochlin.kernels.basics.compiled import called_often, compiled
@@ -34,8 +36,9 @@ from stochlin.kernels.pounding.rows import (
     slip_of,
 )
 
-# See `measure`. Whole numbers of Python would be literals to numba, and compiled for one by one.
-STRAIN, STRAIN_RATE, PENETRATION, CLOSING_RATE, MARGIN, STRETCH, STRETCH_RATE = np.arange(7)
+# See `measure`. Python's own numbers would be literals to numba, which compiles for each of them.
+MEASURES: Any = np.arange(7)
+STRAIN, STRAIN_RATE, PENETRATION, CLOSING_RATE, MARGIN, STRETCH, STRETCH_RATE = MEASURES
 
 
 @compiled

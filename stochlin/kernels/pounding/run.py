@@ -11,11 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stochlin.kernels.basics import linear_branch
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import borrow, called_often, compiled, entry, inlined, version_of
-from stochlin.kernels.pounding import contact, events, impacts, rows, steps
-from stochlin.kernels.pounding import rates as rates_source
+from stochlin.kernels.basics.compiled import borrow, called_often, compiled, entry, inlined
 from stochlin.kernels.pounding.contact import (
     CLOSED,
     OPEN,
@@ -43,8 +40,6 @@ from stochlin.kernels.pounding.steps import (
     state_within,
     workspace,
 )
-
-VERSION = version_of(linear_branch, contact, events, impacts, rates_source, rows, steps)
 
 SAFETY, SHRINK, GROW, ORDER = 0.9, 0.2, 5.0, 8.0  # of the step control
 OUTSET = 1e-3  # of what the motion can do in one interval: nothing smaller is resolved
@@ -225,7 +220,7 @@ def _interval(
 
 
 @entry
-def _run(owned, acceleration, dt, wanted, most, x, version):
+def _run(owned, acceleration, dt, wanted, most, x):
     """The whole motion: the table of impacts, the steps, whether and how far it came; and the owners."""
     own_space, own_branch, after = workspace(owned), starting_branches(owned, x), x.copy()
     row, asked = borrow(owned), borrow(wanted)
@@ -277,9 +272,7 @@ def run(row: Row, motion: SampledMotion, start: Array | None = None) -> Run:
     states, forces, accelerations = (np.zeros((times, size)) for size in (k, c, n))
     asked = Asked(motion.interval, motion.since, states, forces, accelerations, np.zeros((2, n)))
     most = Most(np.zeros(n), np.zeros(n), np.zeros(len(row.tied)))
-    table, steps, completed, time, _ = _run(
-        row, motion.acceleration, motion.dt, asked, most, state, VERSION
-    )
+    table, steps, completed, time, _ = _run(row, motion.acceleration, motion.dt, asked, most, state)
     kept = asked.states, asked.forces, asked.accelerations, asked.peaks, most
     return Run(*kept, table, steps, completed, time, state)
 
