@@ -158,3 +158,27 @@ def test_processes_that_begin_at_once(toy, tmp_path):
     together = [process(n) for n in range(4)]
     assert [one.communicate()[0] for one in together] == ["0\n"] * 4
     assert process(0, 1, 2, 3).communicate()[0] == "4\n"
+
+
+def test_code_is_out_of_date_when_what_its_module_imports_has_changed(tmp_path, monkeypatch):
+    room = tmp_path / "stochlin" / "kernels" / "room"
+    room.mkdir(parents=True)
+    texts = {
+        "outer": "from stochlin.kernels.room import middle\n",
+        "middle": "from stochlin.kernels.room.inner import (\n    one,\n    two,\n)\n",
+        "inner": "one = two = 1\n",
+        "other": "",
+    }
+    for name, text in texts.items():
+        (room / f"{name}.py").write_text(text)
+    monkeypatch.setattr(kept, "ROOT", tmp_path)
+
+    def digest():
+        kept.digest_of.cache_clear()
+        return kept.digest_of(room / "outer.py")
+
+    before = digest()
+    (room / "other.py").write_text("three = 3\n")
+    assert digest() == before
+    (room / "inner.py").write_text("one = two = 2\n")
+    assert digest() != before

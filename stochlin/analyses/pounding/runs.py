@@ -11,7 +11,7 @@ from stochlin.analyses.pounding.rows import Building
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding import run as kernel
-from stochlin.kernels.pounding.rows import Row, sizes
+from stochlin.kernels.pounding.rows import Row, sizes_of
 from stochlin.kernels.records.runs import SampledGround
 from stochlin.models.buildings import ShearBuilding
 
@@ -36,7 +36,7 @@ def check_runs(structures: Sequence[Building], row: Row, grounds: Sequence[Sampl
     check_work(
         f"{many}{seconds:g} s of motion, with a shortest period of {shortest:.3g} s, would take",
         f"take softer structures, or {'fewer motions' if many else 'a shorter record'}",
-        memory=8.0 * HISTORIES * sizes(row)[-1] * float(np.sort(lengths)[-cores:].sum()),
+        memory=8.0 * HISTORIES * sizes_of(row)[-1] * float(np.sort(lengths)[-cores:].sum()),
         seconds=each * max(1.0, RUNS / min(cores, RUNS * len(grounds))),
     )
 

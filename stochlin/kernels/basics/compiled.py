@@ -1,7 +1,7 @@
 """How code is compiled: the decorators of all kernels, and what they need.
 
 ================  ==================================================================================
-`entry`           called from Python; `kept` on the disk, see `version_of`
+`entry`           called from Python; `kept` on the disk
 `elementwise`     called from Python, over arrays that broadcast; kept likewise
 `compiled`        called from compiled code
 `called_often`    so short that handing over its arguments takes longer than the work: LLVM inlines it
@@ -17,16 +17,12 @@ without `called_often`, and without `inlined` 1.7 times, and 1.4 times as long t
 
 from __future__ import annotations
 
-import hashlib
-from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numba as nb
 import numpy as np
 from numba.extending import intrinsic, overload
 
-from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.kept import kept
 
 OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
@@ -51,18 +47,6 @@ def elementwise(function: Any) -> Any:
 compiled = nb.njit(**OPTIONS)
 called_often = nb.njit(forceinline=True, **OPTIONS)
 inlined = nb.njit(inline="always", **OPTIONS)
-
-
-def version_of(*modules: ModuleType) -> Array:
-    """An empty array whose type is named after the sources, to be one more argument of an entry.
-
-    numba takes a compiled function from its cache as long as that function's own file is unchanged,
-    whatever became of those that it calls. The types of the arguments are part of the key. ``modules``
-    have to be all whose functions the entry calls; this one always counts.
-    """
-    files = (__file__, *(str(module.__file__) for module in modules))
-    sources = b"".join(Path(file).read_bytes() for file in files)
-    return np.empty(0, [(hashlib.sha256(sources).hexdigest()[:16], "i1")])
 
 
 def _borrow(context: Any, owned: Any) -> Any:

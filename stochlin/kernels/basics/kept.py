@@ -4,12 +4,16 @@ numba's cache raises where no folder can be written, where a file is cut and whe
 files are numbered by an index: two processes that begin at once may give one number to code for
 different arguments, and a flipped bit runs. Here every file is named after what it is for, tells that
 again inside, below its digest; whatever is not right is compiled anew, and replaced if that is possible.
+
+To numba, code is out of date when the file of its function has changed. Here it is out of date too when
+one has changed of those modules that the file imports, from whose functions the code was made.
 """
 
 from __future__ import annotations
 
 import hashlib
 import pickle
+import re
 import warnings
 from functools import cache
 from pathlib import Path
@@ -18,6 +22,8 @@ from typing import Any
 from numba.core.caching import FunctionCache, IndexDataCacheFile, NullCache
 
 DIGEST = hashlib.sha256
+ROOT = Path(__file__).parents[3]
+IMPORTS = re.compile(r"^from (stochlin\.kernels[.\w]*) import (?:\(([^)]*)\)|(.*))$", re.MULTILINE)
 NOT_KEPT = (
     "compiled code cannot be kept: neither stochlin's own folder nor the user's cache folder can be "
     "written, or the disk is full. Every process compiles anew what it uses, which takes seconds to a "
@@ -29,6 +35,19 @@ NOT_KEPT = (
 def say_that_it_is_slow() -> None:
     """A warning, once in a process."""
     warnings.warn(NOT_KEPT, stacklevel=2)
+
+
+@cache
+def digest_of(file: Path) -> bytes:
+    """Of the source of a module, and of all modules of kernels that it imports."""
+    source = file.read_bytes()
+    digest = DIGEST(source)
+    for package, lines, line in IMPORTS.findall(source.decode()):
+        for name in ("", *re.findall(r"\w+", lines or line)):
+            module = ROOT.joinpath(*package.split("."), name).with_suffix(".py")
+            if module.is_file():
+                digest.update(digest_of(module))
+    return digest.digest()
 
 
 def kept(function: Any) -> FunctionCache | NullCache:
@@ -45,7 +64,7 @@ class _Cache(FunctionCache):
 
     def __init__(self, function: Any) -> None:
         super().__init__(function)  # type: ignore[no-untyped-call]
-        stamp = self._impl.locator.get_source_stamp()
+        stamp = digest_of(Path(function.__code__.co_filename))
         self._cache_file = _Files(self._cache_path, self._impl.filename_base, stamp)  # type: ignore[no-untyped-call]
 
     def save_overload(self, sig: Any, data: Any) -> None:

@@ -8,10 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import entry, version_of
+from stochlin.kernels.basics.compiled import entry
 from stochlin.kernels.basics.interpolation import Grid
 from stochlin.kernels.basics.parallel import in_order
-from stochlin.kernels.correlation import tiles as pair_steps
 from stochlin.kernels.correlation.tiles import (
     LANES,
     PARAMETERS,
@@ -21,8 +20,6 @@ from stochlin.kernels.correlation.tiles import (
     rho_of_tile,
 )
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, coordinates
-
-VERSION = version_of(pair_steps)
 
 PART = 1 << 18  # cells of a task
 ROUNDING = 1e-9  # by which |rho| may exceed 1 before the cell is called wrong
@@ -96,7 +93,7 @@ def pair_table(
 
     def part(number: int) -> None:
         begin = number * PART
-        _fill(*first, *second, *fixed, begin, min(begin + PART, count), *result, VERSION)
+        _fill(*first, *second, *fixed, begin, min(begin + PART, count), *result)
 
     parts = -(-count // PART)
     list(in_order(part, parts) if threads and parts > 1 else map(part, range(parts)))
@@ -107,7 +104,7 @@ def pair_table(
 def _fill(
     one, gaussian_1, place_1, flags_1, strides_1, two, gaussian_2, place_2, flags_2, strides_2,
     shape, axes, sizes, values, other_closure, not_converged, not_physical,
-    begin, end, rho, status, bias, caution, version,
+    begin, end, rho, status, bias, caution,
 ):  # fmt: skip
     """Cells ``begin`` to ``end``, tile by tile."""
     cells_1, cells_2 = np.empty(LANES, np.int64), np.empty(LANES, np.int64)

@@ -9,7 +9,7 @@ import numpy as np
 
 from stochlin.kernels.basics.compiled import compiled, inlined
 from stochlin.kernels.pounding.contact import OPEN, TOGETHER, impact_loss, velocities_after_impact
-from stochlin.kernels.pounding.rates import CLOSING_RATE, PENETRATION, linked, measure, rates
+from stochlin.kernels.pounding.rates import CLOSING_RATE, PENETRATION, linked, measure, rates_at_times
 from stochlin.kernels.pounding.rows import sizes
 
 BEGIN, CONTACT, APPROACH, LARGEST, END, BEFORE, AFTER, HANDED, STORED, DEEPEST = range(10)
@@ -112,7 +112,7 @@ def _blows(row, branch, struck, touch, calm, time, x, table, used):
 def _press(row, branch, j, ground, time, calm, x, space, table, used):
     """Hold two floors together that are pressed so hard that they would hardly rebound."""
     n = row.mass.size
-    rates(row, branch, ground, x, space.rate, space.force)
+    rates_at_times(row, branch, ground, x, space.rate, space.force)
     pressed = space.rate[n + row.left[j]] - space.rate[n + row.right[j]]
     v = measure(row, CLOSING_RATE, j, x)
     if pressed > 0.0 and v * v <= 2.0 * pressed * HOP * space.reach[0].max():

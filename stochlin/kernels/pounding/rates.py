@@ -15,6 +15,8 @@ yielding have done in each building, what each contact and each link has dissipa
 the links.
 """
 
+from typing import Any
+
 import numpy as np
 
 from stochlin.kernels.basics.compiled import called_often, compiled
@@ -34,8 +36,9 @@ from stochlin.kernels.pounding.rows import (
     slip_of,
 )
 
-# See `measure`.
-STRAIN, STRAIN_RATE, PENETRATION, CLOSING_RATE, MARGIN, STRETCH, STRETCH_RATE = range(7)
+# See `measure`. Python's own numbers would be literals to numba, which compiles for each of them.
+MEASURES: Any = np.arange(7)
+STRAIN, STRAIN_RATE, PENETRATION, CLOSING_RATE, MARGIN, STRETCH, STRETCH_RATE = MEASURES
 
 
 @compiled
@@ -100,8 +103,7 @@ def _building(row, branch, b, ground, x, dx):
     dx[3 * n + b], dx[3 * n + s + b], dx[3 * n + 2 * s + b] = entering * ground, viscous, hysteretic
 
 
-@called_often
-def rates(row, branch, ground, x, dx, force):
+def _rates(row, branch, ground, x, dx, force):
     """Rates ``dx`` of the state ``x`` and forces (c,) of the contacts, for a ground acceleration."""
     n, s, c, _ = sizes(row)
     for b in range(s):
@@ -127,6 +129,10 @@ def rates(row, branch, ground, x, dx, force):
         force[j], dx[3 * n + 3 * s + j] = f, lost
     if row.jumps:
         _hold_together(row, branch, dx, force)
+
+
+rates = called_often(_rates)
+rates_at_times = compiled(_rates)  # the same where it is not called in every stage: compiled only once
 
 
 @called_often

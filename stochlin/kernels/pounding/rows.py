@@ -53,11 +53,13 @@ class Branches(NamedTuple):
     pace: Array  # (l,): sign of the rate of a dashpot with an exponent, 0 where it creeps
 
 
-@called_often
-def sizes(row):
+def sizes_of(row: Row) -> tuple[int, int, int, int]:
     """Numbers of floors, buildings and contacts, and the length of the state."""
     n, s, c = row.mass.size, row.first.size - 1, row.gap.size
     return n, s, c, 3 * n + 3 * s + c + 2 * len(row.tied)
+
+
+sizes = called_often(sizes_of)
 
 
 @called_often

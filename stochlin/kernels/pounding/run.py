@@ -11,11 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stochlin.kernels.basics import linear_branch
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import borrow, called_often, compiled, entry, inlined, version_of
-from stochlin.kernels.pounding import contact, events, impacts, rows, steps
-from stochlin.kernels.pounding import rates as rates_source
+from stochlin.kernels.basics.compiled import borrow, called_often, compiled, entry, inlined
 from stochlin.kernels.pounding.contact import (
     CLOSED,
     OPEN,
@@ -32,8 +29,8 @@ from stochlin.kernels.pounding.events import (
     watch_state,
 )
 from stochlin.kernels.pounding.impacts import COLUMNS, FIRST_LINES, MOST_BLOWS, begin_entry, end_entry
-from stochlin.kernels.pounding.rates import rates, starting_branches
-from stochlin.kernels.pounding.rows import LAWS, Row, sizes
+from stochlin.kernels.pounding.rates import rates, rates_at_times, starting_branches
+from stochlin.kernels.pounding.rows import LAWS, Row, sizes_of
 from stochlin.kernels.pounding.steps import (
     STAGES,
     attempt,
@@ -43,8 +40,6 @@ from stochlin.kernels.pounding.steps import (
     state_within,
     workspace,
 )
-
-VERSION = version_of(linear_branch, contact, events, impacts, rates_source, rows, steps)
 
 SAFETY, SHRINK, GROW, ORDER = 0.9, 0.2, 5.0, 8.0  # of the step control
 OUTSET = 1e-3  # of what the motion can do in one interval: nothing smaller is resolved
@@ -139,7 +134,7 @@ def _report(row, branch, ground, slope, h, tau, last, x, after, known, space, as
                 known = True
             state_within(x, t, space, state)
         now = ground + slope * (t * h)
-        rates(row, branch, now, state, space.rate, asked.forces[done])
+        rates_at_times(row, branch, now, state, space.rate, asked.forces[done])
         _keep_accelerations(row, now, space.rate, asked.accelerations[done])
         done += 1
     return done
@@ -169,13 +164,14 @@ def _pass(row, branch, event, way, ground, time, planned, x, space, table, used)
     before = branch.contact.copy()
     if used + MOST_BLOWS + 2 * before.size > len(table):
         longer = np.empty((2 * len(table), COLUMNS))
-        longer[:used] = table[:used]
+        for line in range(used):
+            copy(table[line], longer[line])
         table = longer
     used = pass_event(row, branch, event, way, ground, time, x, space, table, used)
     for j in range(before.size):
         if before[j] == OPEN and branch.contact[j] == CLOSED:
             planned = min(planned, _first_in_contact(row, branch, j))
-    rates(row, branch, ground, x, space.stages[0], space.force)
+    rates_at_times(row, branch, ground, x, space.stages[0], space.force)
     return table, used, planned
 
 
@@ -199,7 +195,7 @@ def _interval(
         if end < 1.0:
             state_within(x, end, space, after)
         else:
-            after[:] = space.new
+            copy(space.new, after)
         last = dt if taken == left and end == 1.0 else tau + end * taken
         known = _watch(
             row, branch, ground, slope, taken, end, x, after, known, space, asked, most, table
@@ -207,14 +203,14 @@ def _interval(
         done = _report(
             row, branch, ground, slope, taken, tau, last, x, after, known, space, asked, at, done
         )
-        x[:] = after
+        copy(after, x)
         tau = last
         grow_reach(row, x, space.reach)
         if event == NOTHING:
-            space.stages[0] = space.stages[STAGES]
+            copy(space.stages[STAGES], space.stages[0])
         else:
             now, time = begin + slope * tau, at * dt + tau
-            rates(row, branch, now, x, space.rate, space.force)
+            rates_at_times(row, branch, now, x, space.rate, space.force)
             watch_state(row, branch, now, x, space.rate, most)
             table, used, planned = _pass(
                 row, branch, event, way, now, time, planned, x, space, table, used
@@ -224,23 +220,25 @@ def _interval(
 
 
 @entry
-def _run(owned, acceleration, dt, wanted, most, x, version):
+def _run(owned, acceleration, dt, wanted, most, x):
     """The whole motion: the table of impacts, the steps, whether and how far it came; and the owners."""
     own_space, own_branch, after = workspace(owned), starting_branches(owned, x), x.copy()
     row, asked = borrow(owned), borrow(wanted)
     space, branch = borrow(own_space), borrow(own_branch)
     table = np.empty((FIRST_LINES + 4 * row.gap.size, COLUMNS))
     used = steps = done = np.int64(0)  # a literal would be a type of its own, to be compiled for too
-    asked.peaks[:] = x[: row.mass.size]
+    for peaks in asked.peaks:
+        copy(x[: row.mass.size], peaks)
     speed = OUTSET * dt * np.abs(acceleration).max()
     space.reach[0], space.reach[1] = speed * dt, speed
     grow_reach(row, x, space.reach)
-    rates(row, branch, acceleration[0], x, space.stages[0], space.force)
+    rates_at_times(row, branch, acceleration[0], x, space.stages[0], space.force)
     for j in range(row.gap.size):
         if branch.contact[j] == TOGETHER:
             used = begin_entry(row, branch, j, 0.0, 0.0, x, table, used)
     while done < asked.since.size and asked.interval[done] == 0 and asked.since[done] <= 0.0:
-        asked.states[done], asked.forces[done] = x, space.force
+        copy(x, asked.states[done])
+        copy(space.force, asked.forces[done])
         _keep_accelerations(row, acceleration[0], space.stages[0], asked.accelerations[done])
         done += 1
     watch_state(row, branch, acceleration[0], x, space.stages[0], most)
@@ -268,15 +266,13 @@ def run(row: Row, motion: SampledMotion, start: Array | None = None) -> Run:
     """
     if not np.isin(row.law, LAWS).all():
         raise ValueError(f"law = {row.law} has one that is not known; allowed: {list(LAWS)}")
-    n, _, c, k = sizes(row)
+    n, _, c, k = sizes_of(row)
     state = np.zeros(k) if start is None else np.array(start, float)
     times = motion.since.size
     states, forces, accelerations = (np.zeros((times, size)) for size in (k, c, n))
     asked = Asked(motion.interval, motion.since, states, forces, accelerations, np.zeros((2, n)))
     most = Most(np.zeros(n), np.zeros(n), np.zeros(len(row.tied)))
-    table, steps, completed, time, _ = _run(
-        row, motion.acceleration, motion.dt, asked, most, state, VERSION
-    )
+    table, steps, completed, time, _ = _run(row, motion.acceleration, motion.dt, asked, most, state)
     kept = asked.states, asked.forces, asked.accelerations, asked.peaks, most
     return Run(*kept, table, steps, completed, time, state)
 

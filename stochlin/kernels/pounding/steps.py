@@ -16,7 +16,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import called_often, compiled, inlined
 from stochlin.kernels.basics.linear_branch import MARKS, TERMS, evaluate
 from stochlin.kernels.pounding.contact import OPEN, has_fractional_power
-from stochlin.kernels.pounding.rates import PENETRATION, measure, rates
+from stochlin.kernels.pounding.rates import PENETRATION, measure, rates, rates_at_times
 from stochlin.kernels.pounding.rows import sizes, slip_of
 
 # Contiguous, for numba's cache does not take constants that are not.
@@ -172,7 +172,7 @@ def interpolate(row, branch, ground, slope, h, x, space):
     for m in range(3):
         _combine(A_MORE[m], STAGES + 1 + m, stages, h, x, space.state)
         now = ground + slope * (C_MORE[m] * h)
-        rates(row, branch, now, space.state, stages[STAGES + 1 + m], space.force)
+        rates_at_times(row, branch, now, space.state, stages[STAGES + 1 + m], space.force)
     for i in range(x.size):
         rise = space.new[i] - x[i]
         shapes[0, i] = rise
@@ -228,7 +228,7 @@ def find_node_forces(row, branch, ground, slope, h, x, space):
         t = q / (NODES - 1)
         state_within(x, t, space, space.state)
         now = ground + slope * (t * h)
-        rates(row, branch, now, space.state, space.rate, space.nodes[q])
+        rates_at_times(row, branch, now, space.state, space.rate, space.nodes[q])
         for i in range(n):
             space.shaken[q, i] = space.rate[n + i] + now
         for j in range(row.gap.size):

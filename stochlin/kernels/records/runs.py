@@ -7,14 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stochlin.kernels.basics import linear_branch
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import entry, version_of
+from stochlin.kernels.basics.compiled import entry
 from stochlin.kernels.basics.parallel import in_order
-from stochlin.kernels.records import oscillator as recorded
 from stochlin.kernels.records.oscillator import PEAKS, STATE, run, substeps, top, workspace
-
-VERSION = version_of(linear_branch, recorded)
 
 PARTS = 16  # into which the structures of a record are dealt out to the cores
 PAIR = 2.0  # sub-steps of a pair per those that its stiffer structure alone would need
@@ -28,7 +24,7 @@ class SampledGround(NamedTuple):
 
 
 @entry
-def _all_peaks(ground, dt, parameters, out, version):
+def _all_peaks(ground, dt, parameters, out):
     space, nothing = workspace(), np.empty((STATE, 0))
     for i in range(parameters.shape[0]):
         cuts = substeps(parameters[i, 0], dt, 1.0)
@@ -36,7 +32,7 @@ def _all_peaks(ground, dt, parameters, out, version):
 
 
 @entry
-def _all_gaps(ground, dt, first, second, out, version):
+def _all_gaps(ground, dt, first, second, out):
     space = workspace()
     for i in range(first.shape[0]):
         cuts = substeps(max(first[i, 0], second[i, 0]), dt, PAIR)
@@ -58,7 +54,7 @@ def _all_gaps(ground, dt, first, second, out, version):
 
 
 @entry
-def _history(ground, dt, parameters, refine, out, version):
+def _history(ground, dt, parameters, refine, out):
     each = substeps(parameters[0], dt / refine, 1.0)
     run(parameters, ground, dt, each * refine, np.empty(PEAKS), each, out, workspace())
 
@@ -79,7 +75,7 @@ def gaps_on_records(grounds: Sequence[SampledGround], first: Array, second: Arra
 def history(ground: SampledGround, parameters: Array, refine: int) -> Array:
     """States (STATE, samples) of one structure, ``refine`` to an interval."""
     out = np.empty((STATE, refine * (len(ground.acceleration) - 1) + 1))
-    _history(*ground, parameters, refine, out, VERSION)
+    _history(*ground, parameters, refine, out)
     return out
 
 
@@ -94,7 +90,7 @@ def _spread(
     def task(number: int) -> None:
         record, part = number // parts, slice(number % parts, None, parts)
         out = np.empty(result[record, part].shape)
-        fill(*grounds[record], *(np.ascontiguousarray(rows[part]) for rows in structures), out, VERSION)
+        fill(*grounds[record], *(np.ascontiguousarray(rows[part]) for rows in structures), out)
         result[record, part] = out
 
     list(in_order(task, parts * len(grounds)))

@@ -28,7 +28,6 @@ from stochlin.kernels.simulation.stepping import (
     observe,
 )
 from stochlin.kernels.simulation.storey_stepping import (
-    VERSION,
     Elements,
     Steps,
     sampled_steps,
@@ -97,7 +96,7 @@ class SampledStoreys(NamedTuple):
 
 def _storeys_by(steps: Steps, law: Any) -> Block:
     def block(f: Array, d: Array, v: Array, z: Array, every: int, out: Array) -> None:
-        storey_block(f, steps, law, d, v, z, every, out, VERSION)
+        storey_block(f, steps, law, d, v, z, every, out)
 
     return block
 

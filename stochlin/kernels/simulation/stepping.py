@@ -85,7 +85,9 @@ def any_ground_block(xi, q, transition, gain, row, direct, cascade, f):
                 other, part = q[j], transition[i, j]
                 for lane in range(LANES):
                     new[lane] += of_lane(part, lane) * other[lane]
-        q[:] = moved
+        for i in range(q.shape[0]):
+            for lane in range(LANES):
+                q[i, lane] = moved[i, lane]
 
 
 @entry

@@ -35,9 +35,7 @@ from stochlin.kernels.basics.compiled import (
     entry,
     of_lane,
     smallest,
-    version_of,
 )
-from stochlin.kernels.simulation import stepping
 from stochlin.kernels.simulation.stepping import LANES, bouc_wen_middle
 
 # OTHER and more: laws given as functions
@@ -50,7 +48,6 @@ SOFT = 0.1  # of the stiffness with which floors resist a step: that of a dashpo
 HARDLY = 1e-6  # of the largest drift of a step: less of it in a dashpot with an exponent may be rounding
 CLOSE = 1e-8  # of the strength of an element: where slips change by less, the next change is nothing
 LEAST_SLACK = 0.01  # [m] that counts as the strength of an element with less slack
-VERSION = version_of(stepping)
 _NUMBER = nb.float64
 LAW = _NUMBER(nb.int64, _NUMBER, _NUMBER, _NUMBER, _NUMBER, nb.types.Array(_NUMBER, 1, "C"))
 
@@ -346,7 +343,7 @@ def _first_slips(steps, change, slip):
 
 
 @entry
-def storey_block(f, owned, law, d, v, z, every, out, version):
+def storey_block(f, owned, law, d, v, z, every, out):
     """Elements over the steps of ``f``; ``out`` (samples, e, LANES): floors, then links.
 
     ``d``, ``v`` and ``z`` (e, LANES): drifts, their rates and hysteretic drifts [m]. ``law`` is a
