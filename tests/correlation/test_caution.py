@@ -121,3 +121,12 @@ def test_a_pair_at_the_resonance_after_yield_is_refined_or_cautioned():
     exact = sl.correlate(*pair, ground, "simulation", paths=64, steps_per_period=16)
     off = float(table.relative_displacement_std / exact.relative_displacement_std) - 1
     assert off > -0.1 or int(table.relative_displacement_caution) == 1
+
+
+def test_no_map_knows_two_soils_in_parallel():
+    ground = sl.ParallelGround((sl.KanaiTajimi(1.0, 0.3), sl.KanaiTajimi(2.0, 0.3)))
+    pair = [sl.Bilinear(period, 0.05, 0.1, reduction_factor=4) for period in (1.0, 1.4)]
+    table = sl.correlate(*pair, ground, closure="drift")
+    assert np.isnan(table.relative_displacement_bias)
+    assert int(table.relative_displacement_caution) == int(table.caution) == 2
+    assert float(table.relative_displacement_std) > 0

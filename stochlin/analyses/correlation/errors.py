@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.linearization.bias_map import caution_of, caution_of_error, point_of
-from stochlin.analyses.linearization.drift_map import checked
+from stochlin.analyses.linearization.drift_map import CORRECTED_GROUNDS, checked
 from stochlin.analyses.tables.cellwise import cellwise
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.slabs import in_slabs
@@ -48,9 +48,11 @@ def expected_rho_error(
     values = ON_WHITE_NOISE if white else ERRORS.get(type(ground), np.full(9, np.nan))
     arrays: list[xr.DataArray] = []
     for structure, side in zip((first, second), sides, strict=True):
-        place = point_of(structure, ground, side)
-        inside = checked(structure, ground, place)
-        region = cellwise(_region, inside, *place[3:], kinds=(np.int8,))
+        region: tuple[xr.DataArray, ...] = (xr.DataArray(np.int8(-1)),)
+        if type(ground) in CORRECTED_GROUNDS:
+            place = point_of(structure, ground, side)
+            inside = checked(structure, ground, place)
+            region = cellwise(_region, inside, *place[3:], kinds=(np.int8,))
         period = structure.arrays()["period"]
         arrays += [*region, period, np.isinf(side.yield_displacement)]
     (error,) = cellwise(_error, *arrays, values=values)
