@@ -215,7 +215,7 @@ def test_risk_of_a_case_is_that_from_python(answered):
 def test_words_and_picture_of_a_risk(answered):
     text = " ".join("\n".join(risk_lines(answered)).split())
     rate = float(answered.risk.risk_annual_rate[0])
-    assert f"with the 4.0 cm that there are, {rate:.2g} times a year" in text
+    assert f"with the existing gap of 4.0 cm, they pound {rate:.2g} times a year" in text
     assert "For the risk allowed, 5 % in 30 years, they should stand" in text
     assert "in 30 years" in text
     bars = risk_figure(answered).axes[1].patches

@@ -79,7 +79,7 @@ def test_the_answer_comes_first_and_is_the_librarys(example: Done) -> None:
         rules = [str(name) for name in table.rule.values]
         assert table.gap.attrs["units"] == "m"
     assert f"Office block and Annex should stand {gap:.1f} cm apart." in output
-    assert f"keep them apart in {probability:.1f} %" in output
+    assert f"keeps them apart in {probability:.1f} %" in output
     lines = output.splitlines()
     start = next(n for n, line in enumerate(lines) if line.startswith("rule "))
     assert [line.split()[0] for line in lines[start + 1 : start + 1 + len(rules)]] == rules
@@ -233,7 +233,7 @@ def test_the_page_warns_of_what_is_doubtful(site: Done) -> None:
     assert "Kasai, Jagiasi and Jeng (1996), constants unverified" in words
     assert "In the recorded motions they would have needed" in words
     assert "How far each may go" in words
-    assert re.search(r"keep them apart in [\d.]+.% of the motions .*: enough\.", words)
+    assert re.search(r"keeps them apart in [\d.]+.% of the motions .*: enough\.", words)
 
 
 def test_the_same_case_makes_the_same_page(tmp_path: Path) -> None:

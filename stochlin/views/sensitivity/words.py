@@ -132,9 +132,9 @@ def sentences(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[str]:
         f"{per_cent(float(table.variance_share[n]))} the {labels[n]}" for n in largest if n in labels
     ]
     rest = float(table.motion_share + table.interaction_share)
-    of_motions = f"{per_cent(rest)} the motions and how they meet these buildings"
+    of_motions = f"{per_cent(rest)} the motions, and what motions and inputs do together"
     parts = "; ".join([*of_inputs, of_motions])
-    told.append(f"Why separations differ from motion to motion, as shares of their variance: {parts}.")
+    told.append(f"Shares of the variance of the separation over all motions: {parts}.")
     less = float(table.gap_of_medians / table.gap) - 1
     error = float(table.gap_of_medians_standard_error / table.gap)
     word = "smaller" if less < 0 else "larger"

@@ -124,14 +124,14 @@ def _sentences(answer: CaseAnswer, table: xr.Dataset) -> list[str]:
     about = subject_of(answer.case)
     one, years = table.isel(risk_gap=0), table.attrs["risk_years"]
     rate, low, high = (float(one[f"risk_annual_rate{end}"]) for end in ("", "_lower", "_upper"))
-    which = "that there are" if one.risk_of.item() == "existing" else "of the answer above"
-    gap = f"the {length(float(one.risk_gap))} {which}"
+    which = "existing " if one.risk_of.item() == "existing" else ""
+    gap = f"the {which}{about.gap} of {length(float(one.risk_gap))}"
     told = [f"With {gap} {about.met} in none of the motions, at any intensity of the hazard."]
     if rate:
         told = [
-            f"By the hazard of the site {about.meet}, with {gap}, {rate:.2g} times a year in the mean "
-            f"({low:.2g} to {high:.2g}), once in {_years(rate)}; the probability of that in "
-            f"{years:g} years is {per_cent(float(one.risk_probability_in_years), 1)}. "
+            f"Under the hazard of the site, and with {gap}, {about.meet} {rate:.2g} times a year on "
+            f"average ({low:.2g} to {high:.2g}), which is once in {_years(rate)}. The probability of "
+            f"that within {years:g} years is {per_cent(float(one.risk_probability_in_years), 1)}. "
             f"{_strongest(answer, one)}"
         ]
     if "risk_required_gap" in table:

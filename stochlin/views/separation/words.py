@@ -310,13 +310,13 @@ def _verdicts(answer: CaseAnswer) -> str:
 def _existing(found: xr.Dataset, case: Case) -> str:
     name = "no_pounding_probability"
     share, low, high = (float(found[f"{name}{end}"]) for end in ("", "_lower", "_upper"))
-    word = "too close to tell whether that is enough"
+    word, about = "too close to tell whether that is enough", subject_of(case)
     if low >= case.confidence:
         word = "enough"
     elif high < case.confidence:
         word = "not enough"
     return (
-        f"The {length(float(found.attrs['gap_m']))} that there are {subject_of(case).keeping} in "
+        f"The existing {about.gap} of {length(float(found.attrs['gap_m']))} {about.keeping} in "
         f"{per_cent(share, 1)} of the motions ({per_cent(low, 1)} to {per_cent(high, 1)}): {word}."
     )
 

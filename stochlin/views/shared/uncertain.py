@@ -30,9 +30,9 @@ def contained(case: Case, what: str) -> str:
     if not case.uncertain:
         return ""
     return (
-        f"Not all of the buildings and the ground is known exactly: each of the {case.paths} simulated "
-        f"motions meets its own sample of what is not, and {what} of motions and samples together. "
-        "Formulas, and how strong the shaking is said to be, are those of the medians."
+        f"Some parameters are not known exactly. Each of the {case.paths} simulated motions meets its "
+        f"own sample of them, and {what} of motions and samples together. Formulas, and the strength "
+        "of the shaking, are given for the medians."
     )
 
 
@@ -44,7 +44,7 @@ def unknown_lines(case: Case, what: str) -> list[str]:
 
 def at_medians(case: Case) -> str:
     """Where the answer does not contain it; empty where all is known."""
-    told = "Not all of the buildings and the ground is known exactly: here it is taken at its median."
+    told = "Some parameters are not known exactly: here they are taken at their medians."
     return told if case.uncertain else ""
 
 
