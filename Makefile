@@ -71,6 +71,7 @@ $(VENV)/.run: pyproject.toml
 $(VENV)/.dev: pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[dev]"
+	$(BIN)/stochlin warmup
 	touch $@ $(VENV)/.run
 
 $(VENV)/.docs: pyproject.toml

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import reprlib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 LONGEST = 80  # of a value that is shown
 LONGEST_MESSAGE = 2000  # on a terminal, with all names that are allowed
+WHEN_COMPILING: list[Callable[[], None]] = []  # called before code is compiled, which takes seconds
 
 
 class DoubtfulInput(UserWarning):

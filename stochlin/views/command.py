@@ -13,7 +13,13 @@ from typing import Any
 import click
 
 from stochlin._version import __version__
-from stochlin.views.shared.screen import COMMANDS, SPELLED, bad_input, warnings_as_sentences
+from stochlin.views.shared.screen import (
+    COMMANDS,
+    SPELLED,
+    bad_input,
+    compiling_told,
+    warnings_as_sentences,
+)
 
 INTERRUPTED = 130  # as shells have it: 128 and the number of the signal
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
@@ -62,4 +68,5 @@ class Commands(click.Group):
 @click.version_option(__version__, prog_name="stochlin")
 def main() -> None:
     """Correlation and separation of neighbouring yielding buildings."""
-    click.get_current_context().with_resource(warnings_as_sentences())
+    for kept in (warnings_as_sentences(), compiling_told()):
+        click.get_current_context().with_resource(kept)

@@ -21,6 +21,8 @@ from typing import Any
 
 from numba.core.caching import FunctionCache, IndexDataCacheFile, NullCache
 
+from stochlin.messages import WHEN_COMPILING
+
 DIGEST = hashlib.sha256
 ROOT = Path(__file__).parents[3]
 IMPORTS = re.compile(r"^from (stochlin\.kernels[.\w]*) import (?:\(([^)]*)\)|(.*))$", re.MULTILINE)
@@ -86,6 +88,13 @@ class _Files(IndexDataCacheFile):
 
     def load(self, key: Any) -> Any:
         """What the file of this key holds; None if there is none, or it is not right."""
+        data = self._read(key)
+        if data is None:
+            for call in WHEN_COMPILING:
+                call()
+        return data
+
+    def _read(self, key: Any) -> Any:
         try:
             whole = Path(self._path(key)).read_bytes()
             size = DIGEST().digest_size

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stochlin.messages import LONGEST_MESSAGE, DoubtfulInput, brief, plain, sentence
+from stochlin.messages import LONGEST_MESSAGE, WHEN_COMPILING, DoubtfulInput, brief, plain, sentence
 from stochlin.registry import Registry
 
 if TYPE_CHECKING:
@@ -25,6 +25,9 @@ COMMANDS: Registry[click.Command] = Registry("command", "stochlin.views", "comma
 SCREEN_ROWS, WIDTH = 40, 100
 STEPS = 1000  # of a bar
 PICTURES = (".png", ".svg", ".pdf")
+COMPILING = (
+    "compiling for this machine, once: up to a minute ('stochlin warmup' does it for all commands)"
+)
 FILE = click.Path(dir_okay=False, path_type=Path)
 # Consoles that know few signs are still about.
 PLAIN = {ord("\N{MINUS SIGN}"): "-", ord("\N{EN DASH}"): "-", ord("\N{NO-BREAK SPACE}"): " "}
@@ -74,6 +77,21 @@ def warnings_as_sentences() -> Iterator[None]:
 
 def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
     click.echo(f"Warning: {plain(message, LONGEST_MESSAGE)}", err=True)
+
+
+@contextmanager
+def compiling_told() -> Iterator[None]:
+    """Say on the error stream, once, when code has to be compiled."""
+    WHEN_COMPILING.append(_say_compiling)
+    try:
+        yield
+    finally:
+        WHEN_COMPILING.clear()
+
+
+def _say_compiling() -> None:
+    WHEN_COMPILING.clear()
+    click.echo(COMPILING, err=True)
 
 
 @contextmanager

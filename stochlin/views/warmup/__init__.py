@@ -1,0 +1,1 @@
+"""Compiling everything before it is needed."""

@@ -1,0 +1,45 @@
+"""The command ``stochlin warmup``: compile now what is compiled at its first use else."""
+
+from __future__ import annotations
+
+import os
+
+import click
+
+from stochlin.views.shared.screen import COMMANDS, bad_input, progress_bar
+
+
+@COMMANDS.register("warmup")
+@click.command()
+@click.option(
+    "--jobs",
+    type=click.IntRange(1),
+    default=lambda: os.cpu_count() or 1,
+    show_default="all cores",
+    help="Processes that compile side by side.",
+)
+def warmup(jobs: int) -> None:
+    """Compile everything now, so that no command waits for it.
+
+    The time steps of stochlin are compiled for this machine when they are first needed, which takes
+    from seconds to a minute, and kept on the disk: in the folder of the program, in the user's cache
+    folder if that cannot be written, or where the environment variable NUMBA_CACHE_DIR says. They are
+    compiled again after an update of stochlin or numba, and for another kind of processor.
+
+    In the recipe of a container it is the line after the installation.
+    """
+    from concurrent.futures import ProcessPoolExecutor, as_completed
+    from multiprocessing import get_context
+
+    from stochlin.views.warmup.tasks import TASKS, perform
+
+    with (
+        bad_input(),
+        progress_bar("compiling") as progress,
+        ProcessPoolExecutor(min(jobs, len(TASKS)), get_context("spawn")) as processes,
+    ):
+        progress(0.0)
+        for done, task in enumerate(as_completed(processes.submit(perform, name) for name in TASKS)):
+            task.result()
+            progress((done + 1) / len(TASKS))
+    click.echo("everything is compiled")

@@ -1,0 +1,62 @@
+"""After ``stochlin warmup`` nothing is compiled any more."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+import stochlin as sl
+from stochlin import kernels
+from stochlin.kernels.basics.kept import _Cache
+from stochlin.messages import WHEN_COMPILING
+from stochlin.views.command import main
+from stochlin.views.shared.screen import compiling_told
+from stochlin.views.warmup.tasks import TASKS, perform
+
+
+def compiled() -> dict[str, int]:
+    """How many kinds of arguments each function that is kept on the disk was called with."""
+    found = {}
+    for module in pkgutil.walk_packages(kernels.__path__, f"{kernels.__name__}."):
+        for name, value in vars(importlib.import_module(module.name)).items():
+            if isinstance(getattr(value, "_cache", None), _Cache):
+                found[f"{value.py_func.__module__}.{name}"] = len(value.signatures)
+    return found
+
+
+def new_kinds(folder: Path) -> list[str]:
+    """What commands call with arguments of other kinds than the tasks; in a new process."""
+    for name in TASKS:
+        perform(name)
+    before = compiled()
+    record = folder / "wave.txt"
+    record.write_text("\n".join(f"{0.1 * (n % 7 - 3):g}" for n in range(100)))
+    text = sl.example_case().replace("paths = 2048", "paths = 100")
+    site = f'[[site.records]]\npath = "{record.name}"\nunits = "g"\ndt = "0.02 s"\n[motion]'
+    case = folder / "case.toml"
+    case.write_text(text.replace("[motion]", site, 1), encoding="utf-8")
+    for command in ("gap", "probability", "pound", "mitigate"):
+        done = CliRunner().invoke(main, [command, str(case)])
+        assert done.exit_code == 0, done.output
+    return [name for name, count in compiled().items() if count != before[name]]
+
+
+@pytest.mark.slow
+def test_commands_need_nothing_that_the_tasks_do_not_call(tmp_path: Path) -> None:
+    with ProcessPoolExecutor(1, get_context("spawn")) as process:
+        assert process.submit(new_kinds, tmp_path).result() == []
+
+
+def test_that_something_is_compiled_is_said_once(capsys: pytest.CaptureFixture[str]) -> None:
+    with compiling_told():
+        for _ in range(2):
+            for call in list(WHEN_COMPILING):
+                call()
+    assert capsys.readouterr().err.count("compiling for this machine, once") == 1
+    assert not WHEN_COMPILING
