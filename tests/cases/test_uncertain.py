@@ -231,4 +231,4 @@ def test_pounding_in_a_record_says_that_it_is_that_of_the_medians(tmp_path):
     text = text.replace("floors", 'existing = "5 cm"\nfloors') + contact
     case = read(tmp_path, text)
     said = " ".join("\n".join(pound_lines(case, pound_case(case))).split())
-    assert "here it is taken at its median" in said
+    assert "here they are taken at their medians" in said

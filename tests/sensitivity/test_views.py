@@ -44,7 +44,7 @@ def test_sentences_name_what_matters(table):
     names = {"structure_1": "Annex", "structure_2": "Tower", "ground": "the site"}
     first, shares, medians = sentences(table, names)
     assert re.match(r"Of what is uncertain, the gap depends most on the \w+ of Annex: ", first)
-    assert "the motions and how they meet these buildings" in shares
+    assert "the motions, and what motions and inputs do together" in shares
     assert "If all inputs were known" in medians
     assert all(len(line) <= 100 for line in lines(table))
 

@@ -27,6 +27,10 @@ def warmup(jobs: int) -> None:
     compiled again after an update of stochlin or numba, and for another kind of processor.
 
     In the recipe of a container it is the line after the installation.
+
+    \b
+    Example:
+      stochlin warmup
     """
     from concurrent.futures import ProcessPoolExecutor, as_completed
     from multiprocessing import get_context

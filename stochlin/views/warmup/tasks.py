@@ -8,24 +8,34 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-import stochlin as sl
-from stochlin.models.grounds import Ground
+from stochlin.analyses.correlation.correlation import correlate
+from stochlin.analyses.pounding.pounding import pound
+from stochlin.analyses.records.gaps import recorded_gap
+from stochlin.analyses.records.response import respond, response_spectrum
+from stochlin.analyses.simulation.simulation import simulate
+from stochlin.models.buildings import ShearBuilding
+from stochlin.models.contacts import Kelvin, LinearSpring
+from stochlin.models.grounds import Ground, KanaiTajimi, WhiteNoise
+from stochlin.models.grounds.named import named_ground
+from stochlin.models.laws.bilinear import Bilinear
+from stochlin.models.laws.bouc_wen import BoucWen
+from stochlin.models.uncertain import Uncertain
 
 SECONDS, PATHS = 8.0, 32
 YIELDING: Any = {"hardening": 0.05, "yield_displacement": 0.01}
 
 
 def _ground() -> Ground:
-    return sl.KanaiTajimi(0.5, 0.3, intensity=0.01)
+    return KanaiTajimi(0.5, 0.3, intensity=0.01)
 
 
-def _pair() -> tuple[sl.Bilinear, sl.Bilinear]:
-    one, two = (sl.Bilinear(period, 0.05, **YIELDING, mass=1e6) for period in (0.8, 0.5))
+def _pair() -> tuple[Bilinear, Bilinear]:
+    one, two = (Bilinear(period, 0.05, **YIELDING, mass=1e6) for period in (0.8, 0.5))
     return one, two
 
 
-def _tower(period: Any = 0.8) -> sl.ShearBuilding:
-    return sl.ShearBuilding.regular(
+def _tower(period: Any = 0.8) -> ShearBuilding:
+    return ShearBuilding.regular(
         period=period,
         storeys=2,
         storey_height=3.0,
@@ -42,50 +52,50 @@ def _record() -> xr.DataArray:
 
 
 def _finite(structures: Sequence[Any], ground: Any) -> None:
-    sl.simulate(structures, ground, paths=PATHS, duration=SECONDS)
+    simulate(structures, ground, paths=PATHS, duration=SECONDS)
 
 
 def pounding() -> None:
     """Buildings in a row through a record."""
-    sl.pound(_pair(), 0.01, sl.LinearSpring(1e8), _record())
+    pound(_pair(), 0.01, LinearSpring(1e8), _record())
 
 
 def tables() -> None:
     """Correlation coefficients and the bias maps."""
     for closure in ("gaussian", "drift"):
-        sl.correlate(*_pair(), _ground(), closure=closure)
+        correlate(*_pair(), _ground(), closure=closure)
 
 
 def records() -> None:
     """Oscillators in a record, one by one and side by side."""
     one, two = _pair()
-    sl.recorded_gap(one, two, _record())
-    sl.response_spectrum(_record(), [0.5, 1.0], 0.05)
-    sl.respond(one, _record())
+    recorded_gap(one, two, _record())
+    response_spectrum(_record(), [0.5, 1.0], 0.05)
+    respond(one, _record())
 
 
 def oscillators() -> None:
     """Simulated motions: all grounds, the laws with time steps of their own, uncertain parameters."""
     one, two = _pair()
-    for ground in (sl.WhiteNoise(0.01), _ground(), sl.named_ground("firm", intensity=0.01)):
+    for ground in (WhiteNoise(0.01), _ground(), named_ground("firm", intensity=0.01)):
         _finite([one, two], ground)
-    _finite([one, sl.BoucWen(0.5, 0.05, **YIELDING)], _ground())
-    sl.simulate([one, two], _ground(), paths=PATHS, relaxation_times=1.0)
-    unknown: Any = sl.Uncertain(0.5, 0.1)
-    uncertain = sl.Bilinear(unknown, 0.05, **YIELDING)
-    _finite([uncertain, two], sl.KanaiTajimi(unknown, 0.3, intensity=0.01))
+    _finite([one, BoucWen(0.5, 0.05, **YIELDING)], _ground())
+    simulate([one, two], _ground(), paths=PATHS, relaxation_times=1.0)
+    unknown: Any = Uncertain(0.5, 0.1)
+    uncertain = Bilinear(unknown, 0.05, **YIELDING)
+    _finite([uncertain, two], KanaiTajimi(unknown, 0.3, intensity=0.01))
 
 
 def storeys() -> None:
     """The same of buildings with storeys, by themselves and beside oscillators."""
     _finite([_tower()], _ground())
-    _finite([_tower(sl.Uncertain(0.8, 0.1)), _pair()[1]], _ground())
-    sl.simulate([_tower(), _pair()[1]], _ground(), paths=PATHS, relaxation_times=1.0)
+    _finite([_tower(Uncertain(0.8, 0.1)), _pair()[1]], _ground())
+    simulate([_tower(), _pair()[1]], _ground(), paths=PATHS, relaxation_times=1.0)
 
 
 def contacts() -> None:
     """The forces of contact elements."""
-    sl.Kelvin(1e8, restitution=0.6).force([0.0, 0.01], [0.1, 0.1], 0.1, 1e6)
+    Kelvin(1e8, restitution=0.6).force([0.0, 0.01], [0.1, 0.1], 0.1, 1e6)
 
 
 # The longest first: they are taken in turn by as many processes as there are cores.
