@@ -34,6 +34,7 @@ import xarray as xr
 from click.testing import CliRunner
 
 from stochlin.views.command import main
+from stochlin.views.shared.screen import COMPILING
 
 HERE = Path(__file__).parent
 CASES = sorted(path.parent.name for path in HERE.glob("*/about.toml"))
@@ -139,7 +140,8 @@ def _told(line: str) -> str:
     if done.exception and not isinstance(done.exception, SystemExit):
         raise done.exception
     status = f"exit status {done.exit_code}\n" if done.exit_code else ""
-    return f"$ {line}\n{done.output}{status}\n"
+    output = done.output.replace(f"{COMPILING}\n", "")  # it depends on what was compiled before
+    return f"$ {line}\n{output}{status}\n"
 
 
 def _printed(script: Path) -> str:
