@@ -5,13 +5,12 @@ with the Gaussian closure. Takes an hour or so on two cores; a run that was stop
 parts in FOLDER. Times are in ground periods: nothing else depends on the scale of time.
 """
 
-import argparse
 import itertools
 import zipfile
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from arguments import file_and_work
 
 import stochlin as sl
 from stochlin.analyses.simulation import rare_yielding
@@ -161,11 +160,7 @@ def save(dataset, path):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("file", type=Path)
-    parser.add_argument("--work", type=Path, required=True)
-    options = parser.parse_args()
-    options.work.mkdir(parents=True, exist_ok=True)
+    options = file_and_work(__doc__)
     parts = {}
     for ductility, hardening, damping in itertools.product(ELASTIC_DUCTILITY, HARDENING, DAMPING):
         common = (hardening, damping, ductility)

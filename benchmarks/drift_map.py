@@ -8,12 +8,11 @@ in FOLDER. Then compares with the derived closure, and the map of the bias with 
 ground periods.
 """
 
-import argparse
 import itertools
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from arguments import file_and_work
 
 import stochlin as sl
 from stochlin.analyses.correlation.drifting_signatures import derived_signatures
@@ -361,11 +360,7 @@ def labelled(signatures, displacement, white, added, near):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("file", type=Path)
-    parser.add_argument("--work", type=Path, required=True)
-    options = parser.parse_args()
-    options.work.mkdir(parents=True, exist_ok=True)
+    options = file_and_work(__doc__)
     wanted = itertools.product(ELASTIC_DUCTILITY, HARDENING[::-1], GROUND_DAMPING)
     parts = {point: kept(options.work, *point) for point in wanted if point[:2] != LEFT_OUT}
     simulated, ductility = assembled(parts)

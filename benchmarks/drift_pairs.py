@@ -7,11 +7,9 @@ them. Takes ten minutes or so on two cores; a run that was stopped goes on with 
 (.nc) takes them all. Times are in ground periods.
 """
 
-import argparse
-from pathlib import Path
-
 import numpy as np
 import xarray as xr
+from arguments import file_and_work
 
 import stochlin as sl
 from stochlin.analyses.tables.storage import save_table, whole_file
@@ -120,11 +118,7 @@ def labelled(parts):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("file", type=Path)
-    parser.add_argument("--work", type=Path, required=True)
-    options = parser.parse_args()
-    options.work.mkdir(parents=True, exist_ok=True)
+    options = file_and_work(__doc__)
     numbers = range(FIRST, FIRST + GROUNDS)
     save_table(
         labelled([[kept(options.work, kind, n) for n in numbers] for kind in KINDS]), options.file
