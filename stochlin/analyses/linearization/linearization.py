@@ -109,32 +109,44 @@ def linearize(
     expect(structure, Structure, "structure")
     expect(ground, Ground, "ground")
     tolerance = Tolerance(rtol, atol, max_iterations)
-    solved = gaussian = solve_structure(structure, ground, closure, tolerance)
-    if closure not in ("gaussian", DRIFT):
-        gaussian = solve_structure(structure, ground, "gaussian", tolerance)
-    table = solved[list(PUBLIC)]
-    if closure == DRIFT:
-        error = solved.displacement_error.where(solved.displacement_std.notnull())
-        table = table.assign(bias=0 * error, displacement_error=error, caution=caution_of_error(error))
-    else:
-        bias = relative_bias(structure, ground, solved, gaussian)
-        table = table.assign(bias=bias, caution=caution_of(bias))
+    solved = solve_structure(structure, ground, closure, tolerance)
+    table = solved[list(PUBLIC)].assign(judged(structure, ground, closure, solved, tolerance))
     if closure == NARROW_BAND:
         equivalent = np.sqrt(solved.system_stiffness)
         table = table.assign(
             period_eq=2 * np.pi / equivalent, damping_eq=solved.system_damping / (2 * equivalent)
         )
     if closure == DRIFT:
+        error = solved.displacement_error.where(solved.displacement_std.notnull())
+        table = table.assign(displacement_error=error)
         moves = solved.drift_std > 0
         table = table.assign(drift_std=solved.drift_std, drift_time=(1 / solved.drift_rate).where(moves))
     table = labels.label(table, VARIABLES)
     labels.raise_if_lone_failure(table, f"linearize({structure.describe()}, {ground.describe()})")
     if structure.yields:
-        caution = labels.CAUTION_DRIFT if closure == DRIFT else labels.CAUTION_SIGMA
-        table = table.assign_attrs(comment=caution)
+        table = table.assign_attrs(comment=caution_in_words(closure))
     return labels.with_run_information(
         table,
         f"Statistical linearization, {closure} closure, {ground.name} ground",
         f"linearize(closure={closure!r})",
         {"structure": structure, "ground": ground},
     )
+
+
+def judged(
+    structure: Structure, ground: Ground, closure: str, solved: xr.Dataset, tolerance: Tolerance
+) -> dict[str, xr.DataArray]:
+    """``bias`` and ``caution`` of a structure that is solved with this closure."""
+    if closure == DRIFT:
+        error = solved.displacement_error.where(solved.displacement_std.notnull())
+        return {"bias": 0 * error, "caution": caution_of_error(error)}
+    gaussian = solved
+    if closure != "gaussian":
+        gaussian = solve_structure(structure, ground, "gaussian", tolerance)
+    bias = relative_bias(structure, ground, solved, gaussian)
+    return {"bias": bias, "caution": caution_of(bias)}
+
+
+def caution_in_words(closure: str) -> str:
+    """What is said of yielding structures beside their answer."""
+    return labels.CAUTION_DRIFT if closure == DRIFT else labels.CAUTION_SIGMA

@@ -14,7 +14,7 @@ from stochlin.analyses.linearization.equivalent_systems import (
     solve_structure,
     system_and_forcing,
 )
-from stochlin.analyses.linearization.linearization import linearize
+from stochlin.analyses.linearization.linearization import caution_in_words, judged
 from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
@@ -144,16 +144,13 @@ def peak_response(
         )
     status = solved.status.where(~outside, labels.INVALID_INPUT)
     table = table.assign(status=status.astype(np.int8))
-    judged = linearize(structure, ground, closure)
-    table = table.assign(
-        displacement_std=solved.displacement_std,
-        bias=judged.bias,
-        caution=_caution(structure, ground, judged),
-    )
+    found = judged(structure, ground, closure, solved, USUAL)
+    table = table.assign(found | {"displacement_std": solved.displacement_std})
+    table["caution"] = _caution(structure, ground, solved, table.caution)
     table = labels.label(table, VARIABLES if sides == 2 else {**VARIABLES, **ONE_SIDED})
     comment = f"{type(chosen).__name__} is defined for {domain}; NaN elsewhere."
     if structure.yields:
-        comment = f"{judged.attrs['comment']} {comment}"
+        comment = f"{caution_in_words(closure)} {comment}"
     table = table.assign_attrs(
         comment=comment, closure=closure, peak_factor_model=type(chosen).__name__, sides=sides
     )
@@ -182,12 +179,14 @@ def _with_drift(
     return fast * l0 + grown * (whole - l0).clip(0), fast * l1, fast * l2
 
 
-def _caution(structure: Structure, ground: Ground, judged: xr.Dataset) -> xr.DataArray:
+def _caution(
+    structure: Structure, ground: Ground, solved: xr.Dataset, judged: xr.DataArray
+) -> xr.DataArray:
     """Of the peak: that of the standard deviation, and 1 for what yields and is stiff on its ground."""
     soil = ground.arrays().get("period", xr.DataArray(0.0))
-    stiff = (structure.arrays()["period"] < STIFF * soil) & np.isfinite(judged.yield_displacement)
-    caution = np.maximum(judged.caution, stiff.astype(np.int8))
-    return caution.assign_attrs(judged.caution.attrs)
+    stiff = (structure.arrays()["period"] < STIFF * soil) & np.isfinite(solved.yield_displacement)
+    caution = np.maximum(judged, stiff.astype(np.int8))
+    return caution.assign_attrs(judged.attrs)
 
 
 def peak_table(

@@ -16,7 +16,7 @@ from stochlin.analyses.linearization.equivalent_systems import (
     solve_elastic,
     solve_structure,
 )
-from stochlin.analyses.linearization.linearization import linearize
+from stochlin.analyses.linearization.linearization import caution_in_words, judged
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
@@ -144,14 +144,14 @@ def strength_for_ductility(
     status = solved.status.where(reached, labels.NOT_CONVERGED).where(valid, labels.INVALID_INPUT)
     table = solved[list(SHOWN)].assign(reduction_factor=reduction, ductility_peak=peak).where(reached)
     table["status"] = status.astype(np.int8)
+    table = table.assign(judged(found, ground, closure, solved, TOLERANCE))
+    table["bias"] = table.bias.where(reached)
     table = labels.label(table, VARIABLES)
     given = f"{structure.describe()}, {ground.describe()}, ductility={brief(ductility)}"
     case = f"strength_for_ductility({given})"
     labels.raise_if_lone_failure(table, case)
-    judged = linearize(found, ground, closure)
-    table = table.assign(bias=judged.bias.where(reached), caution=judged.caution)
     return labels.with_run_information(
-        table.assign_attrs(closure=closure, comment=judged.attrs["comment"]),
+        table.assign_attrs(closure=closure, comment=caution_in_words(closure)),
         f"Strength for a peak ductility, {closure} closure, {ground.name} ground",
         f"strength_for_ductility(closure={closure!r})",
         {"structure": strong, "ground": ground, "target": target},
