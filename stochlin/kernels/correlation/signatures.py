@@ -29,7 +29,7 @@ class Insight(NamedTuple):
     @property
     def left(self) -> Array:
         """Share of the standard deviation that no reference sees."""
-        return np.sqrt(np.maximum(1 - (self.known**2).sum(axis=0), 0))
+        return np.sqrt(_left(self.known))
 
 
 def signature(joint: Array, gram: Array) -> Array:
@@ -44,12 +44,12 @@ def insight(derived: Array, correction: Array) -> Insight:
     known = derived + correction
     # A displacement has no larger part in the space of the references than itself.
     known = known / np.maximum(np.sqrt((known**2).sum(axis=0)), 1.0)
-    unseen = np.sqrt(_left(known) / _left(derived))
+    unseen = np.sqrt((_left(known) + LEFT) / (_left(derived) + LEFT))
     return Insight(known, unseen * derived, unseen)
 
 
 def _left(coordinates: Array) -> Array:
-    return np.maximum(1 - (coordinates**2).sum(axis=0), 0) + LEFT
+    return np.asarray(np.maximum(1 - (coordinates**2).sum(axis=0), 0))
 
 
 def informed_correlation(derived: Array, first: Insight, second: Insight) -> Array:
