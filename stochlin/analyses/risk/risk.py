@@ -87,9 +87,9 @@ def pounding_risk(
     Parameters
     ----------
     first, second, ground
-        As in `separation`, numbers only; a ``reduction_factor`` refers to ``ground`` as given, and the
-        strength in metres that it means there is kept at all intensities. With None for ``second`` it is
-        how often one building crosses its property line.
+        As in `separation`, numbers or `Uncertain` ones; a ``reduction_factor`` refers to ``ground`` as
+        given, and the strength in metres that it means there is kept at all intensities. With None for
+        ``second`` it is how often one building crosses its property line.
     gap : float
         [m], positive; of one building its distance from the line.
     hazard : HazardCurve or PowerLawHazard

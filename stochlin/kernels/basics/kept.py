@@ -90,7 +90,7 @@ class _Files(IndexDataCacheFile):
         """What the file of this key holds; None if there is none, or it is not right."""
         data = self._read(key)
         if data is None:
-            for call in WHEN_COMPILING:
+            for call in tuple(WHEN_COMPILING):
                 call()
         return data
 

@@ -9,6 +9,7 @@ import textwrap
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -82,16 +83,16 @@ def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
 @contextmanager
 def compiling_told() -> Iterator[None]:
     """Say on the error stream, once, when code has to be compiled."""
-    WHEN_COMPILING.append(_say_compiling)
+
+    @cache
+    def say() -> None:
+        click.echo(COMPILING, err=True)
+
+    WHEN_COMPILING.append(say)
     try:
         yield
     finally:
-        WHEN_COMPILING.clear()
-
-
-def _say_compiling() -> None:
-    WHEN_COMPILING.clear()
-    click.echo(COMPILING, err=True)
+        WHEN_COMPILING.remove(say)
 
 
 @contextmanager
