@@ -1,4 +1,4 @@
-"""What the README shows works as printed."""
+"""What the README and the page of commands show works as printed."""
 
 from __future__ import annotations
 
@@ -16,16 +16,19 @@ from stochlin.views.command import main
 
 pytestmark = pytest.mark.cli
 
-README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+ROOT = Path(__file__).parents[2]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+CALLS = (ROOT / "docs" / "calls.md").read_text(encoding="utf-8")
 
 
-def blocks(language: str) -> list[str]:
-    return re.findall(rf"^```{language}\n(.*?)^```", README, re.DOTALL | re.MULTILINE)
+def blocks(text: str, language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
 
 
 def command_lines() -> list[str]:
-    text = "".join(blocks("")).replace("\\\n", " ")
-    return [line.split("  #")[0].strip() for line in text.splitlines() if line.startswith("stochlin ")]
+    text = "".join(blocks(README, "") + blocks(CALLS, "sh")).replace("\\\n", " ")
+    lines = [line.split("  #")[0].strip() for line in text.splitlines() if line.startswith("stochlin ")]
+    return sorted(set(lines) - {"stochlin warmup"})  # it would compile everything
 
 
 @pytest.mark.parametrize("line", command_lines())
@@ -49,11 +52,11 @@ def test_command_lines_run(line: str, tmp_path: Path, monkeypatch: pytest.Monkey
 def test_python_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "agg")
-    (example,) = blocks("python")
+    (example,) = blocks(README, "python")
     exec(compile(example, "README.md", "exec"), {})
     assert (tmp_path / "chart.nc").exists()
 
 
 def test_pictures_and_links_exist() -> None:
     for target in re.findall(r"\]\(([^)#]+)\)", README):
-        assert (Path(__file__).parents[2] / target).exists(), target
+        assert (ROOT / target).exists(), target
