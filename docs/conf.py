@@ -1,6 +1,7 @@
 """Configuration of the documentation site; `make docs` builds it into build/docs."""
 
 import re
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ copyright = author
 version = release = stochlin.__version__
 
 extensions = [
-    "myst_parser",
+    "myst_nb",
     "numpydoc",
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
@@ -24,6 +25,7 @@ extensions = [
 ]
 exclude_patterns = [
     "gallery/*",
+    "auto_gallery/*.ipynb",  # for download
     "reference/generated/names.rst",
 ]  # scripts and lists; pages are made of them
 nitpicky = True  # a name in backticks that leads nowhere is a warning, and warnings fail the build
@@ -31,6 +33,11 @@ default_role = "py:obj"
 
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
+
+# The tests run the notebooks and keep their outputs; the site shows them as they are.
+nb_execution_mode = "off"
+NOTEBOOKS = Path(__file__).parent / "notebooks"
+shutil.copytree(Path(__file__).parents[1] / "notebooks", NOTEBOOKS, dirs_exist_ok=True)
 
 # A summary is the first sentence of a docstring, which these do not end.
 autosummary.WELL_KNOWN_ABBREVIATIONS += ("eq.", "eqs.", "Eq.", "Eqs.")
