@@ -12,7 +12,7 @@ import xarray as xr
 import stochlin as sl
 from stochlin.analyses.charts.charts import ChartSettings, chart_functions
 from stochlin.views.charts.charts import draw
-from stochlin.views.shared.style import CURVES
+from stochlin.views.shared.style import CURVES, typeset
 
 pytestmark = pytest.mark.paper
 
@@ -63,7 +63,7 @@ def test_every_element_has_its_curve_with_a_name_and_a_look_of_its_own(name):
         assert len(set(shown)) == len(shown)
         assert set(shown) <= {color for color, _ in CURVES}  # each has a dash of its own
     words = " ".join(text.get_text() for text in figure.texts)
-    assert chart.attrs["title"] in words
+    assert typeset(chart.attrs["title"]) in words
     assert "paper" in words
 
 

@@ -51,7 +51,7 @@ def test_buildings_with_storeys_have_all_parameters_in_the_picture(tmp_path):
     assert "crossings in clumps" in labels
     assert {"std of $u_1 - u_2$", "simulated"} <= set(labels)
     caption = figure.texts[-1]
-    assert "gap: Gap(gap=0.05)" in caption.get_text()
+    assert "gap: 0.05\N{NO-BREAK SPACE}m" in caption.get_text()
     figure.draw_without_rendering()
     assert caption.get_window_extent().y0 >= 0
 

@@ -8,6 +8,7 @@ the others by a Runge-Kutta method of order 8.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import Any, NamedTuple, TypeVar
 
@@ -31,8 +32,8 @@ PARTING = Range(
 )
 TOLERANCE = {"rtol": 1e-12, "atol": 1e-14}
 SCALES = (
-    "Two free masses of reduced mass m meet at v0. Scales: τ = (m v0^(1-n)/k)^(1/(n+1)), v0 τ, "
-    "k (v0 τ)^n;\nn = 1.5 for Hertz, Hertz-damp and Jankowski, 1 for the others."
+    "Two free masses of reduced mass m meet at velocity v0. Scales: τ = (m v0^(1-n)/k)^(1/(n+1)), v0 τ, "
+    "k (v0 τ)^n;\n"
 )
 PRINTED = (
     "Printed in the paper with the dashpot's sign reversed, eqs. (14) and (16), and without the "
@@ -220,8 +221,20 @@ def _histories(
     chart["restitution"] = ("element", [model.e for model in models])
     chart["contact_damping"] = ("element", [getattr(model, "damping", 0.0) for model in models])
     described = dict(zip(names, models, strict=True))
-    chart.attrs |= {"chart": picture, "caption": SCALES, "comment": PRINTED}
+    chart.attrs |= {"chart": picture, "caption": SCALES + _exponents(models), "comment": PRINTED}
     return labels.with_run_information(labels.label(chart, VARIABLES), title, call, described)
+
+
+def _exponents(models: Sequence[Element]) -> str:
+    """The exponent ``n`` of each spring."""
+    curved: dict[float, list[str]] = {}
+    for model in models:
+        if (exponent := model.force_law(1.0).exponent) != 1:
+            curved.setdefault(exponent, []).append(
+                re.sub("(?<=[a-z])(?=[A-Z])", "-", type(model).__name__)
+            )
+    told = [f"n = {exponent:g} for {', '.join(names)}" for exponent, names in curved.items()]
+    return "; ".join([*told, "n = 1 for linear springs."])
 
 
 def _force(model: Element, history: History) -> Array:

@@ -214,7 +214,7 @@ def _errors_of_amplification(chart: xr.Dataset) -> str:
         if name in chart:
             ratio = 100 * np.abs(chart[name] / chart[OF_STD] - 1)
             off.append(f"{curve} {float(ratio.mean()):.2g} % ({float(ratio.max()):.2g} %)")
-    return f"{text} Off from std. deviations in the mean (at most): {'; '.join(off)}."
+    return f"{text} Mean (largest) error of the std. deviations: {'; '.join(off)}."
 
 
 for _letter, _ratio in (("a", 0.5), ("b", 1.0), ("c", 2.0)):
@@ -247,7 +247,8 @@ def _captioned(
 ) -> xr.Dataset:
     """Add what the picture states; the caution is for linearized charts alone."""
     linearized = settings.method == "linearization"
-    how = f"linearized, {settings.closure} closure" if linearized else "simulated"
+    closure = settings.closure.replace("gaussian", "Gaussian").replace("_", " ")
+    how = f"linearized, {closure} closure" if linearized else "simulated"
     structures = (
         f"Bilinear structures: ξ = {settings.damping:g}, α = {settings.hardening:g}, R = 3 σel/uy; {how}"
     )

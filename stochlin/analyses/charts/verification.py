@@ -179,4 +179,4 @@ def _errors(chart: xr.Dataset) -> str:
             curves[known.published_name() if known else name] = chart.rho_effective.sel(rule=name)
     off = {name: np.abs(curve - chart.rho_simulated) for name, curve in curves.items()}
     told = [f"{name} {float(one.mean()):.2g} ({float(one.max()):.2g})" for name, one in off.items()]
-    return f"Off in the mean (at most): {'; '.join(told)}."
+    return f"Mean (largest) error: {'; '.join(told)}."

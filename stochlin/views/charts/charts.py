@@ -20,6 +20,7 @@ from stochlin.views.shared.style import (
     plane,
     quantity,
     styled,
+    typeset,
 )
 from stochlin.views.shared.words import rule_label
 
@@ -83,14 +84,14 @@ def draw(dataset: xr.Dataset) -> Figure:
     figure = Figure(figsize=SIZE)
     draw_axes(figure, dataset)
     attrs = dataset.attrs
-    figure.text(0.1, 0.935, attrs.get("title", ""), size=10)
+    figure.text(0.1, 0.935, typeset(attrs.get("title", "")), size=10)
     caption = filled(attrs.get("caption", "").splitlines(), CAPTION_WIDTH)
     comment = filled([attrs.get("comment", "")], COMMENT_WIDTH)
     # Long texts push one another up: heights are inches over the figure's.
     low = max(0.05, (0.13 * len(comment.splitlines()) - 0.03) / figure.get_figheight())
     high = max(0.135, low + (0.134 * len(caption.splitlines()) + 0.03) / figure.get_figheight())
-    figure.text(0.1, high, caption, va="top", size=8)
-    figure.text(0.1, low, comment, va="top", size=7, style="italic")
+    figure.text(0.1, high, typeset(caption), va="top", size=8)
+    figure.text(0.1, low, typeset(comment), va="top", size=7, style="italic")
     return figure
 
 

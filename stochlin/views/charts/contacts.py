@@ -46,19 +46,24 @@ INK: Any = {"color": "0.1", "lw": 1.1, "solid_capstyle": "butt", "clip_on": Fals
 @PICTURES.register("contact_loops")
 def draw_loops(figure: Figure, dataset: xr.Dataset) -> None:
     """Fig. 6: what the elements are made of, and their force over the deformation."""
-    figure.set_size_inches(7.2, 6.4)
+    figure.set_size_inches(7.2, 6.8)
     for n, (title, law, note) in enumerate(SKETCHES):
-        _sketch(figure.add_axes((0.1 + 0.45 * n, 0.665, 0.4, 0.205)), title, law, note)
-    figure.text(0.1, 0.637, SYMBOLS, size=8.5)
+        _sketch(figure.add_axes((0.1 + 0.45 * n, 0.685, 0.4, 0.195)), title, law, note)
+    figure.text(0.1, 0.657, SYMBOLS, size=8.5)
     left = figure.add_axes((0.1, 0.22, 0.4, 0.33))
     right = figure.add_axes((0.55, 0.22, 0.4, 0.33), sharey=left)
     looks = _looks(dataset)
     linear = {name: looks[name] for name in LINEAR if name in looks}
     others = {name: look for name, look in looks.items() if name not in LINEAR}
-    for axes, shown in ((left, linear), (right, others)):
+    headings = (
+        (left, linear, "(c) elements with a linear spring"),
+        (right, others, "(d) Hertz and other elements"),
+    )
+    for axes, shown, heading in headings:
         _curves(axes, dataset, shown, "scaled_deformation", "scaled_force")
         axes.axhline(0, color="0.4", lw=0.6)
         axes.set(xlim=(0, None), xlabel=DEFORMATION)
+        axes.set_title(heading, loc="left", size=9, pad=34)
         axes.legend(loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=2, fontsize=8, columnspacing=1)
     left.set_ylabel(FORCE)
     right.tick_params(labelleft=False)

@@ -9,7 +9,7 @@ import xarray as xr
 
 from stochlin.analyses.charts.records import ENERGIES
 from stochlin.views.charts.charts import AXES, PICTURES
-from stochlin.views.shared.style import CURVES, legend_beside, plain_ticks, shades
+from stochlin.views.shared.style import CURVES, legend_beside, plain_ticks, shades, typeset
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -109,13 +109,13 @@ def draw_critical_gap(figure: Figure, dataset: xr.Dataset) -> None:
         axes.clabel(
             lines, manual=_first_crossings(x, y, gap, levels), fontsize=7, fmt="%g", inline_spacing=2
         )
-        axes.set_title(title, loc="left", size=9)
+        axes.set_title(typeset(title), loc="left", size=9)
         axes.grid(visible=False)
         axes.set_box_aspect(1)
         axes.set(xscale="log", yscale="log")
         plain_ticks(axes.xaxis, TICKS)
         plain_ticks(axes.yaxis, TICKS)
-        axes.set(xlabel="T1 [s]", ylabel="T2 [s]" if n == 0 else "")
+        axes.set(xlabel="$T_1$ [s]", ylabel="$T_2$ [s]" if n == 0 else "")
         axes.tick_params(labelleft=n == 0)
     bar = figure.colorbar(
         filled, cax=figure.add_axes((0.885, 0.27, 0.02, 0.58)), label="gap [cm]", format="%g"
@@ -137,7 +137,7 @@ def draw_added_damping(figure: Figure, dataset: xr.Dataset) -> None:
         axes = figure.add_axes((0.1 + 0.3 * n, 0.25, 0.265, 0.53))
         one = dataset.sel(damped=where)
         for (name, label, least, marker), (color, dash) in zip(shown, CURVES, strict=False):
-            axes.plot(added, CENTIMETRES * one[name], color=color, linestyle=dash, label=label)
+            axes.plot(added, CENTIMETRES * one[name], color=color, linestyle=dash, label=typeset(label))
             if gap is not None and np.isfinite(one[least]):
                 place = 100 * float(one[least]), CENTIMETRES * gap
                 axes.plot(*place, marker=marker, ms=6, mfc="w", color=color, zorder=4)

@@ -8,15 +8,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from stochlin.views.shared.descriptions import in_words, roles_in_words
 from stochlin.views.shared.style import AS_GIVEN, CURVES, filled, styled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-WIDTH, ROW, HEAD, FOOT, LINE = 7.2, 0.26, 0.85, 0.55, 0.14  # inches
+WIDTH, ROW, HEAD, FOOT, LINE = 7.2, 0.26, 0.4, 0.55, 0.14  # inches
 NAMES, MIDDLE, LAST, ALONE = 0.34, 0.64, 0.97, 0.8  # of the width: where panels begin and end
 NAME, CAPTION = 34, 105  # characters
+LEGEND: Any = {"borderaxespad": 0.2, "fontsize": 7, "columnspacing": 1.2}
 MARKERS = ("o", "s", "^", "D", "v", "P")
 
 
@@ -37,7 +39,7 @@ def draw_measures(dataset: xr.Dataset) -> Figure:
     caption = _caption(dataset)
     foot = FOOT + LINE * (caption.count("\n") + 1)
     count = dataset.sizes["measure"]
-    head = HEAD + LINE * bool((dataset.bumper_thickness > 0).any())  # one line more in the legend
+    head = HEAD + LINE * max(2, 2 * dataset.sizes.get("quantile", dataset.sizes.get("record", 0)))
     height = head + ROW * (count + 0.6) + foot
     figure = Figure(figsize=(WIDTH, height))
     end = MIDDLE if recorded else ALONE
@@ -53,7 +55,9 @@ def draw_measures(dataset: xr.Dataset) -> Figure:
         axes.set_yticks(range(count))
         axes.tick_params(labelleft=axes is gaps, length=0)
         if axes.get_legend_handles_labels()[1]:
-            axes.legend(loc="lower left", bbox_to_anchor=(0, 1.0), borderaxespad=0.2, fontsize=7)
+            axes.legend(
+                loc="lower left", bbox_to_anchor=(0, 1.0), ncols=2, borderaxespad=0.2, fontsize=7
+            )
     gaps.set_yticklabels([textwrap.shorten(str(n), NAME) for n in dataset.measure.values], size=7.5)
     figure.text(0.02, 1 - 0.2 / height, dataset.attrs["title"], size=10)
     figure.text(0.02, (foot - FOOT) / height, caption, va="top", size=7.5)
@@ -79,7 +83,7 @@ def _gaps(axes: Axes, dataset: xr.Dataset) -> None:
     if thick.any():
         begin = needed[thick] - thickness[thick]
         axes.hlines(
-            place[thick], begin, needed[thick], color="0.6", lw=4, zorder=1, label="of it bumpers"
+            place[thick], begin, needed[thick], color="0.6", lw=4, zorder=1, label="thickness of bumpers"
         )
     for row in place[~np.isfinite(needed)]:
         axes.text(
@@ -87,8 +91,11 @@ def _gaps(axes: Axes, dataset: xr.Dataset) -> None:
             bbox={"color": "white", "pad": 1},
         )  # fmt: skip
     gap = 100 * float(dataset.attrs["gap_m"])
-    axes.axvline(gap, color=CURVES[2][0], linestyle=CURVES[2][1], label="the gap there is")
-    axes.set(xlim=(0, None), xlabel=f"needed gap [cm], {100 * float(dataset.attrs['confidence']):.4g} %")
+    axes.axvline(gap, color=CURVES[2][0], linestyle=CURVES[2][1], label="existing gap")
+    axes.set(
+        xlim=(0, None),
+        xlabel=f"gap needed for {100 * float(dataset.attrs['confidence']):.4g} % confidence [cm]",
+    )
 
 
 def _amplifications(axes: Axes, dataset: xr.Dataset) -> None:
@@ -110,11 +117,10 @@ def _amplifications(axes: Axes, dataset: xr.Dataset) -> None:
 
 def _caption(dataset: xr.Dataset) -> str:
     attrs = dataset.attrs
-    roles = ("first", "second", "ground", "contact")
-    lines = [f"{role}: {attrs[role]}" for role in roles if role in attrs]
+    lines = roles_in_words(attrs, "first", "second", "ground", "contact")
     motions = f"{attrs['paths']} motions of {attrs['duration_s']:g} s, seed {attrs['seed']}"
     lines.append(f"{motions}; bars: 95 % interval")
     for one in (dataset.isel(measure=n) for n in range(dataset.sizes["measure"])):
         if one.kind.item() == "given":
-            lines.append(f"{one.measure.item()}: {one.description.item()}")
+            lines.append(f"{one.measure.item()}: {in_words(one.description.item(), 'measure')}")
     return filled(lines, CAPTION, "    ")

@@ -17,6 +17,7 @@ from stochlin.analyses.cases.pounding import (
     hardness,
 )
 from stochlin.analyses.pounding.rows import COLUMN
+from stochlin.views.shared.descriptions import in_words, roles_in_words
 from stochlin.views.shared.style import AS_GIVEN, CURVES, filled, styled
 
 if TYPE_CHECKING:
@@ -183,13 +184,12 @@ def _energies(axes: Axes, dataset: xr.Dataset) -> None:
 def caption_of(dataset: xr.Dataset) -> str:
     """The buildings, the contact, the gaps and where motions come from, in lines."""
     told = [
-        f"{name}: {dataset.attrs[f'structure_{number}']}"
+        f"{name}: {in_words(dataset.attrs[f'structure_{number}'])}"
         for number, name in enumerate(dataset.building.values, start=1)
     ]
     if "contact" in dataset.dims:
         widths = (CENTIMETRES * float(gap) for gap in np.atleast_1d(dataset.attrs["gaps"]))
         gaps = ", ".join(f"{width:.3g}" for width in widths)
-        told.append(f"contact: {dataset.attrs['contact']}; gap {gaps} cm")
-    motions = ("ground", "envelope")  # of simulated ones
-    told += [f"{role}: {dataset.attrs[role]}" for role in motions if role in dataset.attrs]
+        told.append(f"{roles_in_words(dataset.attrs, 'contact')[0]}; gap {gaps} cm")
+    told += roles_in_words(dataset.attrs, "ground", "envelope")  # of simulated motions
     return filled(told, CAPTION, "    ")

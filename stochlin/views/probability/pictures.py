@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
+from stochlin.views.shared.descriptions import roles_in_words
 from stochlin.views.shared.style import CURVES, filled, legend_beside, styled
 
 if TYPE_CHECKING:
@@ -54,7 +55,7 @@ def draw_pounding(dataset: xr.Dataset) -> Figure:
     for (color, dash), (name, label) in zip(CURVES, SIZES, strict=False):
         if known(dataset, name):
             lower.plot(time, dataset[name], color=color, linestyle=dash, label=label)
-    lower.set(ylabel="[m]", xlabel="time [s]")
+    lower.set(ylabel="displacement [m]", xlabel="time [s]")
     if "permanent_set" in dataset and bool(dataset.permanent_set.any()):
         for axes in (upper, lower):
             end = dataset.attrs["strong_shaking_end_s"]
@@ -124,10 +125,7 @@ def _captioned(dataset: xr.Dataset) -> Figure:
     """A figure that says of what it is."""
     from matplotlib.figure import Figure
 
-    roles = ("first", "second", "ground", "envelope", "envelope_model", "gap", "record")
-    caption = filled(
-        (f"{role}: {dataset.attrs[role]}" for role in roles if role in dataset.attrs), WIDTH
-    )
+    caption = filled(roles_in_words(dataset.attrs), WIDTH)
     width, height = SIZE
     lift = LINE * max(caption.count("\n") + 1 - LINES, 0)
     figure = Figure(figsize=(width, height + lift))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stochlin.views.sensitivity.words import CENTIMETRES, EXAMPLE, NAMES, asked, rows
+from stochlin.views.shared.descriptions import roles_in_words
 from stochlin.views.shared.style import AS_GIVEN, filled, styled
 
 if TYPE_CHECKING:
@@ -109,10 +110,9 @@ def _of_known(dataset: xr.Dataset) -> str:
 
 def _caption(dataset: xr.Dataset) -> str:
     attrs = dataset.attrs
-    roles = {"first": "building 1", "second": "building 2", "ground": "ground", "envelope": "envelope"}
     lines = [
         attrs["title"],
-        *(f"{name}: {attrs[role]}" for role, name in roles.items() if role in attrs),
+        *roles_in_words(attrs, "first", "second", "ground", "envelope"),
     ]
     lines.append(
         f"{attrs['paths']} motions of {attrs['duration_s']:g} s, seed {attrs['seed']}; {asked(dataset)} "

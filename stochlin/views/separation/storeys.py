@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.views.separation.subjects import gap_of
+from stochlin.views.shared.descriptions import roles_in_words
 from stochlin.views.shared.style import AS_GIVEN, CURVES, filled, styled
 from stochlin.views.shared.words import rule_label
 
@@ -150,8 +151,6 @@ def _drifts(axes: Axes, dataset: xr.Dataset) -> None:
 
 def _caption(dataset: xr.Dataset) -> str:
     attrs = dataset.attrs
-    roles = {"first": "building 1", "second": "building 2", "ground": "ground", "envelope": "envelope"}
-    told = (f"{name}: {attrs[role]}" for role, name in roles.items() if role in attrs)
-    lines = [dataset.attrs["title"], *told]
+    lines = [attrs["title"], *roles_in_words(attrs, "first", "second", "ground", "envelope")]
     lines.append(f"{attrs['paths']} motions of {attrs['duration_s']:g} s, seed {attrs['seed']}")
     return filled(lines, CAPTION, "    ")

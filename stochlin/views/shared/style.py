@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import textwrap
 from collections.abc import Callable, Iterable, Sequence
 from functools import wraps
@@ -51,7 +52,12 @@ NAMES = {
     "rho": r"correlation coefficient $\rho$",
     "amplification": "amplification D, inelastic / elastic",
 }
-
+# As datasets write symbols in plain text: one letter with an index, and powers.
+SYMBOL = re.compile(
+    r"(?<![\w$])(?:(?P<letter>[TSumv]|[αξρστω])(?P<index>el|[0-9fguy])|(?P<lone>[αξρστω]))(?!\w)"
+)
+POWER = re.compile(r"\^(\((?:[^()]|\([^()]*\))*\)|-?\w)")
+LATIN = {"α": "alpha", "ξ": "xi", "ρ": "rho", "σ": "sigma", "τ": "tau", "ω": "omega"}
 
 Given = ParamSpec("Given")
 
@@ -77,6 +83,21 @@ def filled(lines: Iterable[str], width: int, hang: str = "") -> str:
     return "\n".join(textwrap.fill(line, width, subsequent_indent=hang) for line in lines)
 
 
+def typeset(text: str) -> str:
+    """Plain text with its symbols set as such: ``T1/Tg``, ``ξg`` and ``m^2`` with indices and powers."""
+
+    def symbol(found: re.Match[str]) -> str:
+        letter, index = found["letter"] or found["lone"], found["index"]
+        name = f"\\{LATIN[letter]}" if letter in LATIN else letter
+        return f"${name}_{{{index}}}$" if index else f"${name}$"
+
+    def power(found: re.Match[str]) -> str:
+        raised = found[1]
+        return f"$^{{{raised[1:-1] if raised.startswith('(') else raised}}}$"
+
+    return POWER.sub(power, SYMBOL.sub(symbol, text.replace("$", r"\$")))
+
+
 def ratio_ticks(axis: Axis, values: np.ndarray) -> None:
     """Label a logarithmic axis of period ratios with plain numbers."""
     plain_ticks(axis, [t for t in TICKS if values[0] / 1.001 <= t <= values[-1] * 1.001])
@@ -94,7 +115,7 @@ def plain_ticks(axis: Axis, ticks: Sequence[float]) -> None:
 def quantity(values: xr.DataArray) -> str:
     """What an axis says of a variable: its long name, and its unit if it has one."""
     name, units = values.attrs.get("long_name", str(values.name)), values.attrs.get("units", "1")
-    return name if units == "1" else f"{name} [{units}]"
+    return typeset(name if units == "1" else f"{name} [{units}]")
 
 
 def label_axis(axes: Axes, way: Literal["x", "y"], values: xr.DataArray) -> None:
@@ -131,7 +152,8 @@ def plane(
 ) -> QuadContourSet | QuadMesh:
     """Filled contours of a table over its two dimensions, or its cells; with labelled lines.
 
-    What is ``signed`` is white about zero, and its lines say their sign.
+    What is ``signed`` is white about zero, and its lines say their sign. Lines
+    through cells are splines.
     """
     from matplotlib.colors import BoundaryNorm
 
@@ -148,10 +170,16 @@ def plane(
         axes.set(xlim=(place[0][0], place[0][-1]), ylim=(place[1][0], place[1][-1]))
     else:
         filled = axes.contourf(*place, levels=levels, cmap=colours, norm=norm)
-    lines = axes.contour(*place, levels=levels, colors="0.1", linewidths=0.6)
+    lines = axes.contour(
+        *(_refined(*place) if cells else place), levels=levels, colors="0.1", linewidths=0.6
+    )
     digits = "%.1f" if str(table.name).startswith("rho") else "%g"
     axes.clabel(
-        lines, levels=levels if signed else levels[::2], fontsize=7, fmt="%+g" if signed else digits
+        lines,
+        levels=levels if signed else levels[::2],
+        fontsize=6.5,
+        fmt="%+g" if signed else digits,
+        inline_spacing=1,
     )
     axes.grid(visible=False)
     axes.set_box_aspect(1)
@@ -164,6 +192,20 @@ def _edges(centres: np.ndarray, logarithmic: bool) -> np.ndarray:
     inner = 0.5 * (values[1:] + values[:-1])
     edges = np.concatenate([[2 * values[0] - inner[0]], inner, [2 * values[-1] - inner[-1]]])
     return np.exp(edges) if logarithmic else edges
+
+
+def _refined(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Few cells by splines, so that lines have no kinks; unchanged where some are unknown."""
+    from scipy.interpolate import RectBivariateSpline
+
+    if min(z.shape) < 4 or not np.isfinite(z).all():
+        return x, y, z
+    fine = [
+        np.interp(np.arange(0, n - 0.9, 0.25), np.arange(n), one)
+        for one, n in ((x, x.size), (y, y.size))
+    ]
+    between = RectBivariateSpline(y, x, z)(fine[1], fine[0])
+    return fine[0], fine[1], between.clip(z.min(), z.max())
 
 
 def signed_levels(table: xr.DataArray) -> np.ndarray:

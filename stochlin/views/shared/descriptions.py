@@ -1,0 +1,99 @@
+"""Models as datasets name them, ``Bilinear(period=1, mass=2e6)``, in words and units."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from functools import cache
+from typing import Any
+
+from stochlin.models.buildings import ShearBuilding
+from stochlin.models.contacts.base import CONTACTS
+from stochlin.models.envelopes.base import ENVELOPES
+from stochlin.models.grounds.base import GROUNDS
+from stochlin.models.links import Link
+from stochlin.models.measures import Measure
+from stochlin.models.parameters import Model
+from stochlin.models.structures import LAWS, Gap
+from stochlin.views.shared.words import SPACE, shown_unit
+
+ROLES = {
+    "first": "building 1",
+    "second": "building 2",
+    "ground": "ground",
+    "envelope": "envelope",
+    "envelope_model": "envelope",
+    "contact": "contact",
+    "gap": "gap",
+    "record": "record",
+}
+CALL = re.compile(r"(\w+)\((.*)\)", re.DOTALL)
+NUMBER = re.compile(r"(?<![\w.])-?\d+\.?\d*(?:e[-+]?\d+)?(?![\w.])")
+OF_ONE = re.compile(r"_(?=[12]$)")
+OVER = re.compile(r"\[(?:(\d+) times )?(.*) over (.*)\]")
+
+
+def roles_in_words(attrs: Mapping[Any, Any], *roles: str) -> list[str]:
+    """A line for each of these roles that the attributes of a dataset describe; all if none is named."""
+    told = roles or tuple(ROLES)
+    return [f"{ROLES[role]}: {in_words(attrs[role], role)}" for role in told if role in attrs]
+
+
+def in_words(described: str, role: str = "") -> str:
+    """What ``Model.describe`` wrote, for a reader, less what the role says; anything else unchanged."""
+    call = CALL.fullmatch(described)
+    if call is None:
+        return described
+    name, given = call.groups()
+    kind = _kinds().get(name)
+    told = [_parameter(kind, role, *part.partition("=")[::2]) for part in _parts(given)]
+    return ", ".join(filter(None, ["" if name.lower() == role else _title(name), *told]))
+
+
+def _parameter(kind: type[Model] | None, role: str, name: str, value: str) -> str:
+    """``mass 2000 t``; empty of a zero that says that there is nothing."""
+    field = getattr(kind, "__dataclass_fields__", {}).get(name)
+    unit, scale = shown_unit(field.metadata.get("units", "1") if field else "1")
+    unit = unit.replace(" ", SPACE)
+    words = "" if name == role else f"{OF_ONE.sub(' of building ', name).replace('_', ' ')} "
+    if CALL.fullmatch(value):
+        return f"{words}({in_words(value, name)})"
+    if NUMBER.fullmatch(value):
+        absent = float(value) == 0 and (not field or field.default == 0)
+        return "" if absent else f"{words}{_scaled(value, scale)}{unit}"
+    over = OVER.fullmatch(value)
+    if over:
+        count, numbers, dimensions = over.groups()
+        every = f"{count} times " if count else ""
+        shown = NUMBER.sub(lambda found: _scaled(found[0], scale), numbers)
+        return f"{words}{every}{shown}{unit} over {dimensions}"
+    return f"{words}{value}"
+
+
+def _scaled(number: str, scale: float) -> str:
+    value = scale * float(number)
+    return f"{value:.4g}" if abs(value) < 1e4 else f"{value:.0f}"
+
+
+def _title(name: str) -> str:
+    """``CloughPenzien`` as Clough-Penzien."""
+    return re.sub("(?<=[a-z])(?=[A-Z])", "-", name)
+
+
+def _parts(given: str) -> Iterator[str]:
+    """What stands between the commas that are outside of brackets."""
+    depth, begin = 0, 0
+    for place, letter in enumerate(given):
+        depth += (letter in "([") - (letter in ")]")
+        if letter == "," and depth == 0:
+            yield given[begin:place].strip()
+            begin = place + 1
+    if given[begin:].strip():
+        yield given[begin:].strip()
+
+
+@cache
+def _kinds() -> dict[str, type[Model]]:
+    """Every kind of model by its name."""
+    named = (kind for registry in (LAWS, GROUNDS, ENVELOPES, CONTACTS) for kind in registry.values())
+    return {kind.__name__: kind for kind in (*named, ShearBuilding, Link, Measure, Gap)}

@@ -1,0 +1,51 @@
+"""Models in words, as captions of pictures have them."""
+
+from __future__ import annotations
+
+import pytest
+
+import stochlin as sl
+from stochlin.models.grounds.base import GROUNDS
+from stochlin.models.structures import Gap
+from stochlin.views.shared.descriptions import in_words, roles_in_words
+
+pytestmark = pytest.mark.cli
+SPACE = "\N{NO-BREAK SPACE}"
+
+
+def plain(text):
+    return text.replace(SPACE, " ")
+
+
+def test_numbers_have_their_units_and_zeros_are_left_out():
+    building = sl.Bilinear(0.6, 0.05, 0.05, yield_displacement=0.02, mass=1.5e6)
+    told = "Bilinear, period 0.6 s, damping 0.05, hardening 0.05, yield displacement 0.02 m, "
+    told += "peak factor 3, mass 1500 t"
+    assert plain(in_words(building.describe())) == told
+    damper = sl.Link(stiffness=0.0, damping_constant=5e6)
+    assert plain(in_words(damper.describe())) == "Link, damping constant 5 MN s/m"
+
+
+def test_what_the_role_says_is_not_said_twice():
+    assert plain(in_words(Gap(0.05).describe(), "gap")) == "0.05 m"
+    attrs = {"first": "Bilinear(period=1)", "gap": "Gap(gap=0.05)", "title": "not a role"}
+    assert list(map(plain, roles_in_words(attrs))) == [
+        "building 1: Bilinear, period 1 s",
+        "gap: 0.05 m",
+    ]
+
+
+def test_storeys_and_tables_keep_their_ranges():
+    text = "ShearBuilding(masses=[3 times 2e+05 over storey], stiffnesses=[1e+08 to 3e+08 over storey])"
+    told = "Shear-Building, masses 3 times 200 t over storey, stiffnesses 100 to 300 MN/m over storey"
+    assert plain(in_words(text)) == told
+
+
+@pytest.mark.parametrize("text", ["Taft 1952, 111", "", "f(", "16 motions (with seeds)"])
+def test_what_is_no_model_stays_as_it_is(text):
+    assert in_words(text) == text
+
+
+def test_all_grounds_have_units():
+    for kind in GROUNDS.values():
+        assert "m²/s³" in in_words(f"{kind.__name__}(intensity=0.02)")
