@@ -170,11 +170,11 @@ CALLS = ON_GROUND | ON_RECORD
 USUAL = "Kanai-Tajimi"  # the ground of all columns but the last
 HEAD = """# What takes what
 
-This page lists which function accepts which structure, with which hysteresis law and on which ground. It is
-meant for users who choose a function for their model, for example `linearize` for a `Bilinear` oscillator.
-A tick marks a combination that the call accepts. A number refers to a message below the table, with which
-the call refuses the combination. A dash marks a column that does not apply, for example because the call
-has only one structure.
+This page lists which function accepts which structure, with which hysteresis law and on which ground. It
+is meant for users who choose a function for their model, for example `linearize` for a `Bilinear`
+oscillator. A tick marks a combination that the call accepts. A number refers to a message below the
+table, with which the call refuses the combination. A dash marks a column that does not apply, for
+example because the call has only one structure.
 
 All columns but the last are tried on Kanai-Tajimi ground, or with a record. The last column lists the
 grounds, out of white noise, Kanai-Tajimi and Clough-Penzien ground, on which the call accepts `Bilinear`
