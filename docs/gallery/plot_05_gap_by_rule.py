@@ -2,9 +2,9 @@
 Required gap by every rule
 ==========================
 
-What each rule asks for, beside the answer by simulation (line; the band is its 95 % interval). All
-rules are fed with the simulated peaks of the same two buildings; only linearization works alone. A
-gap to the left of the band does not keep the confidence.
+The gap by each rule, and by simulation (vertical line; the band is its 95 % interval). All rules use
+the simulated peaks of the same two buildings, except linearization, which uses its own. A gap to the
+left of the band does not provide the required confidence.
 """
 
 import matplotlib.pyplot as plt

@@ -3,7 +3,7 @@ Probability of pounding over the gap
 ====================================
 
 The share of simulated motions in which two buildings would have met, with its 95 % interval. The
-reduction factor and the motions are the same in all curves; only the period of the stiffer building
+reduction factor and the motions are the same for all curves; only the period of the stiffer building
 changes.
 """
 

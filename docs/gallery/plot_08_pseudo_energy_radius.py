@@ -2,9 +2,9 @@ r"""
 Pseudo energy radius
 ====================
 
-The trace of an elastic structure in the plane of :math:`u` and :math:`\dot u/\omega`, eq. (1), and
-the circle of its largest radius. The motion is a synthetic one; put a record read by
-`stochlin.read_record` in its place.
+The response of an elastic structure in the plane of :math:`u` and :math:`\dot u/\omega`, eq. (1), and
+the circle of its largest radius. The motion is synthetic; to use a record, read it with
+`stochlin.read_record`.
 """
 
 import matplotlib.pyplot as plt

@@ -2,10 +2,10 @@
 Contact elements
 ================
 
-Force over deformation of the contact elements, eqs. (14) and (16) and the Hertz types, each damped
-one made for a coefficient of restitution of .65. The area of a loop is the energy that the impact
-takes. The Kelvin element pulls before it lets go. Scales are those of two free masses that meet, so
-that all elements compare.
+Force over deformation of the contact elements, eqs. (14) and (16) and the Hertz types. Each damped
+element has a coefficient of restitution of 0.65. The area of a loop is the energy that the impact
+dissipates. The Kelvin element pulls before the masses separate. Force and deformation are scaled by
+those of two free masses that collide, so that all elements can be compared.
 """
 
 import matplotlib.pyplot as plt

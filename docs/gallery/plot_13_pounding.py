@@ -2,10 +2,11 @@
 Two towers that pound
 =====================
 
-Ten storeys beside five, 2 cm apart, in a synthetic motion. They meet at the levels of the lower one's
-floors, where Kelvin elements stand. Top: both at the level of the lower roof, the right one at its
-distance. Bottom: the force there, beside the strength of a storey. The floors
-below strike at the same times, the lower the less hard.
+A tower of ten storeys stands beside one of five, with a gap of 2 cm, in a synthetic motion. The towers
+meet at the levels of the floors of the lower one, where Kelvin elements stand. Top: the displacement
+of both at the level of the lower roof; the curve of the right tower is shifted by the gap. Bottom: the
+contact force at this level, and the strength of a storey. The floors below collide at the same times,
+and with the less force the lower they are.
 """
 
 import matplotlib.pyplot as plt

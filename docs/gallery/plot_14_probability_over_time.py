@@ -2,10 +2,11 @@
 Confidence of no pounding over time
 ===================================
 
-Two yielding buildings in motions of 25 s: the confidence that they have not pounded so far, by the
-crossings of the linearized response, with the drift put back, and by simulation with its 95 %
-interval. The shape below is the envelope of the motion. Linearization, which loses the drift, is
-unsafe. (Taken as independent instead of in clumps, crossings give the same here.)
+The confidence that two yielding buildings have not pounded so far, in motions of 25 s. It is computed
+from the crossings of the linearized response, from the same with a correction for the plastic drift,
+and by simulation with its 95 % interval. The grey shape below is the envelope of the motion.
+Linearization loses the drift and is unsafe. (The assumption of independent crossings instead of
+crossings in clumps gives the same result here.)
 """
 
 import matplotlib.pyplot as plt
