@@ -39,7 +39,7 @@ axes.set(
     xscale="log",
     xlabel="$T_1/T_2$",
     ylabel=r"correlation coefficient $\rho$",
-    title=r"$T_2 = T_g$ = 2 s, $\xi_g$ = .05; structures: $\xi$ = .05, $\alpha$ = .05",
+    title=r"$T_2 = T_g$ = 2 s, $\xi_g$ = 0.05; structures: $\xi$ = 0.05, $\alpha$ = 0.05",
 )
 ratio_ticks(axes.xaxis, ratios)
 axes.legend(loc="upper left")

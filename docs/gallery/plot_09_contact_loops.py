@@ -16,8 +16,8 @@ plt.rcParams.update(STYLE)
 chart = contact_loop_chart(restitution=0.65)
 figure, panels = plt.subplots(1, 2, figsize=(7.2, 3.6), sharey=True, layout="constrained")
 groups = (
-    ("linear elements; damped: e = .65", ["LinearSpring", "Kelvin", "NoTensionKelvin", "ImpactKelvin"]),
-    ("Hertz types; damped: e = .65", ["Hertz", "HertzDamp", "Jankowski"]),
+    ("linear elements; damped: e = 0.65", ["LinearSpring", "Kelvin", "NoTensionKelvin", "ImpactKelvin"]),
+    ("Hertz types; damped: e = 0.65", ["Hertz", "HertzDamp", "Jankowski"]),
 )
 for axes, (title, names) in zip(panels, groups, strict=True):
     for name, (color, dash) in zip(names, CURVES, strict=False):

@@ -31,7 +31,7 @@ for (label, ending), (color, dash) in zip(curves.items(), CURVES, strict=False):
     axes.plot(table.time, table[stem + ending], color=color, linestyle=dash, label=label)
 axes.set(xlabel="time [s]", ylabel="confidence of no pounding", xlim=(0, 25), ylim=(0, 1.02))
 axes.set_title(
-    r"T = .6 and 1 s, $\xi$ = $\alpha$ = .05, R = 4, gap .08 m; $\omega_g$ = 15 rad/s, $\xi_g$ = .6",
+    r"T = 0.6 and 1 s, $\xi$ = $\alpha$ = 0.05, R = 4, gap 0.08 m; $\omega_g$ = 15 rad/s, $\xi_g$ = 0.6",
     size=9,
 )
 axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1))

@@ -40,4 +40,4 @@ for row, (closure, name) in zip(panels, names.items(), strict=True):
         row[1].plot(ends, ends + by, "k--", lw=0.8)
     off = np.abs(found.rho - exact.rho)
     row[1].set(xlim=(-0.4, 1), ylim=(-0.6, 1), xlabel=r"simulated $\rho$", ylabel=r"$\rho$")
-    row[1].set_title(f"{name}: within .1 in {100 * float(np.mean(off < 0.1)):.0f} %")
+    row[1].set_title(f"{name}: within 0.1 in {100 * float(np.mean(off < 0.1)):.0f} %")
