@@ -273,7 +273,7 @@ def from_spectrum(kept: Kept, records: Mapping[str, Recorded], suite: str, stret
         return found
 
     gaps, yields = kept.prediction(name, kept(f"{name}, motion", fitted))
-    part = "spectrum" if stretch == 1 else f"spectrum, {stretch:g} of the duration"
+    part = "spectrum" if stretch == 1 else f"spectrum, {stretch:g} times the duration"
     return compared(gaps, yields, kept(f"{name}, records", needed), list(own), part)
 
 

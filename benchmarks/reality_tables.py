@@ -273,9 +273,9 @@ def _outside(groups: dict[str, xr.Dataset]) -> str:
         "",
         "nominal",
         "held",
-        "mean of ln (record/motion)",
-        "its std",
-        "std of ln motion",
+        "mean of ln (record/simulated)",
+        "its standard deviation",
+        "standard deviation of ln (simulated)",
     )
     return _table(head, rows)
 
@@ -310,15 +310,18 @@ def _scatter(cases: xr.Dataset) -> str:
             (f"{part}, {suite}", f"{mean:+.2f}", f"{std:.2f}", f"{spread:.2f}",
              f"{best:.2f} ({lower:.2f} to {upper:.2f})", *by_strength)
         )  # fmt: skip
-    for name, known in (("other component, both suites", KNOWN_PLACE[2:]), ("first four", KNOWN_PLACE)):
+    for name, known in (
+        ("other component, both suites", KNOWN_PLACE[2:]),
+        ("first four rows", KNOWN_PLACE),
+    ):
         best, lower, upper = scatter_of([of(cases, *each) for each in known])
         found = f"**{best:.2f}** ({lower:.2f} to {upper:.2f})"
         rows.append((f"{name}, with the same weight", "", "", "", found, "", "", ""))
     head = (
         "",
-        "mean of ln (record/motion)",
-        "its std",
-        "std of ln motion",
+        "mean of ln (record/simulated)",
+        "its standard deviation",
+        "standard deviation of ln (simulated)",
         "scatter",
         *(_strength(s) for s in cases.strength.values),
     )
@@ -366,7 +369,10 @@ def _duration(cases: xr.Dataset) -> str:
         rows.append((length, *cells, f"{float(off.mean()):+.2f}", f"{rho:.2f}"))
     strengths = [_strength(s) for s in cases.strength.values]
     last = strengths[-1]
-    head = (f"mean of ln (record/motion), {last}", f"its correlation with the record's duration, {last}")
+    head = (
+        f"mean of ln (record/simulated), {last}",
+        f"its correlation with the record's duration, {last}",
+    )
     return _table(("Motions last", *strengths, *head), rows)
 
 

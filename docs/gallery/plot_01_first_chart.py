@@ -2,9 +2,10 @@ r"""
 Correlation on a lake bed
 =========================
 
-The correlation coefficient :math:`\rho` of two buildings over the ratio of their periods. Eq. (4)
-knows neither the ground nor yielding: it differs from both other curves. The linearized curve of
-the yielding pair is not the truth either, see :doc:`plot_02_linearized_and_simulated`.
+The correlation coefficient :math:`\rho` of the displacements of two buildings over the ratio of their
+periods. Eq. (4) contains neither the ground nor yielding, and differs from both other curves. The
+linearized curve of the yielding pair also has an error, which
+:doc:`plot_02_linearized_and_simulated` shows.
 """
 
 import matplotlib.pyplot as plt
@@ -38,7 +39,7 @@ axes.set(
     xscale="log",
     xlabel="$T_1/T_2$",
     ylabel=r"correlation coefficient $\rho$",
-    title=r"$T_2 = T_g$ = 2 s, $\xi_g$ = .05; structures: $\xi$ = .05, $\alpha$ = .05",
+    title=r"$T_2 = T_g$ = 2 s, $\xi_g$ = 0.05; structures: $\xi$ = 0.05, $\alpha$ = 0.05",
 )
 ratio_ticks(axes.xaxis, ratios)
 axes.legend(loc="upper left")

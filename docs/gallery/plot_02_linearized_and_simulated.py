@@ -3,9 +3,9 @@ Linearized and simulated
 ========================
 
 The same pair by every method of `stochlin.correlate`. The bars are twice the standard error of the
-simulation. On the left, the building is much stiffer than the ground, and linearization fails; near
-the ground period it is off by some .1, and on the right by less. The effective rule knows nothing
-of the ground.
+simulation. On the left, where the building is much stiffer than the ground, linearization fails. Near
+the ground period its error is about 0.1, and on the right it is smaller. The rule for effective
+properties does not contain the ground.
 """
 
 import matplotlib.pyplot as plt
@@ -31,7 +31,7 @@ def axis(values):
 
 
 fine, coarse = axis(np.geomspace(0.25, 4, 81)), axis(np.geomspace(0.25, 4, 13))
-truth = sl.correlate(*pair(coarse), lakebed, method="simulation", paths=128)
+simulated = sl.correlate(*pair(coarse), lakebed, method="simulation", paths=128)
 
 figure, axes = plt.subplots(figsize=(7.2, 3.6), layout="constrained")
 for (label, options), (color, dash) in zip(
@@ -45,13 +45,13 @@ for (label, options), (color, dash) in zip(
 ):
     rho = sl.correlate(*pair(fine), lakebed, **options).rho
     axes.plot(fine, rho, color=color, linestyle=dash, label=label)
-bars = 2 * truth.rho_standard_error
-axes.errorbar(coarse, truth.rho, bars, fmt="o", color="k", ms=4, capsize=3, label="simulated")
+bars = 2 * simulated.rho_standard_error
+axes.errorbar(coarse, simulated.rho, bars, fmt="o", color="k", ms=4, capsize=3, label="simulated")
 axes.set(
     xscale="log",
     xlabel="$T_1/T_2$",
     ylabel=r"correlation coefficient $\rho$",
-    title=r"$T_2 = T_g$ = 2 s, $\xi_g$ = .05; $\xi$ = .05, $\alpha$ = .05, R = 4",
+    title=r"$T_2 = T_g$ = 2 s, $\xi_g$ = 0.05; $\xi$ = 0.05, $\alpha$ = 0.05, R = 4",
 )
 ratio_ticks(axes.xaxis, fine.values)
 axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1))

@@ -2,12 +2,12 @@ r"""
 Error of linearization over strength and hardening
 ==================================================
 
-From the map of simulated structures that comes with the package. Each square is taken
-over all other parameters of the map, each point of it counting alike: dampings of .02, .05 and .1,
-grounds from :math:`\xi_g` = .03 to 1, and periods from a tenth of the ground's (pairs: a third, for
-the longer of the two) to ten times it. Top: the share of these cases in which linearization is off
-by more than 10 % (standard deviation) or .1 (:math:`\rho`). Bottom: the median error; minus is too
-small. Hardening 1 is linear, and exact.
+The error of linearization from the map of simulated structures that comes with the package. Top: the
+share of the cases in which the error exceeds 10 % (standard deviation) or 0.1 (:math:`\rho`). Bottom:
+the median error; negative values are too small. Each square covers all other parameters of the map,
+and each point of the map counts alike: dampings of 0.02, 0.05 and 0.1, grounds from :math:`\xi_g` =
+0.03 to 1, and periods from a tenth of the ground period to ten times it (for the longer period of a
+pair, from a third). Structures with a hardening ratio of 1 are linear, and linearization is exact.
 """
 
 import matplotlib.pyplot as plt

@@ -2,10 +2,11 @@ r"""
 Error of linearization over period and bandwidth
 ================================================
 
-The same map as in :doc:`plot_03_error_by_strength`, over the period of the structure (of a pair,
-the longer one) relative to the ground's, and the damping ratio :math:`\xi_g` of the ground;
-hardening .02 to .2 and all strengths and dampings count alike. The darkest part is the stiff
-structure on a lake bed: its standard deviation can be thirty times too small.
+The error of linearization from the map of :doc:`plot_03_error_by_strength`, over the period of the
+structure (for a pair, the longer one) relative to that of the ground, and over the damping ratio
+:math:`\xi_g` of the ground. Hardening ratios from 0.02 to 0.2 and all strengths and dampings count
+alike. The darkest part is the stiff structure on a lake bed, whose standard deviation can be thirty
+times too small.
 """
 
 import matplotlib.pyplot as plt

@@ -2,9 +2,9 @@
 Required gap by every rule
 ==========================
 
-What each rule asks for, beside the answer by simulation (line; the band is its 95 % interval). All
-rules are fed with the simulated peaks of the same two buildings; only linearization works alone. A
-gap to the left of the band does not keep the confidence.
+The gap by each rule, and by simulation (vertical line; the band is its 95 % interval). All rules use
+the simulated peaks of the same two buildings, except linearization, which uses its own. A gap to the
+left of the band does not provide the required confidence.
 """
 
 import matplotlib.pyplot as plt
@@ -27,7 +27,7 @@ for row, rule in enumerate(known.rule.values):
     unsafe = float(known.gap.sel(rule=rule)) < float(answer.gap_lower)
     axes.plot(known.gap.sel(rule=rule), row, "kx" if unsafe else "ko", mfc="w")
 axes.set_yticks(range(known.rule.size), [rule_label(rule) for rule in known.rule.values])
-axes.set(xlim=(0, None), xlabel="gap [m] for a confidence of .9 (x: too small)")
+axes.set(xlim=(0, None), xlabel="gap [m] for a confidence of 0.9 (x: too small)")
 axes.set_title(
-    r"T = .6 and 1 s, $\xi$ = $\alpha$ = .05, R = 4; firm ground, $S_0$ = .01 m²/s³, 30 s", size=9
+    r"T = 0.6 and 1 s, $\xi$ = $\alpha$ = 0.05, R = 4; firm ground, $S_0$ = 0.01 m²/s³, 30 s", size=9
 )

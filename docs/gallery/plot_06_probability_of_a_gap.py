@@ -3,7 +3,7 @@ Probability of pounding over the gap
 ====================================
 
 The share of simulated motions in which two buildings would have met, with its 95 % interval. The
-reduction factor and the motions are the same in all curves; only the period of the stiffer building
+reduction factor and the motions are the same for all curves; only the period of the stiffer building
 changes.
 """
 
@@ -30,5 +30,5 @@ for n, (color, dash) in zip(range(3), CURVES, strict=False):
     )
     axes.plot(gap, found.probability, color=color, linestyle=dash, label=f"T = {periods[n]:g} and 1 s")
 axes.set(xlabel="gap [m]", ylabel="probability of pounding in 30 s", ylim=(0, 1), xlim=(0, 0.2))
-axes.set_title(r"$\xi$ = $\alpha$ = .05, R = 4; firm ground, $S_0$ = .01 m²/s³", size=9)
+axes.set_title(r"$\xi$ = $\alpha$ = 0.05, R = 4; firm ground, $S_0$ = 0.01 m²/s³", size=9)
 axes.legend()

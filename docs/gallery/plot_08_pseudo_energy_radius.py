@@ -2,9 +2,9 @@ r"""
 Pseudo energy radius
 ====================
 
-The trace of an elastic structure in the plane of :math:`u` and :math:`\dot u/\omega`, eq. (1), and
-the circle of its largest radius. The motion is a synthetic one; put a record read by
-`stochlin.read_record` in its place.
+The response of an elastic structure in the plane of :math:`u` and :math:`\dot u/\omega`, eq. (1), and
+the circle of its largest radius. The motion is synthetic; to use a record, read it with
+`stochlin.read_record`.
 """
 
 import matplotlib.pyplot as plt
@@ -26,5 +26,5 @@ axes.plot(chart.displacement, chart.velocity_over_frequency, color="0.45", lw=0.
 circle = chart.circle_displacement, chart.circle_velocity_over_frequency
 axes.plot(*circle, "k--", lw=1.4, label=f"$r_{{PER}}$ = {float(chart.pseudo_energy_radius):.3f} m")
 axes.set(xlabel="$u$ [m]", ylabel=r"$\dot u/\omega$ [m]", aspect="equal")
-axes.set_title(r"T = 1 s, $\xi$ = .05, synthetic motion", size=9)
+axes.set_title(r"T = 1 s, $\xi$ = 0.05, synthetic motion", size=9)
 figure.legend(loc="outside lower center", ncols=2)

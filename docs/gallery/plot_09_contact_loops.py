@@ -2,10 +2,10 @@
 Contact elements
 ================
 
-Force over deformation of the contact elements, eqs. (14) and (16) and the Hertz types, each damped
-one made for a coefficient of restitution of .65. The area of a loop is the energy that the impact
-takes. The Kelvin element pulls before it lets go. Scales are those of two free masses that meet, so
-that all elements compare.
+Force over deformation of the contact elements, eqs. (14) and (16) and the Hertz types. Each damped
+element has a coefficient of restitution of 0.65. The area of a loop is the energy that the impact
+dissipates. The Kelvin element pulls before the masses separate. Force and deformation are scaled by
+those of two free masses that collide, so that all elements can be compared.
 """
 
 import matplotlib.pyplot as plt
@@ -16,8 +16,8 @@ plt.rcParams.update(STYLE)
 chart = contact_loop_chart(restitution=0.65)
 figure, panels = plt.subplots(1, 2, figsize=(7.2, 3.6), sharey=True, layout="constrained")
 groups = (
-    ("linear elements; damped: e = .65", ["LinearSpring", "Kelvin", "NoTensionKelvin", "ImpactKelvin"]),
-    ("Hertz types; damped: e = .65", ["Hertz", "HertzDamp", "Jankowski"]),
+    ("linear elements; damped: e = 0.65", ["LinearSpring", "Kelvin", "NoTensionKelvin", "ImpactKelvin"]),
+    ("Hertz types; damped: e = 0.65", ["Hertz", "HertzDamp", "Jankowski"]),
 )
 for axes, (title, names) in zip(panels, groups, strict=True):
     for name, (color, dash) in zip(names, CURVES, strict=False):

@@ -2,8 +2,8 @@ r"""
 Restitution of contact elements
 ===============================
 
-Fig. 8 of the paper: what is left of the approach velocity, over the damping ratio of the element.
-Eq. (15) holds for the Kelvin element that may pull, and for no other.
+Fig. 8 of the paper: the velocity after the impact over the approach velocity, against the damping
+ratio of the element. Eq. (15) holds only for the Kelvin element, which may pull.
 """
 
 import matplotlib.pyplot as plt

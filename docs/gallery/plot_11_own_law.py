@@ -2,9 +2,9 @@
 A hysteresis law of one's own
 =============================
 
-Any odd law ``z' = G(v, z)``, written in sympy, is linearized and simulated. Here the corner of the
-bilinear law is rounded: this is the Bouc-Wen law with an exponent of 2. Linearization is too low
-for both.
+Any odd law ``z' = G(v, z)`` that is written in sympy can be linearized and simulated. In this example
+the corner of the bilinear law is rounded, which gives the Bouc-Wen law with an exponent of 2. For both
+laws the linearized standard deviation is too small.
 """
 
 import matplotlib.pyplot as plt
@@ -33,5 +33,5 @@ for (label, make), (color, dash), marker in zip(laws.items(), CURVES, "os", stri
     values = simulated.ductility_std
     axes.plot(factors, values, marker, mfc="w", color=color, label=f"{label}, simulated")
 axes.set(xlabel="reduction factor R", ylabel="standard deviation of the ductility")
-axes.set_title(r"T = .8 s, $\xi$ = .05, $\alpha$ = .1; firm ground", size=9)
+axes.set_title(r"T = 0.8 s, $\xi$ = 0.05, $\alpha$ = 0.1; firm ground", size=9)
 axes.legend()

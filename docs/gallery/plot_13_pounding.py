@@ -2,10 +2,11 @@
 Two towers that pound
 =====================
 
-Ten storeys beside five, 2 cm apart, in a synthetic motion. They meet at the levels of the lower one's
-floors, where Kelvin elements stand. Top: both at the level of the lower roof, the right one at its
-distance. Bottom: the force there, beside the strength of a storey. The floors
-below strike at the same times, the lower the less hard.
+A tower of ten storeys stands beside one of five, with a gap of 2 cm, in a synthetic motion. The towers
+meet at the levels of the floors of the lower one, where Kelvin elements stand. Top: the displacement
+of both at the level of the lower roof; the curve of the right tower is shifted by the gap. Bottom: the
+contact force at this level, and the strength of a storey. The floors below collide at the same times,
+and with the less force the lower they are.
 """
 
 import matplotlib.pyplot as plt
@@ -37,4 +38,4 @@ bottom.set(xlabel="time [s]", ylabel="force [MN]", xlim=(0, 16))
 for axes in (top, bottom):
     axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1))
 periods = [float(b.periods()[0]) for b in (tall, low)]
-top.set_title(f"T = {periods[0]:.2f} and {periods[1]:.2f} s, gap 2 cm, k = 500 MN/m, e = .65", size=9)
+top.set_title(f"T = {periods[0]:.2f} and {periods[1]:.2f} s, gap 2 cm, k = 500 MN/m, e = 0.65", size=9)

@@ -2,10 +2,11 @@
 Confidence of no pounding over time
 ===================================
 
-Two yielding buildings in motions of 25 s: the confidence that they have not pounded so far, by the
-crossings of the linearized response, with the drift put back, and by simulation with its 95 %
-interval. The shape below is the envelope of the motion. Linearization, which loses the drift, is
-unsafe. (Taken as independent instead of in clumps, crossings give the same here.)
+The confidence that two yielding buildings have not pounded so far, in motions of 25 s. It is computed
+from the crossings of the linearized response, from the same with a correction for the plastic drift,
+and by simulation with its 95 % interval. The grey shape below is the envelope of the motion.
+Linearization loses the drift and is unsafe. (The assumption of independent crossings instead of
+crossings in clumps gives the same result here.)
 """
 
 import matplotlib.pyplot as plt
@@ -30,7 +31,7 @@ for (label, ending), (color, dash) in zip(curves.items(), CURVES, strict=False):
     axes.plot(table.time, table[stem + ending], color=color, linestyle=dash, label=label)
 axes.set(xlabel="time [s]", ylabel="confidence of no pounding", xlim=(0, 25), ylim=(0, 1.02))
 axes.set_title(
-    r"T = .6 and 1 s, $\xi$ = $\alpha$ = .05, R = 4, gap .08 m; $\omega_g$ = 15 rad/s, $\xi_g$ = .6",
+    r"T = 0.6 and 1 s, $\xi$ = $\alpha$ = 0.05, R = 4, gap 0.08 m; $\omega_g$ = 15 rad/s, $\xi_g$ = 0.6",
     size=9,
 )
 axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1))

@@ -2,9 +2,9 @@ r"""
 Predicted gaps in earthquakes
 =============================
 
-The share of recorded motions in which a gap held, against its nominal share: all pairs and strengths
-together, with 95 % intervals at 50, 84, 90 and 95 %. On the diagonal a gap holds as often as it says,
-below it less often (``benchmarks/reality.py``).
+The share of recorded motions in which a gap was sufficient, against its nominal share. Each curve
+covers all pairs and strengths, with 95 % intervals at 50, 84, 90 and 95 %. On the diagonal a gap is
+sufficient as often as predicted, below it less often (``benchmarks/reality.py``).
 """
 
 import matplotlib.pyplot as plt

@@ -2,8 +2,9 @@ r"""
 Predicted pounding in earthquakes
 =================================
 
-Five gaps for each pair and strength: the probability of pounding that was predicted, and the share of
-recorded motions in which they hit, with 95 % intervals (``benchmarks/reality.py``).
+The predicted probability of pounding, and the share of recorded motions in which the structures would
+have hit each other, with 95 % intervals. There are five gaps for each pair and strength
+(``benchmarks/reality.py``).
 """
 
 import matplotlib.pyplot as plt

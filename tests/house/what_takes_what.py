@@ -170,15 +170,18 @@ CALLS = ON_GROUND | ON_RECORD
 USUAL = "Kanai-Tajimi"  # the ground of all columns but the last
 HEAD = """# What takes what
 
-Which function takes which structure, with which law, on which ground. The table is made by trying every
-call, and the tests compare it with what they find; `make takes` writes it anew. A number in the place of
-a tick is that of the message, below the table, with which the call refuses; a dash stands where there is
-one structure alone.
+This page lists which function accepts which structure, with which hysteresis law and on which ground. It
+is meant for users who choose a function for their model, for example `linearize` for a `Bilinear`
+oscillator. A tick marks a combination that the call accepts. A number refers to a message below the
+table, with which the call refuses the combination. A dash marks a column that does not apply, for
+example because the call has only one structure.
 
-A device is a dashpot with an exponent between the first floor of a structure and the ground.
+All columns but the last are tried on Kanai-Tajimi ground, or with a record. The last column lists the
+grounds, out of white noise, Kanai-Tajimi and Clough-Penzien ground, on which the call accepts `Bilinear`
+oscillators. In the table, `device` is a dashpot with a velocity exponent between the first floor of a
+structure and the ground.
 
-All columns but the last are tried on Kanai-Tajimi ground, or in a record. The last says on which of
-white noise, Kanai-Tajimi and Clough-Penzien ground the call takes `Bilinear` oscillators.
+`make takes` writes this page by trying every call, and a test compares the page with the result.
 
 """
 
