@@ -83,8 +83,8 @@ def section(name: str) -> str:
     for row in rows(kept["answers"], verified_answers(case)):
         theirs, ours = digits(row.theirs, 9), digits(row.ours, 9)
         lines.append(f"| {row.what} | {theirs} | {ours} | {of_difference(row.difference)} |")
-    held = f"Held to {of_difference(told['within'])}: {told['reason']}."
-    return "\n".join([*lines, f"\n{held} In `tests/answers/{name}`.\n"])
+    held = f"`tests/answers/{name}` requires agreement within {of_difference(told['within'])}"
+    return "\n".join([*lines, f"\n{held}:\n{told['reason']}.\n"])
 
 
 def summary(name: str) -> str:
