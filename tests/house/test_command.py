@@ -74,8 +74,10 @@ def test_csv_has_a_row_a_cell(tmp_path: Path) -> None:
     out = tmp_path / "table.csv"
     assert run("rho", "--period-1", "0.5s,1s,2s", "--period-2", "1s", "--out", out).exit_code == 0
     lines = out.read_text().splitlines()
-    assert lines[0].startswith("period_1,rho,")
+    assert lines[0].startswith("period_1 [s],rho,")
     assert len(lines) == 4
+    heads, first = (line.split(",") for line in lines[:2])
+    assert first[heads.index("status")] == "elastic_limit"
 
 
 def test_names_are_taken_with_either_dash() -> None:

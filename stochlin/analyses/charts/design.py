@@ -98,7 +98,7 @@ def period_ratio_chart(settings: ChartSettings, ground: Ground, frequency_ratio:
     if settings.method == "simulation":
         return chart
     chart = with_rules(chart, (first, second), ground, settings)
-    return with_truth(chart, (first, second), ground, settings, settings.simulated_points)
+    return with_truth(chart, (first, second), ground, settings, usual_points=21)
 
 
 @CHARTS.register("fig5a", place=50)
@@ -127,7 +127,7 @@ def period_plane_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
     chart = _captioned(chart, "plane", title, ground_caption(ground), settings, labels.CAUTION_RHO)
     if settings.method == "simulation":
         return chart
-    return with_truth(chart, (first, second), ground, settings, settings.simulated_points_of_plane)
+    return with_truth(chart, (first, second), ground, settings, usual_points=41)
 
 
 @CHARTS.register("fig5b", place=50)

@@ -20,6 +20,7 @@ from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
 from stochlin.models.structures import DRIFT, Structure
 
 USUAL_RULES = ("jeng_kasai_maison_1992_unverified", "iwan_1980")  # the paper's own, and one to trust
+INTERVALS = 120  # of curves beside simulated points, at least
 Pair = tuple[Structure, Structure]
 Place = dict[str, slice]  # cells of a chart
 
@@ -48,18 +49,20 @@ def with_rules(chart: xr.Dataset, pair: Pair, ground: Ground, settings: ChartSet
 
 
 def with_truth(
-    chart: xr.Dataset, pair: Pair, ground: Ground, settings: ChartSettings, simulated_points: int
+    chart: xr.Dataset, pair: Pair, ground: Ground, settings: ChartSettings, usual_points: int
 ) -> xr.Dataset:
-    """A chart of ``rho`` with the drift closure beside it and, at so many points, simulation.
+    """A chart of ``rho`` with the drift closure beside it and, at some points, simulation.
 
-    ``rho_simulated``, ``rho_standard_error`` and ``rho_difference`` are NaN between those points. What
-    would last too long to simulate is left out, and said.
+    The settings say at how many along an axis, or ``usual_points`` are. ``rho_simulated``,
+    ``rho_standard_error`` and ``rho_difference`` are NaN between those points. What would last too long
+    to simulate is left out, and said.
     """
     if settings.closure != DRIFT:
         drift = correlate(*pair, ground, closure=DRIFT).rho
         chart = chart.assign(rho_drift=drift.transpose(*chart.rho.dims))
-    if simulated_points:
-        simulated, refused = _simulated(chart.rho, pair, ground, settings, simulated_points)
+    asked = settings.simulated_points
+    if count := usual_points if asked is None else asked:
+        simulated, refused = _simulated(chart.rho, pair, ground, settings, count)
         if bool(simulated.rho.notnull().any()):
             chart = beside(chart, simulated, "rho", settings.paths)
             refused = [_errors(chart), *refused]
@@ -80,7 +83,7 @@ def beside(chart: xr.Dataset, simulated: xr.Dataset, shown: str, paths: int) -> 
 
 
 def verify_chart(name: str, settings: ChartSettings) -> xr.Dataset:
-    """A chart by linearization and by simulation at all of its points, and their difference.
+    """A chart by linearization, by simulation at ``settings.points`` of each axis, and their difference.
 
     Parameters
     ----------
@@ -91,28 +94,34 @@ def verify_chart(name: str, settings: ChartSettings) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        The chart, ``rho_simulated``, ``rho_standard_error`` and ``rho_difference`` (linearized less
-        simulated); likewise for ``amplification``.
+        The chart, whose curves are finer than the simulated points, ``rho_simulated``,
+        ``rho_standard_error`` and ``rho_difference`` (linearized less simulated), NaN between those
+        points; likewise for ``amplification``.
 
     Raises
     ------
     ValueError
         If there is nothing to simulate under this name.
     """
-    everywhere = replace(settings, method="linearization", simulated_points=settings.fine_points)
-    functions = chart_functions(everywhere)
+    intervals = settings.points - 1
+    fine = intervals * -(-INTERVALS // intervals) + 1
+    compared = replace(settings, method="linearization", points=fine, simulated_points=settings.points)
+    functions = chart_functions(compared)
     allowed = [key for key, function in functions.items() if "ground" in function.keywords]
     if name not in allowed:
         raise ValueError(f"NAME = {brief(name)} cannot be verified; allowed: {', '.join(allowed)}")
     chart = functions[name]()
     if not any(str(key).endswith("_simulated") for key in chart):
-        chart = _verified(name, chart, replace(settings, method="simulation"))
+        chart = _verified(name, settings)
     return chart.assign_attrs(title=f"{chart.attrs['title']}: linearized against simulated")
 
 
-def _verified(name: str, chart: xr.Dataset, settings: ChartSettings) -> xr.Dataset:
+def _verified(name: str, settings: ChartSettings) -> xr.Dataset:
     """A chart that brings no simulation of its own, beside the same chart simulated."""
-    simulated = chart_functions(settings)[name]()
+    chart, simulated = (
+        chart_functions(replace(settings, method=method))[name]()
+        for method in ("linearization", "simulation")
+    )
     shown = next((str(key) for key in simulated if f"{key}_standard_error" in simulated), None)
     kind = simulated.attrs["chart"]
     if shown is None or kind not in ("curves", "plane"):

@@ -8,10 +8,14 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import xarray as xr
 
 from stochlin.messages import brief
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 FORMATS = (".nc", ".csv")
 
@@ -68,7 +72,7 @@ def as_netcdf(dataset: xr.Dataset) -> bytes:
 
 
 def save_table(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
-    """Save as ``.nc`` (netCDF, with all metadata) or ``.csv`` (one row a cell)."""
+    """Save as ``.nc`` (netCDF, with all metadata) or ``.csv`` (a row for each cell, with units)."""
     suffix = Path(path).suffix.lower()
     if suffix not in FORMATS:
         raise ValueError(
@@ -79,4 +83,16 @@ def save_table(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
             dataset.to_netcdf(temporary, engine="scipy", format="NETCDF3_64BIT")
         else:
             table = dataset if dataset.sizes else dataset.expand_dims("case")
-            table.to_dataframe().reset_index().to_csv(temporary, index=False)
+            units = {name: table[name].attrs.get("units", "1") for name in table.variables}
+            heads = {name: f"{name} [{unit}]" for name, unit in units.items() if unit != "1"}
+            in_rows(table).rename(columns=heads).to_csv(temporary, index=False)
+
+
+def in_rows(table: xr.Dataset) -> pd.DataFrame:
+    """A row for each cell, with flags in words."""
+    frame = table.to_dataframe().reset_index()
+    for name in set(frame.columns) & set(table.data_vars):
+        if "flag_meanings" in table[name].attrs:
+            meanings = table[name].attrs["flag_meanings"].split()
+            frame[name] = [meanings[code] for code in frame[name]]
+    return frame

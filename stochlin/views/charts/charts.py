@@ -170,12 +170,12 @@ def _spectra(figure: Figure, dataset: xr.Dataset) -> None:
         ("psd_smoothed", "0.35", "-", 1.2, "record, smoothed"),
         ("psd_ground", "#8c2d04", (0, (6, 1.5)), 1.8, "fitted ground"),
     )
-    for name, color, dash, width, label in shown:
-        axes.plot(frequency, dataset[name], color=color, linestyle=dash, lw=width, label=label)
-    peak = frequency[int(dataset.psd_ground.values.argmax())]
-    axes.set_xlim(0, min(5 * peak, frequency[-1]))
     highest = max(float(dataset[name].max()) for name in ("psd_smoothed", "psd_ground"))
-    axes.set_ylim(0, 1.1 * highest)
-    axes.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3), useMathText=True)
-    axes.set(xlabel="circular frequency [rad/s]", ylabel=r"two-sided PSD [m$^2$/s$^3$]")
+    power = int(np.floor(np.log10(highest)))
+    scale, unit = (10.0**-power, f"$10^{{{power}}}$ ") if abs(power) > 1 else (1.0, "")
+    for name, color, dash, width, label in shown:
+        axes.plot(frequency, scale * dataset[name], color=color, linestyle=dash, lw=width, label=label)
+    peak = frequency[int(dataset.psd_ground.values.argmax())]
+    axes.set(xlim=(0, min(5 * peak, frequency[-1])), ylim=(0, 1.1 * scale * highest))
+    axes.set(xlabel="circular frequency [rad/s]", ylabel=rf"two-sided PSD [{unit}m$^2$/s$^3$]")
     legend_beside(axes)

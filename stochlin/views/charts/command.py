@@ -81,9 +81,8 @@ def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
 @click.option(
     "--simulated-points",
     type=click.IntRange(min=0),
-    default=21,
-    show_default=True,
-    help="Periods at which each curve of Fig. 4 is simulated, too; of Fig. 5a twice as close; 0: none.",
+    help="Number of periods at which each curve of Fig. 4 (default: 21), and Fig. 5a along each axis "
+    "(default: 41), are also simulated; 0 for none.",
 )
 @click.option(
     "--paths", type=click.IntRange(min=2), default=64, show_default=True, help="Simulated motions."

@@ -9,7 +9,7 @@ import xarray as xr
 
 from stochlin.analyses.charts.records import ENERGIES
 from stochlin.views.charts.charts import AXES, PICTURES
-from stochlin.views.shared.style import CURVES, legend_beside, plain_ticks, shades, typeset
+from stochlin.views.shared.style import CURVES, contours_of, legend_beside, plain_ticks, shades, typeset
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -104,15 +104,17 @@ def draw_critical_gap(figure: Figure, dataset: xr.Dataset) -> None:
         axes = figure.add_axes((0.1 + 0.4 * n, 0.27, 0.36, 0.58))
         x, y = dataset.period_1.values, dataset.period_2.values
         gap = CENTIMETRES * dataset[name].transpose("period_2", "period_1").values
-        filled = axes.contourf(x, y, gap, levels=levels, cmap=shades(), norm=BoundaryNorm(levels, 256))
-        lines = axes.contour(x, y, gap, levels=levels[1:], colors="0.1", linewidths=0.5)
+        axes.set(xscale="log", yscale="log")
+        fill, draw_lines = contours_of(axes, x, y, gap)
+        filled = fill(levels=levels, cmap=shades(), norm=BoundaryNorm(levels, 256))
+        lines = draw_lines(levels=levels[1:], colors="0.1", linewidths=0.5)
+        axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
         axes.clabel(
-            lines, manual=_first_crossings(x, y, gap, levels), fontsize=7, fmt="%g", inline_spacing=2
+            lines, manual=_first_crossings(x, y, gap, levels), fontsize=7, fmt="%g", inline_spacing=1
         )
         axes.set_title(typeset(title), loc="left", size=9)
         axes.grid(visible=False)
         axes.set_box_aspect(1)
-        axes.set(xscale="log", yscale="log")
         plain_ticks(axes.xaxis, TICKS)
         plain_ticks(axes.yaxis, TICKS)
         axes.set(xlabel="$T_1$ [s]", ylabel="$T_2$ [s]" if n == 0 else "")

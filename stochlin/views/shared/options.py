@@ -343,4 +343,5 @@ def parameter_of(name: str, values: list[float]) -> Any:
 
     if len(values) == 1:
         return values[0]
-    return xr.DataArray(values, dims=name, coords={name: values})
+    units = "s" if "period" in name else "m" if "displacement" in name else "1"
+    return xr.DataArray(values, dims=name, coords={name: (name, values, {"units": units})})

@@ -183,10 +183,8 @@ def on_screen(table: xr.Dataset) -> str:
         rows *= first[name].stop
     more = math.prod(shown.sizes.values()) - SCREEN_ROWS
     shown = shown.isel(first)
-    frame = shown.to_dataframe().reset_index().drop(columns="case", errors="ignore")
-    for name in set(frame.columns) & set(table.data_vars):
-        if "flag_meanings" in table[name].attrs:
-            meanings = table[name].attrs["flag_meanings"].split()
-            frame[name] = [meanings[code] for code in frame[name]]
+    from stochlin.analyses.tables.storage import in_rows
+
+    frame = in_rows(shown).drop(columns="case", errors="ignore")
     text = frame.head(SCREEN_ROWS).to_string(index=False, float_format=lambda x: f"{x:.6g}")
     return text if more <= 0 else f"{text}\n# ... {more} more rows; --out saves all"

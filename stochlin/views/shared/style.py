@@ -6,7 +6,7 @@ import os
 import re
 import textwrap
 from collections.abc import Callable, Iterable, Sequence
-from functools import wraps
+from functools import partial, wraps
 from typing import TYPE_CHECKING, Any, Literal, ParamSpec
 
 import numpy as np
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.axis import Axis
     from matplotlib.collections import QuadMesh
     from matplotlib.colors import ListedColormap
-    from matplotlib.contour import QuadContourSet
+    from matplotlib.contour import ContourSet
     from matplotlib.figure import Figure
 
 STYLE: Any = {
@@ -149,7 +149,7 @@ def signed_shades() -> ListedColormap:
 
 def plane(
     axes: Axes, table: xr.DataArray, levels: np.ndarray, *, cells: bool = False, signed: bool = False
-) -> QuadContourSet | QuadMesh:
+) -> ContourSet | QuadMesh:
     """Filled contours of a table over its two dimensions, or its cells; with labelled lines.
 
     What is ``signed`` is white about zero, and its lines say their sign. Lines
@@ -163,16 +163,16 @@ def plane(
     place = across.values, up.values, table.values.T
     colours = signed_shades() if signed else shades()
     norm = BoundaryNorm(levels, colours.N)
-    filled: QuadContourSet | QuadMesh
+    filled: ContourSet | QuadMesh
     if cells:
         edges = (_edges(one.values, axes.get_xscale() == "log") for one in (across, up))
         filled = axes.pcolormesh(*edges, place[2], cmap=colours, norm=norm)
         axes.set(xlim=(place[0][0], place[0][-1]), ylim=(place[1][0], place[1][-1]))
+        _, draw_lines = contours_of(axes, *_refined(*place))
     else:
-        filled = axes.contourf(*place, levels=levels, cmap=colours, norm=norm)
-    lines = axes.contour(
-        *(_refined(*place) if cells else place), levels=levels, colors="0.1", linewidths=0.6
-    )
+        fill, draw_lines = contours_of(axes, *place)
+        filled = fill(levels=levels, cmap=colours, norm=norm)
+    lines = draw_lines(levels=levels, colors="0.1", linewidths=0.6)
     digits = "%.1f" if str(table.name).startswith("rho") else "%g"
     axes.clabel(
         lines,
@@ -192,6 +192,29 @@ def _edges(centres: np.ndarray, logarithmic: bool) -> np.ndarray:
     inner = 0.5 * (values[1:] + values[:-1])
     edges = np.concatenate([[2 * values[0] - inner[0]], inner, [2 * values[-1] - inner[-1]]])
     return np.exp(edges) if logarithmic else edges
+
+
+def contours_of(
+    axes: Axes, x: np.ndarray, y: np.ndarray, z: np.ndarray
+) -> tuple[Callable[..., ContourSet], Callable[..., ContourSet]]:
+    """What fills the contours of a table, and what draws their lines.
+
+    A table of equal axes is cut into triangles along its diagonal: a narrow ridge on it stays whole.
+    """
+    if x.shape != y.shape or not np.allclose(x, y) or not np.isfinite(z).all():
+        return partial(axes.contourf, x, y, z), partial(axes.contour, x, y, z)
+    from matplotlib.tri import Triangulation
+
+    number = np.arange(z.size).reshape(z.shape)
+    corner, right, above, opposite = (
+        number[rows, columns].ravel()
+        for rows in (slice(None, -1), slice(1, None))
+        for columns in (slice(None, -1), slice(1, None))
+    )
+    triangles = np.concatenate([[corner, right, opposite], [corner, opposite, above]], axis=1).T
+    across, up = np.meshgrid(x, y)
+    mesh = Triangulation(across.ravel(), up.ravel(), triangles)
+    return partial(axes.tricontourf, mesh, z.ravel()), partial(axes.tricontour, mesh, z.ravel())
 
 
 def _refined(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
