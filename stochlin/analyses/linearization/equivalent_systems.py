@@ -25,7 +25,8 @@ from stochlin.kernels.linearization.covariance import (
 )
 from stochlin.kernels.linearization.drift import ORDERS, drift_of, half_cycles
 from stochlin.kernels.linearization.filters import Filter
-from stochlin.kernels.linearization.fixed_point import Closure, solve_fixed_point
+from stochlin.kernels.linearization.fixed_point import solve_fixed_point
+from stochlin.kernels.linearization.gaussian import Closure
 from stochlin.messages import brief, sentence
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import DRIFT, NARROW_BAND, Structure
@@ -204,11 +205,10 @@ class _Solver(NamedTuple):
         solved = solve_fixed_point(
             oscillator,
             law,
-            ground,
+            self.filter_of(ground),
             latent,
             one_solution,
             self.law,
-            self.forcing,
             tolerance.rtol,
             tolerance.atol,
             tolerance.max_iterations,
