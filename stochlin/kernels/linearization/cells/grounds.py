@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from stochlin.kernels.basics.compiled import called_often, entry
-from stochlin.kernels.linearization.cells.tiles import LANES, load, store
+from stochlin.kernels.linearization.cells.tiles import LANES, load, read3, store, write3
 
 SYSTEM = 5  # rows of an equivalent system
 FORCINGS = 9  # rows of a forcing, its slopes by slip and those by relaxation
@@ -136,17 +136,7 @@ def _clough_penzien(system, ground):
 
 @called_often
 def _system(tile, lane):
-    return (
-        tile[lane], tile[LANES + lane], tile[2 * LANES + lane], tile[3 * LANES + lane],
-        tile[4 * LANES + lane],
-    )  # fmt: skip
-
-
-@called_often
-def _write(tile, row, lane, values):
-    tile[row * LANES + lane] = values[0]
-    tile[(row + 1) * LANES + lane] = values[1]
-    tile[(row + 2) * LANES + lane] = values[2]
+    return *read3(tile, 0, lane), tile[3 * LANES + lane], tile[4 * LANES + lane]
 
 
 @called_often
@@ -170,11 +160,11 @@ def kanai_tajimi(rows, found):
     for start in range(0, rows.shape[1], LANES):
         load(rows, start, given, 0)
         for lane in range(LANES):
-            ground = given[5 * LANES + lane], given[6 * LANES + lane], given[7 * LANES + lane]
+            ground = read3(given, SYSTEM, lane)
             forcing, by_slip, by_relaxation, of_soil = _kanai_tajimi(_system(given, lane), ground)
-            _write(made, 0, lane, forcing)
-            _write(made, 3, lane, by_slip)
-            _write(made, 6, lane, by_relaxation)
+            write3(made, 0, lane, forcing)
+            write3(made, 3, lane, by_slip)
+            write3(made, 6, lane, by_relaxation)
             _write_rows(made, FORCINGS, lane, of_soil, 2)
         store(made, 0, found, start)
 
@@ -187,14 +177,13 @@ def clough_penzien(rows, found):
         load(rows, start, given, 0)
         for lane in range(LANES):
             ground = (
-                given[5 * LANES + lane], given[6 * LANES + lane], given[7 * LANES + lane],
-                given[8 * LANES + lane], given[9 * LANES + lane],
+                *read3(given, SYSTEM, lane), given[8 * LANES + lane], given[9 * LANES + lane]
             )  # fmt: skip
             found_here = _clough_penzien(_system(given, lane), ground)
             forcing, by_slip, by_relaxation, of_soil, of_layer = found_here
-            _write(made, 0, lane, forcing)
-            _write(made, 3, lane, by_slip)
-            _write(made, 6, lane, by_relaxation)
+            write3(made, 0, lane, forcing)
+            write3(made, 3, lane, by_slip)
+            write3(made, 6, lane, by_relaxation)
             _write_rows(made, FORCINGS, lane, of_soil, 4)
             _write_rows(made, FORCINGS + 2, lane, of_layer, 4)
         store(made, 0, found, start)

@@ -9,7 +9,7 @@ import numpy as np
 from stochlin.kernels.basics.compiled import called_often, entry, shared
 from stochlin.kernels.basics.small_systems import solve_3x3
 from stochlin.kernels.linearization.cells.grounds import FORCINGS, SYSTEM
-from stochlin.kernels.linearization.cells.tiles import LANES, load, store
+from stochlin.kernels.linearization.cells.tiles import LANES, load, read3, store, write3
 from stochlin.kernels.linearization.covariance import (
     EquivalentSystem,
     Forcing,
@@ -41,18 +41,6 @@ class Pace(NamedTuple):
     longest: float  # and at most
 
 
-@called_often
-def _rows3(tile, row, lane):
-    return tile[row * LANES + lane], tile[(row + 1) * LANES + lane], tile[(row + 2) * LANES + lane]
-
-
-@called_often
-def _write3(tile, row, lane, values):
-    tile[row * LANES + lane] = values[0]
-    tile[(row + 1) * LANES + lane] = values[1]
-    tile[(row + 2) * LANES + lane] = values[2]
-
-
 @entry
 def respond(system, forcings, found):
     """``found`` (RESPONSE, n) of linear systems (SYSTEM, n) with `FORCINGS`; NaN where not stationary.
@@ -64,20 +52,20 @@ def respond(system, forcings, found):
         load(system, start, given, 0)
         load(forcings, start, given, SYSTEM)
         for lane in range(LANES):
-            w2, d, h = _rows3(given, 0, lane)
+            w2, d, h = read3(given, 0, lane)
             p, k = given[3 * LANES + lane], given[4 * LANES + lane]
-            f_mu, f_v, f_y = _rows3(given, SYSTEM, lane)
+            f_mu, f_v, f_y = read3(given, SYSTEM, lane)
             own = own_covariance(EquivalentSystem(w2, d, h, p, k), Forcing(f_mu, f_v, f_y))
             well = stable(w2, d, h, p, k) & (own.mu_mu > 0)
             vv = own.v_v if well else np.nan
             corr = own.v_z / np.sqrt(vv * own.z_z)
-            by_slip, by_relaxation = _rows3(given, SYSTEM + 3, lane), _rows3(given, SYSTEM + 6, lane)
-            _write3(made, 0, lane, (vv, own.z_z, own.v_z))
+            by_slip, by_relaxation = read3(given, SYSTEM + 3, lane), read3(given, SYSTEM + 6, lane)
+            write3(made, 0, lane, (vv, own.z_z, own.v_z))
             made[3 * LANES + lane] = corr
             one = _slope((w2, d, h, p, k), own, (f_mu, f_v, f_y), by_slip, 1.0, 0.0)
-            _write3(made, 4, lane, one)
+            write3(made, 4, lane, one)
             one = _slope((w2, d, h, p, k), own, (f_mu, f_v, f_y), by_relaxation, 0.0, 1.0)
-            _write3(made, 7, lane, one)
+            write3(made, 7, lane, one)
         store(made, 0, found, start)
 
 
@@ -116,7 +104,7 @@ def advance(
 
 @called_often
 def _advance(given, state, lane, pace, rtol, atol):
-    y, (sv, sz, r), off = _rows3(given, 0, lane), _rows3(given, 3, lane), _rows3(given, 6, lane)
+    y, (sv, sz, r), off = read3(given, 0, lane), read3(given, 3, lane), read3(given, 6, lane)
     columns = _jacobian(given, lane, (sv, sz, 1 - r * r))
     norm = np.sqrt(off[0] * off[0] + off[1] * off[1] + off[2] * off[2])
     total = norm
@@ -128,9 +116,9 @@ def _advance(given, state, lane, pace, rtol, atol):
     delta = next_delta(state[DELTA * LANES + lane], before, now, pace)
     new = _newton_step(columns, off, 1 / delta)
     # Not stationary: take back most of the step, or if there was none yet, start nearer to elastic.
-    old, untried = _rows3(state, STEP, lane), np.isinf(before)
+    old, untried = read3(state, STEP, lane), np.isinf(before)
     nearer = old[0], old[1] - 1.0, old[2] - 0.5 * y[2]
-    base = _rows3(state, BASE, lane)
+    base = read3(state, BASE, lane)
     for n in range(3):
         back = nearer[n] if untried else 0.25 * old[n]
         state[(STEP + n) * LANES + lane] = new[n] if valid else back
@@ -148,10 +136,10 @@ def _advance(given, state, lane, pace, rtol, atol):
 @called_often
 def _jacobian(given, lane, scale):
     """Columns of the derivatives of the mismatch by the unknowns."""
-    moments, (vv, zz, vz) = _rows3(given, RESPONDED, lane), _rows3(given, 9, lane)
+    moments, (vv, zz, vz) = read3(given, RESPONDED, lane), read3(given, 9, lane)
     corr = given[(RESPONDED + 3) * LANES + lane]
-    by_slip = slope_of_unknowns(moments[0], moments[1], corr, _rows3(given, RESPONDED + 4, lane))
-    by_relaxation = slope_of_unknowns(moments[0], moments[1], corr, _rows3(given, RESPONDED + 7, lane))
+    by_slip = slope_of_unknowns(moments[0], moments[1], corr, read3(given, RESPONDED + 4, lane))
+    by_relaxation = slope_of_unknowns(moments[0], moments[1], corr, read3(given, RESPONDED + 7, lane))
     r = vz / np.sqrt(vv * zz)
     return (
         _column(given, 0, lane, by_slip, by_relaxation, (vv, zz, r), scale[0]),

@@ -15,6 +15,20 @@ def load(rows, start, tile, first):
 
 
 @called_often
+def read3(tile, row, lane):
+    """Three rows of a lane."""
+    return tile[row * LANES + lane], tile[(row + 1) * LANES + lane], tile[(row + 2) * LANES + lane]
+
+
+@called_often
+def write3(tile, row, lane, values):
+    """The reverse."""
+    tile[row * LANES + lane] = values[0]
+    tile[(row + 1) * LANES + lane] = values[1]
+    tile[(row + 2) * LANES + lane] = values[2]
+
+
+@called_often
 def store(tile, first, rows, start):
     """The reverse."""
     count = min(LANES, rows.shape[1] - start)
