@@ -222,13 +222,8 @@ class _Solver(NamedTuple):
 
     def _amplitude_average(self, batch: _Batch, tolerance: Tolerance) -> _Solution:
         w, damping, hardening, _, _, ground, start = batch
-
-        def sigma_of(system: EquivalentSystem, cells: Array) -> Array:
-            forcing = self.forcing(system, ground[:, cells])
-            return np.sqrt(own_covariance(system, forcing).mu_mu)
-
-        limits = tolerance.rtol, tolerance.max_iterations
-        average = solve_amplitude_average(w, damping, hardening, start[0], sigma_of, *limits)
+        soil, limits = self.filter_of(ground), (tolerance.rtol, tolerance.max_iterations)
+        average = solve_amplitude_average(w, damping, hardening, start[0], soil, *limits)
         return _Solution(*average, np.zeros(w.size, bool), None)
 
     def _drift(self, solution: _Solution, ground: Array, uy: Array) -> dict[str, Array]:
