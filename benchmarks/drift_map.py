@@ -15,7 +15,7 @@ import xarray as xr
 from arguments import file_and_work
 
 import stochlin as sl
-from stochlin.analyses.correlation.drifting_signatures import derived_signatures
+from stochlin.analyses.correlation.drifting_signatures import derived_gram, derived_signatures
 from stochlin.analyses.linearization.bias_map import bias_map
 from stochlin.analyses.linearization.equivalent_systems import solve_derived
 from stochlin.analyses.linearization.tolerance import USUAL
@@ -204,7 +204,7 @@ def derived(structure, ground):
     solved, known = (
         solve_derived(s, ground, "drift", USUAL) for s in (structure, building(*columns.values()))
     )
-    return derived_signatures([solved], known)[0]
+    return derived_signatures([solved], known, derived_gram(known))[0]
 
 
 def signature_correction(simulated):

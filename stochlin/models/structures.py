@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 import xarray as xr
 
-from stochlin.kernels.linearization.fixed_point import Closure
+from stochlin.kernels.linearization.gaussian import Closure
 from stochlin.models.parameters import POSITIVE, Model, Parameter, Range, parameter
 from stochlin.registry import Registry
 

@@ -10,8 +10,7 @@ import numpy as np
 import sympy
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.linearization.fixed_point import ClosureValue, gaussian_covariance
-from stochlin.kernels.linearization.gaussian import regress_slip
+from stochlin.kernels.linearization.gaussian import ClosureValue, gaussian_covariance, regress_slip
 from stochlin.kernels.linearization.quadrature import SlipRate, slip_expectations
 from stochlin.messages import brief
 

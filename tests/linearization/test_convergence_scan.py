@@ -169,11 +169,10 @@ def solve_from(start, structure, ground, uy):
     return solve_fixed_point(
         oscillator,
         np.empty((0, w.size)),
-        soil,
+        KanaiTajimiFilter.of(*soil),
         start * np.stack([w, np.ones_like(w), np.ones_like(w)]),
         np.full(w.size, True),
         bilinear.gaussian,
-        lambda system, parameters: KanaiTajimiFilter.of(*parameters).forcing(system),
         1e-10,
         1e-12,
         200,

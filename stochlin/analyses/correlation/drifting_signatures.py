@@ -8,6 +8,8 @@ the derived correlations, and its correction from the map of simulations.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 import xarray as xr
 
@@ -37,6 +39,7 @@ OF_NEARNESS = AXES + ENTRIES + 1
 KNOWN_NEARNESS = (0.5, 0.5)  # R/p from which, and hardening up to which the map has it; elastic: none
 # Periods of the ground from which on the broadest Kanai-Tajimi ground is white for a structure.
 AS_ON_WHITE_NOISE = 5.0
+GROUNDS = 64  # of numbers, whose references are kept
 PEAK_FACTOR = 3.0  # of the references, by which a reduction factor is told from R/p
 
 
@@ -52,12 +55,29 @@ def references(ground: Ground) -> Bilinear:
     )
 
 
-def derived_signatures(solved: list[xr.Dataset], known: xr.Dataset) -> list[xr.DataArray]:
-    """Signatures of structures over the references, all with the drifts of `solve_derived`."""
-    gram = derived_correlation(known, known.rename({REFERENCE: OTHER}))
+def derived_signatures(
+    solved: list[xr.Dataset], known: xr.Dataset, gram: xr.DataArray
+) -> list[xr.DataArray]:
+    """Signatures of structures over the references, all with the drifts of `solve_derived`.
+
+    ``gram`` has the correlations of the references.
+    """
     core = ([REFERENCE], [REFERENCE, OTHER])
     joint = [derived_correlation(side, known) for side in solved]
     return [cellwise(_signature, one, gram, core=core, result=[REFERENCE])[0] for one in joint]
+
+
+def derived_gram(known: xr.Dataset) -> xr.DataArray:
+    """Correlations of the references with one another."""
+    return derived_correlation(known, known.rename({REFERENCE: OTHER}))
+
+
+def _solved_references(ground: Ground, tolerance: Tolerance) -> tuple[xr.Dataset, xr.DataArray]:
+    known = solve_derived(references(ground), ground, DRIFT, tolerance)
+    return known, derived_gram(known)
+
+
+_solved_once = lru_cache(maxsize=GROUNDS)(_solved_references)
 
 
 def _signature(joint: Array, gram: Array) -> Array:
@@ -85,9 +105,11 @@ def insights(
         soil = [xr.DataArray(1.0), xr.DataArray(AS_ON_WHITE_NOISE)]
         both = zip(points, pairs, strict=True)
         return [_like([*point, *soil], one.arrays()["period"]) for point, (one, _) in both]
-    known = solve_derived(references(ground), ground, DRIFT, tolerance)
+    one_ground = all(array.ndim == 0 for array in ground.arrays().values())
+    solve = _solved_once if one_ground else _solved_references
     told = []
-    for point, own in zip(points, derived_signatures(solved, known), strict=True):
+    signatures = derived_signatures(solved, *solve(ground, tolerance))
+    for point, own in zip(points, signatures, strict=True):
         parts = [own.isel({REFERENCE: n}, drop=True) for n in range(own.sizes[REFERENCE])]
         correction = hold_at_ends(SIGNATURE, point)
         seen = cellwise(_insight, *parts, *correction, kinds=(float,) * (2 * len(parts) + 1))

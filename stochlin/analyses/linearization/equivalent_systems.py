@@ -25,7 +25,8 @@ from stochlin.kernels.linearization.covariance import (
 )
 from stochlin.kernels.linearization.drift import ORDERS, drift_of, half_cycles
 from stochlin.kernels.linearization.filters import Filter
-from stochlin.kernels.linearization.fixed_point import Closure, solve_fixed_point
+from stochlin.kernels.linearization.fixed_point import solve_fixed_point
+from stochlin.kernels.linearization.gaussian import Closure
 from stochlin.messages import brief, sentence
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import DRIFT, NARROW_BAND, Structure
@@ -204,11 +205,10 @@ class _Solver(NamedTuple):
         solved = solve_fixed_point(
             oscillator,
             law,
-            ground,
+            self.filter_of(ground),
             latent,
             one_solution,
             self.law,
-            self.forcing,
             tolerance.rtol,
             tolerance.atol,
             tolerance.max_iterations,
@@ -222,13 +222,8 @@ class _Solver(NamedTuple):
 
     def _amplitude_average(self, batch: _Batch, tolerance: Tolerance) -> _Solution:
         w, damping, hardening, _, _, ground, start = batch
-
-        def sigma_of(system: EquivalentSystem, cells: Array) -> Array:
-            forcing = self.forcing(system, ground[:, cells])
-            return np.sqrt(own_covariance(system, forcing).mu_mu)
-
-        limits = tolerance.rtol, tolerance.max_iterations
-        average = solve_amplitude_average(w, damping, hardening, start[0], sigma_of, *limits)
+        soil, limits = self.filter_of(ground), (tolerance.rtol, tolerance.max_iterations)
+        average = solve_amplitude_average(w, damping, hardening, start[0], soil, *limits)
         return _Solution(*average, np.zeros(w.size, bool), None)
 
     def _drift(self, solution: _Solution, ground: Array, uy: Array) -> dict[str, Array]:

@@ -20,7 +20,7 @@ from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.augmented import Solved
 from stochlin.kernels.linearization.filters import Matrices
-from stochlin.kernels.linearization.fixed_point import Closure
+from stochlin.kernels.linearization.gaussian import Closure
 from stochlin.kernels.linearization.lyapunov import UnsolvableError
 from stochlin.kernels.linearization.transient import (
     Coefficients,

@@ -6,6 +6,7 @@
 `compiled`        called from compiled code
 `called_often`    so short that handing over its arguments takes longer than the work: LLVM inlines it
 `inlined`         called in one place only: numba inlines it, and LLVM need not go over it at each level
+`shared`          stays plain Python, of arrays, and is called from compiled code, of numbers
 ================  ==================================================================================
 
 `borrow` takes away the counting. numba counts a reference whenever an array is taken out of a tuple,
@@ -21,7 +22,7 @@ from typing import Any
 
 import numba as nb
 import numpy as np
-from numba.extending import intrinsic, overload
+from numba.extending import intrinsic, overload, register_jitable
 
 from stochlin.kernels.basics.kept import kept
 
@@ -47,6 +48,7 @@ def elementwise(function: Any) -> Any:
 compiled = nb.njit(**OPTIONS)
 called_often = nb.njit(forceinline=True, **OPTIONS)
 inlined = nb.njit(inline="always", **OPTIONS)
+shared: Any = register_jitable(**OF_OVERLOADS)
 
 
 def _borrow(context: Any, owned: Any) -> Any:

@@ -16,6 +16,11 @@ def in_order(
     task: Callable[[int], Result], count: int, progress: Progress | None = None
 ) -> Iterator[Result]:
     """Results of ``task(0), task(1), ...`` in this order, from all cores."""
+    if count == 1:
+        yield task(0)
+        if progress is not None:
+            progress(1.0)
+        return
     pool = ThreadPoolExecutor(os.cpu_count())
     try:
         for done, result in enumerate(pool.map(task, range(count)), start=1):

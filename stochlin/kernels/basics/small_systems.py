@@ -15,12 +15,11 @@ from stochlin.kernels.basics.arrays import Array
 def solve_3x3(matrix: Sequence[Sequence[Array]], right: Sequence[Array]) -> tuple[Array, ...]:
     """Solve ``matrix @ x = right`` cell by cell; entries broadcast."""
     (a, b, c), (d, e, f), (g, h, i) = matrix
-    adjugate = (
-        (e * i - f * h, c * h - b * i, b * f - c * e),
-        (f * g - d * i, a * i - c * g, c * d - a * f),
-        (d * h - e * g, b * g - a * h, a * e - b * d),
-    )
-    determinant = a * adjugate[0][0] + d * adjugate[0][1] + g * adjugate[0][2]
-    return tuple(
-        (row[0] * right[0] + row[1] * right[1] + row[2] * right[2]) / determinant for row in adjugate
+    x, y, z = right
+    one, two, three = e * i - f * h, c * h - b * i, b * f - c * e
+    determinant = a * one + d * two + g * three
+    return (
+        (one * x + two * y + three * z) / determinant,
+        ((f * g - d * i) * x + (a * i - c * g) * y + (c * d - a * f) * z) / determinant,
+        ((d * h - e * g) * x + (b * g - a * h) * y + (a * e - b * d) * z) / determinant,
     )

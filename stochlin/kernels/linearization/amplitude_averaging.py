@@ -7,6 +7,7 @@ states only: an equivalent stiffness and damping that depend on ``sigma_mu``.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -15,12 +16,18 @@ from scipy.optimize import elementwise
 from scipy.special import erfc
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.linearization.covariance import EquivalentSystem
+from stochlin.kernels.basics.parallel import in_order
+from stochlin.kernels.linearization.cells.series import evaluate
+from stochlin.kernels.linearization.covariance import EquivalentSystem, own_covariance
+from stochlin.kernels.linearization.filters import Filter
 
 ORDER = 48
 CUTOFF = 45.0  # exponent beyond which the integrand is dropped
 FIRST_PANEL, WIDER = 2.0, 8.0
 CROSSING_STEPS = 64  # between the least and the largest response there may be
+SERIES = -7, 45  # log(lam) between which the integral is neither 0 nor that of a linear oscillator,
+TERMS = 17  # and terms of the series that gives it to rounding from each whole number to the next
+CHUNK = 2048  # cells
 
 
 class AmplitudeAverage(NamedTuple):
@@ -43,7 +50,9 @@ def equivalent_system(
     """
     lam = 2 * sigma**2
     loss = 1 - hardening
-    ratio = 1 - 8 * loss / np.pi * _stiffness_integral(lam)
+    integral = np.empty_like(lam)
+    evaluate(np.log(lam), SERIES[0], _series(), integral)
+    ratio = 1 - 8 * loss / np.pi * integral
     with np.errstate(under="ignore"):
         friction = 2 * loss / np.sqrt(np.pi * lam) * erfc(1 / np.sqrt(lam)) / np.sqrt(ratio)
     zero = np.zeros_like(ratio)
@@ -54,6 +63,17 @@ def equivalent_system(
         zero,
         frequency * np.sqrt(ratio),
     )
+
+
+@cache
+def _series() -> Array:
+    """Of the integral over ``log(lam)``, Chebyshev coefficients (TERMS, panels)."""
+    angles = np.pi * (np.arange(TERMS) + 0.5) / TERMS
+    points = np.arange(*SERIES)[:, None] + 0.5 * (1 + np.cos(angles))
+    values = _stiffness_integral(np.exp(points.ravel())).reshape(points.shape)
+    found = 2 / TERMS * np.cos(np.outer(np.arange(TERMS), angles)) @ values.T
+    found[0] /= 2
+    return found
 
 
 def _stiffness_integral(lam: Array) -> Array:
@@ -79,19 +99,40 @@ def solve_amplitude_average(
     damping_ratio: Array,
     hardening: Array,
     elastic_sigma: Array,
-    sigma_of: Callable[[EquivalentSystem, Array], Array],
+    ground: Filter,
     rtol: float,
     max_iterations: int,
 ) -> AmplitudeAverage:
-    """Find ``sigma`` such that the system equivalent to it responds with it.
+    """Find ``sigma`` such that the system equivalent to it responds with it, in chunks, on all cores.
 
-    ``sigma_of(system, cells)`` is the response in yield displacements. Under a very narrow band there
-    may be three solutions: the least is the one that grows out of the elastic response.
+    The ground is in yield displacements. Under a very narrow band there may be three solutions: the
+    least is the one that grows out of the elastic response.
     """
 
+    @np.errstate(all="ignore")
+    def part(number: int) -> tuple[Array, ...]:
+        cells = slice(number * CHUNK, (number + 1) * CHUNK)
+        rows = frequency[cells], damping_ratio[cells], hardening[cells], elastic_sigma[cells]
+        return _solve(*rows, ground.at(cells), rtol, max_iterations)
+
+    parts = in_order(part, max(1, -(-frequency.size // CHUNK)))
+    sigma, *judged = (np.concatenate(field) for field in zip(*parts, strict=True))
+    return AmplitudeAverage(equivalent_system(sigma, frequency, damping_ratio, hardening), *judged)
+
+
+def _solve(
+    frequency: Array,
+    damping_ratio: Array,
+    hardening: Array,
+    elastic_sigma: Array,
+    ground: Filter,
+    rtol: float,
+    max_iterations: int,
+) -> tuple[Array, ...]:
     def mismatch(x: Array, w: Array, xi: Array, alpha: Array, which: Array) -> Array:
         system = equivalent_system(np.exp(x), w, xi, alpha)
-        return np.log(sigma_of(system, which.astype(int))) - x
+        forcing = ground.at(which.astype(int)).forcing(system)
+        return 0.5 * np.log(own_covariance(system, forcing).mu_mu) - x
 
     # Far below yield the response is the elastic one; far above it that of a linear
     # oscillator of stiffness alpha: the mismatch changes sign in between.
@@ -100,23 +141,25 @@ def solve_amplitude_average(
     cells = (frequency, damping_ratio, hardening, np.arange(frequency.size))
     root = elementwise.find_root(
         mismatch,
-        _first_crossing(lambda x: mismatch(x, *cells), low, high),
+        _first_crossing(mismatch, low, high, cells),
         args=cells,
         tolerances={"xrtol": 0, "xatol": rtol},
         maxiter=max_iterations,
     )
-    system = equivalent_system(np.exp(root.x), frequency, damping_ratio, hardening)
-    return AmplitudeAverage(system, root.nit.astype(np.int32), np.abs(root.f_x), root.success)
+    return np.exp(root.x), root.nit.astype(np.int32), np.abs(root.f_x), root.success
 
 
-def _first_crossing(mismatch: Callable[[Array], Array], low: Array, high: Array) -> tuple[Array, Array]:
+def _first_crossing(
+    mismatch: Callable[..., Array], low: Array, high: Array, cells: tuple[Array, ...]
+) -> tuple[Array, Array]:
     """The first of even steps from ``low`` to ``high`` over which the mismatch is no longer positive."""
     first, last = low.copy(), high.copy()
-    below = np.full(low.shape, True)
+    below = np.arange(low.size)
     for share in np.linspace(0, 1, CROSSING_STEPS + 1)[1:-1]:
-        x = low + share * (high - low)
-        above = mismatch(x) > 0
-        last = np.where(below & ~above, x, last)
-        first = np.where(below & above, x, first)
-        below &= above
+        x = (low + share * (high - low))[below]
+        above = mismatch(x, *(row[below] for row in cells)) > 0
+        last[below[~above]], first[below[above]] = x[~above], x[above]
+        below = below[above]
+        if not below.size:
+            break
     return first, last

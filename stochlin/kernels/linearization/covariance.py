@@ -40,25 +40,17 @@ class EquivalentSystem(NamedTuple):
     @property
     def characteristic(self) -> tuple[Array, Array, Array]:
         """Coefficients ``(a2, a1, a0)`` of ``det(sI - A) = s^3 + a2 s^2 + a1 s + a0``."""
-        w2, d, h, p, k = self
-        return d + k, w2 + d * k - h * p, (w2 - h) * k
+        return characteristic(*self)
 
     @property
     def hurwitz(self) -> Array:
         """``a2 a1 - a0``, without the cancellation of that."""
-        w2, d, h, p, k = self
-        return d * (w2 + d * k + k * k - h * p) + (1 - p) * h * k
+        return hurwitz(*self)
 
     @property
     def stable(self) -> Array:
-        """Whether motion dies out (Routh and Hurwitz).
-
-        A pole at 0, within rounding, belongs to a law without memory: ``z`` is then a function of
-        ``mu``, no energy is lost, and the forcing does not excite that pole.
-        """
-        a2, a1, a0 = self.characteristic
-        memory = a0 + MEMORYLESS * np.sqrt(self.stiffness) * a1
-        return (a2 > 0) & (a1 > 0) & (memory > 0) & (self.hurwitz > 0)
+        """Whether motion dies out (Routh and Hurwitz)."""
+        return stable(*self)
 
     def transfer_squared(self, frequency: Array) -> Array:
         """``|mu/f|^2 = (w^2 + k^2)/|det(i w I - A)|^2`` at circular frequencies [rad/s], in s^4."""
@@ -66,6 +58,27 @@ class EquivalentSystem(NamedTuple):
         square = frequency**2
         real, imaginary = a0 - a2 * square, frequency * (a1 - square)
         return (square + self.relaxation**2) / (real**2 + imaginary**2)
+
+
+def characteristic(w2: Array, d: Array, h: Array, p: Array, k: Array) -> tuple[Array, Array, Array]:
+    """Of an `EquivalentSystem`; as those below also of one in compiled code."""
+    return d + k, w2 + d * k - h * p, (w2 - h) * k
+
+
+def hurwitz(w2: Array, d: Array, h: Array, p: Array, k: Array) -> Array:
+    """Likewise."""
+    return d * (w2 + d * k + k * k - h * p) + (1 - p) * h * k
+
+
+def stable(w2: Array, d: Array, h: Array, p: Array, k: Array) -> Array:
+    """Likewise.
+
+    A pole at 0, within rounding, belongs to a law without memory: ``z`` is then a function of
+    ``mu``, no energy is lost, and the forcing does not excite that pole.
+    """
+    a2, a1, a0 = characteristic(w2, d, h, p, k)
+    memory = a0 + MEMORYLESS * np.sqrt(w2) * a1
+    return (a2 > 0) & (a1 > 0) & (memory > 0) & (hurwitz(w2, d, h, p, k) > 0)
 
 
 class Forcing(NamedTuple):
@@ -111,7 +124,7 @@ def own_covariance(system: EquivalentSystem, forcing: Forcing) -> OwnCovariance:
     w2, d, h, p, k = system
     c = 1 - p
     f_z = forcing.mu - forcing.slip
-    mu_z = (c * forcing.velocity + d * f_z) / system.hurwitz
+    mu_z = (c * forcing.velocity + d * f_z) / hurwitz(w2, d, h, p, k)
     v_v = (forcing.velocity - h * k * mu_z) / d
     mu_mu = (v_v - h * mu_z + forcing.mu) / (w2 - h)
     return OwnCovariance(mu_mu, v_v, c * mu_z, k * mu_z, mu_z)

@@ -11,11 +11,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial.laguerre import laggauss, lagvander
+from numpy.polynomial.laguerre import laggauss
 from scipy.special import erf
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import in_order
 from stochlin.kernels.basics.small_systems import solve_3x3
+from stochlin.kernels.linearization.cells.kicks import add_powers, follow, variance_by_order
 from stochlin.kernels.linearization.covariance import (
     EquivalentSystem,
     Forcing,
@@ -29,10 +31,8 @@ from stochlin.kernels.linearization.gaussian import SlipQuadrant, slip_quadrant
 ORDERS = 12  # of the Laguerre series; what is beyond counts as one more order
 NODES = 40  # of the quadrature over amplitudes
 HALF_CYCLES = 40  # that are remembered; even, so that Bartlett's window removes what just alternates
-TERMS = 8  # of the series of a matrix exponential,
-SMALL = 0.125  # over a time so short against that of the fastest rate
 MOTION = 1e6  # elastic periods: a drift that takes longer has no motion to grow in
-CELLS = 4096  # at a time
+CELLS = 4096  # at a time, on all cores
 
 _EXCESS, _WEIGHT = laggauss(NODES)
 
@@ -89,40 +89,30 @@ def _orders(sz: Array) -> Array:
     The amplitude is Rayleigh distributed, ``a^2/2 sz^2`` exponentially; beyond the yield
     displacement it is the threshold plus another exponential variable.
     """
-    threshold = 0.5 / sz**2
-    energy = threshold + _EXCESS[:, None]
-    # sqrt(2 E) sz - 1 without subtraction
-    size = 2 * sz**2 * _EXCESS[:, None] / (sz * np.sqrt(2 * energy) + 1)
-    weighted = _WEIGHT[:, None] * size / (_WEIGHT @ size)
-    total = (weighted * size).sum(axis=0) / (_WEIGHT @ size) * np.exp(threshold) - 1
-    orders = (weighted[..., None] * lagvander(energy, ORDERS)[..., 1:]).sum(axis=0).T ** 2
-    return np.concatenate([orders, np.maximum(total - orders.sum(axis=0), 0)[None]])
+    found = np.empty((ORDERS + 1, sz.size))
+    variance_by_order(sz, np.exp(0.5 / sz**2), _EXCESS, _WEIGHT, found)
+    return found
 
 
 def _sums_of_powers(memory: Array) -> Array:
-    """``sum over n of R_n^(2 j + 1)``, both ways in time, by order ``j``: eq. (3).
-
-    Powers of a correlation function are correlation functions: with Bartlett's window no sum is
-    negative.
-    """
-    window = 1 - np.arange(1, HALF_CYCLES + 1)[:, None] / HALF_CYCLES
-    power, square = window * memory, memory**2
-    sums = np.empty((ORDERS, memory.shape[1]))
-    for j in range(ORDERS):
-        power = power * square
-        sums[j] = 1 + 2 * power.sum(axis=0)
-    return np.maximum(sums, 0)
+    found = np.empty((ORDERS, memory.shape[1]))
+    add_powers(memory, found)
+    return found
 
 
 def half_cycles(system: EquivalentSystem, ground: Filter) -> HalfCycles:
     """Mean time between zero crossings of ``z`` (Rice 1944), and what ``z`` remembers after each."""
     n = system.stiffness.size
     time, memory = np.empty(n), np.empty((HALF_CYCLES, n))
-    for begin in range(0, n, CELLS):
-        cells = slice(begin, begin + CELLS)
-        time[cells], memory[:, cells] = _half_cycles(
-            EquivalentSystem(*(row[cells] for row in system)), ground.at(cells)
-        )
+
+    @np.errstate(all="ignore")  # where there is no stationary motion
+    def part(number: int) -> None:
+        cells = slice(number * CELLS, (number + 1) * CELLS)
+        own = EquivalentSystem(*(row[cells] for row in system))
+        time[cells], memory[:, cells] = _half_cycles(own, ground.at(cells))
+
+    for _ in in_order(part, -(-n // CELLS)):
+        pass
     return HalfCycles(time, memory)
 
 
@@ -141,35 +131,9 @@ def _half_cycles(system: EquivalentSystem, ground: Filter) -> tuple[Array, Array
     # z' = (1 - p) v - k z, of which E[z z'] = 0.
     time = np.pi * np.sqrt(own.z_z / ((1 - p) ** 2 * own.v_v - k**2 * own.z_z))
     fastest = np.sqrt(w2) + d + k + free.fastest
-    displacement, _, slip = _follow(a, time, fastest, with_z)[:3]
-    return time, np.clip((displacement - slip)[1:] / own.z_z, -1, 1)
-
-
-def _follow(a: Array, dt: Array, fastest: Array, start: list[Array]) -> Array:
-    """``exp(a dt)^i start`` for ``i`` from 0 to `HALF_CYCLES`: (size, HALF_CYCLES + 1, n)."""
-    turns = fastest * dt
-    step = _exponential(a * dt, np.max(turns[np.isfinite(turns)], initial=SMALL))
-    states = [np.stack(start)]
-    for _ in range(HALF_CYCLES):
-        states.append((step * states[-1]).sum(axis=1))
-    return np.stack(states, axis=1)
-
-
-def _exponential(matrix: Array, largest: float) -> Array:
-    """By series over a part of the time, then doubling; ``largest`` bounds the eigenvalues."""
-    doublings = int(np.ceil(np.log2(largest / SMALL)))
-    part = matrix / 2.0**doublings
-    identity = np.eye(len(matrix))[:, :, None]
-    total = identity + part / TERMS
-    for order in range(TERMS - 1, 0, -1):
-        total = identity + _product(part, total) / order
-    for _ in range(doublings):
-        total = _product(total, total)
-    return total
-
-
-def _product(left: Array, right: Array) -> Array:
-    return np.einsum("ijn,jkn->ikn", left, right)
+    later = np.empty((HALF_CYCLES, w2.size))
+    follow(a.reshape(size * size, -1), time, fastest * time, np.stack(with_z), later)
+    return time, np.clip(later / own.z_z, -1, 1)
 
 
 def innovation_coherence(first: EquivalentSystem, second: EquivalentSystem) -> Array:

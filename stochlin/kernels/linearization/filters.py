@@ -2,9 +2,7 @@
 
 A ground is white noise of two-sided PSD ``S0`` through a linear filter, and a `Filter` says which. What
 is asked of it follows from its matrix for any number of states. Grounds of one oscillator (Kanai-Tajimi)
-or two (Clough-Penzien) have closed forms, which are much faster: there the Sylvester equation
-``A C + C F' + R = 0`` of a structure with a filter oscillator ``F`` is solved in the quotient ring
-``R[s]/(s^2 + e s + w^2)``, whose elements ``a + b F`` are pairs of numbers.
+or two (Clough-Penzien) have closed forms, which are much faster: those of `cells.grounds`.
 """
 
 from __future__ import annotations
@@ -16,9 +14,8 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, linear_system
+from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
 
-RingElement = tuple[Array, Array]
 Entry = Any  # a number, or an array of cells
 Transform = Callable[[Array], Array]
 AT_ONCE = 4096  # cells for which systems of equations are solved
@@ -111,7 +108,17 @@ class Filter:
             return Forcing(zero, np.pi * self.intensity + zero, zero)
         return self._forcing(self._correlations(system))
 
-    def _forcing(self, rows: Sequence[Array]) -> Forcing:
+    def forcing_and_slopes(self, system: EquivalentSystem) -> Array:
+        """The forcing of cells, then its slopes by slip and by relaxation, (9, n)."""
+        found = np.zeros((9, system.stiffness.size))
+        if not self.states:
+            found[:3] = self.forcing(system)
+        else:
+            rows = self._correlations(system, slopes=True).reshape(9, system.stiffness.size, -1)
+            found[:] = (self.arrays.output * rows).sum(axis=-1)
+        return found
+
+    def _forcing(self, rows: Array) -> Forcing:
         output = self.arrays.output
         return Forcing(*((output * row).sum(axis=-1) for row in rows))
 
@@ -134,21 +141,25 @@ class Filter:
         with_z = list(np.moveaxis(rows[0] - rows[2], -1, 0))
         return self._forcing(rows), FreeMotion(self.matrix, self.output, with_z, self.fastest)
 
-    def _correlations(self, system: EquivalentSystem) -> tuple[Array, ...]:
-        """Of ``mu``, ``mu'`` and ``y`` with the states (..., m): ``A C + C F' + b E[f q'] = 0``."""
+    def _correlations(self, system: EquivalentSystem, *, slopes: bool = False) -> Array:
+        """Of ``mu``, ``mu'`` and ``y`` with the states (3, ..., m): ``A C + C F' + b E[f q'] = 0``.
+
+        With ``slopes`` (3, 3, ..., m): after them those by slip and by relaxation.
+        """
         matrix, noise, output = self.arrays
         m = len(self.states)
         cells = np.broadcast_shapes(matrix.shape[:-2], np.shape(self.intensity), *map(np.shape, system))
         wide = [np.broadcast_to(row, cells).ravel() for row in (*system, self.intensity)]
         matrix = np.broadcast_to(matrix, (*cells, m, m)).reshape(-1, m, m)
         noise, output = (np.broadcast_to(row, (*cells, m)).reshape(-1, m) for row in (noise, output))
-        found = np.empty((3, len(matrix), m), np.result_type(*system))
+        found = np.empty((3 if slopes else 1, 3, len(matrix), m))
         for begin in range(0, len(matrix), AT_ONCE):
             part = slice(begin, begin + AT_ONCE)
             own = EquivalentSystem(*(row[part] for row in wide[:-1]))
             soil = Matrices(matrix[part], noise[part], output[part])
-            found[:, part] = _correlations(own, wide[-1][part], soil)
-        return tuple(found.reshape(3, *cells, m))
+            found[:, :, part] = _correlations(own, wide[-1][part], soil, slopes)
+        found = found.reshape(*found.shape[:2], *cells, m)
+        return found if slopes else found[0]
 
 
 def _at(entry: Any, cells: Any) -> Any:
@@ -165,8 +176,8 @@ def _resolvent(s: Array, matrix: Array, right: Array) -> Array:
     return np.linalg.solve(left, np.broadcast_to(right, left.shape[:-1])[..., None])[..., 0]
 
 
-def _correlations(system: EquivalentSystem, intensity: Array, soil: Matrices) -> Array:
-    """As `Filter` wants them, (3, n, m), solved in units in which everything is of order one."""
+def _correlations(system: EquivalentSystem, intensity: Array, soil: Matrices, slopes: bool) -> Array:
+    """As `Filter` wants them, (1 or 3, 3, n, m), solved in units in which everything is of order one."""
     w2, d, h, p, k = system
     matrix, noise, output = soil
     covariance = stationary(matrix, noise)
@@ -174,15 +185,21 @@ def _correlations(system: EquivalentSystem, intensity: Array, soil: Matrices) ->
     std = np.where(std > 0, std, 1.0)
     drive = 2 * np.pi * intensity[:, None] * (covariance @ output[..., None])[..., 0] / std
     w = np.sqrt(w2)
-    own = np.zeros((w.size, 3, 3), np.result_type(*system))  # complex where a slope is sought
+    own = np.zeros((w.size, 3, 3))
     own[:, 0, 1], own[:, 1, 0], own[:, 1, 1], own[:, 1, 2] = w, -w, -d, h / w
     own[:, 2, 0], own[:, 2, 1], own[:, 2, 2] = k, p * w, -k
-    right = np.zeros((w.size, 3, noise.shape[1]))
-    right[:, 1] = drive / w[:, None]
-    found = _sylvester_of_matrices(own, matrix * std[:, None, :] / std[..., None], right)
-    found *= std[:, None, :]
-    found[:, 1] *= w[:, None]
-    return np.moveaxis(found, 1, 0)
+    soil_matrix = matrix * std[:, None, :] / std[..., None]
+    right = np.zeros((w.size, 3, noise.shape[1], 1))
+    right[:, 1, :, 0] = drive / w[:, None]
+    found = _sylvester_of_matrices(own, soil_matrix, right)
+    if slopes:
+        gained = np.zeros((w.size, 3, noise.shape[1], 2))
+        gained[:, 2, :, 0] = w[:, None] * found[:, 1, :, 0]
+        gained[:, 2, :, 1] = found[:, 0, :, 0] - found[:, 2, :, 0]
+        found = np.concatenate([found, _sylvester_of_matrices(own, soil_matrix, gained)], axis=-1)
+    found *= std[:, None, :, None]
+    found[:, 1] *= w[:, None, None]
+    return np.moveaxis(found, (3, 1), (0, 1))
 
 
 def stationary(matrix: Array, noise: Array) -> Array:
@@ -197,7 +214,8 @@ def stationary(matrix: Array, noise: Array) -> Array:
     scale = np.ones_like(noise)
     for _ in range(2):  # the second time in units of the standard deviations
         unit, push = safe * scale[:, None, :] / scale[..., None], noise / scale
-        covariance = _sylvester_of_matrices(unit, unit, push[..., None] * push[:, None, :])
+        drive = push[:, :, None, None] * push[:, None, :, None]
+        covariance = _sylvester_of_matrices(unit, unit, drive)[..., 0]
         covariance = covariance * scale[..., None] * scale[:, None, :]
         std = np.sqrt(np.maximum(np.diagonal(covariance, axis1=-2, axis2=-1), 0))
         scale = np.where(std > 0, std, 1.0)
@@ -205,69 +223,60 @@ def stationary(matrix: Array, noise: Array) -> Array:
 
 
 def _sylvester_of_matrices(a: Array, b: Array, right: Array) -> Array:
-    """``X`` of ``A X + X B' + right = 0``, for each cell."""
+    """``X`` of ``A X + X B' + right = 0``, for each cell and each of the last dimension."""
     p, q = a.shape[-1], b.shape[-1]
     left = a[..., :, None, :, None] * np.eye(q)[:, None, :]
     left = left + np.eye(p)[:, None, :, None] * b[..., None, :, None, :]
-    found = np.linalg.solve(left.reshape(-1, p * q, p * q), -right.reshape(-1, p * q, 1))
+    found = np.linalg.solve(left.reshape(-1, p * q, p * q), -right.reshape(-1, p * q, right.shape[-1]))
     return found.reshape(right.shape)
 
 
 class FilterOscillator(NamedTuple):
-    """Companion matrix ``F = [[0, 1], [-stiffness, -damping]]`` of ``q = (x, x')``."""
+    """``x'' + damping x' + stiffness x = 0``."""
 
     stiffness: Array
     damping: Array
-
-    def apply(self, u: RingElement) -> RingElement:
-        """``F u``."""
-        return u[1], -self.stiffness * u[0] - self.damping * u[1]
-
-    def solve(self, a: Array, b: Array, u: RingElement) -> RingElement:
-        """``(a + b F)^-1 u``, by the conjugate ``a - b e - b F``."""
-        norm = a * a - a * b * self.damping + b * b * self.stiffness
-        fu = self.apply(u)
-        conjugate = a - b * self.damping
-        return (conjugate * u[0] - b * fu[0]) / norm, (conjugate * u[1] - b * fu[1]) / norm
 
     def free(self, value: Array, rate: Array, s: Array) -> Array:
         """Laplace transform of a free motion from this value and rate."""
         return ((s + self.damping) * value + rate) / (s * (s + self.damping) + self.stiffness)
 
 
-_NOTHING = (np.zeros(()), np.zeros(()))
+class _OfOscillators(Filter):
+    """Those in closed form."""
 
+    @property
+    def _oscillators(self) -> Sequence[Entry]:
+        """Stiffness and damping of each."""
+        raise NotImplementedError
 
-def _sylvester(
-    system: EquivalentSystem,
-    oscillator: FilterOscillator,
-    r_v: RingElement,
-    r_mu: RingElement = _NOTHING,
-    r_y: RingElement = _NOTHING,
-) -> tuple[RingElement, RingElement, RingElement]:
-    """Rows of ``C`` in ``A C + C F' + R = 0`` for a structure and one filter oscillator."""
-    _, d, h, p, k = system
-    a2, a1, a0 = system.characteristic
-    w2, e = oscillator
-    # D(-F) reduced by F^2 = -w2 - e F
-    constant = a0 - (e + a2) * w2
-    linear = w2 - e * e - a2 * e - a1
-    f_r_mu = oscillator.apply(r_mu)
-    drive = (r_v[0] + d * r_mu[0] - f_r_mu[0], r_v[1] + d * r_mu[1] - f_r_mu[1])
-    f_drive = oscillator.apply(drive)
-    right = (
-        k * drive[0] - f_drive[0] + h * (r_y[0] - p * r_mu[0]),
-        k * drive[1] - f_drive[1] + h * (r_y[1] - p * r_mu[1]),
-    )
-    mu = oscillator.solve(constant, linear, right)
-    f_mu = oscillator.apply(mu)
-    velocity = (-f_mu[0] - r_mu[0], -f_mu[1] - r_mu[1])
-    flow = (k * mu[0] + p * velocity[0] + r_y[0], k * mu[1] + p * velocity[1] + r_y[1])
-    return mu, velocity, oscillator.solve(k, -np.ones_like(k), flow)
+    def _rows(self, system: EquivalentSystem) -> Array:
+        """What `cells.grounds` finds, (9 + 3 m, ...)."""
+        from stochlin.kernels.linearization.cells import grounds  # with the compiler
+
+        parts = *system, self.intensity, *self._oscillators
+        cells = np.broadcast_shapes(*map(np.shape, parts))
+        rows = np.stack([np.broadcast_to(np.asarray(part, float), cells).ravel() for part in parts])
+        found = np.empty((9 + 3 * len(self.states), rows.shape[1]))
+        solve = grounds.kanai_tajimi if len(self.states) == 2 else grounds.clough_penzien
+        solve(rows, found)
+        return found.reshape(-1, *cells)
+
+    def forcing(self, system: EquivalentSystem) -> Forcing:
+        """Correlations of the forcing with the structure's states."""
+        return Forcing(*self._rows(system)[:3])
+
+    def forcing_and_slopes(self, system: EquivalentSystem) -> Array:
+        """As in `Filter`."""
+        return self._rows(system)[:9]
+
+    def _correlations(self, system: EquivalentSystem, *, slopes: bool = False) -> Array:
+        rows = self._rows(system)[9:]
+        return np.moveaxis(rows.reshape(3, -1, *rows.shape[1:]), 1, -1)
 
 
 @dataclass(frozen=True, kw_only=True)
-class KanaiTajimiFilter(Filter):
+class KanaiTajimiFilter(_OfOscillators):
     """White noise through one oscillator, in closed form."""
 
     frequency: Entry  # wg [rad/s]
@@ -286,12 +295,9 @@ class KanaiTajimiFilter(Filter):
         """``wg``."""
         return self.frequency
 
-    def forcing(self, system: EquivalentSystem) -> Forcing:
-        """Under ``f = wg^2 xg + 2 xig wg xg'``, eqs. (11) and (12)."""
-        soil = FilterOscillator(*self.output)
-        with_forcing = (np.pi * self.intensity / soil.damping, np.pi * self.intensity)
-        rows = _sylvester(system, soil, with_forcing)
-        return Forcing(*(soil.stiffness * row[0] + soil.damping * row[1] for row in rows))
+    @property
+    def _oscillators(self) -> Sequence[Entry]:
+        return self.output
 
     def later(self, system: EquivalentSystem, forcing: Forcing) -> Transform:
         """By stationarity ``d/dtau E[f mu] = -E[f mu']`` at ``tau = 0``."""
@@ -307,7 +313,7 @@ class KanaiTajimiFilter(Filter):
 
 
 @dataclass(frozen=True, kw_only=True)
-class CloughPenzienFilter(Filter):
+class CloughPenzienFilter(_OfOscillators):
     """A Kanai-Tajimi ground through a high-pass oscillator, in closed form."""
 
     soil: KanaiTajimiFilter
@@ -334,38 +340,19 @@ class CloughPenzienFilter(Filter):
     def _layer(self) -> FilterOscillator:
         return FilterOscillator(self.frequency**2, 2 * self.damping * self.frequency)
 
-    def _rows(self, system: EquivalentSystem) -> tuple[tuple[Array, ...], tuple[RingElement, ...]]:
-        """Correlations of ``(mu, mu', y)`` with the soil's signal, and with the oscillator it drives.
-
-        That oscillator is itself a linear structure on Kanai-Tajimi ground, and the filter cascade is
-        block triangular: two solves of the same kind, one after the other.
-        """
-        soil, layer = FilterOscillator(*self.soil.output), self._layer
-        noise = (np.pi * self.intensity / soil.damping, np.pi * self.intensity)
-        x_row, v_row, _ = _sylvester(linear_system(self.frequency, self.damping), soil, noise)
-        layer_v_v = (soil.stiffness * v_row[0] + soil.damping * v_row[1]) / layer.damping
-
-        # E[q f] with f = f_soil - stiffness xf - damping xf', for both filter stages.
-        soil_f = (
-            noise[0] - layer.stiffness * x_row[0] - layer.damping * v_row[0],
-            noise[1] - layer.stiffness * x_row[1] - layer.damping * v_row[1],
-        )
-        soil_rows = _sylvester(system, soil, soil_f)
-        mu, velocity, slip = (soil.stiffness * row[0] + soil.damping * row[1] for row in soil_rows)
-        zero = np.zeros_like(mu)
-        rows = _sylvester(system, layer, (-layer_v_v, velocity), (zero, mu), (zero, slip))
-        return (mu, velocity, slip), rows
-
-    def forcing(self, system: EquivalentSystem) -> Forcing:
-        """Under ``f = xf''``, from its parts."""
-        stiffness, damping = self._layer
-        pairs = zip(*self._rows(system), strict=True)
-        return Forcing(*(signal - stiffness * row[0] - damping * row[1] for signal, row in pairs))
+    @property
+    def _oscillators(self) -> Sequence[Entry]:
+        return *self.soil.output, *self._layer
 
     def later(self, system: EquivalentSystem, forcing: Forcing) -> Transform:
         """The soil's signal moves freely and drives the high-pass oscillator."""
-        (with_mu, with_rate, _), ((with_layer, with_layer_rate), *_) = self._rows(system)
         soil, layer = FilterOscillator(*self.soil.output), self._layer
+        (*with_soil, with_layer, with_layer_rate), (*rate_with_soil, _, _), _ = np.moveaxis(
+            self._correlations(system), -1, 1
+        )
+        with_mu, with_rate = (
+            soil.stiffness * value + soil.damping * rate for value, rate in (with_soil, rate_with_soil)
+        )
 
         def cascade(s: Array) -> Array:
             signal = soil.free(with_mu, -with_rate, s)

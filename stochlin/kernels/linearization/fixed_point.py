@@ -10,32 +10,30 @@ it is followed by pseudo-transient continuation (Kelley & Keyes 1998, SIAM J. Nu
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.small_systems import solve_3x3
-from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, own_covariance
+from stochlin.kernels.basics.parallel import in_order
+from stochlin.kernels.linearization.cells.steps import (
+    BASE,
+    DELTA,
+    DONE,
+    NORM,
+    RESPONSE,
+    STATE,
+    STEP,
+    Pace,
+    advance,
+    respond,
+    slope_of_unknowns,
+)
+from stochlin.kernels.linearization.covariance import EquivalentSystem
+from stochlin.kernels.linearization.filters import Filter
+from stochlin.kernels.linearization.gaussian import Closure
 
 CHUNK = 2048  # cells: temporaries of one Newton step then stay in the cache
-COMPLEX_STEP = 1e-30
-LARGEST_STEP = 1.0  # in log(sigma) and atanh(corr)
-LEAST_DELTA = 0.05
-LARGEST_MISMATCH = 1e-6  # of a converged cell, whatever its last step
-
-
-class Pace(NamedTuple):
-    """How boldly the relaxation is followed: the pseudo-time step ``delta`` and how it changes."""
-
-    first: float
-    restart: float  # where to begin again after a rise of the mismatch
-    shorter: float  # factors from one step to the next: after a rise,
-    longer: float  # after a fall, times the ratio of the mismatches,
-    longest: float  # and at most
-
-
 BOLD = Pace(first=30.0, restart=1.0, shorter=0.25, longer=3.0, longest=100.0)  # nearly Newton
 CAREFUL = Pace(first=0.5, restart=0.5, shorter=0.5, longer=1.1, longest=1.5)
 WEAK = 0.3  # elastic ductility, as standard deviation: hardly anything yields
@@ -43,19 +41,6 @@ FIRST_RISE, LONGER, SHORTER, LEAST_RISE = 0.5, 2.0, 0.5, 1e-4  # of the rise fro
 AT_LEVEL = 12  # iterations
 NEAR = 0.05  # how far from where it was sought a solution is still of the same branch
 BOLD_SHARE = 0.15  # of max_iterations: 13 do for the bilinear law, a cell that needs 30 is lost
-
-
-class ClosureValue(NamedTuple):
-    """A closure at latent moments ``(sv, sz, r)``, and its derivatives by them.
-
-    ``coefficients`` are ``(1 + c_e, k_e)``, ``covariance`` is ``(Var v, Var z, Cov(v, z))``
-    under the density assumed. Shapes (2, n), (2, 3, n), (3, n), (3, 3, n).
-    """
-
-    coefficients: Array
-    coefficients_jacobian: Array
-    covariance: Array
-    covariance_jacobian: Array
 
 
 class FixedPoint(NamedTuple):
@@ -68,77 +53,60 @@ class FixedPoint(NamedTuple):
     converged: Array
 
 
-Closure = Callable[[Array, Array], ClosureValue]  # latent moments, law parameters
-ForcingOf = Callable[[EquivalentSystem, Array], Forcing]  # system, ground parameters
-
-
-def gaussian_covariance(latent: Array) -> tuple[Array, Array]:
-    """Covariance and its Jacobian of the Gaussian density with moments ``(sv, sz, r)``."""
-    sv, sz, r = latent
-    zero = np.zeros_like(sv)
-    jacobian = np.array([[2 * sv, zero, zero], [zero, 2 * sz, zero], [r * sz, r * sv, sv * sz]])
-    return np.array([sv * sv, sz * sz, r * sv * sz]), jacobian
-
-
 def solve_fixed_point(
     structure: Array,
     law: Array,
-    ground: Array,
+    ground: Filter,
     start: Array,
     one_solution: Array,
     closure: Closure,
-    forcing_of: ForcingOf,
     rtol: float,
     atol: float,
     max_iterations: int,
 ) -> FixedPoint:
-    """Solve every cell, in chunks.
+    """Solve every cell, in chunks, on all cores.
 
     ``structure`` (3, n) has stiffness, damping and coupling of the equivalent system, ``start`` (3, n)
-    the latent moments of the elastic response; ``law`` and ``ground`` (m, n) are handed through to
-    closure and ``forcing_of``. Where ``one_solution`` (n,) says that there is one at most, it is sought
-    from the elastic response at once; elsewhere the branch that begins there is followed. A cell is
-    done when ``|dy| <= atol + rtol |y|`` for each latent moment ``y``; ``atol`` counts for the
-    correlation only, since the other two are positive scales. ``max_iterations`` are the steps of a
-    search, or the levels of a branch.
+    the latent moments of the elastic response; ``law`` (m, n) is handed through to the closure. Where
+    ``one_solution`` (n,) says that there is one at most, it is sought from the elastic response at once;
+    elsewhere the branch that begins there is followed. A cell is done when ``|dy| <= atol + rtol |y|``
+    for each latent moment ``y``; ``atol`` counts for the correlation only, since the other two are
+    positive scales. ``max_iterations`` are the steps of a search, or the levels of a branch.
     """
     level = np.zeros(start.shape[1])
-    whole = _Problem(structure, law, ground, one_solution, level, closure, forcing_of, rtol, atol)
-    parts = []
-    for begin in range(0, max(1, start.shape[1]), CHUNK):
-        cells = slice(begin, begin + CHUNK)
-        parts.append(_solve(whole.of(cells), start[:, cells], max_iterations))
+    whole = _Problem(structure, law, ground, one_solution, level, closure, rtol, atol)
+
+    @np.errstate(all="ignore")  # an iterate may be no density, or imply no stationary system
+    def part(number: int) -> FixedPoint:
+        cells = slice(number * CHUNK, (number + 1) * CHUNK)
+        return _solve(whole.of(cells), start[:, cells], max_iterations)
+
+    parts = in_order(part, max(1, -(-start.shape[1] // CHUNK)))
     return FixedPoint(*(np.concatenate(field, axis=-1) for field in zip(*parts, strict=True)))
 
 
 class _Problem(NamedTuple):
     structure: Array
     law: Array
-    ground: Array
+    ground: Filter
     one_solution: Array
     level: Array  # logarithm of the share of the shaking
     closure: Closure
-    forcing_of: ForcingOf
     rtol: float
     atol: float
 
     def of(self, cells: Array | slice) -> _Problem:
         return self._replace(
-            structure=self.structure[:, cells],
-            law=self.law[:, cells],
-            ground=self.ground[:, cells],
+            structure=_columns(self.structure, cells),
+            law=_columns(self.law, cells),
+            ground=self.ground.at(cells),
             one_solution=self.one_solution[cells],
             level=self.level[cells],
         )
 
 
-class _State(NamedTuple):
-    """Last valid iterate of each cell, its mismatch, the step from there and the pseudo-time step."""
-
-    base: Array
-    norm: Array
-    step: Array
-    delta: Array
+def _columns(rows: Array, cells: Array | slice) -> Array:
+    return rows[:, cells] if isinstance(cells, slice) else rows.take(cells, axis=1)
 
 
 def _solve(problem: _Problem, start: Array, max_iterations: int) -> FixedPoint:
@@ -223,102 +191,65 @@ def _unknowns(latent: Array) -> Array:
 
 def _evolve(problem: _Problem, y: Array, max_iterations: int, pace: Pace) -> FixedPoint:
     n = y.shape[1]
-    state = _State(y.copy(), np.full(n, np.inf), np.zeros_like(y), np.full(n, pace.first))
-    iterations, converged = np.zeros(n, np.int32), np.zeros(n, bool)
+    whole, iterations = np.zeros((STATE, n)), np.zeros(n, np.int32)
+    whole[BASE:NORM], whole[NORM], whole[DELTA] = y, np.inf, pace.first
+    state, part, cells = whole, problem, np.arange(n)
     for _ in range(max_iterations):
-        active = np.flatnonzero(~converged)
-        if not active.size:
+        if not cells.size:
             break
-        converged[active] = _advance(problem.of(active), state, active, pace)
-        iterations[active] += 1
-    y = state.base + state.step
-    latent = np.stack([np.exp(y[0]), np.exp(y[1]), np.tanh(y[2])])
-    with np.errstate(all="ignore"):  # where a cell ran away
-        coefficients = problem.closure(latent, problem.law).coefficients
-    return FixedPoint(coefficients, latent, iterations, state.norm, converged)
+        _advance(part, state, pace)
+        iterations[cells] += 1
+        done = state[DONE] > 0
+        if done.any():
+            whole[:, cells] = state
+            left = np.flatnonzero(~done)
+            state, part, cells = state.take(left, axis=1), part.of(left), cells[left]
+    whole[:, cells] = state
+    latent = _latent(whole[BASE:NORM] + whole[STEP:DELTA])
+    coefficients = problem.closure(latent, problem.law).coefficients
+    return FixedPoint(coefficients, latent, iterations, whole[NORM], whole[DONE] > 0)
 
 
-def _advance(problem: _Problem, state: _State, cells: Array, pace: Pace) -> Array:
-    """One evaluation of the cells, and what is made of it: a new step, or a part of the old one."""
-    y = state.base[:, cells] + state.step[:, cells]
-    mismatch, jacobian = _mismatch(problem, y)
-    norm = np.sqrt((mismatch**2).sum(axis=0))
-    valid = np.isfinite(norm) & np.isfinite(jacobian).all(axis=(0, 1))
-    delta = next_delta(state.delta[cells], state.norm[cells], np.where(valid, norm, np.inf), pace)
-    step = _newton_step(jacobian, mismatch, delta)
-    # Not stationary: take back most of the step, or if there was none yet, start nearer to elastic.
-    untried = np.isinf(state.norm[cells])
-    towards_elastic = state.step[:, cells] - np.stack([0 * y[0], np.ones_like(y[1]), 0.5 * y[2]])
-    retreat = np.where(untried, towards_elastic, 0.25 * state.step[:, cells])
-    state.base[:, cells] = np.where(valid, y, state.base[:, cells])
-    state.norm[cells] = np.where(valid, norm, state.norm[cells])
-    state.step[:, cells] = np.where(valid, step, retreat)
-    state.delta[cells] = delta
-    # Judged by the undamped step: a damped one is also small where delta is.
-    change = np.abs(_newton_step(jacobian, mismatch, np.inf))
-    r, rtol = np.tanh(y[2]), problem.rtol
-    change[2] *= (1 - r * r) * rtol / (problem.atol + rtol * np.abs(r))
-    return valid & (norm <= LARGEST_MISMATCH) & (change.max(axis=0) <= rtol)
+def _latent(y: Array) -> Array:
+    latent = np.exp(y)
+    np.tanh(y[2], out=latent[2])
+    return latent
 
 
-def next_delta(delta: Array, before: Array, now: Array, pace: Pace) -> Array:
-    """Switched evolution relaxation: longer as the mismatch falls, short again when it rises."""
-    with np.errstate(invalid="ignore", divide="ignore"):
-        ratio = np.where(np.isinf(before), 1, before / now)
-    shorter = np.maximum(pace.shorter * np.minimum(delta, pace.restart), LEAST_DELTA)
-    return np.where(ratio < 1, shorter, delta * np.minimum(pace.longer * ratio, pace.longest))
+def _advance(problem: _Problem, state: Array, pace: Pace) -> None:
+    """What the implied linear system does less what the closure assumes, and what is made of it."""
+    y = state[BASE:NORM] + state[STEP:DELTA]
+    latent = _latent(y)
+    value = problem.closure(latent, problem.law)
+    system = np.concatenate([problem.structure, value.coefficients])
+    response = np.empty((RESPONSE, y.shape[1]))
+    respond(system, problem.ground.forcing_and_slopes(EquivalentSystem(*system)), response)
+    mismatch = _unknowns_of(*response[[0, 1, 3]])
+    mismatch[:2] += problem.level
+    vv, zz, vz = value.covariance
+    mismatch -= _unknowns_of(vv, zz, vz / np.sqrt(vv * zz))
+    advance(
+        y,
+        latent,
+        mismatch,
+        response,
+        np.ascontiguousarray(value.coefficients_jacobian).reshape(6, -1),
+        np.ascontiguousarray(value.covariance),
+        np.ascontiguousarray(value.covariance_jacobian).reshape(9, -1),
+        state,
+        pace,
+        problem.rtol,
+        problem.atol,
+    )
 
 
-def _newton_step(jacobian: Array, mismatch: Array, delta: Array | float) -> Array:
-    """``(1/delta - J)^-1 F``, limited in length: a relaxation for small delta, Newton for large."""
-    matrix = -jacobian
-    matrix[np.arange(3), np.arange(3)] += 1 / delta
-    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        step = np.stack(solve_3x3(list(matrix), list(mismatch)))
-        return step / np.maximum(1, np.abs(step).max(axis=0) / LARGEST_STEP)
-
-
-def _mismatch(problem: _Problem, y: Array) -> tuple[Array, Array]:
-    """What the implied linear system does less what the closure assumes, and the Jacobian."""
-    sv, sz, r = np.exp(y[0]), np.exp(y[1]), np.tanh(y[2])
-    # An iterate may be no density or imply no stationary system: its NaN is the answer.
-    with np.errstate(all="ignore"):
-        value = problem.closure(np.stack([sv, sz, r]), problem.law)
-        response, by_coefficients = _response(problem, value.coefficients)
-        reached, d_reached = to_unknowns(response)
-        reached[:2] += problem.level
-        assumed, d_assumed = to_unknowns(value.covariance)
-        scale = np.stack([sv, sz, 1 - r * r])
-        jacobian = np.einsum("ijn,jkn,kln->iln", d_reached, by_coefficients, value.coefficients_jacobian)
-        jacobian -= np.einsum("ijn,jkn->ikn", d_assumed, value.covariance_jacobian)
-    return reached - assumed, jacobian * scale
-
-
-def _response(problem: _Problem, coefficients: Array) -> tuple[Array, Array]:
-    """``(Var v, Var z, Cov(v, z))`` of the linear system, and its derivatives by (slip, relaxation).
-
-    NaN where the system is unstable. The moments do not tell: on coloured ground they may look like a
-    covariance then.
-    """
-    derivatives = []
-    for which in range(2):
-        shifted = coefficients.astype(complex)
-        shifted[which] += COMPLEX_STEP * 1j
-        system = EquivalentSystem(*problem.structure, *shifted)
-        own = own_covariance(system, problem.forcing_of(system, problem.ground))
-        response = np.stack([own.v_v, own.z_z, own.v_z])
-        derivatives.append(response.imag / COMPLEX_STEP)
-    stationary = EquivalentSystem(*problem.structure, *coefficients).stable & (own.mu_mu.real > 0)
-    return np.where(stationary, response.real, np.nan), np.stack(derivatives, axis=1)
+def _unknowns_of(vv: Array, zz: Array, r: Array) -> Array:
+    return np.stack([0.5 * np.log(vv), 0.5 * np.log(zz), np.arctanh(r)])
 
 
 def to_unknowns(covariance: Array) -> tuple[Array, Array]:
     """``(log sv, log sz, atanh r)`` of a covariance and the Jacobian; NaN where it is none."""
     vv, zz, vz = covariance
-    sv, sz = np.sqrt(vv), np.sqrt(zz)
-    r = vz / (sv * sz)
-    zero = np.zeros_like(r)
-    spread = 1 / (1 - r * r)
-    by_moments = [-0.5 * r * spread / vv, -0.5 * r * spread / zz, spread / (sv * sz)]
-    jacobian = np.array([[0.5 / vv, zero, zero], [zero, 0.5 / zz, zero], by_moments])
-    return np.array([np.log(sv), np.log(sz), np.arctanh(r)]), jacobian
+    r = vz / np.sqrt(vv * zz)
+    columns = [slope_of_unknowns(vv, zz, r, unit) for unit in np.eye(3)]
+    return _unknowns_of(vv, zz, r), np.stack([np.stack(column) for column in columns], axis=1)

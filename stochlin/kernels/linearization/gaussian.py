@@ -1,7 +1,8 @@
-"""Gaussian expectations: of a pair ``(v, z)`` where a bilinear law slips, and of powers of a rate."""
+"""Closures, and Gaussian expectations: of ``(v, z)`` where a bilinear law slips, and of powers."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +11,30 @@ from scipy.special import gamma, ndtr, owens_t
 from stochlin.kernels.basics.arrays import Array
 
 SQRT_2PI = np.sqrt(2 * np.pi)
+
+
+class ClosureValue(NamedTuple):
+    """A closure at latent moments ``(sv, sz, r)``, and its derivatives by them.
+
+    ``coefficients`` are ``(1 + c_e, k_e)``, ``covariance`` is ``(Var v, Var z, Cov(v, z))``
+    under the density assumed. Shapes (2, n), (2, 3, n), (3, n), (3, 3, n).
+    """
+
+    coefficients: Array
+    coefficients_jacobian: Array
+    covariance: Array
+    covariance_jacobian: Array
+
+
+Closure = Callable[[Array, Array], ClosureValue]  # latent moments, law parameters
+
+
+def gaussian_covariance(latent: Array) -> tuple[Array, Array]:
+    """Covariance and its Jacobian of the Gaussian density with moments ``(sv, sz, r)``."""
+    sv, sz, r = latent
+    zero = np.zeros_like(sv)
+    jacobian = np.array([[2 * sv, zero, zero], [zero, 2 * sz, zero], [r * sz, r * sv, sv * sz]])
+    return np.array([sv * sv, sz * sz, r * sv * sz]), jacobian
 
 
 class SlipQuadrant(NamedTuple):

@@ -10,8 +10,13 @@ import xarray as xr
 from scipy.special import erf, erfc, gammainc
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.linearization.fixed_point import Closure, ClosureValue, gaussian_covariance
-from stochlin.kernels.linearization.gaussian import regress_slip, slip_quadrant
+from stochlin.kernels.linearization.gaussian import (
+    Closure,
+    ClosureValue,
+    gaussian_covariance,
+    regress_slip,
+    slip_quadrant,
+)
 from stochlin.models.structures import DRIFT, GAUSSIAN, LAWS, NARROW_BAND, Structure
 
 if TYPE_CHECKING:

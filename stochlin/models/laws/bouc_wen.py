@@ -15,7 +15,7 @@ from scipy.special import beta as beta_function
 from scipy.special import betainc, gamma
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.linearization.fixed_point import Closure, ClosureValue, gaussian_covariance
+from stochlin.kernels.linearization.gaussian import Closure, ClosureValue, gaussian_covariance
 from stochlin.models.parameters import POSITIVE, Parameter, Range, parameter
 from stochlin.models.structures import GAUSSIAN, LAWS, Structure
 

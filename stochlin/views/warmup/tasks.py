@@ -64,6 +64,7 @@ def tables() -> None:
     """Correlation coefficients and the bias maps."""
     for closure in ("gaussian", "drift"):
         correlate(*_pair(), _ground(), closure=closure)
+    correlate(*_pair(), named_ground("firm", intensity=0.01))
 
 
 def records() -> None:

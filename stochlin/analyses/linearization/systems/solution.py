@@ -24,26 +24,26 @@ from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.augmented import Solved
+from stochlin.kernels.linearization.cells.steps import (
+    LARGEST_MISMATCH,
+    LARGEST_STEP,
+    Pace,
+    next_delta,
+)
 from stochlin.kernels.linearization.fixed_point import (
     AT_LEVEL,
     BOLD,
     BOLD_SHARE,
     CAREFUL,
     FIRST_RISE,
-    LARGEST_MISMATCH,
-    LARGEST_STEP,
     LEAST_RISE,
     LONGER,
     NEAR,
     SHORTER,
     WEAK,
-    Closure,
-    ClosureValue,
-    Pace,
-    next_delta,
     to_unknowns,
 )
-from stochlin.kernels.linearization.gaussian import equivalent_dashpot
+from stochlin.kernels.linearization.gaussian import Closure, ClosureValue, equivalent_dashpot
 from stochlin.kernels.linearization.lyapunov import UnsolvableError
 from stochlin.models.laws.bilinear import Bilinear
 

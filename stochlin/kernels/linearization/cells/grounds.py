@@ -1,0 +1,189 @@
+"""Grounds of one or two oscillators in closed form: correlations with a structure, and their slopes.
+
+The Sylvester equation ``A C + C F' + R = 0`` of a structure with a filter oscillator ``F`` is solved in
+the quotient ring ``R[s]/(s^2 + e s + w^2)``, whose elements ``a + b F`` are pairs of numbers. A slope by
+slip or relaxation solves the same equation, with what the state matrix gains for ``R``.
+"""
+
+import math
+
+import numpy as np
+
+from stochlin.kernels.basics.compiled import called_often, entry
+from stochlin.kernels.linearization.cells.tiles import LANES, load, read3, store, write3
+
+SYSTEM = 5  # rows of an equivalent system
+FORCINGS = 9  # rows of a forcing, its slopes by slip and those by relaxation
+NOTHING = 0.0, 0.0
+
+
+@called_often
+def _apply(oscillator, u):
+    """``F u`` with the companion matrix ``F = [[0, 1], [-stiffness, -damping]]``."""
+    return u[1], -oscillator[0] * u[0] - oscillator[1] * u[1]
+
+
+@called_often
+def _divide(oscillator, a, b, u):
+    """``(a + b F)^-1 u``, by the conjugate ``a - b e - b F``."""
+    stiffness, damping = oscillator
+    norm = a * a - a * b * damping + b * b * stiffness
+    fu = _apply(oscillator, u)
+    conjugate = a - b * damping
+    return (conjugate * u[0] - b * fu[0]) / norm, (conjugate * u[1] - b * fu[1]) / norm
+
+
+@called_often
+def _sylvester(system, oscillator, r_mu, r_v, r_y):
+    """Rows of ``C``."""
+    w2, d, h, p, k = system
+    stiffness, e = oscillator
+    a2, a1, a0 = d + k, w2 + d * k - h * p, (w2 - h) * k
+    # D(-F) reduced by F^2 = -stiffness - e F
+    constant = a0 - (e + a2) * stiffness
+    linear = stiffness - e * e - a2 * e - a1
+    moved = _apply(oscillator, r_mu)
+    drive = r_v[0] + d * r_mu[0] - moved[0], r_v[1] + d * r_mu[1] - moved[1]
+    moved = _apply(oscillator, drive)
+    right = (
+        k * drive[0] - moved[0] + h * (r_y[0] - p * r_mu[0]),
+        k * drive[1] - moved[1] + h * (r_y[1] - p * r_mu[1]),
+    )
+    mu = _divide(oscillator, constant, linear, right)
+    moved = _apply(oscillator, mu)
+    velocity = -moved[0] - r_mu[0], -moved[1] - r_mu[1]
+    flow = k * mu[0] + p * velocity[0] + r_y[0], k * mu[1] + p * velocity[1] + r_y[1]
+    return mu, velocity, _divide(oscillator, k, -1.0, flow)
+
+
+@called_often
+def _signal(oscillator, rows):
+    """What the oscillator transmits, with ``mu``, ``mu'`` and ``y``."""
+    (mu, mu_rate), (v, v_rate), (y, y_rate) = rows
+    stiffness, damping = oscillator
+    return (
+        stiffness * mu + damping * mu_rate,
+        stiffness * v + damping * v_rate,
+        stiffness * y + damping * y_rate,
+    )
+
+
+@called_often
+def _less(one, other):
+    return one[0] - other[0], one[1] - other[1]
+
+
+@called_often
+def _less3(one, other):
+    return one[0] - other[0], one[1] - other[1], one[2] - other[2]
+
+
+@called_often
+def _of_soil(system, soil, right):
+    """Rows with the soil, and their slopes; ``right`` is its correlation with the force."""
+    rows = _sylvester(system, soil, NOTHING, right, NOTHING)
+    by_slip = _sylvester(system, soil, NOTHING, NOTHING, rows[1])
+    by_relaxation = _sylvester(system, soil, NOTHING, NOTHING, _less(rows[0], rows[2]))
+    return rows, by_slip, by_relaxation
+
+
+@called_often
+def _kanai_tajimi(system, ground):
+    """Under ``f = wg^2 xg + 2 xig wg xg'``, eqs. (11) and (12)."""
+    intensity, stiffness, damping = ground
+    soil = stiffness, damping
+    noise = math.pi * intensity / damping, math.pi * intensity
+    rows, by_slip, by_relaxation = _of_soil(system, soil, noise)
+    return _signal(soil, rows), _signal(soil, by_slip), _signal(soil, by_relaxation), rows
+
+
+@called_often
+def _with_layer(system, layer, still, signal, gained):
+    """Rows with the high-pass oscillator, which the soil drives."""
+    mu, v, y = signal
+    return _sylvester(system, layer, (0.0, mu), (still, v), (gained[0], gained[1] + y))
+
+
+@called_often
+def _clough_penzien(system, ground):
+    """Under ``f = xf''``, the soil's signal less what the high-pass oscillator takes.
+
+    That oscillator is itself a linear structure on the soil, and the cascade is block triangular: two
+    solutions of the same kind, one after the other.
+    """
+    intensity, stiffness, damping, layer_stiffness, layer_damping = ground
+    soil, layer = (stiffness, damping), (layer_stiffness, layer_damping)
+    noise = math.pi * intensity / damping, math.pi * intensity
+    alone = layer_stiffness, layer_damping, 0.0, 0.0, math.sqrt(layer_stiffness)
+    x, v, _ = _sylvester(alone, soil, NOTHING, noise, NOTHING)
+    still = -(stiffness * v[0] + damping * v[1]) / layer_damping
+    # E[q f] with f = f_soil - stiffness xf - damping xf'
+    right = (
+        noise[0] - layer_stiffness * x[0] - layer_damping * v[0],
+        noise[1] - layer_stiffness * x[1] - layer_damping * v[1],
+    )
+    of_soil, soil_by_slip, soil_by_relaxation = _of_soil(system, soil, right)
+    signal, by_slip, by_relaxation = (
+        _signal(soil, of_soil), _signal(soil, soil_by_slip), _signal(soil, soil_by_relaxation)
+    )  # fmt: skip
+    rows = _with_layer(system, layer, still, signal, NOTHING)
+    by_slip = _less3(by_slip, _signal(layer, _with_layer(system, layer, 0.0, by_slip, rows[1])))
+    gained = _less(rows[0], rows[2])
+    moved = _with_layer(system, layer, 0.0, by_relaxation, gained)
+    by_relaxation = _less3(by_relaxation, _signal(layer, moved))
+    return _less3(signal, _signal(layer, rows)), by_slip, by_relaxation, of_soil, rows
+
+
+@called_often
+def _system(tile, lane):
+    return *read3(tile, 0, lane), tile[3 * LANES + lane], tile[4 * LANES + lane]
+
+
+@called_often
+def _write_rows(tile, row, lane, rows, wide):
+    (mu, mu_rate), (v, v_rate), (y, y_rate) = rows
+    tile[row * LANES + lane] = mu
+    tile[(row + 1) * LANES + lane] = mu_rate
+    tile[(row + wide) * LANES + lane] = v
+    tile[(row + wide + 1) * LANES + lane] = v_rate
+    tile[(row + 2 * wide) * LANES + lane] = y
+    tile[(row + 2 * wide + 1) * LANES + lane] = y_rate
+
+
+@entry
+def kanai_tajimi(rows, found):
+    """``found`` (FORCINGS + 6, n) from ``rows`` (8, n): the system, ``S0``, ``wg^2``, ``2 xig wg``.
+
+    After the forcings come the correlations of ``mu``, ``mu'`` and ``y`` with the states.
+    """
+    given, made = np.ones(rows.shape[0] * LANES), np.empty(found.shape[0] * LANES)
+    for start in range(0, rows.shape[1], LANES):
+        load(rows, start, given, 0)
+        for lane in range(LANES):
+            ground = read3(given, SYSTEM, lane)
+            forcing, by_slip, by_relaxation, of_soil = _kanai_tajimi(_system(given, lane), ground)
+            write3(made, 0, lane, forcing)
+            write3(made, 3, lane, by_slip)
+            write3(made, 6, lane, by_relaxation)
+            _write_rows(made, FORCINGS, lane, of_soil, 2)
+        store(made, 0, found, start)
+
+
+@entry
+def clough_penzien(rows, found):
+    """The same (FORCINGS + 12, n), from (10, n): the soil, and ``wf^2`` and ``2 xif wf`` after it."""
+    given, made = np.ones(rows.shape[0] * LANES), np.empty(found.shape[0] * LANES)
+    for start in range(0, rows.shape[1], LANES):
+        load(rows, start, given, 0)
+        for lane in range(LANES):
+            ground = (
+                *read3(given, SYSTEM, lane), given[8 * LANES + lane], given[9 * LANES + lane]
+            )  # fmt: skip
+            found_here = _clough_penzien(_system(given, lane), ground)
+            forcing, by_slip, by_relaxation, of_soil, of_layer = found_here
+            write3(made, 0, lane, forcing)
+            write3(made, 3, lane, by_slip)
+            write3(made, 6, lane, by_relaxation)
+            _write_rows(made, FORCINGS, lane, of_soil, 4)
+            _write_rows(made, FORCINGS + 2, lane, of_layer, 4)
+        store(made, 0, found, start)

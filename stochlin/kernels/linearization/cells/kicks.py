@@ -1,0 +1,165 @@
+"""The kicks of a drift, for each cell: their variance by order, and what is remembered of half-cycles.
+
+`drift` has the equations, ``docs/drift.md`` where they come from.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stochlin.kernels.basics.compiled import compiled, entry
+from stochlin.kernels.linearization.cells.tiles import LANES, load, store
+
+TERMS = 8  # of the series of a matrix exponential,
+SMALL = 0.125  # over a time so short against that of the fastest rate
+
+
+@entry
+def variance_by_order(sz, growth, excess, weight, found):
+    """Eq. (2): ``found`` (orders + 1, n), over the square of the mean, by quadrature over amplitudes.
+
+    ``growth`` is ``exp(1/2 sz^2)``; the last row is what is beyond the orders.
+    """
+    orders = found.shape[0] - 1
+    std, threshold, energy, weighted = np.ones((4, LANES))
+    polynomials = np.empty((orders + 1) * LANES)
+    sums, square = np.empty((orders + 1) * LANES), np.empty(LANES)
+    for start in range(0, sz.size, LANES):
+        count = min(LANES, sz.size - start)
+        std[:count] = sz[start : start + count]
+        sums[:], square[:] = 0.0, 0.0
+        for lane in range(LANES):
+            threshold[lane] = 0.5 / (std[lane] * std[lane])
+        for node in range(excess.size):
+            for lane in range(LANES):
+                energy[lane] = threshold[lane] + excess[node]
+                # sqrt(2 E) sz - 1 without subtraction
+                size = 2 * std[lane] * std[lane] * excess[node]
+                size /= std[lane] * np.sqrt(2 * energy[lane]) + 1
+                weighted[lane] = weight[node] * size
+                square[lane] += weighted[lane] * size
+            _add_polynomials(energy, weighted, polynomials, sums, orders)
+        for lane in range(count):
+            mean = sums[lane]
+            left = square[lane] / (mean * mean) * growth[start + lane] - 1
+            for order in range(1, orders + 1):
+                share = sums[order * LANES + lane] / mean
+                found[order - 1, start + lane] = share * share
+                left -= share * share
+            found[orders, start + lane] = np.maximum(left, 0.0)
+
+
+@compiled
+def _add_polynomials(energy, weighted, polynomials, sums, orders):
+    """Those of Laguerre, weighted."""
+    for lane in range(LANES):
+        polynomials[lane], polynomials[LANES + lane] = 1.0, 1.0 - energy[lane]
+        sums[lane] += weighted[lane]
+        sums[LANES + lane] += weighted[lane] * polynomials[LANES + lane]
+    for order in range(2, orders + 1):
+        here, factor, share = order * LANES, 2.0 * order - 1, 1.0 / order
+        for lane in range(LANES):
+            value = (factor - energy[lane]) * polynomials[here - LANES + lane]
+            value = (value - (order - 1) * polynomials[here - 2 * LANES + lane]) * share
+            polynomials[here + lane] = value
+            sums[here + lane] += weighted[lane] * value
+
+
+@entry
+def add_powers(memory, found):
+    """Eq. (3): ``sum over n of R_n^(2 j + 1)``, both ways in time, by order ``j``.
+
+    Powers of a correlation function are correlation functions: with Bartlett's window no sum is
+    negative.
+    """
+    cycles, orders = memory.shape[0], found.shape[0]
+    sums, given = np.empty(orders * LANES), np.zeros(cycles * LANES)
+    power, square = np.empty(LANES), np.empty(LANES)
+    for start in range(0, memory.shape[1], LANES):
+        load(memory, start, given, 0)
+        sums[:] = 1.0
+        for n in range(cycles):
+            window = 2 * (1 - (n + 1) / cycles)
+            for lane in range(LANES):
+                value = given[n * LANES + lane]
+                power[lane], square[lane] = window * value, value * value
+            for order in range(orders):
+                for lane in range(LANES):
+                    power[lane] *= square[lane]
+                    sums[order * LANES + lane] += power[lane]
+        for at in range(sums.size):
+            sums[at] = max(sums[at], 0.0)
+        store(sums, 0, found, start)
+
+
+@entry
+def follow(matrix, time, turns, states, found):
+    """``z`` (cycles, n) after each ``time`` (n,) of free motion ``x' = A x`` from ``states`` (k, n).
+
+    ``matrix`` is ``A`` (k * k, n), ``turns`` bounds its eigenvalues times ``time``. The displacement is
+    the first state and the slip the third.
+    """
+    size, cycles = states.shape[0], found.shape[0]
+    part, step, other = (
+        np.zeros(size * size * LANES), np.empty(size * size * LANES), np.empty(size * size * LANES)
+    )  # fmt: skip
+    here, after = np.zeros(size * LANES), np.empty(size * LANES)
+    made, doublings = np.empty(cycles * LANES), np.zeros(LANES)
+    for start in range(0, time.size, LANES):
+        count = min(LANES, time.size - start)
+        load(matrix, start, part, 0)
+        load(states, start, here, 0)
+        for lane in range(count):
+            here_turns = turns[start + lane]
+            known = here_turns > SMALL and np.isfinite(here_turns)
+            doublings[lane] = np.ceil(np.log2(here_turns / SMALL)) if known else 0.0
+            share = time[start + lane] / 2.0 ** doublings[lane]
+            for row in range(size * size):
+                part[row * LANES + lane] *= share
+        _exponential(part, doublings, size, step, other)
+        for n in range(cycles):
+            after[:] = 0.0
+            for i in range(size):
+                for j in range(size):
+                    for lane in range(LANES):
+                        after[i * LANES + lane] += (
+                            step[(i * size + j) * LANES + lane] * here[j * LANES + lane]
+                        )
+            here[:] = after
+            for lane in range(LANES):
+                made[n * LANES + lane] = here[lane] - here[2 * LANES + lane]
+        store(made, 0, found, start)
+
+
+@compiled
+def _exponential(part, doublings, size, total, other):
+    """By series over a part of the time, then doubling, lane by lane as often as it takes."""
+    for i in range(size * size):
+        one = 1.0 if i % (size + 1) == 0 else 0.0
+        for lane in range(LANES):
+            total[i * LANES + lane] = one + part[i * LANES + lane] / TERMS
+    for order in range(TERMS - 1, 0, -1):
+        _multiply(part, total, size, other)
+        for i in range(size * size):
+            one = 1.0 if i % (size + 1) == 0 else 0.0
+            for lane in range(LANES):
+                total[i * LANES + lane] = one + other[i * LANES + lane] / order
+    for doubling in range(int(doublings.max())):
+        _multiply(total, total, size, other)
+        for i in range(size * size):
+            for lane in range(LANES):
+                more = doubling < doublings[lane]
+                kept = total[i * LANES + lane]
+                total[i * LANES + lane] = other[i * LANES + lane] if more else kept
+
+
+@compiled
+def _multiply(left, right, size, product):
+    product[:] = 0.0
+    for i in range(size):
+        for j in range(size):
+            for k in range(size):
+                for lane in range(LANES):
+                    product[(i * size + k) * LANES + lane] += (
+                        left[(i * size + j) * LANES + lane] * right[(j * size + k) * LANES + lane]
+                    )

@@ -1,0 +1,19 @@
+"""A function of one number by Chebyshev series, a series for each unit of its range."""
+
+from stochlin.kernels.basics.compiled import entry
+from stochlin.kernels.linearization.cells.tiles import LANES
+
+
+@entry
+def evaluate(x, begin, table, found):
+    """``found`` (n,) at ``x``, held at the ends; ``table`` (terms, panels) begins at ``begin``."""
+    terms, panels = table.shape
+    for start in range(0, x.size, LANES):
+        for lane in range(start, min(start + LANES, x.size)):
+            at = min(max(x[lane] - begin, 0.0), float(panels))
+            panel = min(int(at), panels - 1)
+            u = 4 * (at - panel) - 2
+            one, two = 0.0, 0.0
+            for n in range(terms - 1, 0, -1):
+                one, two = table[n, panel] + u * one - two, one
+            found[lane] = table[0, panel] + 0.5 * u * one - two
