@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import copy
 import dataclasses
-from collections.abc import Collection, Iterator, Mapping
+import functools
+from collections.abc import Collection, Mapping
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -22,7 +23,8 @@ ALONE = (
     "one building alone, beside its property line, is taken by separation, existing_gap, recorded_gap, "
     "pounding_risk and required_gap"
 )
-_MADE = "_arrays"  # of a model, which stays as it is: its parameters as arrays, once they were asked for
+# Of a model, which stays as it is: its parameters, and they as arrays, once they were asked for.
+_CELLS, _MADE = "_cells", "_arrays"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -83,14 +85,17 @@ class Model:
 
     def __post_init__(self) -> None:
         prefix = "" if self.of_arguments else f"{type(self).__name__}: "
+        several = []
         for field in self._declared():
             value = getattr(self, field.name)
             if value is not None or field.default is not None:
                 checked = check(prefix, field.name, value, field.metadata)
                 object.__setattr__(self, field.name, checked)
-        self.__dict__.pop(_MADE, None)
+                several += [checked] if isinstance(checked, xr.DataArray) else []
+        self._forget()
         try:
-            xr.align(*self.arrays().values(), join="exact", copy=False)
+            if len(several) > 1:
+                xr.align(*several, join="exact", copy=False)
         except (xr.AlignmentError, ValueError) as error:
             raise ValueError(
                 f"{prefix}parameters share a dimension, not its coordinates or length: "
@@ -99,8 +104,8 @@ class Model:
             ) from error
 
     @classmethod
-    def _declared(cls) -> Iterator[dataclasses.Field[Any]]:
-        return (field for field in dataclasses.fields(cls) if "allowed" in field.metadata)
+    def _declared(cls) -> tuple[dataclasses.Field[Any], ...]:
+        return _declared_of(cls)  # type: ignore[arg-type]
 
     @classmethod
     def kinds(cls) -> Collection[type[Model]]:
@@ -125,15 +130,26 @@ class Model:
         """The unit of a parameter."""
         return str(cls.__dataclass_fields__[name].metadata["units"])
 
+    def cells(self) -> dict[str, Any]:
+        """The parameters that are set: numbers, and labelled arrays."""
+        made: dict[str, Any] | None = self.__dict__.get(_CELLS)
+        if made is None:
+            values = ((field.name, getattr(self, field.name)) for field in self._declared())
+            made = {name: value for name, value in values if value is not None}
+            object.__setattr__(self, _CELLS, made)
+        return dict(made)
+
+    def _forget(self) -> None:
+        for made in (_CELLS, _MADE):
+            self.__dict__.pop(made, None)
+
     def arrays(self) -> dict[str, xr.DataArray]:
         """The parameters that are set, as labelled arrays (0-d for scalars)."""
         made: dict[str, xr.DataArray] | None = self.__dict__.get(_MADE)
         if made is None:
-            values = {f.name: getattr(self, f.name) for f in self._declared()}
             made = {
                 name: value if isinstance(value, xr.DataArray) else xr.DataArray(value)
-                for name, value in values.items()
-                if value is not None
+                for name, value in self.cells().items()
             }
             object.__setattr__(self, _MADE, made)
         return dict(made)
@@ -145,7 +161,7 @@ class Model:
     def isel(self, indexers: Mapping[Any, int | slice]) -> Self:
         """The model with only these cells along the dimensions that it has."""
         part = copy.copy(self)
-        part.__dict__.pop(_MADE, None)
+        part._forget()
         for name, array in self.arrays().items():
             if array.ndim:
                 object.__setattr__(part, name, array.isel(indexers, missing_dims="ignore"))
@@ -154,15 +170,20 @@ class Model:
     def valid(self) -> xr.DataArray:
         """True for the cells in which every parameter is in its range."""
         ok = xr.DataArray(True)
-        for name, array in self.arrays().items():
-            if array.ndim:  # a number has been checked before
-                ok = ok & self.allowed(name).contains(array)
+        for name, value in self.cells().items():
+            if isinstance(value, xr.DataArray):  # a number has been checked before
+                ok = ok & self.allowed(name).contains(value)
         return ok
 
     def describe(self) -> str:
         """One line with the parameters, long arrays by their range: for metadata and charts."""
-        parts = [f"{name}={_brief(value)}" for name, value in self.arrays().items()]
+        parts = [f"{name}={_brief(value)}" for name, value in self.cells().items()]
         return f"{type(self).__name__}({', '.join(parts)})"
+
+
+@functools.cache
+def _declared_of(kind: type[Model]) -> tuple[dataclasses.Field[Any], ...]:
+    return tuple(field for field in dataclasses.fields(kind) if "allowed" in field.metadata)
 
 
 def _package(kind: type) -> str:
@@ -215,8 +236,8 @@ def check(prefix: str, name: str, value: Any, declared: Mapping[str, Any]) -> fl
     return array
 
 
-def _brief(value: xr.DataArray) -> str:
-    if value.ndim == 0:
+def _brief(value: float | xr.DataArray) -> str:
+    if not isinstance(value, xr.DataArray) or value.ndim == 0:
         return f"{float(value):.6g}"
     if value.chunks is not None:  # not computed to be described
         return f"[{value.size} values in chunks over {', '.join(map(str, value.dims))}]"

@@ -8,6 +8,8 @@ the derived correlations, and its correction from the map of simulations.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import xarray as xr
 
@@ -24,7 +26,7 @@ from stochlin.analyses.linearization.drift_map import (
 )
 from stochlin.analyses.linearization.equivalent_systems import solve_derived
 from stochlin.analyses.linearization.tolerance import Tolerance
-from stochlin.analyses.tables.cellwise import cellwise
+from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, lone
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.correlation.nearness import AXES, ENTRIES, Nearness
 from stochlin.kernels.correlation.signatures import Insight, insight, signature
@@ -52,7 +54,7 @@ def references(ground: Ground) -> Bilinear:
     )
 
 
-def derived_signatures(solved: list[xr.Dataset], known: xr.Dataset) -> list[xr.DataArray]:
+def derived_signatures(solved: Sequence[Solved], known: xr.Dataset) -> list[xr.DataArray]:
     """Signatures of structures over the references, all with the drifts of `solve_derived`."""
     gram = derived_correlation(known, known.rename({REFERENCE: OTHER}))
     core = ([REFERENCE], [REFERENCE, OTHER])
@@ -69,10 +71,10 @@ def _signature(joint: Array, gram: Array) -> Array:
 
 def insights(
     structures: tuple[Structure, Structure],
-    solved: list[xr.Dataset],
+    solved: Sequence[Solved],
     ground: Ground,
     tolerance: Tolerance,
-) -> list[list[xr.DataArray]]:
+) -> list[list[Cells]]:
     """Arrays of what the map knows of both structures, flat; none where it does not know the ground.
 
     Those of the `Insight`, and then those of the `Nearness`.
@@ -82,20 +84,20 @@ def insights(
     pairs = list(zip(structures, solved, strict=True))
     points = [point_of(structure, ground, side) for structure, side in pairs]
     if isinstance(ground, WhiteNoise):
-        soil = [xr.DataArray(1.0), xr.DataArray(AS_ON_WHITE_NOISE)]
+        soil = [1.0, AS_ON_WHITE_NOISE]
         both = zip(points, pairs, strict=True)
-        return [_like([*point, *soil], one.arrays()["period"]) for point, (one, _) in both]
+        return [_like([*point, *soil], one.cells()["period"]) for point, (one, _) in both]
     known = solve_derived(references(ground), ground, DRIFT, tolerance)
     told = []
     for point, own in zip(points, derived_signatures(solved, known), strict=True):
         parts = [own.isel({REFERENCE: n}, drop=True) for n in range(own.sizes[REFERENCE])]
         correction = hold_at_ends(SIGNATURE, point)
         seen = cellwise(_insight, *parts, *correction, kinds=(float,) * (2 * len(parts) + 1))
-        told.append([*seen, *_like(point, point[-1])])
+        told.append([*map(lone, seen), *_like(point, point[-1])])
     return told
 
 
-def _like(point: list[xr.DataArray], period: xr.DataArray) -> list[xr.DataArray]:
+def _like(point: list[Cells], period: Cells) -> list[Cells]:
     """Arrays of the `Nearness`; periods are compared with one another only."""
     arrays = (period, *point[:3], *hold_at_ends(NEARNESS, point))
     return list(cellwise(_nearness, *arrays, kinds=(float,) * OF_NEARNESS))
