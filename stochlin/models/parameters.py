@@ -5,7 +5,8 @@ from __future__ import annotations
 import copy
 import dataclasses
 import functools
-from collections.abc import Collection, Mapping
+import operator
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -94,7 +95,7 @@ class Model:
                 several += [checked] if isinstance(checked, xr.DataArray) else []
         self._forget()
         try:
-            if len(several) > 1:
+            if not _plainly_alike(several):
                 xr.align(*several, join="exact", copy=False)
         except (xr.AlignmentError, ValueError) as error:
             raise ValueError(
@@ -169,11 +170,15 @@ class Model:
 
     def valid(self) -> xr.DataArray:
         """True for the cells in which every parameter is in its range."""
-        ok = xr.DataArray(True)
-        for name, value in self.cells().items():
-            if isinstance(value, xr.DataArray):  # a number has been checked before
-                ok = ok & self.allowed(name).contains(value)
-        return ok
+        # A number has been checked before.
+        arrays = {n: value for n, value in self.cells().items() if isinstance(value, xr.DataArray)}
+        if not arrays:
+            return xr.DataArray(True)
+        inside = [self.allowed(name).contains(array.data) for name, array in arrays.items()]
+        if _plainly_alike(list(arrays.values())):
+            inside, arrays = [functools.reduce(operator.and_, inside)], dict([arrays.popitem()])
+        labelled = (array.copy(data=x) for array, x in zip(arrays.values(), inside, strict=True))
+        return functools.reduce(operator.and_, labelled)
 
     def describe(self) -> str:
         """One line with the parameters, long arrays by their range: for metadata and charts."""
@@ -184,6 +189,14 @@ class Model:
 @functools.cache
 def _declared_of(kind: type[Model]) -> tuple[dataclasses.Field[Any], ...]:
     return tuple(field for field in dataclasses.fields(kind) if "allowed" in field.metadata)
+
+
+def _plainly_alike(arrays: Sequence[xr.DataArray]) -> bool:
+    """Whether they have the same dimensions and no coordinates, so that there is nothing to align."""
+    return not any(
+        len(array.coords) or array.dims != arrays[0].dims or array.shape != arrays[0].shape
+        for array in arrays
+    )
 
 
 def _package(kind: type) -> str:
@@ -208,7 +221,7 @@ def check(prefix: str, name: str, value: Any, declared: Mapping[str, Any]) -> fl
     """The value of a parameter, checked and labelled with what is ``declared`` of it."""
     label, allowed = f"{prefix}{name}", declared["allowed"]
     try:
-        array = value.copy(deep=False) if isinstance(value, xr.DataArray) else np.asarray(value)
+        array = value if isinstance(value, xr.DataArray) else np.asarray(value)
     except (ValueError, TypeError) as error:  # ragged lists; a dataset
         raise TypeError(f"{label} = {brief(value)} is not a real number; allowed: {allowed}") from error
     if array.dtype.kind not in "iuf":
@@ -228,8 +241,8 @@ def check(prefix: str, name: str, value: Any, declared: Mapping[str, Any]) -> fl
     if not array.size:
         raise ValueError(f"{label} is empty; allowed: at least one value")
     described = {key: declared[key] for key in ("units", "long_name")}
-    array = array.astype(float)
-    array = array.assign_attrs(described | array.attrs)
+    array = array.copy(data=array.data.astype(float))
+    array.attrs = described | array.attrs
     if name in array.coords:
         axis = array.coords[name]
         array = array.assign_coords({name: axis.assign_attrs(described | axis.attrs)})
