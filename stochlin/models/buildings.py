@@ -47,8 +47,8 @@ class RegularBuilding(Model):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name, array in self.arrays().items():
-            if array.ndim and name != "storey_height":
+        for name, value in self.cells().items():
+            if isinstance(value, xr.DataArray) and name != "storey_height":
                 raise ValueError(f"{name} is an array; allowed: one number for the building")
         _check_ranges(self, "")
 
@@ -226,7 +226,7 @@ class ShearBuilding(Model):
                 DoubtfulInput,
                 stacklevel=2,
             )
-        values = {name: array.to_numpy() for name, array in known.arrays().items()}
+        values = {name: np.asarray(value) for name, value in known.cells().items()}
         heights = values["storey_height"]
         if heights.ndim and heights.shape != (storeys,):
             raise ValueError(
@@ -266,7 +266,7 @@ class ShearBuilding(Model):
     @property
     def storeys(self) -> int:
         """Number of storeys."""
-        return self.arrays()["masses"].sizes[STOREY]
+        return int(self.cells()["masses"].size)
 
     @property
     def yields(self) -> bool:
@@ -279,13 +279,15 @@ class ShearBuilding(Model):
 
         Only what the law knows counts: closures, time steps and the parameters of the law.
         """
-        values = {name: xr.DataArray(each, dims=STOREY) for name, each in self._over_all().items()}
+        values = self._over_all
+        periods = 2 * np.pi * np.sqrt(values["masses"] / values["stiffnesses"])
         common: dict[str, Any] = {
-            "period": 2 * np.pi * np.sqrt(values["masses"] / values["stiffnesses"]),
+            "period": xr.DataArray(periods, dims=STOREY),
             "damping": self.damping,
         }
         if self.yields:
-            common |= {"hardening": self.hardening, "yield_displacement": values["yield_drifts"]}
+            drifts = xr.DataArray(values["yield_drifts"], dims=STOREY)
+            common |= {"hardening": self.hardening, "yield_displacement": drifts}
         own = dict(self._own_parameters())
         law = law_of(self.law, common, own)
         bad = np.flatnonzero(~np.broadcast_to(law.valid(), self.storeys))
@@ -299,7 +301,7 @@ class ShearBuilding(Model):
 
     def levels(self) -> Array:
         """Heights of the floors above the ground (storeys,) [m]."""
-        return np.cumsum(self.arrays()["heights"].to_numpy())
+        return np.cumsum(self._over_all["heights"])
 
     def periods(self) -> xr.DataArray:
         """Periods of the elastic building [s] over ``mode``, counted from 1: the longest first."""
@@ -313,7 +315,7 @@ class ShearBuilding(Model):
 
         ``phi' M 1/(phi' M phi)`` times the shape ``phi``.
         """
-        mass, shape = self.arrays()["masses"].to_numpy(), self._modes()[1][:, 0]
+        mass, shape = self._over_all["masses"], self._modes()[1][:, 0]
         attrs = {"units": "1", "long_name": "displacement of the floor over that of the oscillator"}
         floors = {FLOOR: np.arange(1, mass.size + 1)}
         return xr.DataArray((mass @ shape) * shape, dims=FLOOR, coords=floors, attrs=attrs)
@@ -337,12 +339,12 @@ class ShearBuilding(Model):
         >>> round(first.period, 3), round(first.yield_displacement, 4), round(first.mass / 6e5, 3)
         (0.316, 0.0184, 0.914)
         """
-        mass, shape = self.arrays()["masses"].to_numpy(), self._modes()[1][:, 0]
+        mass, shape = self._over_all["masses"], self._modes()[1][:, 0]
         moves = self.participation().to_numpy()
         law = self.storey_law
         weakest, strength = 0, dict[str, Any]()
         if self.yields:
-            at_yield = self._over_all()["yield_drifts"] / np.abs(np.diff(moves, prepend=0.0))
+            at_yield = self._over_all["yield_drifts"] / np.abs(np.diff(moves, prepend=0.0))
             weakest = int(np.argmin(at_yield))
             strength = {"hardening": self.hardening, "yield_displacement": float(at_yield[weakest])}
         own: dict[str, Any] = {
@@ -364,20 +366,19 @@ class ShearBuilding(Model):
 
         The weight over the height of the storey; zeros without ``p_delta``.
         """
-        values = self.arrays()
         if not self.p_delta:
             return np.zeros(self.storeys)
-        above = values["masses"].to_numpy()[::-1].cumsum()[::-1]
-        taken: Array = GRAVITY * above / values["heights"].to_numpy()
+        above = self._over_all["masses"][::-1].cumsum()[::-1]
+        taken: Array = GRAVITY * above / self._over_all["heights"]
         return taken
 
     def damping_matrix(self) -> Array:
         """Damping coefficients (storeys, storeys) [N s/m] of the floors."""
         w, shapes = self._modes()
-        values = self._over_all()
+        values = self._over_all
         modal = values["masses"][:, None] * shapes
         drifts = np.eye(w.size) - np.eye(w.size, k=-1)
-        by_modes = (modal * (2 * float(self.arrays()["damping"]) * w)) @ modal.T
+        by_modes = (modal * (2 * self.cells()["damping"] * w)) @ modal.T
         return by_modes + (drifts.T * values.get("dampers", np.zeros(w.size))) @ drifts
 
     def describe(self) -> str:
@@ -405,18 +406,18 @@ class ShearBuilding(Model):
             )
         return array
 
+    @cached_property
     def _over_all(self) -> dict[str, Array]:
         """Parameters of the storeys as arrays (storeys,)."""
-        values = self.arrays()
+        values = {name: value for name, value in self.cells().items() if name in OF_STOREYS}
         return {
-            name: np.broadcast_to(values[name].to_numpy(), self.storeys)
-            for name in OF_STOREYS
-            if name in values
+            name: value.values if isinstance(value, xr.DataArray) else np.full(self.storeys, value)
+            for name, value in values.items()
         }
 
     def _check_weight(self) -> None:
-        stiffness, taken = self._over_all()["stiffnesses"], self.geometric_stiffness()
-        if (stiffness <= taken).any():
+        stiffness, taken = self._over_all["stiffnesses"], self.geometric_stiffness()
+        if self.p_delta and (stiffness <= taken).any():
             worst = int(np.argmin(stiffness - taken))
             raise ValueError(
                 f"{type(self).__name__}: the weight above takes {taken[worst]:g} N/m from storey "
@@ -426,8 +427,8 @@ class ShearBuilding(Model):
 
     def _modes(self) -> tuple[Array, Array]:
         """Circular frequencies and mode shapes of unit modal mass, one a column."""
-        root = np.sqrt(self.arrays()["masses"].to_numpy())
-        k = self.arrays()["stiffnesses"].to_numpy() - self.geometric_stiffness()
+        root = np.sqrt(self._over_all["masses"])
+        k = self._over_all["stiffnesses"] - self.geometric_stiffness()
         with np.errstate(all="ignore"):
             diagonal = (k + np.append(k[1:], 0.0)) / root**2
             beside = -k[1:] / (root[:-1] * root[1:])
@@ -442,9 +443,11 @@ class ShearBuilding(Model):
 
 def _check_ranges(model: Model, prefix: str) -> None:
     """Raise for a number out of range in any storey."""
-    for key, value in model.arrays().items():
+    for key, value in model.cells().items():
+        if not isinstance(value, xr.DataArray):  # a number has been checked before
+            continue
         allowed = model.allowed(key)
-        bad = np.flatnonzero(~np.atleast_1d(allowed.contains(value.to_numpy())))
+        bad = np.flatnonzero(~allowed.contains(value.to_numpy()))
         if bad.size:
             raise ValueError(
                 f"{prefix}{key} = {float(value[bad[0]]):g} in storey {bad[0] + 1} is out of range; "

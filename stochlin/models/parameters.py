@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import copy
 import dataclasses
-from collections.abc import Collection, Iterator, Mapping
+import functools
+import operator
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -22,7 +24,8 @@ ALONE = (
     "one building alone, beside its property line, is taken by separation, existing_gap, recorded_gap, "
     "pounding_risk and required_gap"
 )
-_MADE = "_arrays"  # of a model, which stays as it is: its parameters as arrays, once they were asked for
+# Of a model, which stays as it is: its parameters, and they as arrays, once they were asked for.
+_CELLS, _MADE = "_cells", "_arrays"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -83,14 +86,17 @@ class Model:
 
     def __post_init__(self) -> None:
         prefix = "" if self.of_arguments else f"{type(self).__name__}: "
+        several = []
         for field in self._declared():
             value = getattr(self, field.name)
             if value is not None or field.default is not None:
                 checked = check(prefix, field.name, value, field.metadata)
                 object.__setattr__(self, field.name, checked)
-        self.__dict__.pop(_MADE, None)
+                several += [checked] if isinstance(checked, xr.DataArray) else []
+        self._forget()
         try:
-            xr.align(*self.arrays().values(), join="exact", copy=False)
+            if not _plainly_alike(several):
+                xr.align(*several, join="exact", copy=False)
         except (xr.AlignmentError, ValueError) as error:
             raise ValueError(
                 f"{prefix}parameters share a dimension, not its coordinates or length: "
@@ -99,8 +105,8 @@ class Model:
             ) from error
 
     @classmethod
-    def _declared(cls) -> Iterator[dataclasses.Field[Any]]:
-        return (field for field in dataclasses.fields(cls) if "allowed" in field.metadata)
+    def _declared(cls) -> tuple[dataclasses.Field[Any], ...]:
+        return _declared_of(cls)  # type: ignore[arg-type]
 
     @classmethod
     def kinds(cls) -> Collection[type[Model]]:
@@ -125,15 +131,26 @@ class Model:
         """The unit of a parameter."""
         return str(cls.__dataclass_fields__[name].metadata["units"])
 
+    def cells(self) -> dict[str, Any]:
+        """The parameters that are set: numbers, and labelled arrays."""
+        made: dict[str, Any] | None = self.__dict__.get(_CELLS)
+        if made is None:
+            values = ((field.name, getattr(self, field.name)) for field in self._declared())
+            made = {name: value for name, value in values if value is not None}
+            object.__setattr__(self, _CELLS, made)
+        return dict(made)
+
+    def _forget(self) -> None:
+        for made in (_CELLS, _MADE):
+            self.__dict__.pop(made, None)
+
     def arrays(self) -> dict[str, xr.DataArray]:
         """The parameters that are set, as labelled arrays (0-d for scalars)."""
         made: dict[str, xr.DataArray] | None = self.__dict__.get(_MADE)
         if made is None:
-            values = {f.name: getattr(self, f.name) for f in self._declared()}
             made = {
                 name: value if isinstance(value, xr.DataArray) else xr.DataArray(value)
-                for name, value in values.items()
-                if value is not None
+                for name, value in self.cells().items()
             }
             object.__setattr__(self, _MADE, made)
         return dict(made)
@@ -145,7 +162,7 @@ class Model:
     def isel(self, indexers: Mapping[Any, int | slice]) -> Self:
         """The model with only these cells along the dimensions that it has."""
         part = copy.copy(self)
-        part.__dict__.pop(_MADE, None)
+        part._forget()
         for name, array in self.arrays().items():
             if array.ndim:
                 object.__setattr__(part, name, array.isel(indexers, missing_dims="ignore"))
@@ -153,16 +170,33 @@ class Model:
 
     def valid(self) -> xr.DataArray:
         """True for the cells in which every parameter is in its range."""
-        ok = xr.DataArray(True)
-        for name, array in self.arrays().items():
-            if array.ndim:  # a number has been checked before
-                ok = ok & self.allowed(name).contains(array)
-        return ok
+        # A number has been checked before.
+        arrays = {n: value for n, value in self.cells().items() if isinstance(value, xr.DataArray)}
+        if not arrays:
+            return xr.DataArray(True)
+        inside = [self.allowed(name).contains(array.data) for name, array in arrays.items()]
+        if _plainly_alike(list(arrays.values())):
+            inside, arrays = [functools.reduce(operator.and_, inside)], dict([arrays.popitem()])
+        labelled = (array.copy(data=x) for array, x in zip(arrays.values(), inside, strict=True))
+        return functools.reduce(operator.and_, labelled)
 
     def describe(self) -> str:
         """One line with the parameters, long arrays by their range: for metadata and charts."""
-        parts = [f"{name}={_brief(value)}" for name, value in self.arrays().items()]
+        parts = [f"{name}={_brief(value)}" for name, value in self.cells().items()]
         return f"{type(self).__name__}({', '.join(parts)})"
+
+
+@functools.cache
+def _declared_of(kind: type[Model]) -> tuple[dataclasses.Field[Any], ...]:
+    return tuple(field for field in dataclasses.fields(kind) if "allowed" in field.metadata)
+
+
+def _plainly_alike(arrays: Sequence[xr.DataArray]) -> bool:
+    """Whether they have the same dimensions and no coordinates, so that there is nothing to align."""
+    return not any(
+        len(array.coords) or array.dims != arrays[0].dims or array.shape != arrays[0].shape
+        for array in arrays
+    )
 
 
 def _package(kind: type) -> str:
@@ -187,7 +221,7 @@ def check(prefix: str, name: str, value: Any, declared: Mapping[str, Any]) -> fl
     """The value of a parameter, checked and labelled with what is ``declared`` of it."""
     label, allowed = f"{prefix}{name}", declared["allowed"]
     try:
-        array = value.copy(deep=False) if isinstance(value, xr.DataArray) else np.asarray(value)
+        array = value if isinstance(value, xr.DataArray) else np.asarray(value)
     except (ValueError, TypeError) as error:  # ragged lists; a dataset
         raise TypeError(f"{label} = {brief(value)} is not a real number; allowed: {allowed}") from error
     if array.dtype.kind not in "iuf":
@@ -207,16 +241,16 @@ def check(prefix: str, name: str, value: Any, declared: Mapping[str, Any]) -> fl
     if not array.size:
         raise ValueError(f"{label} is empty; allowed: at least one value")
     described = {key: declared[key] for key in ("units", "long_name")}
-    array = array.astype(float)
-    array = array.assign_attrs(described | array.attrs)
+    array = array.copy(data=array.data.astype(float))
+    array.attrs = described | array.attrs
     if name in array.coords:
         axis = array.coords[name]
         array = array.assign_coords({name: axis.assign_attrs(described | axis.attrs)})
     return array
 
 
-def _brief(value: xr.DataArray) -> str:
-    if value.ndim == 0:
+def _brief(value: float | xr.DataArray) -> str:
+    if not isinstance(value, xr.DataArray) or value.ndim == 0:
         return f"{float(value):.6g}"
     if value.chunks is not None:  # not computed to be described
         return f"[{value.size} values in chunks over {', '.join(map(str, value.dims))}]"

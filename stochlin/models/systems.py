@@ -134,8 +134,8 @@ class System(NamedTuple):
 
 def stack_of(structure: AnyStructure) -> Stack:
     """A structure with scalar parameters, whose strength is given in metres; without a mass, of 1 kg."""
-    values = {name: array.to_numpy() for name, array in structure.arrays().items()}
     if isinstance(structure, ShearBuilding):
+        values = {name: np.asarray(value) for name, value in structure.cells().items()}
         n, k, yields = structure.storeys, values["stiffnesses"], structure.yields
         hardening = float(values["hardening"]) if yields else 1.0
         return Stack(
@@ -160,7 +160,7 @@ def stacks_of(oscillators: Structure, dimension: str, count: int) -> list[Stack]
 
 def _of_oscillators(structure: Structure, count: int) -> Iterator[Stack]:
     """A stack for each value; ``law`` has them all."""
-    values = {name: array.to_numpy() for name, array in structure.arrays().items()}
+    values = {name: np.asarray(value) for name, value in structure.cells().items()}
     mass = float(values.get("mass", 1.0))
     w = 2 * np.pi / values["period"]
     hardening = values["hardening"] if structure.yields else 1.0

@@ -4,26 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from stochlin.analyses.correlation.drifting import drifting_pairs
 from stochlin.analyses.correlation.effective import EQ_4, effective_pair
-from stochlin.analyses.correlation.errors import with_difference
+from stochlin.analyses.correlation.errors import difference
 from stochlin.analyses.correlation.linearized import SHOWN, linearized_pairs
 from stochlin.analyses.correlation.simulated import SimulationSettings, simulate_pairs
 from stochlin.analyses.correlation.storeys import floor_pairs
 from stochlin.analyses.correlation.variables import VARIABLES
 from stochlin.analyses.linearization.equivalent_systems import (
     check_closure,
-    solve_elastic,
-    solve_structure,
+    elastic_cells,
+    solved_cells,
 )
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.cellwise import cellwise_pair
+from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, cellwise_pair, valid_cells
 from stochlin.analyses.tables.work import check_work, count_cells
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
@@ -151,11 +151,13 @@ def correlate(
             * count_cells(first, second, ground),
         )
         asked = Question((first, second), ground, closure, tolerance, rule, settings)
-        table, details = METHODS[method](asked)
+        found, details, attrs = METHODS[method](asked)
+        table = xr.Dataset(found | difference(found), attrs=attrs)
     else:
         both = first, second
         table, details = floor_pairs(both, ground, method, closure, tolerance, settings)
-    table = labels.label(with_difference(table), VARIABLES)
+        table = table.assign(difference(table))
+    table = labels.label(table, VARIABLES)
     case = f"correlate({first.describe()}, {second.describe()}, {ground.describe()})"
     labels.raise_if_lone_failure(table, case)
     return labels.with_run_information(
@@ -182,43 +184,43 @@ class Question(NamedTuple):
         return any(structure.yields for structure in self.pair)
 
 
-Answer = tuple[xr.Dataset, str]  # and how it was made, for its history
+# What was found, how it was made, for its history, and what the attributes say besides.
+Answer = tuple[dict[str, Cells], str, dict[str, Any]]
 
 
 def _by_linearization(asked: Question) -> Answer:
     drifts = asked.closure == DRIFT
     if drifts:
-        table = drifting_pairs(*asked.pair, asked.ground, asked.tolerance)
+        found = drifting_pairs(*asked.pair, asked.ground, asked.tolerance)
     else:
-        table = linearized_pairs(*asked.pair, asked.ground, asked.closure, asked.tolerance)
-    if asked.yields:
-        linear = f"{labels.CAUTION_RHO} {labels.CAUTION_SIGMA}"
-        table.attrs["comment"] = labels.CAUTION_DRIFT if drifts else linear
-    return table, f"closure={asked.closure!r}"
+        found = linearized_pairs(*asked.pair, asked.ground, asked.closure, asked.tolerance)
+    linear = f"{labels.CAUTION_RHO} {labels.CAUTION_SIGMA}"
+    attrs = {"comment": labels.CAUTION_DRIFT if drifts else linear} if asked.yields else {}
+    return found, f"closure={asked.closure!r}", attrs
 
 
 def _by_white_noise(asked: Question) -> Answer:
-    sides = [solve_elastic(structure, asked.ground) for structure in asked.pair]
-    inputs = [s.arrays()[name] for name in ("period", "damping") for s in asked.pair]
-    return _table(_white_noise(*inputs), sides), "eq. (4)"
+    sides = [elastic_cells(structure, asked.ground) for structure in asked.pair]
+    inputs = [s.cells()[name] for name in ("period", "damping") for s in asked.pair]
+    return _shown(_white_noise(*inputs), sides), "eq. (4)", {}
 
 
 def _by_effective_properties(asked: Question) -> Answer:
     rule = effective_rule(asked.rule)
     solved = (asked.ground, asked.closure, asked.tolerance)
-    sides = [solve_structure(structure, *solved) for structure in asked.pair]
+    sides = [solved_cells(structure, *solved) for structure in asked.pair]
     effective = effective_pair(*asked.pair, sides, rule)
     rho = _white_noise(*(effective[name] for name in EQ_4))
-    table = _table(rho, sides).assign(effective)
-    if asked.yields:
-        table.attrs["comment"] = f"Peak ductilities are linearized. {labels.CAUTION_SIGMA}"
-    table.attrs["rule"] = rule.describe()
-    return table, f"closure={asked.closure!r}, rule={rule.name!r}"
+    comment = {"comment": f"Peak ductilities are linearized. {labels.CAUTION_SIGMA}"}
+    attrs = (comment if asked.yields else {}) | {"rule": rule.describe()}
+    return _shown(rho, sides) | effective, f"closure={asked.closure!r}, rule={rule.name!r}", attrs
 
 
 def _by_simulation(asked: Question) -> Answer:
     settings = asked.settings()
-    return simulate_pairs(*asked.pair, asked.ground, settings), settings.told
+    table = simulate_pairs(*asked.pair, asked.ground, settings)
+    found: dict[str, Cells] = {str(name): array for name, array in table.data_vars.items()}
+    return found, settings.told, table.attrs
 
 
 DRIFTING, WHITE_NOISE = 150, 80  # bytes that a cell takes, roughly
@@ -231,16 +233,22 @@ METHODS: Mapping[str, Callable[[Question], Answer]] = {
 }
 
 
-def _table(rho: xr.DataArray, sides: list[xr.Dataset]) -> xr.Dataset:
+def _shown(rho: Cells, sides: list[Solved]) -> dict[str, Cells]:
     """``rho`` beside the two responses, blank where one of them failed."""
-    (status,) = cellwise_pair(np.maximum, *(side.status for side in sides), kinds=(np.int8,))
+    (status,) = cellwise_pair(_worse, *(side["status"] for side in sides), rho, kinds=(np.int8,))
+    (rho,) = cellwise_pair(_solved_rho, rho, status)
+    shown = {f"{name}_{n}": side[name] for name in SHOWN for n, side in enumerate(sides, start=1)}
+    return {"rho": rho, **shown, "status": status}
+
+
+def _worse(status_1: Array, status_2: Array, rho: Array) -> Array:
+    status = np.maximum(status_1, status_2)
     wrong = (status < labels.NOT_CONVERGED) & ~(np.abs(rho) <= 1 + ROUNDING)
-    status = status.where(~wrong, labels.NOT_PHYSICAL)
-    table = xr.Dataset({"rho": rho.where(status < labels.NOT_CONVERGED).clip(-1, 1)})
-    for name in SHOWN:
-        for number, side in enumerate(sides, start=1):
-            table[f"{name}_{number}"] = side[name]
-    return table.assign(status=status.astype(np.int8))
+    return np.where(wrong, labels.NOT_PHYSICAL, status)
+
+
+def _solved_rho(rho: Array, status: Array) -> Array:
+    return np.where(status < labels.NOT_CONVERGED, np.clip(rho, -1, 1), np.nan)
 
 
 def rho_white_noise(
@@ -283,9 +291,9 @@ def rho_white_noise(
         "take fewer cells at a time, or arrays in chunks of dask",
         memory=WHITE_NOISE * count_cells(pair),
     )
-    valid = pair.valid()
-    rho = _white_noise(*pair.arrays().values())
-    table = xr.Dataset({"rho": rho.where(valid), "status": labels.status_where(valid)})
+    valid = valid_cells(pair)
+    (rho,) = cellwise(np.where, valid, _white_noise(*pair.cells().values()), np.nan)
+    table = xr.Dataset({"rho": rho, "status": labels.status_where(valid)})
     return labels.with_run_information(
         labels.label(table, VARIABLES),
         "Correlation of two linear structures under white noise, eq. (4)",
@@ -299,6 +307,6 @@ def _quietly(*inputs: Array) -> Array:
     return white_noise_correlation(*inputs)
 
 
-def _white_noise(*inputs: xr.DataArray) -> xr.DataArray:
+def _white_noise(*inputs: Cells) -> Cells:
     (rho,) = cellwise_pair(_quietly, *inputs)
     return rho

@@ -5,11 +5,12 @@ Not compiled: temporaries are kept small by working in slabs.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
-import xarray as xr
 
 from stochlin.analyses.linearization.equivalent_systems import INTERNAL, SHARES, system_and_forcing
-from stochlin.analyses.tables.cellwise import cellwise
+from stochlin.analyses.tables.cellwise import Solved, cellwise
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.slabs import in_slabs
 from stochlin.kernels.linearization.covariance import own_covariance, pair_covariance
@@ -18,7 +19,7 @@ from stochlin.kernels.linearization.drift import drift_correlation, innovation_c
 OF_A_SIDE = ("drift_std", "drift_rate", *INTERNAL, *SHARES)
 
 
-def derived_correlation(first: xr.Dataset, second: xr.Dataset) -> xr.DataArray:
+def derived_correlation(first: Solved, second: Solved) -> Any:
     """``rho`` of two structures that `solve_structure` or `solve_derived` has found drifts for."""
     (rho,) = cellwise(_correlation, *(side[name] for side in (first, second) for name in OF_A_SIDE))
     return rho

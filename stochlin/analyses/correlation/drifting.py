@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
-import xarray as xr
 
 from stochlin.analyses.correlation.derived_pairs import OF_A_SIDE, pieces_of_rho
 from stochlin.analyses.correlation.drifting_signatures import insight_of, insights
@@ -16,10 +17,11 @@ from stochlin.analyses.correlation.errors import (
 )
 from stochlin.analyses.correlation.linearized import SHOWN, linearized_pairs
 from stochlin.analyses.linearization.bias_map import caution_of, caution_of_error
-from stochlin.analyses.linearization.equivalent_systems import solve_structure
+from stochlin.analyses.linearization.equivalent_systems import solved_cells
+from stochlin.analyses.linearization.linearization import known_error
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.cellwise import cellwise
+from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.slabs import in_slabs
 from stochlin.kernels.correlation.nearness import with_nearness
@@ -30,53 +32,69 @@ from stochlin.models.structures import DRIFT, Structure
 
 def drifting_pairs(
     first: Structure, second: Structure, ground: Ground, tolerance: Tolerance
-) -> xr.Dataset:
+) -> dict[str, Cells]:
     """As `linearized_pairs`; the bias is judged by the truth that the Gaussian closure's bias tells.
 
     Where that is not known the expected error takes its place in the caution. The difference of the
     displacements has an expected error of its own.
     """
-    gaussian = table = linearized_pairs(first, second, ground, "gaussian", tolerance)
-    truth = gaussian.rho - gaussian.bias
-    sides = [solve_structure(s, ground, DRIFT, tolerance) for s in (first, second)]
-    rho, doubt, share = _rho_and_doubt((first, second), sides, ground, tolerance)
-    (status,) = cellwise(np.maximum, *(side.status for side in sides), kinds=(np.int8,))
-    table = table.assign(rho=rho.where(status < labels.NOT_CONVERGED).clip(-1, 1), status=status)
-    table["bias"] = table.rho - truth
-    error = expected_rho_error(first, second, ground, sides)
-    table["rho_error"] = error.where(table.rho.notnull())
-    worst = caution_of(table.bias.fillna(table.rho_error))
-    attrs = worst.attrs
+    table = linearized_pairs(first, second, ground, "gaussian", tolerance)
+    truth = table["rho"] - table["bias"]
+    sides = [solved_cells(s, ground, DRIFT, tolerance) for s in (first, second)]
+    raw, doubt, share = _rho_and_doubt((first, second), sides, ground, tolerance)
+    expected = expected_rho_error(first, second, ground, sides)
+    of_rho = (raw, *(side["status"] for side in sides), truth, expected)
+    kinds = (float, np.int8, float, float, float)
+    *judged, unsure = cellwise(_judged_rho, *of_rho, kinds=kinds)
+    table |= zip(("rho", "status", "bias", "rho_error"), judged, strict=True)
+    worst = caution_of(unsure)
     for number, side in enumerate(sides, start=1):
-        table = table.assign({f"{name}_{number}": side[name] for name in SHOWN})
-        own = side.displacement_error.where(side.displacement_std.notnull())
+        table |= {f"{name}_{number}": side[name] for name in SHOWN}
+        own = known_error(side)
         table[f"bias_{number}"] = 0 * own
         (worst,) = cellwise(np.maximum, worst, caution_of_error(own), kinds=(np.int8,))
     of_sides = [side[name] for side in sides for name in ("displacement_std", "displacement_error")]
-    apart, lean = cellwise(relative_error, *of_sides, table.rho, doubt, share, kinds=(float, float))
-    apart = apart.where(table.rho_error.notnull()).where(table.rho_error != 0, 0.0)  # both elastic: 0
-    table[f"{DIFFERENCE}_error"] = apart
-    table[f"{DIFFERENCE}_bias"] = lean.where(apart.notnull())
-    table[f"{DIFFERENCE}_caution"] = caution_of_error(apart)
-    return table.assign(caution=worst.astype(np.int8).assign_attrs(attrs))
+    of_pair = (table["rho"], doubt, share, table["rho_error"])
+    apart, lean = cellwise(_difference_error, *of_sides, *of_pair, kinds=(float, float))
+    table |= {f"{DIFFERENCE}_error": apart, f"{DIFFERENCE}_bias": lean}
+    return table | {f"{DIFFERENCE}_caution": caution_of_error(apart), "caution": worst}
+
+
+def _judged_rho(
+    raw: Array, status_1: Array, status_2: Array, truth: Array, expected: Array
+) -> tuple[Array, ...]:
+    """``rho``, status, bias, expected error, and of these two the one that a caution goes by."""
+    status = np.maximum(status_1, status_2)
+    rho = np.where(status < labels.NOT_CONVERGED, np.clip(raw, -1, 1), np.nan)
+    bias, error = rho - truth, np.where(np.isnan(rho), np.nan, expected)
+    return rho, status, bias, error, np.where(np.isnan(bias), error, bias)
+
+
+def _difference_error(*arrays: Array) -> tuple[Array, Array]:
+    """`relative_error` where ``rho_error``, the last of the arrays, is known; none of elastic pairs."""
+    *of_pair, rho_error = arrays
+    error, bias = relative_error(*of_pair)
+    error = np.where(np.isnan(rho_error), np.nan, error)
+    error = np.where(rho_error == 0, 0.0, error)
+    return error, np.where(np.isnan(error), np.nan, bias)
 
 
 def correlation_with_drift(
     structures: tuple[Structure, Structure],
-    sides: list[xr.Dataset],
+    sides: Sequence[Solved],
     ground: Ground,
     tolerance: Tolerance,
-) -> xr.DataArray:
+) -> Cells:
     """``rho`` of structures solved with the drift closure, eqs. (11) and (13) of ``docs/drift.md``."""
     return _rho_and_doubt(structures, sides, ground, tolerance)[0]
 
 
 def _rho_and_doubt(
     structures: tuple[Structure, Structure],
-    sides: list[xr.Dataset],
+    sides: Sequence[Solved],
     ground: Ground,
     tolerance: Tolerance,
-) -> tuple[xr.DataArray, ...]:
+) -> tuple[Cells, ...]:
     """``rho``, the expected relative error of ``1 - rho``, and the share of nearness in it."""
     inputs = [[side[name] for name in OF_A_SIDE] for side in sides]
     known = insights(structures, sides, ground, tolerance)

@@ -8,6 +8,7 @@ the derived correlations, and its correction from the map of simulations.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -26,7 +27,7 @@ from stochlin.analyses.linearization.drift_map import (
 )
 from stochlin.analyses.linearization.equivalent_systems import solve_derived
 from stochlin.analyses.linearization.tolerance import Tolerance
-from stochlin.analyses.tables.cellwise import cellwise
+from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, lone
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.correlation.nearness import AXES, ENTRIES, Nearness
 from stochlin.kernels.correlation.signatures import Insight, insight, signature
@@ -56,7 +57,7 @@ def references(ground: Ground) -> Bilinear:
 
 
 def derived_signatures(
-    solved: list[xr.Dataset], known: xr.Dataset, gram: xr.DataArray
+    solved: Sequence[Solved], known: xr.Dataset, gram: xr.DataArray
 ) -> list[xr.DataArray]:
     """Signatures of structures over the references, all with the drifts of `solve_derived`.
 
@@ -89,10 +90,10 @@ def _signature(joint: Array, gram: Array) -> Array:
 
 def insights(
     structures: tuple[Structure, Structure],
-    solved: list[xr.Dataset],
+    solved: Sequence[Solved],
     ground: Ground,
     tolerance: Tolerance,
-) -> list[list[xr.DataArray]]:
+) -> list[list[Cells]]:
     """Arrays of what the map knows of both structures, flat; none where it does not know the ground.
 
     Those of the `Insight`, and then those of the `Nearness`.
@@ -102,9 +103,9 @@ def insights(
     pairs = list(zip(structures, solved, strict=True))
     points = [point_of(structure, ground, side) for structure, side in pairs]
     if isinstance(ground, WhiteNoise):
-        soil = [xr.DataArray(1.0), xr.DataArray(AS_ON_WHITE_NOISE)]
+        soil = [1.0, AS_ON_WHITE_NOISE]
         both = zip(points, pairs, strict=True)
-        return [_like([*point, *soil], one.arrays()["period"]) for point, (one, _) in both]
+        return [_like([*point, *soil], one.cells()["period"]) for point, (one, _) in both]
     one_ground = all(array.ndim == 0 for array in ground.arrays().values())
     solve = _solved_once if one_ground else _solved_references
     told = []
@@ -113,11 +114,11 @@ def insights(
         parts = [own.isel({REFERENCE: n}, drop=True) for n in range(own.sizes[REFERENCE])]
         correction = hold_at_ends(SIGNATURE, point)
         seen = cellwise(_insight, *parts, *correction, kinds=(float,) * (2 * len(parts) + 1))
-        told.append([*seen, *_like(point, point[-1])])
+        told.append([*map(lone, seen), *_like(point, point[-1])])
     return told
 
 
-def _like(point: list[xr.DataArray], period: xr.DataArray) -> list[xr.DataArray]:
+def _like(point: list[Cells], period: Cells) -> list[Cells]:
     """Arrays of the `Nearness`; periods are compared with one another only."""
     arrays = (period, *point[:3], *hold_at_ends(NEARNESS, point))
     return list(cellwise(_nearness, *arrays, kinds=(float,) * OF_NEARNESS))

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import xarray as xr
 
 from stochlin.analyses.correlation.variables import VARIABLES
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.cellwise import cellwise
+from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, valid_cells
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.correlation.white_noise import white_noise_correlation
 from stochlin.models.parameters import Parameter
@@ -76,8 +78,8 @@ def rho_effective(
     pair = YieldingPair(
         period_1, period_2, damping_1, damping_2, hardening_1, hardening_2, ductility_1, ductility_2
     )
-    valid = pair.valid()
-    values = {name: array.where(valid) for name, array in pair.arrays().items()}
+    valid = valid_cells(pair)
+    values = {name: cellwise(np.where, valid, value, np.nan)[0] for name, value in pair.cells().items()}
     effective = effective_properties(values, chosen)
     (rho,) = cellwise(white_noise_correlation, *effective.values())
     table = xr.Dataset({"rho": rho, **effective, "status": labels.status_where(valid)})
@@ -91,14 +93,12 @@ def rho_effective(
     )
 
 
-def effective_properties(
-    values: dict[str, xr.DataArray], rule: EffectiveRule
-) -> dict[str, xr.DataArray]:
+def effective_properties(values: Solved, rule: EffectiveRule) -> dict[str, Cells]:
     """Effective periods and dampings, each on its structure's dimensions.
 
     ``values`` by the names of `YieldingPair`.
     """
-    found = dict.fromkeys(EQ_4, xr.DataArray())
+    found: dict[str, Cells] = dict.fromkeys(EQ_4, np.nan)
 
     @np.errstate(invalid="ignore")  # invalid cells are blanked by their status
     def effective(mu: Array, alpha: Array, period: Array, xi: Array) -> tuple[Array, Array]:
@@ -113,17 +113,17 @@ def effective_properties(
 
 
 def effective_pair(
-    first: Structure, second: Structure, sides: list[xr.Dataset], rule: EffectiveRule
-) -> dict[str, xr.DataArray]:
+    first: Structure, second: Structure, sides: Sequence[Solved], rule: EffectiveRule
+) -> dict[str, Cells]:
     """`effective_properties` of linearized structures, at a peak ductility ``p ductility_std``.
 
     An elastic structure has none, and keeps its period and damping.
     """
-    values: dict[str, xr.DataArray] = {}
+    values: dict[str, Cells] = {}
     for n, (structure, side) in enumerate(zip((first, second), sides, strict=True), start=1):
-        own = structure.arrays()
+        own = structure.cells()
         values |= {f"{name}_{n}": own[name] for name in ("period", "damping")}
-        values[f"hardening_{n}"] = own.get("hardening", xr.DataArray(1.0))
-        values[f"ductility_{n}"] = own["peak_factor"] * side.ductility_std
+        values[f"hardening_{n}"] = own.get("hardening", 1.0)
+        values[f"ductility_{n}"] = own["peak_factor"] * side["ductility_std"]
     peaks = {f"ductility_peak_{n}": values[f"ductility_{n}"] for n in (1, 2)}
     return effective_properties(values, rule) | peaks

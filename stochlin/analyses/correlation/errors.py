@@ -8,12 +8,13 @@ from the derivation to the simulated map move ``1 - rho``; ``docs/drift.md`` say
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
-import xarray as xr
 
 from stochlin.analyses.linearization.bias_map import caution_of, caution_of_error, point_of
 from stochlin.analyses.linearization.drift_map import CORRECTED_GROUNDS, checked
-from stochlin.analyses.tables.cellwise import cellwise
+from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.slabs import in_slabs
 from stochlin.models.grounds import CloughPenzien, Ground, KanaiTajimi, WhiteNoise
@@ -41,20 +42,19 @@ BY_DAMPING, USUAL_DAMPING = 0.35, np.log(0.03)  # larger for less damping
 
 
 def expected_rho_error(
-    first: Structure, second: Structure, ground: Ground, sides: list[xr.Dataset]
-) -> xr.DataArray:
+    first: Structure, second: Structure, ground: Ground, sides: Sequence[Solved]
+) -> Cells:
     """Mean error of ``rho`` in the region of each pair; 0 if both are elastic, NaN where not checked."""
     white = isinstance(ground, WhiteNoise)
     values = ON_WHITE_NOISE if white else ERRORS.get(type(ground), np.full(9, np.nan))
-    arrays: list[xr.DataArray] = []
+    arrays: list[Cells] = []
     for structure, side in zip((first, second), sides, strict=True):
-        region: tuple[xr.DataArray, ...] = (xr.DataArray(np.int8(-1)),)
+        region: tuple[Cells, ...] = (-1,)
         if type(ground) in CORRECTED_GROUNDS:
             place = point_of(structure, ground, side)
-            inside = checked(structure, ground, place)
+            inside = checked(ground, place)
             region = cellwise(_region, inside, *place[3:], kinds=(np.int8,))
-        period = structure.arrays()["period"]
-        arrays += [*region, period, np.isinf(side.yield_displacement)]
+        arrays += [*region, structure.cells()["period"], np.isinf(side["yield_displacement"])]
     (error,) = cellwise(_error, *arrays, values=values)
     return error
 
@@ -143,8 +143,8 @@ def relative_error(
     return np.where(equal, 0.0, error), np.where(equal, 0.0, bias)
 
 
-def with_difference(table: xr.Dataset) -> xr.Dataset:
-    """Add the standard deviation of the difference of both displacements, its bias and its caution.
+def difference(table: Solved) -> dict[str, Cells]:
+    """The standard deviation of the difference of both displacements, its bias and its caution.
 
     By what the table says of both structures and ``rho``: their standard errors, or their biases;
     nothing is known without. The drift closure has told the bias and the caution itself.
@@ -152,21 +152,18 @@ def with_difference(table: xr.Dataset) -> xr.Dataset:
     names = ("displacement_std_1", "displacement_std_2", "rho")
     values = [table[name] for name in names]
     if f"{DIFFERENCE}_bias" in table:
-        return table.assign({f"{DIFFERENCE}_std": cellwise(_difference, *values)[0]})
+        return {f"{DIFFERENCE}_std": cellwise(_difference, *values)[0]}
     if "rho_standard_error" in table:
         shares = [table[f"displacement_std_standard_error_{n}"] / values[n - 1] for n in (1, 2)]
-        doubt = table.rho_standard_error / (1 - table.rho)
+        doubt = table["rho_standard_error"] / (1 - table["rho"])
         of_sides = (values[0], shares[0], values[1], shares[1])
         error, bias = cellwise(relative_error, *of_sides, values[2], doubt, kinds=(float, float))
         std, flag = *cellwise(_difference, *values), caution_of_error(error)
     else:
-        unknown = xr.DataArray(np.nan)
-        biases = [table.get(name, unknown) for name in ("bias_1", "bias_2", "bias")]
+        biases = [table.get(name, np.nan) for name in ("bias_1", "bias_2", "bias")]
         std, bias = cellwise(_difference_and_bias, *values, *biases, kinds=(float, float))
         std, flag = table.get(f"{DIFFERENCE}_std", std), caution_of(bias)  # storeys have their own
-    return table.assign(
-        {f"{DIFFERENCE}_std": std, f"{DIFFERENCE}_bias": bias, f"{DIFFERENCE}_caution": flag}
-    )
+    return {f"{DIFFERENCE}_std": std, f"{DIFFERENCE}_bias": bias, f"{DIFFERENCE}_caution": flag}
 
 
 def _difference(std_1: Array, std_2: Array, rho: Array) -> Array:

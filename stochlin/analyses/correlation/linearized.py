@@ -7,9 +7,9 @@ of the bias. Arrays that dask holds stay with it, chunk by chunk.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
-import xarray as xr
 
 from stochlin.analyses.linearization.bias_map import (
     caution_of,
@@ -19,13 +19,13 @@ from stochlin.analyses.linearization.bias_map import (
 )
 from stochlin.analyses.linearization.equivalent_systems import (
     INTERNAL,
-    solve_structure,
+    solved_cells,
     system_and_forcing,
 )
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.cellwise import cellwise_pair, is_lazy
-from stochlin.kernels.basics.arrays import Array
+from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise_pair, is_lazy
+from stochlin.kernels.basics.arrays import Array, in_one_shape
 from stochlin.kernels.basics.interpolation import Grid
 from stochlin.kernels.correlation.tables import Codes, Side, pair_parameters, pair_table
 from stochlin.models.grounds import Ground
@@ -39,33 +39,33 @@ KINDS = (float, np.int8, float, np.int8)  # of rho, status, bias, caution
 
 def linearized_pairs(
     first: Structure, second: Structure, ground: Ground, closure: str, tolerance: Tolerance
-) -> xr.Dataset:
+) -> dict[str, Cells]:
     """``rho``, its bias and what `correlate` shows of both structures."""
     pair = (first, second)
-    sides = [solve_structure(s, ground, closure, tolerance) for s in pair]
+    sides = [solved_cells(s, ground, closure, tolerance) for s in pair]
     gaussian = sides
     if closure != "gaussian":
-        gaussian = [solve_structure(s, ground, "gaussian", tolerance) for s in pair]
+        gaussian = [solved_cells(s, ground, "gaussian", tolerance) for s in pair]
     return pairs_of_solved(pair, ground, sides, gaussian)
 
 
 def pairs_of_solved(
     pair: tuple[Structure, Structure],
     ground: Ground,
-    sides: list[xr.Dataset],
-    gaussians: list[xr.Dataset],
-) -> xr.Dataset:
+    sides: Sequence[Solved],
+    gaussians: Sequence[Solved],
+) -> dict[str, Cells]:
     """The same from both solved structures; ``gaussians`` are ``sides`` where that is the closure."""
     other_closure = sides is not gaussians
-    inputs: list[xr.DataArray] = []
-    biases: dict[str, xr.DataArray] = {}
+    inputs: list[Cells] = []
+    biases: dict[str, Cells] = {}
     solved = zip(pair, sides, gaussians, strict=True)
     for number, (structure, side, gaussian) in enumerate(solved, start=1):
         bias = relative_bias(structure, ground, side, gaussian)
         inputs += [side[name] for name in SYSTEM]
         inputs += [gaussian[name] for name in SYSTEM] if other_closure else []
         inputs += place_in_map(structure, ground, gaussian)
-        inputs += [side.status, caution_of(bias), np.isinf(gaussian.yield_displacement)]
+        inputs += [side["status"], caution_of(bias), np.isinf(gaussian["yield_displacement"])]
         biases[f"bias_{number}"] = bias
     rho, status, bias, caution = cellwise_pair(
         _cells,
@@ -75,11 +75,8 @@ def pairs_of_solved(
         other_closure=other_closure,
         threads=not is_lazy(*inputs),  # dask has its own
     )
-    caution.attrs = caution_of(biases["bias_1"]).attrs
     shown = {f"{name}_{n}": side[name] for name in SHOWN for n, side in enumerate(sides, start=1)}
-    return xr.Dataset(
-        {"rho": rho, **shown, "status": status, "bias": bias, **biases, "caution": caution}
-    )
+    return {"rho": rho, **shown, "status": status, "bias": bias, **biases, "caution": caution}
 
 
 @np.errstate(all="ignore")  # what comes of extreme input is judged by its status
@@ -93,12 +90,11 @@ def _cells(*inputs: Array, grid: Grid | None, other_closure: bool, threads: bool
 
 
 def _side(arrays: tuple[Array, ...], dimensions: int, other_closure: bool) -> Side:
-    *systems, status, caution, elastic = arrays
-    shape = np.broadcast_shapes(*(array.shape for array in arrays))
-    count, size = len(SYSTEM), math.prod(shape)
+    *systems, status, caution, elastic = in_one_shape(*arrays)
+    shape, count = status.shape, len(SYSTEM)
 
     def parameters(values: list[Array]) -> Array:
-        sigma, *rest = (np.broadcast_to(value, shape) for value in values)
+        sigma, *rest = values
         return pair_parameters(*system_and_forcing(rest), sigma)
 
     own = parameters(systems[:count])
@@ -110,7 +106,6 @@ def _side(arrays: tuple[Array, ...], dimensions: int, other_closure: bool) -> Si
     steps = [math.prod(whole[d + 1 :]) if whole[d] > 1 else 0 for d in range(dimensions)]
 
     def rows(values: tuple[Array, ...] | list[Array]) -> Array:
-        columns = [np.broadcast_to(value, shape).reshape(size) for value in values]
-        return np.ascontiguousarray(np.stack(columns, axis=-1))
+        return np.ascontiguousarray(np.stack([value.ravel() for value in values], axis=-1))
 
     return Side(own, gaussian, rows(place), rows(flags), np.array(steps, int))

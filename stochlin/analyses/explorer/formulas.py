@@ -151,7 +151,7 @@ def _of_oscillators(scene: Scene) -> xr.Dataset:
     shown = {name: table[name] for name in ("bias", "bias_1", "bias_2", "caution", "status")}
     shown |= {
         "rho_white_noise": rho_white_noise(*arguments).rho.drop_attrs(),
-        "rho_linearized": table.rho.drop_attrs(),
+        "rho_linearized": table["rho"],
         "rho_drift": correlation_with_drift(pair.structures, list(pair.drift), ground, USUAL),
     }
     return _of_ratios(scene, xr.Dataset(shown, attrs={"period_ratio": scene.period_2 / scene.period_1}))

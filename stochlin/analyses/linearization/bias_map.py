@@ -14,8 +14,8 @@ from importlib.resources import files
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.tables.cellwise import cellwise
-from stochlin.kernels.basics.arrays import Array
+from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise
+from stochlin.kernels.basics.arrays import Array, in_one_shape
 from stochlin.kernels.basics.interpolation import Grid, interpolate
 from stochlin.kernels.correlation.tables import OFF
 from stochlin.models.grounds import Ground, KanaiTajimi, WhiteNoise
@@ -24,9 +24,9 @@ from stochlin.models.structures import Structure
 
 FILE = "bias_map.nc"
 SHARED = ("elastic_ductility_std", "hardening", "damping")
+STD = "displacement_std"
 KNOWN_GROUNDS = (KanaiTajimi, WhiteNoise)
 EXPECTED = 0.05  # error from which on one of more than OFF is not rare
-MEANINGS = ("within_10_percent", "off_by_more_than_10_percent", "outside_of_the_map")
 
 
 @cache
@@ -44,38 +44,38 @@ def _grid(name: str) -> Grid:
     return Grid.of(axes, values)
 
 
-def displacement_bias(structure: Structure, ground: Ground, solved: xr.Dataset) -> xr.DataArray:
-    """Relative bias of the Gaussian closure's ``displacement_std``; 0 if elastic, NaN if unknown."""
-    elastic = np.isinf(solved.yield_displacement)
-    if type(ground) not in KNOWN_GROUNDS or not isinstance(structure, Bilinear):
-        return xr.zeros_like(elastic, float).where(elastic)
-    (value,) = cellwise(_at_point, *point_of(structure, ground, solved), name=map_name(ground))
-    return value.where(~elastic, 0.0)
-
-
 def map_name(ground: Ground) -> str:
     """The map's variable for the standard deviation on this ground."""
     white = isinstance(ground, WhiteNoise)
     return "displacement_std_bias_white_noise" if white else "displacement_std_bias"
 
 
-def point_of(structure: Structure, ground: Ground, solved: xr.Dataset) -> list[xr.DataArray]:
+def point_of(structure: Structure, ground: Ground, solved: Solved) -> list[Cells]:
     """Where a solved structure is in `map_name`, axis by axis."""
-    point = [solved.elastic_ductility_std, *(_property(structure, name) for name in SHARED[1:])]
+    point = [solved[SHARED[0]], *(_property(structure, name) for name in SHARED[1:])]
     if isinstance(ground, WhiteNoise):
         return point
-    soil = ground.arrays()
+    soil = ground.cells()
     return [*point, soil["damping"], _property(structure, "period") / soil["period"]]
 
 
-def relative_bias(
-    structure: Structure, ground: Ground, solved: xr.Dataset, gaussian: xr.Dataset
-) -> xr.DataArray:
-    """Relative bias of the ``displacement_std`` solved under any closure."""
-    bias = displacement_bias(structure, ground, gaussian).where(solved.displacement_std.notnull())
-    if solved is gaussian:
-        return bias
-    return (1 + bias) * solved.displacement_std / gaussian.displacement_std - 1
+def relative_bias(structure: Structure, ground: Ground, solved: Solved, gaussian: Solved) -> Cells:
+    """Relative bias of the ``displacement_std`` solved under any closure; 0 if elastic, NaN if unknown.
+
+    It follows from that of the Gaussian closure.
+    """
+    known = type(ground) in KNOWN_GROUNDS and isinstance(structure, Bilinear)
+    point = point_of(structure, ground, gaussian) if known else []
+    arrays = (solved[STD], gaussian[STD], gaussian["yield_displacement"], *point)
+    return cellwise(_relative_bias, *arrays, name=map_name(ground), other=solved is not gaussian)[0]
+
+
+@np.errstate(invalid="ignore")  # invalid cells are NaN and stay so
+def _relative_bias(
+    std: Array, gaussian: Array, yield_displacement: Array, *point: Array, name: str, other: bool
+) -> Array:
+    bias = np.where(np.isinf(yield_displacement), 0.0, _at_point(*point, name=name) if point else np.nan)
+    return (1 + bias) * std / gaussian - 1 if other else np.where(np.isnan(std), np.nan, bias)
 
 
 def rho_bias_map(first: Structure, second: Structure, ground: Ground) -> Grid | None:
@@ -86,12 +86,12 @@ def rho_bias_map(first: Structure, second: Structure, ground: Ground) -> Grid | 
     return _rho_grid(isinstance(ground, WhiteNoise))
 
 
-def place_in_map(structure: Structure, ground: Ground, solved: xr.Dataset) -> list[xr.DataArray]:
+def place_in_map(structure: Structure, ground: Ground, solved: Solved) -> list[Cells]:
     """Coordinates of a structure in `rho_bias_map`; 1 where the ground has no such property."""
-    one = {"damping": xr.DataArray(1.0), "period": xr.DataArray(1.0)}
-    soil = one if isinstance(ground, WhiteNoise) else one | ground.arrays()
+    one: dict[str, Cells] = {"damping": 1.0, "period": 1.0}
+    soil = one if isinstance(ground, WhiteNoise) else one | ground.cells()
     return [
-        solved.elastic_ductility_std,
+        solved[SHARED[0]],
         *(_property(structure, name) for name in SHARED[1:]),
         soil["damping"],
         _property(structure, "period"),
@@ -110,32 +110,27 @@ def _rho_grid(white_noise: bool) -> Grid:
     return Grid.of([*shared, everywhere, everywhere, ratio], values)
 
 
-def caution_of(bias: xr.DataArray) -> xr.DataArray:
+def caution_of(bias: Cells) -> Cells:
     """Flag (int8) of a bias: 0 small, 1 large, 2 unknown."""
-    return _flag(xr.where(bias.notnull(), np.abs(bias) > OFF, 2))  # type: ignore[no-untyped-call]
+    return cellwise(_caution, bias, kinds=(np.int8,), most=OFF)[0]
 
 
-def caution_of_error(error: xr.DataArray) -> xr.DataArray:
+def caution_of_error(error: Cells) -> Cells:
     """Flag of an expected error: 0 where more than `OFF` is rare, 1 where it is not, 2 unknown."""
-    return _flag(xr.where(error.notnull(), error > EXPECTED, 2))  # type: ignore[no-untyped-call]
+    return cellwise(_caution, error, kinds=(np.int8,), most=EXPECTED)[0]
 
 
-def _flag(flag: xr.DataArray) -> xr.DataArray:
-    flag.attrs = {
-        "long_name": "whether linearization can be trusted here",
-        "flag_values": np.arange(len(MEANINGS), dtype=np.int8),
-        "flag_meanings": " ".join(MEANINGS),
-    }
-    return flag.astype(np.int8)
+def _caution(off: Array, most: float) -> Array:
+    return np.where(np.isnan(off), np.int8(2), (np.abs(off) > most).astype(np.int8))
 
 
-def _property(structure: Structure, name: str) -> xr.DataArray:
-    return structure.arrays().get(name, xr.DataArray(1.0))
+def _property(structure: Structure, name: str) -> Cells:
+    return structure.cells().get(name, 1.0)
 
 
 @np.errstate(divide="ignore", invalid="ignore")  # invalid cells are NaN and stay so
 def _at_point(*point: Array, name: str) -> Array:
-    return np.expm1(between_points(_grid(name), np.broadcast_arrays(*map(np.log, point))))
+    return np.expm1(between_points(_grid(name), in_one_shape(*map(np.log, point))))
 
 
 def between_points(grid: Grid, place: Sequence[Array]) -> Array:

@@ -10,6 +10,7 @@ points it is the less sure the more they differ: ``displacement_error``. ``make 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from importlib.resources import files
 
@@ -17,8 +18,8 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.linearization.bias_map import KNOWN_GROUNDS, between_points, point_of
-from stochlin.analyses.tables.cellwise import cellwise
-from stochlin.kernels.basics.arrays import Array
+from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise
+from stochlin.kernels.basics.arrays import Array, in_one_shape
 from stochlin.kernels.basics.interpolation import Grid
 from stochlin.models.grounds import CloughPenzien, Ground, WhiteNoise
 from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
@@ -36,6 +37,7 @@ COLUMNS = (REFERENCE, ENTRY)  # what a variable of the map has many of, each a m
 STRENGTH, HARDENING, DAMPING = (0.0, 4.0), (0.02, 1.0), (0.01, 0.1)
 GROUND_DAMPING, PERIOD = (0.03, 1.0), (0.1, 10.0)
 # Of a Clough-Penzien ground: period of the high-pass oscillator over that of the soil, and its damping.
+HIGH_PASS = ("period", "high_pass_period", "high_pass_damping")
 HIGH_PASS_PERIOD, HIGH_PASS_DAMPING = (2.0, 25.0), (0.2, 1.3)
 BEYOND = 2.0  # of the high-pass period, from which on T/sqrt(alpha) loses more than the map knows
 # Expected relative error of a standard deviation: of any, and by how much the map differs around it.
@@ -50,43 +52,59 @@ def drift_map() -> xr.Dataset:
         return xr.load_dataset(stream, engine="scipy")
 
 
-def with_correction(structure: Structure, ground: Ground, derived: xr.Dataset) -> xr.Dataset:
-    """The derived table with its displacements corrected, where the map knows the kind of ground.
+def with_correction(structure: Structure, ground: Ground, derived: Solved) -> Solved:
+    """What is derived with its displacements corrected, where the map knows the kind of ground.
 
     ``displacement_error`` is what is expected to be left, NaN where nothing was simulated.
     """
-    if not structure.yields:
-        return derived.assign(displacement_error=xr.zeros_like(derived.displacement_std))
-    if type(ground) not in CORRECTED_GROUNDS:
-        return derived.assign(displacement_error=xr.full_like(derived.displacement_std, np.nan))
-    name = DISPLACEMENT_WHITE if isinstance(ground, WhiteNoise) else DISPLACEMENT
-    point = point_of(structure, ground, derived)
-    logarithm, spread = cellwise(_held_with_spread, *point, name=name, kinds=(float, float))
-    factor = np.exp(logarithm)
     shown = ("displacement_std", "ductility_std")
-    table = derived.assign({variable: derived[variable] * factor for variable in shown})
-    least = LEAST_CLOUGH_PENZIEN if isinstance(ground, CloughPenzien) else LEAST
-    error = ((least**2 + (BY_SPREAD * spread) ** 2) ** 0.5).where(checked(structure, ground, point))
-    return table.assign(displacement_error=error.where(~np.isinf(derived.yield_displacement), 0.0))
+    arrays = [derived[name] for name in (*shown, "yield_displacement")]
+    name = DISPLACEMENT_WHITE if isinstance(ground, WhiteNoise) else DISPLACEMENT
+    least, point = LEAST, list[Cells]()
+    inside: Cells = True
+    if structure.yields and type(ground) in CORRECTED_GROUNDS:
+        least = LEAST_CLOUGH_PENZIEN if isinstance(ground, CloughPenzien) else LEAST
+        point = point_of(structure, ground, derived)
+        inside = checked(ground, point)
+    found = cellwise(_corrected, *arrays, inside, *point, name=name, least=least, kinds=(float,) * 3)
+    return {**derived, **dict(zip((*shown, "displacement_error"), found, strict=True))}
 
 
-def checked(structure: Structure, ground: Ground, point: list[xr.DataArray]) -> xr.DataArray:
-    """Whether structures like it were simulated on such ground."""
-    inside = within(point[0], STRENGTH) & within(point[1], HARDENING) & within(point[2], DAMPING)
-    if isinstance(ground, WhiteNoise):
+def _corrected(
+    std: Array, ductility: Array, uy: Array, inside: Array, *point: Array, name: str, least: float
+) -> tuple[Array, ...]:
+    """The displacements, corrected at this point if the map knows it, and the error that is left."""
+    elastic = np.isinf(uy)
+    if not point:
+        return std, ductility, np.where(elastic, 0.0, np.nan)
+    logarithm, spread = _held_with_spread(*point, name=name)
+    factor = np.exp(logarithm)
+    error = np.where(inside, (least**2 + (BY_SPREAD * spread) ** 2) ** 0.5, np.nan)
+    return std * factor, ductility * factor, np.where(elastic, 0.0, error)
+
+
+def checked(ground: Ground, point: Sequence[Cells]) -> Cells:
+    """Whether structures at this point were simulated on such ground."""
+    soil = ground.cells()
+    high_pass = [soil[name] for name in HIGH_PASS] if isinstance(ground, CloughPenzien) else []
+    return cellwise(_checked, *point, *high_pass, kinds=(bool,))[0]
+
+
+def _checked(strength: Array, hardening: Array, damping: Array, *others: Array) -> Array:
+    inside = within(strength, STRENGTH) & within(hardening, HARDENING) & within(damping, DAMPING)
+    if not others:
         return inside
-    inside = inside & within(point[3], GROUND_DAMPING) & within(point[4], PERIOD)
-    if not isinstance(ground, CloughPenzien):
+    ground_damping, period, *high_pass = others
+    inside = inside & within(ground_damping, GROUND_DAMPING) & within(period, PERIOD)
+    if not high_pass:
         return inside
-    soil = ground.arrays()
-    ratio = soil["high_pass_period"] / soil["period"]
-    inside = (
-        inside & within(ratio, HIGH_PASS_PERIOD) & within(soil["high_pass_damping"], HIGH_PASS_DAMPING)
-    )
-    return inside & (point[4] / np.sqrt(point[1]) <= BEYOND * ratio)
+    ground_period, high_pass_period, high_pass_damping = high_pass
+    ratio = high_pass_period / ground_period
+    inside = inside & within(ratio, HIGH_PASS_PERIOD) & within(high_pass_damping, HIGH_PASS_DAMPING)
+    return np.asarray(inside & (period / np.sqrt(hardening) <= BEYOND * ratio))
 
 
-def within(value: xr.DataArray, ends: tuple[float, float]) -> xr.DataArray:
+def within(value: Array, ends: tuple[float, float]) -> Array:
     """Whether a value is between these, but for rounding."""
     return (value >= ends[0] * (1 - ROUNDING)) & (value <= ends[1] * (1 + ROUNDING))
 
@@ -97,7 +115,7 @@ def usual_closure(structure: Structure, ground: Ground) -> str:
     return DRIFT if known and structure.yields else GAUSSIAN
 
 
-def hold_at_ends(name: str, point: list[xr.DataArray]) -> tuple[xr.DataArray, ...]:
+def hold_at_ends(name: str, point: Sequence[Cells]) -> tuple[Cells, ...]:
     """The values of a variable of the map, one a reference, at a point of `point_of`."""
     return cellwise(_held, *point, name=name, kinds=(float,) * len(_grids(name)))
 
@@ -151,6 +169,6 @@ def _held_with_spread(*point: Array, name: str) -> tuple[Array, Array]:
 
 
 def _inside(grid: Grid, point: tuple[Array, ...]) -> list[Array]:
-    arrays = np.broadcast_arrays(*(np.log(array) for array in point))
+    arrays = in_one_shape(*(np.log(array) for array in point))
     ends = [axis[[0, size - 1]] for axis, size in zip(grid.axes, grid.sizes, strict=True)]
     return [np.clip(array, *end) for array, end in zip(arrays, ends, strict=True)]

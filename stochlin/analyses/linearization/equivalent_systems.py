@@ -13,9 +13,9 @@ import xarray as xr
 
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.cellwise import cellwise
+from stochlin.analyses.tables.cellwise import Solved, cellwise, lone, valid_cells
 from stochlin.analyses.tables.work import check_work, count_cells
-from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.arrays import Array, in_one_shape
 from stochlin.kernels.linearization.amplitude_averaging import solve_amplitude_average
 from stochlin.kernels.linearization.covariance import (
     EquivalentSystem,
@@ -57,6 +57,8 @@ PUBLIC = (
     "residual",
     "status",
 )
+KINDS = {"iterations": np.int32, "status": np.int8}  # the others are floats
+BLANK = {"iterations": 0, "status": labels.INVALID_INPUT}  # of cells out of range; NaN else
 
 
 def system_and_forcing(arrays: Sequence[Array]) -> tuple[EquivalentSystem, Forcing]:
@@ -78,13 +80,18 @@ def solve_structure(
     structure: Structure, ground: Ground, closure: str, tolerance: Tolerance
 ) -> xr.Dataset:
     """What `linearize` returns, and the equivalent system and forcing that a pair needs."""
+    return xr.Dataset(solved_cells(structure, ground, closure, tolerance))
+
+
+def solved_cells(structure: Structure, ground: Ground, closure: str, tolerance: Tolerance) -> Solved:
+    """The same by name, of a lone cell in numbers."""
     check_closure(structure, closure)
     check_work(
         "the table would take",
         "take fewer cells at a time, or arrays in chunks of dask",
         memory=(DRIFTING if closure == DRIFT else SOLVED) * count_cells(structure, ground),
     )
-    solved = solve_derived(structure, ground, closure, tolerance)
+    solved = derived_cells(structure, ground, closure, tolerance)
     if closure != DRIFT:
         return solved
     from stochlin.analyses.linearization.drift_map import (
@@ -99,47 +106,57 @@ def solve_elastic(structure: Structure, ground: Ground) -> xr.Dataset:
     return solve_derived(structure, ground, None, None)
 
 
+def elastic_cells(structure: Structure, ground: Ground) -> Solved:
+    """The same by name, of a lone cell in numbers."""
+    return derived_cells(structure, ground, None, None)
+
+
 def solve_derived(
     structure: Structure, ground: Ground, closure: str | None, tolerance: Tolerance | None
 ) -> xr.Dataset:
     """The same as its equations have it, without what simulation adds to the drift closure."""
-    values, law = structure.arrays(), structure.law_parameters()
+    return xr.Dataset(derived_cells(structure, ground, closure, tolerance))
+
+
+def derived_cells(
+    structure: Structure, ground: Ground, closure: str | None, tolerance: Tolerance | None
+) -> Solved:
+    """The same by name, of a lone cell in numbers."""
+    values, soil, law = structure.cells(), ground.cells(), structure.own_parameters()
     elastic = closure is None or not structure.yields
     cells = _Solver(
         len(law),
         structure.reduction_factor is not None,
         ground.filter_of,
-        list(ground.arrays()).index("intensity"),
+        list(soil).index("intensity"),
         None if elastic else closure,
         None if elastic or closure == NARROW_BAND else structure.closure(str(closure)),
         tolerance,
         closure == DRIFT,
     )
-    strength = next(
-        (values[k] for k in ("yield_displacement", "reduction_factor") if k in values),
-        xr.DataArray(np.inf),
-    )
+    strength = (values[k] for k in ("yield_displacement", "reduction_factor") if k in values)
     inputs = [
-        structure.valid(),
-        ground.valid(),
+        valid_cells(structure),
+        valid_cells(ground),
         values["period"],
         values["damping"],
-        values.get("hardening", xr.DataArray(1.0)),
-        strength,
+        values.get("hardening", 1.0),
+        next(strength, np.inf),
         values["peak_factor"],
-        structure.has_one_solution(),
-        *law,
-        *ground.arrays().values(),
+        lone(structure.has_one_solution()),
+        *(values[name] for name in law),
+        *soil.values(),
     ]
     names = cells.names
     try:
-        outputs = cellwise(cells.solve, *inputs, kinds=[_blank(name, 0).dtype for name in names])
+        kinds = [KINDS.get(name, float) for name in names]
+        outputs = cellwise(cells.solve, *inputs, kinds=kinds)
     except xr.AlignmentError as error:
         raise ValueError(
             f"structure and ground share a dimension whose coordinates or lengths differ: "
             f"{sentence(error)}"
         ) from error
-    return xr.Dataset(dict(zip(names, outputs, strict=True)))
+    return dict(zip(names, outputs, strict=True))
 
 
 class _Solver(NamedTuple):
@@ -162,16 +179,18 @@ class _Solver(NamedTuple):
     def solve(
         self, structure_valid: Array, ground_valid: Array, *parameters: Array
     ) -> tuple[Array, ...]:
-        arrays = np.broadcast_arrays(structure_valid & ground_valid, *parameters)
+        arrays = in_one_shape(structure_valid & ground_valid, *parameters)
         shape = arrays[0].shape
         where = np.flatnonzero(arrays[0])
         columns = np.stack([array.reshape(-1)[where] for array in arrays[1:]])
         solution = self._solve_valid(columns)
         outputs = []
         for name in self.names:
-            filled = _blank(name, arrays[0].size)
-            filled[where] = solution[name]
-            outputs.append(filled.reshape(shape))
+            value = solution[name]
+            if where.size < arrays[0].size:
+                value = np.full(arrays[0].size, BLANK.get(name, np.nan), KINDS.get(name, float))
+                value[where] = solution[name]
+            outputs.append(value.reshape(shape))
         return tuple(outputs)
 
     def forcing(self, system: EquivalentSystem, ground: Array) -> Forcing:
@@ -278,7 +297,7 @@ class _Solver(NamedTuple):
             STRENGTH_RATIO: ratio,
             "iterations": solution.iterations,
             "residual": solution.residual,
-            "status": status,
+            "status": status.astype(np.int8),
         }
 
 
@@ -306,11 +325,3 @@ class _Solution(NamedTuple):
     def elastic(cls, system: EquivalentSystem) -> _Solution:
         none = np.zeros(system.stiffness.size)
         return cls(system, none.astype(np.int32), none, none == 0, none == 0, None)
-
-
-def _blank(name: str, size: int) -> Array:
-    if name == "status":
-        return np.full(size, labels.INVALID_INPUT, np.int8)
-    if name == "iterations":
-        return np.zeros(size, np.int32)
-    return np.full(size, np.nan)

@@ -6,10 +6,12 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.linearization.bias_map import caution_of, caution_of_error, relative_bias
-from stochlin.analyses.linearization.equivalent_systems import PUBLIC, solve_structure
+from stochlin.analyses.linearization.equivalent_systems import PUBLIC, solved_cells
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise
+from stochlin.kernels.basics.arrays import Array
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
 from stochlin.models.structures import DRIFT, NARROW_BAND, Structure
@@ -109,19 +111,17 @@ def linearize(
     expect(structure, Structure, "structure")
     expect(ground, Ground, "ground")
     tolerance = Tolerance(rtol, atol, max_iterations)
-    solved = solve_structure(structure, ground, closure, tolerance)
-    table = solved[list(PUBLIC)].assign(judged(structure, ground, closure, solved, tolerance))
+    solved = solved_cells(structure, ground, closure, tolerance)
+    found = {name: solved[name] for name in PUBLIC}
+    found |= judged(structure, ground, closure, solved, tolerance)
     if closure == NARROW_BAND:
-        equivalent = np.sqrt(solved.system_stiffness)
-        table = table.assign(
-            period_eq=2 * np.pi / equivalent, damping_eq=solved.system_damping / (2 * equivalent)
-        )
+        equivalent = np.sqrt(solved["system_stiffness"])
+        found["period_eq"] = 2 * np.pi / equivalent
+        found["damping_eq"] = solved["system_damping"] / (2 * equivalent)
     if closure == DRIFT:
-        error = solved.displacement_error.where(solved.displacement_std.notnull())
-        table = table.assign(displacement_error=error)
-        moves = solved.drift_std > 0
-        table = table.assign(drift_std=solved.drift_std, drift_time=(1 / solved.drift_rate).where(moves))
-    table = labels.label(table, VARIABLES)
+        found |= {"displacement_error": known_error(solved), "drift_std": solved["drift_std"]}
+        (found["drift_time"],) = cellwise(_drift_time, solved["drift_std"], solved["drift_rate"])
+    table = labels.label(xr.Dataset(found), VARIABLES)
     labels.raise_if_lone_failure(table, f"linearize({structure.describe()}, {ground.describe()})")
     if structure.yields:
         table = table.assign_attrs(comment=caution_in_words(closure))
@@ -133,16 +133,30 @@ def linearize(
     )
 
 
+@np.errstate(divide="ignore")  # an elastic structure does not drift
+def _drift_time(std: Array, rate: Array) -> Array:
+    return np.where(std > 0, 1 / rate, np.nan)
+
+
+def known_error(solved: Solved) -> Cells:
+    """What is expected to be left of the drift closure's error; NaN where nothing is solved."""
+    return cellwise(_known, solved["displacement_error"], solved["displacement_std"])[0]
+
+
+def _known(error: Array, std: Array) -> Array:
+    return np.where(np.isnan(std), np.nan, error)
+
+
 def judged(
-    structure: Structure, ground: Ground, closure: str, solved: xr.Dataset, tolerance: Tolerance
-) -> dict[str, xr.DataArray]:
+    structure: Structure, ground: Ground, closure: str, solved: Solved, tolerance: Tolerance
+) -> dict[str, Cells]:
     """``bias`` and ``caution`` of a structure that is solved with this closure."""
     if closure == DRIFT:
-        error = solved.displacement_error.where(solved.displacement_std.notnull())
+        error = known_error(solved)
         return {"bias": 0 * error, "caution": caution_of_error(error)}
     gaussian = solved
     if closure != "gaussian":
-        gaussian = solve_structure(structure, ground, "gaussian", tolerance)
+        gaussian = solved_cells(structure, ground, "gaussian", tolerance)
     bias = relative_bias(structure, ground, solved, gaussian)
     return {"bias": bias, "caution": caution_of(bias)}
 

@@ -9,6 +9,7 @@ import xarray as xr
 
 from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.cellwise import cellwise, valid_cells
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.parameters import NOT_NEGATIVE, Model, Parameter, Range, parameter
 
@@ -63,9 +64,8 @@ def critical_gap(peak_1: Parameter, peak_2: Parameter, rho: Parameter) -> xr.Dat
     [0.1, 0.5, 0.7]
     """
     pair = CorrelatedPeaks(peak_1, peak_2, rho)
-    valid = pair.valid()
-    values = [array.where(valid) for array in pair.arrays().values()]
-    gap = xr.apply_ufunc(double_difference, *values, join="exact")
+    valid = valid_cells(pair)
+    (gap,) = cellwise(_valid_gap, valid, *pair.cells().values())
     table = xr.Dataset({"gap": gap, "status": labels.status_where(valid)})
     return labels.with_run_information(
         labels.label(table, VARIABLES),
@@ -73,6 +73,10 @@ def critical_gap(peak_1: Parameter, peak_2: Parameter, rho: Parameter) -> xr.Dat
         "critical_gap()",
         {"pair": pair},
     )
+
+
+def _valid_gap(valid: Array, *pair: Array) -> Array:
+    return double_difference(*(np.where(valid, value, np.nan) for value in pair))
 
 
 def double_difference(peak_1: Array, peak_2: Array, rho: Array) -> Array:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from stochlin._version import __version__
+from stochlin.analyses.tables.cellwise import cellwise
+from stochlin.kernels.basics.arrays import Array
 from stochlin.models.parameters import Model
 
 PAPER = (
@@ -38,6 +40,8 @@ STATUS_MEANINGS = (
     "not_a_covariance",
     "shaking_too_strong",
 )
+CAUTION = "caution"  # end of the names of the flags
+CAUTION_MEANINGS = ("within_10_percent", "off_by_more_than_10_percent", "outside_of_the_map")
 CURES = {
     NOT_CONVERGED: "raise max_iterations; in a simulation, relaxation_times",
     INVALID_INPUT: "correct the parameters that are out of range",
@@ -60,22 +64,27 @@ def axis(name: str, long_name: str, values: Any, units: str = "1") -> xr.DataArr
 
 def label(dataset: xr.Dataset, variables: Variables) -> xr.Dataset:
     """Give every variable its units and long name; numbered ones say which structure."""
+    every = dataset.variables
     for name in map(str, dataset.data_vars):
         stem, _, end = name.rpartition("_")
         if name == "status":
-            dataset[name].attrs = {
-                "long_name": "status of the cell",
-                "flag_values": np.arange(len(STATUS_MEANINGS), dtype=np.int8),
-                "flag_meanings": " ".join(STATUS_MEANINGS),
-            }
-        elif name in variables:
+            every[name].attrs = _flags("status of the cell", STATUS_MEANINGS)
+            continue
+        if end == CAUTION and "flag_values" not in every[name].attrs:
+            every[name].attrs = _flags("whether linearization can be trusted here", CAUTION_MEANINGS)
+        if name in variables:
             units, long_name = variables[name]
-            dataset[name].attrs.update(units=units, long_name=long_name)
+            every[name].attrs.update(units=units, long_name=long_name)
         elif stem in variables and (end.isdigit() or end in ENDS):
             units, long_name = variables[stem]
             told = ENDS.get(end, f"{long_name}, structure {end}")
-            dataset[name].attrs.update(units=units, long_name=told)
+            every[name].attrs.update(units=units, long_name=told)
     return dataset
+
+
+def _flags(long_name: str, meanings: Sequence[str]) -> dict[str, Any]:
+    values = np.arange(len(meanings), dtype=np.int8)
+    return {"long_name": long_name, "flag_values": values, "flag_meanings": " ".join(meanings)}
 
 
 def with_run_information(
@@ -101,9 +110,13 @@ def of_scatter(scatter: float) -> dict[str, float]:
     return {"scatter": float(scatter)} if scatter else {}
 
 
-def status_where(good: xr.DataArray, otherwise: int = INVALID_INPUT) -> xr.DataArray:
+def status_where(good: Any, otherwise: int = INVALID_INPUT) -> Any:
     """Converged where this is true."""
-    return xr.full_like(good, CONVERGED, np.int8).where(good, otherwise).astype(np.int8)
+    return cellwise(_status, good, kinds=(np.int8,), otherwise=otherwise)[0]
+
+
+def _status(good: Array, otherwise: int) -> Array:
+    return np.where(good, np.int8(CONVERGED), np.int8(otherwise))
 
 
 def raise_if_lone_failure(dataset: xr.Dataset, what: str) -> None:

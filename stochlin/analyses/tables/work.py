@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import os
 
+import xarray as xr
+
 from stochlin.models.parameters import Model
 
 SHARE = 0.5  # of the machine's memory that one question may take
@@ -27,7 +29,8 @@ def check_work(what: str, cure: str, *, memory: float = 0.0, seconds: float = 0.
 
 def count_cells(*models: Model) -> int:
     """Cells of the table over all dimensions of these models; 0 where dask holds it in chunks."""
-    arrays = [array for model in models for array in model.arrays().values()]
+    values = [value for model in models for value in model.cells().values()]
+    arrays = [value for value in values if isinstance(value, xr.DataArray)]
     sizes = {dim: size for array in arrays for dim, size in array.sizes.items()}
     return 0 if any(array.chunks is not None for array in arrays) else math.prod(sizes.values())
 
