@@ -130,10 +130,14 @@ def draw_oscillator(rng, kind):
 @pytest.mark.parametrize(
     ("kind", "closure", "pairs"),
     [
-        ("bilinear", "gaussian", 90),
-        ("bilinear", "clipped", 50),
-        ("bouc_wen", "gaussian", 50),
-        ("sympy", "gaussian", 10),
+        ("bilinear", "gaussian", 15),
+        ("bilinear", "clipped", 15),
+        ("bouc_wen", "gaussian", 15),
+        ("sympy", "gaussian", 2),
+        pytest.param("bilinear", "gaussian", 90, marks=pytest.mark.slow),
+        pytest.param("bilinear", "clipped", 50, marks=pytest.mark.slow),
+        pytest.param("bouc_wen", "gaussian", 50, marks=pytest.mark.slow),
+        pytest.param("sympy", "gaussian", 10, marks=pytest.mark.slow),
     ],
 )
 def test_pairs_are_those_of_the_fast_path(kind, closure, pairs):
