@@ -178,6 +178,7 @@ def test_bad_input_exits_with_2_and_says_what(arguments: tuple[str, ...], says: 
     assert "Traceback" not in result.output
 
 
+@pytest.mark.slow
 def test_every_chart_is_drawn_beside_its_dataset(tmp_path: Path) -> None:
     quick = ("--points", 9, "--simulated-points", 2, "--paths", 4, "--reduction-factors", "4,6")
     result = run("charts", "--out", tmp_path, *quick)
@@ -211,6 +212,7 @@ def test_the_same_command_makes_the_same_files(tmp_path: Path) -> None:
         assert path.read_bytes() == (tmp_path / "b" / path.name).read_bytes(), path.name
 
 
+@pytest.mark.slow
 def test_charts_of_a_site(tmp_path: Path) -> None:
     record = tmp_path / "motion.txt"
     rng = np.random.default_rng(4)

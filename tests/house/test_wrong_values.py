@@ -199,7 +199,11 @@ OWN: dict[str, dict[str, Any]] = {
 STORED = {"write_atlas", "open_atlas", "lookup"}
 NAMES = [name for name in sl.__all__ if callable(getattr(sl, name)) and name not in STORED]
 NAMES.append("ShearBuilding.regular")
-LONG = {"existing_gap", "fit_ground", "fit_motion", "mitigate", "separation", "sensitivity"}
+LONG = {
+    *("correlate", "existing_gap", "fit_ground", "fit_motion", "mitigate", "pounding_estimate"),
+    *("pounding_fragility", "pounding_probability", "pounding_risk", "required_gap", "sensitivity"),
+    "separation",
+}
 ALSO = {"name": "name_rule_model", "yield_displacement": "yield_strength_hardening"}  # said in its place
 ALSO |= {"reduction_factor": "reduction_strength_hardening", "structure": "structure_strength"}
 

@@ -430,6 +430,7 @@ def test_too_many_storeys_are_refused_before_the_work():
         sl.linearize_system([tower, tower], GROUND)
 
 
+@pytest.mark.slow
 def test_a_loop_that_does_not_end_says_so():
     with pytest.raises(ArithmeticError, match="not converged; raise max_iterations"):
         sl.linearize_system([TALL], GROUND, max_iterations=2)
