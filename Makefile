@@ -2,22 +2,29 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+# A process for every core, at most four; one that has no more tests takes from the others. Threads of
+# linear algebra in each would wait for one another.
+PYTEST = OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal
 
-.PHONY: charts test check fuzz answers takes bench bias reality docs links oldest clean
+.PHONY: charts test test-all check fuzz answers takes bench bias reality docs links oldest clean
 
 charts: $(VENV)/.run
 	$(BIN)/stochlin charts --out figures
 
 test: $(VENV)/.dev
-	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist loadfile
+	$(PYTEST) -m "not slow"
+
+# With the long scans and statistics.
+test-all: $(VENV)/.dev
+	$(PYTEST)
 
 check: $(VENV)/.dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist loadfile
+	$(PYTEST) -m "not slow"
 
-# Mutated case files, records and specifications for an hour or so; the suite has a minute of it.
+# Mutated case files, records and specifications for an hour or so; `make test-all` has a minute of it.
 fuzz: $(VENV)/.dev
 	FUZZ_TIMES=60 $(BIN)/python -m pytest tests/fuzz
 

@@ -7,11 +7,12 @@ expectations are integrated numerically.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Container, Iterable, Sequence
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
+import pytest
 import scipy.linalg
 from scipy.integrate import quad
 from scipy.special import ndtr
@@ -46,6 +47,11 @@ intensity = "0.01 m^2/s^3"
 [motion]
 duration = "12 s"
 """  # of a case file
+
+
+def with_slow(names: Iterable[str], long: Container[str]) -> list[Any]:
+    """Parameters of a test, of which ``make test`` leaves out the long ones."""
+    return [pytest.param(name, marks=pytest.mark.slow) if name in long else name for name in names]
 
 
 def blocks_to_uncomment(start: str) -> list[str]:

@@ -26,15 +26,21 @@ from answers.frozen import (
     run,
     verified_answers,
 )
+from cases import with_slow
 
 import stochlin as sl
 from stochlin.views.command import main
 
+LONG = {
+    *("charts_of_every_figure", "charts_of_a_record", "gap_at_a_recorded_site"),
+    *("gap_of_bouc_wen_buildings", "gap_of_storeys", "measures_from_python"),
+    *("records_read_and_fitted", "site_by_spectrum"),
+}
 VERIFIED = [name for name in CASES if (HERE / name / INDEPENDENT).exists()]
 
 
 @pytest.mark.cli
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", with_slow(CASES, LONG))
 def test_the_answer_is_what_it_was(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MPLBACKEND", "agg")
     case = Case.named(name)

@@ -256,6 +256,7 @@ def test_lookup_checks_what_it_reads(path, kept):
     xr.testing.assert_identical(pickle.loads(pickle.dumps(atlas.bias)).load(), kept[1].bias)
 
 
+@pytest.mark.slow
 def test_one_message_and_no_more(tmp_path):
     """Reads that are under way when one fails are not complained of when the process ends."""
     path = tmp_path / "a.zarr"

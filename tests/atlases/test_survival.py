@@ -58,6 +58,7 @@ def assert_is(atlas, whole):
         np.testing.assert_array_equal(variable, expected, err_msg=str(name))
 
 
+@pytest.mark.slow
 def test_drift_closure_in_blocks_is_that_in_one_piece(tmp_path):
     short = {**SWEEP, "count": 7}
     drifting = {**SPEC, "closure": "drift", "block_cells": 20}
@@ -83,6 +84,7 @@ def test_without_interruption(whole, tmp_path):
     assert not list(tmp_path.glob(".*"))
 
 
+@pytest.mark.slow
 def test_killed_at_random_moments(whole, tmp_path):
     """SIGKILL, twenty times; an atlas that was finished in spite of it is compared and begun anew."""
     context = multiprocessing.get_context("forkserver")
@@ -174,6 +176,7 @@ def cluster():
         yield local
 
 
+@pytest.mark.slow
 def test_two_workers_make_the_same_bits_and_a_dead_one_is_no_loss(cluster, whole, tmp_path):
     atlas = sl.write_atlas(SPEC, tmp_path / "a.zarr", scheduler=cluster.scheduler_address)
     assert_is(atlas, whole)

@@ -146,6 +146,7 @@ def test_a_full_disk_does_not_stop_it(toy, monkeypatch):
     assert not list(folder.glob("*"))
 
 
+@pytest.mark.slow
 def test_processes_that_begin_at_once(toy, tmp_path):
     environment = {k: v for k, v in os.environ.items() if k != "NUMBA_CACHE_DIR"}
     places = [str(tmp_path), *filter(None, sys.path)]

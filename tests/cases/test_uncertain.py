@@ -200,6 +200,7 @@ def test_several_grounds_may_be_uncertain_together_alone(tmp_path):
         read(tmp_path, case_text(OSCILLATOR, FIRM_SITE.replace(GROUND, site)))
 
 
+@pytest.mark.slow
 def test_answers_say_what_is_not_known_and_that_they_contain_it(tmp_path):
     building = changed(changed(OSCILLATOR, "period", '"1.0 s +- 20 %"'), "damping", '"3 to 7 %"')
     case = read(tmp_path, case_text(building))

@@ -377,6 +377,7 @@ def test_floors_that_are_not_level_are_told_and_codes_asked_so():
     assert level < 0.8 * apart  # Eurocode 8 asks for .7 of it
 
 
+@pytest.mark.slow
 def test_where_the_weight_leaves_nothing_stationary_only_simulations_answer(tmp_path):
     _, scene, _ = read(tmp_path, OFFICE, ANNEX, one=("hardening = 0.1", "hardening = 0.0005"))
     for formula in (spectra, gap_rules, correlation):

@@ -44,6 +44,7 @@ def test_the_example_of_the_page_is_computed_and_drawn(install, example, tmp_pat
     assert matplotlib.image.imread(tmp_path / "toy.png").std() > 0.05
 
 
+@pytest.mark.slow
 def test_curves_and_planes_need_no_drawing_code_and_are_found_by_what_they_ask_for(install, tmp_path):
     stochlin = install(CURVES_AND_PLANES)
     for name in ("levels", "levels_broad_band", "area"):

@@ -16,7 +16,7 @@ from urllib.parse import unquote, urlsplit
 
 import numpy as np
 import pytest
-from cases import recorded_example
+from cases import recorded_example, with_slow
 from click.testing import CliRunner
 
 import stochlin as sl
@@ -38,7 +38,11 @@ def blocks(text: str, language: str) -> list[str]:
 
 def command_lines() -> list[str]:
     printed = "".join("".join(blocks(text, "console")) for text in PAGES.values())
-    return [line for line in printed.splitlines() if line]
+    return list(dict.fromkeys(line for line in printed.splitlines() if line))
+
+
+PROGRAMS = [name for name, text in PAGES.items() if blocks(text, "python")]
+LONG = {"stochlin charts --record taft.txt --dt .01s --units g --out site"}
 
 
 @pytest.fixture(autouse=True)
@@ -54,7 +58,7 @@ def scratch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         plt.close("all")
 
 
-@pytest.mark.parametrize("page", [name for name, text in PAGES.items() if blocks(text, "python")])
+@pytest.mark.parametrize("page", with_slow(PROGRAMS, {"risk", "sites"}))
 def test_code_of_a_page_runs_from_top_to_bottom(page: str) -> None:
     namespace: dict[str, object] = {}
     for number, block in enumerate(blocks(PAGES[page], "python")):
@@ -71,7 +75,7 @@ def test_first_chart_is_the_one_of_the_page() -> None:
     assert Path("chart.nc").exists()
 
 
-@pytest.mark.parametrize("line", command_lines())
+@pytest.mark.parametrize("line", with_slow(command_lines(), LONG))
 def test_command_lines_run(line: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("stochlin.views.explorer.server.serve", lambda *scene, **options: None)
     time = 0.01 * np.arange(4000)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cases import recorded_example
+from cases import recorded_example, with_slow
 from click.testing import CliRunner
 
 import stochlin as sl
@@ -31,7 +31,10 @@ def command_lines() -> list[str]:
     return sorted(set(lines) - {"stochlin warmup"})  # it would compile everything
 
 
-@pytest.mark.parametrize("line", command_lines())
+LONG = {"stochlin charts", "stochlin charts --record taft.txt --dt .01s --units g"}
+
+
+@pytest.mark.parametrize("line", with_slow(command_lines(), LONG))
 def test_command_lines_run(line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     rng = np.random.default_rng(7)

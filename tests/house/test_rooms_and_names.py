@@ -127,6 +127,7 @@ def test_every_public_name_is_there_and_listed_once() -> None:
     assert [name for name in listed if getattr(sl, name).__name__.rpartition(".")[2] != name] == []
 
 
+@pytest.mark.slow
 def test_type_checkers_and_editors_see_the_public_names(tmp_path: Path) -> None:
     snippet = tmp_path / "snippet.py"
     snippet.write_text(

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 import sympy
 import xarray as xr
+from cases import with_slow
 
 import stochlin as sl
 
@@ -198,6 +199,11 @@ OWN: dict[str, dict[str, Any]] = {
 STORED = {"write_atlas", "open_atlas", "lookup"}
 NAMES = [name for name in sl.__all__ if callable(getattr(sl, name)) and name not in STORED]
 NAMES.append("ShearBuilding.regular")
+LONG = {
+    *("correlate", "existing_gap", "fit_ground", "fit_motion", "mitigate", "pounding_estimate"),
+    *("pounding_fragility", "pounding_probability", "pounding_risk", "required_gap", "sensitivity"),
+    "separation",
+}
 ALSO = {"name": "name_rule_model", "yield_displacement": "yield_strength_hardening"}  # said in its place
 ALSO |= {"reduction_factor": "reduction_strength_hardening", "structure": "structure_strength"}
 
@@ -249,7 +255,7 @@ def unfit(error: BaseException | None, parameter: str) -> str:
     return ", ".join(fault for fault, found in faults.items() if found)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", with_slow(NAMES, LONG))
 def test_what_is_wrong_is_said_in_a_line_that_names_the_parameter(name: str, tmp_path: Path) -> None:
     call = attrgetter(name)(sl)
     parameters = inspect.signature(call).parameters

@@ -130,10 +130,14 @@ def draw_oscillator(rng, kind):
 @pytest.mark.parametrize(
     ("kind", "closure", "pairs"),
     [
-        ("bilinear", "gaussian", 90),
-        ("bilinear", "clipped", 50),
-        ("bouc_wen", "gaussian", 50),
-        ("sympy", "gaussian", 10),
+        ("bilinear", "gaussian", 15),
+        ("bilinear", "clipped", 15),
+        ("bouc_wen", "gaussian", 15),
+        ("sympy", "gaussian", 2),
+        pytest.param("bilinear", "gaussian", 90, marks=pytest.mark.slow),
+        pytest.param("bilinear", "clipped", 50, marks=pytest.mark.slow),
+        pytest.param("bouc_wen", "gaussian", 50, marks=pytest.mark.slow),
+        pytest.param("sympy", "gaussian", 10, marks=pytest.mark.slow),
     ],
 )
 def test_pairs_are_those_of_the_fast_path(kind, closure, pairs):
@@ -426,6 +430,7 @@ def test_too_many_storeys_are_refused_before_the_work():
         sl.linearize_system([tower, tower], GROUND)
 
 
+@pytest.mark.slow
 def test_a_loop_that_does_not_end_says_so():
     with pytest.raises(ArithmeticError, match="not converged; raise max_iterations"):
         sl.linearize_system([TALL], GROUND, max_iterations=2)

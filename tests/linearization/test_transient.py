@@ -125,6 +125,7 @@ def test_almost_elastic_is_elastic():
     np.testing.assert_allclose(found, elastic, atol=1e-7 * float(elastic.max()))
 
 
+@pytest.mark.slow
 def test_cells_of_a_table_are_what_they_are_alone():
     periods = xr.DataArray([0.5, -1.0, 1.1], dims="period")
     intensities = xr.DataArray([0.003, 0.03], dims="intensity")

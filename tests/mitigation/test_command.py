@@ -78,6 +78,7 @@ def recorded_case(folder, *changes, peak=0.3):
     return path
 
 
+@pytest.mark.slow
 def test_bumpers_that_would_be_crushed_are_told_and_what_links_bear_is_shown(tmp_path):
     thin = ('bumper_thickness = "2 cm"', 'bumper_thickness = "4 mm"')
     result = run(recorded_case(tmp_path, thin, peak=0.9), "--picture", tmp_path / "m.png")
@@ -147,6 +148,7 @@ def test_bad_cases(tmp_path, changes, told):
     assert told in " ".join(result.output.split())
 
 
+@pytest.mark.slow
 def test_floors_that_are_not_level_are_told_and_links_have_to_say_theirs(tmp_path):
     storeys = [storeyed_building(n, start) for n, start in ((1, "period"), (2, "masses"))]
     path = tmp_path / "case.toml"

@@ -180,6 +180,7 @@ def test_devices_and_links_are_all_simulated_and_pound():
     }
 
 
+@pytest.mark.slow
 def test_bumpers_take_their_thickness_from_the_gap(table):
     measures = {"pads": sl.Measure(contact=RUBBER, bumper_thickness=0.02)}
     found = sl.mitigate(

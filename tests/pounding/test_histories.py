@@ -380,6 +380,7 @@ def test_three_in_contact_carry_the_force_along():
     check_energy(table)
 
 
+@pytest.mark.slow
 @given(
     periods=st.lists(st.floats(0.15, 3.0), min_size=3, max_size=4),
     masses=st.lists(st.floats(1e4, 1e6), min_size=4, max_size=4),

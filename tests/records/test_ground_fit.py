@@ -146,7 +146,13 @@ def misfit(spectra):
 
 # --- A known ground -----------------------------------------------------------------------------------
 
-GROUNDS = [(10.0, 0.3, 300.0), (17.8, 0.45, 200.0), (3.1, 0.1, 2000.0), (5.0, 0.8, 600.0)]
+GROUNDS = [
+    (10.0, 0.3, 300.0),
+    *(
+        pytest.param(*one, marks=pytest.mark.slow)
+        for one in ((17.8, 0.45, 200.0), (3.1, 0.1, 2000.0), (5.0, 0.8, 600.0))
+    ),
+]
 
 
 @pytest.mark.parametrize("estimator", ESTIMATORS)

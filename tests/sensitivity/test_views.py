@@ -69,6 +69,7 @@ def test_a_tornado_chart(table):
         sl.charts.draw_sensitivity(xr.Dataset())
 
 
+@pytest.mark.slow
 def test_the_page_of_a_case_with_uncertain_periods(tmp_path):
     text = sl.example_case().replace('period = "0.6 s"', 'period = "0.6 s +- 25 %"')
     text = text.replace('existing = "5 cm"', "").replace("paths = 2048", "paths = 100")

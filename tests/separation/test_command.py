@@ -236,6 +236,7 @@ def test_the_page_warns_of_what_is_doubtful(site: Done) -> None:
     assert re.search(r"keeps them apart in [\d.]+.% of the motions .*: enough\.", words)
 
 
+@pytest.mark.slow
 def test_the_same_case_makes_the_same_page(tmp_path: Path) -> None:
     text = sl.example_case().replace("2048", "128")
     pages = []
@@ -318,6 +319,7 @@ def storeyed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Done]:
     return found
 
 
+@pytest.mark.slow
 def test_storeys_are_told_and_drawn_from_the_saved_data(storeyed: dict[str, Done]) -> None:
     for name, one in storeyed.items():
         shown = " ".join(one.result.output.split())
@@ -351,6 +353,7 @@ def test_storeys_are_told_and_drawn_from_the_saved_data(storeyed: dict[str, Done
     assert "mass of the floor 300 t" in words
 
 
+@pytest.mark.slow
 def test_a_table_of_storeys_has_a_row_a_rule(storeyed: dict[str, Done]) -> None:
     for one in storeyed.values():
         out = one.folder / "t.csv"
@@ -358,6 +361,7 @@ def test_a_table_of_storeys_has_a_row_a_rule(storeyed: dict[str, Done]) -> None:
         assert len(out.read_text().splitlines()) == 24
 
 
+@pytest.mark.slow
 def test_a_picture_over_height_needs_heights(example: Done, tmp_path: Path) -> None:
     with xr.open_dataset(example.folder / "gap.nc") as table, pytest.raises(ValueError, match="storeys"):
         draw_heights(table)

@@ -115,6 +115,7 @@ def test_ends_of_intervals_ask_for_the_gap_with_the_ends_of_what_is_required():
         assert float(table[f"largest_intensity_{end}"]) == pytest.approx(exact, rel=0.02)
 
 
+@pytest.mark.slow
 def test_what_is_not_known_exactly_is_in_every_answer():
     """The same samples as in `separation`; without spread, the same answers."""
     uncertain, still = (
