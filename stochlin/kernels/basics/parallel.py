@@ -12,11 +12,19 @@ Progress = Callable[[float], None]
 """Called with the share of the work that is done."""
 
 
+def cores() -> int:
+    """Those that this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:  # neither on macOS nor on Windows
+        return os.cpu_count() or 1
+
+
 def in_order(
     task: Callable[[int], Result], count: int, progress: Progress | None = None
 ) -> Iterator[Result]:
     """Results of ``task(0), task(1), ...`` in this order, from all cores."""
-    pool = ThreadPoolExecutor(os.cpu_count())
+    pool = ThreadPoolExecutor(cores())
     try:
         for done, result in enumerate(pool.map(task, range(count)), start=1):
             yield result
