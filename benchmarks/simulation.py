@@ -6,7 +6,6 @@ not load.
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable
 from typing import Any
@@ -21,6 +20,7 @@ from stochlin.analyses.simulation.ensembles import Run, cells_of_all, prepare
 from stochlin.analyses.simulation.frames import frames_of
 from stochlin.analyses.simulation.run_lengths import with_length
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import cores
 from stochlin.kernels.simulation.ensemble import SAMPLES, Oscillators, stationary_sums
 from stochlin.kernels.simulation.normal_numbers import fill_normal, generator_state
 from stochlin.kernels.simulation.stepping import (
@@ -77,7 +77,7 @@ def lane_steps(run: Run) -> int:
 def ensemble_rate(count: int, threads: int) -> float:
     """All of it: random numbers, ground, structures, moments."""
     run = ready(count)
-    with mock.patch("os.cpu_count", return_value=threads):
+    with mock.patch("os.sched_getaffinity", return_value=range(threads), create=True):
         spent = seconds(lambda: stationary_sums(run.crowd, None, run.ground, run.root, run.plan, None))
     return count * lane_steps(run) / spent
 
@@ -235,10 +235,9 @@ def _multiplied(matrix: Array, rows: Array, out: Array, count: int) -> None:
 
 def main() -> None:
     """Print one table."""
-    cores = os.cpu_count() or 1
     ops = opensees_or_none()
     opensees = opensees_rate(ops) if ops else np.nan
-    print(f"{cores} cores; rates in structure-steps/s; OpenSeesPy, a pair: {opensees:.3g}")
+    print(f"{cores()} cores; rates in structure-steps/s; OpenSeesPy, a pair: {opensees:.3g}")
     print(
         f"{'structures':>10} {'dynamics':>9} {'1 thread':>9} {'2 threads':>9} {'numpy':>9} "
         f"{'x numpy':>8} {'x OpenSees':>10}   ns a structure-step, 1 thread"

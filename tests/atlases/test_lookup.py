@@ -46,6 +46,16 @@ def atlas(path):
     return sl.open_atlas(path)
 
 
+def test_a_structure_that_does_not_vary_is_looked_up_too(tmp_path):
+    spec = {"ground": "white_noise"}
+    spec["parameters"] = {"period_1": [0.5, 1.0], "period_2": 0.7, "damping": 0.05}
+    atlas = sl.write_atlas(spec, tmp_path / "a.zarr")
+    found = sl.lookup(atlas, period_1=0.5)
+    for name, variable in found.items():
+        expected = atlas[name].isel(period_1=0, missing_dims="ignore")
+        np.testing.assert_array_equal(variable, expected, err_msg=name)
+
+
 def test_points_of_the_atlas_are_given_back(atlas):
     for name, variable in sl.lookup(
         atlas,

@@ -274,7 +274,7 @@ def test_between_floors_nothing_is_larger_than_at_the_levels_of_both():
 def test_one_seed_gives_one_answer_whatever_the_number_of_threads(monkeypatch):
     tables = []
     for cores in (1, 4):
-        monkeypatch.setattr("stochlin.kernels.basics.parallel.os.cpu_count", lambda cores=cores: cores)
+        monkeypatch.setattr("os.sched_getaffinity", lambda _, cores=cores: range(cores), raising=False)
         tables.append(sl.simulate([four(law="bouc_wen"), two()], FIRM, paths=96, duration=5.0, seed=9))
     np.testing.assert_array_equal(tables[0].peak, tables[1].peak)
 

@@ -18,7 +18,7 @@ import xarray as xr
 from stochlin.analyses.atlases import store as atlas_store
 from stochlin.analyses.atlases.checksums import CHECKSUM, CHECKSUMS, Checks, Number
 from stochlin.analyses.atlases.specification import AtlasSpecification, read_specification, specification
-from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.basics.parallel import Progress, cores
 
 PATIENCE = 20.0  # seconds without any worker
 POLL = 1.0  # seconds between looks at the cluster
@@ -201,7 +201,7 @@ def _reason(error: BaseException) -> str:
 @contextmanager
 def _threads() -> Iterator[ThreadPoolExecutor]:
     """One a core; what they have not begun when the block ends is left."""
-    pool = ThreadPoolExecutor(os.cpu_count())
+    pool = ThreadPoolExecutor(cores())
     try:
         yield pool
     finally:

@@ -158,7 +158,9 @@ def _interpolate(
     """Weighted mean over the corners; the largest of them for flags."""
     dims, flags = [str(dim) for dim in variable.dims], variable.dtype.kind == "i"
     # All corners in one request: a chunk on the disk is then read once.
-    steps = np.array(list(itertools.product((0, 1), repeat=len(dims)))).reshape(-1, len(dims))
+    steps = np.array(list(itertools.product((0, 1), repeat=len(dims))), int).reshape(
+        2 ** len(dims), len(dims)
+    )
     where, weight = {}, xr.DataArray(np.ones(len(steps)), dims=CORNER)
     for n, (dim, (low, share)) in enumerate(zip(dims, corners, strict=True)):
         up = xr.DataArray(steps[:, n], dims=CORNER)

@@ -46,6 +46,7 @@ from stochlin.analyses.atlases.specification import AtlasSpecification
 from stochlin.analyses.correlation.correlation import correlate
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import cores
 from stochlin.models.grounds import GROUNDS
 
 TABLES = ("rho", "status", "bias", "caution")
@@ -156,7 +157,7 @@ def check_room(specification: AtlasSpecification, path: Path) -> None:
 
 def check_memory(specification: AtlasSpecification) -> None:
     """Raise a ValueError if the blocks that are computed at a time need too much memory."""
-    at_a_time = min(os.cpu_count() or 1, math.prod(_counts(specification)))
+    at_a_time = min(cores(), math.prod(_counts(specification)))
     block = math.prod(block_shape(specification).values())
     check_work(
         f"block_cells = {specification.block_cells}: {at_a_time} blocks of {block:.3g} cells at a time "

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from stochlin.analyses.pounding.rows import Building
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import cores
 from stochlin.kernels.pounding import run as kernel
 from stochlin.kernels.pounding.rows import Row, sizes_of
 from stochlin.kernels.records.runs import SampledGround
@@ -30,14 +30,14 @@ def check_runs(structures: Sequence[Building], row: Row, grounds: Sequence[Sampl
     shortest = min(float(periods.min()) for periods in modes)
     lengths = np.array([len(ground.acceleration) for ground in grounds])
     seconds = float(sum(ground.dt * (len(ground.acceleration) - 1) for ground in grounds))
-    cores = os.cpu_count() or 1
+    at_once = cores()
     each = STEP * sum(periods.size for periods in modes) * STEPS_PER_PERIOD * seconds / shortest
     many = f"{len(grounds)} motions, " if len(grounds) > 1 else ""
     check_work(
         f"{many}{seconds:g} s of motion, with a shortest period of {shortest:.3g} s, would take",
         f"take softer structures, or {'fewer motions' if many else 'a shorter record'}",
-        memory=8.0 * HISTORIES * sizes_of(row)[-1] * float(np.sort(lengths)[-cores:].sum()),
-        seconds=each * max(1.0, RUNS / min(cores, RUNS * len(grounds))),
+        memory=8.0 * HISTORIES * sizes_of(row)[-1] * float(np.sort(lengths)[-at_once:].sum()),
+        seconds=each * max(1.0, RUNS / min(at_once, RUNS * len(grounds))),
     )
 
 

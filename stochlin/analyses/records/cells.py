@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import os
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
@@ -17,6 +16,7 @@ from stochlin.analyses.tables.checks import check_label
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.linear_branch import LONGEST
+from stochlin.kernels.basics.parallel import cores
 from stochlin.kernels.records.runs import SampledGround
 from stochlin.messages import sentence
 from stochlin.models.laws.bilinear import Bilinear
@@ -147,14 +147,13 @@ def check_run(motions: Motions, frequencies: Array, kept: int = 0) -> None:
 
     ``kept`` numbers are held of every sub-step of those that run at once.
     """
-    cores = os.cpu_count() or 1
     dt, samples = np.array([(ground.dt, len(ground.acceleration)) for ground in motions.grounds]).T
     steps = samples[:, None] * np.maximum(1.0, dt[:, None] * frequencies / LONGEST)
     check_work(
         "structures on records would take",
         "take longer periods, or fewer structures or records at a time",
-        memory=8.0 * kept * cores * float(steps.max(initial=0.0)),
-        seconds=SUB_STEP * float(steps.sum()) / cores,
+        memory=8.0 * kept * cores() * float(steps.max(initial=0.0)),
+        seconds=SUB_STEP * float(steps.sum()) / cores(),
     )
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -20,6 +19,7 @@ from stochlin.analyses.tables.cellwise import row_of
 from stochlin.analyses.tables.checks import check_whole, is_number
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import cores
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.simulation.ensemble import (
     AnyGround,
@@ -234,7 +234,7 @@ def check_settings(
 
 def check_memory(structures: int, paths: int) -> None:
     """Raise a ValueError if so many structures on one ground would not fit into memory."""
-    at_once = min(os.cpu_count() or 1, -(-paths // LANES))
+    at_once = min(cores(), -(-paths // LANES))
     needed = 8.0 * structures**2 * (4 * LANES * at_once + 12)
     check_work(
         f"{structures} structures on one ground need",
@@ -246,7 +246,7 @@ def check_memory(structures: int, paths: int) -> None:
 def seconds_of(run: Run, steps: float, pairs: float) -> float:
     """How long so many steps of all paths take, roughly, with so many differences at each [s]."""
     each = GROUND + PAIR * pairs + sum(_weight(part) for part in run.crowd.parts)
-    return STEP * each * steps * run.plan.groups * LANES / (os.cpu_count() or 1)
+    return STEP * each * steps * run.plan.groups * LANES / cores()
 
 
 def _weight(part: Oscillators | Storeys | SampledStoreys) -> float:

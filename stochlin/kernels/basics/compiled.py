@@ -24,25 +24,35 @@ import numba as nb
 import numpy as np
 from numba.extending import intrinsic, overload, register_jitable
 
-from stochlin.kernels.basics.kept import kept
+from stochlin.kernels.basics.kept import NOT_COMPILED, kept, say_that_it_is_slow
 
+UNCOMPILED = bool(nb.config.DISABLE_JIT)  # type: ignore[attr-defined]
 OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 OF_OVERLOADS: Any = {"forceinline": True, "error_model": "numpy"}
 
 
 def entry(function: Any, **more: Any) -> Any:
     """The decorator of what is called from Python."""
+    if UNCOMPILED:
+        return _uncompiled(function)
     made = nb.njit(**OPTIONS, **more)(function)
-    if made is not function:  # as it is under NUMBA_DISABLE_JIT
-        made._cache = kept(function)
+    made._cache = kept(function)
     return made
 
 
 def elementwise(function: Any) -> Any:
     """The same, for arrays that broadcast."""
+    if UNCOMPILED:
+        return np.vectorize(_uncompiled(function), otypes=[float])
     made = nb.vectorize(function)  # type: ignore[no-untyped-call]
     made._dispatcher.cache = kept(function)
     return made
+
+
+def _uncompiled(function: Any) -> Any:
+    """The function itself, which as compiled code does says nothing of what overflows."""
+    say_that_it_is_slow(NOT_COMPILED)
+    return np.errstate(all="ignore")(function)
 
 
 compiled = nb.njit(**OPTIONS)
@@ -69,7 +79,7 @@ def _borrow(context: Any, owned: Any) -> Any:
     return owned(owned), generate
 
 
-borrow: Any = intrinsic(_borrow)
+borrow: Any = (lambda owned: owned) if UNCOMPILED else intrinsic(_borrow)
 
 
 def of_lane(value: Any, lane: int) -> Any:

@@ -31,12 +31,16 @@ NOT_KEPT = (
     "written, or the disk is full. Every process compiles anew what it uses, which takes seconds to a "
     "minute; set the environment variable NUMBA_CACHE_DIR to a folder that can be written"
 )
+NOT_COMPILED = (
+    "the environment variable NUMBA_DISABLE_JIT is set: nothing is compiled, and simulations take a "
+    "thousand times as long, hours for what takes seconds; unset it, unless that is wanted"
+)
 
 
 @cache
-def say_that_it_is_slow() -> None:
+def say_that_it_is_slow(why: str) -> None:
     """A warning, once in a process."""
-    warnings.warn(NOT_KEPT, stacklevel=2)
+    warnings.warn(why, stacklevel=2)
 
 
 @cache
@@ -54,10 +58,22 @@ def digest_of(file: Path) -> bytes:
 
 def kept(function: Any) -> FunctionCache | NullCache:
     """Where the compiled forms of a function are kept; nowhere, where no folder can be written."""
+    found = _place(function)
+    if isinstance(found, NullCache):
+        say_that_it_is_slow(NOT_KEPT)
+    return found
+
+
+def check_that_it_is_kept() -> None:
+    """Raise a RuntimeError where no folder can be written."""
+    if isinstance(_place(check_that_it_is_kept), NullCache):
+        raise RuntimeError(NOT_KEPT)
+
+
+def _place(function: Any) -> FunctionCache | NullCache:
     try:
         return _Cache(function)
     except (RuntimeError, OSError):  # numba's "no locator available"
-        say_that_it_is_slow()
         return NullCache()
 
 
@@ -74,7 +90,7 @@ class _Cache(FunctionCache):
         try:
             super().save_overload(sig, data)  # type: ignore[no-untyped-call]
         except OSError:
-            say_that_it_is_slow()
+            say_that_it_is_slow(NOT_KEPT)
 
 
 class _Files(IndexDataCacheFile):

@@ -12,6 +12,14 @@ Progress = Callable[[float], None]
 """Called with the share of the work that is done."""
 
 
+def cores() -> int:
+    """Those that this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:  # neither on macOS nor on Windows
+        return os.cpu_count() or 1
+
+
 def in_order(
     task: Callable[[int], Result], count: int, progress: Progress | None = None
 ) -> Iterator[Result]:
@@ -21,7 +29,7 @@ def in_order(
         if progress is not None:
             progress(1.0)
         return
-    pool = ThreadPoolExecutor(os.cpu_count())
+    pool = ThreadPoolExecutor(cores())
     try:
         for done, result in enumerate(pool.map(task, range(count)), start=1):
             yield result

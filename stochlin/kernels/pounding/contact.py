@@ -34,7 +34,8 @@ class ForceLaw(NamedTuple):
     tension: bool = True  # else contact ends with the force: p = n - 1, unless in approach_only
 
 
-LAW = np.dtype([(name, type(value)) for name, value in ForceLaw()._asdict().items()], align=True)
+_FIELDS = [(name, type(value)) for name, value in ForceLaw()._asdict().items()]
+LAW = np.dtype((np.record, np.dtype(_FIELDS, align=True)))  # uncompiled, too, fields are attributes
 
 
 def law_table(laws: Iterable[ForceLaw]) -> Array:

@@ -29,6 +29,7 @@ from numba.extending import overload
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import (
     OF_OVERLOADS,
+    UNCOMPILED,
     borrow,
     called_often,
     compiled,
@@ -146,7 +147,7 @@ def law_of(middles: tuple[Any, ...]) -> Any:
     def end(kind, hyst, start, slope, half, own):
         return law(kind, hyst, start, slope, half, own)
 
-    return nb.cfunc(LAW)(end)
+    return end if UNCOMPILED else nb.cfunc(LAW)(end)
 
 
 @compiled

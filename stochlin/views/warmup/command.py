@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-
 import click
 
 from stochlin.views.shared.screen import COMMANDS, bad_input, progress_bar
@@ -14,17 +12,17 @@ from stochlin.views.shared.screen import COMMANDS, bad_input, progress_bar
 @click.option(
     "--jobs",
     type=click.IntRange(1),
-    default=lambda: os.cpu_count() or 1,
     show_default="all cores",
     help="Processes that compile side by side.",
 )
-def warmup(jobs: int) -> None:
+def warmup(jobs: int | None) -> None:
     """Compile everything now, so that no command waits for it.
 
     The time steps of stochlin are compiled for this machine when they are first needed, which takes
     from seconds to a minute, and kept on the disk: in the folder of the program, in the user's cache
     folder if that cannot be written, or where the environment variable NUMBA_CACHE_DIR says. They are
-    compiled again after an update of stochlin or numba, and for another kind of processor.
+    compiled again after an update of stochlin or numba, and for another kind of processor. Where no
+    folder can be written it ends with exit status 1.
 
     In the recipe of a container it is the line after the installation.
 
@@ -35,12 +33,20 @@ def warmup(jobs: int) -> None:
     from concurrent.futures import ProcessPoolExecutor, as_completed
     from multiprocessing import get_context
 
+    from stochlin.kernels.basics.compiled import UNCOMPILED
+    from stochlin.kernels.basics.kept import NOT_COMPILED, check_that_it_is_kept
+    from stochlin.kernels.basics.parallel import cores
     from stochlin.views.warmup.tasks import TASKS, perform
 
+    with bad_input():
+        check_that_it_is_kept()
+    if UNCOMPILED:
+        click.echo(NOT_COMPILED)
+        return
     with (
         bad_input(),
         progress_bar("compiling") as progress,
-        ProcessPoolExecutor(min(jobs, len(TASKS)), get_context("spawn")) as processes,
+        ProcessPoolExecutor(min(jobs or cores(), len(TASKS)), get_context("spawn")) as processes,
     ):
         progress(0.0)
         for done, task in enumerate(as_completed(processes.submit(perform, name) for name in TASKS)):

@@ -1,0 +1,135 @@
+"""Commands where nothing is compiled, where nothing can be kept, and on one core."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+
+import stochlin as sl
+from stochlin.views.command import main
+
+pytestmark = pytest.mark.cli
+
+UNCOMPILED = {"NUMBA_DISABLE_JIT": "1"}
+NO_FOLDER = {
+    "NUMBA_CACHE_LOCATOR_CLASSES": "UserProvidedCacheLocator",  # neither stochlin's own folder
+    "NUMBA_CACHE_DIR": "",
+    "HOME": os.devnull,  # nor the user's
+    "XDG_CACHE_HOME": os.devnull,
+    "XDG_CONFIG_HOME": os.devnull,
+}
+ONE_CORE = {"NUMBA_NUM_THREADS": "1"}
+
+COMMANDS = """
+import json, os, sys
+from click.testing import CliRunner
+if "NUMBA_NUM_THREADS" in os.environ and hasattr(os, "sched_setaffinity"):
+    os.sched_setaffinity(0, [min(os.sched_getaffinity(0))])
+from stochlin.views.command import main
+for command in json.loads(sys.argv[1]):
+    done = CliRunner().invoke(main, command)
+    assert done.exit_code == 0, (command, done.output)
+    print(done.output)
+"""
+YIELDING = ("--period-1", ".7s", "--period-2", "1s", "--hardening", ".05", "--reduction-factor", "4")
+SIMULATED = ("--method", "simulation", "--paths", "32", "--out", "table.nc")
+RHO = ["rho", *YIELDING]
+CASE = [[command, "case.toml"] for command in ("gap", "probability", "pound")]
+ATLAS = [
+    ["atlas", "spec.toml", "--out", "atlas.zarr"],
+    ["lookup", "atlas.zarr", "--period-1", ".6", "--period-2", ".7"],
+]
+SPECIFICATION = """
+ground = "white_noise"
+[parameters]
+period_1 = [0.5, 1.0]
+period_2 = 0.7
+damping = 0.05
+"""
+SHORTER = {
+    "paths = 2048": "paths = 100",
+    'duration = "20 s"': 'duration = "1.2 s"',
+    'rise_end = "4 s"': 'rise_end = "0.2 s"',
+    'strong_end = "15 s"': 'strong_end = "1 s"',
+    "[motion]": '[[site.records]]\npath = "wave.txt"\nunits = "g"\ndt = "0.02 s"\n[motion]',
+}
+
+
+def case(text: str) -> str:
+    """The example of a case file, made short, with a record."""
+    for long, short in SHORTER.items():
+        text = text.replace(long, short, 1)
+    return text
+
+
+def process(folder: Path, setting: dict[str, str], *command: str) -> subprocess.CompletedProcess[str]:
+    """One with these variables in its environment."""
+    places = os.pathsep.join([str(Path(sl.__file__).parents[1]), *filter(None, sys.path)])
+    environment = {**os.environ, "PYTHONPATH": places, **setting}
+    return subprocess.run(
+        [sys.executable, *command],
+        check=False,
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+    )
+
+
+def ran(folder: Path, setting: dict[str, str], commands: list[Any]) -> subprocess.CompletedProcess[str]:
+    """A process in which these commands end well, one after another."""
+    (folder / "case.toml").write_text(case(sl.example_case()), encoding="utf-8")
+    (folder / "wave.txt").write_text("\n".join(f"{0.1 * (n % 7 - 3):g}" for n in range(50)))
+    (folder / "spec.toml").write_text(SPECIFICATION)
+    done = process(folder, setting, "-c", COMMANDS, json.dumps(commands))
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done
+
+
+def test_what_is_not_compiled_gives_the_same_numbers_and_says_that_it_is_slow(tmp_path: Path) -> None:
+    told = ran(tmp_path, UNCOMPILED, [["pound", "case.toml", "--out", "pound.nc"], ["warmup"]])
+    assert told.stdout.count("NUMBA_DISABLE_JIT is set: nothing is compiled") == 2
+    assert "overflow" not in told.stdout + told.stderr
+    with xr.open_dataset(tmp_path / "pound.nc") as table:
+        plain = table.load()
+    again = [str(tmp_path / "case.toml"), "--out", str(tmp_path / "pound.nc")]
+    assert CliRunner().invoke(main, ["pound", *again]).exit_code == 0
+    with xr.open_dataset(tmp_path / "pound.nc") as table:
+        xr.testing.assert_allclose(plain, table, rtol=1e-6)
+
+
+@pytest.mark.slow
+def test_simulations_run_uncompiled(tmp_path: Path) -> None:
+    short = [*RHO, *SIMULATED]
+    ran(tmp_path, UNCOMPILED, [short, ["probability", "case.toml"], *ATLAS])
+    with xr.open_dataset(tmp_path / "table.nc") as table:
+        plain = table.load()
+    assert CliRunner().invoke(main, [*short[:-1], str(tmp_path / "table.nc")]).exit_code == 0
+    with xr.open_dataset(tmp_path / "table.nc") as table:
+        np.testing.assert_allclose(plain.rho, table.rho, rtol=1e-6)
+
+
+@pytest.mark.slow
+def test_commands_run_where_nothing_can_be_kept(tmp_path: Path) -> None:
+    done = ran(tmp_path, NO_FOLDER, [RHO, *ATLAS])
+    assert done.stdout.count("set the environment variable NUMBA_CACHE_DIR to a folder") == 1
+
+
+@pytest.mark.slow
+def test_commands_run_on_one_core(tmp_path: Path) -> None:
+    ran(tmp_path, ONE_CORE, [RHO, [*RHO, *SIMULATED], *CASE, *ATLAS])
+
+
+def test_warmup_says_that_it_is_in_vain(tmp_path: Path) -> None:
+    done = process(tmp_path, NO_FOLDER, "-m", "stochlin", "warmup")
+    assert done.returncode == 1
+    assert "set the environment variable NUMBA_CACHE_DIR to a folder" in done.stderr
