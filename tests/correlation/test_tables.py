@@ -13,7 +13,8 @@ import stochlin as sl
 from stochlin.analyses.linearization.bias_map import bias_map
 from stochlin.kernels.basics.interpolation import Grid, interpolate
 from stochlin.kernels.correlation import tables as pair_tables
-from stochlin.kernels.correlation.tables import Codes, Side, pair_parameters, pair_table
+from stochlin.kernels.correlation.differences import differences
+from stochlin.kernels.correlation.tables import OFF, Codes, Side, pair_parameters, pair_table
 from stochlin.kernels.linearization.covariance import EquivalentSystem, own_covariance, pair_covariance
 from stochlin.kernels.linearization.filters import KanaiTajimiFilter
 
@@ -52,6 +53,31 @@ def exact(one, other, soil):
     with mpmath.workdps(oracle.DIGITS):
         x = oracle.exact_covariance([oracle.with_law(s) for s in (one, other)], soil)
         return float(x(0, 3) / mpmath.sqrt(x(0, 0) * x(3, 3)))
+
+
+def test_differences_of_displacements_are_those_of_numpy():
+    """Of any dimensions, in several parts; with cells that are not solved, and equal structures."""
+    rng = np.random.default_rng(23)
+    shapes = (600, 1, 3), (500, 1), (600, 500, 3), (600, 1, 1), (1,), (500, 3)
+    one, other, rho, off_1, off_2, off = (rng.uniform(0.1, 0.9, shape) for shape in shapes)
+    rho[::7, ::5], one[3], other[4], rho[3, 4], off_1[3], off_2[:] = np.nan, 0.5, 0.5, 1.0, 0.2, 0.2
+    off[4] = 0.0
+    found = [differences(one, other, rho, off_1, off_2, off, threads=cores) for cores in (True, False)]
+    for array, same in zip(*found, strict=True):
+        np.testing.assert_array_equal(array, same)
+    std, bias, flag = found[0]
+
+    def apart(one, other, rho):
+        return np.sqrt((one - other) ** 2 + 2 * one * other * (1 - rho))
+
+    expected = apart(one, other, rho)
+    with np.errstate(invalid="ignore"):
+        truth = apart(one / (1 + off_1), other / (1 + off_2), np.clip(rho - off, -1, 1))
+        relative = np.where((expected == 0) & (truth == 0), 0.0, expected / truth - 1)
+    np.testing.assert_allclose(std, expected, rtol=1e-13)
+    np.testing.assert_allclose(bias, relative, rtol=1e-12, atol=1e-15)
+    np.testing.assert_array_equal(flag, np.where(np.isnan(bias), 2, np.abs(bias) > OFF))
+    assert std[3, 4, 0] == bias[3, 4, 0] == flag[3, 4, 0] == 0
 
 
 def check(one, other, soil):

@@ -12,11 +12,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stochlin.analyses.linearization.bias_map import caution_of, caution_of_error, point_of
+from stochlin.analyses.linearization.bias_map import caution_of_error, point_of
 from stochlin.analyses.linearization.drift_map import CORRECTED_GROUNDS, checked
-from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise
+from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, is_lazy
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.slabs import in_slabs
+from stochlin.kernels.correlation.differences import differences
 from stochlin.models.grounds import CloughPenzien, Ground, KanaiTajimi, WhiteNoise
 from stochlin.models.structures import Structure
 
@@ -161,8 +161,9 @@ def difference(table: Solved) -> dict[str, Cells]:
         std, flag = *cellwise(_difference, *values), caution_of_error(error)
     else:
         biases = [table.get(name, np.nan) for name in ("bias_1", "bias_2", "bias")]
-        std, bias = cellwise(_difference_and_bias, *values, *biases, kinds=(float, float))
-        std, flag = table.get(f"{DIFFERENCE}_std", std), caution_of(bias)  # storeys have their own
+        kinds, threads = (float, float, np.int8), not is_lazy(*values, *biases)
+        std, bias, flag = cellwise(_differences, *values, *biases, kinds=kinds, threads=threads)
+        std = table.get(f"{DIFFERENCE}_std", std)  # storeys have their own
     return {f"{DIFFERENCE}_std": std, f"{DIFFERENCE}_bias": bias, f"{DIFFERENCE}_caution": flag}
 
 
@@ -170,13 +171,6 @@ def _difference(std_1: Array, std_2: Array, rho: Array) -> Array:
     return np.sqrt((std_1 - std_2) ** 2 + 2 * std_1 * std_2 * (1 - rho))
 
 
-@np.errstate(all="ignore")  # cells that are not solved; no difference
-def _difference_and_bias(*inputs: Array) -> tuple[Array, Array]:
-    def piece(std_1: Array, std_2: Array, rho: Array, bias_1: Array, bias_2: Array, off: Array) -> Array:
-        found = _difference(std_1, std_2, rho)
-        true = _difference(std_1 / (1 + bias_1), std_2 / (1 + bias_2), np.clip(rho - off, -1, 1))
-        bias = np.where((found == 0) & (true == 0), 0.0, found / true - 1)
-        return np.stack(np.broadcast_arrays(found, bias))
-
-    std, bias = in_slabs(piece, *inputs, results=2)
-    return std, bias
+@np.errstate(all="ignore")  # cells that are not solved
+def _differences(*inputs: Array, threads: bool) -> tuple[Array, ...]:
+    return differences(*inputs, threads=threads)

@@ -6,7 +6,6 @@ of the bias. Arrays that dask holds stay with it, chunk by chunk.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -27,6 +26,7 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise_pair, is_lazy
 from stochlin.kernels.basics.arrays import Array, in_one_shape
 from stochlin.kernels.basics.interpolation import Grid
+from stochlin.kernels.correlation.differences import steps_of
 from stochlin.kernels.correlation.tables import Codes, Side, pair_parameters, pair_table
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Structure
@@ -101,11 +101,8 @@ def _side(arrays: tuple[Array, ...], dimensions: int, other_closure: bool) -> Si
     gaussian = parameters(systems[count : 2 * count]) if other_closure else own
     place = [np.log(value) for value in systems[2 * count if other_closure else count :]]
     flags = (status, caution, elastic.astype(np.int8))
-    # Steps of a C-ordered array; none along the dimensions that this side does not have.
-    whole = (1,) * (dimensions - len(shape)) + shape
-    steps = [math.prod(whole[d + 1 :]) if whole[d] > 1 else 0 for d in range(dimensions)]
 
     def rows(values: tuple[Array, ...] | list[Array]) -> Array:
         return np.ascontiguousarray(np.stack([value.ravel() for value in values], axis=-1))
 
-    return Side(own, gaussian, rows(place), rows(flags), np.array(steps, int))
+    return Side(own, gaussian, rows(place), rows(flags), steps_of(shape, dimensions))

@@ -51,19 +51,19 @@ def _load(parameters, cells, tile, loaded):
 
     ``loaded`` are those that are there already: of a table's row, one structure stays.
     """
-    first = cells[0]
-    in_a_row, there = True, True
+    first, apart, other = cells[0], 0, 0
     for lane in range(LANES):
-        in_a_row &= cells[lane] == first + lane
-        there &= cells[lane] == loaded[lane]
+        apart |= cells[lane] - first - lane
+        other |= cells[lane] - loaded[lane]
         loaded[lane] = cells[lane]
-    if there:
+    if other == 0:
         return
     for n in range(PARAMETERS):
         at = n * LANES
-        if in_a_row:
+        if apart == 0:
+            row = parameters[n, first : first + LANES]
             for lane in range(LANES):
-                tile[at + lane] = parameters[n, first + lane]
+                tile[at + lane] = row[lane]
         else:
             for lane in range(LANES):
                 tile[at + lane] = parameters[n, cells[lane]]

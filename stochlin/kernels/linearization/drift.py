@@ -64,12 +64,13 @@ def drift_of(system: EquivalentSystem, latent: Array, cycles: HalfCycles) -> Dri
     with np.errstate(all="ignore"):
         orders = kick**2 * _orders(sz)
         orders[:-1] *= _sums_of_powers(cycles.memory)
-        intensity = orders.sum(axis=0) / cycles.time
+        total: Array = sum(orders)  # row by row, in one order for any number of cells
+        intensity = total / cycles.time
         rate = _relaxation(system, latent, slip)
         grown = -np.expm1(-2 * rate * MOTION * 2 * np.pi / np.sqrt(system.stiffness))
         variance = grown * (system.coupling / system.stiffness) ** 2 * intensity / (2 * rate)
         still = variance == 0
-        shares = np.where(still, 0.0, orders / orders.sum(axis=0))
+        shares = np.where(still, 0.0, orders / total)
     return Drift(variance, np.where(still, 1.0, rate), shares)
 
 

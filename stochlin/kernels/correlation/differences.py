@@ -1,0 +1,85 @@
+"""The difference of two displacements in tables of pairs: its standard deviation, and its bias."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.compiled import entry
+from stochlin.kernels.basics.parallel import in_order
+from stochlin.kernels.correlation.tables import OFF, PART
+from stochlin.kernels.correlation.tiles import LANES, cells_of_tile
+
+
+def steps_of(shape: tuple[int, ...], dimensions: int) -> Array:
+    """Steps of a C-ordered array from cell to cell of a table; none along dimensions that it lacks."""
+    whole = (1,) * (dimensions - len(shape)) + shape
+    steps = [math.prod(whole[d + 1 :]) if whole[d] > 1 else 0 for d in range(dimensions)]
+    return np.array(steps, int)
+
+
+def differences(
+    std_1: Array,
+    std_2: Array,
+    rho: Array,
+    bias_1: Array,
+    bias_2: Array,
+    bias: Array,
+    *,
+    threads: bool,
+) -> tuple[Array, Array, Array]:
+    """Standard deviation of the difference, its relative bias and the flag of that; inputs broadcast.
+
+    ``bias_1`` and ``bias_2`` are relative errors of the standard deviations, ``bias`` that of ``rho``.
+    """
+    shape = np.broadcast_shapes(*(array.shape for array in (std_1, std_2, rho, bias_1, bias_2, bias)))
+    rho, count = np.broadcast_to(rho, shape).reshape(-1), math.prod(shape)
+    parts: list[Array] = []
+    for std, off in ((std_1, bias_1), (std_2, bias_2)):
+        both = np.stack(np.broadcast_arrays(std, std / (1 + off)))
+        parts += [both.reshape(2, -1), steps_of(both.shape[1:], len(shape))]
+    parts += [bias.reshape(-1), steps_of(bias.shape, len(shape))]
+    found = np.empty(count), np.empty(count), np.empty(count, np.int8)
+
+    def part(number: int) -> None:
+        begin = number * PART
+        _fill(*parts, np.array(shape, int), rho, begin, min(begin + PART, count), *found)
+
+    tasks = -(-count // PART)
+    list(in_order(part, tasks) if threads and tasks > 1 else map(part, range(tasks)))
+    std, off, flag = (array.reshape(shape) for array in found)
+    return std, off, flag
+
+
+@entry
+def _fill(one, steps_1, two, steps_2, bias, steps, shape, rho, begin, end, std, off, flag):
+    """Cells ``begin`` to ``end``, tile by tile."""
+    cells_1, cells_2, cells = (
+        np.empty(LANES, np.int64), np.empty(LANES, np.int64), np.empty(LANES, np.int64)
+    )  # fmt: skip
+    a, b, c, d = np.empty(LANES), np.empty(LANES), np.empty(LANES), np.empty(LANES)
+    r, e, found, true = np.zeros(LANES), np.empty(LANES), np.empty(LANES), np.empty(LANES)
+    for start in range(begin, end, LANES):
+        count = min(LANES, end - start)
+        cells_of_tile(start, count, shape, steps_1, cells_1)
+        cells_of_tile(start, count, shape, steps_2, cells_2)
+        cells_of_tile(start, count, shape, steps, cells)
+        for lane in range(LANES):
+            a[lane], b[lane] = one[0, cells_1[lane]], one[1, cells_1[lane]]
+            c[lane], d[lane] = two[0, cells_2[lane]], two[1, cells_2[lane]]
+            e[lane] = bias[cells[lane]]
+        r[:count] = rho[start : start + count]
+        for lane in range(LANES):
+            truth = min(max(r[lane] - e[lane], -1.0), 1.0)
+            square = (a[lane] - c[lane]) * (a[lane] - c[lane])
+            found[lane] = np.sqrt(square + 2 * a[lane] * c[lane] * (1 - r[lane]))
+            square = (b[lane] - d[lane]) * (b[lane] - d[lane])
+            truth = np.sqrt(square + 2 * b[lane] * d[lane] * (1 - truth))
+            none = (found[lane] == 0) & (truth == 0)
+            true[lane] = 0.0 if none else found[lane] / truth - 1
+        for lane in range(count):
+            std[start + lane], off[start + lane] = found[lane], true[lane]
+            large = 1 if abs(true[lane]) > OFF else 0
+            flag[start + lane] = 2 if np.isnan(true[lane]) else large
