@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import stochlin as sl
+from stochlin.kernels.correlation.combination import double_difference
 
 pytestmark = pytest.mark.paper
 
@@ -44,7 +45,7 @@ def test_formula_everywhere_and_in_any_order(one, two, rho):
         p, q, r = (mpmath.mpf(x) for x in (one, two, rho))
         exact = float(mpmath.sqrt(p * p + q * q - 2 * r * p * q))
     assert gap(one, two, rho) == pytest.approx(exact, rel=2e-15)
-    assert gap(two, one, rho) == gap(one, two, rho)
+    assert gap(two, one, rho) == gap(one, two, rho) == double_difference(one, two, rho)
 
 
 @given(peaks, peaks, correlations, st.floats(1e-3, 1e3))

@@ -383,12 +383,15 @@ def _coefficients(sides: Sequence[Side]) -> Coefficients:
         (closure, np.concatenate([law_of(side) for side in members], axis=1))
         for closure, members in groupby(yielding, closure_of)
     ]
-    ends = np.cumsum([law.shape[1] for _, law in groups])[:-1]
+    ends = np.cumsum([law.shape[1] for _, law in groups])
 
     def coefficients(latent: Array) -> Array:
-        parts = zip(groups, np.split(latent, ends, axis=1), strict=True)
-        found = [closure(part, law).coefficients for (closure, law), part in parts]
-        return np.concatenate(found, axis=1)
+        found, states = [], latent[0, ..., 0].size
+        for (closure, law), end in zip(groups, ends, strict=True):
+            part = latent[..., end - law.shape[1] : end]
+            of_all = law if states == 1 else np.tile(law, states)
+            found.append(closure(part.reshape(3, -1), of_all).coefficients.reshape(2, *part.shape[1:]))
+        return np.concatenate(found, axis=-1)
 
     return coefficients
 

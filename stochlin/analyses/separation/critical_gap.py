@@ -11,6 +11,7 @@ from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import cellwise, valid_cells
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.correlation.combination import double_difference
 from stochlin.models.parameters import NOT_NEGATIVE, Model, Parameter, Range, parameter
 
 
@@ -77,19 +78,3 @@ def critical_gap(peak_1: Parameter, peak_2: Parameter, rho: Parameter) -> xr.Dat
 
 def _valid_gap(valid: Array, *pair: Array) -> Array:
     return double_difference(*(np.where(valid, value, np.nan) for value in pair))
-
-
-def double_difference(peak_1: Array, peak_2: Array, rho: Array) -> Array:
-    """Eq. (3) as distance from the nearest of its exact cases, so that no digits cancel."""
-    product = 2 * np.sqrt(peak_1) * np.sqrt(peak_2)  # its square is 4 p1 p2
-    near_one = np.hypot(peak_1 - peak_2, product * np.sqrt((1 - rho) / 2))
-    total = peak_1 + peak_2
-    inside = np.hypot(peak_1, peak_2)
-
-    def less(whole: Array, share: Array) -> Array:
-        """``sqrt(whole^2 - 2 share p1 p2)``."""
-        ratio = product / np.where(whole > 0, whole, 1)
-        return whole * np.sqrt(1 - 0.5 * share * ratio**2)
-
-    gap = np.where(rho < -0.5, less(total, np.minimum(1 + rho, 0.5)), less(inside, np.minimum(rho, 0.5)))
-    return np.where(rho > 0.5, near_one, gap)

@@ -12,9 +12,9 @@ from stochlin.analyses.correlation.effective import rho_effective
 from stochlin.analyses.linearization.equivalent_systems import check_closure
 from stochlin.analyses.records.cells import Records
 from stochlin.analyses.records.gaps import recorded_gap
-from stochlin.analyses.separation.critical_gap import double_difference
 from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.tables import labels
+from stochlin.kernels.correlation.combination import double_difference
 from stochlin.messages import brief
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect

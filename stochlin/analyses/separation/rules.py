@@ -18,9 +18,9 @@ from stochlin.analyses.linearization.peaks import peak_table, relative_moments, 
 from stochlin.analyses.linearization.strength import solved_reduction_factor
 from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.separation.code_gaps import code_gaps
-from stochlin.analyses.separation.critical_gap import double_difference
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.correlation.combination import double_difference
 from stochlin.models.grounds import Ground
 from stochlin.models.rules.effective_properties import effective_rule, effective_rule_names
 from stochlin.models.rules.peak_factors.vanmarcke import Vanmarcke1975

@@ -30,6 +30,8 @@ RTOL, ATOL = 1e-9, 1e-12  # of covariances in units of the elastic stationary re
 RTOL_YIELDING = 1e-7  # where the equations are themselves an approximation
 LEAST_Z = 0.04  # over yield; below, slip is rarer than 1e-130
 LARGEST_CORRELATION = 1 - 1e-12
+RESTING = np.array([1.0, 1.0, 0.0])  # (sv, sz, r) where nothing moves: what is found does not count
+AT_ONCE = 32  # steps whose moments are taken together
 WINDOW, MOST_STEPS = 200, 1e6  # steps between looks at their length; steps of a run
 ROUNDING = 1e-9  # a relative variance of the difference below is none
 
@@ -78,7 +80,8 @@ class Difference(NamedTuple):
 
 
 Envelope = Callable[[float], float]
-Coefficients = Callable[[Array], Array]  # (sv, sz, r) of ductility, (3, n), to (1 + c_e, k_e), (2, n)
+# (sv, sz, r) of ductility, (3, ..., n), to (1 + c_e, k_e), (2, ..., n)
+Coefficients = Callable[[Array], Array]
 
 
 class Transient:
@@ -97,8 +100,16 @@ class Transient:
         w, s, k = structures.frequency, structures.scale, filters.output.shape[1]
         n, m = s.shape
         self.shapes = ((n, 3 * m, k), (n, 3 * m, 3 * m), (pairs.shape[1], 3 * m, 3 * m))
+        ends = np.cumsum([np.prod(shape) for shape in self.shapes])
+        self.blocks = tuple(map(slice, [0, *ends[:-1]], ends))  # of the state: C, X, X12
         d, v, y = self.parts = slice(m), slice(m, 2 * m), slice(2 * m, 3 * m)
         self.yields = np.isfinite(structures.yield_displacement)
+        x = np.arange(ends[0], ends[1]).reshape(self.shapes[1])
+        squares = [
+            _diagonal(x[:, one, two]) for one, two in ((d, d), (d, y), (y, y), (v, d), (v, y), (v, v))
+        ]
+        self.squares = np.stack(squares)  # (6, n, m): where the state has what `z` hangs on
+        self.of_yielding = self.squares[:, self.yields]
         self.unit = (s / structures.yield_displacement)[self.yields]
         self.frequency = np.broadcast_to(w[:, None], s.shape)[self.yields]
         self.seen = structures.seen * s[:, None]
@@ -118,8 +129,9 @@ class Transient:
         Raises an ArithmeticError if the integration fails.
         """
         rtol = RTOL if self.closure is None else RTOL_YIELDING
-        state = np.zeros(sum(int(np.prod(shape)) for shape in self.shapes))
-        rows, begin = [self._moments(state)], 0.0
+        state = np.zeros(self.blocks[-1].stop)
+        states, reached, begin = [state[None]], 1, 0.0
+        found: list[tuple[Own, Difference]] = []
         for end in (*sorted({kink for kink in kinks if 0 < kink < times[-1]}), times[-1]):
             solver = DOP853(self._rate, begin, state, end, rtol=rtol, atol=ATOL)
             taken, mark = 0, begin
@@ -137,28 +149,31 @@ class Transient:
                 if solver.status == "failed":
                     raise ArithmeticError(f"the covariance equations were not integrated: {message}")
                 until = int(np.searchsorted(times, solver.t, side="right"))
-                if until > len(rows):
-                    dense = solver.dense_output()
-                    rows += [self._moments(dense(time)) for time in times[len(rows) : until]]
+                if until > reached:
+                    states.append(solver.dense_output()(times[reached:until]).T)
+                    reached = until
+                if len(states) == AT_ONCE or until == times.size:
+                    found.append(self._moments(np.concatenate(states)))
+                    states = []
             begin, state = end, solver.y
-        own, both = zip(*rows, strict=True)
+        own, both = zip(*found, strict=True)
         return (
-            Own(*(np.stack(column) for column in zip(*own, strict=True))),
-            Difference(*(np.stack(column) for column in zip(*both, strict=True))),
+            Own(*(np.concatenate(column) for column in zip(*own, strict=True))),
+            Difference(*(np.concatenate(column) for column in zip(*both, strict=True))),
         )
 
-    def _split(self, state: Array) -> tuple[Array, Array, Array]:
-        c, x, both = self.shapes
-        first = int(np.prod(c))
-        second = first + int(np.prod(x))
-        return state[:first].reshape(c), state[first:second].reshape(x), state[second:].reshape(both)
+    def _split(self, state: Array) -> tuple[Array, ...]:
+        """The covariances (..., n, 3 m, .) in the states (..., size)."""
+        lead, parts = state.shape[:-1], zip(self.blocks, self.shapes, strict=True)
+        return tuple(state[..., block].reshape(lead + shape) for block, shape in parts)
 
     def _rate(self, time: float, state: Array) -> Array:
         c, x, both = self._split(state)
-        slip, relaxation = self.coefficients(x)
-        by_drift, by_rate, by_slip = self.slips
-        by_drift[...], by_slip[...] = relaxation, -relaxation
-        by_rate[...] = slip * self.structures.frequency[:, None]
+        if self.closure is not None:
+            slip, relaxation = self.coefficients(state)
+            by_drift, by_rate, by_slip = self.slips
+            by_drift[...], by_slip[...] = relaxation, -relaxation
+            by_rate[...] = slip * self.structures.frequency[:, None]
         a, first = self.matrix, self.parts[1].start  # the ground moves the first storey
         m = self.envelope(time)
         one, two = self.pairs
@@ -168,7 +183,7 @@ class Transient:
         half = a @ x
         both_rate = a[one] @ both + both @ a[two].transpose(0, 2, 1)
         if c.shape[2]:
-            forced = np.einsum("nij,nj->ni", c, self.filters.output)
+            forced = (c @ self.filters.output[..., None])[..., 0]
             half[:, first] += push[:, None] * forced
             both_rate[:, first, :] += push[one, None] * forced[two]
             both_rate[:, :, first] += push[two, None] * forced[one]
@@ -178,52 +193,59 @@ class Transient:
         x_rate = half + half.transpose(0, 2, 1)
         return np.concatenate([c_rate.ravel(), x_rate.ravel(), both_rate.ravel()])
 
-    @np.errstate(under="ignore")
-    def coefficients(self, x: Array) -> tuple[Array, Array]:
-        """``1 + c_e`` and ``k_e`` (n, m) that the closure finds for the covariances (n, 3 m, 3 m)."""
-        slip, relaxation = np.zeros((2, *self.structures.scale.shape))
+    @np.errstate(under="ignore", invalid="ignore", divide="ignore")
+    def coefficients(self, state: Array) -> Array:
+        """``1 + c_e`` and ``k_e`` (2, ..., n, m) that the closure finds for states (..., size)."""
+        values = np.zeros((2, *state.shape[:-1], *self.structures.scale.shape))
         if self.closure is None:
-            return slip, relaxation
-        d, v, y = self.parts
-        z_z = (_diagonal(x[:, d, d]) - 2 * _diagonal(x[:, d, y]) + _diagonal(x[:, y, y]))[self.yields]
-        v_z = (_diagonal(x[:, v, d]) - _diagonal(x[:, v, y]))[self.yields]
-        v_v, unit = _diagonal(x[:, v, v])[self.yields], self.unit
+            return values
+        d_d, d_y, y_y, v_d, v_y, v_v = np.moveaxis(state[..., self.of_yielding], -2, 0)
+        unit, z_z, v_z = self.unit, d_d - 2 * d_y + y_y, v_d - v_y
         sz, sv = np.sqrt(np.maximum(z_z, 0)), np.sqrt(np.maximum(v_v, 0))
         moving = (sz * unit > LEAST_Z) & (sv > 0)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            r = np.where(moving, v_z / (sv * sz), 0.0)
-        r = np.clip(r, -LARGEST_CORRELATION, LARGEST_CORRELATION)
-        rates = np.where(moving, sv * unit * self.frequency, 1.0)
-        latent = np.stack([rates, np.where(moving, sz * unit, 1.0), r])
-        found = np.where(moving, self.closure(latent), 0.0)
-        slip[self.yields], relaxation[self.yields] = found
-        return slip, relaxation
+        r = np.minimum(np.maximum(v_z / (sv * sz), -LARGEST_CORRELATION), LARGEST_CORRELATION)
+        rates = sv * unit * self.frequency
+        resting = RESTING.reshape(3, *(1,) * moving.ndim)
+        latent = np.where(moving, np.stack([rates, sz * unit, r]), resting)
+        values[..., self.yields] = np.where(moving, self.closure(latent), 0.0)
+        return values
 
-    def _moments(self, state: Array) -> tuple[Own, Difference]:
-        _, x, both = self._split(state)
+    def _moments(self, states: Array) -> tuple[Own, Difference]:
+        """Of states (times, size)."""
+        _, x, both = self._split(states)
         w, (one, two) = self.structures.frequency[:, None], self.pairs
-        d, v, y = self.parts
+        d, v, _ = self.parts
 
         def seen(left: Array, blocks: Array, right: Array) -> Array:
             return ((left @ blocks) * right).sum(axis=-1)
 
         own, first, second = self.seen, self.seen[one], self.seen[two]
-        u_u, v_v = seen(own, x[:, d, d], own), w**2 * seen(own, x[:, v, v], own)
-        u_v = w * seen(own, x[:, d, v], own)
-        product = seen(first, both[:, d, d], second)
-        crossed = w[two] * seen(first, both[:, d, v], second)
-        crossed += w[one] * seen(first, both[:, v, d], second)
-        velocities = w[one] * w[two] * seen(first, both[:, v, v], second)
-        d_d = u_u[one] + u_u[two] - 2 * product
+        u_u, v_v = seen(own, x[..., d, d], own), w**2 * seen(own, x[..., v, v], own)
+        u_v = w * seen(own, x[..., d, v], own)
+        product = seen(first, both[..., d, d], second)
+        crossed = w[two] * seen(first, both[..., d, v], second)
+        crossed += w[one] * seen(first, both[..., v, d], second)
+        velocities = w[one] * w[two] * seen(first, both[..., v, v], second)
+
+        def of_both(values: Array) -> Array:
+            return values[:, one] + values[:, two]
+
+        squares = of_both(u_u)
+        d_d = squares - 2 * product
         difference = Difference(
-            np.where(d_d > ROUNDING * (u_u[one] + u_u[two]), d_d, 0.0),
-            u_v[one] + u_v[two] - crossed,
-            v_v[one] + v_v[two] - 2 * velocities,
+            np.where(d_d > ROUNDING * squares, d_d, 0.0),
+            of_both(u_v) - crossed,
+            of_both(v_v) - 2 * velocities,
             product,
         )
-        z_z = _diagonal(x[:, d, d]) - 2 * _diagonal(x[:, d, y]) + _diagonal(x[:, y, y])
-        structures = Own(u_u, v_v, self.structures.scale**2 * z_z, *self.coefficients(x))
-        return Own(*map(np.ravel, structures)), Difference(*map(np.ravel, difference))
+        d_d, d_y, y_y = np.moveaxis(states[:, self.squares[:3]], 1, 0)
+        z_z = self.structures.scale**2 * (d_d - 2 * d_y + y_y)
+        structures = Own(u_u, v_v, z_z, *self.coefficients(states))
+        rows = (len(states), -1)
+        return (
+            Own(*(values.reshape(rows) for values in structures)),
+            Difference(*(values.reshape(rows) for values in difference)),
+        )
 
 
 def _diagonal(blocks: Array) -> Array:
