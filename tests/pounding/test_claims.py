@@ -236,6 +236,7 @@ def test_bumpers_as_thick_as_the_gap_allows(hard):
     assert (crushed > GAP).all()  # 1.2 to 2.8 cm: the soft ones have to be thicker than the gap is wide
 
 
+@pytest.mark.slow
 def test_supplemental_damping_is_preferred(hard):
     """What each measure makes of the buildings as built and standing alone, on the same motions."""
     damped = [replace(building, damping=0.2) for building in (FIVE, EIGHT)]

@@ -87,7 +87,13 @@ def test_summaries_are_those_of_the_impacts() -> None:
 # --- Against the simulations that know no contact ---------------------------------------------------
 
 
-@pytest.mark.parametrize("pair", [(SOFT, STIFF), (TOWER, ANNEX)], ids=["oscillators", "storeys"])
+@pytest.mark.parametrize(
+    "pair",
+    [
+        pytest.param((SOFT, STIFF), id="oscillators"),
+        pytest.param((TOWER, ANNEX), id="storeys", marks=pytest.mark.slow),
+    ],
+)
 def test_they_meet_in_the_motions_whose_separation_exceeds_the_gap(pair: tuple[Any, Any]) -> None:
     """Those step otherwise: paths within their error of the gap may be either."""
     simulated = sl.simulate(pair, GROUND, **QUAKE, paths=64, seed=3)

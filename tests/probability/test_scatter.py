@@ -69,6 +69,7 @@ def test_the_formulas_are_as_near_to_simulation_as_without_scatter(pair):
     assert abs(float(spread) - 1) < 0.06
 
 
+@pytest.mark.slow
 @pytest.mark.invariant
 def test_the_required_gap_keeps_the_confidence():
     required = sl.pounding_probability(
