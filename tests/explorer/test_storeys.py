@@ -302,6 +302,7 @@ def test_simulations_of_storeys_answer_the_same_questions(simulated):
     assert chances.attrs["paths"] == 128
 
 
+@pytest.mark.slow
 def test_few_motions_follow_a_slider():
     assert probability(dataclasses.replace(REGULARS, paths=1024)).attrs["paths"] == 512
 

@@ -123,6 +123,7 @@ def test_effective_properties_by_a_rule_of_ones_own_choice() -> None:
     assert "iwan_1980" in unknown.output
 
 
+@pytest.mark.slow
 def test_a_reader_that_has_seen_enough_is_no_error() -> None:
     code = "import sys; from stochlin.views.command import main; main(sys.argv[1:])"
     command = [sys.executable, "-c", code, "rho", "--period-1", ".2s:2s:30", "--period-2", "1s"]
@@ -276,7 +277,7 @@ def test_help_keeps_its_lines(name):
     assert examples
 
 
-@pytest.mark.parametrize("encoding", ["cp1252", "ascii"])
+@pytest.mark.parametrize("encoding", ["cp1252", pytest.param("ascii", marks=pytest.mark.slow)])
 def test_what_an_output_cannot_encode_is_spelled_out(encoding: str, tmp_path: Path) -> None:
     """As when Windows writes to a file; names are the user's."""
     case = tmp_path / "case.toml"

@@ -28,7 +28,12 @@ def command_lines() -> list[str]:
     return [line.split("  #")[0].strip() for line in text.splitlines() if line.startswith("stochlin ")]
 
 
-LONG = {"stochlin charts", "stochlin charts --record taft.txt --dt .01s --units g"}
+LONG = {
+    "stochlin charts",
+    "stochlin charts --record taft.txt --dt .01s --units g",
+    "stochlin gap case.toml --report gap.html --out gap.nc",
+    "stochlin mitigate case.toml --picture measures.png",
+}
 
 
 @pytest.mark.parametrize("line", with_slow(command_lines(), LONG))

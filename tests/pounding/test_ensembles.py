@@ -177,6 +177,7 @@ def test_means_quantiles_and_shares_are_those_of_the_motions() -> None:
         assert name in ("status", "missing", "neighbours", *table.coords) or "units" in variable.attrs
 
 
+@pytest.mark.slow
 def test_every_coverage_is_at_least_what_is_promised() -> None:
     """The interval of the median over 200 ensembles of 20 motions of one long ensemble."""
     table = sl.pound([SOFT, STIFF], 0.05, BUMPER, motions(400))

@@ -145,6 +145,7 @@ def test_required_gap_keeps_the_confidence():
         assert float(back) == pytest.approx(confidence, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_exchange_of_sides_and_scale_of_the_motion():
     here, there = probability(ONE, TWO, FIRM, 0.12), probability(TWO, ONE, FIRM, 0.12)
     np.testing.assert_allclose(
@@ -275,6 +276,7 @@ def test_fragility_of_a_hundred_by_a_hundred():
     assert float(at) == pytest.approx(1 - float(one), abs=0.01)
 
 
+@pytest.mark.slow
 def test_simulation_beside_several_intensities_is_that_of_each_alone():
     pair = [sl.Bilinear(T, 0.05, 0.05, yield_displacement=0.02) for T in (0.6, 1.0)]
     both = sl.pounding_fragility(*pair, FIRM, 0.1, [0.01, 0.04], paths=512, **QUAKE)

@@ -165,6 +165,7 @@ def test_linear_moments_at_all_heights_are_those_of_simulated_motions():
     assert float(table.required_gap_simulated) >= float(table.required_gap_simulated_at_height.max())
 
 
+@pytest.mark.slow
 def test_storeys_that_yield_come_to_rest_at_the_stationary_linearization():
     pair = replace(TALL, heights=[3.2] * 4, hardening=0.3), replace(LOW, hardening=0.3)
     strong = replace(FIRM, intensity=0.03)

@@ -66,6 +66,7 @@ def test_intensity_follows_the_square_of_the_spectrum():
     assert twice.period == pytest.approx(one.period, rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.invariant
 def test_number_of_filters():
     target = CODES["Eurocode 8, type 1, D"]
