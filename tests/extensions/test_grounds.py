@@ -51,6 +51,7 @@ def done(result):
     return result.stdout
 
 
+@pytest.mark.slow
 def test_rho_by_linearization_and_by_simulation(toy, tmp_path):
     out = tmp_path / "table.nc"
     exact = rho(*PERIODS)

@@ -142,7 +142,10 @@ def test_the_critical_gap_is_the_least_without_contact(kind):
 
 @pytest.mark.parametrize(
     ("kind", "mean", "falls"),
-    [("elastic", [1.35, 1.18, 0.99], 0.92), ("yielding", [1.27, 1.20, 1.10], 0.75)],
+    [
+        ("elastic", [1.35, 1.18, 0.99], 0.92),
+        pytest.param("yielding", [1.27, 1.20, 1.10], 0.75, marks=pytest.mark.slow),
+    ],
 )
 def test_oscillators_are_amplified_less_with_less_restitution(kind, mean, falls):
     """The larger of both amplifications; three ratios of masses, e = .9, .65 and .1."""
