@@ -49,7 +49,7 @@ duration = "12 s"
 """  # of a case file
 
 
-def with_slow(names: Iterable[str], long: Container[str]) -> list[Any]:
+def with_slow(names: Iterable[Any], long: Container[Any]) -> list[Any]:
     """Parameters of a test, of which ``make test`` leaves out the long ones."""
     return [pytest.param(name, marks=pytest.mark.slow) if name in long else name for name in names]
 

@@ -114,6 +114,7 @@ def test_killed_at_random_moments(whole, tmp_path):
     assert_is(sl.write_atlas(SPEC, target), whole)
 
 
+@pytest.mark.slow
 def test_full_disk(whole, tmp_path, monkeypatch):
     """The disk takes five blocks, then no more; with room again the rest is written."""
     target, write, count = tmp_path / "a.zarr", atlas_store.write_block, 0
@@ -195,6 +196,7 @@ def test_two_workers_make_the_same_bits_and_a_dead_one_is_no_loss(cluster, whole
     assert_is(survivor, whole)
 
 
+@pytest.mark.slow
 def test_without_workers_it_says_so(whole, tmp_path, monkeypatch):
     distributed = pytest.importorskip("distributed", reason="distributed is in the extra 'scale'")
     monkeypatch.setattr(atlas_module, "PATIENCE", 2.0)

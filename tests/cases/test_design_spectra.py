@@ -28,6 +28,7 @@ def read(folder: Path, site: str) -> Case:
     return sl.read_case(path)
 
 
+@pytest.mark.slow
 def test_the_ground_delivers_the_spectrum_in_the_motion_of_the_file(tmp_path):
     case = read(tmp_path, CODE + "filters = 1\n")
     target = sl.eurocode_8(0.25 * G, "C")
@@ -43,6 +44,7 @@ def test_the_ground_delivers_the_spectrum_in_the_motion_of_the_file(tmp_path):
     assert not any("delivers the spectrum" in note for note in notes)
 
 
+@pytest.mark.slow
 def test_a_file_of_a_spectrum_is_read_and_kept_from_being_overwritten(tmp_path):
     period = np.geomspace(0.05, 4.0, 60)
     values = sl.asce_7(G, 0.6 * G, 8.0).interp(period=period).values
@@ -55,6 +57,7 @@ def test_a_file_of_a_spectrum_is_read_and_kept_from_being_overwritten(tmp_path):
     np.testing.assert_allclose(one.ground.psd(frequency), two.ground.psd(frequency), rtol=0.03)
 
 
+@pytest.mark.slow
 def test_the_explorer_holds_several_filters_and_saves_them(tmp_path):
     case = read(tmp_path, CODE + "filters = 2\ndamping = 0.1\n")  # not one that it has controls for
     assert isinstance(case.ground, sl.ParallelGround)

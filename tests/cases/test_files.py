@@ -393,6 +393,7 @@ def test_answer_is_that_of_the_library(tmp_path: Path) -> None:
     assert "existing_least_added_damping" in answer.table()
 
 
+@pytest.mark.slow
 def test_a_building_takes_a_law_and_its_parameters(tmp_path: Path) -> None:
     """Where an analysis knows the bilinear law alone, it says so before any work."""
     wave(tmp_path)

@@ -44,6 +44,7 @@ def test_a_fitted_envelope_brings_ground_and_duration_with_it(fitted: Case) -> N
     assert fitted.fitted
 
 
+@pytest.mark.slow
 def test_the_answer_says_how_the_motions_compare_with_the_record(fitted: Case) -> None:
     answer = answer_case(fitted)
     error = float(answer.spectrum.energy_ratio_standard_error)

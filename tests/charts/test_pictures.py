@@ -34,6 +34,7 @@ def charts_by_name():
     return {name: compute() for name, compute in computed()}
 
 
+@pytest.mark.slow
 def test_every_chart_says_its_kind_and_files_that_do_not_are_drawn_alike(charts_by_name):
     kinds = {name: chart.attrs["chart"] for name, chart in charts_by_name.items()}
     assert set(kinds.values()) == set(sl.charts.PICTURES)

@@ -302,6 +302,7 @@ def test_simulations_of_storeys_answer_the_same_questions(simulated):
     assert chances.attrs["paths"] == 128
 
 
+@pytest.mark.slow
 def test_few_motions_follow_a_slider():
     assert probability(dataclasses.replace(REGULARS, paths=1024)).attrs["paths"] == 512
 
@@ -321,7 +322,16 @@ def test_all_that_is_shown_of_storeys_becomes_one_file(simulated, tmp_path):
     assert all("units" in array.attrs and "long_name" in array.attrs for array in numbers)
 
 
-@pytest.mark.parametrize("changed", [{}, {"description_2": OSCILLATOR}, {"yields_1": False}])
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {},
+        *(
+            pytest.param(one, marks=pytest.mark.slow)
+            for one in ({"description_2": OSCILLATOR}, {"yields_1": False})
+        ),
+    ],
+)
 def test_figures_and_words_of_storeys(changed):
     scene = dataclasses.replace(REGULARS, **changed)
     gaps = gap_rules(scene)

@@ -79,6 +79,7 @@ def nothing_chart(settings):
 """
 
 
+@pytest.mark.slow
 def test_a_chart_without_a_number_is_not_drawn(install, tmp_path):
     done = install(NOTHING)("charts", "nothing", "--out", ".")
     assert done.returncode == 2
@@ -86,6 +87,7 @@ def test_a_chart_without_a_number_is_not_drawn(install, tmp_path):
     assert not list(tmp_path.glob("nothing.*"))
 
 
+@pytest.mark.slow
 def test_a_chart_that_asks_for_what_there_is_not_is_told_what_there_is(install):
     source = "from stochlin.charts import CHARTS\n@CHARTS.register('odd')\ndef odd(moon): ...\n"
     done = install(source)("charts", "odd", "--out", ".")

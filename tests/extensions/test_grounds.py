@@ -51,6 +51,7 @@ def done(result):
     return result.stdout
 
 
+@pytest.mark.slow
 def test_rho_by_linearization_and_by_simulation(toy, tmp_path):
     out = tmp_path / "table.nc"
     exact = rho(*PERIODS)
@@ -117,6 +118,7 @@ seed = 1
 """
 
 
+@pytest.mark.slow
 def test_a_case_file(toy, tmp_path):
     (tmp_path / "case.toml").write_text(CASE, encoding="utf-8")
     text = done(toy("gap", "case.toml"))
@@ -127,6 +129,7 @@ def test_a_case_file(toy, tmp_path):
     assert "two_layers" in wrong.stderr
 
 
+@pytest.mark.slow
 def test_an_atlas(toy, tmp_path):
     pytest.importorskip("zarr")
     spec = """

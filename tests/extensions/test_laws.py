@@ -80,6 +80,7 @@ paths = 128
 """
 
 
+@pytest.mark.slow
 def test_gap_of_a_case_with_a_law_from_outside(toy, tmp_path):
     (tmp_path / "case.toml").write_text(CASE)
     done = toy("gap", "case.toml", "--out", "gap.nc")

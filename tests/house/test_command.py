@@ -13,7 +13,7 @@ import click
 import numpy as np
 import pytest
 import xarray as xr
-from cases import recorded_example
+from cases import recorded_example, with_slow
 from click.testing import CliRunner, Result
 
 import stochlin as sl
@@ -125,6 +125,7 @@ def test_effective_properties_by_a_rule_of_ones_own_choice() -> None:
     assert "iwan_1980" in unknown.output
 
 
+@pytest.mark.slow
 def test_a_reader_that_has_seen_enough_is_no_error() -> None:
     code = "import sys; from stochlin.views.command import main; main(sys.argv[1:])"
     command = [sys.executable, "-c", code, "rho", "--period-1", ".2s:2s:30", "--period-2", "1s"]
@@ -202,14 +203,11 @@ def test_one_chart_with_its_own_parameters(tmp_path: Path) -> None:
         assert "ξ = 0.02" in chart.attrs["caption"]
 
 
-def test_the_same_command_makes_the_same_files(tmp_path: Path) -> None:
+@pytest.mark.parametrize("kind", with_slow(("svg", "pdf", "png"), {"pdf", "png"}))
+def test_the_same_command_makes_the_same_files(kind: str, tmp_path: Path) -> None:
+    few = ("--points", 9, "--simulated-points", 2, "--paths", 4, "--format", kind)
     for name in ("a", "b"):
-        for file_format in ("svg", "pdf", "png"):
-            done = run(
-                *("charts", "fig5b", "--points", 9, "--simulated-points", 2, "--paths", 4),
-                *("--format", file_format, "--out", tmp_path / name),
-            )
-            assert done.exit_code == 0
+        assert run("charts", "fig5b", *few, "--out", tmp_path / name).exit_code == 0
     for path in (tmp_path / "a").iterdir():
         assert path.read_bytes() == (tmp_path / "b" / path.name).read_bytes(), path.name
 
@@ -278,7 +276,7 @@ def test_help_keeps_its_lines(name):
     assert examples
 
 
-@pytest.mark.parametrize("encoding", ["cp1252", "ascii"])
+@pytest.mark.parametrize("encoding", ["cp1252", pytest.param("ascii", marks=pytest.mark.slow)])
 def test_what_an_output_cannot_encode_is_spelled_out(encoding: str, tmp_path: Path) -> None:
     """As when Windows writes to a file; names are the user's."""
     case = tmp_path / "case.toml"

@@ -42,7 +42,10 @@ def command_lines() -> list[str]:
 
 
 PROGRAMS = [name for name, text in PAGES.items() if blocks(text, "python")]
-LONG = {"stochlin charts --record taft.txt --dt .01s --units g --out site"}
+LONG = {
+    "stochlin charts --record taft.txt --dt .01s --units g --out site",
+    "stochlin gap case.toml --report gap.html",
+}
 
 
 @pytest.fixture(autouse=True)
@@ -58,7 +61,9 @@ def scratch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         plt.close("all")
 
 
-@pytest.mark.parametrize("page", with_slow(PROGRAMS, {"risk", "sites"}))
+@pytest.mark.parametrize(
+    "page", with_slow(PROGRAMS, {"buildings", "pounding", "probability", "risk", "sites"})
+)
 def test_code_of_a_page_runs_from_top_to_bottom(page: str) -> None:
     namespace: dict[str, object] = {}
     for number, block in enumerate(blocks(PAGES[page], "python")):

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import nbformat
 import pytest
+from cases import with_slow
 from nbclient import NotebookClient
 
 pytestmark = pytest.mark.cli
@@ -13,7 +14,7 @@ pytestmark = pytest.mark.cli
 NOTEBOOKS = sorted((Path(__file__).parents[2] / "notebooks").glob("*.ipynb"))
 
 
-@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", with_slow(NOTEBOOKS, NOTEBOOKS[1:]), ids=lambda path: path.stem)
 @pytest.mark.filterwarnings("ignore::DeprecationWarning:zmq", "ignore::RuntimeWarning:zmq")
 def test_notebook_runs(path: Path) -> None:
     notebook = nbformat.read(path, as_version=4)

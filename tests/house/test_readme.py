@@ -31,7 +31,12 @@ def command_lines() -> list[str]:
     return sorted(set(lines) - {"stochlin warmup"})  # it would compile everything
 
 
-LONG = {"stochlin charts", "stochlin charts --record taft.txt --dt .01s --units g"}
+LONG = {
+    "stochlin charts",
+    "stochlin charts --record taft.txt --dt .01s --units g",
+    "stochlin gap case.toml --report gap.html --out gap.nc",
+    "stochlin mitigate case.toml --picture measures.png",
+}
 
 
 @pytest.mark.parametrize("line", with_slow(command_lines(), LONG))

@@ -135,6 +135,7 @@ def test_where_the_drift_closure_does_not_hold_the_gaussian_one_is_usual_and_sai
         assert float(same.reduction_factor) == float(table.reduction_factor)
 
 
+@pytest.mark.slow
 def test_jump_of_the_ductility_is_a_target_without_a_strength():
     """Amplitude averaging of a stiff structure on a lake bed: no strength has a ductility of 8."""
     case = sl.Bilinear([0.0621228, 1.0], 0.1613, 0.0308)

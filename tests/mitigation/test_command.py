@@ -102,6 +102,7 @@ def test_bumpers_that_would_be_crushed_are_told_and_what_links_bear_is_shown(tmp
         assert float(braced.largest_link_force) > 0.6e6
 
 
+@pytest.mark.slow
 def test_records_are_shown_beside(tmp_path):
     result = run(recorded_case(tmp_path), "--out", tmp_path / "m.csv")
     assert result.exit_code == 0, result.output

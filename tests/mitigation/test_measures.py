@@ -138,6 +138,7 @@ def test_storeys_keep_their_masses_and_damping_ratios():
     np.testing.assert_allclose(found.required_gap[1], roof, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_devices_and_links_are_all_simulated_and_pound():
     """A linear device of an oscillator is damping; several links stand together in the columns."""
     one, two = by_strength()
@@ -320,6 +321,7 @@ def test_links_and_contacts_ask_for_masses():
     assert "least dashpot between" not in table.measure
 
 
+@pytest.mark.slow
 def test_measures_of_buildings_that_are_not_known_exactly():
     """Without spread as known; with it, more is required, and the least is more."""
 

@@ -142,7 +142,10 @@ def test_the_critical_gap_is_the_least_without_contact(kind):
 
 @pytest.mark.parametrize(
     ("kind", "mean", "falls"),
-    [("elastic", [1.35, 1.18, 0.99], 0.92), ("yielding", [1.27, 1.20, 1.10], 0.75)],
+    [
+        ("elastic", [1.35, 1.18, 0.99], 0.92),
+        pytest.param("yielding", [1.27, 1.20, 1.10], 0.75, marks=pytest.mark.slow),
+    ],
 )
 def test_oscillators_are_amplified_less_with_less_restitution(kind, mean, falls):
     """The larger of both amplifications; three ratios of masses, e = .9, .65 and .1."""
@@ -236,6 +239,7 @@ def test_bumpers_as_thick_as_the_gap_allows(hard):
     assert (crushed > GAP).all()  # 1.2 to 2.8 cm: the soft ones have to be thicker than the gap is wide
 
 
+@pytest.mark.slow
 def test_supplemental_damping_is_preferred(hard):
     """What each measure makes of the buildings as built and standing alone, on the same motions."""
     damped = [replace(building, damping=0.2) for building in (FIVE, EIGHT)]

@@ -146,6 +146,7 @@ mass = "600 t"
 """
 
 
+@pytest.mark.slow
 def test_towers_and_rows_are_said_and_drawn(tmp_path: Path) -> None:
     example = sl.example_case()
     start, end = example.index("[building_1]"), example.index("[separation]")

@@ -87,7 +87,13 @@ def test_summaries_are_those_of_the_impacts() -> None:
 # --- Against the simulations that know no contact ---------------------------------------------------
 
 
-@pytest.mark.parametrize("pair", [(SOFT, STIFF), (TOWER, ANNEX)], ids=["oscillators", "storeys"])
+@pytest.mark.parametrize(
+    "pair",
+    [
+        pytest.param((SOFT, STIFF), id="oscillators"),
+        pytest.param((TOWER, ANNEX), id="storeys", marks=pytest.mark.slow),
+    ],
+)
 def test_they_meet_in_the_motions_whose_separation_exceeds_the_gap(pair: tuple[Any, Any]) -> None:
     """Those step otherwise: paths within their error of the gap may be either."""
     simulated = sl.simulate(pair, GROUND, **QUAKE, paths=64, seed=3)
@@ -171,6 +177,7 @@ def test_means_quantiles_and_shares_are_those_of_the_motions() -> None:
         assert name in ("status", "missing", "neighbours", *table.coords) or "units" in variable.attrs
 
 
+@pytest.mark.slow
 def test_every_coverage_is_at_least_what_is_promised() -> None:
     """The interval of the median over 200 ensembles of 20 motions of one long ensemble."""
     table = sl.pound([SOFT, STIFF], 0.05, BUMPER, motions(400))

@@ -37,6 +37,7 @@ def test_prints_saves_and_draws(case, tmp_path):
     assert f"{last:11.4f}" in done.output
 
 
+@pytest.mark.slow
 def test_buildings_with_storeys_have_all_parameters_in_the_picture(tmp_path):
     path, out = tmp_path / "case.toml", tmp_path / "p.nc"
     storeys = [storeyed_building(n, start) for n, start in ((1, "period"), (2, "masses"))]

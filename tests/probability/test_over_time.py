@@ -137,6 +137,7 @@ def test_time_runs_from_certain_safety_and_gaps_are_ordered():
     assert float(table.instantaneous_probability.max()) <= 0.5
 
 
+@pytest.mark.slow
 def test_required_gap_keeps_the_confidence():
     for confidence in (0.5, 0.9, 0.99):
         wanted = probability(ONE, TWO, FIRM, 0.1, confidence=confidence).required_gap
@@ -144,6 +145,7 @@ def test_required_gap_keeps_the_confidence():
         assert float(back) == pytest.approx(confidence, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_exchange_of_sides_and_scale_of_the_motion():
     here, there = probability(ONE, TWO, FIRM, 0.12), probability(TWO, ONE, FIRM, 0.12)
     np.testing.assert_allclose(
@@ -191,6 +193,7 @@ def test_correction_of_a_yielding_pair_is_nearer_to_simulation():
     assert float(last.required_gap) < 0.85 * simulated
 
 
+@pytest.mark.slow
 def test_formulas_are_flagged_where_they_are_off_and_trusted_where_they_are_not():
     """Strengths 2 and 6: the formula is unsafe. What has caution 0 is too large by .1 at most."""
     gaps = xr.DataArray([0.04, 0.08, 0.12, 0.16], dims="gap")
@@ -214,6 +217,7 @@ def test_formulas_are_flagged_where_they_are_off_and_trusted_where_they_are_not(
     assert probability(ONE, TWO, FIRM, named, points=3).gap.attrs["units"] == "m"
 
 
+@pytest.mark.slow
 def test_formulas_are_flagged_outside_of_what_was_checked():
     def flags(first, second, ground=FIRM, **changes):
         brief = {"envelope": None, "duration": 4.0, "points": 3}
@@ -256,6 +260,7 @@ def test_tables_are_labelled_and_bad_cells_blank():
     )
 
 
+@pytest.mark.slow
 def test_fragility_of_a_hundred_by_a_hundred():
     pair = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.6, 1.0)]
     gaps, intensities = np.linspace(0.02, 0.6, 100), np.geomspace(1e-3, 0.05, 100)
@@ -271,6 +276,7 @@ def test_fragility_of_a_hundred_by_a_hundred():
     assert float(at) == pytest.approx(1 - float(one), abs=0.01)
 
 
+@pytest.mark.slow
 def test_simulation_beside_several_intensities_is_that_of_each_alone():
     pair = [sl.Bilinear(T, 0.05, 0.05, yield_displacement=0.02) for T in (0.6, 1.0)]
     both = sl.pounding_fragility(*pair, FIRM, 0.1, [0.01, 0.04], paths=512, **QUAKE)

@@ -69,6 +69,7 @@ def test_the_formulas_are_as_near_to_simulation_as_without_scatter(pair):
     assert abs(float(spread) - 1) < 0.06
 
 
+@pytest.mark.slow
 @pytest.mark.invariant
 def test_the_required_gap_keeps_the_confidence():
     required = sl.pounding_probability(
@@ -80,6 +81,7 @@ def test_the_required_gap_keeps_the_confidence():
     assert float(kept.confidence_of_no_pounding[-1]) == pytest.approx(0.9, abs=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.invariant
 def test_cells_of_a_table_are_what_they_are_alone_and_invalid_ones_harm_no_other():
     factor = xr.DataArray([2.0, -1.0, 4.0], dims="factor")
@@ -97,6 +99,7 @@ def test_cells_of_a_table_are_what_they_are_alone_and_invalid_ones_harm_no_other
             np.testing.assert_allclose(own, one[name], rtol=1e-4, atol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.oracle
 def test_a_fragility_widens_as_the_convolution_with_the_scatter_says():
     """Over ``ln a``, half of ``ln S0``: the curve without scatter, averaged over a normal shift."""

@@ -165,6 +165,7 @@ def test_linear_moments_at_all_heights_are_those_of_simulated_motions():
     assert float(table.required_gap_simulated) >= float(table.required_gap_simulated_at_height.max())
 
 
+@pytest.mark.slow
 def test_storeys_that_yield_come_to_rest_at_the_stationary_linearization():
     pair = replace(TALL, heights=[3.2] * 4, hardening=0.3), replace(LOW, hardening=0.3)
     strong = replace(FIRM, intensity=0.03)
@@ -218,6 +219,7 @@ def test_the_formula_knows_what_the_weight_takes():
     assert float(leaning.displacement_std_1[-1]) > float(upright.displacement_std_1[-1])
 
 
+@pytest.mark.slow
 def test_cells_of_a_table_are_what_they_are_alone():
     periods = xr.DataArray([0.5, -1.0, 1.1], dims="period")
     intensities = xr.DataArray([0.003, 0.03], dims="intensity")
@@ -242,6 +244,7 @@ def test_cells_of_a_table_are_what_they_are_alone():
                 np.testing.assert_allclose(cell[name], alone[name], atol=1e-5 * scale, err_msg=name)
 
 
+@pytest.mark.slow
 def test_fragility_is_the_probability_at_each_intensity():
     gaps, intensities = [0.05, 0.1], [0.005, 0.02]
     table = sl.pounding_fragility(TALL, LOW, FIRM, gaps, intensities, paths=0, **QUAKE)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import cases
 import numpy as np
 import pytest
 import xarray as xr
@@ -187,7 +188,7 @@ def test_whittle_is_the_most_accurate_where_the_model_is_true():
     assert np.all(errors["whittle"] < errors["psd"])
 
 
-@pytest.mark.parametrize("estimator", ESTIMATORS)
+@pytest.mark.parametrize("estimator", cases.with_slow(ESTIMATORS, {"psd"}))
 def test_recovers_a_known_clough_penzien_ground(estimator):
     """Four standard deviations of six such fits, which are 2 % for the soil, 9 % for the filter."""
     truth = (12.0, 0.4, 2.0, 0.6, 0.02)

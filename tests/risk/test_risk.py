@@ -129,6 +129,7 @@ def test_a_hazard_that_begins_too_high_is_doubted():
         sl.pounding_risk(*ELASTIC, GROUND, 0.01, hazard, 15.0, paths=32)
 
 
+@pytest.mark.slow
 def test_risk_of_what_is_not_known_exactly():
     """Without spread as known; with it, the mean of the rates of drawn pairs."""
     hazard, gap = sl.PowerLawHazard(k0=0.02, k=2.5), 0.08

@@ -57,6 +57,7 @@ def test_elasticities_have_no_unit():
     np.testing.assert_allclose(other.variance_share, usual.variance_share, rtol=1e-5, atol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.oracle
 def test_share_of_an_intensity_in_closed_form():
     """Of linear structures the separation is that of the motion times the root of the intensity."""
@@ -118,6 +119,7 @@ def test_ends_of_a_range():
     assert "ground.intensity" in names
 
 
+@pytest.mark.slow
 @pytest.mark.invariant
 def test_buildings_with_storeys():
     """By the numbers of a regular one where some are uncertain; else each array by one factor."""

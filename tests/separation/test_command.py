@@ -130,6 +130,7 @@ def test_a_gap_far_beyond_the_answer_is_told_at_the_border_of_the_pictures(tmp_p
         assert [text for text in axes.texts if "60.0 cm" in text.get_text()]
 
 
+@pytest.mark.slow
 def test_numbers_of_rules_of_ones_own(tmp_path: Path) -> None:
     stated = 'numbers = { share_of_height = 0.01, fixed_distance = "7 cm", asce_41 = "3 %" }'
     text = sl.example_case().replace("2048", "128").replace("[simulation]", f"{stated}\n[simulation]")
@@ -256,6 +257,7 @@ def test_elastic_buildings_without_a_gap(tmp_path: Path) -> None:
     assert "existing gap</h2>" not in one.page
 
 
+@pytest.mark.slow
 def test_floors_that_cannot_be_level_are_told_at_once(tmp_path: Path) -> None:
     one = done(tmp_path, sl.example_case().replace("storeys = 8", "storeys = 6").replace("2048", "128"))
     assert one.result.exit_code == 0, one.result.output
@@ -272,6 +274,7 @@ def test_buildings_that_move_alike_are_not_called_safe_without_a_word(tmp_path: 
     assert "as no two real buildings do" in one.result.output
 
 
+@pytest.mark.slow
 def test_too_few_motions_for_an_interval_are_said_to_be(tmp_path: Path) -> None:
     text = sl.example_case().replace('"90 %"', '"99.5 %"').replace("2048", "100")
     one = done(tmp_path, text)

@@ -64,6 +64,7 @@ def test_intensity_of_linear_structures_goes_with_the_square_of_the_gap():
     assert found[1] / found[0] == pytest.approx(4, rel=5e-3)
 
 
+@pytest.mark.slow
 def test_hopeless_and_ample_gaps():
     pair = (
         sl.Bilinear(0.5, 0.05, 0.1, reduction_factor=2),

@@ -186,7 +186,10 @@ def test_bad_input_is_refused_before_any_work(monkeypatch, options, message):
         sl.separation(building(0.6), building(1.0), FIRM, **given)
 
 
-@pytest.mark.parametrize("strength", [{"yield_displacement": 1e-30}, {"reduction_factor": 1e300}])
+@pytest.mark.parametrize(
+    "strength",
+    [pytest.param({"yield_displacement": 1e-30}, marks=pytest.mark.slow), {"reduction_factor": 1e300}],
+)
 def test_rules_that_need_linearization_are_not_available_far_beyond_yield(strength):
     """The simulation answers, and so do the rules that are fed with it; the others say why not."""
     pair = [sl.Bilinear(period, 0.05, 0.05, **strength) for period in (0.6, 1.0)]

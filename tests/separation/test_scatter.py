@@ -46,6 +46,7 @@ def test_rules_follow_by_their_peaks_and_linearization_says_that_it_does_not(tab
     assert "without the scatter of 0.4" in str(alone[1].assumptions.item())
 
 
+@pytest.mark.slow
 @pytest.mark.invariant
 def test_every_answer_about_one_gap_is_of_the_same_motions(tables):
     """The required gap, what there is, the measures, and the probability at the end."""

@@ -88,6 +88,7 @@ def test_linearized_rule_is_that_of_the_system(answer):
     assert float(answer.rho.sel(rule="eq_3_linearized")) == pytest.approx(expected, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_existing_gap_asks_for_the_same(answer):
     found = sl.existing_gap(building(3), building(2, 3.5), FIRM, gap=0.06, **FEW)
     assert float(found.required_gap) == pytest.approx(float(answer.gap[0]), rel=1e-12)
@@ -95,6 +96,7 @@ def test_existing_gap_asks_for_the_same(answer):
     assert float(found.no_pounding_probability) == pytest.approx(apart, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_probability_over_time_ends_where_the_samples_say(answer):
     gap = float(answer.separation_samples.median())
     options = {"paths": 512, "seed": 1} | QUAKE
@@ -112,6 +114,7 @@ def test_probability_over_time_ends_where_the_samples_say(answer):
     )
 
 
+@pytest.mark.slow
 def test_measures_help_and_least_ones_are_found():
     pair = building(3), building(2)
     measures = {

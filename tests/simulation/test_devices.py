@@ -163,6 +163,7 @@ def test_another_scale_of_mass_length_and_shaking_changes_nothing():
     np.testing.assert_allclose(3 * tables[0].peak, tables[1].peak, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_a_damper_holds_fast_what_moves_slowly():
     """The smaller its exponent, the more it is one of friction: a strong one hardly lets go."""
     free, held = (

@@ -94,6 +94,7 @@ def test_samples_are_those_of_the_distribution():
     assert abs(np.corrcoef(period, damping)[0, 1]) < 4 / np.sqrt(256)
 
 
+@pytest.mark.slow
 def test_required_gap_of_uncertain_periods_is_that_of_brute_force():
     """Sixty-four pairs of periods, each simulated by itself with other motions."""
     first, second = (

@@ -58,6 +58,7 @@ def test_a_building_of_one_storey_is_an_oscillator(law):
     )
 
 
+@pytest.mark.slow
 def test_printed_values_of_two_buildings():
     """Drifts, correlation and relative displacement that a Runge-Kutta method gave, to 3 digits.
 

@@ -38,7 +38,10 @@ def test_motions_deliver_the_spectrum(name):
 
 
 @pytest.mark.oracle
-@pytest.mark.parametrize(("duration", "envelope"), [(8.0, None), (60.0, sl.HsuBernard(12.0))])
+@pytest.mark.parametrize(
+    ("duration", "envelope"),
+    [(8.0, None), pytest.param(60.0, sl.HsuBernard(12.0), marks=pytest.mark.slow)],
+)
 def test_other_motions_deliver_it_too(duration, envelope):
     target = CODES["Eurocode 8, type 1, B"]
     ground = sl.fit_ground(target, duration=duration, envelope=envelope)
@@ -46,6 +49,7 @@ def test_other_motions_deliver_it_too(duration, envelope):
     assert float(abs(table.sel(period=slice(0.1, 4.0)).ratio - 1).max()) < 0.06
 
 
+@pytest.mark.slow
 @pytest.mark.invariant
 def test_intensity_follows_the_square_of_the_spectrum():
     target = CODES["Eurocode 8, type 1, A"]
@@ -62,6 +66,7 @@ def test_intensity_follows_the_square_of_the_spectrum():
     assert twice.period == pytest.approx(one.period, rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.invariant
 def test_number_of_filters():
     target = CODES["Eurocode 8, type 1, D"]

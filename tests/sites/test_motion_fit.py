@@ -58,6 +58,7 @@ def test_energy_by_hand(record, motion):
     assert float(energy) == pytest.approx(float((record**2).integrate("time")), rel=5e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.invariant
 def test_a_louder_record_makes_the_same_ground_louder(record, motion):
     louder = sl.fit_motion((3 * record).assign_attrs(record.attrs))
