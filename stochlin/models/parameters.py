@@ -161,12 +161,21 @@ class Model:
 
     def isel(self, indexers: Mapping[Any, int | slice]) -> Self:
         """The model with only these cells along the dimensions that it has."""
-        part = copy.copy(self)
-        part._forget()
-        for name, array in self.arrays().items():
-            if array.ndim:
-                object.__setattr__(part, name, array.isel(indexers, missing_dims="ignore"))
-        return part
+        return self.with_arrays(
+            {
+                name: array.isel(indexers, missing_dims="ignore")
+                for name, array in self.arrays().items()
+                if array.ndim
+            }
+        )
+
+    def with_arrays(self, arrays: Mapping[str, xr.DataArray]) -> Self:
+        """The model with these in place of parameters that have been checked."""
+        changed = copy.copy(self)
+        changed._forget()
+        for name, array in arrays.items():
+            object.__setattr__(changed, name, array)
+        return changed
 
     def valid(self) -> xr.DataArray:
         """True for the cells in which every parameter is in its range."""

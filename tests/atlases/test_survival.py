@@ -172,7 +172,7 @@ def test_what_is_no_atlas_is_left_alone(tmp_path):
 def cluster():
     distributed = pytest.importorskip("distributed", reason="distributed is in the extra 'scale'")
     with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, dashboard_address=None, processes=True
+        n_workers=2, threads_per_worker=1, dashboard_address=":0", processes=True
     ) as local:
         yield local
 
@@ -189,9 +189,8 @@ def test_two_workers_make_the_same_bits_and_a_dead_one_is_no_loss(cluster, whole
             os.kill(process.pid, 9)
             killed.append(process.pid)
 
-    survivor = sl.write_atlas(
-        SPEC, tmp_path / "b.zarr", scheduler=cluster.scheduler_address, progress=kill_one
-    )
+    with cluster.get_client() as client:
+        survivor = sl.write_atlas(SPEC, tmp_path / "b.zarr", scheduler=client, progress=kill_one)
     assert killed
     assert_is(survivor, whole)
 
@@ -202,7 +201,7 @@ def test_without_workers_it_says_so(whole, tmp_path, monkeypatch):
     monkeypatch.setattr(atlas_module, "PATIENCE", 2.0)
     target = tmp_path / "a.zarr"
     with (
-        distributed.LocalCluster(n_workers=0, dashboard_address=None, processes=False) as empty,
+        distributed.LocalCluster(n_workers=0, dashboard_address=":0", processes=False) as empty,
         pytest.raises(RuntimeError, match=r"has had no worker .*0 of \d+ blocks are written and stay"),
     ):
         sl.write_atlas(SPEC, target, scheduler=empty.scheduler_address)

@@ -8,7 +8,7 @@ import time
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError, ThreadPoolExecutor, as_completed
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +32,7 @@ def write_atlas(
     spec: str | os.PathLike[str] | Mapping[str, Any],
     path: str | os.PathLike[str],
     *,
-    scheduler: str | None = None,
+    scheduler: Any = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Compute a design atlas into a Zarr store, or go on with one that was stopped.
@@ -49,9 +49,9 @@ def write_atlas(
         ``period_2`` are over the ground's period; numbers are held, lists and sweeps are axes.
     path : path
         Where the store is or will be.
-    scheduler : str, optional
-        Address of a dask scheduler, whose workers then compute and write; they must see the same file
-        system. The cores of this machine, if not given.
+    scheduler : str or distributed.Client, optional
+        Address of a dask scheduler, or a client of one, whose workers then compute and write; they must
+        see the same file system. The cores of this machine, if not given.
     progress : callable, optional
         Called with the share of blocks that are written and good.
 
@@ -107,9 +107,7 @@ def write_atlas(
     return open_atlas(target)
 
 
-def _blocks(
-    checks: Checks, chosen: AtlasSpecification, scheduler: str | None
-) -> Iterator[tuple[int, int]]:
+def _blocks(checks: Checks, chosen: AtlasSpecification, scheduler: Any) -> Iterator[tuple[int, int]]:
     """Look all blocks over and write those that are not good; how many are, and the number of all."""
     path, numbers = checks.root, list(np.ndindex(checks.counts))
     good, todo = 0, []
@@ -226,7 +224,7 @@ def _on_worker(path: str, chosen: AtlasSpecification, number: Number, code: str)
 
 
 def _on_cluster(
-    address: str, path: Path, chosen: AtlasSpecification, todo: Sequence[Number]
+    scheduler: Any, path: Path, chosen: AtlasSpecification, todo: Sequence[Number]
 ) -> Iterator[None]:
     """Let the workers of a dask cluster write the blocks."""
     try:
@@ -234,12 +232,17 @@ def _on_cluster(
     except ImportError as error:
         raise ImportError("a cluster needs dask.distributed: pip install 'stochlin[scale]'") from error
     lost = (distributed.KilledWorker, distributed.comm.CommClosedError, CancelledError, OSError)
-    try:
-        client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
-    except (OSError, ValueError) as error:
-        raise _ClusterLostError(f"no scheduler answers at {address}") from error
+    opened: Any
+    if isinstance(scheduler, distributed.Client):
+        opened, address = nullcontext(scheduler), scheduler.scheduler.address
+    else:
+        try:
+            opened = distributed.Client(scheduler, timeout=PATIENCE, set_as_default=False)
+        except (OSError, ValueError) as error:
+            raise _ClusterLostError(f"no scheduler answers at {scheduler}") from error
+        address = scheduler
     code = atlas_store.code_version()
-    with client:
+    with opened as client:
         pending = {
             client.submit(_on_worker, str(path), chosen, number, code, pure=False) for number in todo
         }

@@ -9,7 +9,8 @@ import re
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import partial
+from functools import partial, reduce
+from operator import and_
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,6 +33,7 @@ from stochlin.analyses.simulation.finite_motions import (
 from stochlin.analyses.simulation.simulation import check_repeated, simulate
 from stochlin.analyses.sites.intensity import scale_ground
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.cells import over_cells
 from stochlin.analyses.tables.checks import (
     check_duration,
     check_existing,
@@ -46,7 +48,7 @@ from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.hazards import Hazard, HazardCurve
 from stochlin.models.parameters import expect
-from stochlin.models.systems import AnyStructure
+from stochlin.models.systems import AnyStructure, first_period
 from stochlin.models.uncertain import applied, median_of
 
 POINTS = 13  # intensities that are simulated
@@ -87,9 +89,9 @@ def pounding_risk(
     Parameters
     ----------
     first, second, ground
-        As in `separation`, numbers or `Uncertain` ones; a ``reduction_factor`` refers to ``ground`` as
-        given, and the strength in metres that it means there is kept at all intensities. With None for
-        ``second`` it is how often one building crosses its property line.
+        As in `separation`, each cell by itself, or with `Uncertain` parameters; a ``reduction_factor``
+        refers to ``ground`` as given, and the strength in metres that it means there is kept at all
+        intensities. With None for ``second`` it is how often one building crosses its property line.
     gap : float
         [m], positive; of one building its distance from the line.
     hazard : HazardCurve or PowerLawHazard
@@ -145,11 +147,15 @@ def pounding_risk(
     True
     """
     given = standing(first, second)
-    asked = RiskAsked(given, ground, hazard, duration, envelope, scatter, paths, seed)
-    asked.check()
     check_existing(gap, duration, {role: median_of(one) for role, one in given.items()})
     _check_years(years)
-    return asked.simulated(progress).of_gap(gap, years)
+
+    def of_cell(ground: Ground, **given: AnyStructure) -> xr.Dataset:
+        asked = RiskAsked(given, ground, hazard, duration, envelope, scatter, paths, seed)
+        asked.check()
+        return asked.simulated(progress).of_gap(gap, years)
+
+    return _over_cells(of_cell, given, ground, duration)
 
 
 def required_gap(
@@ -203,11 +209,25 @@ def required_gap(
     >>> bool(abs(table.annual_rate / table.target_rate - 1) < 1e-3)
     True
     """
-    given = standing(first, second)
-    asked = RiskAsked(given, ground, hazard, duration, envelope, scatter, paths, seed)
-    asked.check()
-    asked.check_target(risk)
-    return asked.simulated(progress).gap_of(risk)
+
+    def of_cell(ground: Ground, **given: AnyStructure) -> xr.Dataset:
+        asked = RiskAsked(given, ground, hazard, duration, envelope, scatter, paths, seed)
+        asked.check()
+        asked.check_target(risk)
+        return asked.simulated(progress).gap_of(risk)
+
+    return _over_cells(of_cell, standing(first, second), ground, duration)
+
+
+def _over_cells(
+    of_cell: Callable[..., xr.Dataset], given: dict[str, Any], ground: Ground, duration: float
+) -> xr.Dataset:
+    """``of_cell`` of every cell of structures and ground; NaN where a period is too long."""
+    expect(median_of(ground), Ground, "ground")
+    both = {role: median_of(structure) for role, structure in given.items()}
+    check_duration(duration, both)
+    long_enough = reduce(and_, (first_period(structure) <= duration for structure in both.values()))
+    return over_cells(of_cell, {**given, "ground": ground}, long_enough)
 
 
 class Target(NamedTuple):

@@ -201,43 +201,46 @@ def separation(
     if any(isinstance(structure, ShearBuilding) for structure in both.values()):
         check_levels(list(both.values()), tall, floors_align)
 
-    @np.errstate(all="ignore")  # what comes of extreme input is judged by its status
     def of_cell(ground: Ground, **given: AnyStructure) -> xr.Dataset:
-        motions = simulate(
-            list(given.values()),
-            ground,
-            paths=paths,
-            seed=seed,
-            duration=duration,
-            envelope=envelope,
-            scatter=scatter,
-            quantiles=[confidence],
-            progress=progress,
-        )
-        # The rules are of the structures at their medians, fed with peaks of all samples.
-        structures, ground = tuple(map(median_of, given.values())), median_of(ground)
-        seconds = strong_seconds(duration, envelope)
-        pair: PairInMotion
-        if all(isinstance(structure, Structure) for structure in structures):
-            pair = OscillatorsInMotion(structures, ground, motions, confidence, seconds, tall)
-        else:
-            pair = StoreysInMotion(in_metres(structures, ground), ground, motions, confidence, seconds)
-        rules = all_rules(pair, floors_align, zone, unverified, numbers)
-        table = _judged(rules, pair)
-        if "input_factor" in motions:
-            table["input_factor"] = motions.input_factor
-        table.attrs = {name: motions.attrs[name] for name in MOTION} | labels.of_scatter(scatter)
-        if records is None:
-            return table
-        one, *others = in_metres(structures, ground)
-        recorded = recorded_gap(one, others[0] if others else None, records).drop_dims(
-            "quantile", errors="ignore"
-        )
-        return table.assign({f"record_{name}": recorded[name] for name in recorded.data_vars})
+        with np.errstate(all="ignore"):  # what comes of extreme input is judged by its status
+            motions = simulate(
+                list(given.values()),
+                ground,
+                paths=paths,
+                seed=seed,
+                duration=duration,
+                envelope=envelope,
+                scatter=scatter,
+                quantiles=[confidence],
+                progress=progress,
+            )
+            # The rules are of the structures at their medians, fed with peaks of all samples.
+            structures, ground = tuple(map(median_of, given.values())), median_of(ground)
+            seconds = strong_seconds(duration, envelope)
+            pair: PairInMotion
+            if all(isinstance(structure, Structure) for structure in structures):
+                pair = OscillatorsInMotion(structures, ground, motions, confidence, seconds, tall)
+            else:
+                pair = StoreysInMotion(
+                    in_metres(structures, ground), ground, motions, confidence, seconds
+                )
+            rules = all_rules(pair, floors_align, zone, unverified, numbers)
+            table = _judged(rules, pair)
+            if "input_factor" in motions:
+                table["input_factor"] = motions.input_factor
+            table.attrs = {name: motions.attrs[name] for name in MOTION} | labels.of_scatter(scatter)
+            if records is None:
+                return table
+            one, *others = in_metres(structures, ground)
+            recorded = recorded_gap(one, others[0] if others else None, records).drop_dims(
+                "quantile", errors="ignore"
+            )
+            return table.assign({f"record_{name}": recorded[name] for name in recorded.data_vars})
 
     models: dict[str, Any] = {**given, "ground": ground}
     long_enough = reduce(and_, (first_period(structure) <= duration for structure in both.values()))
     table = over_cells(of_cell, models, long_enough)
+    table["verdict"] = table.verdict.where(table.gap.notnull(), NOT_AVAILABLE).astype(np.int8)
     table = labels.label(table, {**VARIABLES, **ALONE} if alone else VARIABLES)
     table.verdict.attrs = VERDICT_ATTRS
     for name, text in TEXTS.items():

@@ -1,0 +1,117 @@
+"""Tables that are computed cell by cell: lazy, in chunks, on clusters, and the same to the last bit."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import stochlin as sl
+from stochlin.analyses.tables.cells import over_cells
+
+pytestmark = pytest.mark.invariant
+
+pytest.importorskip("dask", reason="dask is in the extra 'scale'")
+
+GROUND = sl.KanaiTajimi(0.5, 0.3, intensity=0.01)
+HAZARD = sl.PowerLawHazard(k0=0.01, k=2.5)
+SECOND = sl.Bilinear(1.0, 0.05)
+VERBS = {
+    "separation": lambda one: sl.separation(one, SECOND, GROUND, 5.0, paths=32),
+    "pounding_risk": lambda one: sl.pounding_risk(one, SECOND, GROUND, 0.2, HAZARD, 5.0, paths=32),
+    "required_gap": lambda one: sl.required_gap(one, None, GROUND, HAZARD, 5.0, risk=0.001, paths=32),
+    "correlate_linked": lambda one: sl.correlate_linked(
+        one, sl.Bilinear(1.0, 0.05, mass=1e6), GROUND, sl.Link(1e6)
+    ),
+}
+
+
+def axis(name, values, chunk=None):
+    array = xr.DataArray(np.array(values), dims=name, coords={name: np.array(values)})
+    return array if chunk is None else array.chunk(chunk)
+
+
+def building(chunk=None):
+    """With a cell out of range, a whole chunk of such, and one that is longer than the motions."""
+    periods = axis("period", [-1.0, -2.0, 0.7, -1.0, 9.0], chunk)
+    return sl.Bilinear(periods, axis("damping", [0.03, 0.05], chunk), mass=1e6)
+
+
+def assert_same(lazy, eager):
+    found = lazy.compute() if lazy.chunks else lazy
+    for model in ("first", "second"):  # those in chunks are told without their numbers
+        found.attrs.pop(model, None)
+        eager.attrs.pop(model, None)
+    xr.testing.assert_identical(found, eager)
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_a_lazy_table_is_the_eager_one(verb):
+    lazy = VERBS[verb](building(2))
+    assert lazy.chunks["period"] == (2, 2, 1)
+    assert_same(lazy, VERBS[verb](building()))
+
+
+def test_only_one_cell_is_computed_before_the_table_is_asked_for():
+    asked = []
+
+    def of_cell(first):
+        asked.append(float(first.arrays()["period"]))
+        return xr.Dataset({"twice": 2 * first.arrays()["period"]})
+
+    lazy = over_cells(of_cell, {"first": building(1)})
+    assert len(asked) == 1
+    np.testing.assert_array_equal(lazy.twice.isel(period=[2, 4], damping=0), [1.4, 18.0])
+
+
+def test_no_valid_cell_is_said_before_the_table_is_asked_for():
+    wrong = sl.Bilinear(axis("period", [-1.0, -2.0], 1), 0.05)
+    with pytest.raises(ValueError, match="no cell has valid parameters"):
+        VERBS["separation"](wrong)
+
+
+def test_risk_over_periods_is_that_of_each():
+    table = VERBS["pounding_risk"](sl.Bilinear(axis("period", [0.5, 0.7]), 0.05))
+    for period in (0.5, 0.7):
+        alone = VERBS["pounding_risk"](sl.Bilinear(period, 0.05))
+        xr.testing.assert_equal(table.annual_rate.sel(period=period, drop=True), alone.annual_rate)
+
+
+def killing(folder):
+    """A function of a cell that kills the first worker that comes to it, and is slow enough to wait."""
+
+    def of_cell(first):
+        try:
+            (folder / "killed").touch(exist_ok=False)
+            os.kill(os.getpid(), 9)
+        except FileExistsError:
+            pass
+        return xr.Dataset({"twice": 2 * first.arrays()["period"]})
+
+    return of_cell
+
+
+@pytest.mark.slow
+def test_workers_of_a_cluster_make_the_same_bits_and_a_dead_one_is_no_loss(tmp_path):
+    distributed = pytest.importorskip("distributed", reason="distributed is in the extra 'scale'")
+    first = sl.Bilinear(axis("period", np.linspace(0.5, 2.0, 40), 5), 0.05)
+    killer = killing(tmp_path)
+    (tmp_path / "killed").touch()
+    lazy = over_cells(killer, {"first": first})
+    expected = lazy.compute(scheduler="synchronous")
+    (tmp_path / "killed").unlink()
+    with (
+        distributed.LocalCluster(
+            n_workers=2, threads_per_worker=1, dashboard_address=":0", processes=True
+        ) as cluster,
+        distributed.Client(cluster, set_as_default=False) as client,
+    ):
+        before = set(client.nthreads())
+        found = client.compute(lazy).result(timeout=60)
+        assert (tmp_path / "killed").exists()
+        assert set(client.nthreads()) != before
+        xr.testing.assert_identical(found, expected)
+        table = client.compute(VERBS["separation"](building(2))).result(timeout=60)
+    assert_same(table, VERBS["separation"](building()))
