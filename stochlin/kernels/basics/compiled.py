@@ -3,17 +3,11 @@
 ================  ==================================================================================
 `entry`           called from Python; `kept` on the disk
 `elementwise`     called from Python, over arrays that broadcast; kept likewise
-`compiled`        called from compiled code
+`not_kept`        called from Python, made from what a user gives
+`compiled`        called from compiled code, as one of its `parts`
 `called_often`    so short that handing over its arguments takes longer than the work: LLVM inlines it
-`inlined`         called in one place only: numba inlines it, and LLVM need not go over it at each level
 `shared`          stays plain Python, of arrays, and is called from compiled code, of numbers
 ================  ==================================================================================
-
-`borrow` takes away the counting. numba counts a reference whenever an array is taken out of a tuple,
-which in a function of a microsecond is most of the time.
-
-Each of the three strange ones is worth it: `pound` takes 3.7 times as long without `borrow`, 1.5 times
-without `called_often`, and without `inlined` 1.7 times, and 1.4 times as long to compile.
 """
 
 from __future__ import annotations
@@ -22,9 +16,10 @@ from typing import Any
 
 import numba as nb
 import numpy as np
-from numba.extending import intrinsic, overload, register_jitable
+from numba.extending import overload, register_jitable
 
 from stochlin.kernels.basics.kept import NOT_COMPILED, kept, say_that_it_is_slow
+from stochlin.kernels.basics.parts import Parts
 
 UNCOMPILED = bool(nb.config.DISABLE_JIT)  # type: ignore[attr-defined]
 OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
@@ -55,31 +50,10 @@ def _uncompiled(function: Any) -> Any:
     return np.errstate(all="ignore")(function)
 
 
-compiled = nb.njit(**OPTIONS)
-called_often = nb.njit(forceinline=True, **OPTIONS)
-inlined = nb.njit(inline="always", **OPTIONS)
+not_kept = nb.njit(**OPTIONS)
+compiled = nb.njit(pipeline_class=Parts, **OPTIONS)
+called_often = nb.njit(pipeline_class=Parts, forceinline=True, **OPTIONS)
 shared: Any = register_jitable(**OF_OVERLOADS)
-
-
-def _borrow(context: Any, owned: Any) -> Any:
-    """A named tuple with its arrays, not counted; who owns them has to keep them while they are used."""
-
-    def generate(target: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        parts = []
-        for n, kind in enumerate(owned.types):
-            part = builder.extract_value(arguments[0], n)
-            if isinstance(kind, nb.types.Array):
-                view = target.make_array(kind)(target, builder, part)
-                view.meminfo = view.meminfo.type(None)
-                view.parent = view.parent.type(None)
-                part = view._getvalue()
-            parts.append(part)
-        return target.make_tuple(builder, owned, parts)
-
-    return owned(owned), generate
-
-
-borrow: Any = (lambda owned: owned) if UNCOMPILED else intrinsic(_borrow)
 
 
 def of_lane(value: Any, lane: int) -> Any:

@@ -42,7 +42,9 @@ def interpolate(axes, sizes, values, points, out):
                 inside = False
                 break
             x = min(max(x, axes[d, 0]), axes[d, last])
-            low = min(np.searchsorted(axes[d, : last + 1], x, side="right") - 1, last - 1)
+            low = 0
+            while low < last - 1 and axes[d, low + 1] <= x:
+                low += 1
             share[d] = (x - axes[d, low]) / (axes[d, low + 1] - axes[d, low])
             base = base * sizes[d] + low
         if not inside:

@@ -7,6 +7,8 @@ and has none of the cancellations of the closed form. A change of branch is an e
 polynomial from an interval: of a displacement, a velocity, or a distance between two structures.
 """
 
+import numpy as np
+
 from stochlin.kernels.basics.compiled import compiled
 
 LONGEST = 1 / 3  # w h; damping D = 2 xi w h is then below 2/3
@@ -55,12 +57,13 @@ def first_exit(c, lower, upper, end, rows, marks):
     the second and third, so that no exit is lost however briefly it lasts, as long as the third
     derivative changes its sign at most once. Working space: ``rows`` (4, TERMS), ``marks`` (2, MARKS).
     """
-    rows[0] = c
+    for n in range(TERMS):
+        rows[0, n] = c[n]
     for m in range(1, 4):
         for n in range(TERMS - 1):
             rows[m, n] = (n + 1) * rows[m - 1, n + 1]
         rows[m, TERMS - 1] = 0.0
-    count = 0
+    count = np.int64(0)  # a literal would be a type of its own, to be compiled for too
     for m in range(3, 0, -1):
         count = _roots(rows[m], end, marks[m % 2], count, marks[1 - m % 2])
     breaks = marks[0]  # where the row m = 1 has left its roots

@@ -7,7 +7,7 @@ floors that move together part where the force between them vanishes.
 
 import numpy as np
 
-from stochlin.kernels.basics.compiled import called_often, compiled, inlined
+from stochlin.kernels.basics.compiled import called_often, compiled
 from stochlin.kernels.basics.linear_branch import evaluate, first_exit
 from stochlin.kernels.pounding.contact import CLOSED, OPEN, OPENING, PARTED, TOGETHER
 from stochlin.kernels.pounding.impacts import (
@@ -47,6 +47,7 @@ from stochlin.kernels.pounding.steps import (
     depth_within,
     find_node_forces,
     force_polynomial,
+    greatest,
     interpolate,
     polynomial,
     work_within,
@@ -133,7 +134,7 @@ def _keeps_sign(what, i, shift, sign):
     return what, i, shift, 0.0 if sign > 0 else -INFINITE, INFINITE if sign > 0 else 0.0
 
 
-@inlined
+@compiled
 def _in_contact(branch):
     for kept in branch.contact:  # noqa: SIM110  a generator would be an allocation
         if kept != OPEN:
@@ -141,7 +142,7 @@ def _in_contact(branch):
     return False
 
 
-@inlined
+@compiled
 def _storeys_stay(row, branch, h, x, space):
     """Whether no storey can end its branch within the step: the test of `first_event`, at one go."""
     n, new, begin, end = row.mass.size, space.new, space.stages[0], space.stages[STAGES]
@@ -167,7 +168,7 @@ def _storeys_stay(row, branch, h, x, space):
     return True
 
 
-@inlined
+@compiled
 def _contacts_stay(row, branch, h, x, space):
     """Whether no contact can begin within the step, nor end: the same, for contacts that are open."""
     new, begin, end = space.new, space.stages[0], space.stages[STAGES]
@@ -185,7 +186,7 @@ def _contacts_stay(row, branch, h, x, space):
     return True
 
 
-@inlined
+@compiled
 def first_event(row, branch, ground, slope, h, x, space):
     """First end of a branch within a step that was taken.
 
@@ -208,7 +209,7 @@ def first_event(row, branch, ground, slope, h, x, space):
         if what == NOTHING:
             continue
         begin, end = measure(row, what, i, x) - shift, measure(row, what, i, space.new) - shift
-        grain = GRAIN * space.reach[0].max()
+        grain = GRAIN * greatest(space.reach[0])
         if what == PENETRATION and upper == 0.0 and begin > -grain:  # floors that touch may yet part
             upper = max(begin, 0.0) + grain
         rate = measure(row, what, i, space.stages[0])
@@ -233,7 +234,7 @@ def first_event(row, branch, ground, slope, h, x, space):
     return best, event, way, known
 
 
-@inlined
+@compiled
 def pass_event(row, branch, event, way, ground, time, x, space, table, used):
     """Go from branch to branch at an event; returns how many lines of the table are used.
 
@@ -286,7 +287,7 @@ def _end_contact(row, branch, j, time, x, table):
         branch.entry[j] = -1
 
 
-@inlined
+@compiled
 def watch_forces(branch, end, h, space, table, most):
     """Take the largest forces, compressions, and work, up to the share ``end`` of a step into the table.
 

@@ -7,10 +7,11 @@ right, what it stored at its end, and how far it was compressed.
 
 import numpy as np
 
-from stochlin.kernels.basics.compiled import compiled, inlined
+from stochlin.kernels.basics.compiled import compiled
 from stochlin.kernels.pounding.contact import OPEN, TOGETHER, impact_loss, velocities_after_impact
 from stochlin.kernels.pounding.rates import CLOSING_RATE, PENETRATION, linked, measure, rates_at_times
 from stochlin.kernels.pounding.rows import sizes
+from stochlin.kernels.pounding.steps import greatest
 
 BEGIN, CONTACT, APPROACH, LARGEST, END, BEFORE, AFTER, HANDED, STORED, DEEPEST = range(10)
 COLUMNS = 10
@@ -50,7 +51,7 @@ def _account(row, j):
     return 3 * n + 3 * s + j
 
 
-@inlined
+@compiled
 def settle(row, branch, struck, ground, time, x, space, table, used):
     """What follows when the floors of a contact strike each other, or move together no longer.
 
@@ -58,7 +59,7 @@ def settle(row, branch, struck, ground, time, x, space, table, used):
     caught between heavy ones would take very many. Floors then stay together which are pressed so hard
     that they would hardly rebound: this is how chattering ends.
     """
-    touch, calm = TOUCH * space.reach[0].max(), CALM * space.reach[1].max()
+    touch, calm = TOUCH * greatest(space.reach[0]), CALM * greatest(space.reach[1])
     if branch.contact[struck] == TOGETHER:
         _let_go(row, branch, struck, time, x, table)
         return used
@@ -115,7 +116,7 @@ def _press(row, branch, j, ground, time, calm, x, space, table, used):
     rates_at_times(row, branch, ground, x, space.rate, space.force)
     pressed = space.rate[n + row.left[j]] - space.rate[n + row.right[j]]
     v = measure(row, CLOSING_RATE, j, x)
-    if pressed > 0.0 and v * v <= 2.0 * pressed * HOP * space.reach[0].max():
+    if pressed > 0.0 and v * v <= 2.0 * pressed * HOP * greatest(space.reach[0]):
         if branch.entry[j] < 0:
             used = begin_entry(row, branch, j, max(v, 0.0), time, x, table, used)
         branch.contact[j] = TOGETHER

@@ -30,7 +30,6 @@ from stochlin.kernels.pounding.rows import (
     LIMIT,
     POST,
     SLACK,
-    Branches,
     creep_of,
     sizes,
     slip_of,
@@ -246,18 +245,9 @@ def measure(row, what, i, x):
 
 
 @compiled
-def starting_branches(row, x):
+def start(row, branch, x):
     """Branches at a state from which the motion begins: elastic; at rest at a gap of 0, together."""
     n, _, c, _ = sizes(row)
-    branch = Branches(
-        np.zeros(n, np.int64),
-        np.ones(n, np.int64),
-        np.zeros(c, np.int64),
-        np.zeros(c),
-        np.full(c, -1),
-        np.zeros(len(row.tied), np.int64),
-        np.zeros(len(row.tied), np.int64),
-    )
     for i in range(n):
         if row.law[i] == BOUC_WEN:
             branch.storey[i] = 1
@@ -269,4 +259,3 @@ def starting_branches(row, x):
         d = measure(row, PENETRATION, j, x) - row.gap[j]
         if row.jumps and d >= 0 and measure(row, CLOSING_RATE, j, x) == 0:
             branch.contact[j] = TOGETHER
-    return branch

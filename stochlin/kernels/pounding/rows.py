@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba.extending import register_jitable
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import called_often
@@ -52,6 +55,15 @@ class Branches(NamedTuple):
     tie: Array  # (l,): sign of yielding of a link, 1 where one with slack is taut, else 0
     pace: Array  # (l,): sign of the rate of a dashpot with an exponent, 0 where it creeps
 
+    @classmethod
+    def of(cls, row: Row) -> Branches:
+        """Elastic and open."""
+        n, _, c, _ = sizes_of(row)
+        storey, contact, tie, pace = (
+            np.zeros(size, np.int64) for size in (n, c, len(row.tied), len(row.tied))
+        )
+        return cls(storey, np.ones(n, np.int64), contact, np.zeros(c), np.full(c, -1), tie, pace)
+
 
 def sizes_of(row: Row) -> tuple[int, int, int, int]:
     """Numbers of floors, buildings and contacts, and the length of the state."""
@@ -72,8 +84,8 @@ def slip_of(row, j):
     return 3 * n + 3 * s + c + len(row.tied) + j
 
 
-@called_often
-def creep_of(row, j):
+@register_jitable
+def creep_of(row: Any, j: int) -> Any:
     """Rate [m/s] below which the dashpot of a link with an exponent is linear.
 
     An exponent below 1 has no slope at rest, and steps no length: none is steeper than at the easy rate.

@@ -12,7 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import borrow, called_often, compiled, entry, inlined
+from stochlin.kernels.basics.compiled import called_often, compiled, entry
+from stochlin.kernels.basics.lending import borrow
 from stochlin.kernels.pounding.contact import (
     CLOSED,
     OPEN,
@@ -29,16 +30,16 @@ from stochlin.kernels.pounding.events import (
     watch_state,
 )
 from stochlin.kernels.pounding.impacts import COLUMNS, FIRST_LINES, MOST_BLOWS, begin_entry, end_entry
-from stochlin.kernels.pounding.rates import rates, rates_at_times, starting_branches
-from stochlin.kernels.pounding.rows import LAWS, Row, sizes_of
+from stochlin.kernels.pounding.rates import rates, rates_at_times, start
+from stochlin.kernels.pounding.rows import LAWS, Branches, Row, sizes_of
 from stochlin.kernels.pounding.steps import (
     STAGES,
+    Space,
     attempt,
     copy,
     grow_reach,
     interpolate,
     state_within,
-    workspace,
 )
 
 SAFETY, SHRINK, GROW, ORDER = 0.9, 0.2, 5.0, 8.0  # of the step control
@@ -94,7 +95,7 @@ class Run(NamedTuple):
     last: Array  # (k,): and in what state
 
 
-@inlined
+@compiled
 def _advance(row, branch, ground, slope, h, x, space):
     """Take a step, shorter and shorter until its error is allowed; its length, the next, the trials."""
     for trial in range(1, 60):
@@ -109,7 +110,7 @@ def _advance(row, branch, ground, slope, h, x, space):
     return 0.0, h, trial
 
 
-@inlined
+@compiled
 def _watch(row, branch, ground, slope, h, end, x, after, known, space, asked, most, table):
     """Take peaks and forces of the share ``end`` of a step; tells whether its polynomials are known."""
     needed = watch_peaks(row, end, h, x, after, space, asked.peaks, known)
@@ -121,7 +122,7 @@ def _watch(row, branch, ground, slope, h, end, x, after, known, space, asked, mo
     return known
 
 
-@inlined
+@compiled
 def _report(row, branch, ground, slope, h, tau, last, x, after, known, space, asked, at, done):
     """Write the states asked for between ``tau`` and ``last`` of interval ``at``; how many are done."""
     while done < asked.since.size and asked.interval[done] == at and asked.since[done] <= last:
@@ -158,7 +159,7 @@ def _first_in_contact(row, branch, j):
     return ON_CONTACT * (min(pace, mass / c) if c > 0.0 else pace)
 
 
-@inlined
+@compiled
 def _pass(row, branch, event, way, ground, time, planned, x, space, table, used):
     """Go on to the next branch; returns the table, its length, and the step to plan with."""
     before = branch.contact.copy()
@@ -175,12 +176,10 @@ def _pass(row, branch, event, way, ground, time, planned, x, space, table, used)
     return table, used, planned
 
 
-@inlined
-def _interval(
-    row, branch, begin, slope, dt, at, planned, x, after, space, asked, most, done, table, used
-):
+@compiled
+def _interval(row, branch, begin, slope, dt, at, planned, x, space, asked, most, done, table, used):
     """All steps of interval ``at`` of the record, over which the ground goes from ``begin``."""
-    tau, count = 0.0, 0
+    tau, count, after = 0.0, 0, space.after
     while tau < dt:
         ground, left = begin + slope * tau, dt - tau
         h = left if planned >= left else min(planned, 0.5 * left)
@@ -220,17 +219,17 @@ def _interval(
 
 
 @entry
-def _run(owned, acceleration, dt, wanted, most, x):
-    """The whole motion: the table of impacts, the steps, whether and how far it came; and the owners."""
-    own_space, own_branch, after = workspace(owned), starting_branches(owned, x), x.copy()
-    row, asked = borrow(owned), borrow(wanted)
-    space, branch = borrow(own_space), borrow(own_branch)
+def _run(row_, branch_, space_, asked_, most_, acceleration, dt, speed, x):
+    """The whole motion: the table of impacts, the steps, whether and how far it came."""
+    row, branch, space = borrow(row_), borrow(branch_), borrow(space_)
+    asked, most = borrow(asked_), borrow(most_)
+    start(row, branch, x)
     table = np.empty((FIRST_LINES + 4 * row.gap.size, COLUMNS))
     used = steps = done = np.int64(0)  # a literal would be a type of its own, to be compiled for too
     for peaks in asked.peaks:
         copy(x[: row.mass.size], peaks)
-    speed = OUTSET * dt * np.abs(acceleration).max()
-    space.reach[0], space.reach[1] = speed * dt, speed
+    for b in range(row.first.size - 1):
+        space.reach[0, b], space.reach[1, b] = speed * dt, speed
     grow_reach(row, x, space.reach)
     rates_at_times(row, branch, acceleration[0], x, space.stages[0], space.force)
     for j in range(row.gap.size):
@@ -246,7 +245,7 @@ def _run(owned, acceleration, dt, wanted, most, x):
     for at in range(acceleration.size - 1):
         begin, slope = acceleration[at], (acceleration[at + 1] - acceleration[at]) / dt
         tau, count, planned, done, table, used = _interval(
-            row, branch, begin, slope, dt, at, planned, x, after, space, asked, most, done, table, used
+            row, branch, begin, slope, dt, at, planned, x, space, asked, most, done, table, used
         )
         steps, time, completed = steps + count, at * dt + tau, tau >= dt
         if not completed:
@@ -254,8 +253,7 @@ def _run(owned, acceleration, dt, wanted, most, x):
     for j in range(row.gap.size):
         if completed and branch.contact[j] not in (OPEN, PARTED):
             end_entry(row, branch, j, time, x, table)
-    # What was borrowed has to live until here.
-    return table[:used], steps, completed, time, (own_space, own_branch, after)
+    return table[:used], steps, completed, time
 
 
 def run(row: Row, motion: SampledMotion, start: Array | None = None) -> Run:
@@ -272,7 +270,10 @@ def run(row: Row, motion: SampledMotion, start: Array | None = None) -> Run:
     states, forces, accelerations = (np.zeros((times, size)) for size in (k, c, n))
     asked = Asked(motion.interval, motion.since, states, forces, accelerations, np.zeros((2, n)))
     most = Most(np.zeros(n), np.zeros(n), np.zeros(len(row.tied)))
-    table, steps, completed, time, _ = _run(row, motion.acceleration, motion.dt, asked, most, state)
+    speed = OUTSET * motion.dt * np.abs(motion.acceleration).max()
+    table, steps, completed, time = _run(
+        row, Branches.of(row), Space.of(row), asked, most, motion.acceleration, motion.dt, speed, state
+    )
     kept = asked.states, asked.forces, asked.accelerations, asked.peaks, most
     return Run(*kept, table, steps, completed, time, state)
 

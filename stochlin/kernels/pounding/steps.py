@@ -13,11 +13,11 @@ import numpy as np
 from scipy.integrate import DOP853
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import called_often, compiled, inlined
+from stochlin.kernels.basics.compiled import called_often, compiled
 from stochlin.kernels.basics.linear_branch import MARKS, TERMS, evaluate
 from stochlin.kernels.pounding.contact import OPEN, has_fractional_power
 from stochlin.kernels.pounding.rates import PENETRATION, measure, rates, rates_at_times
-from stochlin.kernels.pounding.rows import sizes, slip_of
+from stochlin.kernels.pounding.rows import Row, sizes, sizes_of, slip_of
 
 # Contiguous, for numba's cache does not take constants that are not.
 A, B, C, ERROR_5, ERROR_3, A_MORE, C_MORE, DENSE = (
@@ -45,6 +45,7 @@ class Space(NamedTuple):
 
     stages: Array  # (ALL, k): the first is the rates at the beginning, number STAGES those at the end
     new: Array  # (k,): the state at the end
+    after: Array  # (k,): and where the step is cut
     shapes: Array  # (SHAPES, k): the polynomials
     state: Array  # (k,)
     rate: Array  # (k,)
@@ -58,27 +59,16 @@ class Space(NamedTuple):
     lines: Array  # (4, TERMS)
     marks: Array  # (2, MARKS)
 
-
-@compiled
-def workspace(row):
-    """New arrays for a run."""
-    n, s, c, k = sizes(row)
-    return Space(
-        np.zeros((ALL, k)),
-        np.zeros(k),
-        np.zeros((SHAPES, k)),
-        np.zeros(k),
-        np.zeros(k),
-        np.zeros(c),
-        np.zeros((NODES, c)),
-        np.zeros((NODES, c)),
-        np.zeros((NODES, c)),
-        np.zeros((NODES, n)),
-        np.zeros((2 * REACH, s)),
-        np.zeros(TERMS),
-        np.zeros((4, TERMS)),
-        np.zeros((2, MARKS)),
-    )
+    @classmethod
+    def of(cls, row: Row) -> Space:
+        """New ones for a run."""
+        n, s, c, k = sizes_of(row)
+        shapes = (
+            *((ALL, k), (k,), (k,), (SHAPES, k), (k,), (k,), (c,)),
+            *((NODES, c), (NODES, c), (NODES, c), (NODES, n)),
+            *((2 * REACH, s), (TERMS,), (4, TERMS), (2, MARKS)),
+        )
+        return cls(*(np.zeros(shape) for shape in shapes))
 
 
 @compiled
@@ -98,7 +88,7 @@ def _combine(weights, count, stages, h, x, out):
                 out[i] += w * stages[j, i]
 
 
-@inlined
+@compiled
 def attempt(row, branch, ground, slope, h, x, space):
     """Take a step of ``h`` seconds from ``x``; returns its error over the tolerance.
 
@@ -117,6 +107,15 @@ def attempt(row, branch, ground, slope, h, x, space):
     return error
 
 
+@compiled
+def greatest(values):
+    """Of some that are not negative."""
+    most = 0.0
+    for value in values:
+        most = max(most, value)
+    return most
+
+
 @called_often
 def grow_reach(row, x, reach):
     """Take a state into the largest displacement, velocity and energy."""
@@ -132,7 +131,7 @@ def grow_reach(row, x, reach):
         reach[2, 0] = max(reach[2, 0], abs(x[i]))
 
 
-@inlined
+@compiled
 def _error(row, h, space):
     """Error of the step over the tolerance: the root of the sum over the state, not of its mean."""
     n, k = row.mass.size, slip_of(row, 0)
@@ -179,7 +178,8 @@ def interpolate(row, branch, ground, slope, h, x, space):
         shapes[1, i] = h * stages[0, i] - rise
         shapes[2, i] = 2.0 * rise - h * (stages[0, i] + stages[STAGES, i])
     for m in range(4):
-        shapes[3 + m] = 0.0
+        for i in range(x.size):
+            shapes[3 + m, i] = 0.0
         for j in range(ALL):
             w = h * DENSE[m, j]
             if w != 0.0:

@@ -157,7 +157,8 @@ def _legs(o, u, v, y, side, ground, rise, peaks, space):
         stiffness = o.stiffness if side == 0 else o.post
         expand(c, v, push, -rise, o.damping, stiffness)
         if side == 0:
-            row[:] = c
+            for n in range(TERMS):
+                row[n] = c[n]
             row[0] = y
             length, way = first_exit(row, -o.uy, o.uy, 1.0 - t, rows, marks)
         else:
@@ -254,9 +255,10 @@ def run(parameters, ground, dt, cuts, peaks, each, out, space):
     h = dt / cuts
     o = oscillator(parameters, h, space[0])
     total = cuts * (ground.size - 1)
-    u, v, y, side = 0.0, 0.0, 0.0, 0
-    peaks[:] = 0.0
-    at, u, v, y = _stride(o, u, v, y, side, ground, h, cuts, 0, peaks, each, out)
+    u, v, y, side = 0.0, 0.0, 0.0, np.int64(0)  # no literal: it would be a type of its own
+    for n in range(PEAKS):
+        peaks[n] = 0.0
+    at, u, v, y = _stride(o, u, v, y, side, ground, h, cuts, side, peaks, each, out)
     while at < total:
         s, cut = at // cuts, at % cuts
         start, rise = ground[s] * h * h, (ground[s + 1] - ground[s]) * h * h / cuts
@@ -266,4 +268,5 @@ def run(parameters, ground, dt, cuts, peaks, each, out, space):
     peaks[ACCELERATION] /= h * h
     peaks[RADIUS] = max(np.sqrt(peaks[RADIUS]), peaks[HIGHEST], peaks[LOWEST])
     peaks[LAST], peaks[LAST_Y] = u, y
-    peaks[INPUT:] /= h * h
+    for n in range(INPUT, PEAKS):
+        peaks[n] /= h * h

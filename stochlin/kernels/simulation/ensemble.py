@@ -22,7 +22,6 @@ from stochlin.kernels.simulation.stepping import (
     LANES,
     FilterSteps,
     add_products,
-    any_ground_block,
     ground_block,
     keep_extremes,
     observe,
@@ -188,7 +187,6 @@ class Motion:
         if isinstance(ground, SampledGround):
             ground, root = ground.of(group)
         self.ground = ground
-        self.forcing = ground_block if root.ndim == 2 else any_ground_block
         self.random = generator_state(plan.seed, group, LANES)
         self.strength = strengths(plan, group) if plan.scatter else None
         start = np.empty((len(root), LANES))
@@ -204,7 +202,7 @@ class Motion:
         """Move on by one block; displacements (samples, n, LANES)."""
         plan, out = self.plan, self.out
         fill_normal(self.random, self.xi)
-        self.forcing(self.xi, self.q, *self.ground, self.f)
+        ground_block(self.xi, self.q, *self.ground, self.f)
         if envelope is not None:
             self.f *= envelope[:, None]
         if self.strength is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from stochlin.kernels.basics.compiled import compiled
+from stochlin.kernels.basics.compiled import compiled, not_kept
 from stochlin.kernels.simulation.stepping import LANES
 
 SECANT_STEPS = 12
@@ -45,7 +45,7 @@ def law_block(middle: Any) -> Callable[..., None]:
     Its parameters ``own`` stand after the first four of a structure.
     """
 
-    @compiled
+    @not_kept
     def block(f, dt, parameters, u, v, z, every, out):
         half = 0.5 * dt
         for n in range(u.shape[0]):

@@ -53,23 +53,32 @@ def filter_steps(matrix: Array, noise: Array, output: Array, intensity: float, d
     return FilterSteps(transition, gain, row, float(0.5 * output @ gain), cascade)
 
 
-@entry
-def ground_block(xi, q, transition, gain, row, direct, cascade, f):
+def ground_block(
+    xi: Array,
+    q: Array,
+    transition: Array,
+    gain: Array,
+    row: Array,
+    direct: float | Array,
+    cascade: bool,
+    f: Array,
+) -> None:
     """Mean forcing of each step, ``f`` (steps, LANES), from normal numbers; moves ``q`` on.
 
-    Written out for one oscillator and for two in a cascade: six to nine times as fast as the loop.
+    Written out for one oscillator and for two in a cascade: six to nine times as fast as the loop. Which
+    one is chosen here, so that nothing else is compiled.
     """
-    if q.shape[0] == 2:
-        _one_oscillator(xi, q, transition, gain, row, direct, f)
-    elif cascade:
-        _two_oscillators(xi, q, transition, gain, row, direct, f)
-    else:
-        any_ground_block(xi, q, transition, gain, row, direct, cascade, f)
+    block = _any_ground
+    if np.ndim(direct) == 0 and len(q) == 2:
+        block = _one_oscillator
+    elif np.ndim(direct) == 0 and cascade:
+        block = _two_oscillators
+    block(xi, q, transition, gain, row, direct, f)
 
 
 @entry
-def any_ground_block(xi, q, transition, gain, row, direct, cascade, f):
-    """`ground_block` for any number of states, none being white noise, and for a ground a lane."""
+def _any_ground(xi, q, transition, gain, row, direct, f):
+    """For any number of states, none being white noise, and for a ground a lane."""
     for s in range(xi.shape[0]):
         for lane in range(LANES):
             f[s, lane] = of_lane(direct, lane) * xi[s, lane]

@@ -30,13 +30,13 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import (
     OF_OVERLOADS,
     UNCOMPILED,
-    borrow,
     called_often,
     compiled,
     entry,
     of_lane,
     smallest,
 )
+from stochlin.kernels.basics.lending import borrow
 from stochlin.kernels.simulation.stepping import LANES, bouc_wen_middle
 
 # OTHER and more: laws given as functions

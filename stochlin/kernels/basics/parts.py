@@ -1,0 +1,67 @@
+"""Parts of compiled code: functions that only compiled code calls.
+
+Left to itself numba makes each function ready to be called from Python, with all that it calls inside:
+what stands deep in a chain of calls is optimized anew at every level, and made into machine code there.
+A part is handed on as it is, and optimized once, within the `compiled.entry` that calls it: four fifths
+of the time that `pound` took to compile went into the rest.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from typing import Any
+
+from numba import _dynfunc  # type: ignore[attr-defined]
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import CompilerBase, DefaultPassBuilder
+from numba.core.compiler_machinery import AnalysisPass, PassManager, register_pass
+from numba.core.typed_passes import NativeLowering
+
+# What a call from Python comes to: NULL, and a TypeError.
+REFUSAL = ctypes.cast(ctypes.pythonapi.PyErr_SetFromErrno, ctypes.c_void_p).value
+
+
+class _Library(JITCodeLibrary):
+    """Code that is neither optimized nor made into machine code."""
+
+    def _optimize_final_module(self) -> None:
+        pass
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()  # type: ignore[no-untyped-call]
+        self._finalized = True
+
+
+@register_pass(mutates_CFG=False, analysis_only=True)  # type: ignore[no-untyped-call]
+class _Naming(AnalysisPass):
+    """numba finds the code to be called by the function that Python would call."""
+
+    _name = "naming_of_parts"
+
+    def __init__(self) -> None:
+        pass
+
+    def run_pass(self, state: Any) -> bool:
+        done, library = state["cr"], state.library
+        about, doc = done.fndesc, "called from compiled code only"
+        name = _dynfunc.make_function(
+            about.lookup_module(), about.qualname, doc, REFUSAL, done.env, (library,)
+        )
+        state.targetctx.insert_user_function(name, about, [library])
+        state["cr"] = done._replace(cfunc=name)
+        return False
+
+
+class Parts(CompilerBase):
+    """The ``pipeline_class`` of parts."""
+
+    def define_pipelines(self) -> list[PassManager]:
+        """Numba's own, without an end."""
+        state = self.state
+        state.flags.no_compile = state.flags.no_cpython_wrapper = state.flags.no_cfunc_wrapper = True
+        codegen, name = state.targetctx.codegen(), state.func_id.func_qualname
+        state.library = _Library(codegen, name)  # type: ignore[no-untyped-call]
+        passes: Any = DefaultPassBuilder.define_nopython_pipeline(state)  # type: ignore[no-untyped-call]
+        passes.add_pass_after(_Naming, NativeLowering)
+        passes.finalize()
+        return [passes]

@@ -1,0 +1,61 @@
+"""Parts of compiled code, and named tuples that they hand on by address."""
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.compiled import compiled, entry
+from stochlin.kernels.basics.lending import borrow
+
+pytestmark = pytest.mark.invariant
+
+
+class Sums(NamedTuple):
+    values: Array
+    total: Array
+    factor: float
+    number: int
+
+
+class Alike(NamedTuple):
+    one: Array
+    two: Array
+
+
+@compiled
+def add(sums, alike, n):
+    """Writes where it reads, so that nothing may be read too early."""
+    for i in range(sums.values.size):
+        sums.total[n] += sums.factor * sums.values[i]
+        alike.two[n] += alike.one[i]
+        alike.one[i] += sums.number
+
+
+@entry
+def add_all(sums_, alike_):
+    sums, alike = borrow(sums_), borrow(alike_)
+    for n in range(sums.total.size):
+        add(sums, alike, n)
+
+
+def test_a_part_reads_and_writes_what_was_lent_to_it():
+    values = np.arange(5.0)
+    sums, alike = Sums(values, np.zeros(3), 2.0, 7), Alike(values, np.zeros(3))
+    add_all(sums, alike)
+    first = 10.0 + 35.0 * np.arange(3)
+    assert (alike.two == first).all()
+    assert (sums.total == 2 * first).all()
+    assert (values == np.arange(5.0) + 21).all()
+
+
+@compiled
+def first(values):
+    return values[0]
+
+
+def test_a_part_cannot_be_called_from_python():
+    for _ in range(2):  # compiled, and known already
+        with pytest.raises(TypeError, match="not callable"):
+            first(np.arange(2.0))
