@@ -67,6 +67,7 @@ def test_rho_by_linearization_and_by_simulation(toy, tmp_path):
         assert float(table.rho_standard_error) < 0.02
 
 
+@pytest.mark.slow
 def test_help_and_messages_know_it(toy):
     text = " ".join(done(toy("rho", "--help")).split()).replace("- ", "-")
     assert "two-layers, or a named ground" in text

@@ -97,6 +97,7 @@ def test_gap_of_a_case_with_a_law_from_outside(toy, tmp_path):
         np.testing.assert_allclose(table.peak_mean_1, expected.peak_mean_1, rtol=ROUNDING)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("before", "after", "says"),
     [
@@ -135,6 +136,7 @@ def test_options_of_a_law_are_those_of_the_law(toy, arguments, says):
     assert says in " ".join((said.stdout + said.stderr).split())
 
 
+@pytest.mark.slow
 def test_buildings_of_the_law_ride_on_records(toy, tmp_path):
     np.savetxt(tmp_path / "motion.txt", np.sin(np.arange(1000) / 7))
     record = '[[site.records]]\npath = "motion.txt"\nunits = "m/s^2"\ndt = "0.01 s"\n'

@@ -37,6 +37,7 @@ def toy(install, example):
     return install("\n".join(example(rule) for rule in rules))
 
 
+@pytest.mark.slow
 def test_both_rules_are_in_the_table_of_gaps(toy, tmp_path):
     (tmp_path / "case.toml").write_text(CASE)
     done = toy("gap", "case.toml", "--out", "gap.nc")
