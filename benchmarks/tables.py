@@ -11,7 +11,9 @@ A rate is the median of several repetitions, all in one process and one after an
 
 from __future__ import annotations
 
+import functools
 import importlib.util
+import itertools
 import os
 import statistics
 import subprocess
@@ -36,7 +38,7 @@ from stochlin.models.laws import bilinear
 REPEATS = 5
 TEXTBOOK_CELLS, LYAP_CELLS, NUMPY_POINTS = 20, 200, 300
 SIZES = (100, 400, 1000, 2000, 4000)
-BYTES = 18  # of a cell: rho, bias, status, caution
+BYTES = 35  # of a cell: rho, the difference and both biases, status, two cautions
 GROUND = sl.KanaiTajimi(2.0, 0.05)
 Row = tuple[str, float, float, str]  # what, its rate, its error, a remark
 
@@ -215,10 +217,41 @@ def ours() -> list[Row]:
     return rows
 
 
-def fixed_points() -> Row:
-    periods = axis("a", 20_000)
-    rate = periods.size / seconds(lambda: solved(periods), 3)
-    return "fixed points (a second)", rate, float(solved(periods).residual.max()), "residual; one core"
+def fixed_points() -> list[Row]:
+    """A second, by closure and ground; the iterations and what they take bound them."""
+    periods = axis("a", 100_000)
+    grounds = {"white": sl.WhiteNoise(0.01), "Kanai-Tajimi": GROUND}
+    grounds["Clough-Penzien"] = sl.CloughPenzien(2.0, 0.3, 20.0, 0.6)
+    smooth = sl.BoucWen(periods, damping=0.05, hardening=0.05, reduction_factor=4)
+    cases = [(building(periods), name) for name in ("gaussian", "clipped", "drift", "narrow_band")]
+    rows: list[Row] = []
+    for (structure, closure), ground in itertools.product([*cases, (smooth, "gaussian")], grounds):
+        task = functools.partial(solve_structure, structure, grounds[ground], closure, USUAL)
+        found = task()
+        begin = time.process_time()
+        wall = seconds(task, 3)
+        spent = (time.process_time() - begin) / 3 / periods.size
+        what = f"fixed points, {type(structure).__name__}, {closure}, {ground}"
+        remark = f"{spent * 1e6:.1f} us of a core, {float(found.iterations.mean()):.1f} iterations"
+        rows.append((what, periods.size / wall, float(found.residual.max()), remark))
+    return rows
+
+
+def drift_over_gaussian() -> list[Row]:
+    """Time of the drift closure over that of the Gaussian one, warm."""
+    one = building(1.0), building(0.7)
+    many = building(axis("a", 300)), building(axis("b", 300))
+    tasks: dict[str, Callable[[str], object]] = {
+        "linearize, one": lambda closure: sl.linearize(one[0], GROUND, closure),
+        "linearize, 1e5": lambda closure: sl.linearize(building(axis("a", 100_000)), GROUND, closure),
+        "correlate, one": lambda closure: sl.correlate(*one, GROUND, closure=closure),
+        "correlate, 300 x 300": lambda closure: sl.correlate(*many, GROUND, closure=closure),
+    }
+    rows: list[Row] = []
+    for what, task in tasks.items():
+        both = [seconds(functools.partial(task, name)) for name in ("gaussian", "drift")]
+        rows.append((f"drift over Gaussian, {what}", both[1] / both[0], np.nan, f"{both[1]:.4f} s"))
+    return rows
 
 
 def peak_memory() -> Row:
@@ -294,7 +327,7 @@ def main() -> None:
     book = textbook()
     rows = [book, lyap("scipy"), lyap("slycot"), *plain_numpy(), *ours()]
     counted = len(rows)
-    rows += [fixed_points(), peak_memory(), *start_up(), *atlases()]
+    rows += [*fixed_points(), *drift_over_gaussian(), peak_memory(), *start_up(), *atlases()]
     load = f"{os.cpu_count()} cores, load average before and during {os.getloadavg()[0]:.1f}"
     lines = [f"{load}; cells a second unless said otherwise", ""]
     lines += ["| what | rate | x textbook | error of rho | remark |", "|---|---|---|---|---|"]

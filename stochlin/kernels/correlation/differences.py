@@ -12,6 +12,8 @@ from stochlin.kernels.basics.parallel import in_order
 from stochlin.kernels.correlation.tables import OFF, PART
 from stochlin.kernels.correlation.tiles import LANES, cells_of_tile
 
+NONE_LEFT = 1e-14  # 1 - rho below it is rounding: equal structures have no difference
+
 
 def steps_of(shape: tuple[int, ...], dimensions: int) -> Array:
     """Steps of a C-ordered array from cell to cell of a table; none along dimensions that it lacks."""
@@ -74,9 +76,11 @@ def _fill(one, steps_1, two, steps_2, bias, steps, shape, rho, begin, end, std, 
         for lane in range(LANES):
             truth = min(max(r[lane] - e[lane], -1.0), 1.0)
             square = (a[lane] - c[lane]) * (a[lane] - c[lane])
-            found[lane] = np.sqrt(square + 2 * a[lane] * c[lane] * (1 - r[lane]))
+            left = 0.0 if 1 - r[lane] < NONE_LEFT else 1 - r[lane]
+            found[lane] = np.sqrt(square + 2 * a[lane] * c[lane] * left)
             square = (b[lane] - d[lane]) * (b[lane] - d[lane])
-            truth = np.sqrt(square + 2 * b[lane] * d[lane] * (1 - truth))
+            left = 0.0 if 1 - truth < NONE_LEFT else 1 - truth
+            truth = np.sqrt(square + 2 * b[lane] * d[lane] * left)
             none = (found[lane] == 0) & (truth == 0)
             true[lane] = 0.0 if none else found[lane] / truth - 1
         for lane in range(count):
