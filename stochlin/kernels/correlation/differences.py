@@ -72,7 +72,8 @@ def _fill(one, steps_1, two, steps_2, bias, steps, shape, rho, begin, end, std, 
             a[lane], b[lane] = one[0, cells_1[lane]], one[1, cells_1[lane]]
             c[lane], d[lane] = two[0, cells_2[lane]], two[1, cells_2[lane]]
             e[lane] = bias[cells[lane]]
-        r[:count] = rho[start : start + count]
+        for lane in range(count):
+            r[lane] = rho[start + lane]
         for lane in range(LANES):
             truth = min(max(r[lane] - e[lane], -1.0), 1.0)
             square = (a[lane] - c[lane]) * (a[lane] - c[lane])

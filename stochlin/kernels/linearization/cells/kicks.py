@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from stochlin.kernels.basics.compiled import compiled, entry
-from stochlin.kernels.linearization.cells.tiles import LANES, load, store
+from stochlin.kernels.linearization.cells.tiles import LANES, fill, load, store
 
 TERMS = 8  # of the series of a matrix exponential,
 SMALL = 0.125  # over a time so short against that of the fastest rate
@@ -26,8 +26,10 @@ def variance_by_order(sz, growth, excess, weight, found):
     sums, square = np.empty((orders + 1) * LANES), np.empty(LANES)
     for start in range(0, sz.size, LANES):
         count = min(LANES, sz.size - start)
-        std[:count] = sz[start : start + count]
-        sums[:], square[:] = 0.0, 0.0
+        for lane in range(count):
+            std[lane] = sz[start + lane]
+        fill(sums, 0.0)
+        fill(square, 0.0)
         for lane in range(LANES):
             threshold[lane] = 0.5 / (std[lane] * std[lane])
         for node in range(excess.size):
@@ -77,7 +79,7 @@ def add_powers(memory, found):
     power, square = np.empty(LANES), np.empty(LANES)
     for start in range(0, memory.shape[1], LANES):
         load(memory, start, given, 0)
-        sums[:] = 1.0
+        fill(sums, 1.0)
         for n in range(cycles):
             window = 2 * (1 - (n + 1) / cycles)
             for lane in range(LANES):
@@ -118,14 +120,15 @@ def follow(matrix, time, turns, states, found):
                 part[row * LANES + lane] *= share
         _exponential(part, doublings, size, step, other)
         for n in range(cycles):
-            after[:] = 0.0
+            fill(after, 0.0)
             for i in range(size):
                 for j in range(size):
                     for lane in range(LANES):
                         after[i * LANES + lane] += (
                             step[(i * size + j) * LANES + lane] * here[j * LANES + lane]
                         )
-            here[:] = after
+            for at in range(size * LANES):
+                here[at] = after[at]
             for lane in range(LANES):
                 made[n * LANES + lane] = here[lane] - here[2 * LANES + lane]
         store(made, 0, found, start)
@@ -155,7 +158,7 @@ def _exponential(part, doublings, size, total, other):
 
 @compiled
 def _multiply(left, right, size, product):
-    product[:] = 0.0
+    fill(product, 0.0)
     for i in range(size):
         for j in range(size):
             for k in range(size):

@@ -6,6 +6,13 @@ LANES = 64  # the rows of a tile stay in the first-level cache
 
 
 @called_often
+def fill(tile, value):
+    """The same value everywhere."""
+    for at in range(tile.size):
+        tile[at] = value
+
+
+@called_often
 def load(rows, start, tile, first):
     """Columns from ``start`` of ``rows`` into a tile, from its row ``first`` on."""
     count = min(LANES, rows.shape[1] - start)
