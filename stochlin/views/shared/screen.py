@@ -27,7 +27,7 @@ SCREEN_ROWS, WIDTH = 40, 100
 STEPS = 1000  # of a bar
 PICTURES = (".png", ".svg", ".pdf")
 COMPILING = (
-    "compiling for this machine, once: up to a minute ('stochlin warmup' does it for all commands)"
+    "compiling for this machine, once: up to half a minute ('stochlin warmup' does it for all commands)"
 )
 FILE = click.Path(dir_okay=False, path_type=Path)
 # Consoles that know few signs are still about.
