@@ -301,7 +301,7 @@ def test_a_name_that_clears_the_screen_is_refused(tmp_path: Path) -> None:
         (FITTED.replace("wave", "nowhere"), ["site.records.path", "cannot be read", "nowhere.txt"]),
         (FITTED.replace('dt = "20 ms"\n', ""), ["cannot be read", "dt is missing"]),
         (FITTED.replace('"g"', '"furlong"'), ["cannot be read", "furlong"]),
-        (FITTED + RECORD, ["is there twice"]),
+        (FITTED + RECORD, ["is used twice"]),
         (FITTED + "column = 1.5\n", ["site.records.column", "whole number"]),
         (FITTED + "columns = 1\n", ["did you mean column?"]),
         (f'model = "white"\n{FITTED}', ["kanai_tajimi, clough_penzien"]),

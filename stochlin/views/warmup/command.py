@@ -1,4 +1,4 @@
-"""The command ``stochlin warmup``: compile now what is compiled at its first use else."""
+"""The command ``stochlin warmup``: compile now what would otherwise be compiled at its first use."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from stochlin.views.shared.screen import COMMANDS, bad_input, progress_bar
     type=click.IntRange(1),
     default=lambda: os.cpu_count() or 1,
     show_default="all cores",
-    help="Processes that compile side by side.",
+    help="Number of processes that compile in parallel.",
 )
 def warmup(jobs: int) -> None:
-    """Compile everything now, so that no command waits for it.
+    """Compile everything now, so that no command has to wait for it.
 
-    The time steps of stochlin are compiled for this machine when they are first needed, which takes
-    from seconds to a minute, and kept on the disk: in the folder of the program, in the user's cache
-    folder if that cannot be written, or where the environment variable NUMBA_CACHE_DIR says. They are
-    compiled again after an update of stochlin or numba, and for another kind of processor.
+    The time steps of stochlin are compiled for this machine when they are first needed, which takes from
+    seconds to a minute, and kept on the disk: in the folder of the program, in the user's cache folder
+    if that cannot be written, or in the folder that the environment variable NUMBA_CACHE_DIR names. They
+    are compiled again after an update of stochlin or numba, and for another kind of processor.
 
-    In the recipe of a container it is the line after the installation.
+    In the recipe of a container, put this command directly after the installation.
 
     \b
     Example:
