@@ -203,7 +203,7 @@ WRONG = {
     "number in marks": ("= 4\nheight", '= "4"\nheight', 'reduction_factor = "4"', ["marks, 4"]),
     "period out of range": ('"0.6 s"', '"-0.6 s"', 'period = "-0.6 s"', ["0 < value, finite, in s"]),
     "no number at all": ('damping = "5 %"', "damping = nan", "damping", ["out of range"]),
-    "damping out of range": ('damping = "5 %"', "damping = 5", "damping = 5", ["a ratio, .05 for 5 %"]),
+    "damping out of range": ('damping = "5 %"', "damping = 5", "damping = 5", ["a ratio, 0.05 for 5 %"]),
     "two strengths": (
         "\nreduction_factor = 4\nheight",
         "\nreduction_factor = 4\nductility = 4\nheight",
