@@ -53,7 +53,7 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
 
         def add(thing: Defined) -> Defined:
             if name in self._things:
-                raise ValueError(f"{self.kind} {name!r} is there already; give yours another name")
+                raise ValueError(f"{self.kind} {name!r} exists already; choose another name")
             self._things[name] = thing  # type: ignore[assignment]
             self._places[name] = place, name
             return thing

@@ -42,7 +42,7 @@ class RegularBuilding(Model):
     storey_height: Parameter = parameter("m", "height of each storey", POSITIVE)
     mass: Parameter = parameter("kg", "mass of each floor", POSITIVE)
     base_shear_coefficient: Parameter | None = parameter(
-        "1", "base shear at yield over the weight", POSITIVE, None
+        "1", "base shear at yield relative to the weight", POSITIVE, None
     )
 
     def __post_init__(self) -> None:
@@ -109,7 +109,10 @@ class ShearBuilding(Model):
     [3.5, 7.0, 10.5]
     """
 
-    instead = "storeys are for linearize_system, simulate and pound, or give the building's oscillator()"
+    instead = (
+        "for a building with storeys use linearize_system, simulate or pound, or give the "
+        "building's oscillator()"
+    )
 
     masses: Parameter = parameter("kg", "mass of the floor", POSITIVE)
     stiffnesses: Parameter = parameter("N/m", "stiffness of the storey", POSITIVE)
@@ -169,7 +172,7 @@ class ShearBuilding(Model):
         base_shear_coefficient: float | None = None,
         **others: Any,
     ) -> Self:
-        """A building of equal floors, from the few numbers that one knows of it.
+        """A building with equal floors, from its period, storeys, floor mass and base shear coefficient.
 
         The stiffnesses are those with which the first mode is a straight line from the ground to the
         roof, the strengths those of which all storeys yield at once under forces that grow in

@@ -72,7 +72,7 @@ class HazardCurve(Hazard):
     frequencies : sequence of float
         How often in a year [1/yr], positive and falling.
     measure : {"pga", "sa", "intensity"}
-        Peak ground acceleration, pseudo-acceleration at a period (damping .05), or ``S0``.
+        Peak ground acceleration, pseudo-acceleration at a period (damping 0.05), or ``S0``.
     period : float, optional
         Of ``"sa"`` [s].
 
@@ -152,7 +152,7 @@ class PowerLawHazard(Hazard):
     k : float or array
         Exponent [-], positive; 2 to 4 as a rule.
     measure : {"pga", "sa", "intensity"}
-        Peak ground acceleration, pseudo-acceleration at a period (damping .05), or ``S0``.
+        Peak ground acceleration, pseudo-acceleration at a period (damping 0.05), or ``S0``.
     period : float, optional
         Of ``"sa"`` [s].
 

@@ -18,7 +18,7 @@ ALWAYS = ("added_damping_1", "added_damping_2")  # told even where they are what
 
 @dataclass(frozen=True)
 class Measure(Model):
-    """What is done to two buildings so that they pound less, or pound softer.
+    """A measure that reduces the pounding of two buildings or its effect.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from stochlin.kernels.simulation.ensemble import Block
     from stochlin.models.symbolic import SymbolicLaw
 
-DAMPING = Range(upper=1.0, reason="a ratio, .05 for 5 %")
+DAMPING = Range(upper=1.0, reason="a ratio, 0.05 for 5 %")
 HARDENING = Range(
     upper=1.0, include_upper=True, reason="without hardening there is no stationary displacement"
 )

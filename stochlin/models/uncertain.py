@@ -27,7 +27,7 @@ TAKEN = (
 
 @dataclass(frozen=True)
 class Uncertain:
-    """A parameter that is not known exactly: a median, and how far it may be off.
+    """An uncertain parameter, with its median and its spread.
 
     It stands wherever a parameter of a structure or a ground is expected. Every simulated motion gets
     its own value; of an array, as the stiffnesses of the storeys of one building, all values are
@@ -82,7 +82,7 @@ class Uncertain:
         a_number = isinstance(spread, (int, float, np.number)) and not isinstance(spread, bool)
         if not a_number or not 0 <= spread <= 1:
             cure = f"; for {spread:g} % write {spread / 100:g}" if a_number and 1 < spread <= 100 else ""
-            raise ValueError(f"Uncertain: spread = {brief(spread)}; allowed: 0 to 1, .2 for 20 %{cure}")
+            raise ValueError(f"Uncertain: spread = {brief(spread)}; allowed: 0 to 1, 0.2 for 20 %{cure}")
         if not isinstance(self.kind, str) or self.kind not in KINDS:
             raise ValueError(f"Uncertain: kind = {brief(self.kind)}; allowed: {', '.join(KINDS)}")
 

@@ -1,4 +1,4 @@
-"""The command line: the commands of all rooms, and those of installed packages.
+"""The command line: the commands of all rooms and those of installed packages.
 
 Libraries are imported inside the commands: ``stochlin --help`` should not wait for them.
 """
@@ -26,10 +26,10 @@ CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
 
 class Commands(click.Group):
-    """They are looked for when one is asked for."""
+    """The commands; they are imported when the first is used."""
 
     def main(self, *args: Any, **kwargs: Any) -> Any:
-        """Run it, with signs that the output does not know spelled out."""
+        """Run the command, with signs that the output cannot show spelled out."""
         for stream in (sys.stdout, sys.stderr):
             if isinstance(stream, io.TextIOWrapper):
                 stream.reconfigure(errors=SPELLED)

@@ -241,7 +241,7 @@ def test_a_row_of_three(tmp_path: Path) -> None:
     assert case.title == "Office block, Annex and Garage"
     assert case.buildings[2].structure == sl.Bilinear(0.35, 0.05, mass=6e5)
     for name in ("pair", "first", "second", "gap"):
-        with pytest.raises(ValueError, match="describes 3 buildings; this takes two"):
+        with pytest.raises(ValueError, match="describes 3 buildings; this command needs two"):
             getattr(case, name)
 
 
@@ -296,7 +296,7 @@ WRONG = {
     "a building left out": (
         EXAMPLE.replace("[separation]", THIRD.replace("3", "4", 1) + "[separation]"),
         "[building_4]",
-        ["building_4 is there, building_3 is not", "did you mean building_3?"],
+        ["building_4 is given, but building_3 is missing", "did you mean building_3?"],
     ),
     "mass in pounds": (EXAMPLE.replace('"1500 t"', '"9 lb"'), 'mass = "9', ["'lb'", "allowed: kg, t"]),
     "no mass at all": (EXAMPLE.replace('"1500 t"', '"0 t"'), 'mass = "0', ["0 < value", "in kg"]),
@@ -468,13 +468,13 @@ def wave(folder: Path) -> None:
     ("old", "new", "says"),
     [
         (recorded_example(), EXAMPLE, "needs a recorded motion.*site.records"),
-        (GAP, "# ", 'needs the gap there is; write existing = "5 cm" in .separation'),
+        (GAP, "# ", 'needs the existing gap; write existing = "5 cm" in .separation'),
         (
             'mass = "1500 t"',
             "",
             r'needs the mass of every building; write mass = "1500 t" in \[building_2',
         ),
-        (CONTACT, "", r"needs what the buildings meet at; write \[contact\]"),
+        (CONTACT, "", r"needs the contact between the buildings; write \[contact\]"),
     ],
 )
 def test_what_a_case_lacks_for_pounding(old: str, new: str, says: str, tmp_path: Path) -> None:

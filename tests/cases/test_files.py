@@ -203,7 +203,7 @@ WRONG = {
     "number in marks": ("= 4\nheight", '= "4"\nheight', 'reduction_factor = "4"', ["marks, 4"]),
     "period out of range": ('"0.6 s"', '"-0.6 s"', 'period = "-0.6 s"', ["0 < value, finite, in s"]),
     "no number at all": ('damping = "5 %"', "damping = nan", "damping", ["out of range"]),
-    "damping out of range": ('damping = "5 %"', "damping = 5", "damping = 5", ["a ratio, .05 for 5 %"]),
+    "damping out of range": ('damping = "5 %"', "damping = 5", "damping = 5", ["a ratio, 0.05 for 5 %"]),
     "two strengths": (
         "\nreduction_factor = 4\nheight",
         "\nreduction_factor = 4\nductility = 4\nheight",
@@ -301,7 +301,7 @@ def test_a_name_that_clears_the_screen_is_refused(tmp_path: Path) -> None:
         (FITTED.replace("wave", "nowhere"), ["site.records.path", "cannot be read", "nowhere.txt"]),
         (FITTED.replace('dt = "20 ms"\n', ""), ["cannot be read", "dt is missing"]),
         (FITTED.replace('"g"', '"furlong"'), ["cannot be read", "furlong"]),
-        (FITTED + RECORD, ["is there twice"]),
+        (FITTED + RECORD, ["is used twice"]),
         (FITTED + "column = 1.5\n", ["site.records.column", "whole number"]),
         (FITTED + "columns = 1\n", ["did you mean column?"]),
         (f'model = "white"\n{FITTED}', ["kanai_tajimi, clough_penzien"]),

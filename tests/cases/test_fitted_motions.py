@@ -50,9 +50,12 @@ def test_the_answer_says_how_the_motions_compare_with_the_record(fitted: Case) -
     error = float(answer.spectrum.energy_ratio_standard_error)
     assert float(answer.spectrum.energy_ratio) == pytest.approx(1.0, abs=4 * error)
     told = summary(answer)[-1]
-    assert f"Energy of the motions over the record's: {float(answer.spectrum.energy_ratio):.2f}" in told
+    assert (
+        f"Energy of the motions relative to the record: {float(answer.spectrum.energy_ratio):.2f}"
+        in told
+    )
     assert "Significant duration: " in told
-    assert "mean of the motions over the record: off by " in told
+    assert "mean of the motions relative to the record: off by " in told
 
 
 @pytest.mark.parametrize(

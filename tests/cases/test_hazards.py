@@ -245,7 +245,7 @@ def test_the_command_writes_risk_on_screen_page_and_file(tmp_path):
     out, page = tmp_path / "gap.nc", tmp_path / "gap.html"
     found = CliRunner().invoke(main, ["gap", str(path), "--report", str(page), "--out", str(out)])
     assert found.exit_code == 0, found.output
-    assert "Under the hazard of the site, and with" in found.output
+    assert "Under the hazard of the site and with" in found.output
     written = page.read_text(encoding="utf-8")
     assert "How often they pound" in written
     assert written.count("risk allowed") == 0  # none is asked for

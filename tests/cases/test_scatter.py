@@ -56,7 +56,7 @@ def test_it_is_read_said_and_kept_by_the_explorer(tmp_path):
 def test_of_a_spectrum_it_is_what_suites_show_and_can_be_left_out(tmp_path):
     case = read(tmp_path, site=CODE)
     assert case.scatter == case.usual_scatter == RECORD_TO_RECORD
-    assert "scatter = 0 in [motion] leaves it out" in scatter(case)
+    assert "scatter = 0 in [motion] omits it" in scatter(case)
     none = read(tmp_path, "scatter = 0", site=CODE)
     assert none.scatter == 0
     assert f"suites of records show a scatter of {RECORD_TO_RECORD:g}" in scatter(none)
@@ -82,7 +82,7 @@ def test_the_page_says_it_among_the_facts(tmp_path):
     assert result.exit_code == 0, result.output
     text = " ".join(page.read_text(encoding="utf-8").split())
     assert "scatter from motion to motion" in text
-    assert "a scatter of 0.5 about that is in the answer" in text
+    assert "a scatter of 0.5 about that strength is in the answer" in text
 
 
 @pytest.mark.parametrize("wrong", ["-0.1", "40", '"40 %"', "nan", "[0.4]", "true", '"much"'])

@@ -144,7 +144,7 @@ def test_a_hazard_that_is_wrong_names_the_line(tmp_path):
         (f'{FIRM}sa = "1 g"\n', "site.sa_period is missing"),
         (
             f'{FIRM}pga = "1 g"\nsa_period = "1 s"\n',
-            "sa_period = '1 s' goes with sa, which is not there",
+            "sa_period = '1 s' goes with sa, which is missing",
         ),
         ('ground = "white_noise"\npga = "1 g"\n', "site.pga = '1 g' cannot be met: .*white noise"),
         (f'{FIRM}return_period = "475 yr"\n', r"needs a hazard; write \[site.hazard\]"),
@@ -161,11 +161,11 @@ def test_a_hazard_that_is_wrong_names_the_line(tmp_path):
         (f'{HAZARD}curve = "a.csv"\n', "site.hazard.curve = 'a.csv' is not a key that is known here"),
         (
             'spectrum = "eurocode_8"\nag = "0.2 g"\nsoil = "B"\npga = "0.3 g"\n',
-            "site.pga = '0.3 g' is given beside spectrum = 'eurocode_8'; how strong that is says ag",
+            "site.pga = '0.3 g' is given beside spectrum = 'eurocode_8'; its strength is given by ag",
         ),
         (
             'spectrum = "site.csv"\nintensity = "0.01 m^2/s^3"\n',
-            "how strong that is says the file, or pga, sa and return_period",
+            "its strength is given by the file, or pga, sa and return_period",
         ),
     ],
 )
@@ -258,7 +258,7 @@ def test_the_gap_screen_says_of_many_records_quantiles_and_the_share(suite):
         assert float(table.peak_ground_acceleration) > 0
     assert held == pytest.approx((gaps <= answer).mean())
     assert (
-        f"The 12 recorded motions would have taken {100 * np.median(gaps):.1f} cm in 50 % of them"
+        f"The 12 recorded motions would have needed {100 * np.median(gaps):.1f} cm in 50 % of them"
         in words
     )
     assert f"holds in {round(12 * held)} of 12" in words
@@ -272,9 +272,12 @@ def test_every_command_takes_a_suite_and_stays_readable(suite):
     words["mitigate"] = said("mitigate", suite, site, EXAMPLE, "--picture", suite / "measures.png")
     assert len(words["pound"].splitlines()) < 60
     assert len(words["mitigate"].splitlines()) < 60
-    assert "The 12 recorded motions would have taken" in words["probability"]
+    assert "The 12 recorded motions would have needed" in words["probability"]
     assert re.search(r"12 records: buildings 1 and 2 hit in \d+ % of them", words["pound"])
-    assert "In 12 records, half of them and 84 % of them at most:" in words["mitigate"]
+    assert (
+        "In 12 records; the values are not exceeded in half of them and in 84 % of them:"
+        in words["mitigate"]
+    )
     for one in words.values():
         one.encode("ascii")
     with xr.open_dataset(suite / "measures.nc") as table:
@@ -345,8 +348,8 @@ def test_a_gap_and_a_drift_beyond_the_height_are_the_first_line(tmp_path):
     )
     words = " ".join(said("gap", tmp_path, site, text).split())
     begin = words.partition("Office block and annex")[0]
-    assert re.search(r"a gap of \S+ m is wider than Annex is tall, 0.1 m", begin)
-    assert re.search(r"Annex would move by \S+ m, more than it is tall, 0.1 m", begin)
+    assert re.search(r"a gap of \S+ m is larger than the height of Annex, 0.1 m", begin)
+    assert re.search(r"Annex would move by \S+ m, more than its height, 0.1 m", begin)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert not answer_case(read(tmp_path, f'{FIRM}pga = "0.3 g"\n')).doubts()

@@ -264,7 +264,7 @@ WRONG = {
     "a height twice": (
         REGULAR + 'heights = ["3 m"]\n',
         "heights",
-        ["is one too many beside storey_height; allowed: one of them"],
+        ["is given together with storey_height; allowed: one of them"],
     ),
     "more heights than storeys": (
         REGULAR.replace('storey_height = "3 m"', 'heights = ["3 m", "3 m", "3 m"]'),

@@ -235,7 +235,7 @@ def test_what_cannot_be_linked_is_refused():
 
 
 @pytest.mark.parametrize(
-    ("closure", "reason"), [("narrow_band", "has no z"), ("drift", "adds the drift")]
+    ("closure", "reason"), [("narrow_band", "has no z"), ("drift", "is only available for single")]
 )
 def test_closures_of_one_structure_alone_are_refused(closure, reason):
     pair = yielding(0.6, 1e6), yielding(1.0, 3e6)

@@ -49,7 +49,7 @@ def test_a_port_in_use_is_told():
         port = taken.getsockname()[1]
         done = run("--port", port)
     assert done.exit_code == 2
-    assert f"--host 127.0.0.1 --port {port} cannot be listened on" in done.output
+    assert f"--host 127.0.0.1 --port {port} cannot be used" in done.output
     assert "give another --port" in done.output
 
 
@@ -268,7 +268,7 @@ def page(chromium: Browser, address: str) -> Iterator[Browser]:
 
 
 def test_the_page_comes_from_this_machine_alone(page, address):
-    assert page.text("told").startswith("No simulation")
+    assert page.text("told").startswith("These values are not simulated yet")
     assert "linearization alone is unsafe" in page.text("caution")
     messages = [json.loads(e["message"])["message"] for e in page.driver.get_log("performance")]
     asked = [
@@ -341,7 +341,7 @@ def test_simulation_is_drawn_when_it_is_asked_for_and_forgotten_when_it_is_old(p
     page.enter("gap", "9")
     wait(lambda: page.script(curves) == 3)
     page.idle()
-    assert page.text("told").startswith("No simulation")
+    assert page.text("told").startswith("These values are not simulated yet")
 
 
 def test_a_simulation_can_be_stopped(page):
@@ -350,7 +350,7 @@ def test_a_simulation_can_be_stopped(page):
     page.click("simulate")
     wait(lambda: float(page.script("return document.querySelector('progress').value")) > 0)
     page.enter("period_2", "0.7")  # the page answers meanwhile
-    wait(lambda: page.text("told").startswith(("Stopped", "No simulation")))
+    wait(lambda: page.text("told").startswith(("Stopped", "These values are not")))
     wait(lambda: page.script("return !document.querySelector('[data-simulate]').disabled"))
     page.idle()
 
@@ -464,7 +464,7 @@ def test_a_ground_by_a_spectrum_or_a_peak_is_sought_beside_the_page(page, capsys
     np.testing.assert_allclose(page.curve("spectra", 0), 4 * np.array(middle), rtol=1e-9)
     page.choose("Kind of ground", "eurocode_8")
     wait(lambda: page.shows("ag") and not page.shows("pga"))
-    wait(lambda: "being sought" in page.script(shown))
+    wait(lambda: "Finding the ground" in page.script(shown))
     start = time.monotonic()
     page.enter("gap", "9")  # the page answers meanwhile
     page.idle()

@@ -113,7 +113,7 @@ def test_what_a_scene_cannot_hold_is_told(tmp_path):
     scene, notes = read_text(text.replace('existing = "5 cm"', ""), tmp_path)
     assert scene.site == "kanai_tajimi"
     assert [note for note in notes if "fitted" in note]
-    assert [note for note in notes if "Records" in note]
+    assert [note for note in notes if "gaps of the records" in note]
     assert [note for note in notes if "no existing gap" in note]
 
 
@@ -322,7 +322,7 @@ def test_words_caution_where_linearization_is_unsafe():
     assert "linearization alone is unsafe" in known
     assert "too small for building 1" in known
     assert "stochlin verify" in why
-    assert "is unknown" in words.caution(correlation(Scene(site="firm")))[0]
+    assert "is not known here" in words.caution(correlation(Scene(site="firm")))[0]
 
 
 def test_every_number_of_a_scene_has_a_control_whose_slider_is_allowed():

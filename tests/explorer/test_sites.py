@@ -38,7 +38,7 @@ def delivered(scene, periods=(1.0,), **options):
 def test_a_ground_that_is_not_known_yet_is_told_and_sought():
     scene = Scene(site="firm", measure=PGA, pga=0.3 * G)
     assert not scene.settled
-    with pytest.raises(ValueError, match="still being sought"):
+    with pytest.raises(ValueError, match="not known yet"):
         scene.ground()
     settled = scene.settle()
     assert settled.settled
@@ -104,7 +104,7 @@ def test_another_damping_is_held_by_the_parameters_of_its_ground(tmp_path):
     scene, notes = scene_of(case)
     assert scene.site == "clough_penzien"
     assert scene.ground() == case.ground
-    assert any("delivers the spectrum eurocode_8" in note for note in notes)
+    assert any("have the spectrum eurocode_8" in note for note in notes)
 
 
 RECORDED = '[[site.records]]\npath = "{name}.at2"\nname = "{name}"\n'
@@ -121,7 +121,8 @@ def recorded_case(tmp_path):
 
 def test_records_of_a_file_stand_beside_the_gaps_by_rule(recorded_case):
     scene, notes = scene_of(recorded_case)
-    assert "Records are shown beside the gaps by rule; a case file saved from here has none." in notes
+    told = "The gaps of the records are shown beside those of the rules; "
+    assert f"{told}a case file saved here contains no records." in notes
     table = recorded(scene)
     one, other = (structure_in_metres(scene, number) for number in (1, 2))
     expected = sl.recorded_gap(one, other, dict(recorded_case.records))
@@ -155,7 +156,7 @@ def test_scenes_know_records_by_their_file(recorded_case):
     np.testing.assert_array_equal(recorded(again).separation, recorded(scene).separation)
     data = merge_tables(scene, {"gaps": gap_rules(scene), "records": recorded(scene)})
     assert data.records_separation.dims == ("records_record",)
-    with pytest.raises(ValueError, match="there is no record"):
+    with pytest.raises(ValueError, match="the scene has no record"):
         recorded(dataclasses.replace(scene, records=None))
 
 

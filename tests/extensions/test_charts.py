@@ -83,7 +83,7 @@ def nothing_chart(settings):
 def test_a_chart_without_a_number_is_not_drawn(install, tmp_path):
     done = install(NOTHING)("charts", "nothing", "--out", ".")
     assert done.returncode == 2
-    assert "the chart holds no finite number" in done.stderr
+    assert "the chart has no finite number" in done.stderr
     assert not list(tmp_path.glob("nothing.*"))
 
 

@@ -14,7 +14,7 @@ def test_the_example_of_the_page_is_listed_and_runs(install, example):
     listed = stochlin("--help")
     assert listed.returncode == 0, listed.stderr
     assert "The standard deviation of a structure on white noise." in listed.stdout
-    assert "Draw the design charts" in listed.stdout
+    assert "Draw all design charts" in listed.stdout
     assert "stochlin toy --period 1.5" in stochlin("toy", "--help").stdout
     done = stochlin("toy", "--period", 1.5)
     expected = sl.linearize(sl.Bilinear(1.5, 0.05), sl.WhiteNoise(0.01)).displacement_std

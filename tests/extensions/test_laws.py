@@ -145,4 +145,4 @@ def test_buildings_of_the_law_ride_on_records(toy, tmp_path):
     (tmp_path / "case.toml").write_text(case)
     said = {command: toy(command, "case.toml").stdout for command in ("gap", "probability")}
     assert "In the recorded motions they would have needed" in " ".join(said["gap"].split())
-    assert "the hybrid method is of bilinear oscillators" in said["probability"]
+    assert "the hybrid method is only available for bilinear oscillators" in said["probability"]

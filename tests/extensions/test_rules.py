@@ -96,4 +96,4 @@ def test_a_name_that_is_taken_is_refused(install, example, tmp_path):
     (tmp_path / "case.toml").write_text(CASE)
     done = install(source.replace('"atlantis"', '"taiwan"'))("gap", "case.toml")
     assert done.returncode in {1, 2}
-    assert "code rule 'taiwan' is there already; give yours another name" in done.stderr
+    assert "code rule 'taiwan' exists already; choose another name" in done.stderr

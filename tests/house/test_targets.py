@@ -19,7 +19,7 @@ from stochlin.views.command import main
 
 pytestmark = pytest.mark.cli
 
-SAYS = "would write over"
+SAYS = "would overwrite"
 
 
 def run(*arguments: object) -> Result:

@@ -97,7 +97,7 @@ def test_tables_by_dimension_name_and_cells_that_cannot_be():
         ({"exponent": 2.0}, "the law has no exponent; allowed: none"),
         ({"law": "bouc_wen", "exponent": 0.5}, "exponent = 0.5 is out of range"),
         ({"law": "bouc_wen", "closure": "clipped"}, "closure = 'clipped' is not available for BoucWen"),
-        ({"closure": "drift"}, "adds the drift"),
+        ({"closure": "drift"}, "only available for single"),
         ({"closure": "narrow_band"}, "has no z"),
     ],
 )

@@ -404,7 +404,7 @@ def test_weight_that_eats_the_hardening_has_no_stationary_answer():
         ({"links": [sl.Link(1e6, floors=(5, 1))]}, "floors = .*structure 1 has 4"),
         ({"links": [sl.Link([1e6, 2e6])]}, "stiffness is an array"),
         ({"links": [None, None]}, "links: 2 given"),
-        ({"closure": "drift"}, "adds the drift.*gaussian, clipped"),
+        ({"closure": "drift"}, "only available for single.*gaussian, clipped"),
         ({"closure": "narrow_band"}, "has no z.*gaussian, clipped"),
         ({"closure": "other"}, "closure = 'other'"),
         ({"rtol": 0}, "rtol = 0"),

@@ -106,7 +106,7 @@ def test_the_command_takes_one_building(storeys: bool, tmp_path: Path) -> None:
     done = CliRunner().invoke(main, ["pound", str(path), "--picture", str(picture)])
     assert done.exit_code == 0, done.output
     shown = " ".join(done.output.split())
-    assert "one building alone, which meets no other" in shown
+    assert "one building alone, without a neighbour" in shown
     assert "contact" not in shown.replace(str(tmp_path), "")
     case = sl.read_case(path)
     assert case.title == "Office block and annex"
@@ -140,9 +140,9 @@ def test_a_gap_beside_one_building_and_other_commands_say_what_is_wrong(tmp_path
     path = alone_file(tmp_path, False, 'existing = "5 cm"')
     done = CliRunner().invoke(main, ["pound", str(path)])
     assert done.exit_code == 2
-    assert "separation.existing = '5 cm' is a gap beside one building alone; leave it out" in done.output
+    assert "separation.existing = '5 cm' is a gap of one building alone; leave it out" in done.output
     path = alone_file(tmp_path, False)
     for command in ("probability", "mitigate"):
         done = CliRunner().invoke(main, [command, str(path)])
         assert done.exit_code == 2
-        assert "building_2 is missing; this takes two: write a line [building_2]" in done.output
+        assert "building_2 is missing; this command needs two buildings: write a line" in done.output

@@ -83,11 +83,11 @@ def test_it_says_what_the_library_says(two: tuple[Path, Result]) -> None:
         assert row + f"{table.peak[n] / pair[n].yield_displacement:.2f} " in shown
     assert f"lost [kJ] 1 | 2 5.0 {100 * least_clearance(table):.2f} {table.sizes['impact']} " in shown
     given_energy = float(table.input_energy[-1].sum())
-    for word, name in (("damping took", "viscous"), ("yielding", "hysteretic")):
+    for word, name in (("damping dissipated", "viscous"), ("yielding", "hysteretic")):
         share = float(table[f"{name}_energy"][-1].sum()) / given_energy
         assert f"{word} {100 * share:.1f} %" in shown
-    assert f"the contacts {100 * float(table.contact_lost_energy[-1]) / given_energy:.1f} %" in shown
-    assert "weak: they do not meet. Of 5.0 cm at least " in shown
+    assert f"contacts {100 * float(table.contact_lost_energy[-1]) / given_energy:.1f} %" in shown
+    assert "weak: no pounding. At least " in shown
     assert "the ground of the file, firm, not to the records" in shown
 
 
@@ -180,7 +180,7 @@ def test_towers_and_rows_are_said_and_drawn(tmp_path: Path) -> None:
                 (shown,) = (line for line in done.output.splitlines() if line.startswith("r: "))
                 assert "-0.00" not in done.output
                 forces = "stereo" not in model
-                assert ("says nothing of" in shown) == (not forces)
+                assert ("gives no forces" in shown) == (not forces)
                 assert f"{float(table.approach_velocity.max()):.3g} m/s" in shown
                 label = figure.axes[2].get_ylabel()
                 assert label == ("force [MN]" if forces else "approach [m/s]")
@@ -285,7 +285,7 @@ def test_what_floors_and_storeys_bear_is_said_and_drawn(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
-        ('existing = "5 cm" ', "# ", "case.toml: pounding needs the gap there is"),
+        ('existing = "5 cm" ', "# ", "case.toml: pounding needs the existing gap"),
         ('model = "kelvin"\nst', 'model = "rubber"\nst', "allowed: linear_spring, kelvin"),
         ('mass = "1500 t"', "", 'write mass = "1500 t" in [building_2]'),
         ('[[site.records]]\npath = "r', '[[site.recordings]]\npath = "r', "did you mean records?"),
@@ -331,7 +331,7 @@ def test_gap_says_that_it_takes_two(tmp_path: Path) -> None:
     for command in ("gap", "probability"):
         done = CliRunner().invoke(main, [command, str(path)])
         assert done.exit_code == 2
-        assert "case.toml: describes 3 buildings; this takes two" in " ".join(done.output.split())
+        assert "describes 3 buildings; this command needs two" in " ".join(done.output.split())
     touching = text.replace(THIRD, "").replace('["5 cm", "3 cm"]', '"0 cm"')
     done = CliRunner().invoke(main, ["gap", str(case_file(tmp_path, text=touching))])
     assert done.exit_code == 2

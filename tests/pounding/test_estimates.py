@@ -178,8 +178,8 @@ def test_what_cannot_be_estimated_in_a_row_is_refused(change, error, message):
     [
         ({"structures": ROW[:1], "gaps": ()}, "structures has one building; allowed: at least two"),
         ({"contact": None}, "contact is not given"),
-        ({"motion": MOTIONS[0]}, "motion: there is one; allowed: two or more"),
-        ({"motion": [MOTIONS[0]]}, "motion: there is one; allowed: two or more"),
+        ({"motion": MOTIONS[0]}, "motion: only one is given; allowed: two or more"),
+        ({"motion": [MOTIONS[0]]}, "motion: only one is given; allowed: two or more"),
         ({"points": 1}, "points = 1"),
     ],
 )

@@ -29,7 +29,7 @@ def test_prints_saves_and_draws(case, tmp_path):
     out, picture = tmp_path / "p.nc", tmp_path / "p.png"
     done = run(case, "--gap", "8cm", "--out", out, "--picture", picture)
     assert done.exit_code == 0, done.output
-    assert "Confidence of no pounding so far" in done.output
+    assert "Confidence of no pounding up to each time" in done.output
     assert "Gap for a confidence of" in done.output
     assert picture.stat().st_size > 10_000
     with xr.open_dataset(out, engine="scipy") as table:

@@ -125,7 +125,7 @@ def test_risks_outside_of_the_hazard_are_named():
 
 def test_a_hazard_that_begins_too_high_is_doubted():
     hazard = sl.HazardCurve([4.0, 8.0], [0.01, 1e-3])
-    with pytest.warns(UserWarning, match="weaker shaking, of which it does not tell"):
+    with pytest.warns(UserWarning, match="weaker shaking, which is not in the hazard"):
         sl.pounding_risk(*ELASTIC, GROUND, 0.01, hazard, 15.0, paths=32)
 
 

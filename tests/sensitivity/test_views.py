@@ -43,8 +43,8 @@ def test_rows_begin_with_what_is_uncertain_and_moves_the_gap_most(table):
 def test_sentences_name_what_matters(table):
     names = {"structure_1": "Annex", "structure_2": "Tower", "ground": "the site"}
     first, shares, medians = sentences(table, names)
-    assert re.match(r"Of what is uncertain, the gap depends most on the \w+ of Annex: ", first)
-    assert "the motions, and what motions and inputs do together" in shares
+    assert re.match(r"Among the uncertain inputs, the gap depends most on the \w+ of Annex: ", first)
+    assert "the motions, and motions and inputs together" in shares
     assert "If all inputs were known" in medians
     assert all(len(line) <= 100 for line in lines(table))
 
@@ -52,7 +52,7 @@ def test_sentences_name_what_matters(table):
 def test_without_anything_uncertain_there_are_no_shares():
     table = sl.sensitivity(sl.Bilinear(0.6, 0.05), KNOWN, GROUND, 12.0, paths=32)
     (told,) = sentences(table)
-    assert told.startswith("Of all inputs, each 10 % less and more, ")
+    assert told.startswith("Among all inputs, each changed by 10 % to either side, ")
     assert not any(row.share for row in rows(table))
 
 
@@ -65,7 +65,7 @@ def test_a_tornado_chart(table):
     low, high = (axes.patches[n] for n in (0, 1))
     assert low.get_hatch()  # told apart in grey
     assert not high.get_hatch()
-    with pytest.raises(ValueError, match="what sensitivity returns"):
+    with pytest.raises(ValueError, match="a dataset that sensitivity returns"):
         sl.charts.draw_sensitivity(xr.Dataset())
 
 
@@ -79,7 +79,7 @@ def test_the_page_of_a_case_with_uncertain_periods(tmp_path):
     options = ["--report", str(page), "--sensitivity", str(picture)]
     result = CliRunner().invoke(main, ["gap", str(tmp_path / "case.toml"), *options])
     assert result.exit_code == 0, result.output
-    assert "What matters:" in result.output
+    assert "Influence of the inputs:" in result.output
     assert "period of Annex" in page.read_text(encoding="utf-8").split('id="matters"')[1]
     with xr.open_dataset(picture.with_suffix(".nc")) as saved:
         assert saved.uncertain.values.tolist().count(1) == 1

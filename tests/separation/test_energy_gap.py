@@ -200,7 +200,7 @@ WRONG = [
     ({"method": "simulation"}, "method = 'simulation' is not known; allowed: white_noise, effective"),
     ({"method": None}, "method = None is not known"),
     ({"method": "linearization"}, r"ground is missing, .* give one like the record, .*fit_ground"),
-    ({"ground": GROUND}, "ground is given, which method = 'white_noise' does not know; leave it out"),
+    ({"ground": GROUND}, "ground is given, which method = 'white_noise' does not use; leave it out"),
     ({"method": "linearization", "ground": "firm"}, "ground = 'firm'"),
     ({"method": "linearization", "ground": GROUND, "closure": "x"}, "closure = 'x'"),
     ({"method": "effective", "rule": "mine"}, "'mine'"),

@@ -312,7 +312,7 @@ def test_the_command_answers_for_one_building(building: str, more: str, tmp_path
     assert "Set-backs by rule" in plain
     for said in (done.output, plain):
         assert not re.search(r"canada|Canada|Eurocode|\bnan\b|None", said)
-    first = plain[: plain.index("Every rule beside the answer")]
+    first = plain[: plain.index("The rules and the answer")]
     assert not ABOUT_TWO.search(first), ABOUT_TWO.search(first)
     assert ("The existing set-back" in plain) == bool(more)
     assert picture.stat().st_size > 10_000
@@ -332,10 +332,10 @@ def test_commands_of_two_buildings_say_which_take_one(tmp_path: Path) -> None:
         done = CliRunner().invoke(main, [command[0], str(path), *command[1:]])
         assert done.exit_code == 2
         shown = " ".join(done.output.split())
-        assert "building_2 is missing; this takes two" in shown
-        assert "only 'stochlin gap' and 'stochlin pound' take one building alone" in shown
+        assert "building_2 is missing; this command needs two" in shown
+        assert "only 'stochlin gap' and 'stochlin pound' accept one building alone" in shown
     path = case_file(tmp_path, more='existing = ["6 cm", "2 cm"]')
-    with pytest.raises(ValueError, match="is 2 gaps beside one building alone; allowed: its distance"):
+    with pytest.raises(ValueError, match="has 2 gaps, but there is only one building; allowed: its"):
         sl.read_case(path)
     path = case_file(tmp_path, more='existing = "0 cm"')
     done = CliRunner().invoke(main, ["gap", str(path)])

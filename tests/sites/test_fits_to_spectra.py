@@ -78,7 +78,7 @@ def test_number_of_filters():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({}, "duration is missing; a spectrum does not say"),
+        ({}, "duration is missing; a spectrum does not contain it"),
         ({"duration": 20.0, "model": "kanai_tajimi"}, "model = 'kanai_tajimi' is not fitted to a spec"),
         ({"duration": 20.0, "estimator": "psd"}, "estimator, part and frequency_range go with a record"),
         ({"duration": 20.0, "filters": 4}, "filters = 4"),

@@ -58,7 +58,7 @@ def test_the_picture_says_of_what_it_is(of_code, of_record):
     shown = f"{100 * (float(worst) - 1):+.1f}".replace("-", "\N{MINUS SIGN}")
     assert f"at most by {shown} %, at {float(worst.period):.2g} s" in told
     energy, duration = float(of_record.energy_ratio), float(of_record.record_significant_duration)
-    assert f"Energy of the motions over the record's: {energy:.2f}" in of_a_record
+    assert f"Energy of the motions relative to the record: {energy:.2f}" in of_a_record
     assert f"record {duration:.3g} s" in of_a_record
     assert "Energy" not in told
 

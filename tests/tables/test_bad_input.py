@@ -90,7 +90,7 @@ def test_ragged_list_is_refused_by_name():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"damping": 5}, r"damping = 5 .*a ratio, \.05 for 5 %"),
+        ({"damping": 5}, r"damping = 5 .*a ratio, 0\.05 for 5 %"),
         ({"damping": 1}, r"damping = 1 .*value < 1"),
         ({"hardening": 0}, "hardening = 0 .*no stationary displacement"),
         ({"hardening": 1.2}, "hardening = 1.2 .*value <= 1"),

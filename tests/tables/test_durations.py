@@ -50,7 +50,7 @@ def test_a_duration_that_is_missing_is_asked_for(verb: str) -> None:
 @pytest.mark.parametrize("exchanged", [(0.05, 15.0), (0.2, 20.0)])
 def test_gap_and_duration_that_are_exchanged_are_questioned(exchanged: tuple[float, float]) -> None:
     for verb in (sl.existing_gap, lambda *given: sl.mitigate(*given, {})):
-        with pytest.raises(ValueError, match="are the two exchanged"):
+        with pytest.raises(ValueError, match="are duration and gap exchanged"):
             verb(ONE, TWO, GROUND, *exchanged)
 
 

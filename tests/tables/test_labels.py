@@ -32,7 +32,7 @@ def test_a_name_goes_before_its_number_and_its_ends():
 
 def test_bias_of_a_pair_is_of_rho_and_of_each_structure_of_its_standard_deviation():
     pair, one = told(["bias", "bias_1"], OF_PAIRS), told(["bias"], OF_ONE)
-    assert pair["bias"] == "linearized rho less the exact one"
+    assert pair["bias"] == "linearized rho less the simulated one"
     assert pair["bias_1"] == f"{one['bias']}, structure 1"
     assert correlation(Scene()).bias.attrs["long_name"] == pair["bias"]
 

@@ -126,7 +126,7 @@ def test_memory_that_is_not_there_is_said_in_one_line(monkeypatch: pytest.Monkey
     monkeypatch.setattr("stochlin.analyses.correlation.correlation.correlate", full)
     result = CliRunner().invoke(main, ["rho", "--period", "1s"])
     assert result.exit_code == 2
-    assert "memory of this machine is not enough (Unable to allocate 74 GiB); take" in result.output
+    assert "this machine has too little memory (Unable to allocate 74 GiB); take" in result.output
 
 
 def test_nothing_is_drawn_of_what_is_refused(tmp_path) -> None:

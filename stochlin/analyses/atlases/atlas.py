@@ -35,7 +35,7 @@ def write_atlas(
     scheduler: Any = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Compute a design atlas into a Zarr store, or go on with one that was stopped.
+    """Compute a design atlas into a Zarr store, or continue an interrupted one.
 
     A table of linearized `correlate` over any parameters, in blocks. A block that is written stays
     written: a process that was killed loses its current blocks, and the same call carries on. What is

@@ -75,8 +75,8 @@ def building_keys(whole: Section) -> tuple[str, ...]:
         if key != expected:
             raise whole.error(
                 key,
-                f"is there, {expected} is not; did you mean {expected}? allowed: building_1, building_2 "
-                "and so on, from left to right, none left out",
+                f"is given, but {expected} is missing; did you mean {expected}? allowed: building_1, "
+                "building_2 and so on, from left to right, none left out",
             )
     return tuple(f"building_{number}" for number in range(1, max(1, len(given)) + 1))
 
@@ -107,14 +107,14 @@ def read_gaps(wanted: Section, count: int) -> tuple[float, ...]:
         if count == 1:
             raise wanted.error(
                 key,
-                f"is {len(gaps)} gaps beside one building alone; allowed: its distance from its "
+                f"has {len(gaps)} gaps, but there is only one building; allowed: its distance from its "
                 f'property line, as {key} = "5 cm"',
             )
         each = ", ".join(['"5 cm"'] * (count - 1))
         example = each if count == 2 else f"[{each}]"
         raise wanted.error(
             key,
-            f"is {len(gaps)} gap{'s' * (len(gaps) > 1)} for {count} buildings; allowed: one between "
+            f"has {len(gaps)} gap{'s' * (len(gaps) > 1)} for {count} buildings; allowed: one between "
             f"each two, {count - 1} in all, as {key} = {example}",
         )
     return tuple(gaps)

@@ -126,8 +126,9 @@ class Case:
         """The two buildings, the left one first; an error if there are others."""
         if self.alone:
             raise ValueError(
-                f"{self.file}: building_2 is missing; this takes two: write a line [building_2] and its "
-                "keys below it; only 'stochlin gap' and 'stochlin pound' take one building alone"
+                f"{self.file}: building_2 is missing; this command needs two buildings: write a line "
+                "[building_2] and its keys below it; only 'stochlin gap' and 'stochlin pound' accept "
+                "one building alone"
             )
         first, second = self.one_or_two
         return first, second
@@ -137,8 +138,9 @@ class Case:
         """The two buildings, or the one beside its property line; an error if there are more."""
         if len(self.buildings) > 2:
             raise ValueError(
-                f"{self.file}: describes {len(self.buildings)} buildings; this takes two, building_1 "
-                "and building_2, so leave the others out; 'stochlin pound' takes any number"
+                f"{self.file}: describes {len(self.buildings)} buildings; this command needs two, "
+                "building_1 and building_2, so leave the others out; 'stochlin pound' accepts any "
+                "number"
             )
         return self.buildings
 
@@ -154,7 +156,7 @@ class Case:
 
     @property
     def floors_level(self) -> bool | None:
-        """Whether all floors meet floors, within .05 m; None where floors are not known."""
+        """Whether all floors meet floors, within 0.05 m; None where floors are not known."""
         known = all(isinstance(building, StoreyBuilding) for building in self.buildings)
         return not self.slabs_on_columns if known or self.slabs_on_columns else None
 

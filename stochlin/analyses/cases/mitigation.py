@@ -90,7 +90,7 @@ def _check_fits(case: Case, name: str) -> None:
     where = f"in its table of [measures], {brief(name)}"
     if measure.bumper_thickness >= gap:
         raise ValueError(
-            f"{case.file}: bumper_thickness = {measure.bumper_thickness:g} m {where}, takes all of the "
+            f"{case.file}: bumper_thickness = {measure.bumper_thickness:g} m {where}, fills the "
             f"gap of {gap:g} m; allowed: less than existing in [separation]"
         )
     for number, building in enumerate(case.pair, start=1):

@@ -175,14 +175,14 @@ def _checked(case: Case, simulated: bool = False) -> Contact | None:
     several = len(case.buildings) > 1
     if several and not case.gaps:
         raise ValueError(
-            f'{needs} the gap there is; write existing = "5 cm" in [separation], "0 cm" for buildings '
+            f'{needs} the existing gap; write existing = "5 cm" in [separation], "0 cm" for buildings '
             "that touch, and a list for more than two"
         )
     if case.alone and case.gaps:
         raise ValueError(
-            f"{case.file}: separation.existing = '{100 * case.gaps[0]:g} cm' is a gap beside one "
-            "building alone; leave it out, or add [building_2]: pounding takes a neighbour, "
-            "'stochlin gap' a property line"
+            f"{case.file}: separation.existing = '{100 * case.gaps[0]:g} cm' is a gap of one building "
+            "alone; leave it out, or add [building_2]: pounding needs a neighbour; 'stochlin gap' "
+            "uses the property line"
         )
     for number, building in enumerate(case.buildings, start=1):
         if not building.weighed:
@@ -191,8 +191,8 @@ def _checked(case: Case, simulated: bool = False) -> Contact | None:
             )
     if several and case.contact is None:
         raise ValueError(
-            f'{needs} what the buildings meet at; write [contact], and below it model = "kelvin", '
-            'stiffness = "2000 MN/m" and restitution = 0.65'
+            f"{needs} the contact between the buildings; write [contact], and below it model = "
+            '"kelvin", stiffness = "2000 MN/m" and restitution = 0.65'
         )
     return case.contact
 

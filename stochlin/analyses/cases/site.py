@@ -113,9 +113,8 @@ def check_energy(
     if not _LIKE[0] <= ratio <= _LIKE[1]:
         motion.doubt(
             "envelope",
-            f"and the duration make motions that carry {ratio:.2g} times the energy of the record that "
-            f'the ground is fitted to; for all of it and no more write envelope = "{FITTED}", without a '
-            "duration",
+            f"and the duration give motions with {ratio:.2g} times the energy of the record that the "
+            f'ground is fitted to; for equal energy write envelope = "{FITTED}", without a duration',
         )
 
 

@@ -166,8 +166,8 @@ def strength_key(one: Section, keys: Sequence[str], example: str) -> str:
     if len(given) > 1:
         raise one.error(
             given[1],
-            f"is one too many: strength is given {len(given)} times, by {' and '.join(given)}; allowed: "
-            f"one of {example}",
+            f"is given as well: strength is given {len(given)} times, by {' and '.join(given)}; "
+            f"allowed: one of {example}",
         )
     return given[0]
 
@@ -224,7 +224,7 @@ def _check_keys(one: Section, allowed: Sequence[str]) -> None:
         )
     one.only(*allowed, elsewhere=elsewhere)
     if "heights" in one and "storey_height" in one:
-        raise one.error("heights", "is one too many beside storey_height; allowed: one of them")
+        raise one.error("heights", "is given together with storey_height; allowed: one of them")
 
 
 def _check_missing(one: Section, needed: Sequence[str]) -> None:

@@ -150,7 +150,7 @@ class Section:
         if spread is None and ends is None:
             raise self.error(
                 key,
-                f'does not say how far it may be off; allowed: "10 {example} +- 20 %", the standard '
+                f'does not give a valid spread; allowed: "10 {example} +- 20 %", the standard '
                 f'deviation of its logarithm, or "8 to 12 {example}", evenly between both',
             )
         if spread is not None and float(spread[2]) > 100:
@@ -184,8 +184,8 @@ class Section:
         if len(alike) < len(each):
             raise self.error(
                 key,
-                "differs in how far its numbers may be off; allowed: one spread for all of them, since "
-                "they vary together, by one factor",
+                "has numbers with different spreads; allowed: one spread for all of them, since they "
+                "vary together, by one factor",
             )
         return Uncertain(np.array(alike), first.spread, first.kind)
 

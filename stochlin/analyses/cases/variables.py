@@ -6,18 +6,18 @@ from stochlin.analyses.tables.labels import Variables
 RECORDED: Variables = {
     "peak_ground_acceleration": ("m/s^2", "peak ground acceleration of the record"),
     "rms_acceleration": ("m/s^2", "root mean square of its strong part"),
-    "spectral_acceleration": ("m/s^2", "pseudo-acceleration at the period, damping .05"),
-    "record_amplification": ("1", "amplification that so large a share of the records stays below"),
-    "record_impacts": ("1", "impacts, likewise"),
-    "record_largest_force": ("N", "largest force of the contact, likewise"),
-    "record_gap_quantile": ("m", "gap that so large a share of the records would have taken at most"),
-    "record_no_pounding_probability": ("1", "share of the records in which the gap would have held"),
+    "spectral_acceleration": ("m/s^2", "pseudo-acceleration at the period, damping 0.05"),
+    "record_amplification": ("1", "quantile of the amplification over the records"),
+    "record_impacts": ("1", "quantile of the number of impacts"),
+    "record_largest_force": ("N", "quantile of the largest force of the contact"),
+    "record_gap_quantile": ("m", "quantile of the gap that the records need"),
+    "record_no_pounding_probability": ("1", "share of the records for which the gap is enough"),
 }
 VARIABLES: Variables = {
     **POUNDING,
     **RECORDED,
     "yield_displacement": ("m", "yield displacement"),
-    "least_clearance": ("m", "least distance between the floors, negative where they press"),
+    "least_clearance": ("m", "smallest distance between the floors, negative where they press"),
     "energy_share": ("1", "share of the input energy, at the end"),
-    "peak_ductility": ("1", "largest displacement over yield displacement"),
+    "peak_ductility": ("1", "largest displacement relative to the yield displacement"),
 }

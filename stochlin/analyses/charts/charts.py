@@ -46,7 +46,7 @@ class ChartSettings:
         Period [s] of the structure of Fig. 1, and of the first of two on which damping is added; without
         it that of the ground fitted to the record.
     second_period : float, optional
-        Period [s] of the second of two on which damping is added; without it .7 of the first.
+        Period [s] of the second of two on which damping is added; without it 0.7 of the first.
     gap : float, optional
         Existing gap [m] between them.
     closure : str

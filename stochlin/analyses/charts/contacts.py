@@ -100,7 +100,8 @@ def contact_history_chart(damping_ratio: float = 0.5, points: int = 201) -> xr.D
     Parameters
     ----------
     damping_ratio : float
-        ``xi`` [-], in [0, 1): from 1 on the contact of the Kelvin element never ends. The paper's is .5.
+        ``xi`` [-], in [0, 1): from 1 on the contact of the Kelvin element never ends. The paper's is
+        0.5.
     points : int
         Of each history, at least 2.
 

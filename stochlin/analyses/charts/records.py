@@ -132,7 +132,7 @@ def energy_chart(
     hardening, reduction_factor : float
         Of the yielding structures [-]; the strength is that share of the elastic peak, at every period.
     points : int
-        Periods, from .1 to 5 s.
+        Periods, from 0.1 to 5 s.
 
     Returns
     -------
@@ -186,7 +186,7 @@ def per_spectrum_chart(records: Records, damping: float, points: int = 161) -> x
     damping : float
         Damping ratio [-].
     points : int
-        Periods, from .1 to 5 s.
+        Periods, from 0.1 to 5 s.
 
     Returns
     -------
@@ -212,7 +212,7 @@ def recorded_gap_chart(record: xr.DataArray, damping: float, points: int = 61) -
     damping : float
         Damping ratio of both structures [-].
     points : int
-        Periods along each axis, from .1 to 5 s.
+        Periods along each axis, from 0.1 to 5 s.
 
     Returns
     -------

@@ -87,7 +87,7 @@ def correlate(
         ``ductility_std_1`` and ``_2`` [-], ``yield_displacement_1`` and ``_2`` [m], ``status`` (the
         worse of the two structures'). Linearization adds ``bias``, by which ``rho`` is too large,
         ``bias_1`` and ``bias_2``, the relative error of the standard deviations, and ``caution``
-        where one exceeds .1 or is unknown; these are interpolated in a map that knows bilinear
+        where one exceeds 0.1 or is unknown; these are interpolated in a map that knows bilinear
         structures, and ``rho`` where both have equal damping, hardening and strength ratio. The
         closure ``"drift"`` adds ``rho_error``, the mean error of ``rho`` over simulated pairs of the
         region, NaN where none were simulated; in ``caution`` it stands in for an unknown ``bias``.
@@ -114,7 +114,7 @@ def correlate(
 
     Notes
     -----
-    For yielding structures linearized ``rho`` is off by .05 to .2 where yielding is moderate,
+    For yielding structures linearized ``rho`` is off by 0.05 to 0.2 where yielding is moderate,
     mostly too large, and by up to 1.3 for structures much stiffer than a narrow-band ground; the
     standard deviations are too small: a separation computed from both is unsafe by a third to a
     half. Simulation takes seconds. Correlation can be negative, where the ground period lies

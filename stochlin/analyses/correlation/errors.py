@@ -1,7 +1,7 @@
 """How far pairs are off: ``rho`` of the drift closure where it was checked, and the difference.
 
 Mean absolute errors of ``rho`` over 2750 random pairs of unequal bilinear structures, each simulated,
-drawn as `benchmarks/drift.py` draws them, with another seed; rounded to .01. The expected error of the
+drawn as `benchmarks/drift.py` draws them, with another seed; rounded to 0.01. The expected error of the
 standard deviation of the difference comes from those of both structures and from how much the steps
 from the derivation to the simulated map move ``1 - rho``; ``docs/drift.md`` says how it was calibrated.
 """

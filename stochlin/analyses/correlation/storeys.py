@@ -34,8 +34,8 @@ def floor_pairs(
         return _between(table), f"closure={closure!r}"
     if method != SIMULATION:
         raise ValueError(
-            f"method = {method!r} is of oscillators; allowed for buildings with storeys: linearization, "
-            "simulation; or give their oscillator()"
+            f"method = {method!r} is only available for oscillators; allowed for buildings with "
+            "storeys: linearization, simulation; or give their oscillator()"
         )
     wanted = settings()
     return _between(simulate(pair, ground, **vars(wanted))), wanted.told

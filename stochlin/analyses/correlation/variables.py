@@ -20,6 +20,6 @@ VARIABLES: Variables = {
     "relative_displacement_caution": ("1", "whether relative_displacement_std can be trusted here"),
     "link_force_std": ("N", "standard deviation of the force in the link"),
     "equivalent_damping_constant": SYSTEMS["equivalent_damping_constant"],
-    "bias": ("1", "linearized rho less the exact one"),
+    "bias": ("1", "linearized rho less the simulated one"),
     **{f"bias_{n}": (UNITS, f"{OF_ONE}, structure {n}") for n in (1, 2)},
 }

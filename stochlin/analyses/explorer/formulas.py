@@ -1,4 +1,4 @@
-"""What the explorer shows of a scene by formula: spectra, correlation, gaps by rule, probability.
+"""The formulas of the explorer for a scene: spectra, correlation, gaps by rule, probability.
 
 Where linearization fails, each raises an ArithmeticError. With storeys the probability is simulated,
 and the correlation takes its time.
@@ -247,7 +247,7 @@ def recorded(scene: Scene) -> xr.Dataset:
     Strengths that hang on the ground are those of the scene's.
     """
     if scene.records is None:
-        raise ValueError("there is no record; allowed: a case file with [[site.records]]")
+        raise ValueError("the scene has no record; allowed: a case file with [[site.records]]")
     ground = scene.ground()
     one, other = (strength_in_metres(structure, ground) for structure in scene.structures())
     return recorded_gap(one, other, dict(scene.records.motions)).assign_attrs(gap_m=scene.gap)

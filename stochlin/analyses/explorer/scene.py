@@ -138,10 +138,10 @@ class Scene(Model):
     storey_count_1: int = 8
     storey_height_1: float = parameter("m", "storey height", STOREY_HEIGHT, 3.0)
     base_shear_coefficient_1: float = parameter(
-        "1", "base shear at yield over the weight", COEFFICIENT, 0.15
+        "1", "base shear at yield relative to the weight", COEFFICIENT, 0.15
     )
     strength_factor_1: float = parameter(
-        "1", "storey shears at yield over those of the file", FACTOR, 1.0
+        "1", "storey shears at yield relative to those of the file", FACTOR, 1.0
     )
     period_2: float = parameter("s", "period", PERIOD, 0.6)
     damping_2: float = parameter("1", "damping ratio", DAMPING, 0.05)
@@ -152,10 +152,10 @@ class Scene(Model):
     storey_count_2: int = 5
     storey_height_2: float = parameter("m", "storey height", STOREY_HEIGHT, 3.0)
     base_shear_coefficient_2: float = parameter(
-        "1", "base shear at yield over the weight", COEFFICIENT, 0.15
+        "1", "base shear at yield relative to the weight", COEFFICIENT, 0.15
     )
     strength_factor_2: float = parameter(
-        "1", "storey shears at yield over those of the file", FACTOR, 1.0
+        "1", "storey shears at yield relative to those of the file", FACTOR, 1.0
     )
     gap: float = parameter("m", "existing gap", POSITIVE, 0.05)
     confidence: float = parameter("1", "confidence of no pounding", Range(upper=1.0), 0.9)
@@ -216,7 +216,7 @@ class Scene(Model):
     @cached_property
     def _ground(self) -> Ground:
         if not self.settled:
-            raise ValueError("the ground of these values is still being sought")
+            raise ValueError("the ground for these values is not known yet; wait for its simulation")
         if self.fitted is not None and self.shape is not None:
             times = (self.strength / self.fitted.strength) ** 2
             ground: Any = self.fitted.ground
@@ -368,14 +368,22 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
     site, given = case.site, _numbers(case.ground)
     if site == FITTED:
         site = _kind_of(case)
-        notes.append(f"The ground is fitted to {next(iter(case.records))}: held by its parameters here.")
+        notes.append(
+            f"The ground is fitted to {next(iter(case.records))}. The page keeps the fitted parameters."
+        )
     elif case.spectrum is not None and not of_code:
-        notes.append(f"The ground delivers the spectrum {site}: held by its parameters here.")
+        notes.append(
+            f"The motions of the ground have the spectrum {site}. The page keeps the "
+            "parameters of the ground."
+        )
         site = _kind_of(case)
     if case.records:
-        notes.append("Records are shown beside the gaps by rule; a case file saved from here has none.")
+        notes.append(
+            "The gaps of the records are shown beside those of the rules; a case file saved "
+            "here contains no records."
+        )
     if lost := _left_out(case):
-        notes.append(f"{lost} left out here, and in a case file saved from here.")
+        notes.append(f"{lost} left out here, and in a case file saved here.")
     if site not in GROUNDS:
         given = {"intensity": given["intensity"]}
     names = case.ground.beside_structures()
@@ -400,7 +408,7 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
         values["envelope"] = next(n for n, kind in ENVELOPES.items() if type(case.envelope) is kind)
         values |= _numbers(case.envelope)
     if case.gap is None:
-        notes.append(f"The file states no existing gap: {Scene.gap:g} m is shown, as a start.")
+        notes.append(f"The file has no existing gap: the page starts from {Scene.gap:g} m.")
     else:
         values["gap"] = case.gap
     notes += [f"Motions scatter by {case.scatter:g}, as in the file; {MEDIAN}."] if case.scatter else []
@@ -442,9 +450,8 @@ def _shown_oscillator(case: Case, building: Building) -> tuple[dict[str, Any], l
     structure, notes = _bilinear(case, building), []
     if building.strength in ("yield_displacement", "ductility"):
         notes.append(
-            f"The strength of {building.name}, given by {building.strength.replace('_', ' ')}, is "
-            "held as a reduction factor here: another ground or period changes its yield "
-            "displacement."
+            f"The strength of {building.name}, given by {building.strength.replace('_', ' ')}, is kept "
+            "as a reduction factor here: another ground or period changes its yield displacement."
         )
     if building.strength == "yield_displacement":
         factor = float(reduction_factor(structure, case.ground).reduction_factor)
@@ -484,7 +491,7 @@ def _check_storeys(case: Case, building: StoreyBuilding) -> None:
     if building.storeys > MOST_STOREYS:
         raise ValueError(
             f"{case.file}: {building.name} has {building.storeys} storeys; allowed in the explorer: 1 "
-            f"to {MOST_STOREYS}; 'stochlin gap' and 'stochlin probability' take more"
+            f"to {MOST_STOREYS}; 'stochlin gap' and 'stochlin probability' accept more"
         )
 
 
@@ -492,7 +499,7 @@ def _bilinear(case: Case, building: Building) -> Bilinear:
     if not isinstance(building.structure, Bilinear):
         raise ValueError(
             f"{case.file}: {building.name} is a {type(building.structure).__name__}; allowed in the "
-            "explorer: bilinear buildings; 'stochlin gap' and 'stochlin probability' take every law"
+            "explorer: bilinear buildings; 'stochlin gap' and 'stochlin probability' accept every law"
         )
     return building.structure
 

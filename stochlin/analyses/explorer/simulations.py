@@ -23,7 +23,7 @@ RATIO_PATHS = 256  # correlations need fewer motions than quantiles
 
 
 def simulations(scene: Scene, progress: Progress | None = None) -> dict[str, xr.Dataset]:
-    """The same questions to the exact laws, by simulation.
+    """The same results by nonlinear simulation.
 
     ``correlation`` over the ratio of periods, as `correlate`, with storeys at the scene's own ratio, at
     the lower roof; ``gaps``, as `separation`; ``probability``, as `pounding_probability`. ``progress``

@@ -67,8 +67,8 @@ class Motions(NamedTuple):
         """How strong they are in the mean, by simulation."""
         if self.period is None and not np.isfinite(rms_acceleration(self.ground)):
             raise ValueError(
-                "white noise has no peak acceleration: the finer the step, the larger it is; allowed: "
-                "another ground, or another measure of its strength"
+                "white noise has no peak acceleration, since it grows with smaller time steps; "
+                "allowed: another ground, or another measure of its strength"
             )
         at = [1.0 if self.period is None else self.period]
         given = (self.duration, self.envelope)

@@ -151,8 +151,8 @@ def peaks_of(scene: Scene, moments: tuple[xr.DataArray, ...], seconds: float) ->
     peaks: Array = peak_quantile(moments, seconds, scene.confidence, 2).to_numpy()
     if not np.isfinite(peaks).all():
         raise ValueError(
-            f"duration = {scene.duration:g} s is too short for these periods to tell a peak; allowed: "
-            "some periods and more"
+            f"duration = {scene.duration:g} s is too short for a peak at these periods; allowed: "
+            "several periods or more"
         )
     return peaks
 

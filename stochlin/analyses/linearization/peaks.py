@@ -98,11 +98,11 @@ def peak_response(
     nothing to its rates. It has the mean over the motion of a variance that grows as ``1 -
     exp(-t/drift_time)``; for one direction four times as slowly, by trial against simulation: a drift
     the other way brings no peak. Against simulated motions from rest (576 random structures, R 1 to 9,
-    alpha .02 to .3, T .2 to 3 s, 10 to 60 s of motion) the mean peak errs by -2 % in the mean, between
-    -32 and +15 % in nine cases of ten; with ``caution`` 0 by +4 %, -14 and +17 %, and it is too small by
-    more than 10 % in one case of twelve, by more than 20 % in one of 150; with ``caution`` 1, mostly of
-    structures with T < Tg/2, by -18 %. Of the Gaussian closure it errs by -25 %, between -76 and +5 %.
-    One-sided means are larger by 2 to 4 %. ``peak_std`` is a quarter too small.
+    alpha 0.02 to 0.3, T 0.2 to 3 s, 10 to 60 s of motion) the mean peak errs by -2 % in the mean,
+    between -32 and +15 % in nine cases of ten; with ``caution`` 0 by +4 %, -14 and +17 %, and it is too
+    small by more than 10 % in one case of twelve, by more than 20 % in one of 150; with ``caution`` 1,
+    mostly of structures with T < Tg/2, by -18 %. Of the Gaussian closure it errs by -25 %, between -76
+    and +5 %. One-sided means are larger by 2 to 4 %. ``peak_std`` is a quarter too small.
 
     References
     ----------

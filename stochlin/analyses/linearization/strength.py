@@ -51,7 +51,7 @@ def strength_for_ductility(
     peak_factor: Parameter | None = None,
     closure: str | None = None,
 ) -> xr.Dataset:
-    """Strength at which the mean peak ductility is the wanted one.
+    """Strength for a given mean peak ductility.
 
     Solves ``p ductility_std = ductility`` for the reduction factor, ``ductility_std`` linearized.
 
@@ -89,10 +89,10 @@ def strength_for_ductility(
     Notes
     -----
     Ductility is about ``R`` when elastic and ``R`` times a constant when soft. It grew with ``R``
-    without exception over 400 random structures and grounds (T/Tg .05 to 10, xi .005 to .2, alpha .001
-    to 1, xig .01 to .9; ``R`` .01 to 1e5, 141 values), with each closure of the bilinear law but
-    ``"drift"``, so that a bracket is always found and holds one root. With ``"drift"`` it fell by up to
-    10 % for 2 of 60 structures near the resonance of a narrow band, where several strengths have the
+    without exception over 400 random structures and grounds (T/Tg 0.05 to 10, xi 0.005 to 0.2, alpha
+    0.001 to 1, xig 0.01 to 0.9; ``R`` 0.01 to 1e5, 141 values), with each closure of the bilinear law
+    but ``"drift"``, so that a bracket is always found and holds one root. With ``"drift"`` it fell by up
+    to 10 % for 2 of 60 structures near the resonance of a narrow band, where several strengths have the
     ductility and one of them is found. And it may *jump*: with ``"narrow_band"``, for stiff
     structures on a lake bed, from 3 to 20 and more within a millionth of ``R``, and no strength gives
     a ductility between. Such a target fails, as does one that needs an ``R`` at which the fixed point
@@ -100,8 +100,8 @@ def strength_for_ductility(
 
     The strength is as good as the ductility: with the drift closure off by 1.4 % in the mean, as in
     `linearize`; with the Gaussian closure too small, and so is the strength. Asked for a ductility of 4,
-    a structure of .6 s (xi and alpha .05) has by simulation 4.0 on firm ground (Tg = .42 s, xig = .6)
-    and on a lake bed (2 s, .05); with the Gaussian closure 6.2 and 20.
+    a structure of 0.6 s (xi and alpha 0.05) has by simulation 4.0 on firm ground (Tg = 0.42 s, xig =
+    0.6) and on a lake bed (2 s, 0.05); with the Gaussian closure 6.2 and 20.
 
     References
     ----------

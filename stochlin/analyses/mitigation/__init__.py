@@ -1,1 +1,1 @@
-"""What would help: measures compared, the least that does."""
+"""Measures against pounding: a comparison, and the least that is sufficient."""

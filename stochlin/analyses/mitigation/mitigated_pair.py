@@ -71,8 +71,8 @@ class MitigatedPair:
         total = structure.damping + more
         if (largest := float(np.max(total))) >= 1:
             raise ValueError(
-                f"added_damping_{number} = {more:g} makes the damping {largest:g}; allowed: less than 1 "
-                "in all"
+                f"added_damping_{number} = {more:g} raises the damping to {largest:g}; allowed: less "
+                "than 1 in total"
             )
         if strengthening != 1 and not structure.yields:
             raise ValueError(
@@ -86,8 +86,8 @@ class MitigatedPair:
         left = self.gap - measure.bumper_thickness
         if left <= 0:
             raise ValueError(
-                f"bumper_thickness = {measure.bumper_thickness:g} m takes all of the gap of "
-                f"{self.gap:g} m; allowed: less than the gap; take thinner bumpers"
+                f"bumper_thickness = {measure.bumper_thickness:g} m fills the gap of {self.gap:g} m; "
+                "allowed: less than the gap; take thinner bumpers"
             )
         return left
 

@@ -1,4 +1,4 @@
-"""Measures against pounding compared in one table, and the least that would do."""
+"""Measures against pounding compared in one table, and the least that is sufficient."""
 
 from __future__ import annotations
 
@@ -40,10 +40,10 @@ AS_BUILT = "as built"
 SIMULATIONS = 60  # that the searches take together, as a rule
 TEXTS: Mapping[str, str] = {
     "kind": "as built, given, or the least that meets an aim",
-    "aim": "what the least meets: the confidence, or the limit of amplification on the records",
-    "contact": "what the buildings meet at",
+    "aim": "aim of the least measure: the confidence, or the limit of amplification in the records",
+    "contact": "contact between the buildings",
     "description": "the measure with its parameters",
-    "missing": "what a row lacks, and why",
+    "missing": "missing results of a row, and the reason",
 }
 
 
@@ -65,12 +65,12 @@ def mitigate(
     amplification_limit: float | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Compare measures against pounding, all on the same motions, and find the least that would do.
+    """Compare measures against pounding with the same motions, and find the least that is sufficient.
 
-    The rows are the buildings as built, each measure that is given, and the least damping, added to
-    both or to one of them, and the least dashpot between both with which they do not touch with the
+    The rows are the buildings as built, each measure that is given, and the least damping, added to both
+    or to one of them, and the least dashpot between both with which they do not touch with the
     probability ``confidence``; with a limit of amplification also those that keep it on the records.
-    Nothing is looked for where the buildings meet the aim as built.
+    Nothing is searched where the buildings meet the aim as built.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def mitigate(
     envelope, confidence, scatter, paths, seed
         As in `separation`.
     contact : Contact, optional
-        What they meet at as built; records need it.
+        Contact between the buildings as built; records need it.
     records : mapping of str to xarray.DataArray, optional
         Ground accelerations [m/s^2] by name, as `read_record` gives them, on which pounding itself is
         computed.
@@ -117,17 +117,16 @@ def mitigate(
 
     Notes
     -----
-    Strengths stay what they are as built, in metres. Peaks, required gaps and probabilities are those
-    of motions without contact, on which a contact of another kind has no influence: what bumpers do
-    shows on the records. Linearization is unsafe where structures yield and stands here to be compared.
-    Stiffening and strengthening act on these strengths: see `Measure`. A least measure is the first that
-    meets its aim going up from none.
+    Strengths stay what they are as built, in metres. Peaks, required gaps and probabilities are those of
+    motions without contact, on which a contact of another kind has no influence: the effect of bumpers
+    is only visible in the records. Linearization is unsafe where structures yield and is given for
+    comparison. Stiffening and strengthening act on these strengths: see `Measure`. A least measure is
+    the first that meets its aim going up from none.
 
     Contact between bumpers counts as pounding: with bumpers the probability of no pounding is that of
     the gap less their thickness, the required gap includes it, and pounding in the records is computed
-    with the gap that is left. A
-    ``deepest_compression`` beyond ``bumper_thickness`` says that the bumpers would be crushed; what they
-    do then is not modelled.
+    with the gap that is left. A ``deepest_compression`` beyond ``bumper_thickness`` means that the
+    bumpers would be crushed; their behaviour beyond that is not modelled.
 
     References
     ----------
@@ -174,7 +173,7 @@ def mitigate(
     given = [MeasureLine(AS_BUILT, AS_BUILT, Measure())]
     for name, measure in measures.items():
         unseen = measure.contact is not None and not records
-        told = "what a contact does shows on records, and none is given" if unseen else ""
+        told = "the effect of a contact is only computed in records, and none is given" if unseen else ""
         given.append(MeasureLine(name, "given", measure, missing=told))
     wanted: list[MeasureLine | Search] = [*given, *searches(site, amplification_limit)]
     rows, columns = [], []
@@ -220,7 +219,9 @@ def _checked(
         check_label("the name of a measure", name)
         expect(measure, Measure, f"measures[{brief(name)}]")
     if records and contact is None:
-        raise ValueError("contact is not given, records are; give what the buildings meet at as built")
+        raise ValueError(
+            "contact is missing, but records are given; give the contact between the buildings as built"
+        )
     for name, motion in (records or {}).items():
         check_label("the name of a record", name)
         try:

@@ -104,7 +104,9 @@ def over_motions(
     told = ["" if isinstance(each, dict) else str(each) for each in found]
     if ensemble.labels is not None:
         table = table.assign_coords({over: ensemble.labels})
-    return table.assign_coords(missing=(over, told, {"long_name": "what a motion lacks, and why"}))
+    return table.assign_coords(
+        missing=(over, told, {"long_name": "missing results of a motion, and the reason"})
+    )
 
 
 def with_statistics(table: xr.Dataset, over: str, levels: Array) -> xr.Dataset:

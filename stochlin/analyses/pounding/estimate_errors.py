@@ -61,7 +61,7 @@ def pounding_estimate_error(
     points: int = 91,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """How far the estimate from energies is off: beside what `pound` finds in the same motions.
+    """Error of the energy estimate compared with `pound` in the same motions.
 
     In every motion `pounding_estimate_row` is told the largest energy radii of the structures standing
     alone, of their first modes, ``max sqrt(q^2 + (q'/w)^2)``. What it makes of them is compared with the
@@ -101,24 +101,24 @@ def pounding_estimate_error(
     A radius is taken at the samples of the motion: a little below the largest where samples are coarse.
 
     Measured over random rows, 60 of each kind, each in two motions of 12 s on firm ground, with contacts
-    of ``e`` = .65 and strengths of a quarter of the elastic demand
+    of ``e`` = 0.65 and strengths of a quarter of the elastic demand
     (``benchmarks/pounding_estimates.py``).
     Of the largest displacement:
 
     ====================================  =====  =======  ========
     structures, estimate                  bias   scatter  exceeded
     ====================================  =====  =======  ========
-    two oscillators, elastic, one hit     .26    .25      13 %
-    two oscillators, yielding, one hit    .20    .24      18 %
-    two with storeys, elastic, one hit    .35    .21      0 %
-    two with storeys, yielding, one hit   .26    .16      1 %
-    three oscillators, elastic, one hit   .32    .28      9 %
-    three oscillators, elastic, chain     .42    .28      5 %
-    three oscillators, yielding, one hit  .28    .29      14 %
-    three oscillators, yielding, chain    .38    .29      6 %
+    two oscillators, elastic, one hit     0.26   0.25     13 %
+    two oscillators, yielding, one hit    0.20   0.24     18 %
+    two with storeys, elastic, one hit    0.35   0.21     0 %
+    two with storeys, yielding, one hit   0.26   0.16     1 %
+    three oscillators, elastic, one hit   0.32   0.28     9 %
+    three oscillators, elastic, chain     0.42   0.28     5 %
+    three oscillators, yielding, one hit  0.28   0.29     14 %
+    three oscillators, yielding, chain    0.38   0.29     6 %
     ====================================  =====  =======  ========
 
-    The standard error of the bias is .01 to .02, that of the share 1 to 3 %.
+    The standard error of the bias is 0.01 to 0.02, that of the share 1 to 3 %.
 
     References
     ----------
@@ -147,8 +147,8 @@ def pounding_estimate_error(
     grounds, over = ensemble.motions.grounds, ensemble.over
     if over is None or len(grounds) < FEWEST:
         raise ValueError(
-            "motion: there is one; allowed: two or more, over path or as a list of records, for an "
-            "error is of many"
+            "motion: only one is given; allowed: two or more, over path or as a list of records, "
+            "since an error needs many"
         )
     row, places = build_row(row_of, spaces, contact, grounds[0].acceleration, ())
     check_runs(row_of, row, grounds)

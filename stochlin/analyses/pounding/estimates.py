@@ -51,7 +51,7 @@ def pounding_estimate(
     *,
     points: int = 181,
 ) -> xr.Dataset:
-    """What a hit does to the energy radii of two structures, wherever they may meet.
+    """Estimated change of the energy radii of two structures by an impact at any displacement.
 
     Structures of the radii ``r_i`` that meet at ``u_1 = u_2 + gap`` have the velocities ``v_i = +-w_i
     sqrt(r_i^2 - u_i^2)``. Eq. (13) makes them ``v_i'``, and the radii ``r_i'^2 = u_i^2 + (v_i'/w_i)^2``.
@@ -148,7 +148,7 @@ def pounding_estimate_row(
     *,
     points: int = 181,
 ) -> xr.Dataset:
-    """What hits do to the energy radii of structures in a row: one hit each, and hits one after another.
+    """Estimated change of the energy radii in a row, by one impact each and by successive impacts.
 
     One hit: `pounding_estimate` of each two neighbours. A chain: a hit at the first gap leaves both its
     structures with the radii that it makes of them; with these the hit at the next gap follows, and so

@@ -56,7 +56,7 @@ def pound(
     quantiles: Sequence[float] = (0.5, 0.84, 0.95),
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Buildings in a row through a motion or many, from rest, with all their impacts.
+    """Response of a row of buildings with all impacts, in one motion or many, from rest.
 
     Of one motion there are histories, of several what each comes to, with means and quantiles. One
     building alone has no impacts, and all the rest: what it bears, and where its energy goes.
@@ -65,7 +65,7 @@ def pound(
     ----------
     structures : list of Bilinear or BoucWen with a mass, and of ShearBuilding
         From left to right, or one alone. Shear buildings, of these laws, meet at every floor of either
-        up to the lower roof: floors within .05 m of one level slab to slab, any other a column of the
+        up to the lower roof: floors within 0.05 m of one level slab to slab, any other a column of the
         neighbour, between two floors. An oscillator meets the roof of a shear building.
     gaps : list of float
         Between neighbours [m], not negative: 0 touches. For two structures a number will do; one alone
@@ -160,11 +160,12 @@ def pound(
     a contact begins, turns or ends. Peaks are those between outputs too: of displacements on the curve,
     of the others at the ends of steps, and in contact at eight places of each.
 
-    An impact ends with its force. A `NoTensionKelvin` that pushes again before the floors are clear of
-    it goes on with the same impact. In the law of `HertzDamp`, an approach slower than a thousandth of
-    ``max |a| T/(2 pi)``, with the shortest period, counts as none: such a contact is elastic. Floors
-    that a `Stereomechanical` impact would lift by less than 1e-10 of the largest displacement, while
-    they are pressed together, move together from then on, until the force between them vanishes.
+    An impact ends when the contact force vanishes. A `NoTensionKelvin` that pushes again before the
+    floors are clear of it goes on with the same impact. In the law of `HertzDamp`, an approach slower
+    than a thousandth of ``max |a| T/(2 pi)``, with the shortest period, counts as none: such a contact
+    is elastic. Floors that a `Stereomechanical` impact would lift by less than 1e-10 of the largest
+    displacement, while they are pressed together, move together from then on, until the force between
+    them vanishes.
 
     A dashpot with an exponent is linear below a millionth of the velocity that the motion can give the
     structures, or, where it would bring its masses to rest in less than 5e-5 s, below a rate at which it
@@ -212,8 +213,8 @@ def pound(
     check_runs(row_of, row, motions.grounds)
     if over is not None and output_step is not None:
         raise ValueError(
-            f"output_step = {brief(output_step)} goes with one motion; allowed here: none, for of "
-            "several motions no histories are kept"
+            f"output_step = {brief(output_step)} is for one motion; allowed here: none, since "
+            "histories of several motions are not kept"
         )
     if progress is not None:
         progress(0.0)

@@ -89,9 +89,9 @@ def checked_buildings(structures: Sequence[Building]) -> list[Building]:
         if type(law) not in LAWS:
             raise TypeError(
                 f"{role} = {brief(structure)} is of the wrong kind; allowed: "
-                f"{', '.join(kind.__name__ for kind in LAWS)}, {ShearBuilding.__name__}; steps that end "
-                "at each event know the branches of these laws alone: for structures of another law "
-                "there are separation and simulate, and recorded_gap for the gap in a record"
+                f"{', '.join(kind.__name__ for kind in LAWS)}, {ShearBuilding.__name__}; the "
+                "event-driven time steps are only available for these laws; for other laws use "
+                "separation, simulate or recorded_gap"
             )
         if isinstance(structure, ShearBuilding):
             continue
@@ -100,7 +100,7 @@ def checked_buildings(structures: Sequence[Building]) -> list[Building]:
             raise ValueError(f"{role}: mass is not given; pounding needs it, in kg")
         if structure.reduction_factor is not None:
             raise ValueError(
-                f"{role}: reduction_factor has no meaning in a given motion, for it refers to the "
+                f"{role}: reduction_factor has no meaning in a given motion, since it refers to the "
                 "elastic response to a ground model; give yield_displacement"
             )
     return list(structures)
@@ -127,8 +127,8 @@ def check_contact(contact: Contact | None, count: int) -> None:
     """Raise unless ``count`` structures have something to meet at; one alone needs none."""
     if contact is None and count > 1:
         raise ValueError(
-            f"contact is not given; {count} structures need what they meet at, for instance "
-            "Kelvin(stiffness, restitution=..); only one building alone can do without"
+            f"contact is not given; {count} structures need a contact between them, for instance "
+            "Kelvin(stiffness, restitution=..); only one building alone needs none"
         )
     if contact is not None:
         expect(contact, Contact, "contact")

@@ -98,7 +98,7 @@ def _check_standing(structures: Sequence[Building], row: Row, run: kernel.Run) -
             worst = int(np.argmax(excess))
             raise ArithmeticError(
                 f"pound: structure {number} falls over: by {run.time:.4g} s after the beginning its "
-                f"storey {worst + 1} has drifted by more than its height of {heights[worst]:g} m, for "
-                "after yield the weight above takes more stiffness than it has; give it more hardening "
-                "or strength, or a weaker motion"
+                f"storey {worst + 1} has drifted by more than its height of {heights[worst]:g} m, "
+                "since after yield the weight above takes more stiffness than it has; give it more "
+                "hardening or strength, or a weaker motion"
             )

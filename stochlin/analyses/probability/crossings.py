@@ -18,7 +18,7 @@ AT_ONCE = 400_000  # cells times instants
 WIDEST, NARROWEST = 14.0, 1e-3  # gaps searched, over the largest standard deviation
 CLOSE = 1e-5  # relative, of the gap that is searched
 LEAST_LEVEL = 1e-6  # of the gap: what is left of it where the drift alone takes it up
-_NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(5)  # of the drift; 31 change .04 at most
+_NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(5)  # of the drift; 31 change 0.04 at most
 _WEIGHTS = _WEIGHTS / _WEIGHTS.sum()
 
 

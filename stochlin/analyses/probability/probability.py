@@ -104,7 +104,7 @@ def pounding_probability(
         ``difference_std`` [m] likewise, and ``rho``, NaN at rest. ``envelope`` [-]. ``permanent_set``: a
         flag once shaking is no longer strong. Without ``time``: ``required_gap`` [m], ``_corrected`` and
         ``_simulated``; ``status``; ``caution``: a flag of the confidence by formula at the end of the
-        motion, 0 where it is too large by .1 at most, 1 where it may be by more, 2 outside of what was
+        motion, 0 where it is too large by 0.1 at most, 1 where it may be by more, 2 outside of what was
         checked, and ``caution_corrected``. The variables of ``"hybrid"`` are in the notes.
 
     Raises
@@ -132,17 +132,17 @@ def pounding_probability(
     map of the bias for storeys: ``_corrected`` is NaN where they yield.
 
     Where structures yield, linearization loses the plastic drift, and the permanent set after strong
-    shaking. On 762 random yielding pairs (R 1 to 9, hardening .02 to .3, white noise, Kanai-Tajimi and
-    named grounds, 8 to 40 s) the formula's confidence was too large by more than .1 in 24 % of the cases
-    and by up to .97; the corrected one, where it is known, in 13 % and by up to .78. Regions were found
-    on half of them; on the other half the formula with ``caution`` 0 was too large by more than .1 in
-    2.2 % of the cases (.12 at most), elsewhere in 29 %. ``caution`` is 0 where the pair stays elastic
-    (too large by .09 at most), where both have R up to 1.5 and T from Tg/2 on, and where the correction
-    is relied on and takes .05 at most: for one pair of six. The corrected confidence with ``caution`` 0
-    was too large by more than .1 in .7 % of the cases (.20 at most), elsewhere in 32 %. It is 0 where T
-    is from Tg/2 on and the confidence .85 or more, or R up to 4 and one period at least 1.5 times the
-    other: for half of the pairs. The simulated confidence has its interval everywhere, and takes a
-    second or two with the usual ``paths``.
+    shaking. On 762 random yielding pairs (R 1 to 9, hardening 0.02 to 0.3, white noise, Kanai-Tajimi and
+    named grounds, 8 to 40 s) the formula's confidence was too large by more than 0.1 in 24 % of the
+    cases and by up to 0.97; the corrected one, where it is known, in 13 % and by up to 0.78. Regions
+    were found on half of them; on the other half the formula with ``caution`` 0 was too large by more
+    than 0.1 in 2.2 % of the cases (0.12 at most), elsewhere in 29 %. ``caution`` is 0 where the pair
+    stays elastic (too large by 0.09 at most), where both have R up to 1.5 and T from Tg/2 on, and where
+    the correction is relied on and takes 0.05 at most: for one pair of six. The corrected confidence
+    with ``caution`` 0 was too large by more than 0.1 in 0.7 % of the cases (0.20 at most), elsewhere in
+    32 %. It is 0 where T is from Tg/2 on and the confidence 0.85 or more, or R up to 4 and one period at
+    least 1.5 times the other: for half of the pairs. The simulated confidence has its interval
+    everywhere, and takes a second or two with the usual ``paths``.
 
     The hybrid method gives, over the record's time, ``radius_1`` and ``_2`` [m],
     ``instantaneous_probability``, ``confidence_of_no_pounding`` (one phase for all of the record) and
@@ -280,6 +280,6 @@ def _oscillator(role: str, structure: AnyStructure) -> Structure:
     if isinstance(structure, Structure):
         return structure
     raise TypeError(
-        f"{role} is a building with storeys; method='hybrid' is of oscillators: give its oscillator(), "
-        "or method='evolutionary'"
+        f"{role} is a building with storeys; method='hybrid' is only available for oscillators: give "
+        "its oscillator(), or method='evolutionary'"
     )

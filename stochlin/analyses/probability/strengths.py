@@ -13,8 +13,8 @@ from stochlin.models.grounds import Ground
 
 STRENGTH = "strength of the motion"  # a dimension that no result has
 ALONE = np.ones(1)  # the weight of one strength
-# Probabilities over ln of the strength are as smooth as the peaks of one strength scatter, by .15 or
-# more: steps of .25 to 3.2 standard deviations on either side leave an error of a thousandth.
+# Probabilities over ln of the strength are as smooth as the peaks of one strength scatter, by 0.15 or
+# more: steps of 0.25 to 3.2 standard deviations on either side leave an error of a thousandth.
 REACH, STEP, FEWEST = 3.2, 0.25, 4
 
 

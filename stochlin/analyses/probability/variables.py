@@ -40,7 +40,7 @@ VARIABLES: Variables = {
     "difference_std_corrected": ("m", "standard deviation of u_1 - u_2, bias corrected"),
     "difference_std_simulated": ("m", "standard deviation of u_1 - u_2, simulated"),
     "difference_std_simulated_standard_error": ("m", "its standard error"),
-    "separation": ("m", "gap that the record itself takes"),
+    "separation": ("m", "gap that the record itself needs"),
     "governing_height": ("m", "height at which the gap by formula has to be the widest"),
     "confidence_of_no_pounding_at_least": (
         "1",

@@ -110,7 +110,7 @@ def fit_envelope(record: xr.DataArray, model: str = "amin_ang") -> Envelope:
 
 
 def energy_build_up(record: xr.DataArray, envelope: Envelope) -> xr.Dataset:
-    """Energy of a record beside that of an envelope, over time: what a chart of a fit shows.
+    """Compare the energy of a record with that of an envelope over time, for a chart of the fit.
 
     Parameters
     ----------

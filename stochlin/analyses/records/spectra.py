@@ -65,7 +65,7 @@ ESTIMATORS = {
 
 
 def fit_spectra(record: xr.DataArray, ground: Ground, *, part: Part = STRONG_PART) -> xr.Dataset:
-    """Spectrum of a record beside that of a ground: what a chart of a fit shows.
+    """Compare the spectrum of a record with that of a ground, for a chart of the fit.
 
     Parameters
     ----------

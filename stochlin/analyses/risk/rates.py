@@ -26,7 +26,7 @@ class Motions(NamedTuple):
 
     intensity: Array  # (n,)
     separation: Array  # (paths, n) [m]
-    power: float = 1.0  # of the intensity, with which linear structures go: .5 of S0
+    power: float = 1.0  # of the intensity, with which linear structures go: 0.5 of S0
 
     def crossings(self, gap: float) -> tuple[Array, Array]:
         """Between which intensities each motion makes them pound, interval by interval (paths, n + 1).

@@ -80,7 +80,7 @@ def pounding_risk(
     seed: int = 0,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """How often two buildings pound: the hazard of the site and their response, in one number.
+    """Mean annual frequency of pounding of two buildings, from the hazard of the site.
 
     The mean annual frequency ``Int P(pounding | im) |d lambda(im)|`` over the intensities ``im`` of the
     hazard; in ``t`` years they pound with the probability ``1 - exp(-rate t)``. The same motions are
@@ -172,7 +172,7 @@ def required_gap(
     seed: int = 0,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """The gap with which two buildings pound no more often than is allowed.
+    """Gap that two buildings need for an allowed risk of pounding.
 
     Parameters
     ----------
@@ -445,9 +445,9 @@ class SimulatedRisk(NamedTuple):
         if isinstance(hazard, HazardCurve) and share > WEAKEST:
             met = "it crosses" if self.asked.alone else "they pound"
             warnings.warn(
-                f"hazard: it begins at {motions.intensity[0]:.3g} {UNITS[hazard.measure]}, where "
-                f"{met} in {100 * share:.0f} % of the motions; weaker shaking, of which it does "
-                "not tell, is left out: give it from lower intensities on",
+                f"hazard: it begins at {motions.intensity[0]:.3g} {UNITS[hazard.measure]}, where {met} "
+                f"in {100 * share:.0f} % of the motions; weaker shaking, which is not in the hazard, "
+                "is left out: start the hazard at lower intensities",
                 DoubtfulInput,
                 stacklevel=4,
             )

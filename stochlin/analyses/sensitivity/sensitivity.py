@@ -50,7 +50,7 @@ def sensitivity(
     seed: int = 0,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """What matters for the gap of two buildings: which unknowns spread it, which numbers move it.
+    """Influence of each input on the gap of two buildings, and its share of the uncertainty.
 
     For every number by which structures and ground are described: the share of the variance of the
     separation that comes from not knowing it, and how the gap of `separation` changes with it. All of

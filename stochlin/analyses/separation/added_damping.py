@@ -53,11 +53,11 @@ def damping_for_gap(
     ground: Ground | None = None,
     closure: str = "gaussian",
 ) -> xr.Dataset:
-    """Least supplemental damping with which a gap is enough in a recorded motion.
+    """Least supplemental damping with which a gap is sufficient in a recorded motion.
 
-    By the energy approach, as the paper has it: the pseudo energy radii of the record with the damping
-    that is added, eq. (4) or another estimate of the correlation, and eq. (3); beside the least by
-    following the record, which needs neither.
+    It is computed by the energy approach of the paper, with the pseudo energy radii of the record and
+    the added damping, eq. (4) or another estimate of the correlation, and eq. (3); and by integration of
+    the response to the record, which needs neither.
 
     Parameters
     ----------
@@ -75,9 +75,9 @@ def damping_for_gap(
         or ``"structure 2"`` alone: ``least_added_damping`` [-] by the energy approach,
         ``least_added_damping_recorded`` [-] by following the record, and
         ``least_added_damping_difference`` [-], the first less the second. 0 where the gap is enough as
-        it is, NaN where up to .4 is not. Over ``damped`` and ``added_damping`` what both are found from:
-        ``critical_gap``, ``separation``, ``pseudo_energy_radius_1`` and ``_2`` [m] and ``rho_estimate``.
-        Several records make a dimension ``record``. ``status``.
+        it is, NaN where up to 0.4 is not. Over ``damped`` and ``added_damping`` what both are found
+        from: ``critical_gap``, ``separation``, ``pseudo_energy_radius_1`` and ``_2`` [m] and
+        ``rho_estimate``. Several records make a dimension ``record``. ``status``.
 
     Raises
     ------
@@ -88,7 +88,7 @@ def damping_for_gap(
     -----
     More damping need not mean a smaller gap: in a single record two structures may fall out of step,
     and damping that is added to one of two equal buildings parts them. The least is the first that is
-    enough, in steps of .01 (of .05 for other laws than the bilinear) that are then refined; with
+    enough, in steps of 0.01 (of 0.05 for other laws than the bilinear) that are then refined; with
     somewhat more the gap may be too small again, which the curves over ``added_damping`` show.
 
     References

@@ -52,8 +52,8 @@ class RhoEstimate(NamedTuple):
         expect(self.ground, Ground, "ground")
         if self.method != LINEARIZATION:
             raise ValueError(
-                f"ground is given, which method = {self.method!r} does not know; leave it out, or ask "
-                f"for method={LINEARIZATION!r}"
+                f"ground is given, which method = {self.method!r} does not use; leave it out, or give "
+                f"method={LINEARIZATION!r}"
             )
 
     def of(self, first: Structure, second: Structure, recorded: xr.Dataset) -> xr.DataArray:
@@ -90,7 +90,7 @@ def energy_gap(
     ground: Ground | None = None,
     closure: str = "gaussian",
 ) -> xr.Dataset:
-    """Critical gap in a recorded motion by the energy approach, beside the gap that the motion takes.
+    """Critical gap in a recorded motion by the energy approach, and the gap that the motion needs.
 
     Eq. (3) with the pseudo energy radii of both structures, eqs. (1) and (2), elastic or yielding as
     they are, and a correlation coefficient by a formula; and what `recorded_gap` finds without either.
@@ -118,8 +118,8 @@ def energy_gap(
     xarray.Dataset
         Over the dimensions of the parameters what `recorded_gap` returns, ``pseudo_energy_radius_1`` and
         ``_2`` [m] among it, and ``critical_gap`` [m], eq. (3) with them and ``rho_estimate`` [-];
-        ``critical_gap_error`` [-], by which it exceeds ``separation``, the true gap of the record, as a
-        share of that.
+        ``critical_gap_error`` [-], by which it exceeds ``separation``, the gap that the record needs, as
+        a share of that.
 
     Raises
     ------
@@ -129,9 +129,9 @@ def energy_gap(
 
     Notes
     -----
-    Elastic ``rho`` is too small for structures that yield, so that eq. (4) asks for too much; effective
-    properties and linearization err both ways. All are means over many motions: in a single record two
-    structures may meet that eq. (3) keeps apart.
+    Elastic ``rho`` is too small for structures that yield, so that eq. (4) gives too wide a gap;
+    effective properties and linearization err both ways. All are means over many motions: in a single
+    record two structures may meet although eq. (3) predicts that they do not.
 
     References
     ----------

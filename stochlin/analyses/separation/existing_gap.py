@@ -52,9 +52,9 @@ def existing_gap(
     seed: int = 0,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """What two buildings may be, or may be hit by, where the gap between them is given.
+    """Strength, shaking and added damping for which an existing gap is sufficient.
 
-    One question at a time, everything else as it is; all by simulation, on the same motions.
+    Each is searched alone, with everything else unchanged, by simulation with the same motions.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Every rule for the separation of two buildings, or the set-back of one, fed with simulated peaks."""
+"""Every rule for the separation of two buildings, or the set-back of one, with simulated peaks."""
 
 from __future__ import annotations
 
@@ -278,7 +278,7 @@ def linearized_rule(
     """
     l0, l1, l2 = (xr.DataArray(np.atleast_1d(moment), dims="height") for moment in moments())
     gaps = peak_quantile((l0, l1, l2), seconds, confidence, sides=1).values
-    missing = "" if np.isfinite(gaps).all() else "not solved, or the motion is too short to hold a peak"
+    missing = "" if np.isfinite(gaps).all() else "not solved, or the motion is too short for a peak"
     without = f", without the scatter of {scatter:g} between motions" if scatter else ""
     return Rule(
         "linearization",

@@ -54,12 +54,12 @@ from stochlin.models.uncertain import median_of
 VERDICTS = ("answer", "safe", "unsafe", "within_error", "not_available")
 ANSWER, SAFE, UNSAFE, WITHIN_ERROR, NOT_AVAILABLE = range(len(VERDICTS))
 VERDICT_ATTRS: Mapping[str, Any] = {
-    "long_name": "whether the gap keeps the confidence",
+    "long_name": "whether the gap has the confidence",
     "flag_values": np.arange(len(VERDICTS), dtype=np.int8),
     "flag_meanings": " ".join(VERDICTS),
 }
 SET_BACK = "Set-back of one building from its property line"
-EXACT = "exact laws, no model error"
+EXACT = "nonlinear simulation of the given models"
 MOTION = ("paths", "seed", "step_s", "duration_s", "envelope")
 TEXTS: Mapping[str, str] = {
     "kind": "simulation, eq. (3) with a correlation, linearization, or building code",
@@ -67,7 +67,7 @@ TEXTS: Mapping[str, str] = {
     "reference": "source of the rule",
     "mark": "how the rule was checked: S seen in a copy of its source, C derived and checked, "
     "P printed in the paper, M from memory",
-    "assumptions": "what the rule takes as given",
+    "assumptions": "assumptions of the rule",
     "missing": "why a rule has no answer",
 }
 
@@ -92,15 +92,15 @@ def separation(
     records: Any = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """How far two buildings must be apart: the answer by simulation, and every rule beside it.
+    """Gap that two buildings need, by simulation and by every rule.
 
     The answer is the gap that ``max(u_1 - u_2)`` does not exceed, with the probability ``confidence``,
-    in motions of this duration from rest; ``first`` stands on the left. The rules are fed with the
-    same buildings' simulated peaks of the same probability, so that each is judged for what it
-    makes of them, and for how many of the motions its gap would have survived.
+    in motions of this duration from rest; ``first`` stands on the left. The rules use the simulated
+    peaks of the same buildings with the same probability; the table gives the error of each rule, and
+    the share of the motions in which its gap prevents pounding.
 
-    With None for ``second`` it is the set-back of one building: how far it must be from the property
-    line on its right, so that ``max(u_1)`` of all its floors stays on its own side.
+    With None for ``second`` it is the set-back of one building: its distance from the property line on
+    its right with which ``max(u_1)`` of all its floors stays on its own side.
 
     Parameters
     ----------

@@ -33,9 +33,9 @@ from stochlin.models.systems import (
     system_of,
 )
 
-PATHS, RELAXATION_TIMES = 64, 5.0  # of the stationary simulation, which tells rho to about .01
+PATHS, RELAXATION_TIMES = 64, 5.0  # of the stationary simulation, which tells rho to about 0.01
 SLOWEST = 20.0  # relaxation time of a drift, over the duration, up to which that simulation is made
-NO_DRIFT = "the drift closure is of oscillators; storeys have none"
+NO_DRIFT = "the drift closure is only available for oscillators"
 
 
 @dataclass(frozen=True)
@@ -186,7 +186,7 @@ def stationary_motions(
     if slowest > SLOWEST * duration:
         raise ValueError(
             f"a storey yields so rarely that its drift relaxes in {slowest:.3g} s: a stationary "
-            f"simulation says nothing of {duration:g} s"
+            f"simulation does not apply to {duration:g} s"
         )
     return simulate(
         structures,

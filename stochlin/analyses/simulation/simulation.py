@@ -68,7 +68,7 @@ def simulate(
     link: Link | Sequence[Link | None] | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Response of structures on one ground, by simulation of the exact laws.
+    """Response of structures on one ground by nonlinear simulation.
 
     Stationary second moments; with a duration, the peaks of finite motions from rest. All
     structures ride on the same motions, so that every pair of them is in the result.
@@ -140,10 +140,10 @@ def simulate(
     oscillator without links that would need more than ten million steps is simulated as elastic, and its
     drift is that of the drift closure, which grows for a million periods at most: ``estimate`` flags it,
     and the standard errors hold those of the closure. Against simulations of up to fifty million steps
-    (R .72 to .77, white noise, firm ground, a lake bed) standard deviations were off by 2 % at most and
-    ``rho`` by .03, of two that are nearly alike on the lake bed by .12. Fewer ``relaxation_times`` let
-    more be simulated. Of other structures and linked ones the whole time is simulated, and refused from
-    a quarter of an hour on.
+    (R 0.72 to 0.77, white noise, firm ground, a lake bed) standard deviations were off by 2 % at most
+    and ``rho`` by 0.03, of two that are nearly alike on the lake bed by 0.12. Fewer ``relaxation_times``
+    let more be simulated. Of other structures and linked ones the whole time is simulated, and refused
+    from a quarter of an hour on.
 
     References
     ----------

@@ -61,7 +61,7 @@ def eurocode_8(ag: float, soil: str, type: int = 1, damping: float = 0.05) -> xr
     type : {1, 2}
         1 where earthquakes of a surface-wave magnitude above 5.5 count most, else 2.
     damping : float
-        Damping ratio [-] between 0 and 1: the factor ``eta = sqrt(10/(5 + 100 xi)) >= .55``.
+        Damping ratio [-] between 0 and 1: the factor ``eta = sqrt(10/(5 + 100 xi)) >= 0.55``.
 
     Returns
     -------
@@ -77,7 +77,7 @@ def eurocode_8(ag: float, soil: str, type: int = 1, damping: float = 0.05) -> xr
     Warns
     -----
     UserWarning
-        If ``ag S`` is at most .05 g, for which the code need not be applied, or more than 3 g: is
+        If ``ag S`` is at most 0.05 g, for which the code need not be applied, or more than 3 g: is
         ``ag`` in m/s^2?
 
     References
@@ -104,7 +104,7 @@ def eurocode_8(ag: float, soil: str, type: int = 1, damping: float = 0.05) -> xr
     peak = ag * s
     if peak <= 0.05 * METRES["g"]:
         _doubt(
-            f"ag = {ag:g} m/s^2 with S = {s:g} is {peak / METRES['g']:.3g} g, and up to .05 g "
+            f"ag = {ag:g} m/s^2 with S = {s:g} is {peak / METRES['g']:.3g} g, and up to 0.05 g "
             "Eurocode 8 need not be applied; is ag in m/s^2?"
         )
     eta = max(np.sqrt(10 / (5 + 100 * damping)), 0.55)
@@ -121,9 +121,9 @@ def eurocode_8(ag: float, soil: str, type: int = 1, damping: float = 0.05) -> xr
 
 
 def asce_7(sds: float, sd1: float, tl: float) -> xr.DataArray:
-    """Design response spectrum of ASCE 7, damping .05.
+    """Design response spectrum of ASCE 7, damping 0.05.
 
-    ASCE 7-16, 11.4.6: ``.4 + .6 T/T0`` below ``T0 = .2 TS``, the plateau ``SDS`` to ``TS = SD1/SDS``,
+    ASCE 7-16, 11.4.6: ``0.4 + 0.6 T/T0`` below ``T0 = 0.2 TS``, the plateau ``SDS`` to ``TS = SD1/SDS``,
     ``SD1/T`` to ``TL``, then ``SD1 TL/T^2``.
 
     Parameters
@@ -148,7 +148,7 @@ def asce_7(sds: float, sd1: float, tl: float) -> xr.DataArray:
     Warns
     -----
     UserWarning
-        If ``sds`` is below .05 g or its peak ground acceleration above 3 g: is it in m/s^2?
+        If ``sds`` is below 0.05 g or its peak ground acceleration above 3 g: is it in m/s^2?
 
     References
     ----------

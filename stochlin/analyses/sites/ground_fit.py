@@ -77,7 +77,7 @@ def fit_ground(
         (0, 1) is all of it.
     frequency_range : tuple of two floats, optional
         Of a record, lowest and highest circular frequency used [rad/s]. By default those below which the
-        part has .01 % (and one cycle at least) and 99 % of its energy. They matter little to ``"psd"``
+        part has 0.01 % (and one cycle at least) and 99 % of its energy. They matter little to ``"psd"``
         and much to the other two.
     duration : float
         Of a spectrum, the length of the motions [s]. A spectrum does not say it, and inelastic gaps
@@ -110,12 +110,12 @@ def fit_ground(
     -----
     The standard errors of a fit to a record are those of a stationary Gaussian process of the fitted
     spectrum [1]_, which a part of a record is only roughly. Short records of narrow-band ground say
-    little: in 200 simulated ones of 71 s with ``wg=3.09``, ``xig=.054`` the damping found over the true
-    one was .21 to 2.0 with ``"psd"`` (median .5) and .63 to 1.8 with ``"whittle"`` (median 1.1), in nine
-    cases of ten. A periodogram of duration d cannot tell a damping ratio below about ``2.8/(wg d)`` from
-    a sinusoid; ``source`` says so where the result is less than twice that.
+    little: in 200 simulated ones of 71 s with ``wg=3.09``, ``xig=0.054`` the damping found over the true
+    one was 0.21 to 2.0 with ``"psd"`` (median 0.5) and 0.63 to 1.8 with ``"whittle"`` (median 1.1), in
+    nine cases of ten. A periodogram of duration d cannot tell a damping ratio below about ``2.8/(wg d)``
+    from a sinusoid; ``source`` says so where the result is less than twice that.
 
-    Spectra are fitted from .05 to 4 s. A design spectrum is no spectrum of an earthquake to come: it is
+    Spectra are fitted from 0.05 to 4 s. A design spectrum is no spectrum of an earthquake to come: it is
     neither its mean nor its median, and the scatter between earthquakes is not in it.
 
     References
@@ -177,9 +177,7 @@ def fit_ground(
         check_whole("filters", filters, 1, MOST_FILTERS)
     check_whole("seed", seed, 0)
     if duration is None:
-        raise ValueError(
-            "duration is missing; a spectrum does not say how long motions last: give it in seconds"
-        )
+        raise ValueError("duration is missing; a spectrum does not contain it: give it in seconds")
     check_duration(duration)
     if envelope is not None:
         expect(envelope, Envelope, "envelope")

@@ -41,7 +41,7 @@ def scale_ground(
     seed: int = 0,
     progress: Progress | None = None,
 ) -> Any:
-    """The same ground with the intensity at which its motions are as strong as is asked.
+    """Scale a ground so that the mean of its motions has a given peak or spectral acceleration.
 
     Strong by the mean of their peak ground accelerations, or by their mean spectral acceleration at a
     period. Motions go with the square root of ``S0``, so that one simulation is enough.
@@ -102,7 +102,7 @@ def scale_ground(
     check_settings(paths, seed)
     if pga is not None and not np.isfinite(rms_acceleration(ground)):
         raise ValueError(
-            "pga: white noise has no peak, the finer the step the larger it is; allowed: sa with a "
+            "pga: white noise has no peak, since it grows with smaller time steps; allowed: sa with a "
             "period, or another ground"
         )
     motion: Any = {"duration": duration, "envelope": envelope, "paths": paths, "seed": seed}
@@ -139,7 +139,7 @@ def shaking(
 ) -> xr.Dataset:
     """How strong the motions of a ground are, in the mean: at these periods [s], and themselves.
 
-    ``spectral_acceleration_1`` [m/s^2] and so on are of the periods in their order, damping .05. What
+    ``spectral_acceleration_1`` [m/s^2] and so on are of the periods in their order, damping 0.05. What
     white noise has not is NaN.
     """
     motion: Any = {"duration": duration, "envelope": envelope, "seed": seed}

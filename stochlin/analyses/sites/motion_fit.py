@@ -82,10 +82,10 @@ def fit_motion(
     seed: int = 0,
     progress: Progress | None = None,
 ) -> FittedMotion:
-    """Ground, envelope and duration whose motions are as strong as a record.
+    """Fit ground, envelope and duration so that the motions are as strong as a record.
 
     The envelope is that of `fit_envelope`. The ground is the one whose motions under this envelope have
-    the response spectrum of the record in the mean, from .05 to 4 s, and its energy:
+    the response spectrum of the record in the mean, from 0.05 to 4 s, and its energy:
     ``sigma^2 Int m^2 dt = Int a^2 dt``, which the intensity then meets exactly. `fit_ground` with
     `fit_envelope` has not: a ground fitted to the strong part is right where the envelope is 1, and the
     motions carry half of the record's energy.
@@ -118,8 +118,8 @@ def fit_motion(
 
     Notes
     -----
-    One record tells one earthquake. Its ground and envelope make motions that are like it; how much the
-    next earthquake differs is their ``scatter``, which is not fitted to the record.
+    A record represents one earthquake. Its ground and envelope make motions that are like it; how much
+    the next earthquake differs is their ``scatter``, which is not fitted to the record.
 
     References
     ----------
@@ -160,7 +160,7 @@ def fit_motion(
 def compare_motions(
     record: xr.DataArray, motion: FittedMotion, *, paths: int = 256, seed: int = 0
 ) -> xr.Dataset:
-    """A record beside the motions that were fitted to it: energy, length, response spectrum.
+    """Compare a record with the motions fitted to it: energy, length, response spectrum.
 
     Parameters
     ----------
@@ -176,8 +176,8 @@ def compare_motions(
     Returns
     -------
     xarray.Dataset
-        What `simulated_spectrum` gives over ``period`` [s], with the record's own spectrum, damping .05,
-        as ``target`` [m/s^2], so that ``ratio`` is that of the motions over the record;
+        What `simulated_spectrum` gives over ``period`` [s], with the record's own spectrum, damping
+        0.05, as ``target`` [m/s^2], so that ``ratio`` is that of the motions over the record;
         ``energy_ratio`` [-], ``Int a^2 dt`` of the motions over the record's, and
         ``significant_duration`` [s], from 5 to 95 % of it, the mean, with standard errors;
         ``record_arias_intensity`` [m/s] and ``record_significant_duration`` [s].
@@ -201,7 +201,7 @@ def compare_motions(
     """
     values, dt = checked_record(record)
     if not isinstance(motion, FittedMotion):
-        raise TypeError(f"motion is a {type(motion).__name__}; allowed: what fit_motion gives")
+        raise TypeError(f"motion is a {type(motion).__name__}; allowed: a motion of fit_motion")
     check_settings(paths, seed)
     longest = min(LONGEST, motion.duration / CYCLES)
     periods = np.geomspace(SHORTEST, longest, POINTS)

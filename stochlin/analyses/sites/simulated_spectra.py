@@ -56,13 +56,13 @@ def simulated_spectrum(
         With scalar parameters.
     target : xarray.DataArray or sequence of float
         A spectrum, as `eurocode_8` and `read_spectrum` give it: 48 of its periods are looked at, from
-        .05 s on. Or the periods themselves [s], positive and increasing.
+        0.05 s on. Or the periods themselves [s], positive and increasing.
     duration : float
         Length of each motion [s], positive.
     envelope : AminAng, ShinozukaSato, GammaEnvelope or HsuBernard, optional
         Without it the motion is stationary; the oscillators start from rest.
     damping : float, optional
-        Damping ratio [-]; by default that of the target, or .05.
+        Damping ratio [-]; by default that of the target, or 0.05.
     paths : int
         Independent motions, from 2.
     seed : int

@@ -20,7 +20,7 @@ from stochlin.analyses.sites.spectra import USUAL_DAMPING, check_damping, check_
 from stochlin.analyses.tables.checks import as_path
 from stochlin.messages import DoubtfulInput, plain
 
-LEAST, MOST = 0.0025, 7.5  # g: of ground accelerations of .001 and 3 g, times the usual 2.5
+LEAST, MOST = 0.0025, 7.5  # g: of ground accelerations of 0.001 and 3 g, times the usual 2.5
 
 
 def read_spectrum(
@@ -63,7 +63,7 @@ def read_spectrum(
     Warns
     -----
     UserWarning
-        If its largest ordinate is below .0025 or above 7.5 g: the units are hardly meant then.
+        If its largest ordinate is below 0.0025 or above 7.5 g: the units are hardly meant then.
 
     Examples
     --------

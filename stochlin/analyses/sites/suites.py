@@ -95,7 +95,7 @@ def read_records(
     folder = path if path.is_dir() else path.parent
     for name, where, own in listed:
         if name in suite:
-            raise ValueError(f"{where} is there twice; allowed: each file once")
+            raise ValueError(f"{where} is listed twice; allowed: each file once")
         try:
             suite[name] = read_record(folder / name, **usual | own)
         except (OSError, ValueError) as error:
@@ -188,7 +188,8 @@ def scale_records(
     Warns
     -----
     UserWarning
-        If a factor is above 10 or below .1: such a record is hardly one of the earthquake that is meant.
+        If a factor is above 10 or below 0.1: such a record is hardly one of the earthquake that is
+        meant.
 
     Examples
     --------
@@ -230,7 +231,7 @@ def scale_records(
 def doubtful_factor(factor: float) -> str:
     """What is doubtful about scaling a record so; empty if nothing is."""
     plausible = 1 / LARGEST_FACTOR <= factor <= LARGEST_FACTOR
-    return "" if plausible else "between .1 and 10 a record is still one of its kind"
+    return "" if plausible else "between 0.1 and 10 a record is still one of its kind"
 
 
 def scaled_record(record: xr.DataArray, factor: float) -> xr.DataArray:

@@ -7,7 +7,7 @@ _MEANS: Variables = {
     "peak_ground_acceleration": ("m/s^2", "mean peak ground acceleration of simulated motions"),
     "spectral_acceleration": (
         "m/s^2",
-        "mean pseudo-acceleration of simulated motions at its period, damping .05",
+        "mean pseudo-acceleration of simulated motions at its period, damping 0.05",
     ),
     "rms_acceleration": ("m/s^2", "root mean square of the ground acceleration in the strong part"),
     "ground_intensity": ("m^2/s^3", "two-sided PSD S0 of the white noise"),

@@ -19,7 +19,7 @@ from stochlin.models.uncertain import median_of
 LONGEST_LABEL, LONGEST_PATH = 200, 4096
 A_LABEL = f"some words on one line, {LONGEST_LABEL} characters at most, no control characters"
 LARGEST = int(np.finfo(float).max)
-MOST_SCATTER = 2.0  # a factor from .14 to 7 is within a standard deviation
+MOST_SCATTER = 2.0  # a factor from 0.14 to 7 is within a standard deviation
 LARGEST_WHOLE = 2**63 - 1  # what files and compiled code can hold
 
 
@@ -171,5 +171,5 @@ def check_existing(gap: object, duration: object, structures: Mapping[str, AnySt
         check_duration(duration, structures)
     except ValueError as error:
         exchanged = is_number(duration) and 0 < duration < 1 <= open_gap
-        told = f"; gap = {open_gap:g} m: are the two exchanged?" if exchanged else ""
+        told = f"; gap = {open_gap:g} m: are duration and gap exchanged?" if exchanged else ""
         raise ValueError(f"{error}{told}") from error

@@ -19,16 +19,19 @@ PAPER = (
 )
 
 CAUTION_RHO = (
-    "Caution: against exact simulation, linearized ρ is off by .05 to .2 where yielding is moderate, "
-    "and by up to 1.3 for structures much stiffer than a narrow-band ground; see 'stochlin verify'."
+    "Caution: compared with nonlinear simulation, linearized ρ is off by 0.05 to 0.2 for moderate "
+    "yielding, and by up to 1.3 for structures much stiffer than a narrow-band ground; see 'stochlin "
+    "verify'."
 )
 CAUTION_DRIFT = (
-    "Against exact simulation of 500 random pairs, displacements by the drift closure are off by 1.4 % "
-    "in the mean and ρ by .03; where T < Tg/2 on a narrow-band ground (ξg < .1), by 4 % and .05."
+    "Compared with nonlinear simulation of 500 random pairs, displacements by the drift closure are "
+    "off by 1.4 % in the mean and ρ by 0.03; where T < Tg/2 on a narrow-band ground (ξg < 0.1), by 4 "
+    "% and 0.05."
 )
 CAUTION_SIGMA = (
-    "Caution: against exact simulation, linearized displacements are 20 to 46 % too small at α ≤ .05, "
-    "and up to 30 times for structures much stiffer than a narrow-band ground; see 'stochlin verify'."
+    "Caution: compared with nonlinear simulation, linearized displacements are 20 to 46 % too small "
+    "at α ≤ 0.05, and up to 30 times too small for structures much stiffer than a narrow-band ground; "
+    "see 'stochlin verify'."
 )
 
 CONVERGED, ELASTIC_LIMIT, NOT_CONVERGED, INVALID_INPUT, NOT_PHYSICAL, TOO_STRONG = range(6)
@@ -45,9 +48,10 @@ CAUTION_MEANINGS = ("within_10_percent", "off_by_more_than_10_percent", "outside
 CURES = {
     NOT_CONVERGED: "raise max_iterations; in a simulation, relaxation_times",
     INVALID_INPUT: "correct the parameters that are out of range",
-    TOO_STRONG: "elastic, it would reach more than a thousand times its yield displacement, which is "
-    "beyond this method: check the units of the strength and of the intensity",
-    NOT_PHYSICAL: "rounding has spoiled the covariance: use less extreme parameters, or another closure",
+    TOO_STRONG: "an elastic structure would reach more than a thousand times its yield displacement, "
+    "which is beyond this method: check the units of the strength and of the intensity",
+    NOT_PHYSICAL: "rounding errors dominate the covariance: use less extreme parameters, or another "
+    "closure",
 }
 
 # Unit and long name by the name of a variable. Every room has its own in ``variables.py``: a name may
@@ -57,7 +61,7 @@ ENDS = {"lower": "lower end of its 95 % interval", "upper": "upper end of its 95
 
 
 def axis(name: str, long_name: str, values: Any, units: str = "1") -> xr.DataArray:
-    """Values along a dimension of their own, told on the array and on the coordinate."""
+    """Values along a dimension of their own, described on the array and on the coordinate."""
     attrs = {"units": units, "long_name": long_name}
     return xr.DataArray(values, dims=name, coords={name: (name, values, attrs)}, attrs=attrs)
 
@@ -106,7 +110,7 @@ def with_run_information(
 
 
 def of_scatter(scatter: float) -> dict[str, float]:
-    """What the attributes say of motions that differ in strength; nothing where they do not."""
+    """The attributes of motions that scatter in strength; none where they do not."""
     return {"scatter": float(scatter)} if scatter else {}
 
 
@@ -120,7 +124,7 @@ def _status(good: Array, otherwise: int) -> Array:
 
 
 def raise_if_lone_failure(dataset: xr.Dataset, what: str) -> None:
-    """A single case that failed has no neighbours to go on for: say so."""
+    """Raise an ArithmeticError if the table is one cell and that has failed."""
     status = dataset["status"]
     if status.ndim == 0 and int(status) >= NOT_CONVERGED:
         code = int(status)

@@ -1,4 +1,4 @@
-"""TOML files, read as data; what is wrong with one is said with its line."""
+"""TOML files, read as data; errors name the line."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def read_toml(path: Path) -> tuple[str, dict[str, Any]]:
         return text, tomllib.loads(text)
     except UnicodeDecodeError as error:
         raise ValueError(
-            f"{name} is no TOML file: no text in UTF-8 ({error}); save it as such"
+            f"{name} is no TOML file: it is not text in UTF-8 ({error}); save it as such"
         ) from error
     except RecursionError as error:
         raise ValueError(f"{name} is nested too deeply; allowed: tables and their keys") from error
@@ -32,7 +32,6 @@ def read_toml(path: Path) -> tuple[str, dict[str, Any]]:
         line = int(found[1]) if found else next(endless, len(lines))
         given = lines[line - 1].strip() if 0 < line <= len(lines) else ""
         raise ValueError(
-            f"{name}, line {line}: {brief(given)} is no TOML file's text "
-            f"({plain(error)}); a value with a unit and "
-            'any other text stand in quotation marks, as period = "0.6 s"'
+            f"{name}, line {line}: {brief(given)} is no TOML file's text ({plain(error)}); a value "
+            'with a unit and any other text stand in quotation marks, such as period = "0.6 s"'
         ) from error

@@ -1,4 +1,4 @@
-"""How much a question asks of the machine: refused before the work where that is too much."""
+"""Memory and time of a calculation: refused before the work where they are too large."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ DAMPING = NOT_NEGATIVE
 RESTITUTION = Range(
     upper=1.0,
     include_upper=True,
-    reason="the share of the approach velocity that is left; for 0 use Stereomechanical",
+    reason="the share of the approach velocity that remains; for 0 use Stereomechanical",
 )
 
 Form = Callable[[Array], Array]
@@ -30,7 +30,7 @@ CONTACTS: Registry[type[Contact]] = Registry("contact", "stochlin.models.contact
 
 @dataclass(frozen=True)
 class Contact(Model):
-    """Base of what structures may meet at: elements with a force; without one, velocities jump."""
+    """Base of the contacts: elements with a force, or impacts in which velocities jump."""
 
     @property
     def e(self) -> Any:

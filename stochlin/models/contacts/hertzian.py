@@ -96,8 +96,8 @@ class HertzDamp(Damped):
     Notes
     -----
     Two published closed forms miss what they are asked for, and are known by name:
-    ``"lankarani_nikravesh_1990"``, ``a = 3 (1 - e^2)/4``, delivers .725 for .5, and ``"ye_2009"``,
-    ``a = 8 (1 - e)/(5 e)``, delivers .470.
+    ``"lankarani_nikravesh_1990"``, ``a = 3 (1 - e^2)/4``, delivers 0.725 for 0.5, and ``"ye_2009"``,
+    ``a = 8 (1 - e)/(5 e)``, delivers 0.470.
 
     References
     ----------
@@ -179,7 +179,7 @@ class Jankowski(WithRatio):
     Notes
     -----
     The published closed form, ``xi = (9 sqrt(5)/2) (1 - e^2)/(e (e (9 pi - 16) + 16))``, is known as
-    ``"jankowski_2005"``: asked for .5 it delivers .4946.
+    ``"jankowski_2005"``: asked for 0.5 it delivers 0.4946.
 
     References
     ----------

@@ -168,7 +168,7 @@ class ImpactKelvin(LinearDamped):
     Notes
     -----
     `damping_ratio` also knows the approximation ``"mahmoud_jankowski_2011"``, ``(1 - e^2)/(e (e (pi - 2)
-    + 2))``: with it an element asked for .5 delivers .5061.
+    + 2))``: with it an element asked for 0.5 delivers 0.5061.
 
     References
     ----------

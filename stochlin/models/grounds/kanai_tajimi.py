@@ -27,7 +27,7 @@ class KanaiTajimi(Ground):
     period : float or array
         Ground period ``2 pi / wg`` [s], positive.
     damping : float or array
-        Bandwidth ``xig``, a damping ratio [-], positive: .05 is a lake bed, .6 firm ground.
+        Bandwidth ``xig``, a damping ratio [-], positive: 0.05 is a lake bed, 0.6 firm ground.
     intensity : float or array
         Two-sided PSD ``S0`` of the white noise per rad/s [m^2/s^3], positive.
     source : str

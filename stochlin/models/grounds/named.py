@@ -45,7 +45,7 @@ _GROUNDS = {
 
 
 def ground_names() -> tuple[str, ...]:
-    """Names that `named_ground` knows.
+    """Names of the grounds of `named_ground`.
 
     Returns
     -------

@@ -21,16 +21,16 @@ from stochlin.views.shared.screen import COMMANDS, FILE, bad_input, on_screen, p
 @COMMANDS.register("atlas")
 @click.command()
 @click.argument("spec", type=FILE)
-@click.option("--out", type=click.Path(path_type=Path), required=True, help="The Zarr store, a folder.")
+@click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder of the Zarr store.")
 @click.option(
     "--scheduler",
-    help="Address of a dask scheduler, tcp://host:8786; its workers must see the same files. "
-    "Without it: the cores of this machine.",
+    help="Address of a dask scheduler, such as tcp://host:8786; its workers must have access to the "
+    "same files. Default: the cores of this computer.",
 )
 def atlas(spec: Path, out: Path, scheduler: str | None) -> None:
     """Write a design atlas, a table of any size, from the specification SPEC (TOML).
 
-    Stopped at any moment, the same command carries on where it was.
+    The same command continues an atlas that was interrupted at any moment.
 
     \b
     A specification:
@@ -65,9 +65,9 @@ def atlas(spec: Path, out: Path, scheduler: str | None) -> None:
 @click.option(
     "--period-1",
     metavar="NUMBERS",
-    help="Of structure 1: [s] with --ground-period, else over the ground's.",
+    help="Period of structure 1: in s with --ground-period, otherwise relative to that of the ground.",
 )
-@click.option("--period-2", metavar="NUMBERS", help="Of structure 2.")
+@click.option("--period-2", metavar="NUMBERS", help="Period of structure 2, likewise.")
 @shared_option("damping", "Damping ratio.")
 @shared_option("hardening", "Hardening ratio.")
 @shared_option("reduction-factor", "R = 3 sigma_el/uy.")
@@ -76,8 +76,8 @@ def lookup(atlas: Path, **options: Any) -> None:
 
     \b
     Examples:
-      stochlin lookup atlas.zarr --period-1 1.4s --period-2 2s --ground-period 2s --ground-damping .1 \\
-          --hardening .05 --reduction-factor 4
+      stochlin lookup atlas.zarr --period-1 1.4s --period-2 2s --ground-period 2s --ground-damping 0.1 \\
+          --hardening 0.05 --reduction-factor 4
     """
     from stochlin.analyses.atlases.atlas import open_atlas
     from stochlin.analyses.atlases.lookup import lookup as look

@@ -1,4 +1,4 @@
-"""Picture of Fig. 5b: amplification by linearization, and what is true of deviations and of maxima."""
+"""Picture of Fig. 5b: amplification by linearization, and simulated deviations and maxima."""
 
 from __future__ import annotations
 

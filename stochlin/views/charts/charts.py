@@ -59,8 +59,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     Parameters
     ----------
     dataset : xarray.Dataset
-        As the functions of ``stochlin.charts`` make them, from memory or from file. The attribute
-        ``chart`` says what kind of picture it becomes.
+        A result of the functions of ``stochlin.charts``, from memory or from file. Its attribute
+        ``chart`` gives the kind of picture.
 
     Returns
     -------
@@ -78,8 +78,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     numbers = [array for array in dataset.data_vars.values() if array.dtype.kind == "f"]
     if numbers and not any(bool(np.isfinite(array).any()) for array in numbers):
         raise ValueError(
-            "the chart holds no finite number, so that there is nothing to draw; allowed: parameters in "
-            "their ranges, which its status tells"
+            "the chart has no finite number to draw; allowed: parameters in their ranges; its status "
+            "names the cause"
         )
     figure = Figure(figsize=SIZE)
     draw_axes(figure, dataset)
@@ -108,12 +108,12 @@ def _kind(dataset: xr.Dataset) -> str:
 
 
 def _shown(dataset: xr.Dataset) -> xr.DataArray:
-    """What a chart shows: its first variable."""
+    """The quantity of a chart: its first variable."""
     return dataset[next(name for name in dataset.data_vars if name != "status")]
 
 
 def name_of(table: xr.DataArray) -> str:
-    """What an axis or a bar says of what is shown."""
+    """The label of an axis or a colour bar."""
     return NAMES.get(str(table.name), quantity(table))
 
 

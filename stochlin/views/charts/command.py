@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
-    """Where charts go and what they take as given."""
+    """The folder of the charts, and the parameters that they take as given."""
     folder = click.Path(file_okay=False, path_type=Path)
     numbers = (
         ("--damping", "0.05", "1", "Damping ratio of the structures."),
@@ -59,7 +59,7 @@ def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
             type=click.IntRange(min=2),
             default=points,
             show_default=True,
-            help="Periods along an axis.",
+            help="Number of periods along an axis.",
         ),
     )
 
@@ -75,8 +75,9 @@ def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
     "--rules",
     callback=lambda _, __, given: given if given is None else tuple(given.split(",")),
     metavar="NAMES",
-    help="Effective properties of Figs. 3b and 4, as iwan_1980,fema_440. Without it Fig. 3b has the "
-    "verified rules, Fig. 4 that of the paper, jeng_kasai_maison_1992_unverified, and iwan_1980.",
+    help="Rules for the effective properties of Figs. 3b and 4, such as iwan_1980,fema_440. Default: "
+    "for Fig. 3b the verified rules, for Fig. 4 that of the paper, "
+    "jeng_kasai_maison_1992_unverified, and iwan_1980.",
 )
 @click.option(
     "--simulated-points",
@@ -90,24 +91,24 @@ def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
 @click.option(
     "--structure-period",
     type=Measured("s"),
-    help="Period of the structure of Fig. 1, and of the first of added_damping; without it that of the "
-    "fitted ground.",
+    help="Period of the structure of Fig. 1, and of the first structure of added_damping; default: "
+    "that of the fitted ground.",
 )
 @click.option(
     "--second-period",
     type=Measured("s"),
-    help="Period of the second structure of added_damping; without it .7 of the first.",
+    help="Period of the second structure of added_damping; default: 0.7 times the first.",
 )
 @click.option("--gap", type=Measured("m"), help="Existing gap, drawn in added_damping.")
 @record_options
 def charts(
     name: str | None, out: Path, picture_format: str, record: Path | None, **options: Any
 ) -> None:
-    """Draw the design charts, all or the one called NAME, each beside its dataset (.nc).
+    """Draw all design charts, or the one called NAME, and save the dataset of each beside it (.nc).
 
     \b
-    Without a record: fig3a, fig3b; on narrow-band ground (xig .05) fig4a, fig4b, fig4c, fig5a, fig5b,
-    and the same with the ending _broad_band (xig .6); of contact elements fig6, fig7, fig8.
+    Without a record: fig3a, fig3b; on narrow-band ground (xi_g = 0.05) fig4a, fig4b, fig4c, fig5a,
+    fig5b, and the same with the ending _broad_band (xi_g = 0.6); of contact elements fig6, fig7, fig8.
     With --record: site_spectrum, fig1 (pseudo energy radius), fig1b (beside energies),
     per_spectrum, fig2 (critical gap) and added_damping (the gap over supplemental damping) of the
     record, and Figs. 4 and 5 with the ending _site, on the fitted ground.
@@ -116,10 +117,11 @@ def charts(
     Examples:
       stochlin charts
       stochlin charts fig3b --rules jeng_kasai_maison_1992_unverified,iwan_1980
-      stochlin charts fig5a --damping .02 --hardening .1 --format pdf --out out
-      stochlin charts --record taft.txt --dt .01s --units g
-      stochlin charts fig1b --record taft.txt --dt .01s --units g --structure-period 1s
-      stochlin charts added_damping --record taft.txt --dt .01s --units g --structure-period 1s --gap 4cm
+      stochlin charts fig5a --damping 0.02 --hardening 0.1 --format pdf --out out
+      stochlin charts --record taft.txt --dt 0.01s --units g
+      stochlin charts fig1b --record taft.txt --dt 0.01s --units g --structure-period 1s
+      stochlin charts added_damping --record taft.txt --dt 0.01s --units g --structure-period 1s \\
+          --gap 4cm
     """
     from stochlin.analyses.charts.charts import chart_functions
 
@@ -145,7 +147,7 @@ def charts(
 @chart_options(points=31, reduction_factors="2,4,6")
 @simulation_options
 def verify(name: str, out: Path, picture_format: str, **options: Any) -> None:
-    """Draw the chart NAME linearized, simulated, and their difference (fig5a if not given).
+    """Draw the chart NAME linearized, simulated, and their difference (default: fig5a).
 
     \b
     Examples:
@@ -172,7 +174,7 @@ def chart_settings(options: dict[str, Any]) -> ChartSettings:
 
 
 def _chart_files(stem: Path, picture_format: str, record: Path | None = None) -> tuple[Path, Path]:
-    """Where the dataset of a chart and its picture go, once both can be written."""
+    """The paths of the dataset of a chart and of its picture, if both can be written."""
     data, picture = (stem.with_name(f"{stem.name}.{ending}") for ending in ("nc", picture_format))
     there = next(folder for folder in (stem.parent, *stem.parent.parents) if folder.exists())
     for path in (data, picture):  # in a folder that is yet to be made nothing can be in the way
@@ -182,7 +184,7 @@ def _chart_files(stem: Path, picture_format: str, record: Path | None = None) ->
 
 
 def _write_chart(dataset: xr.Dataset, data: Path, picture: Path) -> None:
-    """The dataset, and the picture drawn from it beside it."""
+    """Write the dataset, and the picture drawn from it beside it."""
     from stochlin.analyses.tables.storage import save_table
     from stochlin.views.charts.charts import draw
     from stochlin.views.shared.style import save

@@ -94,7 +94,7 @@ def draw_per_spectrum(figure: Figure, dataset: xr.Dataset) -> None:
 
 @PICTURES.register("critical_gap")
 def draw_critical_gap(figure: Figure, dataset: xr.Dataset) -> None:
-    """Fig. 2: the gap that the record takes, and eqs. (3) and (4), over the periods."""
+    """Fig. 2: the gap that the record needs, and eqs. (3) and (4), over the periods."""
     from matplotlib.colors import BoundaryNorm
 
     panels = (("separation", "largest u1 - u2"), ("critical_gap", "eqs. (3) and (4)"))
@@ -156,7 +156,7 @@ def draw_added_damping(figure: Figure, dataset: xr.Dataset) -> None:
 def _first_crossings(
     x: np.ndarray, y: np.ndarray, gap: np.ndarray, levels: list[float]
 ) -> list[tuple[float, float]]:
-    """Where labels stand: on the lines that leave the left side, away from the crowded diagonal."""
+    """Positions of labels: on the lines that leave the left side, away from the crowded diagonal."""
     column = min(len(x) // 12, len(x) - 1)
     above = [gap[:, column] > level for level in levels[1:]]
     return [(x[column], y[int(np.argmax(over))]) for over in above if over.any() and not over[0]]

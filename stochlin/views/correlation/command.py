@@ -28,7 +28,7 @@ from stochlin.views.shared.screen import COMMANDS, FILE, bad_input, check_target
 @shared_option("period", "Period [s].", units="s")
 @shared_option("damping", "Damping ratio.", "0.05")
 @shared_option("hardening", "Hardening ratio.")
-@shared_option("reduction-factor", "R = 3 sigma_el/uy; without a strength: elastic.")
+@shared_option("reduction-factor", "R = 3 sigma_el/uy; elastic if no strength is given.")
 @shared_option("yield-displacement", "uy [m], instead of R.", units="m")
 @law_options
 @click.option(
@@ -42,26 +42,26 @@ from stochlin.views.shared.screen import COMMANDS, FILE, bad_input, check_target
     type=Names("stochlin.models.rules.effective_properties", "EFFECTIVE_RULES"),
     default="iwan_1980",
     show_default=True,
-    help="Effective properties, where the method is effective.",
+    help="Rule for the effective properties, with --method effective.",
 )
 @simulation_options
 @closure_option
-@click.option("--out", type=FILE, help="Save the table, .nc or .csv.")
+@click.option("--out", type=FILE, help="Save the table as .nc or .csv.")
 @record_options
 def rho(record: Path | None, out: Path | None, **options: Any) -> None:
-    """Correlation coefficient of a pair of structures, or a table over any parameters.
+    """Compute the correlation coefficient of a pair of structures, or a table over any parameters.
 
     A number is a value (0.5s), a list (0.5s,1s,2s) or a sweep start:stop:count, with :log for a
-    geometric one (0.2s:4s:81:log). Each has its unit, as in case files: 3cm, 700ms, 0.01m^2/s^3;
-    ratios have none. Options without a number in the name hold for both structures.
+    geometric one (0.2s:4s:81:log). Each has its unit, as in case files: 3cm, 700ms, 0.01m^2/s^3; ratios
+    have none. Options without a number in the name apply to both structures.
 
     \b
     Examples:
-      stochlin rho --period-1 .7s --period-2 1s
-      stochlin rho --period-1 .2s:2s:19 --period-2 1s --hardening .05 --reduction-factor 2,4,6 \\
-          --ground kanai-tajimi --ground-period 2s --ground-damping .05 --out table.nc
-      stochlin rho --period 1s --period-2 1.2s --record taft.txt --dt .01s --units g
-      stochlin rho --period .7s --period-2 1s --hardening .05 --reduction-factor 4 \\
+      stochlin rho --period-1 0.7s --period-2 1s
+      stochlin rho --period-1 0.2s:2s:19 --period-2 1s --hardening 0.05 --reduction-factor 2,4,6 \\
+          --ground kanai-tajimi --ground-period 2s --ground-damping 0.05 --out table.nc
+      stochlin rho --period 1s --period-2 1.2s --record taft.txt --dt 0.01s --units g
+      stochlin rho --period 0.7s --period-2 1s --hardening 0.05 --reduction-factor 4 \\
           --law bouc_wen --exponent 2
     """
     from stochlin.analyses.correlation.correlation import correlate
@@ -73,7 +73,7 @@ def rho(record: Path | None, out: Path | None, **options: Any) -> None:
         strengths = [options[f"yield_displacement{number}"] for number in ("", "_1", "_2")]
         if record is None and options["intensity"] is None and any(strengths):
             raise click.UsageError(
-                "--yield-displacement needs the strength of the shaking beside it: give --intensity, or "
+                "--yield-displacement needs the strength of the shaking: give --intensity as well, or "
                 "--reduction-factor in its place"
             )
         ground = shared.site(record, options)[1] if record else shared.ground(options)

@@ -11,7 +11,7 @@ from stochlin.views.shared.screen import COMMANDS, FILE, bad_input
 
 @COMMANDS.register("explore")
 @click.command()
-@click.option("--case", type=FILE, help="Start from a case file, as 'stochlin gap --example' prints.")
+@click.option("--case", type=FILE, help="Start from a case file like that of 'stochlin gap --example'.")
 @click.option(
     "--port", type=click.IntRange(1, 65535), default=8640, show_default=True, help="Port to listen on."
 )
@@ -19,14 +19,17 @@ from stochlin.views.shared.screen import COMMANDS, FILE, bad_input
     "--host",
     default="127.0.0.1",
     show_default=True,
-    help="Address to listen on; with another than this machine's own, others can open the page too.",
+    help="Address to listen on. With another address than that of this computer, others on the "
+    "network can open the page.",
 )
-@click.option("--open/--no-open", "show", default=True, show_default=True, help="Open it in a browser.")
+@click.option(
+    "--open/--no-open", "show", default=True, show_default=True, help="Open the page in a browser."
+)
 def explore(case: Path | None, port: int, host: str, show: bool) -> None:
-    """Explore a pair of buildings on a page in the browser: sliders, and charts that follow them.
+    """Explore a pair of buildings interactively, in a local browser page.
 
-    The page comes from this machine and needs no network. It saves case files for 'stochlin gap' and
-    what it shows as a dataset.
+    The page is served by this computer and needs no network. It saves case files for 'stochlin gap', and
+    its results as a dataset.
 
     \b
     Examples:

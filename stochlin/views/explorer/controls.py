@@ -19,7 +19,7 @@ SCALES = {"cm": 100.0, "g": 1 / G}  # of a unit that is shown, for one in SI
 
 
 class Control(NamedTuple):
-    """A number: its name in the scene, its label, and where its slider goes; entries may go beyond."""
+    """A number: its name in the scene, its label, and the range of its slider; entries may go beyond."""
 
     name: str
     label: str
@@ -54,7 +54,7 @@ class Control(NamedTuple):
 
     @property
     def range(self) -> str:
-        """What may be entered, in words."""
+        """The allowed entries, in words."""
         if self.name in WHOLE:
             return "a whole number from {} to {}".format(*WHOLE[self.name])
         allowed = ALLOWED[self.name].metadata["allowed"]
@@ -65,14 +65,14 @@ class Control(NamedTuple):
 
 
 class Choice(NamedTuple):
-    """A text of a list; yes or no, if there is none."""
+    """A text of a list, or yes and no if there is no list."""
 
     name: str
     label: str
     options: Sequence[str] = ()
 
     def offered(self, scene: Scene) -> Sequence[str]:
-        """What can be chosen: the storeys and the filters of a file where one gives some."""
+        """The texts to choose from, with the storeys and the filters of a file if it gives some."""
         if self.options is SITES:
             return scene.sites()
         if self.options is not DESCRIPTIONS:
@@ -195,7 +195,7 @@ NUMBERS: Mapping[str, Control] = {
 
 
 def counts(name: str, values: Mapping[str, Any]) -> bool:
-    """Whether a control has a say with these values: the others are hidden."""
+    """Whether a control has an effect with these values: the others are hidden."""
     if name in OF_CODES:
         return values["site"] == OF_CODES[name]
     if name == "measure" or name in OF_MEASURES:

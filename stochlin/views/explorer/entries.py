@@ -31,7 +31,7 @@ class Slider(ui.element, component="slider.js"):
 
 
 class NumberEntry:
-    """A slider and a text of one number; what cannot be read is told below them."""
+    """A slider and a text of one number; errors are shown below them."""
 
     def __init__(self, control: Control, group: str, scene: Scene, changed: Changed) -> None:
         self._control, self._changed = control, changed

@@ -1,4 +1,4 @@
-"""The explorer's page: controls beside charts, each chart answered as fast as it can be."""
+"""The explorer's page: controls beside charts, each of which is updated as fast as possible."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ PANELS = {
     SPECTRA: ("Spectra", "Power spectral densities of ground and displacements over period"),
     CORRELATION: ("Correlation", "Correlation coefficient over the ratio of the periods"),
     GAPS: ("Required gap by rule", "Required gap by rule, beside the existing gap"),
-    PROBABILITY: ("No pounding so far", "Probability of no pounding over time"),
+    PROBABILITY: ("No pounding up to each time", "Probability of no pounding over time"),
 }
 FOLD = "if (innerWidth < 720) document.querySelectorAll('details').forEach(d => d.open = false)"
 KEPT = "The charts keep the last values."
@@ -94,7 +94,7 @@ class Page:
         with ui.element("header").classes("head"):
             with ui.element("h1"):
                 ui.label(self._scene.title)
-            ui.label("How far must two buildings stand apart? Left and right, on one ground.")
+            ui.label("How far must two buildings on the same ground stand apart?")
         with ui.element("main").classes("sheet"):
             with ui.element("form").classes("controls").props('onsubmit="return false"'):
                 for group in GROUPS:
@@ -133,7 +133,7 @@ class Page:
         self._running(False)
 
     def _change(self, name: str, value: Any, wrong: str) -> None:
-        """Take another value of a control; where there is one, the charts keep the last ones."""
+        """Take another value of a control; if it is not valid, the charts keep the last values."""
         self._wrong.pop(name, None)
         if wrong:
             self._wrong[name] = wrong
@@ -170,7 +170,7 @@ class Page:
         await self._slow_round()
 
     async def _seek(self) -> bool:
-        """Whether the ground of the present values is known, after a fit or a simulation if need be."""
+        """Whether the ground of the present values is known, after a fit or a simulation if needed."""
         if self._seeking:
             return False
         self._seeking = True
@@ -225,7 +225,7 @@ class Page:
         self._slow = False
 
     async def _run_records(self, scene: Scene) -> None:
-        """Show what the records of the file would need, beside the gaps that are shown already."""
+        """Show the gaps that the records of the file need, beside those already shown."""
         if scene.records is None:
             return
         self._patience = self._patient.ask(RECORDS, scene)
@@ -234,14 +234,14 @@ class Page:
         except (Stopped, asyncio.CancelledError):
             return
         except Exception as error:
-            self._told.text = f"The records were not run: {_why(error, RECORDS, scene)}"
+            self._told.text = f"The records were not evaluated: {_why(error, RECORDS, scene)}"
             return
         shown = self._panels[GAPS].table
         if shown is not None and scene is self._wanted and not self._closed:
             self._draw(GAPS, shown, scene)
 
     async def _answer(self, key: str, scene: Scene, answer: asyncio.Future[xr.Dataset]) -> None:
-        """Draw an answer, or say why there is none; nothing that goes wrong ends a round."""
+        """Draw an answer, or say why there is none; no error ends a round."""
         try:
             table = await answer
             if not self._closed:
@@ -254,7 +254,7 @@ class Page:
             self._panels[key].fail(_why(error, key, scene))
 
     def _draw(self, key: str, table: xr.Dataset, scene: Scene) -> None:
-        """Draw a formula's table, with what was simulated of the present values."""
+        """Draw a formula's table, with the simulation of the present values if there is one."""
         simulated = self._simulated.get(key) if scene is self._scene else None
         shown = table if simulated is None else simulated
         panel = self._panels[key]
@@ -334,7 +334,7 @@ class Page:
             self._told.text = words.SAVED_LAST
         missing = [PANELS[key][0] for key in self._panels if key not in tables]
         if missing:
-            self._told.text = f"Saved without what is not computed yet: {', '.join(missing)}."
+            self._told.text = f"Saved without results that are not computed yet: {', '.join(missing)}."
         data = as_netcdf(merge_tables(self._scene, tables))
         ui.download.content(data, "explored.nc", "application/x-netcdf")
 

@@ -1,4 +1,4 @@
-"""A chart of the explorer with its words: what it shows, while it waits, and where it cannot."""
+"""A chart of the explorer with its words, also while it waits and where there is no chart."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ if TYPE_CHECKING:
 
     from stochlin.views.explorer.pictures import Figure
 
-COMPUTING = "Being computed ..."
+COMPUTING = "Computing ..."
 
 
 class Panel:
-    """A chart with its words; it keeps what it last showed while it waits."""
+    """A chart with its words; while it waits it keeps the last values."""
 
     def __init__(self, title: str, what: str, key: str) -> None:
         self.table: xr.Dataset | None = None  # None while it shows nothing of the present values
@@ -28,7 +28,7 @@ class Panel:
             self._words = ui.label().classes("about")
 
     def wait(self, why: str = COMPUTING) -> None:
-        """Say why the chart is behind the controls; the last one stays, pale."""
+        """Say why the chart is behind the controls; the last chart stays, pale."""
         self.table = None
         self._state.text = why
         self._chart.classes("stale")

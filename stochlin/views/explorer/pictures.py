@@ -85,11 +85,11 @@ def correlation_figure(table: xr.Dataset, simulated: xr.Dataset | None = None) -
 
 
 def gaps_figure(table: xr.Dataset, recorded: xr.Dataset | None = None) -> Figure:
-    """The gap by every rule that has one, and the gap there is; errors where simulation tells them.
+    """The gap by every rule that has one, and the existing gap; with errors where it is simulated.
 
-    Beside them, if there are some, what each record would have taken.
+    Beside them, if there are some, the gaps that the records need.
 
-    Of buildings with storeys below it the gap over the height, by the simulation or by linearization.
+    For buildings with storeys, below it the gap over the height, by simulation or by linearization.
     """
     known = table.isel(rule=np.flatnonzero(table.gap.notnull().values)[::-1])
     names = [rule_label(str(rule)) for rule in known.rule.values]
@@ -154,14 +154,14 @@ def told_by_height(table: xr.Dataset) -> str:
 
 
 def _over_height(row: xr.Dataset) -> Figure:
-    """The gap that would do at each height, by one rule."""
+    """The gap that is sufficient at each height, by one rule."""
     name = f"{rule_label(str(row.rule.values))}, by height"
     curve = _curve(100 * row.gap_at_height.values, row.height.values, 1, name)
     return curve | {"yaxis": "y2", "hovertemplate": "%{y:.1f} m: %{x:.1f} cm<extra></extra>"}
 
 
 def probability_figure(table: xr.Dataset) -> Figure:
-    """Probability of no pounding so far, over time; simulation as a band."""
+    """Probability of no pounding up to each time; simulation as a band."""
     stem, time = "confidence_of_no_pounding", table.time.values
     curves = []
     if f"{stem}_simulated" in table:

@@ -1,4 +1,4 @@
-"""The explorer's server: one page, for this machine alone unless told otherwise."""
+"""The explorer's server: one page, for this computer alone by default."""
 
 from __future__ import annotations
 
@@ -81,8 +81,8 @@ def check_address(host: str, port: int) -> None:
             probe.bind(address)
     except OSError as error:
         raise OSError(
-            f"--host {host} --port {port} cannot be listened on ({error.strerror or error}); another "
-            "program may use the port: give another --port, or end that program"
+            f"--host {host} --port {port} cannot be used ({error.strerror or error}); another program "
+            "may use the port: give another --port, or end that program"
         ) from error
 
 
@@ -101,7 +101,7 @@ def serve(scene: Scene, notes: list[str], host: str, port: int, show: bool) -> N
         shown = f"[{host}]" if ":" in host else host
         click.echo(f"The explorer is at http://{shown}:{port} (Ctrl+C ends it)")
         if LOCAL not in (names_of(host) or ()):
-            click.echo("Whoever reaches this machine over the network can open it.")
+            click.echo("Everyone who can reach this computer over the network can open it.")
 
     def end() -> None:
         for worker in (patient, simulator):

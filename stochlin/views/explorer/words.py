@@ -1,4 +1,4 @@
-"""What the explorer says beside its charts."""
+"""The words beside the charts of the explorer."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ UNKNOWN = 2  # of the flag ``caution``: outside of the map
 CORRELATION = (
     "Building 1 stays; the period of building 2 changes. The line marks the ratio of the controls."
 )
-DRIFT = "The drift closure is an estimate too, where buildings yield."
+DRIFT = "For buildings that yield, the drift closure is an estimate as well."
 STOREYS = (
     "Building 1 stays; the period of building 2 changes, all its stiffnesses in one proportion. The "
-    "line marks the ratio of the controls; only there is anything simulated. Eq. (4) is of the first "
+    "line marks the ratio of the controls, the only one that is simulated. Eq. (4) uses the first "
     "modes."
 )
 UNSAFE = "Caution: linearization alone is unsafe for buildings that yield."
 ELASTIC = "Both buildings stay elastic: linearization is exact here."
-SEEKING = "The ground of these values is being sought, by simulation ..."
-SAVED_LAST = "Saved with the last values that could be read."
-START = "No simulation of these values yet: the button asks the exact laws."
+SEEKING = "Finding the ground for these values by simulation ..."
+SAVED_LAST = "Saved with the last valid values."
+START = "These values are not simulated yet: press Simulate to run the nonlinear simulation."
 
 
 def caution(table: xr.Dataset) -> tuple[str, str]:
-    """Whether linearization can be trusted at the scene's own ratio, in words; and why."""
+    """The error of linearization at the scene's own ratio, in words, and its reason."""
     if "comment" not in table.attrs:
         return ELASTIC, ""
     own = table.sel(period_ratio=table.attrs["period_ratio"], method="nearest")
@@ -46,27 +46,29 @@ def caution(table: xr.Dataset) -> tuple[str, str]:
     if known:
         words += f" Here its displacements are {' and '.join(known)}"
         words += (
-            f", its ρ off by {rho:+.2f}." if np.isfinite(rho) else ", its ρ off by an unknown amount."
+            f", and its ρ is off by {rho:+.2f}."
+            if np.isfinite(rho)
+            else ", and the error of its ρ is unknown."
         )
     elif int(own.caution) == UNKNOWN:
-        words += " How far it is off here is unknown: the map of its bias does not reach this ground."
+        words += " Its error is not known here: the map of its bias does not cover this ground."
     return words, table.attrs["comment"].replace("Caution: a", "A")
 
 
 def caution_of_storeys(scene: Scene) -> tuple[str, str]:
-    """The same where storeys are linearized, of which there is no map."""
+    """The same where storeys are linearized, for which there is no map."""
     if not any(structure.yields for structure in scene.structures()):
         return ELASTIC, ""
     return (
-        f"{UNSAFE} How far it is off here is unknown: there is no map of its bias for storeys.",
-        "Where it was compared, drifts of storeys that yield were 7 to 39 % too small, and the "
-        "difference of two buildings 28 %. Simulations have no such error: the probability of no "
-        "pounding comes from one of few motions, all else at the button.",
+        f"{UNSAFE} Its error is not known here: there is no map of its bias for storeys.",
+        "In comparisons, drifts of yielding storeys were 7 to 39 % too small, and the difference of "
+        "two buildings 28 %. Simulation has no such error: the probability of no pounding comes from "
+        "a simulation of few motions; press Simulate for all other results.",
     )
 
 
 def spectra(table: xr.Dataset) -> str:
-    """Where the displacements are, if that is a question."""
+    """The height of the displacements, for buildings with storeys."""
     return f"Displacements {_where(table)}." if "height_m" in table.attrs else ""
 
 
@@ -74,7 +76,7 @@ def correlation(table: xr.Dataset) -> str:
     """What stays and what changes over the ratio."""
     if "rho_drift" in table:
         return f"{CORRELATION} {DRIFT}"
-    return f"{STOREYS} All else is {_where(table)}."
+    return f"{STOREYS} All other results are {_where(table)}."
 
 
 def _where(table: xr.Dataset) -> str:
@@ -82,7 +84,7 @@ def _where(table: xr.Dataset) -> str:
 
 
 def gaps(table: xr.Dataset) -> str:
-    """The answer, if it was simulated, or what the rules are fed with; and what rules lack."""
+    """The simulated answer, or the peaks that the rules use; and the rules that are not shown."""
     there = length(table.attrs["gap_m"])
     confidence = per_cent(table.attrs["confidence"])
     if table.attrs["peaks"] == "simulated":
@@ -90,36 +92,39 @@ def gaps(table: xr.Dataset) -> str:
         low, high = (float(answer[f"gap_{end}"]) for end in ("lower", "upper"))
         words = (
             f"Simulated: {length(float(answer.gap))} ({centimetres(low)} to {length(high)}) for "
-            f"{confidence}; there are {there}. The rules are fed with simulated peaks. Open: unsafe. "
-            "The number beside a rule is its error."
+            f"{confidence}; the existing gap is {there}. The rules use the simulated peaks. Open "
+            "markers are unsafe. The number beside a rule is its error."
         )
     elif table.attrs["peaks"] == "linearized":
         alone = float(table.gap.sel(rule="linearization"))
         words = (
-            f"Linearization: {length(alone)} for {confidence}; there are {there}. Nothing is simulated: "
-            "the peaks are those of linearization for all rules, too small where storeys yield."
+            f"Linearization: {length(alone)} for {confidence}; the existing gap is {there}. Nothing is "
+            "simulated: all rules use the peaks of linearization, which are too small where storeys "
+            "yield."
         )
     else:
         drift = float(table.gap.sel(rule="eq_3_drift"))
         words = (
-            f"Eq. (3) with the drift closure: {length(drift)} for {confidence}; there are {there}. "
-            "Nothing is simulated: peaks are those of the drift closure, but for eq. (3) linearized and "
-            "for linearization, which are linearized alone."
+            f"Eq. (3) with the drift closure: {length(drift)} for {confidence}; the existing gap is "
+            f"{there}. Nothing is simulated: the rules use the peaks of the drift closure, except eq. "
+            "(3) linearized and linearization, which use those of the Gaussian closure."
         )
     if rule := told_by_height(table):
         height = float(table.governing_height.sel(rule=rule))
-        words += f" It is needed at {height:.4g}{SPACE}m; below, the gap by height would do."
+        words += (
+            f" It is needed at {height:.4g}{SPACE}m; at lower heights the gap by height is sufficient."
+        )
     lacking = table[["missing"]].where(table.missing != "", drop=True)
     missing = [
         f"{rule_label(str(r))}{'' if m.startswith('needs') else ':'} "
         f"{m.replace('height_1, height_2', 'heights')}"
         for r, m in zip(lacking.rule.values, lacking.missing.values, strict=True)
     ]
-    return words + (f" Not shown: {'; '.join(missing)} (a case file may say)." if missing else "")
+    return words + (f" Not shown: {'; '.join(missing)} (a case file can give these)." if missing else "")
 
 
 def records(table: xr.Dataset | None) -> str:
-    """In how many records the gap there is would have been enough."""
+    """The number of records for which the existing gap would have been enough."""
     if table is None or not table.separation.notnull().any():
         return ""
     gaps = table.separation.values
@@ -127,12 +132,12 @@ def records(table: xr.Dataset | None) -> str:
     enough = int((gaps <= table.attrs["gap_m"]).sum())
     return (
         f"Records: the existing gap would have been enough in {enough} of {gaps.size}; {most} would "
-        f"have taken {length(float(np.nanmax(gaps)))}."
+        f"have needed {length(float(np.nanmax(gaps)))}."
     )
 
 
 def probability(table: xr.Dataset) -> str:
-    """The probability at the end of the motion, by every way to it."""
+    """The probability at the end of the motion, by every method."""
     last, stem = table.isel(time=-1), "confidence_of_no_pounding"
     corrected = float(last[f"{stem}_corrected"])
     known = np.isfinite(corrected)
@@ -146,5 +151,5 @@ def probability(table: xr.Dataset) -> str:
         parts.append(f"{share} simulated ({per_cent(low)} to {per_cent(high)})")
     words = f"No pounding to the end of the motion: {', '.join(parts)}."
     if "comment" in table.attrs:
-        words += " The formula is linearized: too sure where buildings yield."
+        words += " The formula is linearized and therefore in error where buildings yield."
     return words

@@ -1,4 +1,4 @@
-"""Processes beside the page for what takes longer than a slider may wait."""
+"""Processes beside the page for calculations that take too long for a slider."""
 
 from __future__ import annotations
 

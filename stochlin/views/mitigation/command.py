@@ -1,4 +1,4 @@
-"""The command ``stochlin mitigate``: a case file in, measures against pounding compared and drawn."""
+"""The command ``stochlin mitigate``: measures against pounding of a case file, compared and drawn."""
 
 from __future__ import annotations
 
@@ -21,13 +21,18 @@ from stochlin.views.shared.screen import (
 @COMMANDS.register("mitigate")
 @click.command()
 @click.argument("case", type=FILE)
-@click.option("--out", type=FILE, help="Save the table, .nc or .csv.")
-@click.option("--picture", type=FILE, help="Draw it, .png, .svg or .pdf; the data is saved beside it.")
+@click.option("--out", type=FILE, help="Save the table as .nc or .csv.")
+@click.option(
+    "--picture",
+    type=FILE,
+    help="Draw the measures as .png, .svg or .pdf, and save the data beside the picture.",
+)
 def mitigate(case: Path, out: Path | None, picture: Path | None) -> None:
-    """What links, bumpers and added damping do against pounding, and the least that would do.
+    """Compare links, bumpers and added damping against pounding, and find the least that is sufficient.
 
-    CASE is a file as 'stochlin gap --example' prints one, of two buildings, with the gap there is and
-    the measures to compare. With records, a contact and masses, pounding in the records is shown too.
+    CASE is a file like that of 'stochlin gap --example', with two buildings, the existing gap and the
+    measures to compare. With records, a contact and masses, the command also shows the pounding in the
+    records.
 
     \b
     Examples:

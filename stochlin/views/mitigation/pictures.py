@@ -1,4 +1,4 @@
-"""A picture of measures against pounding: the gap each needs, and what it does on records."""
+"""A picture of measures against pounding: the gap that each needs, and its effect in records."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ MARKERS = ("o", "s", "^", "D", "v", "P")
 def draw_measures(dataset: xr.Dataset) -> Figure:
     """Draw the table of `stochlin.mitigate`, from memory or from file.
 
-    A line a measure: the gap that keeps the confidence with its interval, against the gap there is;
-    where there are records, beside it the amplification of both buildings.
+    One line for each measure: the gap for the confidence with its interval, compared with the existing
+    gap; with records, also the amplification of both buildings.
     """
     if "required_gap" not in dataset or "measure" not in dataset.dims:
         raise ValueError(
-            f"dataset has the dimensions {tuple(dataset.dims)}; allowed: what mitigate returns"
+            f"dataset has the dimensions {tuple(dataset.dims)}; allowed: a dataset that mitigate returns"
         )
     from matplotlib.figure import Figure
 

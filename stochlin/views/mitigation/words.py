@@ -30,23 +30,26 @@ if TYPE_CHECKING:
 
 WIDE = 34  # characters of a name
 NOTES = (
-    "Added damping: in per cent of critical, to building 1 and 2; then stiffness and damping constant "
-    "of the link{more}. Needed: the gap that keeps the confidence, and its 95 % interval{bumpers}. "
-    "Apart: share of the simulated motions in which the gap there is keeps them apart. Linearized: "
+    "Damping: added damping of buildings 1 and 2 in per cent of critical; then stiffness and damping "
+    "constant of the link{more}. Needed: the gap for the confidence, and its 95 % interval{bumpers}. "
+    "Apart: share of the simulated motions in which the existing gap prevents pounding. Linearized: "
     "standard deviation of the relative displacement by linearization, which is too small where "
-    "buildings yield. All measures ride on the same motions."
+    "buildings yield. All measures are simulated with the same motions."
 )
 # What is said of columns that are there only where some measure has them.
-OF_STRENGTH = "; stiffness and yield force over those as built"
-OF_DEVICES = "; the number of dampers in them"
-OF_BUMPERS = ", both with the thickness of bumpers: where those touch, the buildings touch"
+OF_STRENGTH = "; stiffness and yield force relative to the buildings as built"
+OF_DEVICES = "; the number of dampers in each"
+OF_BUMPERS = (
+    ", both including the thickness of bumpers: contact of the bumpers counts as contact of "
+    "the buildings"
+)
 NO_DASHPOT = (
-    "least dashpot between: not looked for; it needs masses, and a floor of each building at one level."
+    "least dashpot between: not searched; it needs masses, and floors of both buildings at one level."
 )
 TIMES = (
-    "Times: largest displacement over that as built and standing alone, of building 1 and 2. Pressed: "
-    "the deepest compression of what they meet at; bumpers have to be thicker. Link: the largest force "
-    "of links and dampers. What bumpers do shows here alone."
+    "Times: largest displacement of buildings 1 and 2, relative to the building as built and alone. "
+    "Pressed: the deepest compression of the contact; bumpers have to be thicker. Link: the largest "
+    "force of links and dampers. The effect of bumpers is visible only in these columns."
 )
 
 
@@ -66,7 +69,10 @@ def answer_lines(table: xr.Dataset, case: Case) -> list[str]:
     lines += [*columns(*_motions(table)), ""]
     if "quantile" in table.dims:
         count = table.sizes["record"]
-        lines += [f"In {count} records, half of them and {_levels(table)[-1]} of them at most:"]
+        lines += [
+            f"In {count} records; the values are not exceeded in half of them and in "
+            f"{_levels(table)[-1]} of them:"
+        ]
         lines += [*columns(*_over_records(table)), ""]
     for record in table.record.values if {"record", "quantile"} & {*table.dims} == {"record"} else ():
         lines += [f"In {record}:", *columns(*_recorded(table.sel(record=record))), ""]
@@ -81,7 +87,7 @@ def answer_lines(table: xr.Dataset, case: Case) -> list[str]:
 
 
 def crushed(one: xr.Dataset) -> str:
-    """That the bumpers of a measure are compressed by more than they are thick; empty if not."""
+    """A warning where bumpers are compressed by more than their thickness; empty otherwise."""
     thickness = float(one.bumper_thickness)
     if "record" not in one.dims or not thickness > 0:
         return ""
@@ -96,7 +102,7 @@ def crushed(one: xr.Dataset) -> str:
 
 
 def _notes(table: xr.Dataset) -> str:
-    """What the columns are."""
+    """The meaning of the columns."""
     more = OF_STRENGTH if _changes(table, "stiffening") or _changes(table, "strengthening") else ""
     more += OF_DEVICES if _changes(table, "devices") else ""
     return NOTES.format(
@@ -111,21 +117,21 @@ def _changes(table: xr.Dataset, name: str) -> bool:
 
 
 def headline(table: xr.Dataset) -> str:
-    """What the gap does as built, and which measures make it enough."""
+    """Whether the gap is enough as built, and which measures make it enough."""
     built = table.isel(measure=0)
     kept, wanted = float(built.no_pounding_probability), float(table.attrs["confidence"])
     gap = length(float(table.attrs["gap_m"]))
     told = (
-        f"As built, the {gap} there are keep the buildings apart in {per_cent(kept, 1)} of the motions; "
-        f"wanted are {100 * wanted:.4g}{SPACE}%."
+        f"As built, the existing gap of {gap} prevents pounding in {per_cent(kept, 1)} of the motions; "
+        f"the required share is {100 * wanted:.4g}{SPACE}%."
     )
     if not (table.kind == "least").any():
-        told += " That is enough: nothing more is looked for."
+        told += " That is enough, so no further measure is searched."
     given = table.where(table.kind == "given", drop=True)
     words = {SAFE: "enough", UNSAFE: "not enough"}
     parts = []
     for one in _rows(given):
-        verdict = words.get(int(one.verdict), "too close to tell")
+        verdict = words.get(int(one.verdict), "undecided within the error of the simulation")
         parts.append(f"{one.measure.item()} {verdict}")
     return f"{told} {'; '.join(parts)}." if parts else told
 
@@ -192,7 +198,7 @@ def _levels(table: xr.Dataset) -> list[str]:
 
 
 def _over_records(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
-    """Heads and rows: what each measure does in many records, by quantiles."""
+    """Heads and rows: the effect of each measure in many records, by quantiles."""
     heads = ["measure", "do not meet", *(f"times, {one}" for one in _levels(table))]
     heads += ["impacts", "force [MN]"]
     rows = []

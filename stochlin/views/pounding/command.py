@@ -1,4 +1,4 @@
-"""The command ``stochlin pound``: a case file in; what pounding does, printed and drawn."""
+"""The command ``stochlin pound``: the pounding of a case file, printed and drawn."""
 
 from __future__ import annotations
 
@@ -32,27 +32,29 @@ TABLES = (".nc",)
 @click.option(
     "--out",
     type=FILE,
-    help="Save histories and impacts, .nc; of several records one file each. Of many motions one table, "
-    ".nc or, a row a motion, .csv.",
+    help="Save histories and impacts as .nc, one file for each record. For many motions, save one "
+    "table as .nc, or as .csv with one row for each motion.",
 )
 @click.option(
     "--picture",
     type=FILE,
-    help="Draw them, .png, .svg or .pdf; the data is saved beside it, and, of buildings with storeys, a "
-    "second picture, NAME-storeys, of what floors and storeys bear; of many motions one for all.",
+    help="Draw the histories as .png, .svg or .pdf, and save the data beside the picture. For buildings "
+    "with storeys, also draw NAME-storeys with floor accelerations, storey shears and forces on "
+    "columns. For many motions, draw one picture.",
 )
 @click.option(
     "--motions",
     type=click.IntRange(min=2),
-    help="Simulate so many motions of the site, in place of its records: a table of what they come to.",
+    help="Simulate this number of motions of the site in place of its records, and print one table of "
+    "their results.",
 )
 def pound(case: Path, out: Path | None, picture: Path | None, motions: int | None) -> None:
-    """What happens when buildings that stand too near meet in a recorded motion, or in many.
+    """Compute the impacts of neighbouring buildings in a recorded motion, or in many motions.
 
-    CASE is a file as 'stochlin gap --example' prints one, with one record or more, the mass of every
-    building, the gaps there are, and what they meet at. Rows of more than two buildings, one building
-    alone, which has no gaps, and buildings described by their storeys are allowed. Six records and more
-    are shown together, in one table with means and quantiles, as are simulated motions.
+    CASE is a file like that of 'stochlin gap --example', with one record or more, the mass of every
+    building, the existing gaps, and the contacts between the buildings. Rows of more than two buildings,
+    one building alone, which has no gaps, and buildings described by their storeys are allowed. Six or
+    more records are shown together in one table with means and quantiles, and so are simulated motions.
 
     \b
     Examples:
@@ -89,7 +91,7 @@ def pound(case: Path, out: Path | None, picture: Path | None, motions: int | Non
 
 
 def _together(case: Case, motions: int | None, out: Path | None, picture: Path | None) -> None:
-    """Show and save what many motions come to."""
+    """Show and save the results of many motions."""
     from stochlin.analyses.cases.pounding import by_motion, pound_motions
     from stochlin.analyses.tables.storage import FORMATS
     from stochlin.views.pounding.ensembles import draw_ensemble, ensemble_lines

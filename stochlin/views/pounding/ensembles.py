@@ -1,4 +1,4 @@
-"""Pounding in many motions: in words, and as a picture of what is exceeded how often."""
+"""Pounding in many motions: in words, and as a picture of exceedance frequencies."""
 
 from __future__ import annotations
 
@@ -37,27 +37,28 @@ if TYPE_CHECKING:
 NAME = 24  # characters of a name
 SHOWN = 0.84  # the quantile of profiles
 ERRORS = (
-    "Mean: with its standard error. Of the quantiles 95 % intervals are in brackets; over: the motions "
-    "are too few for its upper end."
+    "Mean: with its standard error. The 95 % intervals of the quantiles are in brackets; over: the "
+    "motions are too few for the upper end of the interval."
 )
-FORCES = "Alone: without pounding. In motions without an impact forces count as 0."
+FORCES = "Alone: without pounding. In motions without an impact, forces count as 0."
 STOREYS = (
-    "Displacements are those of the roof; accelerations those of the floor that pounding shakes most, "
-    "with and without."
+    "Displacements are those of the roof; accelerations are those of the floor with the largest "
+    "acceleration in pounding, with and without pounding."
 )
 STOREYS_ALONE = (
-    "Displacements are those of the roof; accelerations those of the floor that is shaken most."
+    "Displacements are those of the roof; accelerations are those of the floor with the largest "
+    "acceleration."
 )
 FAILED = (
-    "{} of {} motions FAILED and are left out: {}. They are hardly the mild ones, so quantiles are too "
-    "small."
+    "{} of {} motions FAILED and are left out: {}. These are probably strong motions, so the "
+    "quantiles are too small."
 )
 HEAD, PANEL, BETWEEN, AXIS, KEY = 0.35, 2.2, 0.55, 0.62, 0.45  # inches, of the picture
 LEFT, RIGHT, APART = 0.09, 0.98, 0.1  # of its width
 
 
 def ensemble_lines(case: Case, table: xr.Dataset) -> list[str]:
-    """All that the screen shows of many motions."""
+    """The lines for the screen for many motions."""
     over = str(table.status.dims[0])
     good = int((table.status == 0).sum())
     strongest = table[["peak_ground_acceleration"]].max()
@@ -97,7 +98,7 @@ def _strengths(table: xr.Dataset) -> str:
 
 
 def _shares(table: xr.Dataset) -> str:
-    """In how many motions the neighbours hit."""
+    """The share of the motions in which neighbours meet."""
     told = []
     for pair in range(table.sizes["neighbours"]):
         one = table.isel(neighbours=pair)
@@ -114,10 +115,9 @@ def _columns_met(table: xr.Dataset) -> str:
     one = table.isel(contact=int(most.fillna(0.0).argmax("contact")))
     struck, level = int(one[str(one.column.item())]), float(table["quantile"][-1])
     return (
-        "SLABS FACE COLUMNS: the floors are not level. Hardest are hit, "
-        f"{float(one.level):.4g} m up, the columns of storey {int(one.storey)} of building {struck}: "
-        f"with no more than {short(1e-6 * float(one.column_force_quantile[-1]))} MN in "
-        f"{per_cent(level)} of the motions."
+        f"SLABS FACE COLUMNS: the floors are not level. Hit hardest, {float(one.level):.4g} m up, are "
+        f"the columns of storey {int(one.storey)} of building {struck}: with at most "
+        f"{short(1e-6 * float(one.column_force_quantile[-1]))} MN in {per_cent(level)} of the motions."
     )
 
 
@@ -230,7 +230,7 @@ def draw_ensemble(dataset: xr.Dataset) -> Figure:
 
 
 def _gaps(left: Axes, right: Axes, dataset: xr.Dataset) -> None:
-    """How many impacts, and how hard, across each gap."""
+    """The number of impacts and their forces across each gap."""
     forces = bool(dataset.hardest_force_between_mean.notnull().all())
     for (color, dash), number in zip(cycle(CURVES), range(dataset.sizes["neighbours"]), strict=False):
         one = dataset.isel(neighbours=number)

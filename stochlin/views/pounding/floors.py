@@ -1,4 +1,4 @@
-"""The picture of what floors and storeys bear: accelerations, shears, forces on columns, over height."""
+"""The picture of floors and storeys: accelerations, shears and forces on columns over height."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ MEGA = 1e-6
 
 @styled(AS_GIVEN)
 def draw_floors(dataset: xr.Dataset) -> Figure:
-    """Draw what floors and storeys bear in one dataset of ``stochlin pound``.
+    """Draw the floor accelerations, storey shears and forces on columns of one ``stochlin pound``.
 
     Parameters
     ----------
@@ -38,8 +38,8 @@ def draw_floors(dataset: xr.Dataset) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Side by side, over height: the largest accelerations and storey shears, each also as the building
-        standing alone has it; where slabs hit columns, the largest force on each.
+        Side by side, over height: the largest accelerations and storey shears, each also for the
+        building alone; where slabs hit columns, the largest force on each column.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Pictures of pounding: both sides of every gap, what the contacts bear, and where the energy goes."""
+"""Pictures of pounding: both sides of every gap, the forces of contacts, and the energies."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def draw_pound(dataset: xr.Dataset) -> Figure:
 
 
 def _sides(axes: Axes, dataset: xr.Dataset, number: int) -> None:
-    """Both sides of a gap in one frame: what is between the curves is open."""
+    """Both sides of a gap in one frame: the distance between the curves is open."""
     one = dataset.isel(contact=number)
     gap = float(one.gap)
     beside = (displacement_beside(dataset, side) for side in ("left", "right"))
@@ -127,7 +127,7 @@ def _sides(axes: Axes, dataset: xr.Dataset, number: int) -> None:
 
 
 def _roof(axes: Axes, dataset: xr.Dataset) -> None:
-    """How the only building moves, at its roof."""
+    """The displacement of a single building, at its roof."""
     one = dataset.isel(structure=0)
     place = one.displacement.isel(floor=-1) if "floor" in one.dims else one.displacement
     (color, _), name = CURVES[0], textwrap.fill(str(one.building.item()), NAME)
@@ -182,7 +182,7 @@ def _energies(axes: Axes, dataset: xr.Dataset) -> None:
 
 
 def caption_of(dataset: xr.Dataset) -> str:
-    """The buildings, the contact, the gaps and where motions come from, in lines."""
+    """The buildings, the contact, the gaps and the source of the motions, in lines."""
     told = [
         f"{name}: {in_words(dataset.attrs[f'structure_{number}'])}"
         for number, name in enumerate(dataset.building.values, start=1)

@@ -1,4 +1,4 @@
-"""What pounding does, in plain words and short numbers."""
+"""The results of pounding in plain words and short numbers."""
 
 from __future__ import annotations
 
@@ -31,26 +31,26 @@ if TYPE_CHECKING:
 
 LONGEST_NAME, SHORTER_NAME = 26, 20
 BASE = "Base: largest base shear."
-SINKS = {"viscous": "damping took", "hysteretic": "yielding", "contacts": "the contacts"}
-ALONE = "one building alone, which meets no other."
+SINKS = {"viscous": "damping dissipated", "hysteretic": "yielding", "contacts": "contacts"}
+ALONE = "one building alone, without a neighbour."
 SHEAR = "Shear: of the storey below the floor."
-TIMES = "Times: largest displacement with pounding over that without."
+TIMES = "Times: largest displacement with pounding, relative to that without."
 ESTIMATE = (
-    "Estimate: what one hit at full energy could at most make of the energy radius (PER), times that "
-    "before; it leaves yielding out."
+    "Estimate: growth factor of the energy radius (PER) in the worst single impact, at full energy "
+    "and without yielding."
 )
-DUCTILITY = "Ductility: largest displacement over that at yield."
-ROOF = (
-    "Peaks are those of the roof. Worst: the floor that pounding moves most beyond what it does alone."
-)
+DUCTILITY = "Ductility: largest displacement relative to that at yield."
+ROOF = "Peaks are those of the roof. Worst: the floor whose displacement grows most by pounding."
 FLOOR = (
-    "Floor: where the acceleration is largest; alone: there, without pounding. Storey shear: where it "
-    "grows most, over that without."
+    "Floor: the floor with the largest acceleration; alone: its acceleration without pounding. Storey "
+    "shear: the largest growth factor of a storey's shear by pounding."
 )
-JUMPS = "Velocities jump at this contact: accelerations and shears are those between the blows."
-HITS = "Hits give: work of all hits on the building, minus where it has lost energy by them."
+JUMPS = (
+    "Velocities jump in impacts with this contact: accelerations and shears are those between impacts."
+)
+HITS = "Hits give: work of all impacts on the building, negative if they take energy from it."
 COLUMN = "Contacts with a star: a slab meets a column between two floors."
-CLOSEST = "Closest: least distance in the motion; minus where the contact is pressed in."
+CLOSEST = "Closest: smallest distance in the motion, negative if the contact is compressed."
 STRENGTH = (
     "Strengths given by reduction factor or ductility refer to the ground of the file, {}, not to the "
     "records."
@@ -80,24 +80,24 @@ def _doubts(table: xr.Dataset, case: Case) -> list[str]:
 
 
 def headline(table: xr.Dataset) -> str:
-    """What one record does, in a sentence."""
+    """The result of one record in a sentence."""
     if "contact" not in table.dims:
         return ALONE
     count = int(table.impacts.sum())
     if not count:
         nearest = int(table.least_clearance.argmin("contact"))
         left, gap = (float(table[name][nearest]) for name in ("least_clearance", "gap"))
-        return f"they do not meet. Of {length(gap)} at least {length(left)} are left."
+        return f"no pounding. At least {length(left)} of the gap of {length(gap)} remain open."
     begin = float(table.impact_time.min())
     told = f"{count} impact{'s' * (count > 1)}, the first at {begin:.2f} s."
     force, speed = float(table.largest_force.max(skipna=False)), float(table.fastest_approach.max())
     if np.isfinite(force):
         return f"{told} Largest force {short(force / 1e6)} MN, fastest approach {short(speed)} m/s."
-    return f"{told} Fastest approach {short(speed)} m/s; this contact says nothing of forces."
+    return f"{told} Fastest approach {short(speed)} m/s; this contact gives no forces."
 
 
 def columns_met(table: xr.Dataset) -> str:
-    """What slabs do to columns, said loudly."""
+    """A clear warning where slabs hit columns."""
     met = int(table.column_force.notnull().sum())
     hit = int((table.column_force > 0).sum())
     begin = "SLABS FACE COLUMNS: the floors are not level"
@@ -109,27 +109,28 @@ def columns_met(table: xr.Dataset) -> str:
     if np.isfinite(float(one.column_force_share)):
         force += f", {per_cent(float(one.column_force_share))} of the storey's shear at yield"
     return (
-        f"SLABS HIT COLUMNS at {hit} contact{'s' * (hit > 1)}, since the floors are not level. Hardest, "
-        f"{float(one.level):.4g} m up: the columns of storey {int(one.storey)} of building {struck} "
-        f"take {force}. They bear the building above: check them in bending and shear, or widen the gap."
+        f"SLABS HIT COLUMNS at {hit} contact{'s' * (hit > 1)}, since the floors are not level. "
+        f"Hardest, {float(one.level):.4g} m up: the columns of storey {int(one.storey)} of building "
+        f"{struck} take {force}. They carry the building above: check them in bending and shear, or "
+        "widen the gap."
     )
 
 
 def energies(table: xr.Dataset) -> str:
-    """Where the energy has gone, and how well it is accounted for."""
+    """The energy balance, and its error."""
     given = short(float(energy_of(table.isel(time=-1), "input")) / 1e3)
     share = {str(name): float(table.energy_share.sel(sink=name)) for name in table.sink.values}
     meets = "contact" in table.dims
     sinks = {name: word for name, word in SINKS.items() if meets or name != "contacts"}
     parts = [f"{word} {per_cent(share[name], 1)}" for name, word in sinks.items()]
     return (
-        f"Of the {given} kJ from the ground {', '.join(parts)}; {per_cent(share['remaining'], 1)} are "
+        f"Of the {given} kJ from the ground, {', '.join(parts)}; {per_cent(share['remaining'], 1)} are "
         f"left at the end. The balance is off by {float(table.energy_balance_error.max()):.0e} at most."
     )
 
 
 def _alone(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
-    """Heads and rows: what the only building bears, floor by floor from the roof down."""
+    """Heads and rows: the response of a single building, floor by floor from the roof down."""
     one = table.isel(structure=0)
     heads = ["peak [cm]", "accel. [g]", "shear [MN]"]
     scales = {"peak": 100.0, "peak_acceleration": 1 / METRES["g"], "peak_storey_shear": 1e-6}
@@ -144,7 +145,7 @@ def _alone(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
 
 
 def _buildings(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
-    """Heads and rows: what pounding does to each building."""
+    """Heads and rows: the effect of pounding on each building."""
     names = [
         f"{n}  {cut(str(name), LONGEST_NAME)}" for n, name in enumerate(table.building.values, start=1)
     ]
@@ -166,7 +167,7 @@ def _buildings(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
 
 
 def _borne(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
-    """Heads and rows: accelerations, shears, and what the hits give to each building."""
+    """Heads and rows: accelerations, shears, and the work of impacts on each building."""
     storeys = "floor" in table.dims
     heads = ["building", "accel. [g]", "alone", *["floor"] * storeys, "base [MN]", "alone"]
     heads += [*["storey shear"] * storeys, "hits give [kJ]"]

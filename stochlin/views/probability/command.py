@@ -22,14 +22,16 @@ from stochlin.views.shared.screen import (
 @COMMANDS.register("probability")
 @click.command()
 @click.argument("case", type=FILE)
-@click.option("--gap", type=Measured("m"), help="Gap, as 8cm, instead of the existing one of the file.")
-@click.option("--out", type=FILE, help="Save the table, .nc or .csv.")
-@click.option("--picture", type=FILE, help="Draw it: .png, .svg or .pdf.")
+@click.option(
+    "--gap", type=Measured("m"), help="Gap, such as 8cm, instead of the existing gap of the file."
+)
+@click.option("--out", type=FILE, help="Save the table as .nc or .csv.")
+@click.option("--picture", type=FILE, help="Draw the probability as .png, .svg or .pdf.")
 def probability(case: Path, gap: float | None, out: Path | None, picture: Path | None) -> None:
-    """How likely two buildings are to pound in a finite earthquake, over time.
+    """Compute the probability over time that two buildings pound in an earthquake of finite duration.
 
-    CASE is a file as 'stochlin gap --example' prints one. Records in it are each judged by the hybrid
-    method: radii of the record, random phase.
+    CASE is a file like that of 'stochlin gap --example'. Each record in it is evaluated by the hybrid
+    method, which takes the energy radii from the record and the phase as random.
 
     \b
     Examples:
@@ -49,7 +51,7 @@ def probability(case: Path, gap: float | None, out: Path | None, picture: Path |
         _ = described.pair  # raises where there are not two
         chosen = described.gap if gap is None else gap
         if chosen is None:
-            raise ValueError(f"{described.file} states no existing gap; give it there, or --gap 5cm")
+            raise ValueError(f"{described.file} has no existing gap; give it there, or --gap 5cm")
         with progress_bar("simulating") as progress:
             answer = judge_gap(described, chosen, progress)
         show(answer_lines(answer))

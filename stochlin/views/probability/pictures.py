@@ -36,7 +36,7 @@ SIZES = (
 
 @styled()
 def draw_pounding(dataset: xr.Dataset) -> Figure:
-    """Draw what `pounding_probability` returns for one pair and one gap, over ``time`` alone.
+    """Draw the result of `pounding_probability` for one pair and one gap, over ``time`` alone.
 
     Confidence of no pounding above, standard deviations or radii below.
     """
@@ -68,7 +68,7 @@ def draw_pounding(dataset: xr.Dataset) -> Figure:
 
 @styled()
 def draw_fragility(dataset: xr.Dataset) -> Figure:
-    """Draw what `pounding_fragility` returns: probability over intensity, a curve a gap."""
+    """Draw the result of `pounding_fragility`: probability over intensity, one curve for each gap."""
     name = "pounding_probability"
     simulated, corrected = f"{name}_simulated", f"{name}_corrected"
     if name not in dataset or set(dataset[name].dims) != {"intensity", "gap"}:
@@ -100,7 +100,7 @@ def draw_fragility(dataset: xr.Dataset) -> Figure:
 
 @styled()
 def draw_evolutionary_psd(density: xr.DataArray) -> Figure:
-    """Draw what `evolutionary_psd` returns over ``time`` and ``frequency`` alone."""
+    """Draw the result of `evolutionary_psd` over ``time`` and ``frequency`` alone."""
     if set(density.dims) != {"time", "frequency"}:
         raise ValueError(f"density has the dimensions {density.dims}; allowed: time and frequency")
     from matplotlib import colormaps
@@ -122,7 +122,7 @@ def known(dataset: xr.Dataset, name: str) -> bool:
 
 
 def _captioned(dataset: xr.Dataset) -> Figure:
-    """A figure that says of what it is."""
+    """A figure with a description of the case."""
     from matplotlib.figure import Figure
 
     caption = filled(roles_in_words(dataset.attrs), WIDTH)
@@ -136,7 +136,7 @@ def _captioned(dataset: xr.Dataset) -> Figure:
 
 
 def _panel(figure: Figure, left: float, bottom: float, wide: float, high: float) -> Axes:
-    """Axes at a place in the size that is usual; the caption has what the figure is taller."""
+    """Axes at a place in the usual size; the caption takes the additional height of the figure."""
     tall = float(figure.get_figheight())
     lift = tall - SIZE[1]
     return figure.add_axes((left, (lift + bottom * SIZE[1]) / tall, wide, high * SIZE[1] / tall))

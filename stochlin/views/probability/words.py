@@ -22,11 +22,13 @@ COLUMNS = (
     ("simulated", "_simulated"),
 )
 STEM = "confidence_of_no_pounding"
-NO_RECORDS = "Nothing is said of the records: the hybrid method is of bilinear oscillators."
+NO_RECORDS = (
+    "The records are not evaluated: the hybrid method is only available for bilinear oscillators."
+)
 
 
 def answer_lines(answer: ProbabilityAnswer) -> list[str]:
-    """All that the screen shows."""
+    """The lines for the screen."""
     case, gap, table, records = answer.case, answer.gap, answer.table, answer.records
     shown = [(name, ending) for name, ending in COLUMNS if STEM + ending in table]
     lines = [
@@ -38,7 +40,7 @@ def answer_lines(answer: ProbabilityAnswer) -> list[str]:
         *paragraph(scatter(case)),
         *unknown_lines(case, "the simulated confidence is that"),
         "",
-        "Confidence of no pounding so far",
+        "Confidence of no pounding up to each time",
         f"{'time [s]':>9}" + "".join(f"{name:>11}" for name, _ in shown) + f"{'95 % interval':>20}",
     ]
     step = max(1, (table.sizes["time"] - 1) // (ROWS - 1))
@@ -52,19 +54,21 @@ def answer_lines(answer: ProbabilityAnswer) -> list[str]:
     ]
     if "governing_height" in table:
         lines.append(
-            f"Formulas are of the worst height, {float(table.governing_height):.4g} m; simulated is "
-            "what holds at all heights at once."
+            f"The formulas are for the worst height, {float(table.governing_height):.4g} m; the "
+            "simulated confidence is for all heights at once."
         )
     last = table.isel(time=-1)
     lines += [
-        f"Do not rely on the column {name}: for buildings like these it may be too large by far."
+        f"Do not rely on the column {name}: for buildings like these it may be much too large."
         for name, ending in shown
         if int(table.get(f"caution{ending}", 0)) and bool(last[STEM + ending].notnull())
     ]
     yields = case.first.structure.yields or case.second.structure.yields
     if yields and bool(table.permanent_set.any()):
         end = table.attrs["strong_shaking_end_s"]
-        lines.append(f"After {end:.3g} s the formula has lost the permanent set of yielding buildings.")
+        lines.append(
+            f"After {end:.3g} s the formula no longer includes the permanent set of yielding buildings."
+        )
     lines += [_in_record(name, found) for name, found in records.items()]
     if answer.over_records is not None:
         lines += paragraph(over_records(answer.over_records, len(case.records), gap))
@@ -88,7 +92,7 @@ def _formulas(table: xr.Dataset) -> str:
 
 
 def _number(value: xr.DataArray, width: int) -> str:
-    """Four decimals; where the map of the bias does not reach, a word."""
+    """Four decimals; a word for values outside the map of the bias."""
     return f"{'unknown':>{width}}" if bool(value.isnull()) else f"{float(value):{width}.4f}"
 
 
@@ -96,6 +100,6 @@ def _in_record(name: str, found: xr.Dataset) -> str:
     last = found.isel(time=-1)
     return (
         f"Record {name}: confidence {float(last[STEM]):.4f} with one phase, "
-        f"{float(last[f'{STEM}_fresh_phase']):.4f} with a new one every cycle "
-        f"(rho {float(found.rho):.3f}); the record itself takes {float(found.separation):.4f} m"
+        f"{float(last[f'{STEM}_fresh_phase']):.4f} with a new one every cycle (rho "
+        f"{float(found.rho):.3f}); the record itself needs {float(found.separation):.4f} m"
     )

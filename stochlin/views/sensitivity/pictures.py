@@ -1,4 +1,4 @@
-"""The tornado chart of what matters for a gap: a column wide, and for print in grey."""
+"""The tornado chart of the inputs of a gap: one column wide, and for print in grey."""
 
 from __future__ import annotations
 
@@ -37,16 +37,16 @@ def draw_sensitivity(
     dataset : xarray.Dataset
         From memory or as ``stochlin gap --sensitivity`` saves it.
     names : mapping
-        What to call ``structure_1``, ``structure_2`` and ``ground``.
+        Names of ``structure_1``, ``structure_2`` and ``ground`` in the chart.
     caption : bool
-        Whether to say below of what it is.
+        Whether to describe the case below the chart.
 
     Returns
     -------
     matplotlib.figure.Figure
         How the gap changes with each input at the low and at the high end of its range, with standard
-        errors; first what is uncertain, below it what is known, as an example 10 % to either side.
-        Inputs that do not move the gap are left out, and of more than 14 the least.
+        errors. Uncertain inputs come first, below them known inputs, for example 10 % to either side.
+        Inputs without influence on the gap are left out, and so are the smallest of more than 14.
 
     Raises
     ------
@@ -58,7 +58,8 @@ def draw_sensitivity(
 
     if "gap_change" not in dataset or "input" not in dataset.dims:
         raise ValueError(
-            f"dataset has the dimensions {tuple(dataset.dims)}; allowed: what sensitivity returns"
+            f"dataset has the dimensions {tuple(dataset.dims)}; allowed: a dataset that sensitivity "
+            "returns"
         )
     shown = rows(dataset, names)[:MOST]
     told = _caption(dataset) if caption else ""

@@ -1,4 +1,4 @@
-"""What matters for a gap in plain words and short numbers: what the screen and the page share."""
+"""The influence of the inputs on a gap in plain words and short numbers, for the screen and the page."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ NOTHING = 1e-6  # of the gap: what moves it by less does not matter
 FEWEST, MOST = 2.0, 3  # standard errors of a share that is told; shares that are told
 EXAMPLE = "10 % to either side as an example"
 COLUMNS = (
-    "[cm]: how it changes if the input is known to be at either end. Elasticity: its change in per cent "
+    "[cm]: its change if the input is at either end of its range. Elasticity: its change in per cent "
     "for one per cent more of the input. After ±: standard errors."
 )
-SHARE = "Share: of the variance of the separation, what comes from this input alone."
+SHARE = "Share: the share of the variance of the separation that this input causes alone."
 
 
 class InputLine(NamedTuple):
@@ -43,7 +43,7 @@ class InputLine(NamedTuple):
 
 
 def rows(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[InputLine]:
-    """What moves the gap, first what is uncertain, then what is known; in each the most first."""
+    """The inputs that change the gap: uncertain ones, then known ones, by decreasing influence."""
     moves = np.abs(table.gap_change).max("end").values
     uncertain = table.uncertain.values.astype(bool)
     order = np.lexsort((-moves, ~uncertain))
@@ -53,17 +53,17 @@ def rows(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[InputLine]
 
 
 def asked(table: xr.Dataset) -> str:
-    """What is asked for: a gap, or the set-back of one building."""
+    """The quantity of the answer: a gap, or the set-back of one building."""
     return "gap" if "second" in table.attrs else "set-back"
 
 
 def note(table: xr.Dataset) -> str:
-    """What the columns are."""
+    """The meaning of the columns."""
     if not table.uncertain.any():
         return f"Range: {EXAMPLE}. {COLUMNS}"
     return (
-        "Range: of what is uncertain, from the value that 16 % lie below to that of 84 %; of what is "
-        f"known (in brackets), {EXAMPLE}. {COLUMNS} {SHARE}"
+        "Range: for uncertain inputs, from the 16 % to the 84 % quantile; for known inputs (in "
+        f"brackets), {EXAMPLE}. {COLUMNS} {SHARE}"
     )
 
 
@@ -91,7 +91,7 @@ def _row(one: xr.Dataset, place: int, names: Mapping[str, str], some_uncertain: 
 
 
 def _value(one: xr.Dataset, key: str, factor: float) -> str:
-    """An input at an end of its range; of an array how many times what is given."""
+    """An input at an end of its range; for an array, the factor on the given values."""
     unit, median = str(one.input_unit.item()), float(one.input_median)
     if unit == "1" and key in OF_STOREYS:
         return f"{factor:.2f}{SPACE}times"
@@ -111,12 +111,16 @@ def _with_error(share: float, error: float) -> str:
 
 
 def sentences(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[str]:
-    """What an engineer would say of it."""
+    """The result in sentences."""
     shown = rows(table, names)
     if not shown:
-        return ["No number of the buildings or of the ground moves it."]
+        return ["No parameter of the buildings or of the ground changes it."]
     most = shown[0]
-    begin = "Of what is uncertain" if most.uncertain else "Of all inputs, each 10 % less and more"
+    begin = (
+        "Among the uncertain inputs"
+        if most.uncertain
+        else ("Among all inputs, each changed by 10 % to either side")
+    )
     low, high = most.change.split(" / ")
     told = [
         f"{begin}, the {asked(table)} depends most on the {most.label.strip('()')}: {most.low} would "
@@ -132,7 +136,7 @@ def sentences(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[str]:
         f"{per_cent(float(table.variance_share[n]))} the {labels[n]}" for n in largest if n in labels
     ]
     rest = float(table.motion_share + table.interaction_share)
-    of_motions = f"{per_cent(rest)} the motions, and what motions and inputs do together"
+    of_motions = f"{per_cent(rest)} the motions, and motions and inputs together"
     parts = "; ".join([*of_inputs, of_motions])
     told.append(f"Shares of the variance of the separation over all motions: {parts}.")
     less = float(table.gap_of_medians / table.gap) - 1
@@ -146,9 +150,9 @@ def sentences(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[str]:
 
 
 def lines(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[str]:
-    """What the screen shows."""
+    """The lines for the screen."""
     shown = rows(table, names)
-    found = ["", "What matters:"]
+    found = ["", "Influence of the inputs:"]
     for sentence in sentences(table, names):
         found += paragraph(sentence)
     if not shown:

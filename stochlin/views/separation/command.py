@@ -24,19 +24,21 @@ REPORTS = (".html", ".htm")
 @COMMANDS.register("gap")
 @click.command()
 @click.argument("case", required=False, type=FILE)
-@click.option("--report", type=FILE, help="Write a page with table and pictures, .html.")
-@click.option("--out", type=FILE, help="Save the table, .nc (everything) or .csv (a row a rule).")
+@click.option("--report", type=FILE, help="Write a page with the table and pictures, as .html.")
+@click.option(
+    "--out", type=FILE, help="Save the table, as .nc (everything) or .csv (one row for each rule)."
+)
 @click.option(
     "--picture",
     type=FILE,
-    help="Draw the gap over height and the drifts of storeys, or, without storeys, the gaps by rule: "
-    ".png, .svg or .pdf; the data is saved beside it.",
+    help="Draw the gap over height and the drifts of storeys, or, without storeys, the gaps by rule, "
+    "as .png, .svg or .pdf, and save the data beside the picture.",
 )
 @click.option(
     "--sensitivity",
     type=FILE,
-    help="Draw what matters for the gap, also where nothing is uncertain: .png, .svg or .pdf; the data "
-    "is saved beside it.",
+    help="Draw the influence of each input on the gap, also if no input is uncertain, as .png, .svg "
+    "or .pdf, and save the data beside the picture.",
 )
 @click.option("--example", is_flag=True, help="Print a case file to start from, and stop.")
 def gap(
@@ -47,10 +49,10 @@ def gap(
     sensitivity: Path | None,
     example: bool,
 ) -> None:
-    """How far apart two buildings must stand, by simulation and by every rule.
+    """Compute the gap that two buildings need, by simulation and by every rule.
 
-    CASE is a file that describes the site, the motion and the buildings; of one building alone it is how
-    far that must stand from its property line.
+    CASE is a file that describes the site, the motion and the buildings. With one building, the command
+    computes its set-back from the property line.
 
     \b
     Examples:
@@ -68,7 +70,7 @@ def gap(
             return
         if case is None:
             raise ValueError(
-                "CASE is missing; 'stochlin gap --example > case.toml' writes one to start from"
+                "CASE is missing; 'stochlin gap --example > case.toml' writes a file to start from"
             )
         from stochlin.analyses.cases.case import read_case
         from stochlin.analyses.cases.separation import answer_case

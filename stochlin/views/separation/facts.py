@@ -1,4 +1,4 @@
-"""The case as it was read, and what its answer does not know: the small print of the page."""
+"""The case as it was read, and the uncertainties of its answer: the small print of the page."""
 
 from __future__ import annotations
 
@@ -24,35 +24,36 @@ if TYPE_CHECKING:
 
 LINE = (
     "The property line: it is on one side of the building, and nothing beyond it is in the model. Two "
-    "neighbours that each stay on their own side cannot meet; with one that stands nearer than that "
-    "to the line, ask for the gap between both."
+    "neighbours that each stay on their own side cannot meet; if the neighbour stands nearer to the "
+    "line, compute the gap between both buildings."
 )
 
 
 def uncertainties(answer: CaseAnswer) -> list[str]:
-    """What the answer does not know, for the page."""
+    """The uncertainties of the answer, for the page."""
     case, table = answer.case, answer.separation
     sentences = [
-        f"Chance: the interval covers the sampling of {case.paths} motions only. Four times as many "
-        "would halve it.",
-        "The ground: a stationary random motion with an envelope, its spectrum and intensity taken as "
-        "given. How strong the next earthquake will be is the largest unknown, and not in the interval"
-        f"{f'; a scatter of {case.scatter:g} about that is in the answer' if case.scatter else ''}.",
+        f"Sampling: the interval covers the sampling of {case.paths} motions only. Four times as many "
+        "motions would halve it.",
+        "The ground: it is a stationary random motion with an envelope, and its spectrum and intensity "
+        "are taken as given. The strength of the next earthquake is the largest unknown and not in the "
+        f"interval{f'; a scatter of {case.scatter:g} about that strength' if case.scatter else ''}"
+        f"{' is in the answer' if case.scatter else ''}.",
         f"{subject_of(case).the_buildings.capitalize()}: {_models(case)}, torsion, soil under the "
         f"foundations, and loss of strength are left out, and so is {_of_parameters(case)}.",
-        f"The rules: all are fed with the simulated peaks of {_whose(case)} peaks, not how an engineer "
-        "would get those peaks. Building codes have displacements, load factors and least distances of "
-        "their own in mind.",
+        f"The rules: all use the simulated peaks of {_whose(case)} peaks, and not how an engineer "
+        "computes these peaks. Building codes define displacements, load factors and minimum "
+        "distances of their own.",
     ]
     if case.alone:
         sentences.append(LINE)
     if any(building.strength == "ductility" for building in case.buildings):
         sentences.append(
-            "Strength from ductility: found by linearization, for a motion without end; the simulated "
-            f"mean peaks of this one are {ductilities(table)}."
+            "Strength from ductility: it is found by linearization for a stationary motion; the "
+            f"simulated mean peak ductilities in this motion are {ductilities(table)}."
         )
     if case.fitted:
-        sentences.append(f"The fit: one record, one estimator. {case.ground.source}.")
+        sentences.append(f"The fit: it uses one record and one estimator. {case.ground.source}.")
     doubtful = [row.label for row in rows(answer) if "M" in row.mark]
     if doubtful:
         sentences.append(f"From memory, not compared with their sources: {', '.join(doubtful)}.")
@@ -60,21 +61,23 @@ def uncertainties(answer: CaseAnswer) -> list[str]:
 
 
 def _whose(case: Case) -> str:
-    """The building or buildings, and what the table judges of the rules."""
+    """The building or buildings, and the subject of the comparison of rules."""
     if case.alone:
-        return "this building, so that the table judges what they make of"
-    return "these buildings, so that the table judges how they combine"
+        return "this building, so that the table compares how they use"
+    return "these buildings, so that the table compares how they combine"
 
 
 def _of_parameters(case: Case) -> str:
-    """What is not known of the parameters that were given."""
+    """The uncertainty of the parameters that were given."""
     if case.uncertain:
-        return "the error of all that you gave as known; what you gave as uncertain is in the answer"
-    return "the error of the periods and dampings that you gave"
+        return (
+            "the error of all parameters given as known; the uncertainty of the others is in the answer"
+        )
+    return "the error of the given periods and damping ratios"
 
 
 def _models(case: Case) -> str:
-    """What the buildings are taken for, and the first of what that leaves out."""
+    """The models of the buildings, and the first effect that they leave out."""
     laws = [_law(building).replace("Bilinear", "bilinear") for building in case.buildings]
     storeys = [isinstance(building, StoreyBuilding) for building in case.buildings]
     if not any(storeys):
@@ -86,7 +89,7 @@ def _models(case: Case) -> str:
         f"{building.name} is {f'a row of {law} storeys' if known else f'one {law} oscillator'}"
         for building, law, known in zip(case.buildings, laws, storeys, strict=True)
     ]
-    return f"{', '.join(told)}. Floors are stiff and storeys shear alone. Bending as a whole"
+    return f"{', '.join(told)}. Floors are rigid and storeys deform in shear only. Bending as a whole"
 
 
 def _law(building: AnyBuilding) -> str:

@@ -1,4 +1,4 @@
-"""Pictures of an answer about a gap: for a page of one column, and for print in grey."""
+"""Pictures of an answer about a gap: one column wide, and for print in grey."""
 
 from __future__ import annotations
 
@@ -137,7 +137,7 @@ def spectrum_figure(answer: CaseAnswer) -> Figure:
 
 
 def records_figure(answer: CaseAnswer) -> Figure:
-    """Gaps that the recorded motions would have taken, against the answer; numbered as in the text."""
+    """Gaps that the recorded motions would have needed, against the answer; numbered as in the text."""
     gaps = 100 * answer.separation.record_separation.values
     if answer.over_records is not None:
         return _many_records(answer, gaps)
@@ -155,7 +155,7 @@ def records_figure(answer: CaseAnswer) -> Figure:
 
 
 def _many_records(answer: CaseAnswer, gaps: np.ndarray) -> Figure:
-    """Share of the records that a gap would have been enough for, against the answer."""
+    """Share of the records for which a gap would have been enough, against the answer."""
     figure, axes = _blank(3.3)
     axes.ecdf(gaps, color="#6b5d45", lw=1.6, label="records")
     _answer_line(axes, answer)
@@ -166,7 +166,7 @@ def _many_records(answer: CaseAnswer, gaps: np.ndarray) -> Figure:
 
 
 def _gap(answer: CaseAnswer, row: RuleLine) -> float:
-    """What a rule asks for [m]."""
+    """The gap of a rule [m]."""
     return float(answer.separation.gap.sel(rule=row.rule))
 
 

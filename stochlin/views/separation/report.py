@@ -1,4 +1,4 @@
-"""The page of ``stochlin gap --report``: one HTML file that needs nothing else."""
+"""The page of ``stochlin gap --report``: one self-contained HTML file."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ KINDS = {
 
 
 class Picture(NamedTuple):
-    """A picture with what it says in words."""
+    """A picture with its description in words."""
 
     title: str
     svg: Markup
@@ -108,11 +108,12 @@ def _pictures(answer: CaseAnswer) -> list[Picture]:
         drawn.insert(
             1,
             (
-                "Height by height, storey by storey",
+                "Gap over height and storey drifts",
                 lambda answer: draw_heights(answer.table(), caption=False),
-                f"Above, the {about.gap} that is needed at each height, and where it governs. One "
-                f"{about.gap} for all heights takes the largest, or more: motions need it at different "
-                "heights. Below, how far storeys drift, and where they yield.",
+                f"Above, the {about.gap} that is needed at each height, and the height that governs. "
+                f"One {about.gap} for all heights has to be the largest of these or more, since "
+                "different motions need it at different heights. Below, the drifts of storeys, and "
+                "their drifts at yield.",
             ),
         )
     if answer.risk is not None:
@@ -133,14 +134,17 @@ def _pictures(answer: CaseAnswer) -> list[Picture]:
 
 
 def _matters(answer: CaseAnswer, table: xr.Dataset) -> dict[str, Any]:
-    """What the gap depends on: sentences, a row an input, what the columns are, and the picture."""
+    """The influence of the inputs: sentences, a row for each input, the columns and the picture."""
     names, asked = words.names_of(answer), what_matters.asked(table)
     text = (
-        f"How the {asked} changes with each input at the ends of its range; lines: standard errors. "
+        f"Change of the {asked} with each input at the ends of its range; lines: standard errors. "
         "Numbers and ranges as in the table."
     )
     picture = _svg(
-        lambda _: draw_sensitivity(table, names, caption=False), answer, "m", f"What matters. {text}"
+        lambda _: draw_sensitivity(table, names, caption=False),
+        answer,
+        "m",
+        f"Influence of the inputs. {text}",
     )
     return {
         "sentences": what_matters.sentences(table, names),
@@ -148,7 +152,7 @@ def _matters(answer: CaseAnswer, table: xr.Dataset) -> dict[str, Any]:
         "asked": asked,
         "shares": bool(table.uncertain.any()),
         "note": what_matters.note(table),
-        "picture": Picture(f"What moves the {asked}", picture, text),
+        "picture": Picture(f"Influence of each input on the {asked}", picture, text),
     }
 
 
@@ -160,7 +164,7 @@ def _of_site(answer: CaseAnswer) -> str:
 
 
 def _svg(draw: Callable[[CaseAnswer], Figure], answer: CaseAnswer, prefix: str, text: str) -> Markup:
-    """A picture to stand within HTML: no prolog, ids of its own, and its text for who cannot see it."""
+    """A picture for HTML: without prolog, with ids of its own, and with its text for screen readers."""
     import matplotlib as mpl
     from markupsafe import Markup, escape
 

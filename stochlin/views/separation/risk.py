@@ -1,4 +1,4 @@
-"""How often the buildings of a case pound: in words, as a table, and by the strength of the shaking."""
+"""The frequency of pounding of a case: in words, as a table, and by the strength of the shaking."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ NOTICED = 0.1  # of the rate, or of the motions, that the hazard's table leaves 
 
 
 class RiskWords(NamedTuple):
-    """What is said of a risk."""
+    """The words and the table of a risk."""
 
     sentences: list[str]
     heads: tuple[str, ...]
@@ -34,7 +34,7 @@ class RiskWords(NamedTuple):
 
 
 def risk_words(answer: CaseAnswer) -> RiskWords | None:
-    """How often they pound with the gaps that matter; None where the case has no hazard."""
+    """The frequency of pounding for each gap of interest; None where the case has no hazard."""
     table = answer.risk
     if table is None:
         return None
@@ -43,7 +43,7 @@ def risk_words(answer: CaseAnswer) -> RiskWords | None:
     note = (
         f"From {table.attrs['risk_paths']} motions at each of {table.sizes['risk_intensity']} "
         f"intensities of the hazard; the intervals, of 95{SPACE}%, are those of the sampling of "
-        "motions. What happens in different years is taken as independent."
+        "motions. Different years are taken as independent."
     )
     return RiskWords(_sentences(answer, table), heads, rows, note)
 
@@ -58,7 +58,7 @@ def risk_lines(answer: CaseAnswer) -> list[str]:
 
 
 def risk_figure(answer: CaseAnswer) -> Figure:
-    """Above, how likely they pound at each intensity; below, which intensities make up the rate."""
+    """Above, the probability of pounding by intensity; below, the share of the rate by intensity."""
     from matplotlib.figure import Figure
     from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
@@ -93,13 +93,13 @@ def risk_figure(answer: CaseAnswer) -> Figure:
 
 
 def risk_caption(answer: CaseAnswer) -> str:
-    """What the picture shows."""
+    """The caption of the picture."""
     assert answer.risk is not None
     return (
-        f"Of a {subject_of(answer.case).gap} of {length(float(answer.risk.risk_gap[0]))}: above, how "
-        f"often {subject_of(answer.case).meet} in motions of one intensity; below, which part of the "
-        "frequency comes from shaking of which strength, the outermost bars all that is weaker and "
-        "stronger."
+        f"For a {subject_of(answer.case).gap} of {length(float(answer.risk.risk_gap[0]))}. Above: the "
+        f"share of motions in which {subject_of(answer.case).meet}, by intensity. Below: the share of "
+        "the annual frequency by intensity; the outermost bars contain all weaker and stronger "
+        "shaking."
     )
 
 
@@ -129,10 +129,10 @@ def _sentences(answer: CaseAnswer, table: xr.Dataset) -> list[str]:
     told = [f"With {gap} {about.met} in none of the motions, at any intensity of the hazard."]
     if rate:
         told = [
-            f"Under the hazard of the site, and with {gap}, {about.meet} {rate:.2g} times a year on "
-            f"average ({low:.2g} to {high:.2g}), which is once in {_years(rate)}. The probability of "
-            f"that within {years:g} years is {per_cent(float(one.risk_probability_in_years), 1)}. "
-            f"{_strongest(answer, one)}"
+            f"Under the hazard of the site and with {gap}, {about.meet} {rate:.2g} times a year on "
+            f"average ({low:.2g} to {high:.2g}), which is once in {_years(rate)}. The probability that "
+            f"this happens within {years:g} years is "
+            f"{per_cent(float(one.risk_probability_in_years), 1)}. {_strongest(answer, one)}"
         ]
     if "risk_required_gap" in table:
         needed, *ends = (float(table[f"risk_required_gap{end}"]) for end in ("", "_lower", "_upper"))
@@ -149,7 +149,7 @@ def _allowed(answer: CaseAnswer) -> str:
 
 
 def _left_out(answer: CaseAnswer, one: xr.Dataset) -> list[str]:
-    """What the hazard does not tell of, where that could be much."""
+    """The part beyond the table of the hazard, where it could be large."""
     told, rate, weakest = [], float(one.risk_annual_rate), float(one.risk_pounding_probability[0])
     unit, label = _axis(answer)
     if isinstance(answer.case.hazard, HazardCurve) and weakest > NOTICED:
@@ -157,13 +157,14 @@ def _left_out(answer: CaseAnswer, one: xr.Dataset) -> list[str]:
         least = f"{float(one.risk_intensity[0]) / unit:.2g}{SPACE}{units}"
         told.append(
             f"The hazard begins at {name} {least}, with which {subject_of(answer.case).meet} in "
-            f"{per_cent(weakest)} of the motions. Weaker shaking, of which it does not tell, is left "
-            "out, and it happens more often than is said here: give it from lower intensities on."
+            f"{per_cent(weakest)} of the motions. Weaker shaking is not in the table of the hazard and "
+            "is left out, so that the true frequency is higher than printed here: start the table at "
+            "lower intensities."
         )
     if float(one.risk_annual_rate_unseen) > NOTICED * rate:
         told.append(
-            "Shaking stronger than all that the hazard tells of could add up to "
-            f"{float(one.risk_annual_rate_unseen):.2g} a year: give it for rarer shaking."
+            "Shaking stronger than that of the hazard table could add up to "
+            f"{float(one.risk_annual_rate_unseen):.2g} a year: extend the table to rarer shaking."
         )
     return told
 
@@ -175,7 +176,7 @@ def _shares(one: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _strongest(answer: CaseAnswer, one: xr.Dataset) -> str:
-    """Which intensities nine tenths of the rate come from."""
+    """The intensities that contribute nine tenths of the rate."""
     edges, share = _shares(one)
     above = 1 - np.append(0.0, np.cumsum(share))
     unit, label = _axis(answer)
@@ -185,7 +186,7 @@ def _strongest(answer: CaseAnswer, one: xr.Dataset) -> str:
     begin = f"{low:.2g} to {high:.2g}{SPACE}{units}" if low else f"less than {high:.2g}{SPACE}{units}"
     if not np.isfinite(high):
         begin = f"more than {low:.2g}{SPACE}{units}"
-    return f"Nine tenths of this come from shaking of {name} {begin}."
+    return f"Nine tenths of this frequency come from shaking of {name} {begin}."
 
 
 def _named(label: str) -> tuple[str, str]:

@@ -1,4 +1,4 @@
-"""The picture of a gap over height, and of what storeys drift: a column wide, and for print in grey."""
+"""The picture of a gap over height and of storey drifts: one column wide, and for print in grey."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ CENTIMETRES = 100.0
 
 @styled(AS_GIVEN | {"font.size": 10})
 def draw_heights(dataset: xr.Dataset, caption: bool = True) -> Figure:
-    """Draw what `stochlin.separation` returns for buildings with storeys.
+    """Draw the result of `stochlin.separation` for buildings with storeys.
 
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of one pair, at least one of them a ``ShearBuilding``, or of one alone; from memory or as
-        ``stochlin gap`` saves it.
+        The result for one pair, at least one of them a ``ShearBuilding``, or for one building; from
+        memory or as ``stochlin gap`` saves it.
     caption : bool
-        Whether to say below of what it is.
+        Whether to describe the case below the picture.
 
     Returns
     -------
@@ -120,10 +120,12 @@ def _gaps(axes: Axes, dataset: xr.Dataset) -> None:
             color="0.35",
             lw=1.0,
             ls=(0, (8, 2, 1, 2, 1, 2)),
-            label=f"the {gap_of(dataset)} there is",
+            label=f"existing {gap_of(dataset)}",
         )
     asked = f"{100 * float(dataset.attrs['confidence']):.4g} %"
-    axes.set(ylabel="height [m]", xlabel=f"{gap_of(dataset)} [cm] that {asked} of the motions keep")
+    axes.set(
+        ylabel="height [m]", xlabel=f"{gap_of(dataset)} [cm] not exceeded in {asked} of the motions"
+    )
     if grounded:
         axes.set(ylim=(0, 1.04 * heights[-1]))
     else:

@@ -1,4 +1,4 @@
-"""What an answer is about: two buildings and the gap between them, or one and its property line."""
+"""The subject of an answer: two buildings and the gap between them, or one and its property line."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ PAIR = Subject(
     the_buildings="the buildings",
     column="apart",
     good="motions without pounding",
-    share="the rule's gap keeps the buildings apart",
+    share="the rule's gap prevents pounding",
     would="a gap would have kept the buildings apart",
     families="Families of building codes",
     rules="",
@@ -67,10 +67,10 @@ ALONE = Subject(
     good="motions inside the line",
     share="the building, with the rule's set-back, stays on its side of the line",
     would="a set-back would have kept the building on its side of the line",
-    families="Families of building codes, by what they say of two buildings",
-    rules="Rules of which nothing is known for a property line are left out.",
-    records="The line is where displacements are positive; on the other side a record may take as much "
-    "as the peak.",
+    families="Families of building codes, by their provisions for two buildings",
+    rules="Rules without a known provision for property lines are left out.",
+    records="The line is on the side of positive displacements; on the other side a record may need "
+    "up to the peak.",
     meet="it crosses its property line",
     met="it crossed its property line",
     stand_at="it should stand {gap} away from its property line",
@@ -79,7 +79,7 @@ ALONE = Subject(
 
 
 def subject_of(case: Case) -> Subject:
-    """What the answer to a case is about."""
+    """The subject of the answer to a case."""
     return ALONE if case.alone else PAIR
 
 

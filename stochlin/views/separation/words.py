@@ -1,4 +1,4 @@
-"""An answer about a gap in plain words and short numbers: what the screen and the page share."""
+"""An answer about a gap in plain words and short numbers, for the screen and the page."""
 
 from __future__ import annotations
 
@@ -66,22 +66,22 @@ class RuleLine(NamedTuple):
 
 
 def columns(case: Case) -> str:
-    """What the columns of the table of rules mean."""
+    """The meaning of the columns of the table of rules."""
     about = subject_of(case)
     return (
-        f"Error: the rule's {about.gap} against the answer; minus is unsafe. "
+        f"Error: the rule's {about.gap} relative to the answer; negative is unsafe. "
         f"{about.column.capitalize()}: share of the simulated motions in which {about.share}. Within "
-        "error: the simulation cannot tell."
+        "error: the difference is within the error of the simulation."
     )
 
 
 def families(case: Case) -> str:
-    """What the families of the rules mean."""
+    """The meaning of the families of rules."""
     return f"{subject_of(case).families}: {FAMILIES}"
 
 
 def _of_each(table: xr.Dataset, name: str) -> list[float]:
-    """A number of both buildings, or of the one that there is."""
+    """A number for each building of the case."""
     return [float(table[f"{name}_{n}"]) for n in (1, 2) if f"{name}_{n}" in table]
 
 
@@ -92,7 +92,7 @@ def ductilities(table: xr.Dataset) -> str:
 
 
 def rows(answer: CaseAnswer) -> list[RuleLine]:
-    """The table of rules, the answer first; of one building alone those that say something of one."""
+    """The table of rules, the answer first; for one building alone, those that apply to one building."""
     table, about = answer.separation, subject_of(answer.case)
     if answer.case.alone:
         of_two = [str(text).startswith(OF_TWO) for text in table.missing.values]
@@ -115,7 +115,7 @@ def rows(answer: CaseAnswer) -> list[RuleLine]:
 
 
 def answer_lines(answer: CaseAnswer) -> list[str]:
-    """All that the screen shows: the answer in words, the table, and what a reader must know of it."""
+    """The lines for the screen: the answer in words, the table, and its explanation."""
     doubt = paragraph(doubted(answer.doubts()))
     lines = [*doubt, answer.case.title, "", *paragraph(headline(answer))]
     for sentence in summary(answer):
@@ -148,7 +148,7 @@ def answer_lines(answer: CaseAnswer) -> list[str]:
 
 
 def names_of(answer: CaseAnswer) -> dict[str, str]:
-    """What to call the models of the case."""
+    """The names of the models of the case."""
     buildings = enumerate(answer.case.buildings, start=1)
     return {**{f"structure_{n}": one.name for n, one in buildings}, "ground": "the ground"}
 
@@ -161,10 +161,10 @@ def headline(answer: CaseAnswer) -> str:
 
 
 def summary(answer: CaseAnswer) -> list[str]:
-    """What the answer means, how sure it is, and what the rules make of the case."""
+    """The meaning of the answer, its confidence, and the results of the rules."""
     case, table, about = answer.case, answer.separation, subject_of(answer.case)
     low, high = (float(table[f"gap_{end}"][0]) for end in ("lower", "upper"))
-    interval = f"{length(low)} or more, from too few motions to say how much"
+    interval = f"{length(low)} or more; the motions are too few for an upper end"
     if np.isfinite(high):
         interval = f"{centimetres(low)} to {length(high)}"
     confidence = f"{100 * case.confidence:.4g}{SPACE}%"
@@ -198,7 +198,7 @@ def summary(answer: CaseAnswer) -> list[str]:
 
 
 def allowances(answer: CaseAnswer) -> list[str]:
-    """What would make the existing gap enough, or how far it is: a heading, changes, the range."""
+    """Changes that make the existing gap sufficient, or the limits up to which it is."""
     if answer.existing is None:
         return []
     found, case, about = answer.existing, answer.case, subject_of(answer.case)
@@ -208,11 +208,11 @@ def allowances(answer: CaseAnswer) -> list[str]:
     ends = [float(found[f"least_added_damping_{end}"]) for end in ("lower", "upper")]
     told = f" [{per_cent(ends[0], 1)} to {per_cent(ends[1], 1)}]" if ends[0] < ends[1] else ""
     more = f"at least {per_cent(damping, 1)}{told} more{'' if case.alone else ' in both'}"
-    more = more if damping else "no more is needed"
+    more = more if damping else "no additional damping is needed"
     return [
-        f"How far each may go, alone, with the {about.gap} still enough:"
+        f"The existing {about.gap} stays sufficient up to these values, each changed alone:"
         if enough
-        else f"What would make the {about.gap} enough, one change alone:",
+        else f"Each of these changes alone would make the existing {about.gap} sufficient:",
         *_strength(found, answer.separation),
         "Shaking: "
         + _limit(
@@ -224,7 +224,7 @@ def allowances(answer: CaseAnswer) -> list[str]:
 
 
 def _heights(answer: CaseAnswer) -> str:
-    """Where the gap is governed, and what is needed lower down; nothing of oscillators."""
+    """The height that governs the gap, and the gaps needed below it; nothing for oscillators."""
     table = answer.separation
     if "height" not in table.dims:
         return ""
@@ -233,8 +233,8 @@ def _heights(answer: CaseAnswer) -> str:
         if not isinstance(one, StoreyBuilding):
             told = f", although it is {one.height:.4g}{SPACE}m high" if one.height else ""
             return (
-                f"{one.name} is described without storeys: it is taken to move beside the roof of "
-                f"{other.name}, {other.height:.4g}{SPACE}m up{told}."
+                f"{one.name} is described without storeys: its displacement is compared with that of "
+                f"the roof of {other.name}, {other.height:.4g}{SPACE}m up{told}."
             )
     governs = float(table.governing_height[0])
     lower = table.gap_at_height[0].sel(height=table.height < governs)
@@ -243,7 +243,7 @@ def _heights(answer: CaseAnswer) -> str:
         f"{centimetres(float(one))}{SPACE}cm at {float(one.height):.4g}{SPACE}m"
         for one in (lower[int(index)] for index in np.unique(places.astype(int)))
     ]
-    told = f"; below, less would do: {', '.join(parts)}" if parts else ""
+    told = f"; at lower heights less is sufficient: {', '.join(parts)}" if parts else ""
     what = subject_of(answer.case).gap
     return f"The {what} is needed at {governs:.4g}{SPACE}m{told}."
 
@@ -254,8 +254,8 @@ def _alike(table: xr.Dataset) -> str:
     if float(table.gap[0]) > ALIKE * max(float(table.peak_1), float(table.peak_2)):
         return ""
     return (
-        "They move alike in this model, as no two real buildings do: a small difference in period takes "
-        "a gap, so try one."
+        "Both move alike in this model, but no two real buildings do. A small difference of the "
+        "periods needs a gap: repeat the calculation with one."
     )
 
 
@@ -269,12 +269,15 @@ def _yielding(table: xr.Dataset) -> str:
     if np.nanmax(values) < 1:
         return f"{sentence}: {'it hardly yields' if alone else 'they hardly yield'}."
     if np.nanmax(values) > MUCH:
-        return f"{sentence}: more than most buildings bear. Loss of strength is not in the model."
+        return (
+            f"{sentence}: more than most buildings can sustain. The model does not include loss of "
+            "strength."
+        )
     return f"{sentence}."
 
 
 def _storeys(answer: CaseAnswer) -> str:
-    """The storey of each building that yields most, or that drifts most if none does."""
+    """The storey of each building with the largest ductility, or the largest drift if none yields."""
     table, parts = answer.separation, []
     for number, building in enumerate(answer.case.one_or_two, start=1):
         if not isinstance(building, StoreyBuilding):
@@ -293,7 +296,11 @@ def _storeys(answer: CaseAnswer) -> str:
 def _verdicts(answer: CaseAnswer) -> str:
     shown = rows(answer)[1:]
     count = {word: sum(row.verdict == word for row in shown) for word in {r.verdict for r in shown}}
-    words = {"safe": "safe here", "unsafe": "unsafe", "within error": "too close to tell"}
+    words = {
+        "safe": "safe here",
+        "unsafe": "unsafe",
+        "within error": "undecided within the error of the simulation",
+    }
     parts = [f"{count[word]} {text}" for word, text in words.items() if count.get(word)]
     about = subject_of(answer.case)
     sentence = (
@@ -310,7 +317,7 @@ def _verdicts(answer: CaseAnswer) -> str:
 def _existing(found: xr.Dataset, case: Case) -> str:
     name = "no_pounding_probability"
     share, low, high = (float(found[f"{name}{end}"]) for end in ("", "_lower", "_upper"))
-    word, about = "too close to tell whether that is enough", subject_of(case)
+    word, about = "undecided within the error of the simulation", subject_of(case)
     if low >= case.confidence:
         word = "enough"
     elif high < case.confidence:
@@ -354,7 +361,7 @@ def _with_interval(found: xr.Dataset, name: str, end: str = "") -> str:
 
 
 def _limit(value: float, text: str) -> str:
-    """The text of a limit, or what an infinite one and one that is not there mean."""
+    """The text of a limit, also of one that is infinite or missing."""
     if np.isnan(value):
         return "none of those searched"
     return "any of those searched" if np.isinf(value) else text

@@ -1,1 +1,1 @@
-"""What all commands and pictures share: options, screen, words, style."""
+"""Shared by all commands and pictures: options, screen, words, style."""

@@ -40,7 +40,7 @@ def roles_in_words(attrs: Mapping[Any, Any], *roles: str) -> list[str]:
 
 
 def in_words(described: str, role: str = "") -> str:
-    """What ``Model.describe`` wrote, for a reader, less what the role says; anything else unchanged."""
+    """The text of ``Model.describe`` for a reader, without the name of the role; others unchanged."""
     call = CALL.fullmatch(described)
     if call is None:
         return described
@@ -81,7 +81,7 @@ def _title(name: str) -> str:
 
 
 def _parts(given: str) -> Iterator[str]:
-    """What stands between the commas that are outside of brackets."""
+    """The parts between the commas outside of brackets."""
     depth, begin = 0, 0
     for place, letter in enumerate(given):
         depth += (letter in "([") - (letter in ")]")

@@ -123,8 +123,8 @@ class Numbers(Measured):
         if not re.fullmatch(r"\d+(:log)?", ":".join(rest)) or int(rest[0]) < 2:
             unit = "" if self.units == "1" else "s"
             self.fail(
-                f"{value!r} is no sweep; allowed: start:stop:count with count >= 2, as "
-                f"0.2{unit}:2{unit}:19, or geometric as 0.2{unit}:4{unit}:81:log",
+                f"{value!r} is no sweep; allowed: start:stop:count with count >= 2, such as "
+                f"0.2{unit}:2{unit}:19, or geometric, such as 0.2{unit}:4{unit}:81:log",
                 param,
                 ctx,
             )
@@ -134,7 +134,7 @@ class Numbers(Measured):
             self.fail(str(error), param, ctx)
         low, high = self.one(start, param, ctx), self.one(stop, param, ctx)
         if rest[1:] and not low * high > 0:
-            self.fail(f"{value!r} is geometric and passes 0; allowed: both ends above 0", param, ctx)
+            self.fail(f"{value!r} is geometric and includes 0; allowed: both ends above 0", param, ctx)
         spread = np.geomspace if rest[1:] else np.linspace
         return [float(x) for x in spread(low, high, int(rest[0]))]
 
@@ -232,7 +232,7 @@ simulation_options = together(
         type=click.IntRange(min=2),
         default=256,
         show_default=True,
-        help="Simulated motions, where the method is simulation.",
+        help="Number of simulated motions, with --method simulation.",
     ),
     click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True),
 )
@@ -240,7 +240,9 @@ simulation_options = together(
 record_options = together(
     click.option("--record", type=FILE, help="Strong-motion record; the ground is fitted to it."),
     click.option(
-        "--dt", type=Measured("s"), help="Time step of the record, as .01s, where the file does not say."
+        "--dt",
+        type=Measured("s"),
+        help="Time step of the record, such as 0.01s, if the file does not give it.",
     ),
     click.option("--units", help="Units of the record: g, m/s^2, cm/s^2 or mm/s^2."),
     click.option("--column", help="Column of the record, by number from 0 or by name."),
@@ -256,7 +258,7 @@ record_options = together(
         "--estimator",
         default="psd",
         show_default=True,
-        help="How it is fitted: psd, log_psd, whittle.",
+        help="Estimator of the fit: psd, log_psd or whittle.",
     ),
 )
 

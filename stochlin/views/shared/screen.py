@@ -1,4 +1,4 @@
-"""What commands say: tables as text, and what went wrong in one sentence."""
+"""The output of commands: tables as text, and errors in one sentence."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ codecs.register_error(SPELLED, _spelled)
 
 @contextmanager
 def bad_input() -> Iterator[None]:
-    """Show what is wrong with the input in one sentence, exit status 2; failed work, status 1."""
+    """Show an error of the input in one sentence with exit status 2, failed work with status 1."""
     try:
         yield
     except BrokenPipeError:
@@ -60,8 +60,8 @@ def bad_input() -> Iterator[None]:
         raise click.UsageError(sentence(error, LONGEST_MESSAGE)) from error
     except MemoryError as error:
         raise click.UsageError(
-            f"the memory of this machine is not enough ({error or 'no more of it'}); take fewer cells "
-            "or paths, or a shorter motion"
+            f"this machine has too little memory ({error or 'none is left'}); take fewer cells or "
+            "paths, or a shorter motion"
         ) from error
     except (ArithmeticError, RuntimeError, ImportError) as error:
         raise click.ClickException(sentence(error, LONGEST_MESSAGE)) from error
@@ -128,7 +128,9 @@ def check_target(
         raise ValueError(f"{option} {error}") from error
     for one in inputs:
         if one.exists() and target.exists() and target.samefile(one):
-            raise ValueError(f"{option} {path} would write over {one}, which is read; give another name")
+            raise ValueError(
+                f"{option} {path} would overwrite {one}, which is an input; give another name"
+            )
 
 
 def write(
@@ -158,7 +160,7 @@ def show(lines: Iterable[str]) -> None:
 
 
 def cut(name: str, wide: int) -> str:
-    """A name of at most so many characters."""
+    """A name, cut to this number of characters."""
     return name if len(name) <= wide else f"{name[: wide - 3]}..."
 
 

@@ -1,4 +1,4 @@
-"""What the pictures share: curves told apart in grey, names of quantities, ratio axes, planes."""
+"""The shared style of the pictures: curves distinct in grey, names of quantities, ratio axes, planes."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ CURVES = (
     ("#4d9a8a", (0, (6, 1.5, 1, 1.5, 1, 1.5))),
     ("#9e9ac8", (0, (1, 1))),
 )
-SIGNED_STEPS = (0.1, 0.2, 0.4, 0.6, 0.8, 1, 1.5, 2)  # of a difference of rho; within .1 is white
+SIGNED_STEPS = (0.1, 0.2, 0.4, 0.6, 0.8, 1, 1.5, 2)  # of a difference of rho; within 0.1 is white
 TICKS = (0.1, 0.25, 0.5, 1, 2, 4)
 NAMES = {
     "damping": r"$\xi$",
@@ -113,7 +113,7 @@ def plain_ticks(axis: Axis, ticks: Sequence[float]) -> None:
 
 
 def quantity(values: xr.DataArray) -> str:
-    """What an axis says of a variable: its long name, and its unit if it has one."""
+    """The label of an axis: the long name of the variable, and its unit if it has one."""
     name, units = values.attrs.get("long_name", str(values.name)), values.attrs.get("units", "1")
     return typeset(name if units == "1" else f"{name} [{units}]")
 
@@ -187,7 +187,7 @@ def plane(
 
 
 def _edges(centres: np.ndarray, logarithmic: bool) -> np.ndarray:
-    """Where cells around these centres meet."""
+    """The edges between cells around these centres."""
     values = np.log(centres) if logarithmic else centres
     inner = 0.5 * (values[1:] + values[:-1])
     edges = np.concatenate([[2 * values[0] - inner[0]], inner, [2 * values[-1] - inner[-1]]])
@@ -232,7 +232,7 @@ def _refined(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, n
 
 
 def signed_levels(table: xr.DataArray) -> np.ndarray:
-    """Levels of a difference, alike on both sides of zero; of rho from .1 to .4 at least."""
+    """Levels of a difference, alike on both sides of zero; of rho from 0.1 to 0.4 at least."""
     from matplotlib.ticker import MaxNLocator
 
     largest = float(np.abs(table).max())

@@ -1,4 +1,4 @@
-"""What of a case is not known exactly: in words and as a table, for every command."""
+"""The uncertain parameters of a case, in words and as a table, for every command."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ if TYPE_CHECKING:
     from stochlin.analyses.cases.case import Case
     from stochlin.models.uncertain import Uncertain, UncertainModel
 
-HEADS = ("not known exactly", "median", "nine of ten within")
+HEADS = ("uncertain parameter", "median", "90 % range")
 WITHIN = 0.05, 0.95
 
 
 def unknowns(case: Case) -> list[tuple[str, ...]]:
-    """A row for everything that is not known exactly; none if all is."""
+    """A row for each uncertain parameter."""
     return [
         _row(of, model, name, uncertain)
         for of, model in case.uncertain.items()
@@ -26,13 +26,13 @@ def unknowns(case: Case) -> list[tuple[str, ...]]:
 
 
 def contained(case: Case, what: str) -> str:
-    """That the answer contains it; empty where all is known."""
+    """A statement that the answer contains the uncertainty; empty where all is known."""
     if not case.uncertain:
         return ""
     return (
-        f"Some parameters are not known exactly. Each of the {case.paths} simulated motions meets its "
-        f"own sample of them, and {what} of motions and samples together. Formulas, and the strength "
-        "of the shaking, are given for the medians."
+        f"Some parameters are uncertain. Each of the {case.paths} simulated motions has its own sample "
+        f"of them, and {what} of motions and samples together. Formulas, and the strength of the "
+        "shaking, are given for the medians."
     )
 
 
@@ -43,8 +43,8 @@ def unknown_lines(case: Case, what: str) -> list[str]:
 
 
 def at_medians(case: Case) -> str:
-    """Where the answer does not contain it; empty where all is known."""
-    told = "Some parameters are not known exactly: here they are taken at their medians."
+    """A statement that the answer does not contain it; empty where all is known."""
+    told = "Some parameters are uncertain: here they are taken at their medians."
     return told if case.uncertain else ""
 
 

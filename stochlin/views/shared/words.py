@@ -33,8 +33,9 @@ COMMON = {
 }
 
 SLABS = (
-    "A slab can break the column that it hits, and the storey with it; codes that ask for less where "
-    "floors align, as Eurocode 8 (4.4.2.7) for .7 of the gap, mean level floors alone."
+    "A slab can break the column that it hits, and the storey with it. Codes that allow a smaller gap "
+    "where floors align, such as Eurocode 8 (4.4.2.7) with 0.7 of the gap, mean only floors at the "
+    "same level."
 )
 
 
@@ -92,7 +93,7 @@ def shown_unit(units: str) -> tuple[str, float]:
 
 
 def columns_hit(slabs: Sequence[SlabOnColumn]) -> str:
-    """That slabs meet columns, and what codes say of that; empty where none does."""
+    """A warning that slabs meet columns, and the provision of codes; empty where none does."""
     if not slabs:
         return ""
     more = {0: "", 1: ", and one more does"}.get(len(slabs) - 1, f", and {len(slabs) - 1} more do")
@@ -100,12 +101,12 @@ def columns_hit(slabs: Sequence[SlabOnColumn]) -> str:
 
 
 def scatter(case: Case) -> str:
-    """How motions differ in strength, and where that number is from; empty where it is 0 as usual."""
+    """The scatter of the motions in strength and its source; empty where it is 0 as usual."""
     usual = case.usual_scatter
     if not case.scatter:
         told = f"suites of records show a scatter of {usual:g} about such a site"
-        return f"With scatter = 0 in [motion] all motions are of one strength; {told}." if usual else ""
-    shown = "what suites of records show about such a site; scatter = 0 in [motion] leaves it out"
+        return f"With scatter = 0 in [motion], all motions are equally strong; {told}." if usual else ""
+    shown = "the scatter of suites of records about such a site; scatter = 0 in [motion] omits it"
     return (
         "From earthquake to earthquake the motions differ in strength by a lognormal factor of median 1 "
         f"and scatter {case.scatter:g} (standard deviation of its natural logarithm): "
@@ -119,7 +120,7 @@ def in_g(acceleration: float) -> str:
 
 
 def shaking(table: xr.Dataset, case: Case) -> str:
-    """How strong the motions of an answer are, by what an engineer knows."""
+    """The strength of the motions of an answer, in measures that engineers use."""
     of_each = {
         f"{building.period:.3g} s": in_g(float(table[f"spectral_acceleration_{n}"]))
         for n, building in enumerate(case.buildings, start=1)
@@ -152,23 +153,27 @@ def _at_periods(of_each: Mapping[str, str]) -> str:
 
 
 def over_records(found: xr.Dataset, count: int, gap: float, what: str = "gap") -> str:
-    """What many records say of a gap [m], in place of one number each."""
+    """The gap [m] in many records, in place of one number for each."""
     parts = []
     for level in found["quantile"].values:
         one = found.sel(quantile=level)
         low, high = (float(one[f"record_gap_quantile_{end}"]) for end in ("lower", "upper"))
-        to = f"{centimetres(low)} to {centimetres(high)}" if np.isfinite(high) else "too few to say"
+        to = (
+            f"{centimetres(low)} to {centimetres(high)}"
+            if np.isfinite(high)
+            else ("too few records for an interval")
+        )
         parts.append(
             f"{length(float(one.record_gap_quantile))} in {100 * level:.4g}{SPACE}% of them ({to})"
         )
     return (
-        f"The {count} recorded motions would have taken {', '.join(parts)}. A {what} of {length(gap)} "
-        f"holds {in_records(found, count)}."
+        f"The {count} recorded motions would have needed {', '.join(parts)}. A {what} of {length(gap)} "
+        f"is enough {in_records(found, count)}."
     )
 
 
 def in_records(found: xr.Dataset, count: int) -> str:
-    """In how many of the records they do not touch."""
+    """The number of records without contact."""
     name = "record_no_pounding_probability"
     share, low, high = (float(found[f"{name}{end}"]) for end in ("", "_lower", "_upper"))
     return (
@@ -178,12 +183,12 @@ def in_records(found: xr.Dataset, count: int) -> str:
 
 
 def doubted(doubts: Sequence[str]) -> str:
-    """What can hardly be meant, as the first line of an answer; empty if nothing is."""
+    """Doubtful input, as the first line of an answer; empty if there is none."""
     return f"CHECK THE INPUT, ITS UNITS FIRST: {'; '.join(doubts)}." if doubts else ""
 
 
 def floors(case: Case) -> str:
-    """That floors are not level, and what codes say of that; empty where that is not known."""
+    """A warning that floors are not level, and the provision of codes; empty where that is not known."""
     slabs, unlike = case.slabs_on_columns, case.unlike_storeys
     if slabs:
         return columns_hit(slabs)

@@ -1,1 +1,1 @@
-"""Pictures of sites: the spectrum that motions have, beside the one that is wanted."""
+"""Pictures of sites: the spectrum of the motions, beside the target."""

@@ -1,4 +1,4 @@
-"""The response spectrum of motions over the one that is wanted: a column wide, and for print in grey."""
+"""The response spectrum of motions relative to the target: one column wide, and for print in grey."""
 
 from __future__ import annotations
 
@@ -29,23 +29,23 @@ LEAST, MOST = 0.12, 1.2  # shown of the ratio, to either side of 1
 
 @styled(AS_GIVEN | {"font.size": 10})
 def draw_spectrum(dataset: xr.Dataset, caption: bool = True, periods: Sequence[float] = ()) -> Figure:
-    """Draw what `stochlin.simulated_spectrum` or `stochlin.compare_motions` returns.
+    """Draw the result of `stochlin.simulated_spectrum` or `stochlin.compare_motions`.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         From memory or from file.
     caption : bool
-        Whether to say below of what ground, duration and envelope the motions are, and how they fit.
+        Whether to describe below the chart the ground, duration, envelope and fit of the motions.
     periods : sequence of float
-        Periods to mark [s], as those of buildings.
+        Periods to mark [s], such as those of buildings.
 
     Returns
     -------
     matplotlib.figure.Figure
-        Above the response spectra over the period: the one wanted, or that of the record, and of the
-        simulated motions the mean and from 16 to 84 %. Below, where one is wanted, the mean over it with
-        its 95 % interval, and lines at 6 % to either side.
+        Above, the response spectra over the period: the target, or that of the record, and of the
+        simulated motions the mean and the range from 16 to 84 %. Below, if there is a target, the ratio
+        of the mean to it with its 95 % interval, and lines at 6 % to either side.
 
     Raises
     ------
@@ -126,7 +126,7 @@ def _of_g(acceleration: Any) -> Any:
 
 
 def _ratio(axes: Axes, dataset: xr.Dataset) -> None:
-    """The mean of the motions over what is wanted, with its interval."""
+    """The ratio of the mean of the motions to the target, with its interval."""
     period, ratio = dataset.period.values, dataset.ratio.values
     error: Any = NORMAL * dataset.ratio_standard_error.values
     color, dash = CURVES[1]
@@ -142,10 +142,10 @@ def _ratio(axes: Axes, dataset: xr.Dataset) -> None:
 
 
 def _caption(dataset: xr.Dataset) -> list[str]:
-    """What the motions are, and how well they fit."""
+    """A description of the motions and of their fit."""
     attrs = dataset.attrs
     source = dataset.target.attrs.get("source") if "target" in dataset else None
-    wanted = [f"Wanted: {source}."] if source else []
+    wanted = [f"Target: {source}."] if source else []
     told = [f"Damping {attrs['damping']:g}; motions of {attrs['duration_s']:.4g} s, "
             f"{attrs.get('envelope', 'stationary')}."]  # fmt: skip
     return [attrs["title"], *wanted, *fit_in_words(dataset), *told, attrs["ground"]]

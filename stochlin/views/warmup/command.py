@@ -1,4 +1,4 @@
-"""The command ``stochlin warmup``: compile now what is compiled at its first use else."""
+"""The command ``stochlin warmup``: compile now what would otherwise be compiled at its first use."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from stochlin.views.shared.screen import COMMANDS, bad_input, progress_bar
     "--jobs",
     type=click.IntRange(1),
     show_default="all cores",
-    help="Processes that compile side by side.",
+    help="Number of processes that compile in parallel.",
 )
 def warmup(jobs: int | None) -> None:
-    """Compile everything now, so that no command waits for it.
+    """Compile everything now, so that no command has to wait for it.
 
-    The time steps of stochlin are compiled for this machine when they are first needed, which takes
-    from seconds to a minute, and kept on the disk: in the folder of the program, in the user's cache
-    folder if that cannot be written, or where the environment variable NUMBA_CACHE_DIR says. They are
-    compiled again after an update of stochlin or numba, and for another kind of processor. Where no
-    folder can be written it ends with exit status 1.
+    The time steps of stochlin are compiled for this machine when they are first needed, which takes from
+    seconds to a minute, and kept on the disk: in the folder of the program, in the user's cache folder
+    if that cannot be written, or in the folder that the environment variable NUMBA_CACHE_DIR names. They
+    are compiled again after an update of stochlin or numba, and for another kind of processor. Where no
+    folder can be written, the command ends with exit status 1.
 
-    In the recipe of a container it is the line after the installation.
+    In the recipe of a container, put this command directly after the installation.
 
     \b
     Example:

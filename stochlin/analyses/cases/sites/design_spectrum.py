@@ -71,7 +71,8 @@ def _of_file(site: Section, folder: Path) -> xr.DataArray:
     if not (folder / name).exists():
         raise site.error(
             SPECTRUM,
-            f"is no code, and no file beside this one; allowed: {', '.join(_CODES)}, or such a file",
+            "is neither a code nor a file beside this one; allowed: "
+            f"{', '.join(_CODES)}, or such a file",
         )
     options: dict[str, Any] = {}
     if "units" in site:
@@ -90,7 +91,7 @@ def _check_keys(site: Section, own: tuple[str, ...], strength: str) -> None:
         if key in site and key not in (*own, HAZARD):
             raise site.error(
                 key,
-                f"is given beside spectrum = {brief(site.values[SPECTRUM])}; how strong that is says "
+                f"is given beside spectrum = {brief(site.values[SPECTRUM])}; its strength is given by "
                 f"{strength}, so leave {key} out",
             )
     site.only(*_SHARED, HAZARD, *own)

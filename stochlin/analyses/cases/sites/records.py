@@ -34,7 +34,7 @@ def recorded_motions(site: Section, folder: Path) -> dict[str, xr.DataArray]:
         path = one.text("path")
         name = one.text("name", default=Path(path).name)
         if name in records:
-            raise one.error("name" if "name" in one else "path", "is there twice; give it another name")
+            raise one.error("name" if "name" in one else "path", "is used twice; give it another name")
         with one.naming("path", "cannot be read"):
             records[name] = read_record(folder / path, **_reading(one))
         if "scale" in one:
@@ -62,7 +62,7 @@ def read_suite(
     for name in suite:
         if name in records:
             raise one.error(
-                "path", f"has {brief(name)}, and so has site.records; give that another name"
+                "path", f"has {brief(name)}, which site.records also has; give that another name"
             )
     files = [(path if path.is_dir() else path.parent) / name for name in suite]
     return {**records, **suite}, [path, *files]

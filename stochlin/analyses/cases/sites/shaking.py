@@ -1,4 +1,4 @@
-"""The shaking that an answer is of, and what about it is hardly meant."""
+"""The shaking of an answer, and doubts about it."""
 
 from __future__ import annotations
 
@@ -67,11 +67,13 @@ def doubts(
     if heights and gap > min(heights.values()):
         name = min(heights, key=lambda name: heights[name])
         what = "gap" if len(buildings) > 1 else "set-back"
-        found.append(f"a {what} of {gap:.3g} m is wider than {name} is tall, {heights[name]:.3g} m")
+        found.append(
+            f"a {what} of {gap:.3g} m is larger than the height of {name}, {heights[name]:.3g} m"
+        )
     for building, peak in zip(buildings, peaks, strict=False):
         if building.height and peak > building.height:
             found.append(
-                f"{building.name} would move by {peak:.3g} m, more than it is tall, "
+                f"{building.name} would move by {peak:.3g} m, more than its height, "
                 f"{building.height:.3g} m"
             )
     return found

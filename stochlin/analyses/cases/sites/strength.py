@@ -82,7 +82,7 @@ def chosen_key(one: Section, keys: Sequence[str], companions: Mapping[str, str])
     key = given[0] if given else ""
     for other, of in companions.items():
         if other in one and key != of:
-            raise one.error(other, f"goes with {of}, which is not there; give both, or leave it out")
+            raise one.error(other, f"goes with {of}, which is missing; give both, or leave it out")
     return key
 
 
@@ -91,11 +91,11 @@ def doubtful_peak(pga: float) -> str:
     shown = f"{pga / METRES['g']:.3g} g"
     if pga > STRONGEST * METRES["g"]:
         return (
-            f"{shown}, and more than 3 g has hardly been recorded: an acceleration in gal may be taken "
-            "for one in m/s^2 or g"
+            f"{shown}, and more than 3 g has hardly been recorded: an acceleration in gal may have "
+            "been given as one in m/s^2 or g"
         )
     if pga < WEAKEST * METRES["g"]:
-        return f"{shown} is hardly felt: an acceleration in g or m/s^2 may be taken for one in gal"
+        return f"{shown} is hardly felt: an acceleration in g or m/s^2 may have been given as one in gal"
     return ""
 
 
@@ -169,7 +169,7 @@ def _of_points(one: Section, of: Mapping[str, Any]) -> HazardCurve:
         )
     frequencies = given if key == "frequencies" else [1 / years for years in given]
     places = [f"point {n}, {value}" for n, value in enumerate(one.values[key], start=1)]
-    with one.naming("intensities", "and the others are no hazard"):
+    with one.naming("intensities", "does not fit the others"):
         check_curve(np.array(intensities), np.array(frequencies), places)
     return HazardCurve(tuple(intensities), tuple(frequencies), **of)
 

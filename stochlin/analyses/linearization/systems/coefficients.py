@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import sympy
 
 # Closures of a structure alone, and why they are none of an element.
-LACKING = {NARROW_BAND: "has no z", DRIFT: "adds the drift of a structure that stands alone"}
+LACKING = {NARROW_BAND: "has no z", DRIFT: "is only available for single structures"}
 
 
 @dataclass(frozen=True)
@@ -143,7 +143,7 @@ def check_element_closure(law: Structure, closure: str) -> None:
     if closure in LACKING:
         raise ValueError(
             f"closure = {closure!r} {LACKING[closure]}; allowed for linked structures, storeys and "
-            "coefficients by themselves: gaussian, clipped"
+            "coefficients: gaussian, clipped"
         )
 
 

@@ -44,7 +44,7 @@ class Canada(SquareRoot):
 
 @published(CODE_RULES, "eurocode_8", "EN 1998-1, 4.4.2.7", "M high", 5)
 class Eurocode8(CodeRule):
-    """Eurocode 8, 4.4.2.7: square root of the sum of squares, times .7 if floors align."""
+    """Eurocode 8, 4.4.2.7: square root of the sum of squares, times 0.7 if floors align."""
 
     assumptions = f"peaks are design displacements, behaviour factor times elastic; {ALIGNED}"
     family = SRSS
@@ -61,14 +61,14 @@ class Ubc97(SquareRoot):
     """
 
     line = OWN_PEAK
-    assumptions = "peaks are maximum inelastic displacements, .7 R times those of design"
+    assumptions = "peaks are maximum inelastic displacements, 0.7 R times those of design"
 
 
 @published(CODE_RULES, "mexico_city", "NTC-Sismo, Mexico City", "S", 7)
 class MexicoCity(CodeRule):
     """Mexico City: each building keeps 50 mm and ``D + c h`` from its boundary; half if slabs align.
 
-    ``c`` is .001, .003, .006 in zones I, II, III. Between two bodies the two distances add up.
+    ``c`` is 0.001, 0.003, 0.006 in zones I, II, III. Between two bodies the two distances add up.
     """
 
     assumptions = f"{INELASTIC}; {ALIGNED}"
@@ -96,7 +96,7 @@ class India(CodeRule):
 
 @published(CODE_RULES, "taiwan", "Seismic design specifications for buildings, Taiwan", "S", 9)
 class Taiwan(CodeRule):
-    """Taiwan: .6 of the sum."""
+    """Taiwan: 0.6 of the sum."""
 
     assumptions = "peaks are 1.4 alpha_y Ra times the displacements under design forces"
     family = SUM
@@ -107,7 +107,7 @@ class Taiwan(CodeRule):
 
 @published(CODE_RULES, "peru_e030", "Norma E.030, Peru", "M", 10)
 class Peru(CodeRule):
-    """E.030: the largest of .006 h, 30 mm and 2/3 of the sum; ``h`` the lower building's height."""
+    """E.030: the largest of 0.006 h, 30 mm and 2/3 of the sum; ``h`` the lower building's height."""
 
     family = SUM
     needs = OF_HEIGHT
@@ -120,7 +120,7 @@ class Peru(CodeRule):
 @published(CODE_RULES, "asce_41", "ASCE 41-13, checklist, adjacent buildings; FEMA 310", "M high", 13)
 @dataclass(frozen=True)
 class Asce41(ShareOfHeight):
-    """ASCE 41-13 and FEMA 310: .04 of the lower building's height, where nothing else is known.
+    """ASCE 41-13 and FEMA 310: 0.04 of the lower building's height, where nothing else is known.
 
     ASCE 41-17 has lower shares where seismicity is lower.
     """
@@ -138,7 +138,7 @@ BY_HEIGHT = {"I": 0.007, "II": 0.009, "III": 0.012}  # share of the height, simp
 class MexicoCitySimplified(CodeRule):
     """Mexico City, simplified method: each building keeps 50 mm and ``c h``; half if slabs align.
 
-    ``c`` is .007, .009, .012 in zones I, II, III. Between two bodies the two distances add up.
+    ``c`` is 0.007, 0.009, 0.012 in zones I, II, III. Between two bodies the two distances add up.
     """
 
     assumptions = f"{NO_PEAKS}: the simplified method has none; {ALIGNED}"

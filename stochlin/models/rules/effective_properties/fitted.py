@@ -37,7 +37,7 @@ class _PowerRule(EffectiveRule):
     "Iwan (1980)",
 )
 class Iwan1980(_PowerRule):
-    """Fit to inelastic response spectra: ``1 + .121 (mu-1)^.939``, ``xi + .0587 (mu-1)^.371``."""
+    """Fit to inelastic response spectra: ``1 + 0.121 (mu-1)^.939``, ``xi + 0.0587 (mu-1)^.371``."""
 
     period_law = (0.121, 0.939)
     damping_law = (0.0587, 0.371)
@@ -48,7 +48,7 @@ class Fema440(EffectiveRule):
     """Three pieces in ``mu``, below 4, to 6.5, and above, which do not quite meet.
 
     The published pieces jump: at ``mu = 4`` the period falls by 5.9 % and the damping rises by
-    .0056; at 6.5 the period rises by .04 % and the damping falls by .0037.
+    0.0056; at 6.5 the period rises by 0.04 % and the damping falls by 0.0037.
     """
 
     def period_ratio(self, ductility: Array, hardening: Array) -> Array:
@@ -72,7 +72,7 @@ class Fema440(EffectiveRule):
     "Jeng, Kasai and Maison (1992)",
 )
 class JengKasaiMaison1992(_PowerRule):
-    """``1 + .09 (mu-1)``, ``xi + .084 (mu-1)^1.3``: unverified."""
+    """``1 + 0.09 (mu-1)``, ``xi + 0.084 (mu-1)^1.3``: unverified."""
 
     reason = DOUBT
 
@@ -89,7 +89,7 @@ class JengKasaiMaison1992(_PowerRule):
     "Kasai, Jagiasi and Jeng (1996)",
 )
 class KasaiJagiasiJeng1996(_PowerRule):
-    """``1 + .18 (mu-1)``, ``xi + .16 (mu-1)^.9``: unverified."""
+    """``1 + 0.18 (mu-1)``, ``xi + 0.16 (mu-1)^.9``: unverified."""
 
     reason = DOUBT
 

@@ -62,12 +62,12 @@ class Secant(EffectiveRule):
     EFFECTIVE_RULES,
     "penzien_1997",
     "Penzien, J. (1997), Earthquake Eng. Struct. Dyn. 26",
-    "C, its share .65 M",
+    "C, share 0.65 M",
     3,
     "Penzien (1997)",
 )
 @dataclass(frozen=True)
 class Penzien1997(Secant):
-    """The secant rule at .65 of the peak ductility."""
+    """The secant rule at 0.65 of the peak ductility."""
 
     share: float = 0.65

@@ -9,11 +9,11 @@ from stochlin.models.rules.peak_factors import PEAK_FACTORS, PeakFactor
 from stochlin.models.rules.published import published
 
 EULER = float(np.euler_gamma)
-RISING = float(np.exp(EULER / 2))  # below, L + .5772/L falls as the number of crossings grows
+RISING = float(np.exp(EULER / 2))  # below, L + 0.5772/L falls as the number of crossings grows
 
 
 def _extreme_value(n: Array) -> Array:
-    """Mean ``L + .5772/L``, ``L = sqrt(2 ln N)``; NaN where it would fall as N grows."""
+    """Mean ``L + 0.5772/L``, ``L = sqrt(2 ln N)``; NaN where it would fall as N grows."""
     level = np.sqrt(2 * np.log(np.maximum(n, RISING)))
     return np.where(n >= RISING, level + EULER / level, np.nan)
 
@@ -25,11 +25,11 @@ def _extreme_value(n: Array) -> Array:
     place=1,
 )
 class Davenport1964(PeakFactor):
-    """Independent crossings: ``p = L + .5772/L``, ``q = (pi/sqrt 6)/L``, ``L = sqrt(2 ln N)``.
+    """Independent crossings: ``p = L + 0.5772/L``, ``q = (pi/sqrt 6)/L``, ``L = sqrt(2 ln N)``.
 
     Asymptotic for many crossings and a broad band; too large for a narrow one, where crossings come
-    in clumps. Below ``N = exp(.5772/2) = 1.33`` p would fall as N grows: NaN; and below 6.8 q is
-    above .655, the scatter of Rayleigh's law, where it cannot be. One-sided
+    in clumps. Below ``N = exp(0.5772/2) = 1.33`` p would fall as N grows: NaN; and below 6.8 q is
+    above 0.655, the scatter of Rayleigh's law, where it cannot be. One-sided
     peaks: the same with ``N/2``, the up-crossings of one level.
     """
 
@@ -56,10 +56,10 @@ class Davenport1964(PeakFactor):
 class DerKiureghian1980(PeakFactor):
     """Davenport's mean with an equivalent number ``Ne`` of independent crossings, fitted.
 
-    ``Ne = max(2.1, 2 delta N)`` for ``delta <= .1``, ``(1.63 delta^.45 - .38) N`` to .69, ``N`` above;
-    ``q = 1.2/L - 5.4/(13 + L^6.4)``, and .65 for ``Ne <= 2.1``. Of the fit's three pieces only the
-    first has a floor: where the others give ``Ne < 1.33``, p is NaN. At ``delta = .1`` the pieces
-    do not quite meet: ``Ne`` falls by .8 %.
+    ``Ne = max(2.1, 2 delta N)`` for ``delta <= 0.1``, ``(1.63 delta^.45 - 0.38) N`` to 0.69, ``N``
+    above; ``q = 1.2/L - 5.4/(13 + L^6.4)``, and 0.65 for ``Ne <= 2.1``. Of the fit's three pieces only
+    the first has a floor: where the others give ``Ne < 1.33``, p is NaN. At ``delta = 0.1`` the pieces
+    do not quite meet: ``Ne`` falls by 0.8 %.
 
     One-sided peaks: ``N/2`` crossings and ``2 delta``. In the narrow band ``Ne`` then stays what it
     was, as it must: up and down the envelope has the same peak.
