@@ -177,7 +177,7 @@ def _of_datasets(case: Case, name: str, old: xr.Dataset, new: xr.Dataset) -> Ite
             continue
         before, now = old[variable], new[variable]
         yield from _of_attributes(case, place, before.attrs, now.attrs)
-        if dict(before.sizes) != dict(now.sizes) or before.dtype.kind != now.dtype.kind:
+        if before.dims != now.dims or before.shape != now.shape or before.dtype.kind != now.dtype.kind:
             yield Difference(place, *(f"{v.dtype} {dict(v.sizes)}" for v in (before, now)))
         elif before.dtype.kind == "f":
             yield from _of_numbers(place, before.values, now.values, case.tolerance_of(str(variable)))

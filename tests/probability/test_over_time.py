@@ -195,7 +195,7 @@ def test_correction_of_a_yielding_pair_is_nearer_to_simulation():
 
 @pytest.mark.slow
 def test_formulas_are_flagged_where_they_are_off_and_trusted_where_they_are_not():
-    """Strengths 2 and 6: the formula is unsafe. What has caution 0 is too large by .1 at most."""
+    """Strengths 2 and 6: the formula is unsafe. What has caution 0 is too large by 0.1 at most."""
     gaps = xr.DataArray([0.04, 0.08, 0.12, 0.16], dims="gap")
     off = []
     for factors in ((2, 6), (6, 2), (4, 4), (1.3, 1.3)):

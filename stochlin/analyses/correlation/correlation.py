@@ -23,7 +23,13 @@ from stochlin.analyses.linearization.equivalent_systems import (
 )
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, cellwise_pair, valid_cells
+from stochlin.analyses.tables.cellwise import (
+    Cells,
+    Solved,
+    cellwise_pair,
+    valid_cells,
+    where_valid,
+)
 from stochlin.analyses.tables.work import check_work, count_cells
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
@@ -292,7 +298,7 @@ def rho_white_noise(
         memory=WHITE_NOISE * count_cells(pair),
     )
     valid = valid_cells(pair)
-    (rho,) = cellwise(np.where, valid, _white_noise(*pair.cells().values()), np.nan)
+    rho = where_valid(_white_noise(*pair.cells().values()), valid)
     table = xr.Dataset({"rho": rho, "status": labels.status_where(valid)})
     return labels.with_run_information(
         labels.label(table, VARIABLES),

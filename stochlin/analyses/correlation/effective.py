@@ -9,7 +9,7 @@ import xarray as xr
 
 from stochlin.analyses.correlation.variables import VARIABLES
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, valid_cells
+from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, valid_cells, where_valid
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.correlation.white_noise import white_noise_correlation
 from stochlin.models.parameters import Parameter
@@ -79,7 +79,7 @@ def rho_effective(
         period_1, period_2, damping_1, damping_2, hardening_1, hardening_2, ductility_1, ductility_2
     )
     valid = valid_cells(pair)
-    values = {name: cellwise(np.where, valid, value, np.nan)[0] for name, value in pair.cells().items()}
+    values = {name: where_valid(value, valid) for name, value in pair.cells().items()}
     effective = effective_properties(values, chosen)
     (rho,) = cellwise(white_noise_correlation, *effective.values())
     table = xr.Dataset({"rho": rho, **effective, "status": labels.status_where(valid)})

@@ -49,6 +49,15 @@ def valid_cells(model: Model) -> Cells:
     return model.valid() if arrays else True
 
 
+def where_valid(values: Cells, valid: Cells) -> Cells:
+    """The values with NaN in cells that are not valid."""
+    return cellwise(_known, values, valid)[0]
+
+
+def _known(values: Array, valid: Array) -> Array:
+    return np.where(valid, values, np.nan)
+
+
 @overload
 def cellwise(
     function: Callable[..., Any], *arrays: xr.DataArray, **options: Any

@@ -260,7 +260,7 @@ class _OfOscillators(Filter):
         found = np.empty((9 + 3 * len(self.states), rows.shape[1]))
         solve = grounds.kanai_tajimi if len(self.states) == 2 else grounds.clough_penzien
         solve(rows, found)
-        return found.reshape(-1, *cells)
+        return found.reshape(len(found), *cells)
 
     def forcing(self, system: EquivalentSystem) -> Forcing:
         """Correlations of the forcing with the structure's states."""
@@ -272,7 +272,7 @@ class _OfOscillators(Filter):
 
     def _correlations(self, system: EquivalentSystem, *, slopes: bool = False) -> Array:
         rows = self._rows(system)[9:]
-        return np.moveaxis(rows.reshape(3, -1, *rows.shape[1:]), 1, -1)
+        return np.moveaxis(rows.reshape(3, len(self.states), *rows.shape[1:]), 1, -1)
 
 
 @dataclass(frozen=True, kw_only=True)
