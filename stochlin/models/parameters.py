@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import dataclasses
 import functools
+import inspect
 import operator
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any, ClassVar, Self
@@ -67,6 +68,14 @@ def parameter(units: str, long_name: str, allowed: Range, default: Any = datacla
     )
 
 
+class _Signature:
+    """Arguments of a model, those of its ``__init__``: older Pythons tell of ``__new__``."""
+
+    def __get__(self, _: Any, kind: type) -> inspect.Signature:
+        whole = inspect.signature(kind.__init__)  # type: ignore[misc]
+        return whole.replace(parameters=list(whole.parameters.values())[1:])
+
+
 @dataclasses.dataclass(frozen=True)
 class Model:
     """Base of everything a user describes: checks and labels the declared parameters.
@@ -76,6 +85,7 @@ class Model:
     """
 
     of_arguments: ClassVar[bool] = False  # of a function, whose messages name the argument alone
+    __signature__: ClassVar[_Signature] = _Signature()
     instead: ClassVar[str] = ""  # where it is not taken: what to call, or to give
 
     def __new__(cls, *args: Any, **kwargs: Any) -> Self:

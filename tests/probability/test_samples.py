@@ -67,7 +67,7 @@ def test_an_uncertain_ground_widens_what_is_needed():
     strong = sl.KanaiTajimi(0.42, 0.6, intensity=sl.Uncertain(0.01, 1.0))
     first = sl.Bilinear(1.0, 0.05)
     known, unknown = (
-        sl.pounding_probability(first, SECOND, each, 0.06, paths=256, **QUAKE)
+        sl.pounding_probability(first, SECOND, each, 0.06, paths=1024, **QUAKE)
         for each in (GROUND, strong)
     )
     assert float(unknown.required_gap_simulated_lower) > float(known.required_gap_simulated_upper)
@@ -85,3 +85,16 @@ def test_a_fragility_is_of_what_is_known():
     one = sl.Bilinear(sl.Uncertain(1.0, 0.2), 0.05)
     with pytest.raises((TypeError, ValueError), match=r"first = .* \+- 20 %.*give its median\(\)"):
         sl.pounding_fragility(one, SECOND, GROUND, 0.05, [0.01, 0.02], duration=10.0)
+
+
+def test_the_motions_are_those_of_a_separation():
+    """One seed, one answer: to the last bit, for oscillators and for buildings with storeys."""
+    storeyed = sl.ShearBuilding([2e5, 2e5], [4e7, 4e7], [3.0, 3.0], 0.05)
+    options = {"duration": 12.3, "paths": 64, "seed": 3}
+    for first in (sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=3), storeyed):
+        rules = sl.separation(first, SECOND, GROUND, confidence=0.9, **options)
+        gap = float(rules.separation_samples.median())
+        found = sl.pounding_probability(first, SECOND, GROUND, gap, **options)
+        kept = float((rules.separation_samples <= gap).mean())
+        assert float(found.confidence_of_no_pounding_simulated[-1]) == kept
+        assert float(found.required_gap_simulated) == float(rules.gap.sel(rule="simulation"))

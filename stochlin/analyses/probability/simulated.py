@@ -9,15 +9,13 @@ import numpy as np
 
 from stochlin.analyses.linearization.transient_systems import Course, Side, grounds_of, oscillators_of
 from stochlin.analyses.simulation.ensembles import Run, SimulationCells, joined_laws, prepare, seconds_of
+from stochlin.analyses.simulation.finite_motions import finite_steps
 from stochlin.analyses.simulation.views import view_of
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.linearization.filters import Filter
-from stochlin.kernels.simulation.ensemble import SampledGround
 from stochlin.kernels.simulation.separation_histories import Histories, Watched, separation_histories
-from stochlin.kernels.simulation.stepping import LANES, filter_steps
-from stochlin.models.envelopes import envelope_at
+from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.grounds import Ground
 
 STEPS_PER_PERIOD = 32
@@ -72,32 +70,23 @@ def simulate_course(
     metres = run.scale * amplitude
     one, two = (view_of([{int(n): 1.0} for n in side], run.order, metres) for side in pairs)
     watched = Watched(one, two, np.arange(pairs.shape[1]), *gaps)
-    soil = ground.filter({name: float(row[0]) for name, row in below.items()})
-    return histories_of(run, [soil], course, watched, progress)
+    return histories_of(run, course, watched, progress)
 
 
-def histories_of(
-    run: Run, soils: Sequence[Filter], course: Course, watched: Watched, progress: Progress | None
-) -> Histories:
-    """A run through the course, in steps of which a whole number goes into each of its intervals.
-
-    ``soils`` are those of the motions, or the one of all.
-    """
-    paths, instants = run.plan.groups * LANES, course.duration / run.plan.dt
+def histories_of(run: Run, course: Course, watched: Watched, progress: Progress | None) -> Histories:
+    """A run through the course, in the steps of any finite motion: the motions are those of a gap."""
+    paths, steps = run.plan.groups * LANES, course.duration / run.plan.dt
     count = len(watched.first.row)
     check_work(
         f"duration = {course.duration:g} s, in steps of {run.plan.dt:.2g} s and on {paths} paths, would "
         "take",
         "shorten it, lower paths, or leave out the shortest period",
-        memory=8 * (ENVELOPES * instants + RESULTS * float(paths) * count),
-        seconds=seconds_of(run, instants, WATCHED * count),
+        memory=8 * (ENVELOPES * steps + RESULTS * float(paths) * count),
+        seconds=seconds_of(run, steps, WATCHED * count),
     )
-    blocks = course.shown.size - 1
-    samples = int(np.ceil(course.duration / blocks / run.plan.dt))
-    dt = course.duration / blocks / samples
-    each = [filter_steps(*soil.arrays, 2 * np.pi * soil.intensity, dt) for soil in soils]
-    steps = run.ground._replace(steps=each) if isinstance(run.ground, SampledGround) else each[0]
-    plan = run.plan._replace(dt=dt, every=1, samples=samples)
-    middle = dt * (np.arange(blocks * samples) + 0.5)
-    shape = envelope_at(course.envelope, middle)
-    return separation_histories(run.crowd, steps, run.root, plan, shape, watched, progress)
+    plan, shape = finite_steps(run, course.duration, course.envelope)
+    instants = course.times[course.shown] / plan.dt
+    instants[-1] = shape.size
+    return separation_histories(
+        run.crowd, run.ground, run.root, plan, shape, instants, watched, progress
+    )

@@ -49,8 +49,7 @@ def storeys_in_motion(
         )
         gaps = of_cells(gap, cell).astype(float)
         watched = Watched(one, two, np.zeros(1, int), gaps, np.zeros(gaps.size, int))
-        soils = [each.lone_filter() for each in grounds or [ground]]
-        found = histories_of(run, soils, course, watched, progress)
+        found = histories_of(run, course, watched, progress)
         heights = xr.DataArray(0)
         if riders.has_storeys:
             heights = height_numbers([pair.height for pair in pairs])

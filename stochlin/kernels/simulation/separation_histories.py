@@ -25,12 +25,12 @@ class Watched(NamedTuple):
 
 
 class Histories(NamedTuple):
-    """Sums over motions at the end of each block, the start included; the largest of each motion."""
+    """Sums over motions at some instants, the start among them; the largest of each motion."""
 
-    survivors: Array  # (blocks + 1, c): motions in which the gap has not been reached yet
-    beyond: Array  # (blocks + 1, c): motions that are beyond the gap at the instant
-    squares: Array  # (blocks + 1, 3, r): of u_1, u_2 and u_1 - u_2 [m^2], pair by pair at all heights
-    fourths: Array  # (blocks + 1, 3, r)
+    survivors: Array  # (t, c): motions in which the gap has not been reached yet
+    beyond: Array  # (t, c): motions that are beyond the gap at the instant
+    squares: Array  # (t, 3, r): of u_1, u_2 and u_1 - u_2 [m^2], pair by pair at all heights
+    fourths: Array  # (t, 3, r)
     largest: Array  # (motions, r): max of u_1 - u_2 [m]
 
 
@@ -40,11 +40,14 @@ def separation_histories(
     root: Array,
     plan: Plan,
     envelope: Array,
+    instants: Array,
     watched: Watched,
     progress: Progress | None,
 ) -> Histories:
-    """Motions from rest under an envelope (steps,), a whole number of the plan's blocks long."""
-    blocks = envelope.size // plan.samples
+    """Motions from rest under an envelope (steps,), looked at after so many steps (t,), 0 first.
+
+    Between steps displacements are interpolated.
+    """
     rows = len(watched.first.row)
 
     def farthest(apart: Array) -> Array:
@@ -54,19 +57,29 @@ def separation_histories(
     def run(group: int) -> Histories:
         motion = Motion(crowd, ground, root, plan, plan.first_group + group)
         cells = watched.gap.size
-        survivors = np.full((blocks + 1, cells), LANES)
-        beyond = np.zeros((blocks + 1, cells), int)
-        squares, fourths = np.zeros((2, blocks + 1, 3, rows))
-        largest = np.zeros((LANES, rows))
-        for block in range(blocks):
-            out = motion.block(envelope[block * plan.samples : (block + 1) * plan.samples])
-            one, two = watched.first.of(out), watched.second.of(out)
-            apart = one - two
-            np.maximum(largest, apart.max(axis=0).T, out=largest)
-            now = np.stack([part[-1].T for part in (one, two, apart)], axis=1)
-            survivors[block + 1] = (farthest(largest)[:, watched.pair] <= watched.gap).sum(axis=0)
-            beyond[block + 1] = (farthest(now[:, 2])[:, watched.pair] > watched.gap).sum(axis=0)
-            squares[block + 1], fourths[block + 1] = (now**2).sum(axis=0), (now**4).sum(axis=0)
+        survivors = np.full((instants.size, cells), LANES)
+        beyond = np.zeros((instants.size, cells), int)
+        squares, fourths = np.zeros((2, instants.size, 3, rows))
+        largest, number = np.zeros((LANES, rows)), 1
+        last = np.zeros((2, 1, rows, LANES))
+        for begin in range(0, envelope.size, plan.samples):
+            part = envelope[begin : begin + plan.samples]
+            out = motion.block(np.concatenate([part, np.zeros(plan.samples - part.size)]))[: part.size]
+            sides = np.stack([watched.first.of(out), watched.second.of(out)])
+            sides = np.concatenate([last, sides], axis=1)  # after none, one, ... of these steps
+            last, apart, passed = sides[:, -1:], sides[0] - sides[1], 0
+            while number < instants.size and instants[number] <= begin + part.size:
+                here = instants[number] - begin
+                step, share = int(here), here % 1
+                following = min(step + 1, part.size)
+                largest = np.maximum(largest, apart[passed : step + 1].max(axis=0).T)
+                one, two = (1 - share) * sides[:, step] + share * sides[:, following]
+                now = np.stack([one.T, two.T, (one - two).T], axis=1)
+                survivors[number] = (farthest(largest)[:, watched.pair] <= watched.gap).sum(axis=0)
+                beyond[number] = (farthest(now[:, 2])[:, watched.pair] > watched.gap).sum(axis=0)
+                squares[number], fourths[number] = (now**2).sum(axis=0), (now**4).sum(axis=0)
+                passed, number = step, number + 1
+            largest = np.maximum(largest, apart[passed:].max(axis=0).T)
         return Histories(survivors, beyond, squares, fourths, largest)
 
     def join(total: Histories, part: Histories) -> Histories:

@@ -54,7 +54,7 @@ NAMES = {
 }
 # As datasets write symbols in plain text: one letter with an index, and powers.
 SYMBOL = re.compile(
-    r"(?<![\w$])(?:(?P<letter>[TSumv]|[αξρστω])(?P<index>el|[0-9fguy])|(?P<lone>[αξρστω]))(?!\w)"
+    r"(?<![\w$])(?:(?P<letter>[TSumv]|[αξρστω])(?P<index>el|[0-9fguy])|(?P<lone>[αξρστω]|T(?=/)))(?!\w)"
 )
 POWER = re.compile(r"\^(\((?:[^()]|\([^()]*\))*\)|-?\w)")
 LATIN = {"α": "alpha", "ξ": "xi", "ρ": "rho", "σ": "sigma", "τ": "tau", "ω": "omega"}
