@@ -140,7 +140,7 @@ class Structure(Model):
 
 @dataclass(frozen=True)
 class LinearPair(Model):
-    """Two linear oscillators: what eq. (4) asks for. Periods in s, damping ratios."""
+    """Two linear oscillators, the input of eq. (4). Periods in s, damping ratios."""
 
     of_arguments = True
 

@@ -122,7 +122,7 @@ PAIR = {"period_1": 1.0, "period_2": 1.0}
 @pytest.mark.parametrize(
     ("parameters", "says"),
     [
-        (PAIR | {"hardening": 0.05}, "ground_damping missing; this atlas asks for"),
+        (PAIR | {"hardening": 0.05}, "ground_damping missing; this atlas needs"),
         (PAIR | GIVEN | {"colour": 1.0}, "colour unknown"),
         (PAIR | GIVEN | {"damping": 0.02}, "damping_1 is held at 0.05"),
         (PAIR | GIVEN | {"period_1": np.ones((2, 2))}, "2 dimensions"),

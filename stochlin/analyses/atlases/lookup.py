@@ -100,7 +100,7 @@ def _points(
     missing = [name for name in axes if name not in given]
     if unknown or missing:
         what = f"{', '.join(unknown)} unknown" if unknown else f"{', '.join(missing)} missing"
-        raise ValueError(f"{what}; this atlas asks for {', '.join(axes)} and holds {held}")
+        raise ValueError(f"{what}; this atlas needs {', '.join(axes)} and holds {held}")
     unit = _array("ground_period", ground_period)
     logs: dict[str, xr.DataArray] = {}
     with np.errstate(invalid="ignore", divide="ignore"):  # what has no logarithm is outside

@@ -18,7 +18,7 @@ from stochlin.models.systems import LEVEL
 
 
 def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
-    """The measures of a case compared, and the least that would do, as `stochlin.mitigate` returns them.
+    """The measures of a case compared, and the smallest sufficient ones, by `stochlin.mitigate`.
 
     The case needs two buildings and the gap there is; errors name its file, and the cure. Pounding is
     computed on its records, where it has some, a contact, and masses. ``progress`` is called with the

@@ -181,7 +181,7 @@ def _asked(name: str) -> set[str]:
     asked = {parameter.name for parameter in parameters if parameter.default is parameter.empty}
     if not asked <= GIVEN:
         wrong, allowed = ", ".join(sorted(asked - GIVEN)), ", ".join(sorted(GIVEN))
-        raise TypeError(f"chart {brief(name)} asks for {wrong}; allowed: {allowed}")
+        raise TypeError(f"chart {brief(name)} needs {wrong}; allowed: {allowed}")
     return asked
 
 

@@ -74,7 +74,7 @@ def correlate(
         ``"linearization"``; ``"white_noise"``: eq. (4) with the elastic periods and dampings,
         whatever the ground, beside the elastic responses on this ground; ``"effective"``: eq. (4)
         with the effective periods and dampings of ``rule`` at the linearized peak ductility;
-        ``"simulation"``: the exact laws, all structures on the same motions, with standard errors.
+        ``"simulation"``: nonlinear, all structures under the same motions, with standard errors.
     closure : str
         As in `linearize`; for linearization and effective properties. With ``"drift"`` both drifts are
         correlated too, by ``docs/drift.md``; on Kanai-Tajimi ground by what simulated references

@@ -33,7 +33,7 @@ from stochlin.models.structures import DRIFT, Structure
 def drifting_pairs(
     first: Structure, second: Structure, ground: Ground, tolerance: Tolerance
 ) -> dict[str, Cells]:
-    """As `linearized_pairs`; the bias is judged by the truth that the Gaussian closure's bias tells.
+    """As `linearized_pairs`; the bias refers to the simulated values in the map of the Gaussian closure.
 
     Where that is not known the expected error takes its place in the caution. The difference of the
     displacements has an expected error of its own.

@@ -66,8 +66,8 @@ def correlate_linked(
 
     Notes
     -----
-    Linearization is as far off here as elsewhere where structures yield: `simulate` with ``link``
-    gives the truth.
+    Linearization has the same error here as elsewhere where structures yield; `simulate` with ``link``
+    is free of it.
 
     References
     ----------

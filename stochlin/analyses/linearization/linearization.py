@@ -76,9 +76,9 @@ def linearize(
 
     Notes
     -----
-    Linearization *underestimates*: against exact simulation ``displacement_std`` is 22 to 46 %
+    Linearization *underestimates*: compared with nonlinear simulation ``displacement_std`` is 22 to 46 %
     too small for hardening up to 0.05, 8 to 29 % at 0.2, and up to thirty times too small for
-    structures much stiffer than a narrow-band ground. `correlate` by simulation gives the truth.
+    structures much stiffer than a narrow-band ground. `correlate` by simulation is free of this error.
 
     The drift closure adds to the clipped closure's variance that of the drift, a random walk in
     kicks which the hardening draws back; ``docs/drift.md`` derives it. On Kanai-Tajimi ground, on

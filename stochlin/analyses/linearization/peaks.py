@@ -68,7 +68,7 @@ def peak_response(
         which.
     sides : int
         2: the largest absolute displacement; 1: the largest displacement in one direction, which is
-        what pounding on one side asks for.
+        what pounding on one side needs.
 
     Returns
     -------

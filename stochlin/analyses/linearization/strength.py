@@ -1,4 +1,4 @@
-"""Strength of a structure: the reduction factor that it has, and the one that a ductility asks for."""
+"""Strength of a structure: the reduction factor that it has, and the one for a given ductility."""
 
 from __future__ import annotations
 

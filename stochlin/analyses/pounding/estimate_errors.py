@@ -86,10 +86,11 @@ def pounding_estimate_error(
         ``largest_radius_amplification`` and ``chain_radius_amplification`` [-], the estimates. Over
         ``structure``: ``motions_with_hits``. Over ``structure``, ``of`` (displacement or energy radius)
         and ``estimate`` (one hit or chain), of the motions in which the structure is hit:
-        ``estimate_bias`` [-], the mean of ``ln(estimate/truth)``, with
+        ``estimate_bias`` [-], the mean of ``ln(estimate/computed)``, with
         ``estimate_bias_standard_error``; ``estimate_scatter`` [-], its standard deviation;
-        ``exceeded_probability`` [-], the share of motions in which the truth exceeds the estimate, with
-        its 95 % interval, ``_lower`` and ``_upper``. NaN where hardly any motion has a hit.
+        ``exceeded_probability`` [-], the share of motions in which the computed value exceeds the
+        estimate, with its 95 % interval, ``_lower`` and ``_upper``. NaN where hardly any motion has an
+        impact.
 
     Raises
     ------

@@ -50,7 +50,7 @@ def critical_gap(peak_1: Parameter, peak_2: Parameter, rho: Parameter) -> xr.Dat
 
     Notes
     -----
-    Negative correlation, where the ground period lies between those of the structures, asks for
+    Negative correlation, where the ground period lies between those of the structures, needs
     more than the square root of the sum of squares. With linearized ``rho`` and peaks the gap is
     too small for yielding structures, by 21 to 54 %.
 

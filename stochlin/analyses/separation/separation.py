@@ -144,7 +144,7 @@ def separation(
         coordinates ``kind``, ``family`` (of a code, as in `code_gaps`), ``reference``, ``mark``,
         ``assumptions``, ``missing``. ``gap_lower`` and
         ``gap_upper`` [m]: the 95 % interval of the answer. Of the simulation: ``peak_1`` and ``_2`` [m],
-        the quantiles that rules are fed with, ``peak_mean_1`` and ``_2``, ``separation_mean`` [m] with
+        the quantiles that the rules use, ``peak_mean_1`` and ``_2``, ``separation_mean`` [m] with
         standard errors, ``separation_samples`` [m] over ``path``, ``ductility_1`` and ``_2`` [-] (mean
         peak), ``yield_displacement_1`` and ``_2`` [m], ``reduction_factor_1`` and ``_2`` [-]. With
         records, over ``record``: what `recorded_gap` gives, with the prefix ``record_``. With storeys,
@@ -157,8 +157,8 @@ def separation(
     Raises
     ------
     ValueError, TypeError
-        If a number is out of range, the duration is shorter than a period, something is told of a second
-        building that is not there, or the run would not fit into memory: before any work is done.
+        If a number is out of range, the duration is shorter than a period, something is given for a
+        second building that is not there, or the run would not fit into memory: before any work is done.
 
     Notes
     -----
@@ -214,7 +214,7 @@ def separation(
                 quantiles=[confidence],
                 progress=progress,
             )
-            # The rules are of the structures at their medians, fed with peaks of all samples.
+            # The rules are of the structures at their medians, with the peaks of all samples.
             structures, ground = tuple(map(median_of, given.values())), median_of(ground)
             seconds = strong_seconds(duration, envelope)
             pair: PairInMotion

@@ -1,1 +1,1 @@
-"""Structures on simulated motions, exact laws: stationary and finite."""
+"""Nonlinear response of structures to simulated motions, stationary and finite."""

@@ -71,7 +71,7 @@ def simulate(
     """Response of structures on one ground by nonlinear simulation.
 
     Stationary second moments; with a duration, the peaks of finite motions from rest. All
-    structures ride on the same motions, so that every pair of them is in the result.
+    structures are subjected to the same motions, so that the result has every pair of them.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Pictures of a linearized chart with the truth beside it: other methods, simulation, the difference."""
+"""Pictures of a linearized chart beside other methods, nonlinear simulation and the difference."""
 
 from __future__ import annotations
 

@@ -120,7 +120,7 @@ class Loop:
     def _settle(
         self, start: Array, rounds: int, pace: Pace, history: list[Change], level: float = 0.0
     ) -> tuple[Array, Round] | None:
-        """THE LOOP, until covariance and coefficients stand still; None if they do not."""
+        """The iteration until covariance and coefficients converge; None if they do not."""
         latent, step, norm, delta, last = start, np.zeros_like(start), np.inf, np.array(pace.first), None
         for _ in range(rounds):
             try:
