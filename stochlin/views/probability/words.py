@@ -22,6 +22,10 @@ COLUMNS = (
     ("simulated", "_simulated"),
 )
 STEM = "confidence_of_no_pounding"
+NOT_CORRECTED = (
+    "No corrected confidence is given: the error of linearization is only known for bilinear "
+    "oscillators on Kanai-Tajimi ground and white noise, within the range of its map."
+)
 NO_RECORDS = (
     "The records are not evaluated: the hybrid method is only available for bilinear oscillators."
 )
@@ -30,7 +34,7 @@ NO_RECORDS = (
 def answer_lines(answer: ProbabilityAnswer) -> list[str]:
     """The lines for the screen."""
     case, gap, table, records = answer.case, answer.gap, answer.table, answer.records
-    shown = [(name, ending) for name, ending in COLUMNS if STEM + ending in table]
+    shown = [column for column in COLUMNS if _known(table, column[1])]
     lines = [
         *paragraph(doubted(answer.doubts())),
         case.title,
@@ -52,6 +56,8 @@ def answer_lines(answer: ProbabilityAnswer) -> list[str]:
         f"({float(table.required_gap_simulated_lower):.4f} - "
         f"{float(table.required_gap_simulated_upper):.4f})",
     ]
+    if f"{STEM}_corrected" in table and not _known(table, "_corrected"):
+        lines += paragraph(NOT_CORRECTED)
     if "governing_height" in table:
         lines.append(
             f"The formulas are for the worst height, {float(table.governing_height):.4g} m; the "
@@ -79,6 +85,11 @@ def answer_lines(answer: ProbabilityAnswer) -> list[str]:
     return lines
 
 
+def _known(table: xr.Dataset, ending: str) -> bool:
+    """Whether there is such a confidence, at any instant."""
+    return STEM + ending in table and bool(table[STEM + ending].notnull().any())
+
+
 def _instant(row: xr.Dataset, shown: Sequence[tuple[str, str]]) -> str:
     values = "".join(_number(row[STEM + ending], 11) for _, ending in shown)
     low, high = (float(row[f"{STEM}_simulated_{end}"]) for end in ("lower", "upper"))
@@ -87,8 +98,8 @@ def _instant(row: xr.Dataset, shown: Sequence[tuple[str, str]]) -> str:
 
 def _formulas(table: xr.Dataset) -> str:
     known = bool(table.required_gap_corrected.notnull())
-    value = f"{float(table.required_gap_corrected):.4f} m corrected" if known else "correction unknown"
-    return f"{float(table.required_gap):.4f} m by formula, {value}, "
+    corrected = f"{float(table.required_gap_corrected):.4f} m corrected, " if known else ""
+    return f"{float(table.required_gap):.4f} m by formula, {corrected}"
 
 
 def _number(value: xr.DataArray, width: int) -> str:
