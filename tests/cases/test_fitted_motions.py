@@ -71,7 +71,7 @@ def test_an_envelope_that_misses_the_energy_of_the_record_is_told(
     text = f'[motion]\nduration = "{duration}"\n{envelope}'
     with pytest.warns(UserWarning, match=r"motion.envelope.* times the energy of the record") as found:
         case = read(tmp_path, text)
-    told = float(str(found[0].message).partition("carry ")[2].partition(" times")[0])
+    told = float(str(found[0].message).partition("motions with ")[2].partition(" times")[0])
     (record,) = case.records.values()
     table = sl.compare_motions(
         record, sl.FittedMotion(case.ground, case.envelope, case.duration), paths=256

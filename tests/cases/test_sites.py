@@ -261,7 +261,7 @@ def test_the_gap_screen_says_of_many_records_quantiles_and_the_share(suite):
         f"The 12 recorded motions would have needed {100 * np.median(gaps):.1f} cm in 50 % of them"
         in words
     )
-    assert f"holds in {round(12 * held)} of 12" in words
+    assert f"is enough in {round(12 * held)} of 12" in words
     assert "they would have needed" not in words
 
 

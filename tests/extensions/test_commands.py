@@ -32,5 +32,5 @@ def test_a_command_does_not_take_the_place_of_another(install):
     done = install(source)("--help")
     assert done.returncode == 1
     assert "Traceback" not in done.stderr
-    assert "command 'gap' is there already" in done.stderr
+    assert "command 'gap' exists already" in done.stderr
     assert "toy" in done.stderr

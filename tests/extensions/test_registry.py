@@ -43,7 +43,7 @@ def test_place_goes_before_name_and_a_name_is_given_once():
     registry.register("alpha")(object())
     registry.register("mike", place=2)(object())
     assert list(registry) == ["zulu", "mike", "alpha"]
-    with pytest.raises(ValueError, match="thing 'mike' is there already"):
+    with pytest.raises(ValueError, match="thing 'mike' exists already"):
         registry.register("mike")(object())
 
 

@@ -62,7 +62,7 @@ def test_a_rule_that_storeys_have_not_says_so(answer):
     drift = answer.sel(rule="eq_3_drift")
     assert np.isnan(drift.gap)
     assert np.isnan(drift.governing_height)
-    assert "of oscillators" in drift.missing.item()
+    assert "for oscillators" in drift.missing.item()
 
 
 def test_a_storey_that_hardly_yields_does_not_hold_up_the_answer():
