@@ -92,4 +92,4 @@ def test_a_chart_that_asks_for_what_there_is_not_is_told_what_there_is(install):
     source = "from stochlin.charts import CHARTS\n@CHARTS.register('odd')\ndef odd(moon): ...\n"
     done = install(source)("charts", "odd", "--out", ".")
     assert done.returncode == 2
-    assert "chart 'odd' asks for moon; allowed: ground, record, settings, site" in done.stderr
+    assert "chart 'odd' needs moon; allowed: ground, record, settings, site" in done.stderr
