@@ -58,7 +58,7 @@ reality: $(VENV)/.dev
 
 # The documentation site, from scratch: a warning is an error, a link that leads nowhere a warning.
 docs: $(VENV)/.docs
-	rm -rf build/docs docs/auto_gallery docs/reference/generated
+	rm -rf build/docs docs/auto_gallery docs/notebooks docs/reference/generated
 	$(BIN)/sphinx-build -W --keep-going -b html docs build/docs
 
 # The links to other sites, listed; one that does not answer is no failure.
@@ -88,4 +88,4 @@ $(VENV)/.docs: pyproject.toml
 	touch $@ $(VENV)/.run
 
 clean:
-	rm -rf $(VENV) build dist docs/auto_gallery docs/reference/generated *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) build dist docs/auto_gallery docs/notebooks docs/reference/generated *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

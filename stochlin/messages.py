@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import reprlib
 from collections.abc import Callable, Iterable
 
@@ -65,3 +66,8 @@ def listed(names: Iterable[object], most: int = 12) -> str:
     known = list(names)
     more = f" and {len(known) - most} more" if len(known) > most else ""
     return ", ".join(plain(name, 40) for name in known[:most]) + more
+
+
+def hyphenated(name: str) -> str:
+    """``CloughPenzien`` as Clough-Penzien."""
+    return re.sub("(?<=[a-z])(?=[A-Z])", "-", name)

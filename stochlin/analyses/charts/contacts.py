@@ -8,7 +8,6 @@ the others by a Runge-Kutta method of order 8.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from typing import Any, NamedTuple, TypeVar
 
@@ -21,6 +20,7 @@ from stochlin.analyses.charts.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding import contact as kernel
+from stochlin.messages import hyphenated
 from stochlin.models.contacts import Element, HertzDamp, LinearSpring
 from stochlin.models.contacts.base import CONTACTS, RESTITUTION, checked
 from stochlin.models.contacts.damped import Damped, WithRatio
@@ -231,9 +231,7 @@ def _exponents(models: Sequence[Element]) -> str:
     curved: dict[float, list[str]] = {}
     for model in models:
         if (exponent := model.force_law(1.0).exponent) != 1:
-            curved.setdefault(exponent, []).append(
-                re.sub("(?<=[a-z])(?=[A-Z])", "-", type(model).__name__)
-            )
+            curved.setdefault(exponent, []).append(hyphenated(type(model).__name__))
     told = [f"n = {exponent:g} for {', '.join(names)}" for exponent, names in curved.items()]
     return "; ".join([*told, "n = 1 for linear springs."])
 

@@ -10,7 +10,7 @@ from stochlin.analyses.linearization.equivalent_systems import PUBLIC, solved_ce
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise
+from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, where_valid
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
@@ -140,11 +140,7 @@ def _drift_time(std: Array, rate: Array) -> Array:
 
 def known_error(solved: Solved) -> Cells:
     """What is expected to be left of the drift closure's error; NaN where nothing is solved."""
-    return cellwise(_known, solved["displacement_error"], solved["displacement_std"])[0]
-
-
-def _known(error: Array, std: Array) -> Array:
-    return np.where(np.isnan(std), np.nan, error)
+    return where_valid(solved["displacement_error"], ~np.isnan(solved["displacement_std"]))
 
 
 def judged(

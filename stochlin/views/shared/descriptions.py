@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Any
 
+from stochlin.messages import hyphenated
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts.base import CONTACTS
 from stochlin.models.envelopes.base import ENVELOPES
@@ -15,7 +16,7 @@ from stochlin.models.links import Link
 from stochlin.models.measures import Measure
 from stochlin.models.parameters import Model
 from stochlin.models.structures import LAWS, Gap
-from stochlin.views.shared.words import SPACE, shown_unit
+from stochlin.views.shared.words import SPACE, rounded, shown_unit
 
 ROLES = {
     "first": "building 1",
@@ -47,7 +48,7 @@ def in_words(described: str, role: str = "") -> str:
     name, given = call.groups()
     kind = _kinds().get(name)
     told = [_parameter(kind, role, *part.partition("=")[::2]) for part in _parts(given)]
-    return ", ".join(filter(None, ["" if name.lower() == role else _title(name), *told]))
+    return ", ".join(filter(None, ["" if name.lower() == role else hyphenated(name), *told]))
 
 
 def _parameter(kind: type[Model] | None, role: str, name: str, value: str) -> str:
@@ -60,24 +61,14 @@ def _parameter(kind: type[Model] | None, role: str, name: str, value: str) -> st
         return f"{words}({in_words(value, name)})"
     if NUMBER.fullmatch(value):
         absent = float(value) == 0 and (not field or field.default == 0)
-        return "" if absent else f"{words}{_scaled(value, scale)}{unit}"
+        return "" if absent else f"{words}{rounded(scale * float(value))}{unit}"
     over = OVER.fullmatch(value)
     if over:
         count, numbers, dimensions = over.groups()
         every = f"{count} times " if count else ""
-        shown = NUMBER.sub(lambda found: _scaled(found[0], scale), numbers)
+        shown = NUMBER.sub(lambda found: rounded(scale * float(found[0])), numbers)
         return f"{words}{every}{shown}{unit} over {dimensions}"
     return f"{words}{value}"
-
-
-def _scaled(number: str, scale: float) -> str:
-    value = scale * float(number)
-    return f"{value:.4g}" if abs(value) < 1e4 else f"{value:.0f}"
-
-
-def _title(name: str) -> str:
-    """``CloughPenzien`` as Clough-Penzien."""
-    return re.sub("(?<=[a-z])(?=[A-Z])", "-", name)
 
 
 def _parts(given: str) -> Iterator[str]:

@@ -78,11 +78,13 @@ def short(value: float) -> str:
 def valued(value: npt.ArrayLike, units: str, digits: int = 4) -> str:
     """A parameter with its unit; storey by storey where they differ."""
     unit, scale = shown_unit(units)
-    each = [
-        f"{one:.{digits}g}" if abs(one) < 10**digits else f"{one:.0f}"
-        for one in np.atleast_1d(scale * np.asarray(value))
-    ]
+    each = [rounded(one, digits) for one in np.atleast_1d(scale * np.asarray(value))]
     return ", ".join(each if len(set(each)) > 1 else each[:1]) + unit
+
+
+def rounded(value: float, digits: int = 4) -> str:
+    """So many digits, and all of those before the point, without an exponent for large numbers."""
+    return f"{value:.{digits}g}" if abs(value) < 10**digits else f"{value:.0f}"
 
 
 def shown_unit(units: str) -> tuple[str, float]:
