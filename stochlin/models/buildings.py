@@ -1,4 +1,4 @@
-"""Shear buildings: floors on storeys that may yield."""
+"""Shear buildings: rigid floors with masses, and storeys that may yield."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
 STOREY, MODE, FLOOR = "storey", "mode", "floor"
 OF_STOREYS = ("masses", "stiffnesses", "heights", "yield_drifts", "dampers")
-ONE_FOR_ALL = ("yield_drifts", "dampers")  # a number will do
-PLAUSIBLE_COEFFICIENT = 1.0  # of the base shear at yield over the weight
+ONE_FOR_ALL = ("yield_drifts", "dampers")  # one number may stand for all storeys
+PLAUSIBLE_COEFFICIENT = 1.0  # largest plausible base shear at yield over the weight
 IMPLAUSIBLE = "the building resists more than its weight; is it a percentage, or a force for a ratio?"
 MOST_STOREYS = 200
 GRAVITY = scipy.constants.g
@@ -34,7 +34,7 @@ GRAVITY = scipy.constants.g
 
 @dataclass(frozen=True)
 class RegularBuilding(Model):
-    """What `ShearBuilding.regular` is told, in numbers."""
+    """The numerical arguments of `ShearBuilding.regular`, checked."""
 
     of_arguments = True
 
@@ -55,49 +55,52 @@ class RegularBuilding(Model):
 
 @dataclass(frozen=True)
 class ShearBuilding(Model):
-    """Shear building: a mass on each floor, a spring with a law in each storey, damping by modes.
+    """Shear building: a mass on each floor, a hysteretic spring in each storey, and modal damping.
 
-    Storeys are counted from the ground up, and each bears the number of the floor above it. Every mode
+    Storeys are counted from the ground up; each storey has the number of the floor above it. Every mode
     of the elastic building has the same damping ratio ``xi``: ``C = sum_m 2 xi w_m M phi_m phi_m' M``,
-    with modes of unit modal mass. It stays as it is where storeys yield.
+    with modes ``phi_m`` of unit modal mass. This damping matrix does not change when storeys yield.
 
     Parameters
     ----------
     masses : array
-        Of the floors [kg], positive; one number a storey.
+        Masses of the floors [kg], one for each storey, positive.
     stiffnesses : array
-        Elastic stiffness of the storeys [N/m], positive.
+        Elastic stiffness of each storey [N/m], positive.
     heights : array
-        Of the storeys [m], positive: the floors are where these add up to.
+        Height of each storey [m], positive. The level of a floor is the sum of the heights below it.
     damping : float
         Viscous damping ratio of every mode [-], in (0, 1).
     hardening : float, optional
-        Post-yield over elastic stiffness of every storey [-], in (0, 1]; needed with ``yield_drifts``.
+        Hardening ratio of every storey, post-yield over elastic stiffness [-], in (0, 1]. It is required
+        with ``yield_drifts``.
     yield_drifts : float or array, optional
-        Drift [m] at which a storey yields, positive: for every storey, or each its own. Without it the
-        building stays elastic.
+        Drift at which a storey yields [m], positive: one number for all storeys, or one for each.
+        Without it the building stays elastic.
     dampers : float or array, optional
-        Damping constant [N s/m] of the dampers in every storey, or in each its own; not negative.
+        Damping constant of the dampers in a storey [N s/m], not negative: one number for all storeys, or
+        one for each.
     law : str or sympy.Expr
-        Hysteresis law of the storeys: ``"bilinear"``, ``"bouc_wen"`` or any other that is registered, or
-        a law as `Hysteretic` takes it, in the ductility rate of the drift.
+        Hysteresis law of the storeys: ``"bilinear"``, ``"bouc_wen"`` or another registered law, or a
+        sympy expression as in `Hysteretic`. Its ``v`` is the rate of the drift over the yield drift.
     law_parameters : mapping, optional
-        The law's own parameters, ``{"beta": 0.5, "gamma": 0.5}``: numbers, or arrays over the storeys.
+        Parameters that the law adds, for instance ``{"beta": 0.5, "gamma": 0.5}``: numbers, or arrays
+        with one number for each storey.
     p_delta : bool
-        Whether the weight above takes ``weight / height`` from the stiffness of a storey. The modes, and
-        damping by them, have it in them.
+        Whether the stiffness of each storey is reduced by the weight above it over its height. The
+        modes and their damping then include this reduction.
 
     Raises
     ------
     ValueError, TypeError
         If a value is not a number or out of range (the message names the storey), arrays differ in
-        length or are of more than 200 storeys, yield drifts come without hardening, the law is not
-        known or not odd, or the weight above takes all of an elastic stiffness.
+        length or have more than 200 storeys, yield drifts are given without hardening, the law is not
+        known or not odd, or the weight above a storey takes all its elastic stiffness.
 
     References
     ----------
     Chopra, A. K. (2012), Dynamics of Structures, 4th ed., sections 9.1 and 11.4; Wilson, E. L. and
-    Habibullah, A. (1987), Earthquake Spectra 3, for the weight as a geometric stiffness.
+    Habibullah, A. (1987), Earthquake Spectra 3, for the geometric stiffness of the weight.
 
     Examples
     --------
@@ -172,40 +175,43 @@ class ShearBuilding(Model):
         base_shear_coefficient: float | None = None,
         **others: Any,
     ) -> Self:
-        """A building with equal floors, from its period, storeys, floor mass and base shear coefficient.
+        """A building with equal floor masses, from its period, height and base shear coefficient.
 
-        The stiffnesses are those with which the first mode is a straight line from the ground to the
-        roof, the strengths those of which all storeys yield at once under forces that grow in
-        proportion to the height: the yield drift is then the same share of the height of every storey.
+        The stiffnesses are chosen such that the first mode is a straight line from the ground to the
+        roof. The strengths are chosen such that all storeys yield at once under lateral forces that grow
+        in proportion to the height; the yield drift is then the same share of the height in every
+        storey.
 
         Parameters
         ----------
         period : float
-            Of the first mode [s], without the effect of the weight.
+            Period of the first mode [s], without the P-delta effect.
         storeys : int
-            Their number.
+            Number of storeys, 1 to 200.
         storey_height : float or array
-            Of each storey [m], or a list of all of them, from the ground up.
+            Height of every storey [m], or a list with the height of each, from the ground up.
         mass : float
-            Of each floor [kg].
+            Mass of each floor [kg].
         damping, hardening
-            As for the building.
+            As in `ShearBuilding`.
         base_shear_coefficient : float, optional
-            Base shear at yield over the weight [-]; without it the building stays elastic. One above 1
-            is warned of.
+            Base shear at yield over the weight [-], positive. Without it the building stays elastic. A
+            value above 1 gives a warning.
         **others
-            ``dampers``, ``law``, ``law_parameters``, ``p_delta``, as for the building.
+            ``dampers``, ``law``, ``law_parameters`` and ``p_delta``, as in `ShearBuilding`.
 
         Returns
         -------
         ShearBuilding
-            With floors at ``H_i``, ``k_i = m w^2 sum(H_j, j = i..n)/h_i`` and yield drifts
-            ``C g n h_i/(w^2 sum(H))``; for equal storeys all of them ``2 C g/(w^2 (n + 1))``.
+            For ``n`` floors of mass ``m`` at the levels ``H_i``, storey heights ``h_i``,
+            ``w = 2 pi/period`` and the base shear coefficient ``C``: stiffnesses
+            ``m w^2 sum(H_j, j = i..n)/h_i`` and yield drifts ``C g n h_i/(w^2 sum(H))``, which for equal
+            storeys is ``2 C g/(w^2 (n + 1))``.
 
         Raises
         ------
         ValueError, TypeError
-            As for the building, or if the number of storeys is no whole number from 1 to 200.
+            As in `ShearBuilding`, or if the number of storeys is not a whole number from 1 to 200.
 
         Examples
         --------
@@ -240,7 +246,7 @@ class ShearBuilding(Model):
         levels = np.cumsum(np.broadcast_to(relative, storeys))
         above = levels[::-1].cumsum()[::-1]
         drifts = None
-        with np.errstate(all="ignore"):  # what is beyond all numbers is out of range below
+        with np.errstate(all="ignore"):  # an overflow is found by the checks of the building
             square = (2 * np.pi / values["period"]) ** 2
             stiffnesses = values["mass"] * square * above / relative
             if base_shear_coefficient is not None:
@@ -259,11 +265,11 @@ class ShearBuilding(Model):
         )
 
     def over_cells(self) -> dict[str, xr.DataArray]:
-        """None: it is one building, whose arrays are over its storeys."""
+        """Empty: arrays of one building are over its storeys, and are not dimensions of a result."""
         return {}
 
     def valid(self) -> xr.DataArray:
-        """True, since what is not raises when it is made."""
+        """True: a building with an invalid value cannot be made."""
         return xr.DataArray(True)
 
     @property
@@ -273,14 +279,15 @@ class ShearBuilding(Model):
 
     @property
     def yields(self) -> bool:
-        """Whether strengths are given."""
+        """Whether yield drifts are given, so that storeys can yield."""
         return self.yield_drifts is not None
 
     @cached_property
     def storey_law(self) -> Structure:
-        """The law of the storeys, as that of oscillators: floor by floor, each on its own storey.
+        """Oscillators that have the hysteresis law of the storeys, over the dimension ``storey``.
 
-        Only what the law knows counts: closures, time steps and the parameters of the law.
+        They provide the closures, the time steps and the parameters of the law. Their periods are those
+        of each floor alone on its own storey.
         """
         values = self._over_all
         periods = 2 * np.pi * np.sqrt(values["masses"] / values["stiffnesses"])
@@ -303,11 +310,11 @@ class ShearBuilding(Model):
         return law
 
     def levels(self) -> Array:
-        """Heights of the floors above the ground (storeys,) [m]."""
+        """Levels of the floors above the ground [m], (storeys,)."""
         return np.cumsum(self._over_all["heights"])
 
     def periods(self) -> xr.DataArray:
-        """Periods of the elastic building [s] over ``mode``, counted from 1: the longest first."""
+        """Periods of the elastic building [s] over ``mode``, which is counted from 1, longest first."""
         w, _ = self._modes()
         modes = np.arange(1, w.size + 1)
         attrs = {"units": "s", "long_name": "period of the mode"}
@@ -316,7 +323,7 @@ class ShearBuilding(Model):
     def participation(self) -> xr.DataArray:
         """Displacement of each floor in the first mode over that of `oscillator` [-], over ``floor``.
 
-        ``phi' M 1/(phi' M phi)`` times the shape ``phi``.
+        It is the participation factor ``phi' M 1/(phi' M phi)`` times the mode shape ``phi``.
         """
         mass, shape = self._over_all["masses"], self._modes()[1][:, 0]
         attrs = {"units": "1", "long_name": "displacement of the floor over that of the oscillator"}
@@ -324,11 +331,11 @@ class ShearBuilding(Model):
         return xr.DataArray((mass @ shape) * shape, dims=FLOOR, coords=floors, attrs=attrs)
 
     def oscillator(self) -> Structure:
-        """The first mode as an oscillator, with its effective modal mass.
+        """The first mode as an oscillator, with its effective modal mass [kg].
 
-        It has the law of the storeys and yields when the first storey does in that mode; floors move by
-        `participation` times its displacement. Higher modes, and that yielding gathers in one storey,
-        are lost.
+        The oscillator has the hysteresis law of the storeys. Its yield displacement is that at which the
+        first storey yields in this mode. The displacement of a floor is `participation` times that of
+        the oscillator. Higher modes and the concentration of yielding in one storey are neglected.
 
         References
         ----------
@@ -365,9 +372,9 @@ class ShearBuilding(Model):
         )
 
     def geometric_stiffness(self) -> Array:
-        """What the weight above takes from the stiffness of each storey (storeys,) [N/m].
+        """Reduction of the stiffness of each storey by the P-delta effect [N/m], (storeys,).
 
-        The weight over the height of the storey; zeros without ``p_delta``.
+        It is the weight above the storey over its height, and zero without ``p_delta``.
         """
         if not self.p_delta:
             return np.zeros(self.storeys)
@@ -376,7 +383,7 @@ class ShearBuilding(Model):
         return taken
 
     def damping_matrix(self) -> Array:
-        """Damping coefficients (storeys, storeys) [N s/m] of the floors."""
+        """Damping matrix of the floors [N s/m], (storeys, storeys)."""
         w, shapes = self._modes()
         values = self._over_all
         modal = values["masses"][:, None] * shapes
@@ -385,14 +392,14 @@ class ShearBuilding(Model):
         return by_modes + (drifts.T * values.get("dampers", np.zeros(w.size))) @ drifts
 
     def describe(self) -> str:
-        """One line with the parameters."""
+        """The building with its parameters in one line."""
         told = [] if self.law == "bilinear" else [f"law={self.law}"]
         told += [f"{name}={brief(np.asarray(value).tolist())}" for name, value in self._own_parameters()]
         told += ["p_delta=True"] if self.p_delta else []
         return ", ".join([super().describe()[:-1], *told]) + ")"
 
     def _own_parameters(self) -> list[tuple[str, Any]]:
-        """Of the law, arrays over the storeys."""
+        """Names and values of the ``law_parameters``; arrays are over the storeys."""
         given = self.law_parameters if self.law_parameters is not None else {}
         if not isinstance(given, Mapping):
             raise TypeError(f"law_parameters = {brief(given)}; allowed: a mapping of numbers by name")
@@ -411,7 +418,7 @@ class ShearBuilding(Model):
 
     @cached_property
     def _over_all(self) -> dict[str, Array]:
-        """Parameters of the storeys as arrays (storeys,)."""
+        """Parameters of the storeys by name, each as an array (storeys,)."""
         values = {name: value for name, value in self.cells().items() if name in OF_STOREYS}
         return {
             name: value.values if isinstance(value, xr.DataArray) else np.full(self.storeys, value)
@@ -429,7 +436,7 @@ class ShearBuilding(Model):
             )
 
     def _modes(self) -> tuple[Array, Array]:
-        """Circular frequencies and mode shapes of unit modal mass, one a column."""
+        """Circular frequencies [rad/s] of the modes, and mode shapes of unit modal mass as columns."""
         root = np.sqrt(self._over_all["masses"])
         k = self._over_all["stiffnesses"] - self.geometric_stiffness()
         with np.errstate(all="ignore"):
@@ -445,9 +452,9 @@ class ShearBuilding(Model):
 
 
 def _check_ranges(model: Model, prefix: str) -> None:
-    """Raise for a number out of range in any storey."""
+    """Raise a ValueError if a number is out of range in any storey."""
     for key, value in model.cells().items():
-        if not isinstance(value, xr.DataArray):  # a number has been checked before
+        if not isinstance(value, xr.DataArray):  # numbers were checked when the model was made
             continue
         allowed = model.allowed(key)
         bad = np.flatnonzero(~allowed.contains(value.to_numpy()))

@@ -1,4 +1,4 @@
-"""Hazard: how often in a year the shaking of a site is exceeded."""
+"""Seismic hazard of a site: annual frequency of exceedance of an intensity of the motion."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from stochlin.messages import brief
 from stochlin.models.parameters import POSITIVE, Model, Parameter, Range, check, parameter
 
 MEASURES = ("pga", "sa", "intensity")
-FEWEST = 2  # points of a curve
-_ROUNDING = 1e-9  # of a return period that is one over a frequency
+FEWEST = 2  # smallest number of points of a curve
+_ROUNDING = 1e-9  # relative rounding error allowed at the ends of a curve
 _LABELS = {"intensity": "intensity", "return_period": "return period"}
 
 
 @dataclass(frozen=True)
 class Hazard(Model):
-    """Base of the hazards: of peak ground acceleration, ``Sa`` at a period, or ``S0``."""
+    """Base of the hazards, for peak ground acceleration, ``Sa`` at a period, or intensity ``S0``."""
 
     measure: str = field(default="pga", kw_only=True)
     period: float | None = field(default=None, kw_only=True)
@@ -46,11 +46,11 @@ class Hazard(Model):
             object.__setattr__(self, "period", number)
 
     def frequency(self, intensity: Parameter) -> Any:
-        """How often in a year so strong a shaking is exceeded [1/yr]."""
+        """Annual frequency at which an intensity is exceeded [1/yr]."""
         raise NotImplementedError
 
     def intensity(self, return_period: Parameter) -> Any:
-        """What is exceeded once in a return period [yr] in the mean; in the unit of the hazard."""
+        """Intensity, in the unit of the measure, that is exceeded with a return period [yr]."""
         raise NotImplementedError
 
 
@@ -61,27 +61,29 @@ def _of(values: Any, name: str) -> float | xr.DataArray:
 
 @dataclass(frozen=True)
 class HazardCurve(Hazard):
-    """Annual frequencies of exceedance by a table, linear in between in both logarithms.
+    """Hazard curve from a table of annual frequencies of exceedance, interpolated log-log.
 
-    Nothing is extrapolated: beyond the table a number is refused, and cells of an array are NaN.
+    The curve is not extrapolated: beyond the table a number raises an error, and cells of an array are
+    NaN.
 
     Parameters
     ----------
     intensities : sequence of float
-        What is exceeded, positive and increasing: in m/s^2, of ``"intensity"`` in m^2/s^3.
+        Values of the ``measure``, positive and increasing, in m/s^2, or in m^2/s^3 for ``"intensity"``.
     frequencies : sequence of float
-        How often in a year [1/yr], positive and falling.
+        Annual frequencies at which the intensities are exceeded [1/yr], positive and decreasing.
     measure : {"pga", "sa", "intensity"}
-        Peak ground acceleration, pseudo-acceleration at a period (damping 0.05), or ``S0``.
+        Quantity that is exceeded: peak ground acceleration, pseudo-acceleration at a period (damping
+        ratio 0.05), or intensity ``S0`` of the ground.
     period : float, optional
-        Of ``"sa"`` [s].
+        Period [s] of ``"sa"``, required with it and not allowed otherwise.
 
     Raises
     ------
     ValueError, TypeError
-        If there are fewer than two points, or more of one than of the other; if a number is not
-        positive, the intensities do not increase or the frequencies do not fall; if the measure is
-        unknown, or has no period that it needs.
+        If there are fewer than two points, or not as many frequencies as intensities; if a number is not
+        positive, the intensities do not increase or the frequencies do not decrease; if the measure is
+        unknown; or if a period is missing or not allowed.
 
     References
     ----------
@@ -113,16 +115,16 @@ class HazardCurve(Hazard):
         check_curve(np.array(self.intensities), np.array(self.frequencies), places)
 
     def frequency(self, intensity: Parameter) -> Any:
-        """How often in a year so strong a shaking is exceeded [1/yr]."""
+        """Annual frequency at which an intensity is exceeded [1/yr]."""
         return self._between("intensity", intensity, self.intensities, self.frequencies)
 
     def intensity(self, return_period: Parameter) -> Any:
-        """What is exceeded once in a return period [yr] in the mean; in the unit of the curve."""
+        """Intensity, in the unit of the measure, that is exceeded with a return period [yr]."""
         years = [1 / frequency for frequency in self.frequencies]
         return self._between("return_period", return_period, years, self.intensities)
 
     def describe(self) -> str:
-        """One line with the points, long tables by their range."""
+        """The curve with its points in one line; long tables are shortened."""
         both = (f"{name}={brief(list(getattr(self, name)))}" for name in ("intensities", "frequencies"))
         return f"HazardCurve({', '.join(both)})"
 
@@ -143,23 +145,24 @@ class HazardCurve(Hazard):
 
 @dataclass(frozen=True)
 class PowerLawHazard(Hazard):
-    """Annual frequencies of exceedance by a power law, ``k0 im^-k``.
+    """Hazard curve by a power law: the annual frequency of exceedance of ``im`` is ``k0 im^-k``.
 
     Parameters
     ----------
     k0 : float or array
-        How often in a year [1/yr] an intensity ``im`` of 1 is exceeded: of 1 m/s^2, or 1 m^2/s^3.
+        Annual frequency [1/yr] at which an intensity ``im`` of 1 m/s^2, or of 1 m^2/s^3 for
+        ``"intensity"``, is exceeded; positive.
     k : float or array
-        Exponent [-], positive; 2 to 4 as a rule.
+        Exponent [-], positive; usually 2 to 4.
     measure : {"pga", "sa", "intensity"}
-        Peak ground acceleration, pseudo-acceleration at a period (damping 0.05), or ``S0``.
+        As in `HazardCurve`.
     period : float, optional
-        Of ``"sa"`` [s].
+        As in `HazardCurve`.
 
     Raises
     ------
     ValueError, TypeError
-        If a number is not positive; if the measure is unknown, or has no period that it needs.
+        If a number is not positive, the measure is unknown, or a period is missing or not allowed.
 
     References
     ----------
@@ -177,18 +180,18 @@ class PowerLawHazard(Hazard):
     k: Parameter = parameter("1", "exponent of the hazard", Range())
 
     def frequency(self, intensity: Parameter) -> Any:
-        """How often in a year so strong a shaking is exceeded [1/yr]."""
+        """Annual frequency at which an intensity is exceeded [1/yr]."""
         law = self.arrays()
         return _applied(lambda im, k0, k: k0 * im**-k, _of(intensity, "intensity"), law["k0"], law["k"])
 
     def intensity(self, return_period: Parameter) -> Any:
-        """What is exceeded once in a return period [yr] in the mean; in the unit of the law."""
+        """Intensity, in the unit of the measure, that is exceeded with a return period [yr]."""
         law, years = self.arrays(), _of(return_period, "return_period")
         return _applied(lambda years, k0, k: (k0 * years) ** (1 / k), years, law["k0"], law["k"])
 
 
 def check_curve(intensities: Array, frequencies: Array, places: Sequence[str]) -> None:
-    """Raise a ValueError unless these are a hazard curve; ``places`` say where each point stands."""
+    """Raise a ValueError unless these are a hazard curve; ``places`` name each point in messages."""
     if intensities.size < FEWEST:
         raise ValueError(
             f"{places[0] if places else 'hazard curve'}: {intensities.size} points; allowed: {FEWEST} "
@@ -224,7 +227,7 @@ def _numbers(name: str, given: object) -> Array:
 
 
 def _applied(function: Any, *values: Any) -> Any:
-    """Of numbers a number, else an array with their dimensions."""
+    """The function of the values: a number if all are numbers, else an array with their dimensions."""
     with np.errstate(all="ignore"):
         found = xr.apply_ufunc(function, *values, join="exact", keep_attrs=False)
     return found if isinstance(found, xr.DataArray) and found.ndim else float(found)

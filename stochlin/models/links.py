@@ -1,4 +1,4 @@
-"""A link of two floors: between buildings, or a damping device inside one."""
+"""Links between two floors: of two buildings, or as a damping device inside one."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from stochlin.messages import brief
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, Range, parameter
 from stochlin.models.structures import HARDENING
 
-GROUND = 0  # as a floor, of a link within one structure
+GROUND = 0  # number of the ground among the floors of a link within one structure
 EXPONENT = Range(0.0, 2.0, include_upper=True)
 
 
@@ -19,48 +19,51 @@ EXPONENT = Range(0.0, 2.0, include_upper=True)
 class Link(Model):
     """Spring and dashpot between two floors: ``F = k (u1 - u2) + c (u1' - u2')``.
 
-    The force acts on structure 1 against, on structure 2 along this direction; both ends hold, in
-    tension and compression. The spring may yield, by the bilinear law, or have slack: it then pulls
-    only, ``k max(u2 - u1 - slack, 0)``, once the floors have parted by that. The dashpot may be that of
-    a fluid damper, ``c |v|^a sign(v)`` with ``v = u1' - u2'``.
+    The force ``F`` [N] acts on structure 2 in the direction of positive displacement and on structure 1
+    against it, in tension and in compression. The spring may yield, by the bilinear law. It may instead
+    have slack; it then acts in tension only, with the force ``k max(u2 - u1 - slack, 0)``. The dashpot
+    may be that of a fluid damper, ``c |v|^a sign(v)`` with ``v = u1' - u2'``.
 
-    The floors may be those of one structure, or its floor and the ground: the link is then a damping
-    device in it. A spring that yields is a hysteretic one, a dashpot a viscous, and a spring and a
-    dashpot together a viscoelastic one.
+    A link between two floors of one structure, or between a floor and the ground, is a damping device of
+    this structure: a hysteretic device if it has a yielding spring, a viscous device if it has a dashpot
+    only, and a viscoelastic device if it has an elastic spring and a dashpot.
 
     Parameters
     ----------
     stiffness : float or array
-        ``k`` [N/m], not negative.
+        Stiffness ``k`` of the spring [N/m], not negative.
     damping_constant : float or array
-        ``c`` [N s/m], not negative; with an exponent ``a`` in N (s/m)^a.
+        Damping constant ``c`` of the dashpot [N s/m], not negative; its unit is N (s/m)^a if an exponent
+        ``a`` is given.
     damping_exponent : float or array, optional
-        ``a`` of the dashpot [-], in (0, 2]; 1, a linear dashpot, if left out.
+        Exponent ``a`` of the dashpot [-], in (0, 2]; 1, a linear dashpot, by default.
     hardening : float or array, optional
-        Post-yield over elastic stiffness [-], in (0, 1]; with ``yield_displacement``, and only then.
+        Hardening ratio of the spring, post-yield over elastic stiffness [-], in (0, 1]. It is given
+        together with ``yield_displacement``.
     yield_displacement : float or array, optional
-        ``u1 - u2`` at which the spring yields [m], positive.
+        Relative displacement ``u1 - u2`` at which the spring yields [m], positive.
     slack : float or array, optional
-        How far the floors may part before the spring pulls [m], not negative.
+        Distance by which the floors move apart before the spring acts [m], not negative.
     floors : (int, int), optional
-        The floors that it ties, counted from 1 at the first storey; the highest at one level that
-        both structures have, if left out. An oscillator is one floor. Within one structure they are
-        needed: the upper before the lower, which is 0 for the ground.
+        Numbers of the floors that the link ties, counted from 1 above the first storey. By default they
+        are the highest floors of both structures at the same level. An oscillator has one floor. Within
+        one structure both numbers are required, the upper floor first; 0 is the ground.
     structures : (int, int), optional
-        The structures that it ties, counted from 1 in the order of the list. If left out, the n-th
-        link of a list ties structure n to the next. ``(2, 2)`` is a device in structure 2.
+        Numbers of the structures that the link ties, counted from 1. By default the n-th link of a
+        list ties structure n to the next one. ``(2, 2)`` is a device in structure 2.
 
     Raises
     ------
     ValueError, TypeError
-        If a scalar is out of range, a value is not a number, a spring is to yield and to have slack or
-        has one of hardening and yield displacement alone, numbers of floors or structures are not two
-        whole numbers from 1, or a link within one structure has slack or not its two floors.
+        If a scalar is out of range or a value is not a number; if the spring has both a yield
+        displacement and slack, or only one of hardening and yield displacement; if ``floors`` or
+        ``structures`` are not two whole numbers from 1; or if a link within one structure has slack or
+        lacks its two floors.
 
     References
     ----------
-    Westermo, B. D. (1989), Earthquake Eng. Struct. Dyn. 18, on links between buildings; Soong, T. T. and
-    Dargush, G. F. (1997), Passive energy dissipation systems in structural engineering, on devices.
+    Westermo, B. D. (1989), Earthquake Eng. Struct. Dyn. 18, for links between buildings; Soong, T. T.
+    and Dargush, G. F. (1997), Passive energy dissipation systems in structural engineering, for devices.
 
     Examples
     --------
@@ -127,35 +130,35 @@ class Link(Model):
 
     @property
     def within_one(self) -> bool:
-        """Whether it is a device inside one structure."""
+        """Whether the link is a device inside one structure."""
         return self.structures is not None and self.structures[0] == self.structures[1]
 
     @property
     def exponent(self) -> float:
-        """Of the dashpot of one system: 1 of a linear one."""
+        """Exponent of the dashpot [-], 1 by default; an error if it is an array."""
         return 1.0 if self.damping_exponent is None else self.number("damping_exponent")
 
     @property
     def is_power_law(self) -> bool:
-        """Whether one system has a dashpot in it that is not linear."""
+        """Whether the link has a nonlinear dashpot; an error if its exponent is an array."""
         return self.exponent != 1 and self.number("damping_constant") > 0
 
     @property
     def yields(self) -> bool:
-        """Whether a strength is given."""
+        """Whether a yield displacement is given."""
         return self.yield_displacement is not None
 
     def describe(self) -> str:
-        """One line with the parameters."""
+        """The link with its parameters in one line."""
         told = [f"{n}={getattr(self, n)}" for n in ("floors", "structures") if getattr(self, n)]
         return ", ".join([super().describe()[:-1], *told]) + ")"
 
     @property
     def spring(self) -> tuple[float, float, float]:
-        """``post``, ``couple`` [N/m] and strength [m]: its force is ``post x + couple z``.
+        """``post``, ``couple`` [N/m] and strength [m] of the spring; its force is ``post x + couple z``.
 
-        ``x`` is ``u1 - u2``, or of a spring with slack, which is its strength, ``u2 - u1``; ``z`` is the
-        part of it that is elastic.
+        ``x`` is ``u1 - u2`` and ``z`` its elastic part. For a spring with slack ``x`` is ``u2 - u1`` and
+        the strength is the slack.
         """
         k = self.number("stiffness")
         if self.slack is not None:
@@ -166,7 +169,7 @@ class Link(Model):
         return hardening * k, (1 - hardening) * k, self.number("yield_displacement")
 
     def number(self, name: str) -> float:
-        """A parameter of one system; an error if it is an array."""
+        """The parameter ``name`` as a number, NaN if it is not set; an error if it is an array."""
         value = self.arrays().get(name, xr.DataArray(np.nan))
         if value.ndim:
             raise ValueError(f"Link: {name} is an array; allowed here: a scalar")

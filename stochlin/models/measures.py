@@ -1,4 +1,4 @@
-"""A measure against pounding: links, devices, bumpers, added damping, strength or stiffness at once."""
+"""Mitigation measures against pounding: links, bumpers, added damping, stiffening and strengthening."""
 
 from __future__ import annotations
 
@@ -12,42 +12,45 @@ from stochlin.models.contacts import Contact
 from stochlin.models.links import Link
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, expect, parameter
 
-BETWEEN = (1, 2)  # the structures that a link ties which says nothing of them
-ALWAYS = ("added_damping_1", "added_damping_2")  # told even where they are what is usual
+BETWEEN = (1, 2)  # the structures that a link ties if it does not name them
+ALWAYS = ("added_damping_1", "added_damping_2")  # shown by `describe` even with their default values
 
 
 @dataclass(frozen=True)
 class Measure(Model):
-    """A measure that reduces the pounding of two buildings or its effect.
+    """A mitigation measure, which reduces the pounding of two buildings or its effects.
+
+    One measure may combine links, bumpers, added damping, stiffening and strengthening.
 
     Parameters
     ----------
     added_damping_1, added_damping_2 : float
-        Damping ratio [-] that dampers add to structure 1 and 2, referred to its mass and elastic
-        stiffness as its own is; not negative.
+        Damping ratio [-] that dampers add to structures 1 and 2, not negative. As for the structure's
+        own damping ratio, its mass and elastic stiffness are the reference.
     link : Link or list of Link, optional
-        Springs and dashpots: between both, or as devices inside one of them, with its number twice in
-        ``structures``.
+        Springs and dashpots between the two structures, or damping devices inside one of them. For a
+        device, ``structures`` of the link names the same structure twice.
     contact : Contact, optional
-        What they meet at, for instance bumpers of another stiffness or restitution.
+        Contact between the structures with the measure, for instance that of bumpers with another
+        stiffness or coefficient of restitution.
     bumper_thickness : float
-        What bumpers take from the gap [m], of both sides together; not negative. Buildings whose
-        bumpers touch, touch.
+        Thickness of the bumpers of both structures together [m], not negative. It reduces the gap.
     stiffening_1, stiffening_2 : float
-        Elastic stiffness of structure 1 and 2, of all its storeys, over that as built [-], positive.
-        Masses and damping ratios stay: periods are divided by the root of it.
+        Elastic stiffness of all storeys of structures 1 and 2 over that as built [-], positive. Masses
+        and damping ratios do not change; periods are divided by the square root of this factor.
     strengthening_1, strengthening_2 : float
-        Yield force of structure 1 and 2, of all its storeys, over that as built [-], positive. Yield
-        displacements are multiplied by strengthening over stiffening.
+        Yield force of all storeys of structures 1 and 2 over that as built [-], positive. Yield
+        displacements are multiplied by the ratio of strengthening to stiffening.
 
     Raises
     ------
     ValueError, TypeError
-        If a number is out of range or none, is an array, or links or contact are of the wrong kind.
+        If a value is not a number, is an array or is out of range, or if ``link`` or ``contact`` is of
+        the wrong kind.
 
     References
     ----------
-    Valles-Mattox and Reinhorn (1996), on links, bumpers and supplemental damping.
+    Valles-Mattox and Reinhorn (1996), for links, bumpers and supplemental damping.
 
     Examples
     --------
@@ -89,12 +92,12 @@ class Measure(Model):
 
     @property
     def links(self) -> tuple[Link, ...]:
-        """All of them, each with the structures that it ties."""
+        """All links of the measure, each with the numbers of the two structures that it ties."""
         given = (self.link,) if isinstance(self.link, Link) else self.link or ()
         return tuple(replace(each, structures=each.structures or BETWEEN) for each in given)
 
     def describe(self) -> str:
-        """One line with what it does; links that differ in their floors alone stand together."""
+        """The measure in one line; links that differ only in their floors are listed together."""
         told = [
             f"{field.name}={getattr(self, field.name):.6g}"
             for field in self._declared()

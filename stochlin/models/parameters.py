@@ -1,4 +1,4 @@
-"""Parameters of models: declared once with unit and range, checked where they enter."""
+"""Parameters of models: each is declared once with its unit and range, and checked when it is given."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ ALONE = (
     "one building alone, beside its property line, is taken by separation, existing_gap, recorded_gap, "
     "pounding_risk and required_gap"
 )
-# Of a model, which stays as it is: its parameters, and they as arrays, once they were asked for.
+# Attributes of a model that cache its parameters, as given and as arrays; a model never changes.
 _CELLS, _MADE = "_cells", "_arrays"
 
 
 @dataclasses.dataclass(frozen=True)
 class Range:
-    """The open interval of allowed values; ``include_upper`` closes it above."""
+    """Interval of allowed values, open at each end unless ``include_lower`` or ``include_upper``."""
 
     lower: float = 0.0
     upper: float = np.inf
@@ -47,12 +47,12 @@ class Range:
 
     @property
     def middle(self) -> float:
-        """A value well inside: 1 where only the sign is limited."""
+        """A value well inside the interval: 1 where the interval contains it, else the midpoint."""
         low, high = max(self.lower, -1e3), min(self.upper, 1e3)
         return 1.0 if low < 1 < high else 0.5 * (low + high)
 
     def contains(self, value: Any) -> Any:
-        """Elementwise test; NaN and infinity are outside."""
+        """Elementwise test whether values are allowed; NaN and infinity never are."""
         above = value >= self.lower if self.include_lower else value > self.lower
         below = value <= self.upper if self.include_upper else value < self.upper
         return above & below & np.isfinite(value)
@@ -69,7 +69,7 @@ def parameter(units: str, long_name: str, allowed: Range, default: Any = datacla
 
 
 class _Signature:
-    """Arguments of a model, those of its ``__init__``: older Pythons tell of ``__new__``."""
+    """Signature of a model, that of its ``__init__``; older Pythons would show that of ``__new__``."""
 
     def __get__(self, _: Any, kind: type) -> inspect.Signature:
         whole = inspect.signature(kind.__init__)  # type: ignore[misc]
@@ -78,18 +78,18 @@ class _Signature:
 
 @dataclasses.dataclass(frozen=True)
 class Model:
-    """Base of everything a user describes: checks and labels the declared parameters.
+    """Base of all models that a user describes; it checks and labels the declared parameters.
 
-    A scalar out of range raises at once. In an array the cells out of range are left to the
-    analyses, which mark them in ``status`` and go on with the others.
+    A scalar out of range raises an error at once. An array may have cells out of range: the analyses
+    mark these cells in ``status`` and compute the others.
     """
 
-    of_arguments: ClassVar[bool] = False  # of a function, whose messages name the argument alone
+    of_arguments: ClassVar[bool] = False  # arguments of a function; messages then omit the class name
     __signature__: ClassVar[_Signature] = _Signature()
-    instead: ClassVar[str] = ""  # where it is not taken: what to call, or to give
+    instead: ClassVar[str] = ""  # advice in the message of a function that does not take this model
 
     def __new__(cls, *args: Any, **kwargs: Any) -> Self:
-        """The model, or its description if a parameter is `Uncertain`."""
+        """A new model, or an `UncertainModel` if an argument is `Uncertain`."""
         if any(isinstance(value, Uncertain) for value in (*args, *kwargs.values())):
             return UncertainModel.of(cls, args, kwargs)  # type: ignore[return-value]
         return super().__new__(cls)
@@ -120,9 +120,9 @@ class Model:
 
     @classmethod
     def kinds(cls) -> Collection[type[Model]]:
-        """What there is of this kind, for messages."""
+        """The concrete classes below this class, which messages list as allowed."""
         made = cls.__subclasses__()
-        # A base is what its own package makes kinds of; a kind that is extended elsewhere stays one.
+        # A base has subclasses in its own package; a subclass in another package does not make it one.
         is_base = _package(cls) in map(_package, made)
         return {kind for each in made for kind in each.kinds()} if is_base else {cls}
 
@@ -142,7 +142,7 @@ class Model:
         return str(cls.__dataclass_fields__[name].metadata["units"])
 
     def cells(self) -> dict[str, Any]:
-        """The parameters that are set: numbers, and labelled arrays."""
+        """The parameters that are set, by name: numbers, or labelled arrays."""
         made: dict[str, Any] | None = self.__dict__.get(_CELLS)
         if made is None:
             values = ((field.name, getattr(self, field.name)) for field in self._declared())
@@ -155,7 +155,7 @@ class Model:
             self.__dict__.pop(made, None)
 
     def arrays(self) -> dict[str, xr.DataArray]:
-        """The parameters that are set, as labelled arrays (0-d for scalars)."""
+        """The parameters that are set, by name, as labelled arrays (0-d for scalars)."""
         made: dict[str, xr.DataArray] | None = self.__dict__.get(_MADE)
         if made is None:
             made = {
@@ -166,11 +166,11 @@ class Model:
         return dict(made)
 
     def over_cells(self) -> dict[str, xr.DataArray]:
-        """Those arrays that make a table, with a cell for each of their values."""
+        """The parameters whose dimensions become dimensions of a result, as labelled arrays."""
         return self.arrays()
 
     def isel(self, indexers: Mapping[Any, int | slice]) -> Self:
-        """The model with only these cells along the dimensions that it has."""
+        """The model at these indices; dimensions that the model does not have are ignored."""
         return self.with_arrays(
             {
                 name: array.isel(indexers, missing_dims="ignore")
@@ -180,7 +180,7 @@ class Model:
         )
 
     def with_arrays(self, arrays: Mapping[str, xr.DataArray]) -> Self:
-        """The model with these in place of parameters that have been checked."""
+        """A copy of the model with these arrays as parameters, without checking them again."""
         changed = copy.copy(self)
         changed._forget()
         for name, array in arrays.items():
@@ -189,7 +189,7 @@ class Model:
 
     def valid(self) -> xr.DataArray:
         """True for the cells in which every parameter is in its range."""
-        # A number has been checked before.
+        # Numbers are left out: they were checked when the model was made.
         arrays = {n: value for n, value in self.cells().items() if isinstance(value, xr.DataArray)}
         if not arrays:
             return xr.DataArray(True)
@@ -200,7 +200,7 @@ class Model:
         return functools.reduce(operator.and_, labelled)
 
     def describe(self) -> str:
-        """One line with the parameters, long arrays by their range: for metadata and charts."""
+        """The model with its parameters in one line, for metadata and charts; arrays by their range."""
         parts = [f"{name}={_brief(value)}" for name, value in self.cells().items()]
         return f"{type(self).__name__}({', '.join(parts)})"
 
@@ -211,7 +211,7 @@ def _declared_of(kind: type[Model]) -> tuple[dataclasses.Field[Any], ...]:
 
 
 def _plainly_alike(arrays: Sequence[xr.DataArray]) -> bool:
-    """Whether they have the same dimensions and no coordinates, so that there is nothing to align."""
+    """Whether the arrays have equal dimensions and no coordinates, so that none has to be aligned."""
     return not any(
         len(array.coords) or array.dims != arrays[0].dims or array.shape != arrays[0].shape
         for array in arrays
@@ -223,7 +223,7 @@ def _package(kind: type) -> str:
 
 
 def expect(value: object, kind: type[Model] | tuple[type[Model], ...], role: str) -> None:
-    """Raise a TypeError unless the argument called ``role`` is a ``kind``, or one of several."""
+    """Raise a TypeError unless ``value``, the argument named ``role``, is of a class in ``kind``."""
     if not isinstance(value, kind):
         kinds = kind if isinstance(kind, tuple) else (kind,)
         names = sorted(c.__name__ for each in kinds for c in each.kinds())
@@ -237,7 +237,10 @@ def expect(value: object, kind: type[Model] | tuple[type[Model], ...], role: str
 
 
 def check(prefix: str, name: str, value: Any, declared: Mapping[str, Any]) -> float | xr.DataArray:
-    """The value of a parameter, checked and labelled with what is ``declared`` of it."""
+    """The value of a parameter, checked against its declared range and labelled with its unit.
+
+    ``declared`` is the metadata of `parameter`; ``prefix`` precedes the name in messages.
+    """
     label, allowed = f"{prefix}{name}", declared["allowed"]
     try:
         array = value if isinstance(value, xr.DataArray) else np.asarray(value)
@@ -271,7 +274,7 @@ def check(prefix: str, name: str, value: Any, declared: Mapping[str, Any]) -> fl
 def _brief(value: float | xr.DataArray) -> str:
     if not isinstance(value, xr.DataArray) or value.ndim == 0:
         return f"{float(value):.6g}"
-    if value.chunks is not None:  # not computed to be described
+    if value.chunks is not None:  # the range of a lazy array would have to be computed
         return f"[{value.size} values in chunks over {', '.join(map(str, value.dims))}]"
     low, high = f"{float(value.min()):.6g}", f"{float(value.max()):.6g}"
     many = f"{value.size} times {low}" if value.size > 1 else low

@@ -1,6 +1,7 @@
-"""Structures: oscillators of one degree of freedom whose stiffness may yield.
+"""Structures: oscillators of one degree of freedom that may yield.
 
-How one yields is its hysteresis law: a class in a file of `stochlin.models.laws`, or of another package.
+The hysteresis law of a structure is its class, in a module of `stochlin.models.laws` or of another
+package.
 """
 
 from __future__ import annotations
@@ -28,10 +29,10 @@ HARDENING = Range(
     upper=1.0, include_upper=True, reason="without hardening there is no stationary displacement"
 )
 
-GAUSSIAN = "gaussian"  # every law has it, by quadrature if not in closed form
-NARROW_BAND = "narrow_band"  # amplitude averaging, which has no density of the velocity and z
-DRIFT = "drift"  # the clipped closure, and the plastic drift that it loses
-CHECKED = 8  # sets of parameters of a law, at most
+GAUSSIAN = "gaussian"  # every law has this closure, by quadrature if not in closed form
+NARROW_BAND = "narrow_band"  # amplitude averaging, without a joint density of velocity and z
+DRIFT = "drift"  # the clipped closure, with the plastic drift that the clipped closure omits
+CHECKED = 8  # largest number of parameter sets for which a law is checked
 
 LAWS: Registry[type[Structure]] = Registry("law", "stochlin.models.laws")
 
@@ -40,15 +41,17 @@ LAWS: Registry[type[Structure]] = Registry("law", "stochlin.models.laws")
 class Structure(Model):
     """Base of the structures, eq. (5): ``mu'' + 2 xi w mu' + alpha w^2 mu + (1 - alpha) w^2 z = f/uy``.
 
-    Strength is given by ``yield_displacement`` or by ``reduction_factor``; without either the
-    structure stays elastic. A mass is for structures that act on one another, through a `Link`: all
-    else does without.
+    The strength is given by ``yield_displacement`` or by ``reduction_factor``; without either of them
+    the structure stays elastic. A mass is needed only by structures that act on one another, through a
+    `Link` or in pounding.
 
-    A law is a subclass, registered in `LAWS`. It declares its own parameters and gives its `symbolic`
-    form; closures in closed form and time steps are found from that unless it gives its own.
+    A hysteresis law is a subclass that is registered in `LAWS`. It declares its own parameters and gives
+    the expression of the law by `symbolic`. Closures and time steps are derived from this expression
+    unless the subclass has its own.
     """
 
-    closures: ClassVar[Mapping[str, Closure | None]] = {}  # in closed form; None for `NARROW_BAND`
+    # Closures in closed form, by name; None for `NARROW_BAND`, which works without such a function.
+    closures: ClassVar[Mapping[str, Closure | None]] = {}
 
     period: Parameter = parameter("s", "period of small oscillations", POSITIVE)
     damping: Parameter = parameter("1", "damping ratio", DAMPING)
@@ -77,17 +80,17 @@ class Structure(Model):
 
     @property
     def yields(self) -> bool:
-        """Whether a strength is given."""
+        """Whether a strength is given, so that the structure can yield."""
         return self.yield_displacement is not None or self.reduction_factor is not None
 
     @classmethod
     def kinds(cls) -> Collection[type[Model]]:
-        """The laws there are."""
+        """The registered laws, which messages list as allowed."""
         return LAWS.values() if cls is Structure else super().kinds()
 
     @classmethod
     def own_parameters(cls) -> tuple[str, ...]:
-        """Names of the law's parameters beyond those of every structure."""
+        """Names of the parameters that this law adds to those of every structure."""
         common = Structure.parameter_names()
         return tuple(name for name in cls.parameter_names() if name not in common)
 
@@ -97,37 +100,37 @@ class Structure(Model):
         return tuple(dict.fromkeys((GAUSSIAN, *cls.closures)))
 
     def symbolic(self) -> sympy.Expr:
-        """``G(v, z)`` of ``z' = G``, in the symbols ``v`` and ``z`` and those of `own_parameters`."""
+        """``G`` of ``z' = G(v, z)`` as a sympy expression, in ``v``, ``z`` and the `own_parameters`."""
         raise NotImplementedError
 
     def closure(self, name: str) -> Closure:
-        """The closure ``name`` of this law: latent moments to equivalent coefficients."""
+        """The closure ``name`` of this law: equivalent coefficients as a function of latent moments."""
         return self.closures.get(name) or self._compiled.gaussian
 
     def has_one_solution(self) -> xr.DataArray:
-        """Where linearization is known to have one solution.
+        """True for the cells in which linearization is known to have only one solution.
 
-        Elsewhere the one that grows out of the elastic response is followed as shaking grows, which
-        takes several times as long.
+        In the other cells the solution is followed from the elastic response as the intensity grows,
+        which takes several times as long.
         """
         return xr.DataArray(False)
 
     def block(self) -> Block:
-        """Time steps of this law."""
+        """Time-stepping function of oscillators with this law."""
         return self._compiled.block
 
     def in_storeys(self) -> Any:
-        """The law of a storey in time steps: its kind of ``storey_stepping``, or a ``law_middle``."""
+        """The law for time steps of storeys: a constant of ``storey_stepping``, or a ``law_middle``."""
         return self._compiled.middle
 
     def law_parameters(self) -> list[xr.DataArray]:
-        """Those of `own_parameters`."""
+        """Values of the `own_parameters` of this law, in the same order."""
         values = self.arrays()
         return [values[name] for name in self.own_parameters()]
 
     @cached_property
     def _compiled(self) -> SymbolicLaw:
-        """What follows from the symbolic form, checked for some of the parameters that are valid."""
+        """The compiled `symbolic` expression, checked for some of the valid parameter sets."""
         from stochlin.models.symbolic import compiled
 
         law = compiled(self.symbolic(), self.own_parameters())
@@ -140,7 +143,7 @@ class Structure(Model):
 
 @dataclass(frozen=True)
 class LinearPair(Model):
-    """Two linear oscillators, the input of eq. (4). Periods in s, damping ratios."""
+    """Two linear oscillators, the input of eq. (4): periods [s] and damping ratios [-]."""
 
     of_arguments = True
 

@@ -1,4 +1,4 @@
-"""What follows from the symbolic form of an odd hysteresis law ``z' = G(v, z)``: closure, time steps."""
+"""Closure and time steps derived from the sympy expression of a hysteresis law ``z' = G(v, z)``."""
 
 from __future__ import annotations
 
@@ -23,10 +23,11 @@ _PROBES = np.random.default_rng(1996).uniform(-2.5, 2.5, (2, 400))
 
 
 class SymbolicLaw:
-    """``G(v, z)`` compiled for batched Gaussian quadrature.
+    """Hysteresis law ``z' = G(v, z)``, compiled for Gaussian quadrature over many cells at once.
 
-    Its symbols are named ``v`` [1/s, ductility rate], ``z`` [-], and as the parameters, whose values
-    functions take as rows in this order. It is odd: ``G(-v, -z) = -G(v, z)``.
+    The symbols of the expression are ``v`` (ductility rate) [1/s], ``z`` [-] and the names in
+    ``parameters``. Functions take the values of the parameters as rows of an array, in this order. The
+    law is odd: ``G(-v, -z) = -G(v, z)``.
     """
 
     def __init__(self, expression: sympy.Expr, parameters: tuple[str, ...] = ()) -> None:
@@ -42,33 +43,33 @@ class SymbolicLaw:
         self._good: set[bytes] = set()
 
     def __reduce__(self) -> tuple[Callable[..., SymbolicLaw], tuple[sympy.Expr, tuple[str, ...]]]:
-        """Compiled functions cannot be sent to another process; what they are made of can."""
+        """Pickle the expression and the parameter names: compiled functions cannot be pickled."""
         return compiled, (self.expression, self.parameters)
 
     def gaussian(self, latent: Array, parameters: Array) -> ClosureValue:
-        """Gaussian closure by quadrature, with derivatives."""
+        """Gaussian closure by quadrature: equivalent coefficients, with their derivatives."""
         slip, slip_jacobian = slip_expectations(self.slip_rate, latent, parameters, ORDER)
         moments = gaussian_covariance(latent)
         return ClosureValue(*regress_slip(slip, slip_jacobian, *moments), *moments)
 
     @cached_property
     def middle(self) -> Any:
-        """A `law_middle`, compiled when first asked for."""
+        """The law as a numba function for time steps (`law_middle`), compiled at first use."""
         from stochlin.kernels.simulation.law_stepping import law_middle
 
         return law_middle(self._function(self._without_steps(), "math"))
 
     @cached_property
     def block(self) -> Block:
-        """Time steps of this law, compiled when first asked for."""
+        """Time-stepping function of oscillators with this law, compiled at first use."""
         from stochlin.kernels.simulation.law_stepping import law_block
 
         return law_block(self.middle)
 
     def check(self, parameters: Array) -> None:
-        """Raise a ValueError if the law is not odd, not real, or has kinks that quadrature cannot find.
+        """Raise a ValueError if the law is not odd, not real, or has kinks that cannot be located.
 
-        ``parameters`` (m, n): one set of them a column.
+        ``parameters`` (m, n) holds the m parameters of the law, one set in each of its n columns.
         """
         for column in np.ascontiguousarray(parameters.T):
             if column.tobytes() not in self._good:
@@ -77,14 +78,14 @@ class SymbolicLaw:
                 self._good.add(column.tobytes())
 
     def _function(self, expression: sympy.Expr, module: str) -> Callable[..., Array]:
-        """The expression as a function of ``v``, ``z`` and the parameters, which it takes as one."""
+        """The expression as a function of ``v``, ``z`` and one array with the rows of parameters."""
         v, z = sympy.symbols("v z", real=True)
         rows = sympy.DeferredVector("parameters")
         values = {sympy.Symbol(n, real=True): rows[i] for i, n in enumerate(self.parameters)}
         return sympy.lambdify((v, z, rows), expression.subs(values), module, cse=True)
 
     def _kinks(self) -> Callable[[Array], Sequence[Array | float]]:
-        """The values of ``z`` where the law may jump or bend, as a function of the parameters."""
+        """A function of the parameters that gives the values of ``z`` where the law may jump or bend."""
         kinks = _kinks(self.expression)
         fixed = sorted(float(kink) for kink in kinks if kink.is_number)
         moving = self._function(sympy.Tuple(*(k for k in kinks if not k.is_number)), "numpy")
@@ -97,12 +98,12 @@ class SymbolicLaw:
         return at
 
     def _named(self, column: Array) -> str:
-        """The law in messages, with the parameters that it was tried with."""
+        """The law as messages name it, with the values of the parameters for which it was checked."""
         told = ", ".join(f"{n} = {x:g}" for n, x in zip(self.parameters, column, strict=True))
         return f"law = {self.expression}" + (f" with {told}" if told else "")
 
     def _without_steps(self) -> sympy.Expr:
-        """The law with its Heaviside steps as cases, which is what plain Python can print."""
+        """The law with Heaviside steps as Piecewise: plain Python code has no Heaviside function."""
         return self.expression.replace(
             sympy.Heaviside, lambda *x: sympy.Heaviside(*x).rewrite(sympy.Piecewise)
         )
@@ -147,12 +148,12 @@ def _compiled(expression: sympy.Expr, parameters: tuple[str, ...]) -> SymbolicLa
 
 
 def compiled(expression: sympy.Expr, parameters: tuple[str, ...]) -> SymbolicLaw:
-    """The law of this expression; the same expression is compiled once."""
+    """The compiled law of a sympy expression; equal expressions are compiled only once."""
     return _compiled(_with_plain_symbols(expression, parameters), parameters)
 
 
 def _with_plain_symbols(expression: sympy.Expr, parameters: tuple[str, ...]) -> sympy.Expr:
-    """Replace the user's symbols, found by name, by real ones."""
+    """The expression with real-valued symbols of the same names in place of the user's symbols."""
     if not isinstance(expression, sympy.Expr):
         raise TypeError(f"law = {brief(expression)} is not allowed; give a sympy expression")
     names = {symbol.name for symbol in expression.free_symbols}
@@ -180,7 +181,7 @@ def _kinks(expression: sympy.Expr) -> set[sympy.Expr]:
 
 
 def _roots(factor: sympy.Expr, z: sympy.Symbol) -> sympy.FiniteSet:
-    """Zeros that may depend on parameters; where one is not real the kink is not there."""
+    """Zeros of the factor, which may depend on parameters; a zero that is not real is not a kink."""
     try:
         return sympy.FiniteSet(*sympy.solve(factor, z))
     except NotImplementedError:

@@ -1,10 +1,12 @@
-"""Structures as one system: floors on storeys, on one ground, some of them tied by links.
+"""Structures on one ground as one system: floors with masses, storeys between them, and links.
 
-A link ties floors of two structures, or is a device inside one, also between a floor and the ground.
+A link ties floors of two structures. It may also be a device inside one structure, between two of its
+floors or between a floor and the ground.
 
-An oscillator is a building of one storey. A storey, and the spring of a link, is an element: its force
-is ``post d + couple z`` over its drift ``d``, with ``z`` [m] the drift that its law keeps elastic. The
-weight above a storey is in ``post``.
+An oscillator is treated as a building of one storey. Storeys and springs of links are the elements of
+the system. The force of an element is ``post d + couple z`` [N], where ``d`` [m] is its drift and ``z``
+[m] the elastic part of the drift, which follows from the hysteresis law. ``post`` includes the P-delta
+effect of the weight above a storey.
 """
 
 from __future__ import annotations
@@ -26,23 +28,23 @@ from stochlin.models.structures import Structure
 
 AnyStructure = Structure | ShearBuilding
 STRUCTURES = Structure, ShearBuilding
-LEVEL = 0.05  # [m]: floors whose heights differ by less are at one level
+LEVEL = 0.05  # [m], floors whose heights differ by less are at the same level
 
 
 class Stack(NamedTuple):
-    """One structure as a stack of floors."""
+    """One structure as a stack of ``n`` floors, each with the storey below it."""
 
     mass: Array  # (n,) [kg]
-    post: Array  # (n,) [N/m] of the storey below the floor
-    couple: Array  # (n,) [N/m], 0 where it stays elastic
-    strength: Array  # (n,) [m], infinite where it stays elastic
+    post: Array  # (n,) [N/m], post-yield stiffness of the storey
+    couple: Array  # (n,) [N/m], elastic less post-yield stiffness; 0 if the storey stays elastic
+    strength: Array  # (n,) [m], drift at yield; infinite if the storey stays elastic
     damping: Array  # (n, n) [N s/m]
-    levels: Array  # (n,) [m]; NaN for an oscillator, which has no height
-    law: Structure  # of all storeys; one that stays elastic for those without strength
+    levels: Array  # (n,) [m], heights of the floors above the ground; NaN for an oscillator
+    law: Structure  # hysteresis law of all storeys; a structure without strength if they stay elastic
 
     @property
     def is_oscillator(self) -> bool:
-        """Whether it is one: it then has no height."""
+        """Whether the structure is an oscillator, which has no height."""
         return bool(np.isnan(self.levels).any())
 
     @property
@@ -52,39 +54,39 @@ class Stack(NamedTuple):
 
     @property
     def law_parameters(self) -> Array:
-        """The law's own parameters (n, k)."""
+        """Parameters that the law adds (n, k), one row for each storey."""
         rows = [np.broadcast_to(a.to_numpy(), self.mass.size) for a in self.law.law_parameters()]
         return np.reshape(rows, (len(rows), self.mass.size)).T.astype(float)
 
 
 class Tie(NamedTuple):
-    """A link and the floors that it ties, counted from 0 through all structures."""
+    """A link and the numbers of the floors that it ties, counted from 0 through all structures."""
 
     one: int
-    two: int  # -1 for the ground, of a device inside one structure
+    two: int  # -1 is the ground, for a device inside one structure
     link: Link
-    number: int  # from 1, in the list that was given
+    number: int  # of the link in the list that the user gave, from 1
 
     @property
     def name(self) -> str:
-        """As the spring of the link is called among the storeys."""
+        """Name of the spring of the link in the dimension ``element``."""
         return f"link {self.number}"
 
 
 class System(NamedTuple):
-    """Structures on one ground, and what ties them."""
+    """Structures on one ground, and the links between them."""
 
     stacks: tuple[Stack, ...]
     ties: tuple[Tie, ...]
 
     @property
     def first(self) -> Array:
-        """Number of the first floor of each structure, and of all floors (s + 1,)."""
+        """Number of the first floor of each structure, followed by the count of all floors (s + 1,)."""
         return np.concatenate([[0], np.cumsum([stack.mass.size for stack in self.stacks])])
 
     @property
     def floors(self) -> list[str]:
-        """Names of the floors and of the storeys below them: 2.3 is the third of structure 2."""
+        """Names of the floors and the storeys below them; 2.3 is the third floor of structure 2."""
         return [
             str(s) if stack.is_oscillator else f"{s}.{i}"
             for s, stack in enumerate(self.stacks, start=1)
@@ -93,18 +95,21 @@ class System(NamedTuple):
 
     @property
     def below(self) -> Array:
-        """Number of the floor below each floor, -1 for the ground (n,)."""
+        """Number of the floor below each floor (n,); -1 is the ground."""
         under = np.arange(self.first[-1]) - 1
         under[self.first[:-1]] = -1
         return under
 
     def all(self, name: str) -> Array:
-        """A column of all stacks, one after the other."""
+        """The attribute ``name`` of all stacks, joined along its first dimension."""
         return np.concatenate([getattr(stack, name) for stack in self.stacks])
 
     @property
     def extensions(self) -> Array:
-        """Of the springs by the displacements of the floors (s, n): storeys, then ties, ``u1 - u2``."""
+        """Matrix (s, n) that turns displacements of the n floors into drifts of the s elements.
+
+        The elements are the storeys, followed by the springs of links with the drift ``u1 - u2``.
+        """
         n, ties = int(self.first[-1]), self.ties
         found = np.zeros((n + len(ties), n))
         found[np.arange(n), np.arange(n)] = 1.0
@@ -118,13 +123,13 @@ class System(NamedTuple):
 
     @property
     def damping(self) -> Array:
-        """Of all floors (n, n) [N s/m], without links."""
+        """Damping matrix of all floors (n, n) [N s/m], without the links."""
         whole: Array = scipy.linalg.block_diag(*[stack.damping for stack in self.stacks])
         return np.ascontiguousarray(whole)
 
     @property
     def without_stationary_answer(self) -> list[tuple[int, int]]:
-        """Structures and storeys, from 1, that yield and have no stiffness left then."""
+        """Structure and storey numbers, from 1, of storeys without positive stiffness after yielding."""
         return [
             (s, int(i) + 1)
             for s, stack in enumerate(self.stacks, start=1)
@@ -133,7 +138,10 @@ class System(NamedTuple):
 
 
 def stack_of(structure: AnyStructure) -> Stack:
-    """A structure with scalar parameters, whose strength is given in metres; without a mass, of 1 kg."""
+    """A structure with scalar parameters as a stack of floors.
+
+    Its strength is given in metres. An oscillator without a mass is taken to have 1 kg.
+    """
     if isinstance(structure, ShearBuilding):
         values = {name: np.asarray(value) for name, value in structure.cells().items()}
         n, k, yields = structure.storeys, values["stiffnesses"], structure.yields
@@ -151,7 +159,7 @@ def stack_of(structure: AnyStructure) -> Stack:
 
 
 def stacks_of(oscillators: Structure, dimension: str, count: int) -> list[Stack]:
-    """Those of so many oscillators, whose parameters lie along this dimension, as by `stack_of`."""
+    """Stacks of ``count`` oscillators with parameters along ``dimension``; otherwise as `stack_of`."""
     found = list(_of_oscillators(oscillators, count))
     if not oscillators.own_parameters():
         return found
@@ -159,7 +167,7 @@ def stacks_of(oscillators: Structure, dimension: str, count: int) -> list[Stack]
 
 
 def _of_oscillators(structure: Structure, count: int) -> Iterator[Stack]:
-    """A stack for each value; ``law`` has them all."""
+    """A stack for each of ``count`` oscillators; ``law`` of every stack is the whole ``structure``."""
     values = {name: np.asarray(value) for name, value in structure.cells().items()}
     mass = float(values.get("mass", 1.0))
     w = 2 * np.pi / values["period"]
@@ -174,7 +182,7 @@ def _of_oscillators(structure: Structure, count: int) -> Iterator[Stack]:
 
 
 def check_stationary(system: System) -> None:
-    """Raise a ValueError if some storey has no stiffness left when it yields."""
+    """Raise a ValueError if a storey has no positive stiffness after yielding."""
     for structure, storey in system.without_stationary_answer:
         left = system.stacks[structure - 1].post[storey - 1]
         raise ValueError(
@@ -185,7 +193,10 @@ def check_stationary(system: System) -> None:
 
 
 def shares_at(levels: Array, height: float) -> dict[int, float]:
-    """Displacement at a height as shares of the floors, from 0: linear between them and the ground."""
+    """Weights by floor number, from 0, that interpolate floor displacements linearly at a height [m].
+
+    The displacement at the ground is zero.
+    """
     upper = int(np.searchsorted(levels, height))
     below = float(levels[upper - 1]) if upper else 0.0
     share = float((height - below) / (levels[upper] - below))
@@ -193,17 +204,17 @@ def shares_at(levels: Array, height: float) -> dict[int, float]:
 
 
 def floor_count(structure: AnyStructure) -> int:
-    """How many floors a structure has; an oscillator is one."""
+    """Number of floors of a structure; an oscillator has one."""
     return structure.storeys if isinstance(structure, ShearBuilding) else 1
 
 
 def first_mode(structure: AnyStructure) -> Structure:
-    """An oscillator as it is, a building by its first mode."""
+    """An oscillator itself, or the first mode of a building as an oscillator."""
     return structure.oscillator() if isinstance(structure, ShearBuilding) else structure
 
 
 def weaker(structure: AnyStructure, factor: float) -> AnyStructure:
-    """The structure with its strength, which is in metres, divided by the factor."""
+    """The structure with its yield displacement or yield drifts [m] divided by ``factor``."""
     if not structure.yields:
         return structure
     name = _yield_of(structure)
@@ -211,7 +222,10 @@ def weaker(structure: AnyStructure, factor: float) -> AnyStructure:
 
 
 def retrofitted(structure: AnyStructure, stiffening: float, strengthening: float) -> AnyStructure:
-    """The structure with its elastic stiffness and its yield force, in metres, multiplied by these."""
+    """The structure with its elastic stiffness and its yield force multiplied by these factors.
+
+    Its strength, if any, is given in metres.
+    """
     changed: dict[str, Any] = {}
     if stiffening != 1:
         if isinstance(structure, ShearBuilding):
@@ -229,19 +243,19 @@ def _yield_of(structure: AnyStructure) -> str:
 
 
 def first_period(structure: AnyStructure) -> xr.DataArray:
-    """The period of an oscillator, or of the first mode of a building [s]."""
+    """Period of an oscillator, or of the first mode of a building [s]."""
     if isinstance(structure, ShearBuilding):
         return structure.periods()[0]
     return structure.arrays()["period"]
 
 
 def system_of(structures: Sequence[AnyStructure], links: Sequence[Link | None] = ()) -> System:
-    """Structures whose strengths are in metres, and their links, as one system.
+    """Structures, whose strengths are given in metres, and their links as one system.
 
     Raises
     ------
     ValueError
-        If a link has no place, its structures have no mass, or do not have the floors.
+        If a link names a structure or a floor that does not exist, or ties a structure without a mass.
     """
     stacks = tuple(stack_of(structure) for structure in structures)
     first = System(stacks, ()).first
@@ -272,7 +286,11 @@ def system_of(structures: Sequence[AnyStructure], links: Sequence[Link | None] =
 
 
 def common_floors(one: Stack, two: Stack, number: int) -> tuple[int, int]:
-    """The highest floors at one level, from 1; an oscillator is at the roof of the other."""
+    """Numbers, from 1, of the highest floors of two structures at the same level.
+
+    An oscillator is taken to be at the level of the other structure's roof. ``number`` is that of the
+    link, for messages.
+    """
     if one.is_oscillator or two.is_oscillator:
         return one.mass.size, two.mass.size
     level = np.abs(one.levels[:, None] - two.levels) < LEVEL
@@ -285,10 +303,11 @@ def common_floors(one: Stack, two: Stack, number: int) -> tuple[int, int]:
 
 
 def slabs_on_columns(one: Array, two: Array) -> list[tuple[int, int]]:
-    """Where neighbours with floors at these levels meet slab against column, from the ground up.
+    """Slabs of two neighbours that face columns of the other, from the ground up.
 
-    Whose slab it is, 0 or 1, and its floor, from 1: every floor below the roof of the other that has
-    none of the other at its level.
+    ``one`` and ``two`` are the levels of the floors [m]. Each slab is a pair of the side, 0 or 1, and
+    the floor number, from 1. A slab faces columns if it is below the roof of the other building and the
+    other building has no floor at the same level.
     """
     found = [
         (float(level), side, floor)
@@ -300,7 +319,10 @@ def slabs_on_columns(one: Array, two: Array) -> list[tuple[int, int]]:
 
 
 def check_links(name: str, links: object, count: int) -> tuple[Link | None, ...]:
-    """The links of a list between so many structures, None where there is none; one may stand alone."""
+    """The links between ``count`` structures as a tuple, checked; None stands for no link.
+
+    A single link need not be in a list. ``name`` is that of the argument, for messages.
+    """
     if links is None:
         return ()
     if isinstance(links, Link):
@@ -321,6 +343,6 @@ def check_links(name: str, links: object, count: int) -> tuple[Link | None, ...]
 
 
 def check_mass(structure: AnyStructure, role: str) -> None:
-    """Raise a ValueError unless a link has something to act on."""
+    """Raise a ValueError if a structure on which a link acts has no mass."""
     if isinstance(structure, Structure) and structure.mass is None:
         raise ValueError(f"{role}: mass is not given; a link acts on masses, allowed: 0 < value, in kg")

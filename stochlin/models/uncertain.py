@@ -1,4 +1,4 @@
-"""Parameters that are not known exactly, and models that are described with them."""
+"""Uncertain parameters, and models that have such parameters."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from stochlin.messages import brief
 
 One = TypeVar("One")
 KINDS = "lognormal", "uniform"
-FAR = 1e-4  # outside of the values at which a model is tried, on each side
+FAR = 1e-4  # probability below and above the two extreme values at which a model is tried
 TAKEN = (
     "separation, existing_gap, sensitivity, pounding_probability, pounding_risk, required_gap, "
     "mitigate, and simulate with a duration,"
@@ -27,27 +27,27 @@ TAKEN = (
 
 @dataclass(frozen=True)
 class Uncertain:
-    """An uncertain parameter, with its median and its spread.
+    """An uncertain parameter, with its median, its spread and the kind of its distribution.
 
-    It stands wherever a parameter of a structure or a ground is expected. Every simulated motion gets
-    its own value; of an array, as the stiffnesses of the storeys of one building, all values are
-    multiplied by the same factor.
+    It can be given in place of a parameter of a structure or a ground. Every simulated motion then has
+    its own sample of the parameter. All values of an array, for instance the stiffnesses of the storeys
+    of one building, are multiplied by the same factor.
 
     Parameters
     ----------
     median : float or array
-        In the unit of the parameter, ``[s]`` of a period; half of all values are below.
+        Median in the unit of the parameter, for instance ``[s]`` for a period.
     spread : float
-        Lognormal: standard deviation [-] of the natural logarithm. Uniform: largest deviation over the
-        median. From 0 to 1.
+        Spread [-], from 0 to 1: for ``"lognormal"`` the standard deviation of the natural logarithm,
+        for ``"uniform"`` the largest deviation from the median over the median.
     kind : {"lognormal", "uniform"}
-        Values ``median exp(spread n)`` with a standard normal ``n``, or evenly from ``median (1 -
-        spread)`` to ``median (1 + spread)``.
+        Distribution: ``median exp(spread n)`` with a standard normal ``n``, or uniform from
+        ``median (1 - spread)`` to ``median (1 + spread)``.
 
     Raises
     ------
     ValueError, TypeError
-        If the median is no number or not finite, the spread is out of range, or the kind is unknown.
+        If the median is not a finite number, the spread is out of range, or the kind is unknown.
 
     References
     ----------
@@ -88,7 +88,7 @@ class Uncertain:
 
     @classmethod
     def between(cls, low: float, high: float) -> Self:
-        """Uniform from ``low`` to ``high``, both positive."""
+        """A parameter with a uniform distribution from ``low`` to ``high``, both positive."""
         if not 0 < low <= high < np.inf:
             raise ValueError(
                 f"Uncertain: from {low:g} to {high:g}; allowed: two positive numbers, the lower first"
@@ -96,17 +96,17 @@ class Uncertain:
         return cls(0.5 * (low + high), (high - low) / (high + low), "uniform")
 
     def factor(self, share: float | Array) -> Any:
-        """The value over the median below which this share of all values lies."""
+        """Quantile over the median [-], at the probability ``share``."""
         if self.kind == "uniform":
             return 1 + self.spread * (2 * np.asarray(share) - 1)
         return np.exp(self.spread * ndtri(share))
 
     def at(self, share: float) -> Any:
-        """The value below which this share of all values lies."""
+        """Quantile in the unit of the parameter, at the probability ``share``."""
         return np.asarray(self.median) * self.factor(share)
 
     def describe(self) -> str:
-        """The median and the spread."""
+        """The median and the spread in a few words."""
         median = np.asarray(self.median, float)
         if self.kind == "uniform":
             low, high = median * (1 - self.spread), median * (1 + self.spread)
@@ -121,9 +121,10 @@ def _brief(values: Array) -> str:
 
 @dataclass(frozen=True)
 class UncertainModel:
-    """A structure or a ground some of whose parameters are not known exactly.
+    """A structure or a ground with uncertain parameters.
 
-    Made by giving an `Uncertain` where it takes a number.
+    It results when an `Uncertain` is given to a model in place of a number. ``build`` makes a sample of
+    the model from ``arguments``, in which samples replace the uncertain ones.
     """
 
     build: Callable[..., Any]
@@ -131,9 +132,9 @@ class UncertainModel:
 
     @classmethod
     def of(cls, build: Callable[..., Any], args: tuple[Any, ...], kwargs: Mapping[str, Any]) -> Self:
-        """The description, once it has been tried at its median and at both ends of every parameter.
+        """The uncertain model, after a check at the medians and at both tails of every parameter.
 
-        ``build`` is called as a function of keywords.
+        ``build`` is called with keyword arguments only.
         """
         bound = inspect.signature(build).bind(*args, **kwargs)
         arguments = dict(bound.arguments)
@@ -155,7 +156,7 @@ class UncertainModel:
 
     @property
     def uncertain(self) -> dict[str, Uncertain]:
-        """The parameters that are not known exactly."""
+        """The uncertain parameters, by name."""
         return {n: value for n, value in self.arguments.items() if isinstance(value, Uncertain)}
 
     def median(self) -> Any:
@@ -163,7 +164,7 @@ class UncertainModel:
         return self.at({})
 
     def at(self, factors: Mapping[str, Any]) -> Any:
-        """The model with parameters that are such multiples of their medians, 1 unless given."""
+        """The model with these factors times the medians of its parameters; factors default to 1."""
         given = {
             name: factors.get(name, 1.0) * np.asarray(value.median)
             for name, value in self.uncertain.items()
@@ -171,7 +172,7 @@ class UncertainModel:
         return self.build(**{**self.arguments, **given})
 
     def changed(self, change: Callable[[Any], Any]) -> Self:
-        """The description of what a change makes of every sample."""
+        """The uncertain model whose samples are those of this model, each after the change."""
 
         @wraps(self.build)
         def build(*args: Any, **kwargs: Any) -> Any:
@@ -180,11 +181,11 @@ class UncertainModel:
         return replace(self, build=build)
 
     def over_cells(self) -> dict[str, Any]:
-        """None: it is one model, as in `Model.over_cells`."""
+        """Empty, as for `Model.over_cells`: an uncertain model is one model, without dimensions."""
         return {}
 
     def valid(self) -> xr.DataArray:
-        """True, since what is not raises when it is made."""
+        """True: an uncertain model with an invalid value cannot be made."""
         return xr.DataArray(True)
 
     def isel(self, indexers: Mapping[Any, int | slice]) -> Self:
@@ -192,25 +193,25 @@ class UncertainModel:
         return self
 
     def describe(self) -> str:
-        """One line with the parameters."""
+        """The model with its parameters in one line."""
         parts = [f"{n}={_told(v)}" for n, v in self.arguments.items() if not isinstance(v, type)]
         return f"{self.build.__qualname__}({', '.join(parts)})"
 
 
 def median_of(model: Any) -> Any:
-    """A model at the medians of its parameters; of a parameter its median."""
+    """A model with its uncertain parameters at their medians; for a parameter, its median."""
     if isinstance(model, Uncertain):
         return model.median
     return model.median() if isinstance(model, UncertainModel) else model
 
 
 def applied(change: Callable[[Any], Any], model: Any) -> Any:
-    """A model after a change, or the description of what the change makes of every sample."""
+    """A model after a change; for an uncertain model, the uncertain model with changed samples."""
     return model.changed(change) if isinstance(model, UncertainModel) else change(model)
 
 
 def takes_uncertain(build: Callable[..., One]) -> Callable[..., One]:
-    """A function that makes a model: its description, with an `Uncertain` among the arguments."""
+    """Decorate a function that makes a model: with `Uncertain` arguments it makes an UncertainModel."""
 
     @wraps(build)
     def either(*args: Any, **kwargs: Any) -> Any:

@@ -1,4 +1,4 @@
-"""Envelopes of finite motions: how the strength of shaking rises and falls."""
+"""Envelopes of motions of finite length: the amplitude of the shaking as a function of time."""
 
 from stochlin.models.envelopes.amin_ang import AminAng
 from stochlin.models.envelopes.base import ENVELOPES, Envelope, envelope_at, strong_seconds

@@ -1,4 +1,4 @@
-"""The envelope of Amin and Ang: build-up, strong shaking, decay."""
+"""The envelope of Amin and Ang: quadratic build-up, constant strong phase, exponential decay."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from stochlin.models.parameters import POSITIVE, parameter
 @ENVELOPES.register("amin_ang", 1)
 @dataclass(frozen=True)
 class AminAng(Envelope):
-    """Build-up, strong shaking, decay: ``(t/t1)^2``, 1, ``exp(-c (t - t2))``.
+    """Envelope of Amin and Ang: ``(t/t1)^2`` up to ``t1``, 1 up to ``t2``, then ``exp(-c (t - t2))``.
 
     Parameters
     ----------
     rise_end : float
-        ``t1`` [s], positive.
+        End of the build-up ``t1`` [s], positive.
     strong_end : float
-        ``t2`` [s], not before ``rise_end``.
+        End of the strong phase ``t2`` [s], not before ``rise_end``.
     decay : float
-        ``c`` [1/s], positive.
+        Decay rate ``c`` [1/s], positive.
 
     Raises
     ------
@@ -54,10 +54,10 @@ class AminAng(Envelope):
             )
 
     def at(self, time: Array) -> Array:
-        """Values at times from 0 on."""
+        """Values of the envelope [-] at times [s] from 0 on."""
         rise = np.minimum(time / self.rise_end, 1) ** 2
         return rise * np.exp(-self.decay * np.maximum(time - self.strong_end, 0))
 
     def kinks(self) -> tuple[float, ...]:
-        """End of the rise, end of strong shaking."""
+        """Times [s] of the end of the build-up and the end of the strong phase."""
         return self.rise_end, self.strong_end

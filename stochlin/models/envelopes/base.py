@@ -1,4 +1,4 @@
-"""Envelopes of finite motions: how the strength of shaking rises and falls."""
+"""The base of the envelopes, and their use: values at times, and the equivalent strong duration."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.models.parameters import Model
 from stochlin.registry import Registry
 
-_STEPS = 2000  # in which the integral is taken
+_STEPS = 2000  # of the midpoint rule for the integral of the squared envelope
 ENVELOPES: Registry[type[Envelope]] = Registry("envelope", "stochlin.models.envelopes")
 
 
 @dataclass(frozen=True)
 class Envelope(Model):
-    """Base of the envelopes: a function of time [s] with values from 0 to 1, multiplying the motion."""
+    """Base of the envelopes: functions of time [s], from 0 to 1, that multiply a stationary motion."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -25,21 +25,21 @@ class Envelope(Model):
                 raise ValueError(f"{type(self).__name__}: {name} is an array; allowed: a number")
 
     def at(self, time: Array) -> Array:
-        """Values at times from 0 on, the same shape."""
+        """Values of the envelope [-] at times [s] from 0 on, in the same shape."""
         raise NotImplementedError
 
     def kinks(self) -> tuple[float, ...]:
-        """Times [s] at which the slope jumps, increasing: an integration begins anew there."""
+        """Times [s] at which the slope jumps, in increasing order; an integration restarts there."""
         return ()
 
 
 def envelope_at(envelope: Envelope | None, time: Array) -> Array:
-    """Values at times [s] from 0 on; 1 throughout where there is no envelope."""
+    """Values of an envelope [-] at times [s] from 0 on; 1 at all times without an envelope."""
     return np.ones_like(time) if envelope is None else envelope.at(time)
 
 
 def strong_seconds(duration: float, envelope: Envelope | None) -> float:
-    """Length [s] of the stationary motion that an envelope stands for: the integral of its square."""
+    """Duration [s] of the stationary motion of equal energy: the integral of the squared envelope."""
     if envelope is None:
         return duration
     middle = (np.arange(_STEPS) + 0.5) * duration / _STEPS

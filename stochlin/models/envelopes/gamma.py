@@ -1,4 +1,4 @@
-"""Gamma functions: that of Saragoni and Hart, and its case of a linear build-up."""
+"""Gamma envelopes: that of Saragoni and Hart, and its special case of a linear build-up."""
 
 from __future__ import annotations
 
@@ -14,14 +14,16 @@ from stochlin.models.parameters import POSITIVE, parameter
 @ENVELOPES.register("gamma", 3)
 @dataclass(frozen=True)
 class GammaEnvelope(Envelope):
-    """Gamma function ``t^k exp(-c t)``, over its maximum.
+    """Gamma envelope ``t^k exp(-c t)``, divided by its maximum.
+
+    `HsuBernard` is its special case ``k = 1``.
 
     Parameters
     ----------
     power : float
-        ``k`` [-], positive.
+        Power ``k`` [-], positive.
     decay : float
-        ``c`` [1/s], positive; the maximum is at ``k/c``. `HsuBernard` is the case ``k = 1``.
+        Decay rate ``c`` [1/s], positive. The maximum is at the time ``k/c``.
 
     Raises
     ------
@@ -43,7 +45,7 @@ class GammaEnvelope(Envelope):
     decay: float = parameter("1/s", "decay rate", POSITIVE)
 
     def at(self, time: Array) -> Array:
-        """Values at times from 0 on."""
+        """Values of the envelope [-] at times [s] from 0 on."""
         share = np.asarray(time, float) * self.decay / self.power
         return share**self.power * np.exp(self.power * (1 - share))
 
@@ -51,12 +53,12 @@ class GammaEnvelope(Envelope):
 @ENVELOPES.register("hsu_bernard", 4)
 @dataclass(frozen=True)
 class HsuBernard(Envelope):
-    """Linear build-up and exponential decay in one: ``(t/tp) exp(1 - t/tp)``.
+    """Envelope of Hsu and Bernard: ``(t/tp) exp(1 - t/tp)``.
 
     Parameters
     ----------
     peak_time : float
-        ``tp`` [s], positive: when it is 1.
+        Time ``tp`` of the maximum [s], positive.
 
     Raises
     ------
@@ -77,6 +79,6 @@ class HsuBernard(Envelope):
     peak_time: float = parameter("s", "time of the maximum", POSITIVE)
 
     def at(self, time: Array) -> Array:
-        """Values at times from 0 on."""
+        """Values of the envelope [-] at times [s] from 0 on."""
         share = np.asarray(time, float) / self.peak_time
         return share * np.exp(1 - share)

@@ -1,4 +1,4 @@
-"""The envelope of Shinozuka and Sato: a difference of exponentials."""
+"""The envelope of Shinozuka and Sato: the difference of two exponentials."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from stochlin.models.parameters import POSITIVE, parameter
 @ENVELOPES.register("shinozuka_sato", 2)
 @dataclass(frozen=True)
 class ShinozukaSato(Envelope):
-    """Difference of exponentials ``(exp(-a t) - exp(-b t))``, over its maximum.
+    """Envelope of Shinozuka and Sato: ``exp(-a t) - exp(-b t)``, divided by its maximum.
 
     Parameters
     ----------
     slow, fast : float
-        ``a < b`` [1/s], positive.
+        Rates ``a`` of the decay and ``b`` of the build-up [1/s], positive, with ``a < b``.
 
     Raises
     ------
@@ -48,7 +48,7 @@ class ShinozukaSato(Envelope):
             )
 
     def at(self, time: Array) -> Array:
-        """Values at times from 0 on."""
+        """Values of the envelope [-] at times [s] from 0 on."""
 
         def shape(t: Array) -> Array:
             return np.exp(-self.slow * t) - np.exp(-self.fast * t)

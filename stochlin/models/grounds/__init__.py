@@ -1,4 +1,4 @@
-"""Grounds: stationary random ground acceleration as filtered white noise."""
+"""Grounds: models of stationary random ground acceleration as filtered white noise."""
 
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.models.grounds.base import GROUNDS, Fit, Ground, rms_acceleration

@@ -1,4 +1,4 @@
-"""What all grounds have in common: stationary random acceleration as filtered white noise."""
+"""The base of the grounds: stationary random ground acceleration as filtered white noise."""
 
 from __future__ import annotations
 
@@ -17,39 +17,42 @@ from stochlin.registry import Registry
 
 GROUNDS: Registry[type[Ground]] = Registry("ground", "stochlin.models.grounds")
 POSITIVE_DAMPING = Range(reason="an undamped ground has no stationary motion")
-AS_STRUCTURES = ("period", "damping", "hardening", "mass")  # what structures have as well
+AS_STRUCTURES = ("period", "damping", "hardening", "mass")  # names that parameters of structures have
 
 
 class Fit(NamedTuple):
-    """How `fit_ground` seeks what is neither period nor intensity; times are sought over the period."""
+    """Bounds and starting values by which `fit_ground` seeks parameters other than period and intensity.
 
-    bounds: Mapping[str, tuple[float, float]]  # lower and upper, by name
-    starts: Sequence[tuple[float, ...]]  # of all of them
+    Those of parameters in seconds are multiples of the ground's ``period``.
+    """
+
+    bounds: Mapping[str, tuple[float, float]]  # lower and upper bound, by name of the parameter
+    starts: Sequence[tuple[float, ...]]  # starting values of all these parameters, one tuple a search
 
 
 @dataclass(frozen=True)
 class Ground(Model):
-    """Base of the grounds. ``intensity`` is the two-sided PSD ``S0`` of the white noise."""
+    """Base of the grounds; ``intensity`` is the two-sided PSD ``S0`` of the white noise [m^2/s^3]."""
 
     name: ClassVar[str]
-    fit: ClassVar[Fit | None] = None  # None: it is not fitted to records
+    fit: ClassVar[Fit | None] = None  # None for a ground that cannot be fitted to records
     source: str = field(default="", compare=False, kw_only=True)
 
     @staticmethod
     def filter(values: Mapping[str, Any]) -> Filter:
-        """The filter for these values of the parameters: numbers, or arrays of cells.
+        """The filter of the white noise for these parameter values, numbers or arrays over cells.
 
-        All else follows from it: state space, spectra, linearization, time steps.
+        State space, spectra, linearization and time steps are derived from this filter.
         """
         raise NotImplementedError
 
     @classmethod
     def beside_structures(cls) -> dict[str, str]:
-        """Its parameters by their names where structures have some too: ``ground_period``."""
+        """Parameter names by the names used next to structures, such as ``ground_period``."""
         return {f"ground_{n}" if n in AS_STRUCTURES else n: n for n in cls.parameter_names()}
 
     def filter_of(self, rows: Iterable[Array]) -> Filter:
-        """The filter of cells, with ``rows`` in the order of `arrays`."""
+        """The filter for arrays over cells; ``rows`` are parameter values in the order of `arrays`."""
         return self.filter(dict(zip(self._given, rows, strict=True)))
 
     @cached_property
@@ -57,13 +60,14 @@ class Ground(Model):
         return tuple(self.arrays())
 
     def lone_filter(self) -> Filter:
-        """The filter where every parameter is one number."""
+        """The filter of a ground whose parameters are all numbers."""
         return self.filter({name: value.item() for name, value in self.arrays().items()})
 
     def psd(self, frequency: Parameter) -> xr.DataArray:
         """Two-sided power spectral density of the ground acceleration, per rad/s [m^2/s^3].
 
-        At circular frequencies [rad/s] of any shape; a plain 1-D array gets the dimension ``frequency``.
+        ``frequency`` holds circular frequencies [rad/s] of any shape; a plain 1-D array gets the
+        dimension ``frequency``.
 
         Examples
         --------
@@ -81,7 +85,7 @@ class Ground(Model):
         return density.rename("psd")
 
     def _transmission(self, frequency: xr.DataArray) -> xr.DataArray:
-        """The PSD over ``S0``."""
+        """PSD of the ground acceleration over ``S0`` [-]."""
 
         def of_cells(frequency: Array, *rows: Array) -> Array:
             return self.filter_of(rows).transmission(frequency)
@@ -93,7 +97,7 @@ class Ground(Model):
 def rms_acceleration(ground: Ground) -> float:
     """Standard deviation of the stationary ground acceleration [m/s^2]; infinite for white noise.
 
-    For Kanai-Tajimi ground it is ``sqrt(pi S0 wg (1 + 4 xig^2)/(2 xig))``.
+    For a Kanai-Tajimi ground this is ``sqrt(pi S0 wg (1 + 4 xig^2)/(2 xig))``.
     """
     expect(ground, Ground, "ground")
     soil = ground.lone_filter()

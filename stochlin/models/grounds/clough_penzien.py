@@ -1,4 +1,4 @@
-"""The ground of Clough and Penzien: Kanai and Tajimi's without its slowest part."""
+"""The ground of Clough and Penzien: a Kanai-Tajimi ground with a high-pass filter."""
 
 from __future__ import annotations
 
@@ -18,16 +18,17 @@ from stochlin.models.parameters import POSITIVE, Parameter, parameter
 @GROUNDS.register("clough_penzien", 2)
 @dataclass(frozen=True)
 class CloughPenzien(Ground):
-    """Kanai-Tajimi ground through a high-pass oscillator, which removes the zero frequency.
+    """Clough-Penzien ground: a Kanai-Tajimi ground with a high-pass filter.
 
-    Its PSD is that of `KanaiTajimi` times ``(w/wf)^4 / [(1 - (w/wf)^2)^2 + 4 xif^2 (w/wf)^2]``.
+    The high-pass filter is an oscillator. The PSD is that of `KanaiTajimi` times
+    ``(w/wf)^4 / [(1 - (w/wf)^2)^2 + 4 xif^2 (w/wf)^2]``, so that it is zero at zero frequency.
 
     Parameters
     ----------
     period, damping : float or array
-        Soil oscillator: period ``2 pi / wg`` [s] and damping ratio ``xig`` [-], positive.
+        Period ``2 pi / wg`` [s] and damping ratio ``xig`` [-] of the soil oscillator, positive.
     high_pass_period, high_pass_damping : float or array
-        High-pass oscillator: period ``2 pi / wf`` [s] and damping ratio ``xif`` [-], positive.
+        Period ``2 pi / wf`` [s] and damping ratio ``xif`` [-] of the high-pass oscillator, positive.
     intensity, source
         As in `KanaiTajimi`.
 
@@ -65,7 +66,7 @@ class CloughPenzien(Ground):
 
     @staticmethod
     def filter(values: Mapping[str, Any]) -> CloughPenzienFilter:
-        """The soil oscillator, and the high-pass one that it drives."""
+        """The soil oscillator, followed by the high-pass oscillator."""
         frequency = 2 * np.pi / values["high_pass_period"]
         return CloughPenzienFilter.of(KanaiTajimi.filter(values), frequency, values["high_pass_damping"])
 

@@ -1,4 +1,4 @@
-"""The ground of Kanai and Tajimi: one soil oscillator (eqs. 11 and 12)."""
+"""The ground of Kanai and Tajimi: white noise filtered by one soil oscillator, eqs. (11) and (12)."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from stochlin.models.parameters import POSITIVE, Parameter, parameter
 @GROUNDS.register("kanai_tajimi", 1)
 @dataclass(frozen=True)
 class KanaiTajimi(Ground):
-    """White noise through one soil oscillator: eqs. (11) and (12) of the paper.
+    """Kanai-Tajimi ground: white noise filtered by one soil oscillator, eqs. (11) and (12).
 
     ``f = wg^2 xg + 2 xig wg xg'`` with ``xg'' + 2 xig wg xg' + wg^2 xg = n``, so that the PSD is
     ``S0 (1 + 4 xig^2 (w/wg)^2) / [(1 - (w/wg)^2)^2 + 4 xig^2 (w/wg)^2]``.
@@ -27,21 +27,22 @@ class KanaiTajimi(Ground):
     period : float or array
         Ground period ``2 pi / wg`` [s], positive.
     damping : float or array
-        Bandwidth ``xig``, a damping ratio [-], positive: 0.05 is a lake bed, 0.6 firm ground.
+        Damping ratio ``xig`` of the soil oscillator [-], positive, which sets the bandwidth of the
+        motion: about 0.05 for a lake bed, 0.6 for firm ground.
     intensity : float or array
         Two-sided PSD ``S0`` of the white noise per rad/s [m^2/s^3], positive.
     source : str
-        Where the numbers come from.
+        Reference for the parameter values, recorded in results.
 
     Raises
     ------
     ValueError, TypeError
-        If a parameter is out of range, not a number or wrongly shaped.
+        If a parameter is out of range, is not a number or has a wrong shape.
 
     Notes
     -----
-    The PSD at zero frequency is ``S0``: displacements of long-period structures are too large.
-    `CloughPenzien` removes it.
+    The PSD at zero frequency is ``S0``, which makes the displacements of structures with long periods
+    too large. `CloughPenzien` has no PSD at zero frequency.
 
     References
     ----------
@@ -63,7 +64,7 @@ class KanaiTajimi(Ground):
 
     @staticmethod
     def filter(values: Mapping[str, Any]) -> KanaiTajimiFilter:
-        """The soil oscillator."""
+        """The soil oscillator as a filter of the white noise."""
         frequency = 2 * np.pi / values["period"]
         return KanaiTajimiFilter.of(values["intensity"], frequency, values["damping"])
 
@@ -72,7 +73,7 @@ class KanaiTajimi(Ground):
 
 
 def soil_transmission(values: Mapping[str, xr.DataArray], frequency: xr.DataArray) -> xr.DataArray:
-    """PSD of the soil's acceleration over ``S0``."""
+    """PSD of the acceleration of a Kanai-Tajimi ground over ``S0`` [-]."""
     ratio = (frequency / (2 * np.pi / values["period"])) ** 2
     spread = 4 * values["damping"] ** 2 * ratio
     return (1 + spread) / ((1 - ratio) ** 2 + spread)

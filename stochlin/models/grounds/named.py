@@ -1,4 +1,4 @@
-"""Grounds with a name: published and fitted parameter sets, each with its source."""
+"""Named grounds: published and fitted parameter sets, each with its reference."""
 
 from __future__ import annotations
 
@@ -14,7 +14,10 @@ from stochlin.models.parameters import Parameter
 def _ground(
     source: str, frequency: float, damping: float, *high_pass: float
 ) -> KanaiTajimi | CloughPenzien:
-    """Of frequencies in rad/s, as the sources print them: of the soil and of a high-pass oscillator."""
+    """A ground from frequency [rad/s] and damping ratio of the soil and of any high-pass oscillator.
+
+    The references print circular frequencies, not periods.
+    """
     soil = 2 * np.pi / frequency, damping
     if not high_pass:
         return KanaiTajimi(*soil, source=source)
@@ -45,12 +48,12 @@ _GROUNDS = {
 
 
 def ground_names() -> tuple[str, ...]:
-    """Names of the grounds of `named_ground`.
+    """Names of the parameter sets that `named_ground` takes.
 
     Returns
     -------
     tuple of str
-        In lower case.
+        Names in lower case.
 
     Examples
     --------
@@ -62,20 +65,20 @@ def ground_names() -> tuple[str, ...]:
 
 
 def named_ground(name: str, intensity: Parameter = 1.0) -> KanaiTajimi | CloughPenzien:
-    """Ground of a published or fitted parameter set.
+    """Ground with a published or fitted parameter set.
 
     Parameters
     ----------
     name : str
-        One of `ground_names`, in any case.
+        One of `ground_names`, in upper or lower case.
     intensity : float or array
-        Two-sided PSD ``S0`` of the white noise per rad/s [m^2/s^3], positive. The sets give the
-        shape of the spectrum only; how strong the ground shakes is the user's to say.
+        Two-sided PSD ``S0`` of the white noise per rad/s [m^2/s^3], positive. The parameter sets give
+        only the shape of the spectrum, not its intensity.
 
     Returns
     -------
     KanaiTajimi or CloughPenzien
-        The second where the set has a high-pass oscillator. ``source`` names the reference.
+        A `CloughPenzien` ground if the set has a high-pass oscillator. ``source`` names the reference.
 
     Raises
     ------
@@ -84,9 +87,9 @@ def named_ground(name: str, intensity: Parameter = 1.0) -> KanaiTajimi | CloughP
 
     Notes
     -----
-    The sets ``sct_1985_ns``, ``sct_1985_ew`` and ``taft_1952`` are fits as `stochlin.fit_ground`
-    makes them by default. Those of the lake bed rest on one narrow peak of a record of 37 to 71 s,
-    which leaves their damping uncertain by a factor of two.
+    The sets ``sct_1985_ns``, ``sct_1985_ew`` and ``taft_1952`` are fits by `stochlin.fit_ground` with
+    its default options. The two sets of the lake bed (SCT) are each fitted to one narrow spectral peak
+    of a strong part of 37 to 71 s, so that their damping is uncertain by a factor of two.
 
     Examples
     --------

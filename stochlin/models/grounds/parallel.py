@@ -1,4 +1,4 @@
-"""Several grounds at once: their accelerations add, and so do their spectra."""
+"""Parallel grounds: the sum of the accelerations of several independent grounds."""
 
 from __future__ import annotations
 
@@ -18,33 +18,38 @@ from stochlin.models.parameters import POSITIVE, Parameter, expect, parameter
 
 @dataclass(frozen=True)
 class ParallelGround(Ground):
-    """Independent grounds whose accelerations add: the PSD is the sum of theirs.
+    """Sum of the accelerations of several independent grounds; its PSD is the sum of their PSDs.
 
-    One filter has a spectrum with one hump; a design spectrum needs two to be met within a few per cent.
+    The PSD of a single filter has one peak. Two grounds in parallel fit a design spectrum within a few
+    per cent.
 
     Parameters
     ----------
     grounds : sequence of KanaiTajimi, CloughPenzien or an extension
-        Two or more, filtered, each parameter a number. Their intensities are their shares.
+        Two or more filtered grounds, whose parameters are all numbers. The ratios of their intensities
+        are kept.
     intensity : float or array, optional
-        Sum of the two-sided PSDs ``S0`` of their white noises [m^2/s^3], positive. Given, it scales the
-        grounds together; by default it is the sum of theirs.
+        Sum of the two-sided PSDs ``S0`` of their white noises [m^2/s^3], positive. If given, all grounds
+        are scaled by one factor to this sum; by default the intensities are those of the grounds.
     source : str
-        Where the numbers come from.
+        Reference for the parameter values, recorded in results.
 
     Raises
     ------
     ValueError, TypeError
-        If a ground is of another kind, has arrays or no filter (`WhiteNoise`).
+        If fewer than two grounds are given, or if a ground is of another kind, has arrays or has no
+        filter, as `WhiteNoise`.
 
     Notes
     -----
-    A Gaussian motion is known by its PSD, so that one white noise through the spectral factor of the
-    sum stands for the several: state space, linearization and time steps are those of one filter.
+    The PSD defines a stationary Gaussian motion. The sum is therefore modelled by one white noise and
+    one filter, the spectral factor of the sum of the PSDs, from which state space, linearization and
+    time steps follow.
 
     References
     ----------
-    Papoulis, A. (1991), Probability, random variables, and stochastic processes, for the factor.
+    Papoulis, A. (1991), Probability, random variables, and stochastic processes, for spectral
+    factorization.
 
     Examples
     --------
@@ -76,7 +81,7 @@ class ParallelGround(Ground):
         if self.intensity is None:
             object.__setattr__(self, "intensity", self._own_intensity)
         super().__post_init__()
-        _ = self._filter  # of grounds that do not go together it raises
+        _ = self._filter  # raises for grounds that cannot be combined
 
     @cached_property
     def _own_intensity(self) -> float:
@@ -84,12 +89,12 @@ class ParallelGround(Ground):
 
     @cached_property
     def _filter(self) -> Filter:
-        """Of the intensity 1."""
+        """The filter of the sum for a total intensity of 1."""
         filters = [ground.lone_filter() for ground in self.grounds]
         return in_parallel([replace(f, intensity=f.intensity / self._own_intensity) for f in filters])
 
     def filter(self, values: Mapping[str, Any]) -> Filter:  # type: ignore[override]
-        """Of all grounds together, at this intensity."""
+        """The filter of the sum at the total intensity in ``values``."""
         return replace(self._filter, intensity=values["intensity"])
 
     def _transmission(self, frequency: xr.DataArray) -> xr.DataArray:
@@ -97,6 +102,6 @@ class ParallelGround(Ground):
         return sum(parts[1:], parts[0]) / self._own_intensity
 
     def describe(self) -> str:
-        """One line: the grounds, and the intensity of all."""
+        """The grounds and their total intensity in one line."""
         parts = " + ".join(ground.describe() for ground in self.grounds)
         return f"ParallelGround({parts}, {super().describe().partition('(')[2]}"

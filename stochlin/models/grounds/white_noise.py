@@ -1,4 +1,4 @@
-"""White noise."""
+"""White noise ground acceleration."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from stochlin.models.parameters import POSITIVE, Parameter, parameter
 @GROUNDS.register("white_noise", 3)
 @dataclass(frozen=True)
 class WhiteNoise(Ground):
-    """White noise ground acceleration.
+    """White noise ground acceleration, with the constant PSD ``S0``.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ class WhiteNoise(Ground):
 
     @staticmethod
     def filter(values: Mapping[str, Any]) -> Filter:
-        """No filter: the noise itself."""
+        """A filter without states, whose output is the white noise itself."""
         return Filter(values["intensity"])
 
     def _transmission(self, frequency: xr.DataArray) -> xr.DataArray:

@@ -1,4 +1,4 @@
-"""Hysteresis laws, one file each: symbolic form, closures in closed form, time steps."""
+"""Hysteresis laws, one module each: sympy expression, closures in closed form, time steps."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from stochlin.models.structures import LAWS, Structure
 
 
 def closure_names() -> tuple[str, ...]:
-    """Names of the closures of all laws."""
+    """Names of the closures of all registered laws, without repetition."""
     return tuple(dict.fromkeys(name for law in LAWS.values() for name in law.closure_names()))
 
 
 def laws_in_numbers() -> dict[str, type[Structure]]:
-    """The laws that a file or a command can describe: those whose parameters are numbers."""
+    """Laws whose parameters are all numbers, so that a file or a command can describe them, by name."""
     return {name: law for name, law in LAWS.items() if len(fields(law)) == len(law.parameter_names())}

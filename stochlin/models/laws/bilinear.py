@@ -1,4 +1,4 @@
-"""The bilinear law of eq. (7) (Suzuki & Minai): elastic, then sliding at ``z = +-1``."""
+"""The bilinear hysteresis law of Suzuki and Minai, eq. (7): elastic up to ``z = +-1``, then plastic."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 def symbolic() -> sympy.Expr:
-    """``G(v, z)`` of eq. (7), in the symbols ``v`` and ``z``."""
+    """``G(v, z)`` of eq. (7) as a sympy expression in the symbols ``v`` and ``z``."""
     import sympy
 
     v, z = sympy.symbols("v z", real=True)
@@ -37,10 +37,11 @@ def symbolic() -> sympy.Expr:
 
 
 def gaussian(latent: Array, parameters: Array) -> ClosureValue:
-    """Gaussian closure: the coefficients of eqs. (9) and (10), in closed form.
+    """Gaussian closure: the equivalent coefficients of eqs. (9) and (10) in closed form.
 
-    ``1 + c_e = 2 P(v > 0, z > 1)`` and ``k_e = 2 sv h (r h B + q E)``, with ``B`` and ``E``
-    the ``edge`` and ``corner`` of the slip quadrant.
+    ``1 + c_e = 2 P(v > 0, z > 1)`` and ``k_e = 2 sv h (r h B + q E)``, where ``sv`` and ``sz`` are the
+    latent standard deviations, ``r`` their correlation, ``h = 1/sz``, ``q = sqrt(1 - r^2)``, and ``B``
+    and ``E`` the ``edge`` and ``corner`` of `slip_quadrant`.
     """
     sv, sz, r = latent
     s = slip_quadrant(sz, r)
@@ -63,8 +64,8 @@ def gaussian(latent: Array, parameters: Array) -> ClosureValue:
 def clipped(latent: Array, parameters: Array) -> ClosureValue:
     """Clipped closure (Asano & Iwan 1984; Hurtado & Barbat 1996): ``z = clip(z~, -1, 1)``.
 
-    ``(v, z~)`` is Gaussian with the latent moments. The slip rate ``v - G`` is regressed on
-    ``(v, z)`` under that density, so that ``|z| <= 1`` always holds.
+    ``(v, z~)`` is Gaussian with the latent moments, so that ``|z| <= 1`` always holds. The equivalent
+    coefficients are those of the linear regression of the slip rate ``v - G`` on ``(v, z)``.
     """
     sv, sz, r = latent
     s = slip_quadrant(sz, r)
@@ -86,7 +87,7 @@ def clipped(latent: Array, parameters: Array) -> ClosureValue:
 
 
 def _clipped_covariance(latent: Array) -> tuple[Array, Array]:
-    """``(Var v, Var z, Cov(v, z))`` of the clipped density, and the Jacobian."""
+    """``(Var v, Var z, Cov(v, z))`` of the clipped density, and its Jacobian by the latent moments."""
     sv, sz, r = latent
     h = 1 / sz
     inside = erf(h / np.sqrt(2))  # P(|z~| < 1)
@@ -110,21 +111,25 @@ class Bilinear(Structure):
     damping : float or array
         Viscous damping ratio ``xi`` [-], in (0, 1).
     hardening : float or array, optional
-        Post-yield over elastic stiffness ``alpha`` [-], in (0, 1]; needed with a strength.
+        Hardening ratio ``alpha``, post-yield over elastic stiffness [-], in (0, 1]. It is required if a
+        strength is given.
     yield_displacement : float or array, optional
-        ``uy`` [m], positive.
+        Yield displacement ``uy`` [m], positive, as the strength of the structure.
     reduction_factor : float or array, optional
-        ``R = p sigma_el / uy`` [-], positive: elastic over yield strength on the given ground.
+        Reduction factor ``R = p sigma_el / uy`` [-], positive, as the strength of the structure:
+        the peak ``p sigma_el`` of the elastic structure on the given ground over ``uy``. If neither
+        strength is given, the structure stays elastic.
     peak_factor : float or array
-        ``p`` [-] in the definition of ``R``.
+        Peak factor ``p`` [-] in the definition of ``R``.
     mass : float, optional
-        [kg], positive; only what acts on another structure needs it, as with a `Link`.
+        Mass [kg], positive. Only structures that act on one another need it, through a `Link` or in
+        pounding.
 
     Raises
     ------
     ValueError, TypeError
-        If a scalar is out of range, a value is not a number or an array is wrongly shaped, both
-        strengths are given, or a strength comes without hardening.
+        If a scalar is out of range, a value is not a number, an array has a wrong shape, both
+        strengths are given, or a strength is given without hardening.
 
     References
     ----------
@@ -147,17 +152,17 @@ class Bilinear(Structure):
     symbolic = staticmethod(symbolic)
 
     def has_one_solution(self) -> xr.DataArray:
-        """Everywhere: none of many thousand random cells had a second one."""
+        """True everywhere: no second solution was found in many thousand random cells."""
         return xr.DataArray(True)
 
     def block(self) -> Block:
-        """Time steps of this law."""
+        """Time-stepping function of oscillators with this law."""
         from stochlin.kernels.simulation.stepping import bilinear_block
 
         return bilinear_block
 
     def in_storeys(self) -> Any:
-        """The kind that is built in."""
+        """The constant of ``storey_stepping`` for this law, which is built in."""
         from stochlin.kernels.simulation.storey_stepping import BILINEAR
 
         return BILINEAR

@@ -1,6 +1,6 @@
 """The Bouc-Wen law ``z' = v - beta |v| |z|^(n-1) z - gamma v |z|^n`` for any ``n >= 1``.
 
-The third amplitude of the literature, ``A``, is redundant with the others and fixed at 1,
+The parameter ``A`` of the literature, the factor of ``v``, is redundant with the others and fixed at 1,
 so that ``period`` is the period of small oscillations.
 """
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 def symbolic() -> sympy.Expr:
-    """``G(v, z)`` in the symbols ``v``, ``z``, ``beta``, ``gamma`` and ``exponent``."""
+    """``G(v, z)`` as a sympy expression in ``v``, ``z``, ``beta``, ``gamma`` and ``exponent``."""
     import sympy
 
     v, z = sympy.symbols("v z", real=True)
@@ -40,9 +40,9 @@ def symbolic() -> sympy.Expr:
 def gaussian(latent: Array, parameters: Array) -> ClosureValue:
     """Gaussian closure (Wen 1980, J. Appl. Mech. 47), with derivatives.
 
-    ``1 + c_e = beta F1 + gamma F2`` and ``k_e = beta F3 + gamma F4``; the integral
-    ``Is = 2 Int_l^(pi/2) sin^n t dt``, ``l = atan2(sqrt(1 - r^2), r)``, is an incomplete beta
-    function of ``r^2``.
+    ``1 + c_e = beta F1 + gamma F2`` and ``k_e = beta F3 + gamma F4``. Wen's integral
+    ``Is = 2 Int_l^(pi/2) sin^n t dt`` with ``l = atan2(sqrt(1 - r^2), r)``, where ``r`` is the
+    correlation of ``v`` and ``z``, is computed as an incomplete beta function of ``r^2``.
     """
     sv, sz, r = latent
     beta_, gamma_, n = parameters
@@ -75,14 +75,16 @@ class BoucWen(Structure):
     Parameters
     ----------
     period, damping, hardening, yield_displacement, reduction_factor, peak_factor
-        As in `Bilinear`; ``uy`` scales ``z``, which saturates at ``(beta + gamma)^(-1/n)``.
+        As in `Bilinear`. The hysteretic displacement is ``uy z``; in loading ``z`` [-] approaches
+        ``(beta + gamma)^(-1/n)``, which is 1 for the default parameters.
     beta : float or array
-        Positive [-]: width of the loops.
+        Width ``beta`` of the hysteresis loops [-], positive.
     gamma : float or array
-        [-], above ``-beta``, for ``z`` would not saturate otherwise: shape of the loops, which bulge
-        where it is above ``beta``.
+        Shape ``gamma`` of the hysteresis loops [-], greater than ``-beta``; otherwise ``z`` would not be
+        bounded. The loops bulge if ``gamma > beta``.
     exponent : float or array
-        ``n >= 1`` [-]: sharpness of yielding; the bilinear law is its limit.
+        Exponent ``n`` [-], at least 1: the sharpness of yielding. As ``n`` grows, the law
+        approaches the bilinear one.
     mass : float, optional
         As in `Bilinear`.
 
@@ -124,7 +126,7 @@ class BoucWen(Structure):
         return super().valid() & self._saturates()
 
     def _saturates(self) -> xr.DataArray:
-        """Whether z is bounded in loading; in unloading it is whatever the sign of ``beta - gamma``."""
+        """Whether ``z`` is bounded in loading; in unloading it is bounded for any ``beta - gamma``."""
         values = self.arrays()
         return values["gamma"] > -values["beta"]
 
@@ -132,21 +134,21 @@ class BoucWen(Structure):
     symbolic = staticmethod(symbolic)
 
     def has_one_solution(self) -> xr.DataArray:
-        """Where ``gamma <= beta``: none of many thousand random cells had a second one.
+        """True where ``gamma <= beta``: no second solution was found in many thousand random cells.
 
-        Beyond, the structure also slips as it unloads, and there may be three.
+        For ``gamma > beta`` the structure also slips in unloading, and there may be three solutions.
         """
         values = self.arrays()
         return values["gamma"] <= values["beta"]
 
     def block(self) -> Block:
-        """Time steps of this law."""
+        """Time-stepping function of oscillators with this law."""
         from stochlin.kernels.simulation.stepping import bouc_wen_block
 
         return bouc_wen_block
 
     def in_storeys(self) -> Any:
-        """The kind that is built in."""
+        """The constant of ``storey_stepping`` for this law, which is built in."""
         from stochlin.kernels.simulation.storey_stepping import BOUC_WEN
 
         return BOUC_WEN

@@ -1,4 +1,4 @@
-"""Any odd hysteresis law that a user writes as a sympy expression."""
+"""Structures with an odd hysteresis law that the user gives as a sympy expression."""
 
 from __future__ import annotations
 
@@ -16,21 +16,22 @@ if TYPE_CHECKING:
 @LAWS.register("hysteretic", place=3)
 @dataclass(frozen=True)
 class Hysteretic(Structure):
-    """Oscillator with any odd hysteresis law ``z' = G(v, z)`` written as a sympy expression.
+    """Oscillator with any odd hysteresis law ``z' = G(v, z)``, given as a sympy expression.
 
     Parameters
     ----------
     period, damping, hardening, yield_displacement, reduction_factor, peak_factor
         As in `Bilinear`.
     law : sympy.Expr
-        ``G`` in symbols named ``v`` (ductility rate) and ``z``, odd in both together.
+        ``G`` [1/s] in symbols named ``v``, the ductility rate [1/s], and ``z`` [-]. The law is odd:
+        ``G(-v, -z) = -G(v, z)``.
     mass : float, optional
         As in `Bilinear`.
 
     Raises
     ------
     ValueError, TypeError
-        As in `Bilinear`; or if the law is missing, has other symbols, is not odd, or has kinks
+        As in `Bilinear`; also if the law is not given, has other symbols, is not odd, or has kinks
         that cannot be located.
 
     References
@@ -53,21 +54,23 @@ class Hysteretic(Structure):
         _ = self._compiled
 
     def symbolic(self) -> sympy.Expr:
-        """The law as it was given."""
+        """The sympy expression that was given as ``law``."""
         return self.law
 
     def describe(self) -> str:
-        """One line with the parameters and the law."""
+        """The structure in one line, with its parameters and its law."""
         return f"{super().describe()[:-1]}, law={self.law})"
 
 
 def law_of(law: str | sympy.Expr, common: Mapping[str, Any], own: Mapping[str, Any]) -> Structure:
-    """The structure of a law by its name, or of a sympy expression, with its own parameters.
+    """A structure with a law that is given by its name or as a sympy expression.
+
+    ``common`` are parameters of every structure, ``own`` those that this law adds, both by name.
 
     Raises
     ------
     ValueError, TypeError
-        If the law is not known, or has no such parameters.
+        If the law is not known, or if ``own`` has unknown parameters or lacks required ones.
     """
     kind = LAWS.named(law, "law") if isinstance(law, str) else Hysteretic
     if kind is Hysteretic:
