@@ -337,7 +337,7 @@ def test_figures_and_words_of_storeys(changed):
     gaps = gap_rules(scene)
     figure = charts.gaps_figure(gaps)
     (far,) = (note for note in figure["layout"]["annotations"] if note["y"] == "ASCE 41")
-    gap = 100 * float(gaps.gap.sel(rule="asce_41"))  # .04 of the height, far beyond the others
+    gap = 100 * float(gaps.gap.sel(rule="asce_41"))  # 0.04 of the height, far beyond the others
     assert far["text"].startswith(f"{gap:.0f} cm")
     assert figure["layout"]["xaxis"]["range"][1] < gap
     by_height = [curve for curve in figure["data"] if curve.get("yaxis") == "y2"]

@@ -1,7 +1,7 @@
 """Contacts of pounding structures: elements with a force law, and the stereomechanical impact.
 
-Every element owns the relation between its damping and its coefficient of restitution. Eq. (15) of
-the paper is that of `Kelvin` and of no other.
+Each element has its own relation between damping and coefficient of restitution. Eq. (15) of the paper
+is the relation of `Kelvin` and holds for this element only.
 """
 
 from stochlin.models.contacts.base import Contact, Element

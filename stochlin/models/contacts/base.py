@@ -1,4 +1,4 @@
-"""What contacts share: how they are found, asked for their restitution, and handed to a kernel."""
+"""The base classes of contacts and contact elements, and checks of their arguments."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ CONTACTS: Registry[type[Contact]] = Registry("contact", "stochlin.models.contact
 
 @dataclass(frozen=True)
 class Contact(Model):
-    """Base of the contacts: elements with a force, or impacts in which velocities jump."""
+    """Base of the contacts: elements with a contact force, and impacts in which velocities jump."""
 
     @property
     def e(self) -> Any:
@@ -40,12 +40,13 @@ class Contact(Model):
 
 @dataclass(frozen=True)
 class Element(Contact):
-    """A contact with a force law: a spring, as a rule with a dashpot.
+    """A contact with a force law: a spring, and in most elements a dashpot.
 
-    With ``d = u1 - u2 - gap`` the penetration and ``v = d'``, there is a force while ``d > 0``.
+    The penetration is ``d = u1 - u2 - gap`` [m], its rate ``v = d'`` [m/s]. A contact force acts only
+    while ``d > 0``.
     """
 
-    law: ClassVar[ForceLaw] = ForceLaw()  # the parts of it that do not hang on the parameters
+    law: ClassVar[ForceLaw] = ForceLaw()  # the fields that do not depend on the parameters
     stiffness: Parameter = parameter("N/m", "stiffness of the contact", POSITIVE)
 
     def __post_init__(self) -> None:
@@ -66,14 +67,14 @@ class Element(Contact):
         return getattr(self, "exponent", self.law.exponent)
 
     def damping_coefficient(self, reduced_mass: Any) -> Any:
-        """The damping of the force law, for a reduced mass [kg]; none here."""
+        """Damping of the force law for a reduced mass [kg]; 0 for an element without a dashpot."""
         return 0.0
 
     def force_law(self, reduced_mass: Any) -> ForceLaw:
-        """The law of the force, for a reduced mass [kg].
+        """The force law for a reduced mass [kg].
 
-        Its fields are numbers where the contact and the mass are, else arrays that broadcast by
-        dimension name.
+        Its fields are numbers if the parameters of the contact and the mass are numbers. Otherwise they
+        are arrays that broadcast by dimension name.
         """
         mass = checked(type(self).__name__, "reduced_mass", reduced_mass, "kg", POSITIVE)
         return self.law._replace(
@@ -83,12 +84,12 @@ class Element(Contact):
     def force(
         self, penetration: Any, velocity: Any, approach_velocity: Any, reduced_mass: Any
     ) -> xr.DataArray:
-        """Force of the contact [N], positive where it pushes the structures apart.
+        """Contact force [N], positive if it pushes the structures apart.
 
-        ``penetration`` is ``d = u1 - u2 - gap`` [m], without contact not positive: there is no force;
-        ``velocity`` is ``d'`` [m/s], positive in approach, and ``approach_velocity`` its value at the
-        beginning of this contact, positive, for which only `HertzDamp` asks; ``reduced_mass`` is ``m1
-        m2/(m1 + m2)`` [kg]. NaN in cells that are out of range; a scalar that is out of range raises.
+        ``penetration`` is ``d = u1 - u2 - gap`` [m]; the force is zero where it is not positive.
+        ``velocity`` is ``d'`` [m/s], positive in approach. ``approach_velocity`` is its value at the
+        start of this contact, positive, and is used by `HertzDamp` only. ``reduced_mass`` is
+        ``m1 m2/(m1 + m2)`` [kg]. Cells out of range are NaN; a scalar out of range raises an error.
 
         Examples
         --------
@@ -108,10 +109,11 @@ class Element(Contact):
         return result.rename("contact_force").assign_attrs(units="N", long_name="contact force")
 
     def time_scale(self, reduced_mass: Any, approach_velocity: Any) -> Any:
-        """The time that contact times are multiples of [s].
+        """Time scale [s], in units of which ``contact_time`` is given.
 
-        ``(m v0^(1-n)/k)^(1/(n+1))``, which is ``sqrt(m/k)`` for the linear elements whatever the
-        velocity. The scale of penetration is ``v0`` times this. Arguments as in `force`.
+        ``(m v0^(1-n)/k)^(1/(n+1))`` for the reduced mass ``m``, the approach velocity ``v0``, the
+        stiffness ``k`` and the exponent ``n``; ``sqrt(m/k)`` for linear elements at any velocity. The
+        length scale of the penetration is ``v0`` times this. Arguments are as in `force`.
         """
         name = type(self).__name__
         mass = checked(name, "reduced_mass", reduced_mass, "kg", POSITIVE)
@@ -123,7 +125,7 @@ class Element(Contact):
 
 @dataclass(frozen=True)
 class Undamped(Element):
-    """A spring alone."""
+    """A contact element without damping, which is a spring."""
 
     @property
     def e(self) -> float:
@@ -137,15 +139,16 @@ class Undamped(Element):
 
 
 def checked(model: str, name: str, value: Any, units: str, allowed: Range) -> float | xr.DataArray:
-    """The value of an argument, checked and labelled as a declared parameter of a model would be."""
+    """The value of an argument, checked and labelled like a declared parameter of a model."""
     declared = {"units": units, "long_name": name.replace("_", " "), "allowed": allowed}
     return check(f"{model}: ", name, value, declared)
 
 
 def elementwise(model: str, name: str, value: Any, allowed: Range, form: Form) -> Any:
-    """``form`` of numbers in the range; a scalar out of range raises, such cells of an array are NaN.
+    """``form(value)`` for values in the allowed range.
 
-    Gives back what it is given: a float, an array of the same shape, or a DataArray.
+    A scalar out of range raises an error; cells of an array out of range are NaN. The result is of the
+    kind of the value: a float, an array of the same shape, or a DataArray.
     """
     array = np.asarray(value)
     if array.dtype.kind not in "iuf":

@@ -1,4 +1,4 @@
-"""Elements with a dashpot, given by its damping or by the restitution that it is to deliver."""
+"""Contact elements with a dashpot, which is given by its damping or by a coefficient of restitution."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ EXACT = "exact"
 
 @dataclass(frozen=True)
 class Damped(Element):
-    """An element with a dashpot.
+    """A contact element with a dashpot.
 
-    The relation between its damping and its coefficient of restitution is its own: nothing here is
-    shared between elements but the way of asking.
+    Each subclass has its own relation between damping and coefficient of restitution,
+    ``restitution_of`` and ``damping_for``.
     """
 
     damping: Parameter = parameter("1", "damping of the contact", DAMPING)
 
-    damping_name: ClassVar[str]  # what the damping is called where it is given
-    restitution_of: ClassVar[Form]  # the damping
-    damping_for: ClassVar[Mapping[str, Form]]  # a restitution, by name of the formula
+    damping_name: ClassVar[str]  # name of the argument that gives the damping
+    restitution_of: ClassVar[Form]  # coefficient of restitution as a function of the damping
+    damping_for: ClassVar[Mapping[str, Form]]  # damping as functions of restitution, by formula name
 
     @property
     def e(self) -> Any:
@@ -37,9 +37,10 @@ class Damped(Element):
 
     @classmethod
     def delivered_restitution(cls, restitution: Any, formula: str = EXACT) -> Any:
-        """What the damping by a formula really delivers, where ``restitution`` is asked for.
+        """Coefficient of restitution [-] that results from the damping by a published formula.
 
-        Arguments, cells of NaN and errors as in `Kelvin.damping_ratio`.
+        ``restitution`` [-] is the coefficient for which the formula is used; an approximate formula
+        results in another one. Arguments, NaN cells and errors are as in `Kelvin.damping_ratio`.
         """
         return cls._deliver(cls._invert(restitution, formula))
 
@@ -59,7 +60,7 @@ class Damped(Element):
 
     @classmethod
     def _settle(cls, damping: Any, restitution: Any) -> Any:
-        """The damping, from what was given of the two."""
+        """The damping from the one of damping and restitution that was given."""
         name = cls.__name__
         if (damping is None) == (restitution is None):
             given = "neither is given" if damping is None else "both are given"
@@ -74,7 +75,7 @@ class Damped(Element):
 
 @dataclass(frozen=True, init=False)
 class WithRatio(Damped):
-    """A dashpot by its damping ratio ``xi = c/(2 sqrt(k m))``, ``m`` the reduced mass."""
+    """An element with the damping ratio ``xi = c/(2 sqrt(k m))``, ``m`` being the reduced mass."""
 
     damping: Parameter = parameter("1", "damping ratio of the contact", DAMPING)
     damping_name: ClassVar[str] = "damping_ratio"
@@ -92,24 +93,26 @@ class WithRatio(Damped):
 
     @classmethod
     def restitution(cls, damping_ratio: Any) -> Any:
-        """Coefficient of restitution ``e`` [-] that this element delivers between two free masses.
+        """Coefficient of restitution ``e`` [-] of this element between two free masses.
 
-        ``damping_ratio`` is ``xi`` [-], not negative, of any shape; what comes back is like it, NaN in
-        cells out of range. A scalar out of range is a ValueError, what is not a number a TypeError.
+        ``damping_ratio`` is ``xi`` [-], not negative, of any shape. The result has the same shape and is
+        NaN in cells out of range. A scalar out of range raises a ValueError, a value that is not a
+        number a TypeError.
         """
         return cls._deliver(damping_ratio)
 
     @classmethod
     def damping_ratio(cls, restitution: Any, formula: str = EXACT) -> Any:
-        """Damping ratio ``xi`` [-] with which this element delivers a coefficient of restitution.
+        """Damping ratio ``xi`` [-] of this element for a coefficient of restitution.
 
-        ``restitution`` is ``e`` [-], in (0, 1]; ``formula`` is ``"exact"``, the inverse of
-        `restitution`, or a published approximation by its name, else a ValueError. The rest is as there.
+        ``restitution`` is ``e`` [-], in (0, 1], of any shape. ``formula`` is ``"exact"``, the inverse of
+        `restitution`, or the name of a published approximation; any other name raises a ValueError.
+        Shape, NaN cells and other errors are as in `restitution`.
         """
         return cls._invert(restitution, formula)
 
     def damping_coefficient(self, reduced_mass: Any) -> Any:
-        """Dashpot constant ``c = 2 xi sqrt(k m)`` for a reduced mass [kg]: [N s/m] if linear."""
+        """Constant ``c = 2 xi sqrt(k m)`` for a reduced mass [kg]; in N s/m if the element is linear."""
         product = (self.damping, self.stiffness, reduced_mass)
         with np.errstate(invalid="ignore"):  # NaN in cells out of range
             return xr.apply_ufunc(

@@ -1,4 +1,4 @@
-"""Contacts with the elastic force of Hertz, ``k d^n``: undamped, and with two kinds of dashpot."""
+"""Contact elements with the elastic force of Hertz, ``k d^n``: one undamped and two damped ones."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from stochlin.models.parameters import POSITIVE, Parameter, Range, parameter
 
 EXPONENT = Range(lower=1.0, include_lower=True, reason="1.5 for spheres")
 SPHERES = 1.5
-LINEAR = np.sqrt(5) / 2  # xi of Jankowski's element over that of the linear element equal to it
+LINEAR = np.sqrt(5) / 2  # xi of `Jankowski` over that of the `ImpactKelvin` with equal restitution
 
 
 @CONTACTS.register("hertz", 5)
 @dataclass(frozen=True)
 class Hertz(Undamped):
-    """Hertz contact without damping, ``f = k d^n``: ``e = 1``.
+    """Hertz contact without damping, ``f = k d^n``; its coefficient of restitution is 1.
 
     Parameters
     ----------
     stiffness : float or array
-        ``k`` [N/m^n], positive.
+        Stiffness ``k`` [N/m^n], positive.
     exponent : float or array
-        ``n >= 1`` [-].
+        Exponent ``n`` [-], at least 1; 1.5 for spheres.
 
     Raises
     ------
@@ -55,10 +55,10 @@ class Hertz(Undamped):
 
     @staticmethod
     def contact_time(exponent: Any = SPHERES) -> Any:
-        """Contact time of two free masses, over `time_scale` [-]; otherwise as `Kelvin.restitution`.
+        """Contact time of two free masses over `time_scale` [-].
 
-        ``2 sqrt(pi) (N/2)^(1/N) Gamma(1 + 1/N)/Gamma(1/2 + 1/N)`` with ``N = n + 1``; it is ``pi`` for
-        ``n = 1``.
+        It is ``2 sqrt(pi) (N/2)^(1/N) Gamma(1 + 1/N)/Gamma(1/2 + 1/N)`` with ``N = n + 1``, which is
+        ``pi`` for ``n = 1``. Shape, NaN cells and errors are as in `Kelvin.restitution`.
         """
         return elementwise("Hertz", "exponent", exponent, EXPONENT, _hertz_time)
 
@@ -74,19 +74,20 @@ def _hertz_time(n: Any) -> Any:
 class HertzDamp(Damped):
     """Hertz contact with hysteresis damping, ``f = k d^n (1 + a d'/v0)``, ``v0`` the approach velocity.
 
-    Its restitution follows exactly, whatever the exponent, from ``a (1 + e) = ln[(1 + a)/(1 - a e)]``.
-    Two free masses are never pulled; driven apart faster than ``v0/a``, they would be.
+    The coefficient of restitution ``e`` is the exact solution of ``a (1 + e) = ln[(1 + a)/(1 - a e)]``
+    for any exponent. The force on two free masses is never tensile. It would be tensile if the masses
+    were driven apart faster than ``v0/a``.
 
     Parameters
     ----------
     stiffness : float or array
-        ``k`` [N/m^n], positive.
+        Stiffness ``k`` [N/m^n], positive.
     damping_factor : float or array, optional
-        ``a`` [-], not negative.
+        Damping factor ``a`` [-], not negative; given, or ``restitution`` is.
     restitution : float or array, optional
-        ``e`` [-] that the contact is to deliver, in (0, 1]; this or ``damping_factor``.
+        Coefficient of restitution ``e`` [-], in (0, 1]; given, or ``damping_factor`` is.
     exponent : float or array
-        ``n >= 1`` [-].
+        Exponent ``n`` [-], at least 1; 1.5 for spheres.
 
     Raises
     ------
@@ -95,9 +96,9 @@ class HertzDamp(Damped):
 
     Notes
     -----
-    Two published closed forms miss what they are asked for, and are known by name:
-    ``"lankarani_nikravesh_1990"``, ``a = 3 (1 - e^2)/4``, delivers 0.725 for 0.5, and ``"ye_2009"``,
-    ``a = 8 (1 - e)/(5 e)``, delivers 0.470.
+    `damping_factor` also has two published approximations. For ``e = 0.5``,
+    ``"lankarani_nikravesh_1990"``, ``a = 3 (1 - e^2)/4``, gives an element with the coefficient of
+    restitution 0.725, and ``"ye_2009"``, ``a = 8 (1 - e)/(5 e)``, an element with 0.470.
 
     References
     ----------
@@ -142,16 +143,16 @@ class HertzDamp(Damped):
 
     @classmethod
     def restitution(cls, damping_factor: Any) -> Any:
-        """Coefficient of restitution for a damping factor; otherwise as `Kelvin.restitution`."""
+        """Coefficient of restitution [-] for a damping factor [-]; otherwise as `Kelvin.restitution`."""
         return cls._deliver(damping_factor)
 
     @classmethod
     def damping_factor(cls, restitution: Any, formula: str = EXACT) -> Any:
-        """Damping factor for a coefficient of restitution; otherwise as `Kelvin.damping_ratio`."""
+        """Damping factor [-] for a coefficient of restitution; otherwise as `Kelvin.damping_ratio`."""
         return cls._invert(restitution, formula)
 
     def damping_coefficient(self, reduced_mass: Any) -> Any:
-        """The factor ``a`` [-], whatever the mass."""
+        """The damping factor ``a`` [-], which does not depend on the mass."""
         return self.damping
 
 
@@ -160,16 +161,16 @@ class HertzDamp(Damped):
 class Jankowski(WithRatio):
     """Hertz contact damped in approach only: ``f = k d^1.5 + 2 xi sqrt(k sqrt(d) m) max(d', 0)``.
 
-    In ``y = sqrt(4/5) sqrt(k/m) d^1.25`` the balance ``v dv = -f dd/m`` is that of a linear element,
-    ``v dv = -(y + 2 z max(v, 0)) dy`` with ``z = 2 xi/sqrt(5)``: the restitution is exactly that of an
-    `ImpactKelvin` with the damping ratio ``z``.
+    With ``y = sqrt(4/5) sqrt(k/m) d^1.25`` the equation of motion ``v dv = -f dd/m`` becomes that of a
+    linear element, ``v dv = -(y + 2 z max(v, 0)) dy`` with ``z = 2 xi/sqrt(5)``. The coefficient of
+    restitution is therefore exactly that of an `ImpactKelvin` with the damping ratio ``z``.
 
     Parameters
     ----------
     stiffness : float or array
-        ``k`` [N/m^1.5], positive.
+        Stiffness ``k`` [N/m^1.5], positive.
     damping_ratio, restitution : float or array
-        As in `Kelvin`; the relation between the two is another.
+        As in `Kelvin`, with another relation between the two.
 
     Raises
     ------
@@ -178,8 +179,9 @@ class Jankowski(WithRatio):
 
     Notes
     -----
-    The published closed form, ``xi = (9 sqrt(5)/2) (1 - e^2)/(e (e (9 pi - 16) + 16))``, is known as
-    ``"jankowski_2005"``: asked for 0.5 it delivers 0.4946.
+    `damping_ratio` also has the published approximation ``"jankowski_2005"``,
+    ``xi = (9 sqrt(5)/2) (1 - e^2)/(e (e (9 pi - 16) + 16))``. For ``e = 0.5`` it gives an element with
+    the coefficient of restitution 0.4946.
 
     References
     ----------

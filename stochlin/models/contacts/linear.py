@@ -1,4 +1,4 @@
-"""Linear contacts: the spring, and the three Kelvin elements that differ in when their dashpot acts."""
+"""Linear contact elements: the spring, and three Kelvin elements with different unloading."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from stochlin.models.contacts.restitution import angle_ratio, invert_angle_ratio
 @CONTACTS.register("linear_spring", 1)
 @dataclass(frozen=True)
 class LinearSpring(Undamped):
-    """Spring without damping, ``f = k d``: ``e = 1``.
+    """Linear spring without damping, ``f = k d``; its coefficient of restitution is 1.
 
     Parameters
     ----------
     stiffness : float or array
-        ``k`` [N/m], positive.
+        Stiffness ``k`` [N/m], positive.
 
     Raises
     ------
@@ -43,49 +43,50 @@ class LinearSpring(Undamped):
 
     @staticmethod
     def contact_time() -> float:
-        """Contact time over `time_scale` [-]: ``pi``, half a period."""
+        """Contact time of two free masses over `time_scale` [-]: ``pi``, half a period."""
         return float(np.pi)
 
 
 @dataclass(frozen=True, init=False)
 class LinearDamped(WithRatio):
-    """A damped element with a linear law: its contact time is known."""
+    """A damped element with a linear force law, whose contact time has a closed form."""
 
-    time_of: ClassVar[Form]
+    time_of: ClassVar[Form]  # contact time over the time scale as a function of the damping ratio
 
     @classmethod
     def contact_time(cls, damping_ratio: Any) -> Any:
-        """Contact time of two free masses times ``w = sqrt(k/m)`` [-]; otherwise as `restitution`."""
+        """Contact time of two free masses over `time_scale` [-]; otherwise as `restitution`."""
         return elementwise(cls.__name__, cls.damping_name, damping_ratio, DAMPING, cls.time_of)
 
 
 @CONTACTS.register("kelvin", 2)
 @dataclass(frozen=True, init=False)
 class Kelvin(LinearDamped):
-    """Kelvin element that may pull, eq. (14): ``f = k d + c d'`` while ``d > 0``.
+    """Kelvin element with tension, eq. (14): ``f = k d + c d'`` while ``d > 0``.
 
-    The sign of the dashpot is the right one; the paper's feeds energy in. Before the end of a
-    contact the force is negative: the element holds the structures back. `NoTensionKelvin` does
-    not.
+    The dashpot dissipates energy; with the sign printed in the paper it would supply energy. Near the
+    end of a contact the force is tensile and holds the structures together. `NoTensionKelvin` has no
+    tension.
 
-    ``e = exp(-pi xi/sqrt(1 - xi^2))``, which is eq. (15) and holds for this element only; the
-    contact takes ``pi/sqrt(1 - xi^2)`` over ``sqrt(k/m)``. From ``xi = 1`` on it never ends: ``e`` is
-    0 and the time infinite.
+    The coefficient of restitution is ``e = exp(-pi xi/sqrt(1 - xi^2))``. It is the inverse of eq. (15),
+    which holds for this element only. The contact time is ``pi/sqrt(1 - xi^2) sqrt(m/k)``. For
+    ``xi >= 1`` the contact never ends: ``e`` is 0 and the contact time is infinite.
 
     Parameters
     ----------
     stiffness : float or array
-        ``k`` [N/m], positive.
+        Stiffness ``k`` [N/m], positive.
     damping_ratio : float or array, optional
-        ``xi = c/(2 sqrt(k m))`` [-], not negative; ``m`` is the reduced mass ``m1 m2/(m1 + m2)``.
+        Damping ratio ``xi = c/(2 sqrt(k m))`` [-], not negative, with the reduced mass
+        ``m = m1 m2/(m1 + m2)``; given, or ``restitution`` is.
     restitution : float or array, optional
-        ``e`` [-] that the contact is to deliver, in (0, 1]; this or ``damping_ratio``.
+        Coefficient of restitution ``e`` [-], in (0, 1]; given, or ``damping_ratio`` is.
 
     Raises
     ------
     ValueError, TypeError
-        If a scalar is out of range, a value is not a number, or of ``damping_ratio`` and
-        ``restitution`` both or neither are given.
+        If a scalar is out of range, a value is not a number, or both or neither of ``damping_ratio``
+        and ``restitution`` are given.
 
     References
     ----------
@@ -109,16 +110,17 @@ class Kelvin(LinearDamped):
 @CONTACTS.register("no_tension_kelvin", 3)
 @dataclass(frozen=True, init=False)
 class NoTensionKelvin(LinearDamped):
-    """Kelvin element that cannot pull: ``f = max(k d + c d', 0)`` while ``d > 0``.
+    """Kelvin element without tension: ``f = max(k d + c d', 0)`` while ``d > 0``.
 
-    ``e = exp(-2 xi A)`` and a contact of ``2 A`` over ``sqrt(k/m)``, with ``A = acos(xi)/sqrt(1 -
-    xi^2)``, beyond 1 ``acosh(xi)/sqrt(xi^2 - 1)``. The structures part while the element is still
-    compressed; it is taken to be back at its full length when they meet again.
+    The coefficient of restitution is ``e = exp(-2 xi A)`` and the contact time ``2 A sqrt(m/k)``, where
+    ``A = acos(xi)/sqrt(1 - xi^2)``, or ``acosh(xi)/sqrt(xi^2 - 1)`` for ``xi > 1``. The structures
+    separate while the element is still compressed. The element is assumed to have recovered its full
+    length before the next contact.
 
     Parameters
     ----------
     stiffness, damping_ratio, restitution : float or array
-        As in `Kelvin`; the relation between the last two is another.
+        As in `Kelvin`, with another relation between the last two.
 
     Raises
     ------
@@ -127,7 +129,7 @@ class NoTensionKelvin(LinearDamped):
 
     References
     ----------
-    Derived here: free vibration of two masses until the force vanishes.
+    Derived here, as the free vibration of two masses until the force vanishes.
 
     Examples
     --------
@@ -151,14 +153,14 @@ class NoTensionKelvin(LinearDamped):
 class ImpactKelvin(LinearDamped):
     """Impact Kelvin element, eq. (16): its dashpot acts in approach only, ``f = k d + c max(d', 0)``.
 
-    ``e = exp(-xi A)`` and a contact of ``A + pi/2`` over ``sqrt(k/m)``, with ``A = acos(xi)/sqrt(1 -
-    xi^2)``, beyond 1 ``acosh(xi)/sqrt(xi^2 - 1)``. The sign of the dashpot is the right one, as in
-    `Kelvin`.
+    The coefficient of restitution is ``e = exp(-xi A)`` and the contact time
+    ``(A + pi/2) sqrt(m/k)``, where ``A = acos(xi)/sqrt(1 - xi^2)``, or ``acosh(xi)/sqrt(xi^2 - 1)`` for
+    ``xi > 1``. As in `Kelvin`, the dashpot dissipates energy, unlike with the sign printed in the paper.
 
     Parameters
     ----------
     stiffness, damping_ratio, restitution : float or array
-        As in `Kelvin`; the relation between the last two is another.
+        As in `Kelvin`, with another relation between the last two.
 
     Raises
     ------
@@ -167,8 +169,9 @@ class ImpactKelvin(LinearDamped):
 
     Notes
     -----
-    `damping_ratio` also knows the approximation ``"mahmoud_jankowski_2011"``, ``(1 - e^2)/(e (e (pi - 2)
-    + 2))``: with it an element asked for 0.5 delivers 0.5061.
+    `damping_ratio` also has the published approximation ``"mahmoud_jankowski_2011"``,
+    ``xi = (1 - e^2)/(e (e (pi - 2) + 2))``. For ``e = 0.5`` it gives an element with the coefficient of
+    restitution 0.5061.
 
     References
     ----------

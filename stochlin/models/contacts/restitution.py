@@ -1,14 +1,15 @@
-"""Closed forms between damping and restitution, on arrays: linear elements and the Hertz-damp one.
+"""Relations between damping and coefficient of restitution, for arrays, of linear and Hertz elements.
 
-Two free masses meet at ``v0`` and part at ``e v0``. For the linear elements everything hangs on
-``A(xi) = acos(xi)/sqrt(1 - xi^2)``, which beyond ``xi = 1`` is ``acosh(xi)/sqrt(xi^2 - 1)``. For the
-Hertz-damp force ``k d^n (1 + a v/v0)`` the energy balance ``a (1 + e) = ln[(1 + a)/(1 - a e)]`` is
-solved by one parameter ``x``: with Langevin's function ``L(x) = coth x - 1/x``,
+Two free masses approach one another at ``v0`` and separate at ``e v0``. The relations of the linear
+elements use ``A(xi) = acos(xi)/sqrt(1 - xi^2)``, which is ``acosh(xi)/sqrt(xi^2 - 1)`` for ``xi > 1``.
+For the Hertz-damp force ``k d^n (1 + a v/v0)`` the energy balance ``a (1 + e) = ln[(1 + a)/(1 - a e)]``
+has, for any exponent, a solution with one parameter ``x``. With Langevin's function
+``L(x) = coth x - 1/x``,
 
-    (1 - e)/(1 + e) = L(x),    a = x (1 + L(x)) = 2 x/(1 + e),
+    (1 - e)/(1 + e) = L(x),    a = x (1 + L(x)) = 2 x/(1 + e).
 
-whatever the exponent. Both unknowns are roots of functions that are monotonic and of one curvature, on
-which Newton's method goes to the root from one side: it needs no bracket.
+``xi`` and ``x`` are found as roots of monotonic functions whose curvature does not change sign.
+Newton's method approaches such a root from one side and needs no bracket.
 """
 
 from __future__ import annotations
@@ -17,21 +18,21 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 
-NEWTON_STEPS = 6  # five reach the last digit from these starts, over all of (0, 1]
-AT_ONE = 1e-6  # of xi: slopes are 0/0 there, and their limit is good to this order
-LARGEST = 700.0  # of -log e: a restitution below 1e-304 counts as that, or 1/e would overflow
-FRACTION = range(17, 3, -2)  # of Langevin's continued fraction: the last digit for x <= 1
+NEWTON_STEPS = 6  # five steps reach machine precision for every restitution in (0, 1]
+AT_ONE = 1e-6  # |xi - 1| below which the slope, there 0/0, is replaced by its limit
+LARGEST = 700.0  # largest -log e: a restitution below 1e-304 is raised to it, else 1/e overflows
+FRACTION = range(17, 3, -2)  # terms of Langevin's continued fraction, exact to rounding for x <= 1
 
 
 def angle_ratio(xi: Array) -> Array:
-    """``A(xi)``, from half angles: without cancellation, and smooth through ``xi = 1``."""
+    """``A(xi)`` by half angles, without cancellation and smooth at ``xi = 1``."""
     half = np.sqrt(np.abs(1 - xi) / 2)
     angle = np.where(xi < 1, np.arcsin(np.minimum(half, 1)), np.arcsinh(half))
     return np.sqrt(2 / (1 + xi)) * np.divide(angle, half, out=np.ones_like(half), where=half != 0)
 
 
 def invert_angle_ratio(target: Array) -> Array:
-    """The ``xi`` at which ``xi A(xi)`` is ``target >= 0``; the function is concave."""
+    """``xi`` for which ``xi A(xi) = target >= 0``; ``xi A(xi)`` is a concave function."""
     target = np.minimum(target, LARGEST)
     xi = np.where(target < 1, 2 / np.pi * target, 0.5 * np.exp(target))
     for _ in range(NEWTON_STEPS):
@@ -43,18 +44,18 @@ def invert_angle_ratio(target: Array) -> Array:
 
 
 def kelvin_restitution(xi: Array) -> Array:
-    """Kelvin element that may pull: ``exp(-pi xi/sqrt(1 - xi^2))``; 0 from ``xi = 1`` on."""
+    """``e = exp(-pi xi/sqrt(1 - xi^2))`` of the Kelvin element with tension; 0 for ``xi >= 1``."""
     return np.exp(-xi * kelvin_time(xi))
 
 
 def kelvin_time(xi: Array) -> Array:
-    """Contact time ``pi/sqrt(1 - xi^2)`` over ``sqrt(m/k)``; infinite from ``xi = 1`` on."""
+    """Contact time over ``sqrt(m/k)``, ``pi/sqrt(1 - xi^2)``; infinite for ``xi >= 1``."""
     root = np.sqrt(np.maximum(1 - xi, 0) * (1 + xi))
     return np.divide(np.pi, root, out=np.full_like(root, np.inf), where=root != 0)
 
 
 def kelvin_damping(e: Array) -> Array:
-    """Eq. (15): inverse of `kelvin_restitution`."""
+    """Damping ratio of the Kelvin element by eq. (15), the inverse of `kelvin_restitution`."""
     loss = np.abs(np.log(e))
     return loss / np.hypot(np.pi, loss)
 
@@ -67,15 +68,15 @@ def langevin_fraction(x: Array) -> Array:
     return 1 / below
 
 
-@np.errstate(over="ignore")  # of expm1, where its reciprocal is zero
+@np.errstate(over="ignore")  # where expm1 overflows, its reciprocal is zero
 def coth_excess(x: Array) -> Array:
     """``coth x - 1`` for ``x > 0``."""
     return 2 / np.expm1(2 * x)
 
 
 def hertz_damp_restitution(a: Array) -> Array:
-    """The ``e`` that the Hertz-damp force with the factor ``a >= 0`` delivers."""
-    x = np.minimum(a, 0.5 * (1 + a))  # right of the root of a convex function
+    """Coefficient of restitution ``e`` of the Hertz-damp force with the damping factor ``a >= 0``."""
+    x = np.minimum(a, 0.5 * (1 + a))  # above the root of a convex function
     for _ in range(NEWTON_STEPS):
         near, far = np.minimum(x, 1), np.maximum(x, 1)
         ratio, excess = langevin_fraction(near), coth_excess(far)
@@ -90,10 +91,10 @@ def hertz_damp_restitution(a: Array) -> Array:
 
 
 def hertz_damp_factor(e: Array) -> Array:
-    """Inverse of `hertz_damp_restitution`: the factor ``a`` that delivers ``e``."""
+    """Damping factor ``a`` of the Hertz-damp force for ``e``; inverse of `hertz_damp_restitution`."""
     e = np.maximum(e, np.exp(-LARGEST))
     level, rest = (1 - e) / (1 + e), 2 * e / (1 + e)  # L and 1 - L
-    x = level * (3 - level**2) * (1 + e) ** 2 / (4 * e)  # Cohen (1991), within 5 %
+    x = level * (3 - level**2) * (1 + e) ** 2 / (4 * e)  # start by Cohen (1991), within 5 %
     for _ in range(NEWTON_STEPS):
         near, far = np.minimum(x, 1), np.maximum(x, 1)
         ratio = langevin_fraction(near)

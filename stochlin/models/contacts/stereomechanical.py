@@ -1,4 +1,4 @@
-"""The stereomechanical impact, eq. (13): velocities jump, nothing is said of forces."""
+"""The stereomechanical impact, eq. (13), in which velocities jump and no contact force is modelled."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SHARE = Range(
 @CONTACTS.register("stereomechanical", 8)
 @dataclass(frozen=True)
 class Stereomechanical(Contact):
-    """Stereomechanical impact, eq. (13): ``u1' - u2'`` becomes ``-e`` times itself, momentum is kept.
+    """Stereomechanical impact, eq. (13): it multiplies ``u1' - u2'`` by ``-e`` and conserves momentum.
 
     Parameters
     ----------
@@ -58,8 +58,9 @@ class Stereomechanical(Contact):
     ) -> tuple[xr.DataArray, xr.DataArray]:
         """Velocities [m/s] of both structures after the impact, from those before and the masses [kg].
 
-        Structure 1 is on the left: they meet if ``velocity_1 >= velocity_2``. Cells that are out of
-        range or do not meet are NaN; a scalar out of range, or a single pair that does not meet, raises.
+        Structure 1 is on the left, so that the structures approach one another if
+        ``velocity_1 >= velocity_2``. Cells that are out of range or do not approach are NaN; a scalar
+        out of range, or a single pair that does not approach, raises an error.
         """
         given, usable = self._approach(velocity_1, velocity_2, mass_1, mass_2)
         after = xr.apply_ufunc(
@@ -70,9 +71,9 @@ class Stereomechanical(Contact):
         return first, second
 
     def energy_loss(self, velocity_1: Any, velocity_2: Any, mass_1: Any, mass_2: Any) -> xr.DataArray:
-        """Energy that the impact takes [J], ``(1 - e^2) m (v1 - v2)^2/2`` with the reduced mass ``m``.
+        """Energy lost in the impact [J], ``(1 - e^2) m (v1 - v2)^2/2`` with the reduced mass ``m``.
 
-        Arguments, cells of NaN and errors as in `velocities_after`.
+        Arguments, NaN cells and errors are as in `velocities_after`.
         """
         given, usable = self._approach(velocity_1, velocity_2, mass_1, mass_2)
         loss = xr.apply_ufunc(
@@ -81,7 +82,7 @@ class Stereomechanical(Contact):
         return loss.where(usable).assign_attrs(units="J", long_name="energy lost in the impact")
 
     def _approach(self, *given: Any) -> tuple[list[xr.DataArray], xr.DataArray]:
-        """Velocities, masses and restitution as arrays, and where they are an impact."""
+        """Velocities, masses and restitution as arrays, and the cells in which there is an impact."""
         names = ("velocity_1", "velocity_2", "mass_1", "mass_2")
         ranges = (ANY, ANY, POSITIVE, POSITIVE)
         units = ("m/s", "m/s", "kg", "kg")
@@ -97,6 +98,6 @@ class Stereomechanical(Contact):
         if usable.ndim == 0 and not usable:
             raise ValueError(
                 f"{name}: velocity_1 = {float(first):g} is below velocity_2 = {float(second):g}; "
-                "allowed: velocity_1 >= velocity_2, for structure 1 is on the left: the others part"
+                "allowed: velocity_1 >= velocity_2, since structure 1 is on the left"
             )
         return [*values, xr.DataArray(self.restitution)], usable

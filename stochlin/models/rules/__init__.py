@@ -1,1 +1,1 @@
-"""Published formulas found by name, one class each: code rules, effective properties, peak factors."""
+"""Published formulas, selected by name: code rules, effective properties, peak factors."""

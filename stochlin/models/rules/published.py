@@ -1,8 +1,8 @@
-"""What a published formula says of itself, and how it is found by name.
+"""The base of published formulas (rules), with name, reference and mark, and the search by name.
 
-Marks: S, the formula was seen in a copy of its source; P, it is printed in Valles-Mattox and Reinhorn
-(1996); C, derived and checked by us; M, from memory, not compared with the source (high or low: how sure
-that memory is).
+The mark says how a formula was verified: S, compared with a copy of its source; P, printed in
+Valles-Mattox and Reinhorn (1996); C, derived and checked here; M, written from memory and not compared
+with the source, with a high or a low confidence.
 """
 
 from __future__ import annotations
@@ -19,33 +19,33 @@ from stochlin.registry import LAST, Registry
 
 @dataclass(frozen=True)
 class Published:
-    """Base of the rules: `published` gives a subclass its name, reference, mark and title."""
+    """Base of the rules; `published` sets name, reference, mark and title of a subclass."""
 
     name: ClassVar[str]
     reference: ClassVar[str]
     mark: ClassVar[str] = ""
-    title: ClassVar[str] = ""  # the name it is published under, of authors and year
+    title: ClassVar[str] = ""  # published name, authors and year
     abbreviation: ClassVar[str] = ""
-    reason: ClassVar[str] = ""  # why it is too uncertain to be offered among the others
+    reason: ClassVar[str] = ""  # why the rule is too uncertain to be listed with the others, if it is
 
     @classmethod
     @cache
     def usual(cls) -> Self:
-        """The rule with its usual numbers, one for all."""
+        """The rule with its default numbers, as one shared instance."""
         return cls()
 
     @property
     def verified(self) -> bool:
-        """Whether it is certain enough to be offered among the others."""
+        """Whether the rule is certain enough to be listed with the others."""
         return not self.reason
 
     @classmethod
     def published_name(cls) -> str:
-        """Its title, or its name if it has none, and whether its constants are doubtful."""
+        """The title of the rule, or else its name, with a remark if its constants are unverified."""
         return f"{cls.title or cls.name}{', constants unverified' if cls.reason else ''}"
 
     def describe(self) -> str:
-        """Name, reference and mark in one line, for metadata."""
+        """Name, reference, mark and any reason for doubt in one line, for metadata."""
         return f"{self.name}: {self.reference} [{'; '.join(filter(None, (self.mark, self.reason)))}]"
 
 
@@ -60,7 +60,7 @@ def published(
     place: int = LAST,
     title: str = "",
 ) -> Callable[[type[Rule]], type[Rule]]:
-    """A decorator: the class is known by this name, and says by itself where it comes from."""
+    """Decorator that registers a rule by its name and sets its reference, mark and title."""
 
     def add(rule: type[Rule]) -> type[Rule]:
         rule.name, rule.reference, rule.mark, rule.title = name, reference, mark, title
@@ -70,9 +70,9 @@ def published(
 
 
 def look_up(registry: Registry[type[Rule]], name: object, parameter: str) -> type[Rule]:
-    """The rule of this name, in any case, with or without the year; or of this abbreviation.
+    """The rule with this name, in any case, with or without the year, or with this abbreviation.
 
-    A ValueError lists all there are.
+    For an unknown name a ValueError lists all rules; ``parameter`` is the name of the argument.
     """
     known = {_plain(key).rstrip("0123456789"): rule for key, rule in registry.items()}
     for key, rule in registry.items():

@@ -1,8 +1,8 @@
-"""Separation between two buildings: as building codes ask for it, and by the four families of the paper.
+"""Separation rules: the gap between two buildings by building codes and by four families of rules.
 
-The peaks are the displacements that the code means by its own word, at the level where the
-buildings could meet; each rule says which in ``assumptions``. Some rules also say how far one building
-stays away from its property line.
+The rules take peak displacements at the level where the buildings could meet, as the code defines them;
+``assumptions`` of each rule states the definition. Some rules also give the distance of one building
+from its property line.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from stochlin.models.rules.published import Published, look_up
 from stochlin.registry import Registry
 
 ZONES: Mapping[str, float] = {"I": 0.001, "II": 0.003, "III": 0.006}  # share of the height, Mexico City
-# The families of the paper, by which a rule gets its gap.
+# Families of rules in the paper, by the quantity from which the gap is computed.
 SRSS, SUM, HEIGHT, FIXED = FAMILIES = ("SRSS", "sum", "height", "fixed")
 INELASTIC = "peaks are largest displacements, inelastic where the structure yields"
 ALIGNED = "the factor for floors that align accepts contact at slab level"
@@ -29,7 +29,7 @@ CODE_RULES: Registry[type[CodeRule]] = Registry("code rule", "stochlin.models.ru
 
 @dataclass(frozen=True)
 class BuildingPeaks(Model):
-    """Peak displacements of two buildings, or of one, and their heights where a rule needs them."""
+    """Peak displacements [m] of two buildings or of one, and their heights [m] if a rule needs them."""
 
     of_arguments = True
 
@@ -41,12 +41,12 @@ class BuildingPeaks(Model):
 
 @dataclass(frozen=True)
 class CodeRule(Published):
-    """Base of the rules; a number that a rule takes is its field."""
+    """Base of the separation rules; the number of a rule, if it has one, is a field of its class."""
 
     assumptions: ClassVar[str] = INELASTIC
-    family: ClassVar[str] = ""  # one of FAMILIES, that which mostly governs
-    needs: ClassVar[tuple[str, ...]] = ()  # arguments of `gap` beyond the peaks
-    line: ClassVar[str] = ""  # what it says of one building and its property line, where that is known
+    family: ClassVar[str] = ""  # one of FAMILIES, the one that usually governs
+    needs: ClassVar[tuple[str, ...]] = ()  # arguments of `gap` required besides the peaks
+    line: ClassVar[str] = ""  # statement on one building and its property line, empty if not known
 
     def gap(
         self,
@@ -57,12 +57,12 @@ class CodeRule(Published):
         floors_align: bool = False,
         zone: str | None = None,
     ) -> Any:
-        """Required separation [m], for peak displacements [m] as the rule means them.
+        """Required separation [m] for peak displacements [m] as the rule defines them.
 
-        Without ``peak_2`` the distance of one building from its property line. Some rules also need the
-        heights of the buildings [m], or the zone ``"I"``, ``"II"`` or ``"III"`` of Mexico City: a
-        ValueError says what is missing. ``floors_align``: whether the floors of the buildings are at the
-        same levels.
+        Without ``peak_2`` it is the distance of one building from its property line. Some rules also
+        need the heights of the buildings [m], or the zone ``"I"``, ``"II"`` or ``"III"`` of Mexico City;
+        a ValueError names what is missing. ``floors_align`` states whether the floors of both buildings
+        are at the same levels.
         """
         if peak_2 is None and not self.line:
             raise ValueError(f"{self.name} needs {TWO}; give peak_2")
@@ -79,23 +79,26 @@ class CodeRule(Published):
         return self.of_site(Site(peak_1, peak_2, height_1, height_2, floors_align, zone))
 
     def missing(self, given: Collection[str], alone: bool) -> list[str]:
-        """What it needs beyond the peaks and is not given, for two buildings or for one."""
+        """Arguments that the rule requires and that are not ``given``, for two buildings or for one."""
         if alone and not self.line:
             return [TWO]
         return [name for name in self.needs if name not in given and not (alone and name == "height_2")]
 
     def of_site(self, site: Site) -> Any:
-        """Required separation [m]."""
+        """Required separation [m] of two buildings."""
         raise NotImplementedError
 
     def from_line(self, site: Site) -> Any:
-        """Required distance from a property line [m]: from a neighbour as high, which does not move."""
+        """Required distance of building 1 from a property line [m].
+
+        By default this is the gap to a building of the same height that does not move.
+        """
         return self.of_site(site)
 
     def told(self, alone: bool) -> str:
-        """The assumptions, after the number of the rule where that is not the usual one.
+        """The assumptions in words, after the number of the rule if it is not the default.
 
-        Of one building what the rule says of its property line comes first, and nothing of floors.
+        For one building the statement on property lines comes first, and the one on floors is left out.
         """
         stated = [
             f"{field.name} {getattr(self, field.name):g}"
@@ -109,7 +112,7 @@ class CodeRule(Published):
 
 @dataclass(frozen=True)
 class Site:
-    """What is known of a pair of buildings."""
+    """The arguments of `CodeRule.gap` for a pair of buildings."""
 
     peak_1: Any
     peak_2: Any
@@ -120,47 +123,47 @@ class Site:
 
     @property
     def root_of_squares(self) -> Any:
-        """Square root of the sum of the squared peaks."""
+        """Square root of the sum of the squared peaks [m]."""
         return np.hypot(self.peak_1, self.peak_2)
 
     @property
     def total(self) -> Any:
-        """Sum of the peaks."""
+        """Sum of the peaks [m]."""
         return self.peak_1 + self.peak_2
 
     @property
     def heights_known(self) -> bool:
-        """Of both buildings."""
+        """Whether the heights of both buildings are given."""
         return self.height_1 is not None and self.height_2 is not None
 
     @property
     def lower_height(self) -> Any:
-        """Height at which the roof of the lower building meets the other."""
+        """Height of the lower building [m], at which its roof would meet the other building."""
         return np.minimum(self.height_1, self.height_2)
 
     def mirrored(self) -> Site:
-        """The same with the buildings exchanged."""
+        """The same pair with the buildings exchanged."""
         swapped = {"peak_1": self.peak_2, "peak_2": self.peak_1}
         return replace(self, **swapped, height_1=self.height_2, height_2=self.height_1)
 
     def if_aligned(self, factor: float) -> float:
-        """The factor if floors align, else one."""
+        """The factor if the floors align, else 1."""
         return factor if self.floors_align else 1.0
 
 
 def check_zone(zone: str | None) -> None:
-    """Raise a ValueError for a zone that is not one."""
+    """Raise a ValueError unless ``zone`` is None or a zone of Mexico City."""
     if zone is not None and (not isinstance(zone, str) or zone not in ZONES):
         raise ValueError(f"zone = {brief(zone)} is not known; allowed: {', '.join(ZONES)}")
 
 
 def code_rule_names() -> tuple[str, ...]:
-    """Names of the separation rules that `code_gaps` sets side by side.
+    """Names of the separation rules in the table of `code_gaps`.
 
     Returns
     -------
     tuple of str
-        In the order of `code_gaps`.
+        Names in the order of `code_gaps`.
 
     Examples
     --------
@@ -177,22 +180,25 @@ def code_rule(name: str, value: float | None = None) -> CodeRule:
     Parameters
     ----------
     name : str
-        One of `code_rule_names`, or ``"share_of_height"`` or ``"fixed_distance"``, in any case.
+        One of `code_rule_names`, or ``"share_of_height"`` or ``"fixed_distance"``, in upper or lower
+        case.
     value : float, optional
-        The number of a rule that has one: a factor [-] for ``"share_of_sum"``, ``"share_of_height"`` and
-        ``"asce_41"``, a distance [m] for ``"fixed_distance"``, and for ``"china_gb_50011"`` the height
-        above 15 m for which the joint grows by 20 mm [m]. What has a usual one can do without.
+        Number of the rule: a factor [-] for ``"share_of_sum"``, ``"share_of_height"`` and ``"asce_41"``,
+        a distance [m] for ``"fixed_distance"``, and for ``"china_gb_50011"`` the height [m] above 15 m
+        for which the joint grows by 20 mm. It is required by ``"share_of_height"`` and
+        ``"fixed_distance"``; other rules have a default or no number.
 
     Returns
     -------
     CodeRule
-        With ``gap(peak_1, peak_2, ...)`` [m], ``reference``, ``mark`` and ``assumptions``.
+        The rule, with the method ``gap(peak_1, peak_2, ...)`` [m] and the attributes ``reference``,
+        ``mark`` and ``assumptions``.
 
     Raises
     ------
     ValueError
-        If the name is unknown, or a family's number is missing, not positive, or given to a rule
-        that has none.
+        If the name is unknown, or if the number is missing, is not positive or is given to a rule
+        without one.
 
     Examples
     --------

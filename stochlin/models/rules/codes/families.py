@@ -1,4 +1,4 @@
-"""The four families of rules in the paper."""
+"""The four families of separation rules in the paper, which building codes use."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ NO_PEAKS = "the peaks are not used"
 
 @published(CODE_RULES, "srss", PAPER, "P", 1)
 class SquareRoot(CodeRule):
-    """Square root of the sum of squares."""
+    """Square root of the sum of the squared peaks."""
 
     family = SRSS
 
@@ -26,9 +26,9 @@ class SquareRoot(CodeRule):
 
 
 class Numbered(CodeRule):
-    """A rule whose number is its field."""
+    """A rule with a number, which is a field of the class."""
 
-    units: ClassVar[str] = "1"  # of the number
+    units: ClassVar[str] = "1"  # unit of the number
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -42,7 +42,7 @@ class Numbered(CodeRule):
 @published(CODE_RULES, "share_of_sum", PAPER, "P", 2)
 @dataclass(frozen=True)
 class ShareOfSum(Numbered):
-    """A factor times the sum of displacements, or times that of one; 1 unless told."""
+    """A factor, by default 1, times the sum of the peaks, or times the peak of one building."""
 
     family = SUM
     line = "of one building the factor times its own peak"
@@ -59,7 +59,7 @@ OF_HEIGHT = ("height_1", "height_2")
 @published(CODE_RULES, "share_of_height", PAPER, "P", 11)
 @dataclass(frozen=True)
 class ShareOfHeight(Numbered):
-    """A factor times the lower building's height, or times that of one."""
+    """A factor times the height of the lower building, or times the height of one building."""
 
     assumptions = NO_PEAKS
     family = HEIGHT

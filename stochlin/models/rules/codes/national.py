@@ -1,4 +1,4 @@
-"""The clauses of building codes, in one line each."""
+"""Separation rules of building codes, one class for each clause."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ OWN_LOT = "a share of its height from its own boundary, 50 mm at least"
 
 @published(CODE_RULES, "asce_7", "ASCE 7, section on structural separation; IBC", "S", 3)
 class Asce7(SquareRoot):
-    """ASCE 7 and IBC: square root of the sum of squares.
+    """ASCE 7 and IBC: square root of the sum of the squared peaks.
 
-    From a property line the building's own displacement (ASCE 7-16, 12.12.3).
+    The distance from a property line is the displacement of the building (ASCE 7-16, 12.12.3).
     """
 
     line = OWN_PEAK
@@ -39,12 +39,12 @@ class Asce7(SquareRoot):
 
 @published(CODE_RULES, "canada", "National Building Code of Canada", "S", 4)
 class Canada(SquareRoot):
-    """National Building Code of Canada: square root of the sum of squares."""
+    """National Building Code of Canada: square root of the sum of the squared peaks."""
 
 
 @published(CODE_RULES, "eurocode_8", "EN 1998-1, 4.4.2.7", "M high", 5)
 class Eurocode8(CodeRule):
-    """Eurocode 8, 4.4.2.7: square root of the sum of squares, times 0.7 if floors align."""
+    """Eurocode 8, 4.4.2.7: square root of the sum of the squared peaks, times 0.7 if floors align."""
 
     assumptions = f"peaks are design displacements, behaviour factor times elastic; {ALIGNED}"
     family = SRSS
@@ -55,9 +55,9 @@ class Eurocode8(CodeRule):
 
 @published(CODE_RULES, "ubc_97", "Uniform Building Code 1997, 1633.2.11", "M high", 6)
 class Ubc97(SquareRoot):
-    """UBC-97: square root of the sum of squares of maximum inelastic displacements.
+    """UBC-97: square root of the sum of the squared maximum inelastic displacements.
 
-    From a property line the building's own.
+    The distance from a property line is the displacement of the building.
     """
 
     line = OWN_PEAK
@@ -66,9 +66,10 @@ class Ubc97(SquareRoot):
 
 @published(CODE_RULES, "mexico_city", "NTC-Sismo, Mexico City", "S", 7)
 class MexicoCity(CodeRule):
-    """Mexico City: each building keeps 50 mm and ``D + c h`` from its boundary; half if slabs align.
+    """Mexico City: the larger of ``D + c h`` and 50 mm from the boundary; half of it if slabs align.
 
-    ``c`` is 0.001, 0.003, 0.006 in zones I, II, III. Between two bodies the two distances add up.
+    ``D`` is the peak displacement and ``h`` the height of the building; ``c`` is 0.001, 0.003 and 0.006
+    in zones I, II and III. The gap between two buildings is the sum of both distances.
     """
 
     assumptions = f"{INELASTIC}; {ALIGNED}"
@@ -85,7 +86,7 @@ class MexicoCity(CodeRule):
 
 @published(CODE_RULES, "is_1893", "IS 1893 (Part 1)", "M", 8)
 class India(CodeRule):
-    """IS 1893: the sum; half of it if floors align."""
+    """IS 1893: the sum of the peaks; half of it if floors align."""
 
     assumptions = f"peaks are R times the displacements under design forces; {ALIGNED}"
     family = SUM
@@ -96,7 +97,7 @@ class India(CodeRule):
 
 @published(CODE_RULES, "taiwan", "Seismic design specifications for buildings, Taiwan", "S", 9)
 class Taiwan(CodeRule):
-    """Taiwan: 0.6 of the sum."""
+    """Taiwan: 0.6 times the sum of the peaks."""
 
     assumptions = "peaks are 1.4 alpha_y Ra times the displacements under design forces"
     family = SUM
@@ -107,7 +108,10 @@ class Taiwan(CodeRule):
 
 @published(CODE_RULES, "peru_e030", "Norma E.030, Peru", "M", 10)
 class Peru(CodeRule):
-    """E.030: the largest of 0.006 h, 30 mm and 2/3 of the sum; ``h`` the lower building's height."""
+    """E.030: the largest of ``0.006 h``, 30 mm and 2/3 of the sum of the peaks.
+
+    ``h`` is the height of the lower building.
+    """
 
     family = SUM
     needs = OF_HEIGHT
@@ -120,25 +124,26 @@ class Peru(CodeRule):
 @published(CODE_RULES, "asce_41", "ASCE 41-13, checklist, adjacent buildings; FEMA 310", "M high", 13)
 @dataclass(frozen=True)
 class Asce41(ShareOfHeight):
-    """ASCE 41-13 and FEMA 310: 0.04 of the lower building's height, where nothing else is known.
+    """ASCE 41-13 and FEMA 310: 0.04 times the height of the lower building, as a first check.
 
-    ASCE 41-17 has lower shares where seismicity is lower.
+    ASCE 41-17 has smaller factors for lower levels of seismicity.
     """
 
-    assumptions = f".04 of the height is a first check of existing buildings; {NO_PEAKS}"
+    assumptions = f"0.04 of the height is a first check of existing buildings; {NO_PEAKS}"
     line = ""
 
     factor: float = 0.04
 
 
-BY_HEIGHT = {"I": 0.007, "II": 0.009, "III": 0.012}  # share of the height, simplified method
+BY_HEIGHT = {"I": 0.007, "II": 0.009, "III": 0.012}  # share of the height by zone, simplified method
 
 
 @published(CODE_RULES, "mexico_city_simplified", "NTC-Sismo, Mexico City, simplified method", "S", 14)
 class MexicoCitySimplified(CodeRule):
-    """Mexico City, simplified method: each building keeps 50 mm and ``c h``; half if slabs align.
+    """Mexico City, simplified method: the larger of ``c h`` and 50 mm; half of it if slabs align.
 
-    ``c`` is 0.007, 0.009, 0.012 in zones I, II, III. Between two bodies the two distances add up.
+    It is the distance of a building of height ``h`` from its boundary; ``c`` is 0.007, 0.009 and 0.012
+    in zones I, II and III. The gap between two buildings is the sum of both distances.
     """
 
     assumptions = f"{NO_PEAKS}: the simplified method has none; {ALIGNED}"
@@ -156,10 +161,11 @@ class MexicoCitySimplified(CodeRule):
 @published(CODE_RULES, "china_gb_50011", "GB 50011-2010, 6.1.4", "S", 15)
 @dataclass(frozen=True)
 class China(Numbered):
-    """GB 50011, concrete frames: 100 mm; above 15 m 20 mm more for every 3 m of the lower building.
+    """GB 50011, concrete frames: 100 mm, and 20 mm for every 3 m of the lower building above 15 m.
 
-    The 3 m are those of intensity 8; of intensity 6, 7 and 9 they are 5, 4 and 2 m. Taken in
-    proportion. Without heights the buildings are taken to have 15 m at most.
+    ``step`` is 3 m for intensity 8, and 5, 4 and 2 m for intensities 6, 7 and 9. Heights between
+    multiples of the step count in proportion. Without heights the lower building is taken to have at
+    most 15 m.
     """
 
     assumptions = f"concrete frames, intensity 8, up to 15 m where no height is given; {NO_PEAKS}"

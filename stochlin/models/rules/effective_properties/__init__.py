@@ -1,7 +1,8 @@
 """Effective period and damping of a yielding structure, as functions of its peak ductility ``mu``.
 
-The rules come from single records or steady vibration; with their periods and dampings eq. (4)
-estimates the correlation of two yielding structures. Below ``mu = 1`` the structure is elastic.
+The rules were derived from the response to records or from steady vibration. Eq. (4) with their periods
+and damping ratios estimates the correlation of two yielding structures. For ``mu <= 1`` the structure is
+elastic.
 """
 
 from __future__ import annotations
@@ -22,18 +23,19 @@ EFFECTIVE_RULES: Registry[type[EffectiveRule]] = Registry(
 
 @dataclass(frozen=True)
 class EffectiveRule(Published):
-    """Base of the rules: ``T*/T`` and ``xi*`` of the linear structure that stands for a yielding one.
+    """Base of the rules for the effective period ``T*`` and damping ratio ``xi*`` of a linear structure.
 
-    The methods take numbers or arrays that broadcast: ``ductility`` is the peak ductility [-],
-    ``hardening`` the hardening ratio [-], ``damping`` the viscous damping ratio [-].
+    The linear structure replaces a yielding one. The methods take numbers or arrays that broadcast:
+    ``ductility`` is the peak ductility [-], ``hardening`` the hardening ratio [-] and ``damping`` the
+    viscous damping ratio [-] of the yielding structure.
     """
 
     def period_ratio(self, ductility: Array, hardening: Array) -> Array:
-        """Effective over elastic period."""
+        """Effective over elastic period ``T*/T`` [-]."""
         raise NotImplementedError
 
     def damping(self, ductility: Array, hardening: Array, damping: Array) -> Array:
-        """Effective damping ratio."""
+        """Effective damping ratio ``xi*`` [-]."""
         raise NotImplementedError
 
 
@@ -43,12 +45,12 @@ def effective_rule_names(unverified: bool = False) -> tuple[str, ...]:
     Parameters
     ----------
     unverified : bool
-        Whether to list those, too, whose constants are too uncertain to be trusted.
+        Whether to list also the rules whose constants are unverified.
 
     Returns
     -------
     tuple of str
-        As `effective_rule` and `correlate` take them.
+        Names for `effective_rule` and `correlate`.
 
     Examples
     --------
@@ -67,18 +69,20 @@ def effective_rule(name: str | EffectiveRule) -> EffectiveRule:
     Parameters
     ----------
     name : str
-        One of `effective_rule_names`, in any case; a rule itself is passed through.
+        One of ``effective_rule_names(unverified=True)``, in upper or lower case. A rule is returned
+        unchanged.
 
     Returns
     -------
     EffectiveRule
-        With ``period_ratio(ductility, hardening)``, ``damping(ductility, hardening, damping)``,
-        ``reference``, ``mark`` and ``verified``.
+        The rule, with the methods ``period_ratio(ductility, hardening)`` and
+        ``damping(ductility, hardening, damping)`` [-] and the attributes ``reference``, ``mark`` and
+        ``verified``.
 
     Raises
     ------
     ValueError
-        If the name is unknown; the message lists those that are.
+        If the name is unknown; the message lists the known names.
 
     Examples
     --------
@@ -94,7 +98,7 @@ def effective_rule(name: str | EffectiveRule) -> EffectiveRule:
 
 @dataclass(frozen=True)
 class YieldingPair(LinearPair):
-    """Two structures with known peak ductilities: what the rules ask for."""
+    """Two structures with known peak ductilities, the input of the rules."""
 
     hardening_1: Parameter = parameter("1", "hardening ratio, structure 1", HARDENING)
     hardening_2: Parameter = parameter("1", "hardening ratio, structure 2", HARDENING)

@@ -1,4 +1,4 @@
-"""Fits to the response in recorded motions."""
+"""Effective periods and damping ratios fitted to the response to recorded motions."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ DOUBT = "constants from memory, low confidence: compare with the source before u
 
 
 class _PowerRule(EffectiveRule):
-    """``T*/T = 1 + a (mu - 1)^b``, ``xi* = xi + c (mu - 1)^d``, whatever the hardening."""
+    """``T*/T = 1 + a (mu - 1)^b`` and ``xi* = xi + c (mu - 1)^d``, for any hardening ratio."""
 
-    period_law: ClassVar[tuple[float, float]]
-    damping_law: ClassVar[tuple[float, float]]
+    period_law: ClassVar[tuple[float, float]]  # a, b
+    damping_law: ClassVar[tuple[float, float]]  # c, d
 
     def period_ratio(self, ductility: Array, hardening: Array) -> Array:
         factor, power = self.period_law
@@ -37,7 +37,7 @@ class _PowerRule(EffectiveRule):
     "Iwan (1980)",
 )
 class Iwan1980(_PowerRule):
-    """Fit to inelastic response spectra: ``1 + 0.121 (mu-1)^.939``, ``xi + 0.0587 (mu-1)^.371``."""
+    """``T*/T = 1 + 0.121 (mu - 1)^0.939``, ``xi* = xi + 0.0587 (mu - 1)^0.371``, a fit to spectra."""
 
     period_law = (0.121, 0.939)
     damping_law = (0.0587, 0.371)
@@ -45,10 +45,11 @@ class Iwan1980(_PowerRule):
 
 @published(EFFECTIVE_RULES, "fema_440", "FEMA 440 (2005), section 6.2", "M high", 5, "FEMA-440")
 class Fema440(EffectiveRule):
-    """Three pieces in ``mu``, below 4, to 6.5, and above, which do not quite meet.
+    """Formulas of FEMA 440 for ``mu`` below 4, from 4 to 6.5, and above.
 
-    The published pieces jump: at ``mu = 4`` the period falls by 5.9 % and the damping rises by
-    0.0056; at 6.5 the period rises by 0.04 % and the damping falls by 0.0037.
+    The published formulas do not quite meet: at ``mu = 4`` the period falls by 5.9 % and the damping
+    ratio rises by 0.0056; at ``mu = 6.5`` the period rises by 0.04 % and the damping ratio falls by
+    0.0037.
     """
 
     def period_ratio(self, ductility: Array, hardening: Array) -> Array:
@@ -58,7 +59,7 @@ class Fema440(EffectiveRule):
 
     def damping(self, ductility: Array, hardening: Array, damping: Array) -> Array:
         x = _beyond(ductility, hardening)
-        slope = 0.64 * np.maximum(x, 5.5)  # the last piece only: no division by zero
+        slope = 0.64 * np.maximum(x, 5.5)  # used for x > 5.5 only; the bound avoids a division by zero
         late = 0.19 * (slope - 1) / slope**2 * self.period_ratio(ductility, hardening) ** 2
         return damping + _pieces(x, (4.9 * x**2 - 1.1 * x**3) / 100, (14 + 0.32 * x) / 100, late)
 
@@ -72,7 +73,7 @@ class Fema440(EffectiveRule):
     "Jeng, Kasai and Maison (1992)",
 )
 class JengKasaiMaison1992(_PowerRule):
-    """``1 + 0.09 (mu-1)``, ``xi + 0.084 (mu-1)^1.3``: unverified."""
+    """``T*/T = 1 + 0.09 (mu - 1)``, ``xi* = xi + 0.084 (mu - 1)^1.3``; the constants are unverified."""
 
     reason = DOUBT
 
@@ -89,7 +90,7 @@ class JengKasaiMaison1992(_PowerRule):
     "Kasai, Jagiasi and Jeng (1996)",
 )
 class KasaiJagiasiJeng1996(_PowerRule):
-    """``1 + 0.18 (mu-1)``, ``xi + 0.16 (mu-1)^.9``: unverified."""
+    """``T*/T = 1 + 0.18 (mu - 1)``, ``xi* = xi + 0.16 (mu - 1)^0.9``; the constants are unverified."""
 
     reason = DOUBT
 
@@ -98,7 +99,7 @@ class KasaiJagiasiJeng1996(_PowerRule):
 
 
 def _beyond(ductility: Array, hardening: Array) -> Array:
-    """``mu - 1``, zero where elastic, in the shape of both arguments."""
+    """``mu - 1``, or zero where the structure is elastic, in the common shape of both arguments."""
     return np.maximum(ductility - 1, 0) + np.zeros_like(hardening * 1.0)
 
 

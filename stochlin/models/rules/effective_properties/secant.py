@@ -1,4 +1,4 @@
-"""The structure as it is while elastic, and by stiffness and energy of a loop."""
+"""Effective properties of the elastic structure, and by secant stiffness and loop energy."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from stochlin.models.rules.published import published
     EFFECTIVE_RULES, "elastic", "Filiatrault, A. and Cervantes, M. (1995), Can. J. Civil Eng. 22", "S", 1
 )
 class Elastic(EffectiveRule):
-    """The elastic period and damping, whatever the ductility."""
+    """The elastic period and damping ratio at any ductility."""
 
     def period_ratio(self, ductility: Array, hardening: Array) -> Array:
         return np.ones_like(ductility * hardening)
@@ -34,10 +34,11 @@ class Elastic(EffectiveRule):
 )
 @dataclass(frozen=True)
 class Secant(EffectiveRule):
-    """Secant stiffness and energy of one bilinear loop, at the share ``c`` of the peak ductility.
+    """Secant stiffness and energy of one bilinear loop at ``c`` times the peak ductility.
 
-    With ``m = max(c mu, 1)``: ``T*/T = sqrt(m/(1 - alpha + alpha m))`` and
-    ``xi* = xi + (2/pi)(1 - alpha)(m - 1)/(m (1 - alpha + alpha m))``.
+    With ``m = max(c mu, 1)`` and the hardening ratio ``alpha``,
+    ``T*/T = sqrt(m/(1 - alpha + alpha m))`` and
+    ``xi* = xi + (2/pi)(1 - alpha)(m - 1)/(m (1 - alpha + alpha m))``. ``share`` is ``c`` [-].
     """
 
     share: float = 1.0
@@ -47,12 +48,12 @@ class Secant(EffectiveRule):
             raise ValueError(f"Secant: share = {brief(self.share)}; allowed: 0 < share <= 1")
 
     def period_ratio(self, ductility: Array, hardening: Array) -> Array:
-        """Square root of elastic over secant stiffness."""
+        """Effective over elastic period [-], the square root of elastic over secant stiffness."""
         m = np.maximum(self.share * ductility, 1)
         return np.sqrt(m / (1 - hardening + hardening * m))
 
     def damping(self, ductility: Array, hardening: Array, damping: Array) -> Array:
-        """Viscous damping plus the energy of a loop over ``4 pi`` times that of the secant spring."""
+        """Viscous damping ratio plus loop energy over ``4 pi`` times secant strain energy [-]."""
         m = np.maximum(self.share * ductility, 1)
         loop = (1 - hardening) * (m - 1) / (m * (1 - hardening + hardening * m))
         return damping + (2 / np.pi) * loop

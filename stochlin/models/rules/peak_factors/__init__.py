@@ -1,11 +1,12 @@
-"""Peak factors: largest value of a stationary Gaussian response over its standard deviation.
+"""Peak factors: the largest value of a stationary Gaussian response over its standard deviation.
 
-``N`` is the mean number of zero crossings in the duration, both ways; ``delta =
-sqrt(1 - l1^2/(l0 l2))`` the spectral bandwidth, 0 for a sine wave. A peak is two-sided, the largest
-``|u|``, or one-sided, the largest ``u``; for the second only every other crossing counts.
+``N`` is the mean number of zero crossings during the motion, up and down. ``delta =
+sqrt(1 - l1^2/(l0 l2))`` is the spectral bandwidth, with the spectral moments ``l0``, ``l1`` and ``l2``;
+it is 0 for a sine wave. A two-sided peak is the largest ``|u|``, a one-sided peak the largest ``u``. For
+one-sided peaks only the up-crossings count, which are half of all.
 
-A model is defined from one counted crossing on, ``N >= 1`` (``N >= 2`` for one-sided peaks): a shorter
-motion need not hold a peak at all, and all formulas here are about peaks.
+The models are defined for at least one counted crossing, ``N >= 1`` (``N >= 2`` for one-sided peaks). A
+shorter motion may have no peak at all, and the formulas are for peaks.
 """
 
 from __future__ import annotations
@@ -28,24 +29,24 @@ PEAK_FACTORS: Registry[type[PeakFactor]] = Registry("peak factor", "stochlin.mod
 class PeakFactor(Published):
     """Base of the peak factors: mean and standard deviation of the peak over that of the response."""
 
-    # One-sided peaks: half the crossings, one a cycle, and clumps that are half as long counted in
-    # these crossings. The latter is a bandwidth larger by this factor.
+    # For one-sided peaks only half of the crossings count, and a clump has half as many of them. The
+    # formula takes this into account by a bandwidth that is larger by this factor.
     spread: ClassVar[float] = 1.0
 
     def mean(self, crossings: Array, bandwidth: Array, sides: int = 2) -> Array:
-        """Mean peak factor ``p`` of ``N`` crossings and the bandwidth ``delta``; NaN outside the domain.
+        """Mean peak factor ``p`` [-] for ``N`` crossings and the bandwidth ``delta``.
 
-        ``sides`` is 2 for the largest absolute value, 1 for the largest value.
+        ``sides`` is 2 for two-sided and 1 for one-sided peaks. Cells outside the domain are NaN.
         """
         return self._evaluate(crossings, bandwidth, sides)[0]
 
     def std(self, crossings: Array, bandwidth: Array, sides: int = 2) -> Array:
-        """Standard deviation ``q`` of the peak factor; arguments as in `mean`."""
+        """Standard deviation ``q`` of the peak factor [-]; arguments as in `mean`."""
         return self._evaluate(crossings, bandwidth, sides)[1]
 
     @staticmethod
     def domain(sides: int = 2) -> str:
-        """Where the model is defined, in words."""
+        """The domain of the model in words, for messages."""
         return f"at least {3 - sides} zero crossings (both ways) in the duration, 0 <= bandwidth <= 1"
 
     def _evaluate(self, crossings: Array, bandwidth: Array, sides: int) -> tuple[Array, Array]:
@@ -64,7 +65,7 @@ class PeakFactor(Published):
         return mean, std
 
     def formula(self, n: Array, delta: Array) -> tuple[Array, Array]:
-        """``(p, q)`` for two-sided peaks, cells in one row."""
+        """``(p, q)`` for two-sided peaks; ``n`` and ``delta`` are 1-D arrays of cells."""
         raise NotImplementedError
 
 
@@ -74,7 +75,7 @@ def peak_factor_names() -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        As `peak_factor_model` takes them.
+        Names for `peak_factor_model`.
 
     Examples
     --------
@@ -91,17 +92,19 @@ def peak_factor_model(name: str) -> PeakFactor:
     Parameters
     ----------
     name : str
-        One of `peak_factor_names`, or ``"davenport"``, ``"vanmarcke"``, ``"DK80"``..., in any case.
+        One of `peak_factor_names`, or for instance ``"davenport"``, ``"vanmarcke"`` or ``"DK80"``, in
+        upper or lower case.
 
     Returns
     -------
     Davenport1964, DerKiureghian1980 or Vanmarcke1975
-        With ``mean`` and ``std`` of the peak, over the standard deviation of the response [-].
+        The model. Its methods ``mean`` and ``std`` give the mean and the standard deviation of the peak
+        over the standard deviation of the response [-].
 
     Raises
     ------
     ValueError
-        If the name is unknown; the message lists those that are.
+        If the name is unknown; the message lists the known names.
 
     Examples
     --------
@@ -115,7 +118,7 @@ def peak_factor_model(name: str) -> PeakFactor:
 
 @dataclass(frozen=True)
 class StationaryMotion(Model):
-    """How long a stationary motion lasts: ``duration`` [s], positive."""
+    """A stationary motion of finite length: ``duration`` [s], positive."""
 
     of_arguments = True
 

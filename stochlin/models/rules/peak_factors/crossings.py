@@ -1,4 +1,4 @@
-"""The peak of independent crossings, or of as many of them as there are clumps."""
+"""Peak factors by independent crossings (Davenport), and by an equivalent number of them."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from stochlin.models.rules.peak_factors import PEAK_FACTORS, PeakFactor
 from stochlin.models.rules.published import published
 
 EULER = float(np.euler_gamma)
-RISING = float(np.exp(EULER / 2))  # below, L + 0.5772/L falls as the number of crossings grows
+RISING = float(np.exp(EULER / 2))  # smallest N from which L + 0.5772/L grows with N
 
 
 def _extreme_value(n: Array) -> Array:
-    """Mean ``L + 0.5772/L``, ``L = sqrt(2 ln N)``; NaN where it would fall as N grows."""
+    """Mean peak factor ``L + 0.5772/L``, ``L = sqrt(2 ln N)``; NaN where it would decrease with N."""
     level = np.sqrt(2 * np.log(np.maximum(n, RISING)))
     return np.where(n >= RISING, level + EULER / level, np.nan)
 
@@ -27,10 +27,10 @@ def _extreme_value(n: Array) -> Array:
 class Davenport1964(PeakFactor):
     """Independent crossings: ``p = L + 0.5772/L``, ``q = (pi/sqrt 6)/L``, ``L = sqrt(2 ln N)``.
 
-    Asymptotic for many crossings and a broad band; too large for a narrow one, where crossings come
-    in clumps. Below ``N = exp(0.5772/2) = 1.33`` p would fall as N grows: NaN; and below 6.8 q is
-    above 0.655, the scatter of Rayleigh's law, where it cannot be. One-sided
-    peaks: the same with ``N/2``, the up-crossings of one level.
+    The formula is asymptotic for many crossings of a broad-band response. For a narrow band, in which
+    crossings occur in clumps, it is too large. Below ``N = exp(0.5772/2) = 1.33`` the formula for p
+    would decrease with N, and p is NaN. Below ``N = 6.8`` the formula for q exceeds 0.655, the standard
+    deviation of the Rayleigh distribution, which it should not. One-sided peaks have ``N/2`` crossings.
     """
 
     abbreviation = "D64"
@@ -43,7 +43,7 @@ class Davenport1964(PeakFactor):
 
     @staticmethod
     def domain(sides: int = 2) -> str:
-        """Where the model is defined, in words."""
+        """The domain of the model in words, for messages."""
         return f"at least {RISING * (3 - sides):.3g} zero crossings (both ways) in the duration"
 
 
@@ -54,15 +54,15 @@ class Davenport1964(PeakFactor):
     place=2,
 )
 class DerKiureghian1980(PeakFactor):
-    """Davenport's mean with an equivalent number ``Ne`` of independent crossings, fitted.
+    """Davenport's mean with a fitted equivalent number ``Ne`` of independent crossings.
 
-    ``Ne = max(2.1, 2 delta N)`` for ``delta <= 0.1``, ``(1.63 delta^.45 - 0.38) N`` to 0.69, ``N``
-    above; ``q = 1.2/L - 5.4/(13 + L^6.4)``, and 0.65 for ``Ne <= 2.1``. Of the fit's three pieces only
-    the first has a floor: where the others give ``Ne < 1.33``, p is NaN. At ``delta = 0.1`` the pieces
-    do not quite meet: ``Ne`` falls by 0.8 %.
+    ``Ne`` is ``max(2.1, 2 delta N)`` for ``delta <= 0.1``, ``(1.63 delta^0.45 - 0.38) N`` for ``delta``
+    up to 0.69, and ``N`` above; ``q = 1.2/L - 5.4/(13 + L^6.4)``, and 0.65 for ``Ne <= 2.1``. Only the
+    first of the three pieces has a lower bound; where the others give ``Ne < 1.33``, p is NaN. The
+    pieces do not quite meet at ``delta = 0.1``, where ``Ne`` falls by 0.8 %.
 
-    One-sided peaks: ``N/2`` crossings and ``2 delta``. In the narrow band ``Ne`` then stays what it
-    was, as it must: up and down the envelope has the same peak.
+    One-sided peaks have ``N/2`` crossings and ``2 delta``. In a narrow band ``Ne`` then has its value
+    for two-sided peaks, since the envelope has the same peak in both directions.
     """
 
     abbreviation = "DK80"
@@ -79,5 +79,5 @@ class DerKiureghian1980(PeakFactor):
 
     @staticmethod
     def domain(sides: int = 2) -> str:
-        """Where the model is defined, in words."""
+        """The domain of the model in words, for messages."""
         return f"{PeakFactor.domain(sides)}, and Ne >= {RISING:.3g} independent ones"
