@@ -87,8 +87,8 @@ def named_ground(name: str, intensity: Parameter = 1.0) -> KanaiTajimi | CloughP
 
     Notes
     -----
-    The sets ``sct_1985_ns``, ``sct_1985_ew`` and ``taft_1952`` are fits by `stochlin.fit_ground` with
-    its default options. The two sets of the lake bed (SCT) are each fitted to one narrow spectral peak
+    The sets ``sct_1985_ns``, ``sct_1985_ew`` and ``taft_1952`` are least-squares fits as made by
+    `stochlin.fit_ground`. The two sets of the lake bed (SCT) are each fitted to one narrow spectral peak
     of a strong part of 37 to 71 s, so that their damping is uncertain by a factor of two.
 
     Examples
