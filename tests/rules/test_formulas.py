@@ -265,7 +265,7 @@ def test_a_number_of_ones_own_stands_in_the_table_and_is_told():
     for name, gap, told in (
         ("share_of_height", 0.12, "factor 0.01; the peaks are not used"),
         ("fixed_distance", 0.08, "distance 0.08; the peaks are not used"),
-        ("asce_41", 0.36, "factor 0.03; .04 of the height"),
+        ("asce_41", 0.36, "factor 0.03; 0.04 of the height"),
         ("share_of_sum", 0.07, "peaks are"),
     ):
         one = table.sel(rule=name)

@@ -1,8 +1,8 @@
 """What a published formula says of itself, and how it is found by name.
 
 Marks: S, the formula was seen in a copy of its source; P, it is printed in Valles-Mattox and Reinhorn
-(1996); C, derived and checked by us; M, from memory, not compared with the source (high or low: how sure
-that memory is).
+(1996); C, derived and checked by us; M, not compared with the printed source (high or low: how likely it
+is that the formula and its constants agree with it).
 """
 
 from __future__ import annotations

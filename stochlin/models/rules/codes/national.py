@@ -83,7 +83,7 @@ class MexicoCity(CodeRule):
         return np.maximum(site.peak_1 + ZONES[str(site.zone)] * site.height_1, 0.05)
 
 
-@published(CODE_RULES, "is_1893", "IS 1893 (Part 1)", "M", 8)
+@published(CODE_RULES, "is_1893", "IS 1893 (Part 1): 2016, 7.11.3", "M", 8)
 class India(CodeRule):
     """IS 1893: the sum; half of it if floors align."""
 
@@ -105,9 +105,12 @@ class Taiwan(CodeRule):
         return 0.6 * site.total
 
 
-@published(CODE_RULES, "peru_e030", "Norma E.030, Peru", "M", 10)
+@published(CODE_RULES, "peru_e030", "Norma E.030 (2018), Peru, article 33", "S", 10)
 class Peru(CodeRule):
-    """E.030: the largest of 0.006 h, 30 mm and 2/3 of the sum; ``h`` the lower building's height."""
+    """E.030: the largest of 0.006 h, 30 mm and 2/3 of the sum.
+
+    ``h`` is the height of the level where the distance is checked: here the lower building's height.
+    """
 
     family = SUM
     needs = OF_HEIGHT
@@ -125,7 +128,7 @@ class Asce41(ShareOfHeight):
     ASCE 41-17 has lower shares where seismicity is lower.
     """
 
-    assumptions = f".04 of the height is a first check of existing buildings; {NO_PEAKS}"
+    assumptions = f"0.04 of the height is a first check of existing buildings; {NO_PEAKS}"
     line = ""
 
     factor: float = 0.04
