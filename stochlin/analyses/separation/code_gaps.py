@@ -67,9 +67,9 @@ def code_gaps(
     xarray.Dataset
         Over ``rule`` and the dimensions of the arguments: ``gap`` [m], NaN for rules that need what
         is not given, and ``status``; along ``rule`` the coordinates ``family`` (``SRSS``, ``sum``,
-        ``height`` or ``fixed``), ``reference``, ``mark`` (S: seen in
-        a copy of the source; P: printed in the paper; M: from memory, unverified), ``assumptions``
-        and ``missing``: what was needed and not given.
+        ``height`` or ``fixed``), ``reference``, ``mark`` (S: seen in a copy of the source; P: printed in
+        the paper; M: not compared with the printed source), ``assumptions`` and ``missing``: what was
+        needed and not given.
 
     Raises
     ------
@@ -128,7 +128,7 @@ def code_gaps(
         told = kept.get(name) or [getattr(rule, name) for rule in rules]
         table = table.assign_coords({name: ("rule", told, {"long_name": text})})
     table = labels.label(table, VARIABLES)
-    table.attrs["comment"] = "Rules whose mark has an M are from memory, not compared with the source."
+    table.attrs["comment"] = "Rules whose mark has an M were not compared with the printed source."
     return labels.with_run_information(
         table,
         f"{'Set-back' if alone else 'Separation'} by the rules of building codes",

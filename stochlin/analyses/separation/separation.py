@@ -66,7 +66,7 @@ TEXTS: Mapping[str, str] = {
     "family": "what governs a building code: SRSS or sum of the peaks, the height, or a fixed distance",
     "reference": "source of the rule",
     "mark": "how the rule was checked: S seen in a copy of its source, C derived and checked, "
-    "P printed in the paper, M from memory",
+    "P printed in the paper, M not compared with its printed source",
     "assumptions": "assumptions of the rule",
     "missing": "why a rule has no answer",
 }

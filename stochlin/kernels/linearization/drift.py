@@ -102,7 +102,7 @@ def _sums_of_powers(memory: Array) -> Array:
 
 
 def half_cycles(system: EquivalentSystem, ground: Filter) -> HalfCycles:
-    """Mean time between zero crossings of ``z`` (Rice 1944), and what ``z`` remembers after each."""
+    """Mean time between zero crossings of ``z`` (Rice 1945), and what ``z`` remembers after each."""
     n = system.stiffness.size
     time, memory = np.empty(n), np.empty((HALF_CYCLES, n))
 

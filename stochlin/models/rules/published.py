@@ -1,8 +1,8 @@
 """The base of published formulas (rules), with name, reference and mark, and the search by name.
 
 The mark says how a formula was verified: S, compared with a copy of its source; P, printed in
-Valles-Mattox and Reinhorn (1996); C, derived and checked here; M, written from memory and not compared
-with the source, with a high or a low confidence.
+Valles-Mattox and Reinhorn (1996); C, derived and checked here; M, not compared with the printed source,
+with a high or a low confidence that the formula and its constants agree with it.
 """
 
 from __future__ import annotations

@@ -56,7 +56,7 @@ def uncertainties(answer: CaseAnswer) -> list[str]:
         sentences.append(f"The fit: it uses one record and one estimator. {case.ground.source}.")
     doubtful = [row.label for row in rows(answer) if "M" in row.mark]
     if doubtful:
-        sentences.append(f"From memory, not compared with their sources: {', '.join(doubtful)}.")
+        sentences.append(f"Not compared with their printed sources: {', '.join(doubtful)}.")
     return sentences
 
 

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 MARKS = (
     "Marks: S, formula seen in a copy of its source; C, derived and checked; P, printed in the paper; "
-    "M, from memory, not compared with its source."
+    "M, not compared with its printed source."
 )
 FAMILIES = (
     "SRSS, root of the sum of squared displacements; sum, a factor times "

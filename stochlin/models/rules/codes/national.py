@@ -84,7 +84,7 @@ class MexicoCity(CodeRule):
         return np.maximum(site.peak_1 + ZONES[str(site.zone)] * site.height_1, 0.05)
 
 
-@published(CODE_RULES, "is_1893", "IS 1893 (Part 1)", "M", 8)
+@published(CODE_RULES, "is_1893", "IS 1893 (Part 1): 2016, 7.11.3", "M", 8)
 class India(CodeRule):
     """IS 1893: the sum of the peaks; half of it if floors align."""
 
@@ -106,11 +106,11 @@ class Taiwan(CodeRule):
         return 0.6 * site.total
 
 
-@published(CODE_RULES, "peru_e030", "Norma E.030, Peru", "M", 10)
+@published(CODE_RULES, "peru_e030", "Norma E.030 (2018), Peru, article 33", "S", 10)
 class Peru(CodeRule):
     """E.030: the largest of ``0.006 h``, 30 mm and 2/3 of the sum of the peaks.
 
-    ``h`` is the height of the lower building.
+    ``h`` is the height of the level where the distance is checked: here the lower building's height.
     """
 
     family = SUM
