@@ -7,7 +7,7 @@ expectations are integrated numerically.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Container, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -49,9 +49,12 @@ duration = "12 s"
 """  # of a case file
 
 
-def with_slow(names: Iterable[Any], long: Container[Any]) -> list[Any]:
+def with_slow(names: Iterable[Any], long: Collection[Any]) -> list[Any]:
     """Parameters of a test, of which ``make test`` leaves out the long ones."""
-    return [pytest.param(name, marks=pytest.mark.slow) if name in long else name for name in names]
+    every = list(names)
+    gone = [name for name in long if name not in every]
+    assert not gone, f"no parameters of the test any more: {gone}"
+    return [pytest.param(name, marks=pytest.mark.slow) if name in long else name for name in every]
 
 
 def blocks_to_uncomment(start: str) -> list[str]:

@@ -43,7 +43,7 @@ def command_lines() -> list[str]:
 
 PROGRAMS = [name for name, text in PAGES.items() if blocks(text, "python")]
 LONG = {
-    "stochlin charts --record taft.txt --dt .01s --units g --out site",
+    "stochlin charts --record taft.txt --dt 0.01s --units g --out site",
     "stochlin gap case.toml --report gap.html",
 }
 

@@ -24,7 +24,6 @@ from stochlin.analyses.records.spectra import (
 from stochlin.analyses.tables.checks import check_two_numbers
 from stochlin.messages import brief
 from stochlin.models.grounds import GROUNDS, Ground
-from stochlin.models.parameters import Parameter
 
 Matrix = npt.NDArray[np.float64]
 # Ordinates per independent one: sums over them are then integrals over frequency.
@@ -66,18 +65,17 @@ class _Problem(NamedTuple):
         period, intensity = _Unknown("period", shortest, longest), _Unknown("intensity", 0.0, np.inf)
         return cls(kind, (period, *own, intensity), kind.fit.starts)
 
-    def ground(self, values: Sequence[Parameter], source: str = "") -> Any:
-        given = {
-            unknown.name: np.multiply(value, values[0]) if unknown.over_period else value
+    def parameters(self, values: Sequence[Any] | Matrix) -> dict[str, Any]:
+        """Those of the ground, by name: numbers, or arrays of cells."""
+        return {
+            unknown.name: value * values[0] if unknown.over_period else value
             for unknown, value in zip(self.unknowns, values, strict=True)
         }
-        return self.kind(**given, source=source)
 
     def psd(self, logs: Matrix, frequency: Vector) -> Matrix:
         """PSD of each row of parameters, by one call for all of them."""
-        columns = [xr.DataArray(column, dims="trial") for column in np.exp(logs).T]
-        axis = xr.DataArray(frequency, dims="frequency")
-        density: Matrix = self.ground(columns).psd(axis).transpose("trial", "frequency").to_numpy()
+        found = self.kind.filter(self.parameters(np.exp(logs).T[..., None]))
+        density: Matrix = found.intensity * found.transmission(frequency)
         return density
 
 
@@ -126,7 +124,7 @@ def ground_of_record(
     )
     if values[1] < 2 * resolved:
         source += f"; damping not well resolved (a sinusoid of this duration gives {resolved:.2g})"
-    return problem.ground(values.tolist(), source)
+    return problem.kind(**problem.parameters(values.tolist()), source=source)
 
 
 def _check_name(parameter: str, value: str, allowed: dict[str, Any]) -> None:

@@ -290,6 +290,12 @@ class KanaiTajimiFilter(_OfOscillators):
         own = {"frequency": frequency, "damping": damping}
         return cls(intensity, ("xg", "xg_rate"), matrix, (0.0, 1.0), signal, **own)
 
+    def transmission(self, frequency: Array) -> Array:
+        """As in `Filter`; eq. (12) of the paper."""
+        ratio = (frequency / self.frequency) ** 2
+        spread = 4 * self.damping**2 * ratio
+        return (1 + spread) / ((1 - ratio) ** 2 + spread)
+
     @property
     def fastest(self) -> Entry:
         """``wg``."""
@@ -330,6 +336,12 @@ class CloughPenzienFilter(_OfOscillators):
         noise = (*soil.noise, *still)
         own = {"soil": soil, "frequency": frequency, "damping": damping}
         return cls(soil.intensity, states, matrix, noise, output, **own)
+
+    def transmission(self, frequency: Array) -> Array:
+        """As in `Filter`."""
+        ratio = (frequency / self.frequency) ** 2
+        high_pass = ratio**2 / ((1 - ratio) ** 2 + 4 * self.damping**2 * ratio)
+        return self.soil.transmission(frequency) * high_pass
 
     @property
     def fastest(self) -> Entry:

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-import xarray as xr
 
 from stochlin.kernels.linearization.filters import CloughPenzienFilter
 from stochlin.models.grounds.base import GROUNDS, POSITIVE_DAMPING, Fit, Ground
-from stochlin.models.grounds.kanai_tajimi import KanaiTajimi, soil_transmission
+from stochlin.models.grounds.kanai_tajimi import KanaiTajimi
 from stochlin.models.parameters import POSITIVE, Parameter, parameter
 
 
@@ -69,9 +68,3 @@ class CloughPenzien(Ground):
         """The soil oscillator, followed by the high-pass oscillator."""
         frequency = 2 * np.pi / values["high_pass_period"]
         return CloughPenzienFilter.of(KanaiTajimi.filter(values), frequency, values["high_pass_damping"])
-
-    def _transmission(self, frequency: xr.DataArray) -> xr.DataArray:
-        values = self.arrays()
-        ratio = (frequency / (2 * np.pi / values["high_pass_period"])) ** 2
-        high_pass = ratio**2 / ((1 - ratio) ** 2 + 4 * values["high_pass_damping"] ** 2 * ratio)
-        return soil_transmission(values, frequency) * high_pass

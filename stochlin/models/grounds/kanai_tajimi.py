@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-import xarray as xr
 
 from stochlin.kernels.linearization.filters import KanaiTajimiFilter
 from stochlin.models.grounds.base import GROUNDS, POSITIVE_DAMPING, Fit, Ground
@@ -67,13 +66,3 @@ class KanaiTajimi(Ground):
         """The soil oscillator as a filter of the white noise."""
         frequency = 2 * np.pi / values["period"]
         return KanaiTajimiFilter.of(values["intensity"], frequency, values["damping"])
-
-    def _transmission(self, frequency: xr.DataArray) -> xr.DataArray:
-        return soil_transmission(self.arrays(), frequency)
-
-
-def soil_transmission(values: Mapping[str, xr.DataArray], frequency: xr.DataArray) -> xr.DataArray:
-    """PSD of the acceleration of a Kanai-Tajimi ground over ``S0`` [-]."""
-    ratio = (frequency / (2 * np.pi / values["period"])) ** 2
-    spread = 4 * values["damping"] ** 2 * ratio
-    return (1 + spread) / ((1 - ratio) ** 2 + spread)

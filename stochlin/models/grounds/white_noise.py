@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import xarray as xr
-
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.models.grounds.base import GROUNDS, Ground
 from stochlin.models.parameters import POSITIVE, Parameter, parameter
@@ -42,6 +40,3 @@ class WhiteNoise(Ground):
     def filter(values: Mapping[str, Any]) -> Filter:
         """A filter without states, whose output is the white noise itself."""
         return Filter(values["intensity"])
-
-    def _transmission(self, frequency: xr.DataArray) -> xr.DataArray:
-        return xr.ones_like(frequency, dtype=float)
