@@ -18,8 +18,8 @@ from stochlin.analyses.correlation.storeys import floor_pairs
 from stochlin.analyses.correlation.variables import VARIABLES
 from stochlin.analyses.linearization.equivalent_systems import (
     check_closure,
-    elastic_cells,
-    solved_cells,
+    elastic_together,
+    solved_together,
 )
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
@@ -206,15 +206,14 @@ def _by_linearization(asked: Question) -> Answer:
 
 
 def _by_white_noise(asked: Question) -> Answer:
-    sides = [elastic_cells(structure, asked.ground) for structure in asked.pair]
+    sides = elastic_together(asked.pair, asked.ground)
     inputs = [s.cells()[name] for name in ("period", "damping") for s in asked.pair]
     return _shown(_white_noise(*inputs), sides), "eq. (4)", {}
 
 
 def _by_effective_properties(asked: Question) -> Answer:
     rule = effective_rule(asked.rule)
-    solved = (asked.ground, asked.closure, asked.tolerance)
-    sides = [solved_cells(structure, *solved) for structure in asked.pair]
+    sides = solved_together(asked.pair, asked.ground, asked.closure, asked.tolerance)
     effective = effective_pair(*asked.pair, sides, rule)
     rho = _white_noise(*(effective[name] for name in EQ_4))
     comment = {"comment": f"Peak ductilities are linearized. {labels.CAUTION_SIGMA}"}

@@ -17,7 +17,7 @@ from stochlin.analyses.correlation.errors import (
 )
 from stochlin.analyses.correlation.linearized import SHOWN, linearized_pairs
 from stochlin.analyses.linearization.bias_map import caution_of, caution_of_error
-from stochlin.analyses.linearization.equivalent_systems import solved_cells
+from stochlin.analyses.linearization.equivalent_systems import solved_together
 from stochlin.analyses.linearization.linearization import known_error
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
@@ -40,7 +40,7 @@ def drifting_pairs(
     """
     table = linearized_pairs(first, second, ground, "gaussian", tolerance)
     truth = table["rho"] - table["bias"]
-    sides = [solved_cells(s, ground, DRIFT, tolerance) for s in (first, second)]
+    sides = solved_together((first, second), ground, DRIFT, tolerance)
     raw, doubt, share = _rho_and_doubt((first, second), sides, ground, tolerance)
     expected = expected_rho_error(first, second, ground, sides)
     of_rho = (raw, *(side["status"] for side in sides), truth, expected)

@@ -16,7 +16,7 @@ from stochlin.analyses.linearization.bias_map import caution_of_error, point_of
 from stochlin.analyses.linearization.drift_map import CORRECTED_GROUNDS, checked
 from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, is_lazy
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.correlation.differences import differences
+from stochlin.kernels.correlation.differences import NONE_LEFT, differences
 from stochlin.models.grounds import CloughPenzien, Ground, KanaiTajimi, WhiteNoise
 from stochlin.models.structures import Structure
 
@@ -134,7 +134,7 @@ def relative_error(
 
     ``share`` is that of the forms of nearly equal structures, which are on the safe side.
     """
-    joint = std_1 * std_2 * (1 - rho)
+    joint = std_1 * std_2 * _left(rho)
     square = (std_1 - std_2) ** 2 + 2 * joint
     shares = (std_1 * (std_1 - std_2) + joint, std_2 * (std_2 - std_1) + joint, joint)
     parts = [one / square * off for one, off in zip(shares, (error_1, error_2, doubt), strict=True)]
@@ -168,7 +168,12 @@ def difference(table: Solved) -> dict[str, Cells]:
 
 
 def _difference(std_1: Array, std_2: Array, rho: Array) -> Array:
-    return np.sqrt((std_1 - std_2) ** 2 + 2 * std_1 * std_2 * (1 - rho))
+    return np.sqrt((std_1 - std_2) ** 2 + 2 * std_1 * std_2 * _left(rho))
+
+
+def _left(rho: Array) -> Array:
+    """``1 - rho``, 0 where that is rounding."""
+    return np.where(1 - rho < NONE_LEFT, 0.0, 1 - rho)
 
 
 @np.errstate(all="ignore")  # cells that are not solved

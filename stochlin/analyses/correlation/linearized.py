@@ -18,7 +18,7 @@ from stochlin.analyses.linearization.bias_map import (
 )
 from stochlin.analyses.linearization.equivalent_systems import (
     INTERNAL,
-    solved_cells,
+    solved_together,
     system_and_forcing,
 )
 from stochlin.analyses.linearization.tolerance import Tolerance
@@ -42,10 +42,10 @@ def linearized_pairs(
 ) -> dict[str, Cells]:
     """``rho``, its bias and what `correlate` shows of both structures."""
     pair = (first, second)
-    sides = [solved_cells(s, ground, closure, tolerance) for s in pair]
+    sides = solved_together(pair, ground, closure, tolerance)
     gaussian = sides
     if closure != "gaussian":
-        gaussian = [solved_cells(s, ground, "gaussian", tolerance) for s in pair]
+        gaussian = solved_together(pair, ground, "gaussian", tolerance)
     return pairs_of_solved(pair, ground, sides, gaussian)
 
 
@@ -99,10 +99,7 @@ def _side(arrays: tuple[Array, ...], dimensions: int, other_closure: bool) -> Si
 
     own = parameters(systems[:count])
     gaussian = parameters(systems[count : 2 * count]) if other_closure else own
-    place = [np.log(value) for value in systems[2 * count if other_closure else count :]]
-    flags = (status, caution, elastic.astype(np.int8))
-
-    def rows(values: tuple[Array, ...] | list[Array]) -> Array:
-        return np.ascontiguousarray(np.stack([value.ravel() for value in values], axis=-1))
-
-    return Side(own, gaussian, rows(place), rows(flags), steps_of(shape, dimensions))
+    place = np.log(np.array(systems[2 * count if other_closure else count :]))
+    flags = np.array((status, caution, elastic), np.int8)
+    place, flags = (np.ascontiguousarray(rows.reshape(len(rows), -1).T) for rows in (place, flags))
+    return Side(own, gaussian, place, flags, steps_of(shape, dimensions))

@@ -13,7 +13,7 @@ import xarray as xr
 
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.cellwise import Solved, cellwise, lone, valid_cells
+from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, lone, valid_cells
 from stochlin.analyses.tables.work import check_work, count_cells
 from stochlin.kernels.basics.arrays import Array, in_one_shape
 from stochlin.kernels.linearization.amplitude_averaging import solve_amplitude_average
@@ -85,20 +85,29 @@ def solve_structure(
 
 def solved_cells(structure: Structure, ground: Ground, closure: str, tolerance: Tolerance) -> Solved:
     """The same by name, of a lone cell in numbers."""
-    check_closure(structure, closure)
-    check_work(
-        "the table would take",
-        "take fewer cells at a time, or arrays in chunks of dask",
-        memory=(DRIFTING if closure == DRIFT else SOLVED) * count_cells(structure, ground),
-    )
-    solved = derived_cells(structure, ground, closure, tolerance)
+    return solved_together((structure,), ground, closure, tolerance)[0]
+
+
+def solved_together(
+    structures: Sequence[Structure], ground: Ground, closure: str, tolerance: Tolerance
+) -> list[Solved]:
+    """The same of each; lone cells of one kind are solved in one call, whose cost is hardly theirs."""
+    for structure in structures:
+        check_closure(structure, closure)
+        check_work(
+            "the table would take",
+            "take fewer cells at a time, or arrays in chunks of dask",
+            memory=(DRIFTING if closure == DRIFT else SOLVED) * count_cells(structure, ground),
+        )
+    solved = _derived_together(structures, ground, closure, tolerance)
     if closure != DRIFT:
         return solved
     from stochlin.analyses.linearization.drift_map import (
         with_correction,  # it solves the grid of its map
     )
 
-    return with_correction(structure, ground, solved)
+    pairs = zip(structures, solved, strict=True)
+    return [with_correction(structure, ground, one) for structure, one in pairs]
 
 
 def solve_elastic(structure: Structure, ground: Ground) -> xr.Dataset:
@@ -106,25 +115,40 @@ def solve_elastic(structure: Structure, ground: Ground) -> xr.Dataset:
     return solve_derived(structure, ground, None, None)
 
 
-def elastic_cells(structure: Structure, ground: Ground) -> Solved:
-    """The same by name, of a lone cell in numbers."""
-    return derived_cells(structure, ground, None, None)
+def elastic_together(structures: Sequence[Structure], ground: Ground) -> list[Solved]:
+    """The same of each by name, as in `solved_together`."""
+    return _derived_together(structures, ground, None, None)
 
 
 def solve_derived(
     structure: Structure, ground: Ground, closure: str | None, tolerance: Tolerance | None
 ) -> xr.Dataset:
     """The same as its equations have it, without what simulation adds to the drift closure."""
-    return xr.Dataset(derived_cells(structure, ground, closure, tolerance))
+    return xr.Dataset(_derived_together((structure,), ground, closure, tolerance)[0])
 
 
-def derived_cells(
+def _derived_together(
+    structures: Sequence[Structure], ground: Ground, closure: str | None, tolerance: Tolerance | None
+) -> list[Solved]:
+    """As `solved_together`."""
+    asked = [_asked(structure, ground, closure, tolerance) for structure in structures]
+    solver = asked[0][0]
+    alike = len(asked) > 1 and all(other == solver for other, _ in asked)
+    if not alike or any(isinstance(one, xr.DataArray) for _, inputs in asked for one in inputs):
+        return [_solved_cells(*one) for one in asked]
+    found = solver.solve(*(np.array(row) for row in zip(*(inputs for _, inputs in asked), strict=True)))
+    return [
+        dict(zip(solver.names, (row[n, ...] for row in found), strict=True)) for n in range(len(asked))
+    ]
+
+
+def _asked(
     structure: Structure, ground: Ground, closure: str | None, tolerance: Tolerance | None
-) -> Solved:
-    """The same by name, of a lone cell in numbers."""
+) -> tuple[_Solver, list[Cells]]:
+    """How to solve, and what."""
     values, soil, law = structure.cells(), ground.cells(), structure.own_parameters()
     elastic = closure is None or not structure.yields
-    cells = _Solver(
+    solver = _Solver(
         len(law),
         structure.reduction_factor is not None,
         ground.filter_of,
@@ -147,10 +171,14 @@ def derived_cells(
         *(values[name] for name in law),
         *soil.values(),
     ]
-    names = cells.names
+    return solver, inputs
+
+
+def _solved_cells(solver: _Solver, inputs: Sequence[Cells]) -> Solved:
+    names = solver.names
     try:
         kinds = [KINDS.get(name, float) for name in names]
-        outputs = cellwise(cells.solve, *inputs, kinds=kinds)
+        outputs = cellwise(solver.solve, *inputs, kinds=kinds)
     except xr.AlignmentError as error:
         raise ValueError(
             f"structure and ground share a dimension whose coordinates or lengths differ: "
@@ -182,7 +210,7 @@ class _Solver(NamedTuple):
         arrays = in_one_shape(structure_valid & ground_valid, *parameters)
         shape = arrays[0].shape
         where = np.flatnonzero(arrays[0])
-        columns = np.stack([array.reshape(-1)[where] for array in arrays[1:]])
+        columns = np.array([array.reshape(-1)[where] for array in arrays[1:]])
         solution = self._solve_valid(columns)
         outputs = []
         for name in self.names:
@@ -210,7 +238,7 @@ class _Solver(NamedTuple):
             return self._report(_Solution.elastic(elastic), ground, uy, ratio)
         scaled = ground.copy()
         scaled[self.intensity] /= uy**2  # the forcing of ductility, f / uy
-        start = np.sqrt(np.stack([own.mu_mu, own.v_v])) / uy
+        start = np.sqrt(np.array([own.mu_mu, own.v_v])) / uy
         solve = self._amplitude_average if self.closure == NARROW_BAND else self._fixed_point
         batch = _Batch(w, damping, hardening, law, one_solution > 0, scaled, start)
         return self._report(solve(batch, self.tolerance), ground, uy, ratio)
@@ -218,8 +246,8 @@ class _Solver(NamedTuple):
     def _fixed_point(self, batch: _Batch, tolerance: Tolerance) -> _Solution:
         w, damping, hardening, law, one_solution, ground, start = batch
         elastic = linear_system(w, damping)
-        oscillator = np.stack([w**2, elastic.damping, (1 - hardening) * w**2])
-        latent = np.stack([start[1], start[0], np.full_like(w, 0.1)])
+        oscillator = np.array([w**2, elastic.damping, (1 - hardening) * w**2])
+        latent = np.array([start[1], start[0], np.full_like(w, 0.1)])
         assert self.law is not None
         solved = solve_fixed_point(
             oscillator,

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.arrays import Array, in_one_shape
 from stochlin.kernels.basics.compiled import entry
 from stochlin.kernels.basics.interpolation import Grid
 from stochlin.kernels.basics.parallel import in_order
@@ -68,7 +68,7 @@ def pair_parameters(system: EquivalentSystem, forcing: Forcing, displacement_std
     kick = system.coupling * (forcing.slip - system.slip * forcing.mu)
     as_second = (w, d, h, p, k, forcing.mu, forcing.velocity, third, *system.characteristic, *square)
     columns = (*as_second, back, system.stiffness, kick, displacement_std)
-    return np.stack([column.ravel() for column in np.broadcast_arrays(*columns)])
+    return np.array(in_one_shape(*columns)).reshape(PARAMETERS, -1)
 
 
 def pair_table(

@@ -255,12 +255,14 @@ class _OfOscillators(Filter):
         from stochlin.kernels.linearization.cells import grounds  # with the compiler
 
         parts = *system, self.intensity, *self._oscillators
-        cells = np.broadcast_shapes(*map(np.shape, parts))
-        rows = np.stack([np.broadcast_to(np.asarray(part, float), cells).ravel() for part in parts])
-        found = np.empty((9 + 3 * len(self.states), rows.shape[1]))
+        cells = np.broadcast(*parts).shape
+        rows = np.empty((len(parts), *cells))
+        for n, part in enumerate(parts):
+            rows[n] = part
+        found = np.empty((9 + 3 * len(self.states), *cells))
         solve = grounds.kanai_tajimi if len(self.states) == 2 else grounds.clough_penzien
-        solve(rows, found)
-        return found.reshape(len(found), *cells)
+        solve(rows.reshape(len(rows), -1), found.reshape(len(found), -1))
+        return found
 
     def forcing(self, system: EquivalentSystem) -> Forcing:
         """Correlations of the forcing with the structure's states."""

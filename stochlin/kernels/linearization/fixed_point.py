@@ -96,6 +96,8 @@ class _Problem(NamedTuple):
     atol: float
 
     def of(self, cells: Array | slice) -> _Problem:
+        if self.level[cells].size == self.level.size:  # all of them
+            return self
         return self._replace(
             structure=_columns(self.structure, cells),
             law=_columns(self.law, cells),
@@ -172,7 +174,7 @@ def _follow(problem: _Problem, elastic: Array, most_levels: int) -> FixedPoint:
 def _nothing(n: int) -> FixedPoint:
     """Of cells not yet solved."""
     none = np.full(n, np.nan)
-    return FixedPoint(np.stack([none] * 2), np.stack([none] * 3), np.zeros(n, np.int32), none, none > 0)
+    return FixedPoint(np.array([none] * 2), np.array([none] * 3), np.zeros(n, np.int32), none, none > 0)
 
 
 def _put(solution: FixedPoint, cells: Array, found: FixedPoint) -> None:
@@ -182,11 +184,14 @@ def _put(solution: FixedPoint, cells: Array, found: FixedPoint) -> None:
 
 def _yielding(elastic: Array) -> Array:
     """The elastic response as a start: ``z`` does not go far beyond 1."""
-    return np.stack([elastic[0], np.minimum(elastic[1], 0), elastic[2]])
+    return np.array([elastic[0], np.minimum(elastic[1], 0), elastic[2]])
 
 
 def _unknowns(latent: Array) -> Array:
-    return np.stack([np.log(latent[0]), np.log(latent[1]), np.arctanh(latent[2])])
+    unknowns = np.empty_like(latent)
+    np.log(latent[:2], out=unknowns[:2])
+    np.arctanh(latent[2], out=unknowns[2])
+    return unknowns
 
 
 def _evolve(problem: _Problem, y: Array, max_iterations: int, pace: Pace) -> FixedPoint:
@@ -195,11 +200,11 @@ def _evolve(problem: _Problem, y: Array, max_iterations: int, pace: Pace) -> Fix
     whole[BASE:NORM], whole[NORM], whole[DELTA] = y, np.inf, pace.first
     state, part, cells = whole, problem, np.arange(n)
     for _ in range(max_iterations):
-        if not cells.size:
-            break
         _advance(part, state, pace)
         iterations[cells] += 1
         done = state[DONE] > 0
+        if done.all():
+            break
         if done.any():
             whole[:, cells] = state
             left = np.flatnonzero(~done)
@@ -244,7 +249,7 @@ def _advance(problem: _Problem, state: Array, pace: Pace) -> None:
 
 
 def _unknowns_of(vv: Array, zz: Array, r: Array) -> Array:
-    return np.stack([0.5 * np.log(vv), 0.5 * np.log(zz), np.arctanh(r)])
+    return np.array([0.5 * np.log(vv), 0.5 * np.log(zz), np.arctanh(r)])
 
 
 def to_unknowns(covariance: Array) -> tuple[Array, Array]:

@@ -32,8 +32,9 @@ Closure = Callable[[Array, Array], ClosureValue]  # latent moments, law paramete
 def gaussian_covariance(latent: Array) -> tuple[Array, Array]:
     """Covariance and its Jacobian of the Gaussian density with moments ``(sv, sz, r)``."""
     sv, sz, r = latent
-    zero = np.zeros_like(sv)
-    jacobian = np.array([[2 * sv, zero, zero], [zero, 2 * sz, zero], [r * sz, r * sv, sv * sz]])
+    jacobian = np.zeros((3, *latent.shape))
+    jacobian[0, 0], jacobian[1, 1] = 2 * sv, 2 * sz
+    jacobian[2, 0], jacobian[2, 1], jacobian[2, 2] = r * sz, r * sv, sv * sz
     return np.array([sv * sv, sz * sz, r * sv * sz]), jacobian
 
 
@@ -92,7 +93,7 @@ def regress_slip(
     """
 
     def solve(by_v: Array, by_z: Array) -> Array:
-        return np.stack([by_v * zz - by_z * vz, by_z * vv - by_v * vz]) / (vv * zz - vz * vz)
+        return np.array([by_v * zz - by_z * vz, by_z * vv - by_v * vz]) / (vv * zz - vz * vz)
 
     vv, zz, vz = covariance
     coefficients = solve(*slip)

@@ -49,7 +49,7 @@ def gaussian(latent: Array, parameters: Array) -> ClosureValue:
     relaxation = 2 * sv * h * (r * h * edge + q * corner)
     jacobian = np.array(
         [
-            [np.zeros_like(sv), 2 * h * h * edge, 2 * corner / q],
+            [0 * sv, 2 * h * h * edge, 2 * corner / q],
             [
                 relaxation / sv,
                 -2 * sv * h**2 * (r * h * (2 - h * h) * edge + q * (1 - h * h) * corner),
@@ -92,7 +92,7 @@ def _clipped_covariance(latent: Array) -> tuple[Array, Array]:
     h = 1 / sz
     inside = erf(h / np.sqrt(2))  # P(|z~| < 1)
     inside_square = gammainc(1.5, 0.5 * h * h)  # E[(z~/sz)^2; |z~| < 1]
-    zero = np.zeros_like(sv)
+    zero = 0 * sv
     z_z = sz * sz * inside_square + erfc(h / np.sqrt(2))
     by_moments = [r * sz * inside, r * sv * inside_square, sv * sz * inside]
     jacobian = np.array([[2 * sv, zero, zero], [zero, 2 * sz * inside_square, zero], by_moments])
