@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 from cases import storeyed_building, with_buildings
@@ -50,11 +52,53 @@ def test_buildings_with_storeys_have_all_parameters_in_the_picture(tmp_path):
         figure = draw_pounding(table)
     labels = [text.get_text() for axes in figure.axes for text in axes.get_legend().get_texts()]
     assert "crossings in clumps" in labels
-    assert {"std of $u_1 - u_2$", "simulated"} <= set(labels)
+    assert {"$u_1 - u_2$ by formula", "simulated"} <= set(labels)
     caption = figure.texts[-1]
     assert "gap: 0.05\N{NO-BREAK SPACE}m" in caption.get_text()
     figure.draw_without_rendering()
     assert caption.get_window_extent().y0 >= 0
+
+
+def test_records_are_in_the_table_and_the_picture(tmp_path):
+    """A harmonic motion at the period of one building: its radius alone closes the gap."""
+    time = 0.02 * np.arange(600)
+    np.savetxt(tmp_path / "short.txt", 0.1 * np.sin(2 * np.pi * time[:400]))
+    np.savetxt(tmp_path / "weak.txt", 1e-3 * np.sin(2 * np.pi * time))
+    records = "".join(
+        f'[[site.records]]\npath = "{n}.txt"\nname = "A {n} one"\nunits = "g"\ndt = "0.02 s"\n'
+        for n in ("short", "weak")
+    )
+    path, out, sheet = (tmp_path / name for name in ("case.toml", "p.nc", "p.csv"))
+    text = sl.example_case().replace("2048", "100").replace("[motion]", f"{records}[motion]")
+    path.write_text(text, encoding="utf-8")
+    for target in (out, sheet):
+        done = run(path, "--out", target, "--picture", tmp_path / "p.png")
+        assert done.exit_code == 0, done.output
+    said = " ".join(done.output.split())
+    assert "Record A short one, hybrid method: confidence 0.0000 with one phase" in said
+    assert said.count("so that no phase avoids pounding") == 1
+    with xr.open_dataset(out, engine="scipy") as table:
+        figure = draw_pounding(table)
+        confidence = table.record_confidence_of_no_pounding.load()
+        apart = table.record_radius_difference.values
+    assert (confidence.isel(record_time=0) == 1).all()
+    assert (confidence.diff("record_time") <= 0).all()
+    assert confidence.isel(record_time=-1).values.tolist() == [0.0, 1.0]
+    assert float(confidence.record_time[-1]) == pytest.approx(time[-1])  # of the longer one
+    assert apart[0] > 0.05 > apart[1]
+    labels = [text.get_text() for text in figure.axes[2].get_legend().get_texts()]
+    assert labels[:2] == ["A short one", "A weak one"]
+    rows = pd.read_csv(sheet)
+    assert len(rows) == 2 * rows["time [s]"].nunique()
+    ends = rows.groupby("record").first()
+    assert ends["record_confidence_of_no_pounding"].tolist() == [0.0, 1.0]
+    one, two = (sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (1.0, 0.6))
+    record = sl.read_record(tmp_path / "weak.txt", dt=0.02, units="g")
+    alone = sl.pounding_probability(
+        one, two, sl.named_ground("firm", 0.01), 0.05, method="hybrid", record=record, confidence=0.9
+    )
+    found = ends[["record_required_gap [m]", "record_separation [m]"]].loc["A weak one"]
+    np.testing.assert_allclose(found, [alone.required_gap, alone.separation], rtol=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
+import numpy as np
 import xarray as xr
 
 from stochlin.analyses.cases.case import Case
 from stochlin.analyses.cases.sites.shaking import MOST_RECORDS, doubts, over_records, shaking_of
+from stochlin.analyses.cases.variables import RECORDED
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.probability.probability import pounding_probability
 from stochlin.analyses.records.gaps import recorded_gap
+from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.laws.bilinear import Bilinear
+
+INSTANTS = 501  # at which the confidence in the records is kept
 
 
 class ProbabilityAnswer(NamedTuple):
@@ -21,14 +27,22 @@ class ProbabilityAnswer(NamedTuple):
     case: Case
     gap: float
     table: xr.Dataset
-    records: dict[str, xr.Dataset]  # by the hybrid method; none where they are many
+    records: xr.Dataset | None  # by the hybrid method; none where they are many
     shaking: xr.Dataset  # of the motions, in the mean
     over_records: xr.Dataset | None  # what they come to, where they are many
 
     def whole(self) -> xr.Dataset:
-        """All of it for a file; the table has just what goes with time."""
+        """All of it for a file."""
         table = self.table.assign(self.shaking.data_vars)
-        return table if self.over_records is None else table.merge(self.over_records)
+        for found in (self.over_records, self.records):
+            table = table if found is None else table.merge(found)
+        return table
+
+    def rows(self) -> xr.Dataset:
+        """A row for each instant of the motions and each record, with the end of that record."""
+        if self.records is None:
+            return self.table
+        return self.table.merge(self.records.isel(record_time=-1, drop=True))
 
     def doubts(self) -> list[str]:
         """What of it can hardly be meant."""
@@ -52,9 +66,30 @@ def judge_gap(case: Case, gap: float, progress: Progress | None = None) -> Proba
         name: pounding_probability(*asked, method="hybrid", record=record, confidence=case.confidence)
         for name, record in motions.items()
     }
+    hybrid = _side_by_side(records) if records else None
     suite = None
     if many:
         pair = [strength_in_metres(building.structure, case.ground) for building in case.pair]
         found = recorded_gap(pair[0], pair[1], dict(case.records)).separation
         suite = over_records(found, gap, case.confidence)
-    return ProbabilityAnswer(case, gap, table, records, shaking_of(case), suite)
+    return ProbabilityAnswer(case, gap, table, hybrid, shaking_of(case), suite)
+
+
+def _side_by_side(records: Mapping[str, xr.Dataset]) -> xr.Dataset:
+    """Results of the hybrid method on one time axis; after its end a record keeps its last values."""
+    timed = [one.assign_coords(time=one.time - one.time[0]) for one in records.values()]
+    instants = np.linspace(0.0, max(float(one.time[-1]) for one in timed), INSTANTS)
+    confidence = "confidence_of_no_pounding"
+    kept = ("required_gap", "separation", "rho", confidence, f"{confidence}_fresh_phase")
+    rows = [
+        one[[*kept]]
+        .reindex(time=instants, method="ffill")
+        .assign(radius_difference=abs(one.radius_1 - one.radius_2).max())
+        for one in timed
+    ]
+    table = xr.concat(rows, "record", combine_attrs="drop").drop_attrs()
+    table = table.rename({name: f"record_{name}" for name in [*table.data_vars, "time"]}).assign_coords(
+        record=("record", [*records], {"long_name": "record"}),
+        record_time=labels.axis("record_time", "time from the beginning of the record", instants, "s"),
+    )
+    return labels.label(table, RECORDED)

@@ -12,6 +12,18 @@ RECORDED: Variables = {
     "record_largest_force": ("N", "quantile of the largest force of the contact"),
     "record_gap_quantile": ("m", "quantile of the gap that the records need"),
     "record_no_pounding_probability": ("1", "share of the records for which the gap is enough"),
+    "record_confidence_of_no_pounding": (
+        "1",
+        "probability of no pounding so far in the record, hybrid method, one phase",
+    ),
+    "record_confidence_of_no_pounding_fresh_phase": (
+        "1",
+        "probability of no pounding so far in the record, hybrid method, a new phase in every cycle",
+    ),
+    "record_required_gap": ("m", "gap that keeps the confidence in the record, hybrid method"),
+    "record_separation": ("m", "gap that the record itself needs"),
+    "record_rho": ("1", "correlation coefficient of the displacements, hybrid method"),
+    "record_radius_difference": ("m", "largest difference of the radii in the record"),
 }
 VARIABLES: Variables = {
     **POUNDING,

@@ -30,8 +30,9 @@ from stochlin.views.shared.screen import (
 def probability(case: Path, gap: float | None, out: Path | None, picture: Path | None) -> None:
     """Compute the probability over time that two buildings pound in an earthquake of finite duration.
 
-    CASE is a file like that of 'stochlin gap --example'. Each record in it is evaluated by the hybrid
-    method, which takes the energy radii from the record and the phase as random.
+    CASE is a file like that of 'stochlin gap --example'. Each of up to five records in it is evaluated
+    by the hybrid method, which takes the energy radii from the record and the phase as random. As .csv,
+    the table has a row for each instant and record; what it says of a record is that at its end.
 
     \b
     Examples:
@@ -55,5 +56,6 @@ def probability(case: Path, gap: float | None, out: Path | None, picture: Path |
         with progress_bar("simulating") as progress:
             answer = judge_gap(described, chosen, progress)
         show(answer_lines(answer))
-        rows = out is not None and out.suffix.lower() == ".csv"
-        write(answer.table if rows else answer.whole(), out, picture, draw_pounding)
+        by_row = out is not None and out.suffix.lower() == ".csv"
+        write(answer.rows() if by_row else answer.whole(), out, None, draw_pounding)
+        write(answer.whole(), None, picture, draw_pounding)

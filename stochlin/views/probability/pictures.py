@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 
 SIZE = (7.2, 5.4)  # inches, with a caption that is not longer than
 LINES, LINE = 6, 0.14  # these; more of them, each so many inches, make it taller
-WIDTH = 105  # characters of the caption
+RECORDS = 2.0  # inches, of the panel of the records
+WIDTH = 112  # characters of the caption
+NAME = 22  # characters of a line in a legend
 CURVES_AT_MOST = 6
 ESTIMATES = (
     ("", "crossings in clumps"),
@@ -26,10 +28,10 @@ ESTIMATES = (
     ("_fresh_phase", "new phase every cycle"),
 )
 SIZES = (
-    ("difference_std", r"std of $u_1 - u_2$"),
-    ("radius_1", "radius, structure 1"),
+    ("difference_std", "$u_1 - u_2$ by formula"),
+    ("radius_1", "radius, building 1"),
     ("difference_std_corrected", "bias corrected"),
-    ("radius_2", "radius, structure 2"),
+    ("radius_2", "radius, building 2"),
     ("difference_std_simulated", "simulated"),
 )
 
@@ -38,7 +40,8 @@ SIZES = (
 def draw_pounding(dataset: xr.Dataset) -> Figure:
     """Draw the result of `pounding_probability` for one pair and one gap, over ``time`` alone.
 
-    Confidence of no pounding above, standard deviations or radii below.
+    Confidence of no pounding above, standard deviations or radii below; of a case with records, as
+    ``stochlin probability`` saves it, the confidence in each record by the hybrid method below these.
     """
     stem = "confidence_of_no_pounding"
     if stem not in dataset or dataset[stem].dims != ("time",):
@@ -46,7 +49,8 @@ def draw_pounding(dataset: xr.Dataset) -> Figure:
             f"dataset has the dimensions {tuple(dataset.dims)}; allowed: a probability of pounding over "
             "time alone, so select one pair and one gap"
         )
-    figure = _captioned(dataset)
+    recorded = f"record_{stem}" in dataset
+    figure = _captioned(dataset, RECORDS * recorded)
     upper, lower = _panel(figure, 0.1, 0.55, 0.6, 0.38), _panel(figure, 0.1, 0.25, 0.6, 0.26)
     time = dataset.time.values
     _estimates(upper, dataset, stem, time)
@@ -55,7 +59,9 @@ def draw_pounding(dataset: xr.Dataset) -> Figure:
     for (color, dash), (name, label) in zip(CURVES, SIZES, strict=False):
         if known(dataset, name):
             lower.plot(time, dataset[name], color=color, linestyle=dash, label=label)
-    lower.set(ylabel="displacement [m]", xlabel="time [s]")
+    radii = "radius_1" in dataset
+    told = "energy radius [m]" if radii else "standard deviation [m]"
+    lower.set(ylabel=told, xlabel="time [s]")
     if "permanent_set" in dataset and bool(dataset.permanent_set.any()):
         for axes in (upper, lower):
             end = dataset.attrs["strong_shaking_end_s"]
@@ -63,6 +69,9 @@ def draw_pounding(dataset: xr.Dataset) -> Figure:
     for axes in (upper, lower):
         axes.set_xlim(time[0], time[-1])
         legend_beside(axes)
+    if recorded:
+        below = _panel(figure, 0.1, 0.25 - RECORDS / SIZE[1], 0.6, 0.23)
+        _records(below, dataset, f"record_{stem}")
     return figure
 
 
@@ -121,17 +130,17 @@ def known(dataset: xr.Dataset, name: str) -> bool:
     return name in dataset and int(dataset[name].notnull().sum()) > 1
 
 
-def _captioned(dataset: xr.Dataset) -> Figure:
-    """A figure with a description of the case."""
+def _captioned(dataset: xr.Dataset, more: float = 0.0) -> Figure:
+    """A figure with a description of the case, so many inches taller above it."""
     from matplotlib.figure import Figure
 
-    caption = filled(roles_in_words(dataset.attrs), WIDTH)
+    caption = filled(roles_in_words(dataset.attrs), WIDTH, "    ")
     width, height = SIZE
     lift = LINE * max(caption.count("\n") + 1 - LINES, 0)
-    figure = Figure(figsize=(width, height + lift))
-    title, below = ((lift + share * height) / (height + lift) for share in (0.95, 0.165))
-    figure.text(0.1, title, dataset.attrs["title"], size=10)
-    figure.text(0.1, below, caption, va="top", size=7.5)
+    tall = height + lift + more
+    figure = Figure(figsize=(width, tall))
+    figure.text(0.1, (tall - 0.05 * height) / tall, dataset.attrs["title"], size=10)
+    figure.text(0.1, (lift + 0.165 * height) / tall, caption, va="top", size=7.5)
     return figure
 
 
@@ -152,3 +161,17 @@ def _estimates(axes: Axes, dataset: xr.Dataset, stem: str, x: np.ndarray) -> Non
         axes.fill_between(x, *band, color="0.8", label="simulated, 95 %")
     if simulated in dataset and not present:
         axes.plot(x, dataset[simulated], color=CURVES[0][0], label="simulated")
+
+
+def _records(axes: Axes, dataset: xr.Dataset, name: str) -> None:
+    """The confidence in each record by the hybrid method, with one phase and with many."""
+    for (color, dash), record in zip(cycle(CURVES), dataset.record.values, strict=False):
+        one = dataset.sel(record=record)
+        label = filled([str(record).replace("$", r"\$")], NAME)
+        axes.plot(one.record_time, one[name], color=color, linestyle=dash, label=label)
+        axes.plot(one.record_time, one[f"{name}_fresh_phase"], color=color, linestyle=dash, lw=0.6)
+    axes.plot([], [], color="0.3", lw=0.6, label="thin: a new phase\nin every cycle")
+    axes.set(ylim=(-0.02, 1.02), xlim=(0, float(dataset.record_time[-1])))
+    axes.set(xlabel="time from the beginning of the record [s]", ylabel="confidence")
+    axes.set_title("in each record, by the hybrid method", loc="left", size=9)
+    legend_beside(axes)

@@ -75,10 +75,13 @@ def answer_lines(answer: ProbabilityAnswer) -> list[str]:
         lines.append(
             f"After {end:.3g} s the formula no longer includes the permanent set of yielding buildings."
         )
-    lines += [_in_record(name, found) for name, found in records.items()]
+    if records is not None:
+        for n in range(records.sizes["record"]):
+            end = records.isel(record=n, record_time=-1)
+            lines += paragraph(_in_record(end, gap, case.confidence), "  ")
     if answer.over_records is not None:
         lines += paragraph(over_records(answer.over_records, len(case.records), gap))
-    elif case.records and not records:
+    elif case.records and records is None:
         lines.append(NO_RECORDS)
     if "comment" in table.attrs:
         lines.append(table.attrs["comment"].replace("α", "hardening").replace("≤", "<="))
@@ -107,10 +110,16 @@ def _number(value: xr.DataArray, width: int) -> str:
     return f"{'unknown':>{width}}" if bool(value.isnull()) else f"{float(value):{width}.4f}"
 
 
-def _in_record(name: str, found: xr.Dataset) -> str:
-    last = found.isel(time=-1)
-    return (
-        f"Record {name}: confidence {float(last[STEM]):.4f} with one phase, "
-        f"{float(last[f'{STEM}_fresh_phase']):.4f} with a new one every cycle (rho "
-        f"{float(found.rho):.3f}); the record itself needs {float(found.separation):.4f} m"
+def _in_record(end: xr.Dataset, gap: float, wanted: float) -> str:
+    """The hybrid method at the end of a record, and why no phase may be safe."""
+    apart = float(end.record_radius_difference)
+    told = (
+        f"Record {end.record.item()}, hybrid method: confidence {float(end[f'record_{STEM}']):.4f} with "
+        f"one phase between the buildings, {float(end[f'record_{STEM}_fresh_phase']):.4f} with a new "
+        f"phase every cycle (rho {float(end.record_rho):.3f}); gap for a confidence of "
+        f"{wanted:g}: {float(end.record_required_gap):.4f} m. The record itself "
+        f"needs {float(end.record_separation):.4f} m."
     )
+    if apart <= gap:
+        return told
+    return f"{told} The energy radii differ by up to {apart:.4f} m, so that no phase avoids pounding."

@@ -145,13 +145,19 @@ def records_figure(answer: CaseAnswer) -> Figure:
     place = np.arange(len(gaps))
     axes.barh(place, gaps, 0.6, color="#d9d3c7", edgecolor=EDGE, lw=0.6, zorder=2)
     _answer_line(axes, answer)
-    axes.set_yticks(place, [f"record {n}" for n in place + 1])
+    axes.set_yticks(place, _named(answer.case.records))
     axes.grid(visible=False, axis="y")
     axes.set_ylim(len(gaps) - 0.4, -0.6)
     axes.set(xlim=(0, 1.04 * max(*gaps, 100 * float(answer.separation.gap[0])) or 1))
     axes.set(xlabel=_axis(answer))
     _legend_above(axes)
     return figure
+
+
+def _named(records: Iterable[str]) -> list[str]:
+    """Names of records with their numbers; a dollar sign begins no formula."""
+    numbered = (f"{n}  {name}".replace("$", r"\$") for n, name in enumerate(records, start=1))
+    return [filled([one], NAME_WIDTH) for one in numbered]
 
 
 def _many_records(answer: CaseAnswer, gaps: np.ndarray) -> Figure:
