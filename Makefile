@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 # linear algebra in each would wait for one another.
 PYTEST = OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal
 
-.PHONY: charts test test-all check fuzz answers takes bench bias reality docs links oldest clean
+.PHONY: charts test test-all check fuzz answers takes bench bias reality docs links oldest dist clean
 
 charts: $(VENV)/.run
 	$(BIN)/stochlin charts --out figures
@@ -70,6 +70,18 @@ oldest: $(VENV)/.dev
 	$(BIN)/uv venv --clear --python $(PYTHON) .venv/oldest
 	$(BIN)/uv pip install --python .venv/oldest/bin/python --resolution lowest-direct -e ".[dev]"
 	.venv/oldest/bin/python -m pytest
+
+# The wheel and the source archive in dist/, their contents compared with the repository; then the wheel
+# answers the example, in an environment of its own.
+dist: $(VENV)/.dev
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[dist]"
+	rm -rf dist build/wheel
+	$(BIN)/python -m build --outdir dist
+	$(BIN)/twine check --strict dist/*
+	$(BIN)/python -m pytest tests/house/test_distribution.py
+	$(PYTHON) -m venv build/wheel
+	build/wheel/bin/python -m pip install --quiet --disable-pip-version-check dist/*.whl
+	cd build/wheel && bin/stochlin gap --example > case.toml && bin/stochlin gap case.toml --report gap.html
 
 $(VENV)/.run: pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)

@@ -43,6 +43,7 @@ SCRIPT, INDEPENDENT, FROZEN = "case.py", "independent.py", "independent.json"
 OWN = (EXPECTED, INDEPENDENT, FROZEN, "about.toml", "manual.md", "__pycache__")
 COMPARED = {".nc", ".csv", ".txt"}
 CHANGING = {"stochlin_version", "code"}  # attributes that change with the library's own text
+RELEASE = re.compile(r"^stochlin [\w.]+: ")  # at the beginning of the history
 NUMBER = re.compile(r"(?<![\w.])([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)")
 
 
@@ -192,7 +193,7 @@ def _of_attributes(
     case: Case, place: str, old: Mapping[Any, Any], new: Mapping[Any, Any]
 ) -> Iterator[Difference]:
     for key in sorted({*old, *new} - CHANGING):
-        before, now = (str(side.get(key, "missing")) for side in (old, new))
+        before, now = (RELEASE.sub("", str(side.get(key, "missing"))) for side in (old, new))
         yield from _of_texts(case, f"{place}, {key}", before, now)
 
 

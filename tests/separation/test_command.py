@@ -177,6 +177,24 @@ class Page(HTMLParser):
             self.words.append(data)
 
 
+def test_the_page_ends_with_a_statement_to_sign(example: Done) -> None:
+    page = " ".join(" ".join(Page(example.page).words).split())
+    _, _, statement = page.partition("Statement of the analysis")
+    screen = " ".join(example.result.output.split())
+    for said in (
+        "Office block and Annex should stand",
+        "95 % interval of the gap is",
+        "The existing gap of 5.0 cm keeps them apart in",
+        "The shaking, mean of the motions:",
+    ):
+        (told,) = re.findall(rf"{said}[^:.]*[\d.]*[^:.]*", screen)
+        assert told.strip() in statement
+    program = f"stochlin {sl.__version__}, seed 0."
+    for part in ("90 % of the motions", "2048 random ground motions", "case.toml", program):
+        assert part in statement
+    assert statement.index("Date") < statement.index("Prepared by") < statement.index("Checked by")
+
+
 @pytest.mark.parametrize("name", ["example", "site"])
 def test_the_page_needs_nothing_else(name: str, request: pytest.FixtureRequest) -> None:
     text = request.getfixturevalue(name).page

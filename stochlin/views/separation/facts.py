@@ -32,6 +32,7 @@ LINE = (
 def uncertainties(answer: CaseAnswer) -> list[str]:
     """The uncertainties of the answer, for the page."""
     case, table = answer.case, answer.separation
+    modelled, first = models(case)
     sentences = [
         f"Sampling: the interval covers the sampling of {case.paths} motions only. Four times as many "
         "motions would halve it.",
@@ -39,7 +40,7 @@ def uncertainties(answer: CaseAnswer) -> list[str]:
         "are taken as given. The strength of the next earthquake is the largest unknown and not in the "
         f"interval{f'; a scatter of {case.scatter:g} about that strength' if case.scatter else ''}"
         f"{' is in the answer' if case.scatter else ''}.",
-        f"{subject_of(case).the_buildings.capitalize()}: {_models(case)}, torsion, soil under the "
+        f"{subject_of(case).the_buildings.capitalize()}: {modelled}. {first}, torsion, soil under the "
         f"foundations, and loss of strength are left out, and so is {_of_parameters(case)}.",
         f"The rules: all use the simulated peaks of {_whose(case)} peaks, and not how an engineer "
         "computes these peaks. Building codes define displacements, load factors and minimum "
@@ -76,20 +77,21 @@ def _of_parameters(case: Case) -> str:
     return "the error of the given periods and damping ratios"
 
 
-def _models(case: Case) -> str:
+def models(case: Case) -> tuple[str, str]:
     """The models of the buildings, and the first effect that they leave out."""
     laws = [_law(building).replace("Bilinear", "bilinear") for building in case.buildings]
     storeys = [isinstance(building, StoreyBuilding) for building in case.buildings]
     if not any(storeys):
         kinds = " or ".join(dict.fromkeys(laws))
         if case.alone:
-            return f"it is one {kinds} oscillator, at the level of its roof. Higher modes"
-        return f"each is one {kinds} oscillator, at the level where they could meet. Higher modes"
+            return f"it is one {kinds} oscillator, at the level of its roof", "Higher modes"
+        return f"each is one {kinds} oscillator, at the level where they could meet", "Higher modes"
     told = [
         f"{building.name} is {f'a row of {law} storeys' if known else f'one {law} oscillator'}"
         for building, law, known in zip(case.buildings, laws, storeys, strict=True)
     ]
-    return f"{', '.join(told)}. Floors are rigid and storeys deform in shear only. Bending as a whole"
+    rigid = "Floors are rigid and storeys deform in shear only"
+    return f"{', '.join(told)}. {rigid}", "Bending as a whole"
 
 
 def _law(building: AnyBuilding) -> str:

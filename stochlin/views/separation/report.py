@@ -13,6 +13,7 @@ from stochlin.views.sensitivity.pictures import draw_sensitivity
 from stochlin.views.separation import facts as small_print
 from stochlin.views.separation import pictures, words
 from stochlin.views.separation.risk import risk_caption, risk_figure, risk_words
+from stochlin.views.separation.statement import SIGNED, statement
 from stochlin.views.separation.storeys import draw_heights
 from stochlin.views.separation.subjects import subject_of
 from stochlin.views.shared.uncertain import HEADS, unknowns
@@ -75,6 +76,8 @@ def report_page(answer: CaseAnswer) -> str:
         records=_records(answer),
         matters=None if answer.matters is None else _matters(answer, answer.matters),
         uncertainties=small_print.uncertainties(answer),
+        statement=statement(answer),
+        signed=SIGNED,
         references=table.attrs["references"],
         history=table.attrs["history"],
     )

@@ -160,19 +160,27 @@ def headline(answer: CaseAnswer) -> str:
     return subject_of(answer.case).stand.format(first=first, second="".join(others), gap=gap)
 
 
+def confidence(case: Case) -> str:
+    """The required probability of no pounding."""
+    return f"{100 * case.confidence:.4g}{SPACE}%"
+
+
+def interval(table: xr.Dataset) -> str:
+    """The interval of the answer, of 95 %."""
+    low, high = (float(table[f"gap_{end}"][0]) for end in ("lower", "upper"))
+    if np.isfinite(high):
+        return f"{centimetres(low)} to {length(high)}"
+    return f"{length(low)} or more; the motions are too few for an upper end"
+
+
 def summary(answer: CaseAnswer) -> list[str]:
     """The meaning of the answer, its confidence, and the results of the rules."""
     case, table, about = answer.case, answer.separation, subject_of(answer.case)
-    low, high = (float(table[f"gap_{end}"][0]) for end in ("lower", "upper"))
-    interval = f"{length(low)} or more; the motions are too few for an upper end"
-    if np.isfinite(high):
-        interval = f"{centimetres(low)} to {length(high)}"
-    confidence = f"{100 * case.confidence:.4g}{SPACE}%"
     sentences = [
         floors(case),
-        f"With that {about.gap} {about.kept} in {confidence} of motions like the one "
+        f"With that {about.gap} {about.kept} in {confidence(case)} of motions like the one "
         f"described. This comes from simulating {case.paths} such motions; the 95{SPACE}% interval of "
-        f"the {about.gap} is {interval}.",
+        f"the {about.gap} is {interval(table)}.",
         contained(case, f"the {about.gap} is that"),
         shaking(answer.shaking, case),
         scatter(case),
@@ -183,7 +191,7 @@ def summary(answer: CaseAnswer) -> list[str]:
         _verdicts(answer),
     ]
     if answer.existing is not None and case.gap is not None:
-        sentences.append(_existing(answer.existing, case))
+        sentences.append(existing(answer.existing, case))
     if answer.over_records is not None:
         gap = float(table.gap[0])
         sentences.append(over_records(answer.over_records, len(case.records), gap, about.gap))
@@ -314,7 +322,8 @@ def _verdicts(answer: CaseAnswer) -> str:
     return f"{sentence} The worst, {row.label}, gives {row.gap}{SPACE}cm, {lacking} less than needed."
 
 
-def _existing(found: xr.Dataset, case: Case) -> str:
+def existing(found: xr.Dataset, case: Case) -> str:
+    """Whether the existing gap is enough."""
     name = "no_pounding_probability"
     share, low, high = (float(found[f"{name}{end}"]) for end in ("", "_lower", "_upper"))
     word, about = "undecided within the error of the simulation", subject_of(case)

@@ -1,0 +1,59 @@
+"""What the wheel and the source archive contain; ``make dist`` builds both in ``dist``."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import tarfile
+import zipfile
+from pathlib import Path
+
+import pytest
+
+import stochlin as sl
+
+pytestmark = pytest.mark.cli
+
+ROOT = Path(__file__).parents[2]
+LEFT_OUT = (".ci/", ".gitignore", "figures/")  # of the source archive
+SHOWN = "figures/fig4b.png"  # by the README
+RECORDS = (".at2", ".v1", ".v2", ".smc")
+
+
+def built(pattern: str) -> Path:
+    """The file in ``dist`` for this version."""
+    found = sorted((ROOT / "dist").glob(f"stochlin-{sl.__version__}{pattern}"))
+    if not found:
+        pytest.skip("nothing is built for this version: 'make dist' builds it")
+    return found[-1]
+
+
+def tracked() -> set[str]:
+    command = ["git", "-C", str(ROOT), "ls-files"]
+    return set(subprocess.run(command, capture_output=True, text=True, check=True).stdout.split())
+
+
+def test_the_wheel_is_the_package_with_its_data_and_nothing_else() -> None:
+    with zipfile.ZipFile(built("-*.whl")) as wheel:
+        names = set(wheel.namelist())
+    own = {name for name in names if ".dist-info/" not in name}
+    assert own == {name for name in tracked() if name.startswith("stochlin/")}
+    assert {Path(name).suffix for name in own} >= {".nc", ".html", ".css", ".js", ".toml", ".typed"}
+    for name in ("entry_points.txt", "licenses/LICENSE"):
+        assert f"stochlin-{sl.__version__}.dist-info/{name}" in names
+
+
+def test_the_source_archive_has_all_that_the_tests_need_and_no_records() -> None:
+    with tarfile.open(built(".tar.gz")) as archive:
+        names = {name.partition("/")[2] for name in archive.getnames()}
+    wanted = {name for name in tracked() if not name.startswith(LEFT_OUT)} | {SHOWN}
+    assert names - {"PKG-INFO", ".gitignore"} == wanted
+    assert not [name for name in names if name.lower().endswith(RECORDS)]
+
+
+def test_the_version_is_the_same_wherever_it_stands() -> None:
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    date = re.findall(r'^date-released: "(.*)"$', citation, re.MULTILINE)[0]
+    assert f"\nversion: {sl.__version__}\n" in citation
+    assert f"\n## {sl.__version__} ({date})\n" in changes
