@@ -1,1 +1,1 @@
-"""What happens when they hit: histories of a row, estimate of a hit."""
+"""Pounding: response histories of buildings in a row, and estimates of impacts from energies."""

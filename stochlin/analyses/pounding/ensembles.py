@@ -1,4 +1,4 @@
-"""Buildings in a row through many motions: what each of them comes to, and statistics of that."""
+"""Response of buildings in a row to many motions: summary of each motion, and statistics over them."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ from stochlin.kernels.pounding.rows import Row
 PATH = "path"
 NEIGHBOURS = "neighbours"
 BALANCE = "energy_balance_error"
-ENDS = ("", "_lower", "_upper")  # of a quantity, and of its 95 % interval
-# NaN in a motion without an impact, which counts as 0, and what tells.
+ENDS = ("", "_lower", "_upper")  # endings of the names of a quantity and its 95 % interval
+# Variables that are NaN without an impact and then count as 0, with the variable that counts impacts.
 OF_IMPACTS = {
     "hardest_force": "impacts",
     "hardest_force_between": "impacts_between",
     "fastest_approach": "impacts",
 }
-# Of all contacts between two neighbours, and how their values are put together.
+# Variables that are combined over all contacts between two neighbours, and how.
 BETWEEN: Mapping[str, Any] = {
     "impacts": np.sum,
     "hardest_force": np.fmax.reduce,
@@ -39,14 +39,14 @@ BETWEEN: Mapping[str, Any] = {
 
 
 class Ensemble(NamedTuple):
-    """Motions, and the dimension over which there are several: simulated ones, or records."""
+    """Motions and their dimension, ``path`` or ``record``, which is None for one motion."""
 
     motions: Motions
     over: str | None
-    labels: xr.DataArray | None = None  # the coordinate along it
+    labels: xr.DataArray | None = None  # coordinate along the dimension
 
     def describe(self) -> str:
-        """One line for the run information."""
+        """The motions in one line, for the run information."""
         if self.over != PATH:
             return self.motions.describe().removeprefix("record: ")
         (acceleration, dt), *more = self.motions.grounds
@@ -54,7 +54,7 @@ class Ensemble(NamedTuple):
 
 
 def checked_ensemble(motion: Records) -> Ensemble:
-    """One motion or several; of an array over ``path`` and ``time`` each path is one."""
+    """One motion or several, checked; an array over ``path`` and ``time`` has one motion a path."""
     if not isinstance(motion, xr.DataArray):
         motions = checked_motions(motion)
         names = xr.DataArray(motions.names, dims=RECORD, attrs={"long_name": "record"})
@@ -73,7 +73,7 @@ def over_motions(
     ensemble: Ensemble,
     progress: Progress | None,
 ) -> xr.Dataset:
-    """What each motion comes to; one that fails is NaN, and says why."""
+    """Summary of each motion; the results of one that fails are NaN, with the reason in ``missing``."""
     motions, over = ensemble.motions, str(ensemble.over)
     shortest = shortest_period(structures)
 
@@ -110,9 +110,9 @@ def over_motions(
 
 
 def with_statistics(table: xr.Dataset, over: str, levels: Array) -> xr.Dataset:
-    """The table with sums over the contacts of each gap, means and quantiles over the motions.
+    """The table with values for each gap, and with means and quantiles over the motions.
 
-    Motions that have failed do not count.
+    Motions that failed do not count.
     """
     table = _between_neighbours(table, over)
     good = table.isel({over: (table.status == labels.CONVERGED).values})
@@ -131,13 +131,13 @@ def with_statistics(table: xr.Dataset, over: str, levels: Array) -> xr.Dataset:
 
 
 def neighbours(count: int) -> dict[str, Any]:
-    """The coordinate of the gaps between so many structures."""
+    """Coordinate ``neighbours`` of the gaps between ``count`` structures."""
     pairs = [f"{n} | {n + 1}" for n in range(1, count)]
     return {NEIGHBOURS: (NEIGHBOURS, pairs, {"long_name": "both sides of the gap"})}
 
 
 def _between_neighbours(table: xr.Dataset, over: str) -> xr.Dataset:
-    """With what the contacts between two neighbours, at all levels, come to together."""
+    """The table with the variables of `BETWEEN`, combined over all contacts between two neighbours."""
     left = table.left.values
     pairs = np.unique(left)
     table = table.assign_coords(neighbours(pairs.size + 1))
@@ -150,7 +150,7 @@ def _between_neighbours(table: xr.Dataset, over: str) -> xr.Dataset:
 
 
 def _statistics(name: str, samples: xr.DataArray, level: xr.DataArray) -> dict[str, xr.DataArray]:
-    """Mean and quantiles along the first dimension, with their errors; NaN where a sample is."""
+    """Mean and quantiles along the first dimension, with their errors; NaN if any sample is NaN."""
     values = samples.values
     like = samples.isel({samples.dims[0]: 0}, drop=True)
     known = like.copy(data=~np.isnan(values).any(axis=0))

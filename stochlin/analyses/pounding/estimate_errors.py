@@ -1,4 +1,4 @@
-"""The estimate from energies beside what pounding does to the same structures in many motions."""
+"""Error of the estimates from energies, compared with the pounding response in many motions."""
 
 from __future__ import annotations
 
@@ -39,17 +39,17 @@ from stochlin.models.systems import first_mode
 
 ESTIMATES = {"one hit": "largest_radius_amplification", "chain": "chain_radius_amplification"}
 TRUTHS = {"displacement": "peak_amplification", "energy radius": "peak_radius_amplification"}
-FEWEST = 2  # motions, for a scatter
+FEWEST = 2  # smallest number of motions for a standard deviation
 
 
 class _Outcome(NamedTuple):
-    """Of one motion, structure by structure."""
+    """Results of one motion for each structure, with pounding and alone."""
 
-    peak: Array  # [m]: largest displacement of any floor
+    peak: Array  # [m], largest displacement of any floor
     peak_alone: Array
-    radius: Array  # [m]: largest energy radius of the first mode
+    radius: Array  # [m], largest energy radius of the first mode
     radius_alone: Array
-    hits: Array
+    hits: Array  # number of impacts on the structure
 
 
 def pounding_estimate_error(
@@ -63,16 +63,17 @@ def pounding_estimate_error(
 ) -> xr.Dataset:
     """Error of the energy estimate compared with `pound` in the same motions.
 
-    In every motion `pounding_estimate_row` is told the largest energy radii of the structures standing
-    alone, of their first modes, ``max sqrt(q^2 + (q'/w)^2)``. What it makes of them is compared with the
-    largest displacement, and the largest radius, with pounding over without.
+    In every motion `pounding_estimate_row` is applied to the largest energy radii of the structures
+    without neighbours, ``max sqrt(q^2 + (q'/w)^2)`` with the displacement ``q`` and the circular
+    frequency ``w`` of the first mode. The estimated amplification is compared with that of the largest
+    displacement and that of the largest energy radius in `pound`, with pounding over without.
 
     Parameters
     ----------
     structures, gaps, contact
         As in `pound`, at least two structures.
     motion : xarray.DataArray, or list or mapping of them
-        Several, as in `pound`.
+        Two or more motions, as in `pound`.
     points : int
         As in `pounding_estimate`.
     progress : callable, optional
@@ -81,30 +82,30 @@ def pounding_estimate_error(
     Returns
     -------
     xarray.Dataset
-        Over ``path`` or ``record`` and ``structure``: ``radius_alone`` [m], ``hits`` (impacts on either
-        side), ``peak_amplification`` [-] and ``peak_radius_amplification`` [-], what pounding does, and
-        ``largest_radius_amplification`` and ``chain_radius_amplification`` [-], the estimates. Over
-        ``structure``: ``motions_with_hits``. Over ``structure``, ``of`` (displacement or energy radius)
-        and ``estimate`` (one hit or chain), of the motions in which the structure is hit:
-        ``estimate_bias`` [-], the mean of ``ln(estimate/computed)``, with
-        ``estimate_bias_standard_error``; ``estimate_scatter`` [-], its standard deviation;
-        ``exceeded_probability`` [-], the share of motions in which the computed value exceeds the
-        estimate, with its 95 % interval, ``_lower`` and ``_upper``. NaN where hardly any motion has an
-        impact.
+        Over ``path`` or ``record`` and ``structure``: ``radius_alone`` [m], ``hits`` (the number of
+        impacts on the structure), ``peak_amplification`` [-] and ``peak_radius_amplification`` [-] by
+        pounding, and the estimates ``largest_radius_amplification`` and
+        ``chain_radius_amplification`` [-]. Over ``structure``: ``motions_with_hits``. Over
+        ``structure``, ``of`` (displacement or energy radius) and ``estimate`` (one hit or chain), for
+        the motions in which the structure has an impact: ``estimate_bias`` [-], the mean of
+        ``ln(estimate/computed)``, with ``estimate_bias_standard_error``; ``estimate_scatter`` [-], its
+        standard deviation; ``exceeded_probability`` [-], the share of motions in which the computed
+        value exceeds the estimate, with its 95 % interval ``_lower`` and ``_upper``. Statistics are NaN
+        if too few motions have an impact.
 
     Raises
     ------
     ValueError, TypeError, ArithmeticError
-        As in `pound` of each of the motions, or if there are fewer than two structures or motions.
+        As in `pound`, also if any motion fails, or if there are fewer than two structures or motions.
 
     Notes
     -----
-    A radius is taken at the samples of the motion: a little below the largest where samples are coarse.
+    Energy radii are taken at the samples of the motion, so that they are slightly too small for coarse
+    samples.
 
-    Measured over random rows, 60 of each kind, each in two motions of 12 s on firm ground, with contacts
-    of ``e`` = 0.65 and strengths of a quarter of the elastic demand
-    (``benchmarks/pounding_estimates.py``).
-    Of the largest displacement:
+    The table shows measured errors for the largest displacement, from 60 random rows of each kind, each
+    in two motions of 12 s on firm ground, with contacts of ``e`` = 0.65 and strengths of a quarter of
+    the elastic demand (``benchmarks/pounding_estimates.py``):
 
     ====================================  =====  =======  ========
     structures, estimate                  bias   scatter  exceeded
@@ -119,11 +120,12 @@ def pounding_estimate_error(
     three oscillators, yielding, chain    0.38   0.29     6 %
     ====================================  =====  =======  ========
 
-    The standard error of the bias is 0.01 to 0.02, that of the share 1 to 3 %.
+    The standard error of the bias is 0.01 to 0.02, that of the exceeded share 1 to 3 %.
 
     References
     ----------
-    Valles-Mattox and Reinhorn (1996), eqs. (1) and (13); Clopper and Pearson (1934), Biometrika 26.
+    Valles-Mattox and Reinhorn (1996), eqs. (1) and (13); Clopper and Pearson (1934), Biometrika 26, for
+    the intervals of probabilities.
 
     Examples
     --------
@@ -178,7 +180,7 @@ def pounding_estimate_error(
 def _outcome(
     structures: Sequence[Building], row: Row, places: Sequence[Meeting], ground: SampledGround
 ) -> _Outcome:
-    """One motion, with pounding and without."""
+    """Peaks, energy radii and numbers of impacts in one motion, with pounding and without."""
     row = row._replace(slow=slow_approach(shortest_period(structures), ground.acceleration))
     done, lone = in_row(structures, row, ground), alone(structures, row, ground, sampled=True)
     first = row.first[:-1]
@@ -193,7 +195,7 @@ def _outcome(
 
 
 def _radii(structures: Sequence[Building], row: Row, run: kernel.Run) -> Array:
-    """Largest energy radius of the first modes (structures,) [m], at the samples."""
+    """Largest energy radius of the first mode of each structure at the samples [m], (structures,)."""
     n = row.mass.size
     radii = []
     for b, structure in enumerate(structures):
@@ -210,7 +212,7 @@ def _radii(structures: Sequence[Building], row: Row, run: kernel.Run) -> Array:
 
 
 def _statistics(table: xr.Dataset, over: str) -> xr.Dataset:
-    """Bias, scatter and how often the estimates are exceeded, of the motions with hits."""
+    """Bias, scatter and exceeded share of the estimates, over the motions with impacts."""
     of = xr.DataArray(list(TRUTHS), dims="of", attrs={"long_name": "what grows by pounding"})
     by = xr.DataArray(list(ESTIMATES), dims="estimate", attrs={"long_name": "estimate from energies"})
     truth = xr.concat([table[name] for name in TRUTHS.values()], "of").assign_coords(of=of)

@@ -1,4 +1,4 @@
-"""What hits can do to structures in a row, from their energies alone."""
+"""Estimates of the effect of impacts on structures in a row, from their energies."""
 
 from __future__ import annotations
 
@@ -26,18 +26,18 @@ from stochlin.models.systems import STRUCTURES, AnyStructure, first_mode
 
 GAP = Range(include_lower=True, reason="in metres; positive is open")
 RADIUS = Range(reason="in metres")
-# Structure 1 is on the left: signs of both velocities with which structures can approach.
+# Signs of the velocities with which two structures, number 1 on the left, can approach one another.
 WAYS = {"towards each other": (1, -1), "both to the right": (1, 1), "both to the left": (-1, -1)}
-PLACES = "point", "way"  # dimensions of all hits at one contact
+PLACES = "point", "way"  # dimensions of the impacts at one contact
 
 
 class Mode(NamedTuple):
-    """The first mode of a structure, as an oscillator whose energy has a radius."""
+    """The first mode of a structure as an oscillator."""
 
     frequency: xr.DataArray  # [rad/s]
-    mass: float  # [kg]: effective modal mass
-    moves: Array  # (n,) [-]: displacement of the floors over that of the oscillator
-    levels: Array  # (n,) [m]; NaN of an oscillator
+    mass: float  # [kg], effective modal mass
+    moves: Array  # (n,) [-], displacement of the floors over that of the oscillator
+    levels: Array  # (n,) [m]; NaN for an oscillator
     valid: xr.DataArray
 
 
@@ -53,57 +53,59 @@ def pounding_estimate(
 ) -> xr.Dataset:
     """Estimated change of the energy radii of two structures by an impact at any displacement.
 
-    Structures of the radii ``r_i`` that meet at ``u_1 = u_2 + gap`` have the velocities ``v_i = +-w_i
-    sqrt(r_i^2 - u_i^2)``. Eq. (13) makes them ``v_i'``, and the radii ``r_i'^2 = u_i^2 + (v_i'/w_i)^2``.
+    Structures with the energy radii ``r_i`` and the circular frequencies ``w_i`` that meet at
+    ``u_1 = u_2 + gap`` have the velocities ``v_i = +-w_i sqrt(r_i^2 - u_i^2)``. Eq. (13) gives the
+    velocities ``v_i'`` after the impact, and ``r_i'^2 = u_i^2 + (v_i'/w_i)^2`` the energy radii.
 
-    Of a `ShearBuilding` they are those of its first mode at the level where it is met: the radius
-    there is ``p r_i``, with the ``participation()`` ``p`` of the level, and the mass that is hit
-    ``m/p^2``, with the modal mass ``m`` (that is ``phi' M phi`` over the square of ``phi`` there). The
-    hit changes the velocity of the mode, and so the radius of the mode by one factor at all levels.
+    A `ShearBuilding` is represented by its first mode. At the level of a contact, its energy radius is
+    ``p r_i``, with the ``participation()`` ``p`` of this level, and its mass is ``m/p^2``, with the
+    modal mass ``m`` (this is ``phi' M phi`` over the square of ``phi`` at the level). The impact changes
+    the velocity of the mode, and so the energy radius at all levels by the same factor.
 
     Parameters
     ----------
     first, second : Structure or ShearBuilding
-        Oscillators with a mass; ``first`` on the left. Of the rest, only the periods count, of a
-        building with storeys its first mode.
+        Structures with a mass, ``first`` on the left. Only their masses and periods are used, those of
+        the first mode for a building with storeys.
     gap : float or array
-        [m], not negative.
+        Gap between the structures [m], not negative.
     contact : Contact
-        Only its coefficient of restitution counts.
+        Contact between the structures, of which only the coefficient of restitution is used.
     radius_1, radius_2 : float or array
-        ``r_i`` [m], positive, for instance the `pseudo_energy_radius` of each structure alone; of a
-        `ShearBuilding` that of its ``oscillator()``.
+        Energy radii ``r_i`` [m], positive, for instance the `pseudo_energy_radius` of each structure
+        alone; for a `ShearBuilding` that of its ``oscillator()``.
     points : int
-        Places of meeting, evenly from one end to the other of where both structures can be.
+        Number of displacements of the impact, evenly spaced over the range that both structures reach.
 
     Returns
     -------
     xarray.Dataset
-        Over ``point``, ``way`` (the signs of the velocities) and the dimensions of the parameters, with
-        storeys also over ``contact``, as in `pound`: ``contact_displacement_1/2`` [m],
-        ``velocity_before_1/2`` and ``velocity_after_1/2`` [m/s] there,
-        ``radius_amplification_1/2`` [-], ``energy_lost`` [J]; NaN where the structures do not approach
-        each other. ``largest_radius_amplification_1/2`` [-]: the largest of all, 1 where the structures
-        do not reach each other. ``status``.
+        Over ``point``, ``way`` (the signs of the velocities) and the dimensions of the parameters, for
+        buildings with storeys also over ``contact``, as in `pound`: ``contact_displacement_1/2`` [m],
+        ``velocity_before_1/2`` and ``velocity_after_1/2`` [m/s] of the impact,
+        ``radius_amplification_1/2`` [-] and ``energy_lost`` [J]; NaN where the structures do not
+        approach one another. ``largest_radius_amplification_1/2`` [-] is the largest over these
+        dimensions, and 1 if the structures do not reach one another. ``status``.
 
     Raises
     ------
     ValueError, TypeError
-        If a mass is missing, a scalar is out of range, a value is not a number, dimensions do not fit,
+        If a mass is missing, a scalar is out of range, a value is not a number, dimensions do not match,
         or ``points`` is not a whole number from 2. Cells of arrays that are out of range are NaN, with
         the status ``invalid_input``.
 
     Notes
     -----
-    An estimate for linear structures: after yielding, the stiffness at the hit is not that of ``w``. It
-    says what one hit at full energy can do; a history is `pound`'s. For buildings with storeys, higher
-    modes are left out, which the hit excites too and which take a part of its energy, and that it is
-    a floor, not the mode, that is hit first: the rest of the building follows in more hits.
-    `pounding_estimate_row` is for more than two, `pounding_estimate_error` says how far all that is off.
+    The estimate is for linear structures; after yielding the stiffness at the impact differs. It gives
+    the possible effect of one impact at full energy; `pound` gives the response history. For buildings
+    with storeys the estimate neglects that the impact also excites higher modes, which take part of the
+    energy, and that the impact acts on a floor first, so that further impacts follow.
+    `pounding_estimate_row` is for more than two structures; `pounding_estimate_error` measures the error
+    of the estimate.
 
     References
     ----------
-    Valles-Mattox and Reinhorn (1996), eqs. (1) and (13). At storeys: derived here.
+    Valles-Mattox and Reinhorn (1996), eqs. (1) and (13); for buildings with storeys derived here.
 
     Examples
     --------
@@ -148,42 +150,43 @@ def pounding_estimate_row(
     *,
     points: int = 181,
 ) -> xr.Dataset:
-    """Estimated change of the energy radii in a row, by one impact each and by successive impacts.
+    """Estimated change of the energy radii in a row, by one impact and by a chain of impacts.
 
-    One hit: `pounding_estimate` of each two neighbours. A chain: a hit at the first gap leaves both its
-    structures with the radii that it makes of them; with these the hit at the next gap follows, and so
-    on, once through the row from the left and once from the right. A building in the middle is so hit
-    from both sides. At every gap each structure has the hit that is worst for it, not both the same one.
+    One impact is estimated by `pounding_estimate` for each two neighbours. In a chain, the energy radii
+    after the impact at the first gap are those before the impact at the next gap, and so on, once
+    through the row from the left and once from the right. A building in the middle then has impacts from
+    both sides. At every gap, each structure has the impact that is worst for it; this need not be the
+    same impact for both.
 
     Parameters
     ----------
     structures : list of Structure and ShearBuilding
-        From left to right, at least two, as in `pounding_estimate`.
+        At least two structures from left to right, as in `pounding_estimate`.
     gaps : list of float
-        Between neighbours [m], not negative; for two structures a number will do.
+        Gaps between neighbours [m], not negative; for two structures one number is enough.
     contact : Contact
-        Only its coefficient of restitution counts.
+        As in `pounding_estimate`.
     radii : list of float or array
-        One for each structure, as in `pounding_estimate` [m].
+        Energy radius of each structure [m], as in `pounding_estimate`.
     points : int
         As in `pounding_estimate`.
 
     Returns
     -------
     xarray.Dataset
-        Over ``structure`` and the dimensions of the radii: ``largest_radius_amplification`` [-], of one
-        hit at either side, and ``chain_radius_amplification`` [-], of a chain. Over ``neighbours`` and
-        ``side``: ``radius_amplification`` [-], the largest of one hit at that gap for the structure on
-        that side. ``status``.
+        Over ``structure`` and the dimensions of the radii: ``largest_radius_amplification`` [-] by one
+        impact on either side, and ``chain_radius_amplification`` [-] by a chain of impacts. Over
+        ``neighbours`` and ``side``: ``radius_amplification`` [-], the largest by one impact at this gap
+        for the structure on this side. ``status``.
 
     Raises
     ------
     ValueError, TypeError
-        As in `pounding_estimate`, or if the number of gaps or radii does not fit.
+        As in `pounding_estimate`, or if the number of gaps or radii is wrong.
 
     References
     ----------
-    Valles-Mattox and Reinhorn (1996), eqs. (1) and (13). Chains: derived here.
+    Valles-Mattox and Reinhorn (1996), eqs. (1) and (13); chains of impacts are derived here.
 
     Examples
     --------
@@ -260,7 +263,7 @@ def pounding_estimate_row(
 
 
 def _along(dim: str, arrays: Sequence[xr.DataArray]) -> xr.DataArray:
-    """Arrays of different dimensions, one after the other along one of their own."""
+    """Arrays of different dimensions, broadcast and concatenated along the new dimension ``dim``."""
     like = xr.broadcast(*[array.reset_coords(drop=True) for array in arrays])
     return xr.concat(like, dim)
 
@@ -285,7 +288,7 @@ def _hits(
     radii: Sequence[xr.DataArray],
     points: int,
 ) -> xr.Dataset:
-    """All hits at one contact; the gap is NaN where nothing is to be said."""
+    """Impacts at one contact for all points and ways; cells with an invalid gap (NaN) are NaN."""
     moves = [_moves(place, side, mode.moves) for side, mode in zip(SIDES, modes, strict=True)]
     mass = [mode.mass / share**2 for mode, share in zip(modes, moves, strict=True)]
     r = [radius * abs(share) for radius, share in zip(radii, moves, strict=True)]
@@ -314,7 +317,7 @@ def _hits(
 
 
 def _moves(place: Meeting, side: str, floors: Array) -> float:
-    """How far a side of a contact moves, floor or column, where its floors move so far."""
+    """Displacement of the slab or column on one side of a contact, from those of the ``floors``."""
     floor = place.floor_left if side == SIDES[0] else place.floor_right
     share = place.share if place.struck == side else 1.0
     below = float(floors[floor - 1]) if floor else 0.0

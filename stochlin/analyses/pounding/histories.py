@@ -1,4 +1,4 @@
-"""Histories, impacts and energies of a run of buildings in a row, as labelled data."""
+"""Response histories, impacts and energies of buildings in a row, as labelled arrays."""
 
 from __future__ import annotations
 
@@ -17,11 +17,14 @@ from stochlin.kernels.pounding.rows import SLACK, Row, creep_of
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.links import Link
 
-SIDES = "left", "right"  # of a contact
+SIDES = "left", "right"  # sides of a contact
 
 
 def by_floor(values: Array, row: Row, structures: Sequence[Building], *over: str) -> xr.DataArray:
-    """Values (..., n) over ``structure`` and, for shear buildings, ``floor``: NaN above the roof."""
+    """Values of all floors (..., n) over ``structure`` and, for shear buildings, ``floor``.
+
+    Cells above the roof of a building are NaN.
+    """
     sizes = np.diff(row.first)
     wide = np.full((*values.shape[:-1], sizes.size, sizes.max()), np.nan)
     for b, size in enumerate(sizes):
@@ -36,7 +39,7 @@ def by_floor(values: Array, row: Row, structures: Sequence[Building], *over: str
 
 
 class Course(NamedTuple):
-    """What a row goes through at the times asked for, by name: of its floors, structures and so on."""
+    """Response histories of a row at the output times, by name: of floors, structures, links and all."""
 
     floors: dict[str, Array]  # (times, n)
     structures: dict[str, Array]  # (times, s)
@@ -45,7 +48,7 @@ class Course(NamedTuple):
 
 
 def course(row: Row, run: kernel.Run) -> Course:
-    """Motions, forces and the balance of the energies."""
+    """Displacements, velocities, accelerations, forces and energies from the states of a run."""
     n, s = row.mass.size, row.first.size - 1
     c, ties = row.gap.size, len(row.tied)
     u, v, slip, entering, viscous, hysteretic, lost, drained, creep = np.split(
@@ -104,7 +107,7 @@ def histories(
     start: float,
     time: Array,
 ) -> xr.Dataset:
-    """Histories of a run at the times ``time``, and its impacts."""
+    """Dataset of the histories of a run at the times ``time`` [s], and of its impacts."""
     line = run.impacts.T
     return xr.Dataset(
         {
@@ -129,25 +132,25 @@ def histories(
 
 
 def largest_force(run: kernel.Run) -> Array:
-    """Of each impact [N]; NaN where velocities jump."""
+    """Largest force of each impact [N]; NaN for stereomechanical impacts."""
     force = run.impacts[:, impacts.LARGEST]
     return np.where(np.isfinite(force), force, np.nan)
 
 
 def energy_lost(run: kernel.Run) -> Array:
-    """What each impact has taken [J]."""
+    """Energy lost in each impact [J]."""
     lost: Array = run.impacts[:, impacts.AFTER] - run.impacts[:, impacts.BEFORE]
     return lost
 
 
 def energy_transferred(run: kernel.Run) -> Array:
-    """Work of each impact (impacts, 2) on the structures on its left and right [J]."""
+    """Work of each impact on the structures on its left and right [J], (impacts, 2)."""
     right = run.impacts[:, impacts.HANDED]
     return np.stack([-right - energy_lost(run) - run.impacts[:, impacts.STORED], right], axis=-1)
 
 
 def contacts(places: Sequence[Meeting], links: Sequence[Link | None]) -> xr.Dataset:
-    """Coordinates of contacts and links: which structures, which floors, at which level."""
+    """Coordinates of contacts and links: structures, floors, level [m] and kind of each contact."""
     coords = {
         "contact": ("contact", np.arange(1, len(places) + 1), {"long_name": "contact"}),
         "left": ("contact", [m.building + 1 for m in places], {"long_name": "structure on the left"}),

@@ -1,4 +1,4 @@
-"""Buildings in a row that pound against each other: histories in one motion, statistics of many."""
+"""Pounding of buildings in a row: response histories in one motion, statistics over many motions."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.links import Link
 from stochlin.models.parameters import Model
 
-OF_CONTACTS = "contact", "impact", "side", "neighbours"  # dimensions that one building alone has not
+OF_CONTACTS = "contact", "impact", "side", "neighbours"  # dimensions dropped for one building alone
 
 REFERENCES = (
     f"{labels.PAPER} Hairer, E., Norsett, S. P. and Wanner, G. (1993), Solving Ordinary Differential "
@@ -56,125 +56,139 @@ def pound(
     quantiles: Sequence[float] = (0.5, 0.84, 0.95),
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Response of a row of buildings with all impacts, in one motion or many, from rest.
+    """Response of a row of buildings from rest, with all impacts, in one motion or in many.
 
-    Of one motion there are histories, of several what each comes to, with means and quantiles. One
-    building alone has no impacts, and all the rest: what it bears, and where its energy goes.
+    For one motion the result has response histories, for several motions a summary of each motion, with
+    means and quantiles. One building alone has no impacts; its displacements, forces and energies are
+    computed in the same way.
 
     Parameters
     ----------
     structures : list of Bilinear or BoucWen with a mass, and of ShearBuilding
-        From left to right, or one alone. Shear buildings, of these laws, meet at every floor of either
-        up to the lower roof: floors within 0.05 m of one level slab to slab, any other a column of the
-        neighbour, between two floors. An oscillator meets the roof of a shear building.
+        Buildings from left to right, or one building. Shear buildings have one of these two laws. They
+        can meet at every floor of either building up to the lower roof: slab to slab where the floors
+        are within 0.05 m of the same level, otherwise slab to column of the neighbour, between two of
+        its floors. An oscillator meets the roof of a shear building.
     gaps : list of float
-        Between neighbours [m], not negative: 0 touches. For two structures a number will do; one alone
-        has none.
+        Gaps between neighbours [m], not negative. For two structures one number is enough. One building
+        alone has no gap.
     contact : Contact
-        What all neighbours meet at, for instance `Kelvin` or `Stereomechanical`; of one building alone
-        it is left out.
+        Contact between all neighbours, for instance `Kelvin` or `Stereomechanical`. It is not required
+        for one building alone.
     motion : xarray.DataArray, or list or mapping of them
-        Ground acceleration [m/s^2] over ``time``, as `read_record` gives it; linear between samples.
-        Several: over ``path``, too, as `simulated_motions` gives them, or records, as `read_records`
-        does. Those need not be of one length or step.
+        Ground acceleration [m/s^2] over ``time``, as from `read_record`, linear between samples. Several
+        motions are an array also over ``path``, as from `simulated_motions`, or records as from
+        `read_records`, which may differ in length and time step.
     link : Link or list of Link and None, optional
-        Springs, linear, that yield or have slack, and dashpots, linear or with an exponent. Without
-        ``floors`` a link ties the highest at one level, without ``structures`` two neighbours: then
-        there is one for each two, None where there is no link. With one structure twice it is a device
-        inside it, which it keeps standing alone.
+        Links between buildings and devices inside them, with springs that are linear, yield or have
+        slack, and dashpots that are linear or have an exponent. Without ``floors`` a link ties the
+        highest floors at the same level. Without ``structures`` a list has one link for each two
+        neighbours, or None. A link that names one structure twice is a device inside it and also acts
+        in the response of this building alone.
     output_step : float, optional
-        Time from output to output [s] of one motion; the record's own if left out. The response does
-        not depend on it.
+        Time between outputs [s] for one motion; by default the time step of the record. The response
+        does not depend on it.
     quantiles : sequence of float
-        Of what several motions come to, between 0 and 1.
+        Probabilities, between 0 and 1, of the quantiles over several motions.
     progress : callable, optional
-        Called with the share that is done of the motions; of one, of its two runs, in the row and alone.
+        Called with the share of the motions that is done. For one motion it is the share of the two runs
+        that are done, in the row and each building alone.
 
     Returns
     -------
     xarray.Dataset
-        Over ``time`` [s] and ``structure``, for shear buildings also ``floor``: ``displacement`` [m] and
-        ``velocity`` [m/s], relative to the ground, absolute ``acceleration`` [m/s^2], and
-        ``storey_shear`` [N] of the storey below the floor. Over ``time`` and ``contact``:
-        ``contact_force`` [N]. Over ``time`` and ``structure``: ``base_shear`` [N], ``input_energy``,
-        ``kinetic_energy``, ``elastic_energy``, ``viscous_energy``, ``hysteretic_energy`` [J]; over
-        ``time``: ``contact_stored_energy`` and
-        ``contact_lost_energy`` [J], and ``energy_balance_error`` [-], what is missing over the largest
-        input energy so far. Over ``impact``: ``impact_time`` [s], ``impact_contact``,
-        ``approach_velocity`` [m/s], ``largest_force`` [N] (NaN where velocities jump),
-        ``impact_duration`` [s], ``energy_lost`` [J], and over ``side`` ``energy_transferred`` [J], the
-        work on the structure there. ``peak`` and ``peak_alone`` [m], in the row and standing alone, and
-        ``amplification`` [-], one over the other; likewise ``peak_acceleration`` [m/s^2],
-        ``peak_storey_shear`` [N] and ``peak_base_shear`` [N], each also ``_alone``. Over ``contact``:
-        ``gap`` [m], the number of ``impacts``, ``hardest_force`` [N], ``fastest_approach`` [m/s],
-        ``longest_impact`` [s], ``deepest_compression`` [m] (these four NaN without an impact, the last
-        where velocities jump, too) and ``contact_energy`` [J] that it has taken; over ``structure``
-        ``energy_received`` [J] from all impacts. Where all structures are `Bilinear` also
-        ``largest_radius_amplification`` [-], the worst that `pounding_estimate` gives
-        for a hit at the largest energy of both, without links. With links also, over ``time`` and
-        ``link``, ``link_force`` [N], over ``time`` ``link_stored_energy`` and ``link_lost_energy`` [J],
-        and ``peak_link_force`` [N].
+        For one motion, histories over ``time`` [s] and ``structure``, for shear buildings also
+        ``floor``: ``displacement`` [m] and ``velocity`` [m/s] relative to the ground, absolute
+        ``acceleration`` [m/s^2], and ``storey_shear`` [N] of the storey below the floor. Over ``time``
+        and ``structure``: ``base_shear`` [N], ``input_energy``, ``kinetic_energy``, ``elastic_energy``,
+        ``viscous_energy`` and ``hysteretic_energy`` [J]. Over ``time`` and ``contact``:
+        ``contact_force`` [N]. Over ``time``: ``contact_stored_energy`` and ``contact_lost_energy`` [J],
+        and ``energy_balance_error`` [-], the imbalance of the energies over the largest input energy so
+        far. With links also ``link_force`` [N] over ``time`` and ``link``, and
+        ``link_stored_energy`` and ``link_lost_energy`` [J] over ``time``.
 
-        Of one building alone there is nothing over ``contact``, ``impact`` and ``neighbours``.
+        Over ``impact``: ``impact_time`` [s], ``impact_contact``, ``approach_velocity`` [m/s],
+        ``largest_force`` [N] (NaN for a `Stereomechanical` contact), ``impact_duration`` [s] and
+        ``energy_lost`` [J]; also over ``side``, ``energy_transferred`` [J], the work of the impact on
+        the structure on this side.
 
-        Coordinates of ``contact`` say which structures and floors meet, at which ``level`` [m], and of
-        which ``kind`` they are. Where slabs meet columns also ``column``, the side whose column it is,
-        its ``storey``, whose floor above stands for it, the ``share`` of that floor in the column's
-        displacement, and ``column_force`` [N], the largest force on the columns of that storey, and
-        ``column_force_share`` [-], that over the storey's shear at yield.
+        Peaks over ``structure`` and for shear buildings ``floor``: ``peak`` [m] in the row and
+        ``peak_alone`` [m] of each building alone, and ``amplification`` [-], their ratio;
+        ``peak_acceleration`` [m/s^2], ``peak_storey_shear`` [N] and ``peak_base_shear`` [N], each also
+        with the ending ``_alone``. With links also ``peak_link_force`` [N] over ``link``.
 
-        Of several motions no histories, and of the rest, over ``path`` or ``record``, too: peaks, those
-        ``_alone``, ``amplification``, what there is over ``contact``, ``energy_received`` and the
-        largest ``energy_balance_error``; over ``neighbours``, for all contacts of a gap together,
-        ``impacts_between``, ``hardest_force_between`` [N] and ``contact_energy_between`` [J];
-        ``status``, and ``missing``, which says what has gone wrong in a motion that is NaN. Over all
-        motions that are not: ``_mean`` with ``_mean_standard_error``, and ``_quantile`` over
-        ``quantile`` with its 95 % interval, ``_lower`` and ``_upper`` (infinite where the motions are
-        too few to bound it), of all that but ``longest_impact``, ``deepest_compression`` and energies
-        received, where a motion without an impact counts with a force and an approach of 0;
-        ``pounding_probability`` and
-        ``no_pounding_probability`` [-] over ``neighbours``, the shares of motions with an impact and
-        without, with their 95 % intervals.
+        Over ``contact``: ``gap`` [m], the number of ``impacts``, ``hardest_force`` [N],
+        ``fastest_approach`` [m/s], ``longest_impact`` [s], ``deepest_compression`` [m] (these four are
+        NaN without an impact, ``hardest_force`` and ``deepest_compression`` also for a
+        `Stereomechanical` contact) and ``contact_energy`` [J], the energy lost in the contact. Over
+        ``structure``: ``energy_received`` [J] from all impacts. If all structures are `Bilinear` and
+        there is no link, also ``largest_radius_amplification`` [-], the largest by `pounding_estimate`
+        for an impact at the largest energies of both structures.
+
+        Coordinates of ``contact`` are the structures and floors that meet, the ``level`` [m] and the
+        ``kind``, slab to slab or slab to column. If a slab meets a column, there are also the
+        coordinates ``column``, the side of the column, ``storey``, that of the column, and ``share``, by
+        which the displacement of the floor above counts in that of the column; and the variables
+        ``column_force`` [N], the largest force on the columns of this storey, and
+        ``column_force_share`` [-], this force over the shear of the storey at yield.
+
+        For several motions there are no histories. The peaks, the variables over ``contact``,
+        ``energy_received`` and the largest ``energy_balance_error`` are then also over ``path`` or
+        ``record``. Over ``neighbours``, for all contacts across a gap together: ``impacts_between``,
+        ``hardest_force_between`` [N] and ``contact_energy_between`` [J]. ``status`` and ``missing``
+        mark motions that failed, whose results are NaN; ``missing`` gives the reason. From the other
+        motions follow names ending in ``_mean`` and ``_mean_standard_error``, and in ``_quantile`` over
+        ``quantile`` with its 95 % interval ``_lower`` and ``_upper`` (infinite where the motions are too
+        few), for all these variables except ``longest_impact``, ``deepest_compression`` and
+        ``energy_received``. A motion without an impact counts with a force and an approach velocity of
+        0. ``pounding_probability`` and ``no_pounding_probability`` [-] over ``neighbours`` are the
+        shares of motions with and without an impact, with their 95 % intervals.
+
+        For one building alone there is nothing over ``contact``, ``impact`` and ``neighbours``.
 
     Raises
     ------
     ValueError, TypeError
-        If there is no structure, a law is another one, a mass, a motion or, of several structures, the
-        contact is missing, velocities are to jump (`Stereomechanical`) where a slab meets a column,
-        parameters are arrays, a link has no place, a gap is negative, the number of gaps or links is
-        wrong, the output step is not positive or given with several motions, a motion is not a record,
-        has NaN or only zeros, there is none, or they would take too long.
+        If there is no structure, or a structure has another law, an array as parameter or no mass; if
+        the contact is missing for several structures, or is `Stereomechanical` where a slab meets a
+        column; if a gap is negative, or the number of gaps or links is wrong; if a link names a floor or
+        structure that does not exist; if the output step is not positive or is given with several
+        motions; if there is no motion, or a motion is not a record, has NaN or only zeros; or if the
+        computation would take too long.
     ArithmeticError
-        If a step cannot be completed, with the time and the state; or if a building falls over, as the
-        weight above can make it (``p_delta``). Of several motions that one is NaN; if all fail, the
-        first says why.
+        If a time step cannot be completed; the message gives the time and the state. Also if a building
+        with ``p_delta`` collapses under the weight. With several motions the results of such a motion
+        are NaN; only if all motions fail, the error of the first is raised.
 
     Notes
     -----
-    Of several motions each is what it is alone, to the bit. One that fails, as where a building falls
-    over, is no mild one: where some are missing, the quantiles of the others are too small.
+    Each of several motions gives exactly the results that it gives alone. A motion that fails, for
+    instance because a building collapses, is a severe one. Quantiles over the other motions are
+    therefore too small.
 
-    Displacements are positive to the right, where structure 2 stands beside structure 1. Steps of the
-    8th order method of Dormand and Prince with an error of 1e-10 of the largest displacement, velocity
-    and energy so far; they end at the samples of the record and wherever a structure yields or unloads,
-    a contact begins, turns or ends. Peaks are those between outputs too: of displacements on the curve,
-    of the others at the ends of steps, and in contact at eight places of each.
+    Displacements are positive to the right; structure 2 stands to the right of structure 1. The time
+    steps are those of the 8th-order method of Dormand and Prince, with an error of 1e-10 of the largest
+    displacement, velocity and energy so far. Steps end at the samples of the record and where a
+    structure yields or unloads and a contact begins, turns or ends. Peaks include values between
+    outputs: those of displacements are exact extremes of the interpolated response, the others are taken
+    at the ends of steps, and during contact at eight points of each step.
 
-    An impact ends when the contact force vanishes. A `NoTensionKelvin` that pushes again before the
-    floors are clear of it goes on with the same impact. In the law of `HertzDamp`, an approach slower
-    than a thousandth of ``max |a| T/(2 pi)``, with the shortest period, counts as none: such a contact
-    is elastic. Floors that a `Stereomechanical` impact would lift by less than 1e-10 of the largest
-    displacement, while they are pressed together, move together from then on, until the force between
-    them vanishes.
+    An impact ends when the contact force vanishes. If a `NoTensionKelvin` pushes again before the gap
+    has opened, this continues the same impact. For `HertzDamp`, an approach velocity
+    below a thousandth of ``max |a| T/(2 pi)``, with the largest ground acceleration ``|a|`` and the
+    shortest period ``T``, counts as zero, and the contact is then elastic. Floors that a
+    `Stereomechanical` impact would separate by less than 1e-10 of the largest displacement, while they
+    are pressed together, move together until the force between them vanishes.
 
-    A dashpot with an exponent is linear below a millionth of the velocity that the motion can give the
-    structures, or, where it would bring its masses to rest in less than 5e-5 s, below a rate at which it
-    does not: so strong a one with a small exponent creeps somewhat faster.
+    A dashpot with an exponent is linear at velocities below a millionth of those that the motion can
+    cause. If it would bring its masses to rest in less than 5e-5 s, it is linear below the velocity at
+    which it no longer does; a strong dashpot with a small exponent is therefore somewhat too soft at low
+    velocities.
 
     References
     ----------
-    Valles-Mattox and Reinhorn (1996), eqs. (13) to (16); Hairer, Norsett and Wanner (1993); Clopper and
-    Pearson (1934), Biometrika 26, for the intervals of shares.
+    Valles-Mattox and Reinhorn (1996), eqs. (13) to (16); Hairer, Norsett and Wanner (1993), for the time
+    steps; Clopper and Pearson (1934), Biometrika 26, for the intervals of probabilities.
 
     Examples
     --------
@@ -256,7 +270,7 @@ def _of_one(
     times: Array | None,
     progress: Progress | None,
 ) -> xr.Dataset:
-    """Histories of one motion, and what it comes to."""
+    """Histories and summary of one motion."""
     runs = (lambda: in_row(structures, row, ground, times)), (lambda: alone(structures, row, ground))
     done, lone = in_order(lambda i: runs[i](), len(runs), progress)
     start, found = float(time[0]), course(row, done)
@@ -267,7 +281,7 @@ def _of_one(
 
 
 def _output_times(output_step: float | None, ground: SampledGround) -> Array | None:
-    """Times since the beginning [s]; None for the samples of the motion."""
+    """Output times since the beginning of the motion [s]; None for the samples of the motion."""
     if output_step is None:
         return None
     if not is_number(output_step):
@@ -285,7 +299,10 @@ def _output_times(output_step: float | None, ground: SampledGround) -> Array | N
 def _estimates(
     structures: Sequence[Bilinear], gaps: Array, contact: Contact, motion: xr.DataArray
 ) -> Array:
-    """Largest amplification of each radius by a hit from either side, each pair at its own largest."""
+    """Largest amplification of each structure's energy radius by an impact from either side [-].
+
+    All structures have the pseudo energy radii of the motion.
+    """
     radii = [
         pseudo_energy_radius(
             motion,

@@ -1,4 +1,4 @@
-"""From structures, gaps and a contact to the row of buildings that a kernel takes."""
+"""Checks of structures, gaps, contact and links, and the row of buildings that kernels take."""
 
 from __future__ import annotations
 
@@ -34,51 +34,52 @@ from stochlin.models.systems import (
 
 Building = Structure | ShearBuilding
 
-# Laws of what yields. One of a kind that is derived from these may be any other.
+# Hysteresis laws of the time steps, by exact class: a subclass may have another law.
 LAWS: Mapping[type, int] = {Bilinear: BILINEAR, BoucWen: BOUC_WEN}
 
-UNUSED = (0.0, 0.0, 1.0)  # shape of a law that has none
+UNUSED = (0.0, 0.0, 1.0)  # Bouc-Wen parameters of a storey with another law, which are not used
 NUMBERS = "numbers, since a history is of one row"
-STEEPEST = 2e4  # [1/s]: rate at which a dashpot with an exponent may bring masses to rest
+STEEPEST = 2e4  # [1/s], largest rate at which a dashpot with an exponent brings masses to rest
 TINY = 1e-300
-SLOW = 1e-3  # of the velocity that the motion can give the stiffest structure in a quarter period
+SLOW = 1e-3  # approach velocity that counts as zero over max |a| T/(2 pi), see `slow_approach`
 SLABS, COLUMN = "slab to slab", "slab to column"
 
 
 class Meeting(NamedTuple):
-    """A contact: the building on its left, both floors counted from 0, their level [m].
+    """A contact between two neighbours: the building on its left, both floors and their level [m].
 
-    Where a floor meets a column, the floor of that side is the one above, which has the ``share``; the
-    rest has the floor below, or the ground.
+    Buildings and floors are counted from 0. Where a slab meets a column, the floor on the side of the
+    column is the one above the level. The displacement of the column is ``share`` times that of this
+    floor plus ``1 - share`` times that of the floor below or the ground.
     """
 
     building: int
     floor_left: int
     floor_right: int
     level: float  # NaN between structures of one degree of freedom
-    struck: str = ""  # the side whose column is met: "left", "right"
+    struck: str = ""  # side of the column: "left", "right", or empty for slab to slab
     share: float = 1.0
 
     @property
     def kind(self) -> str:
-        """What meets what."""
+        """Kind of the contact, slab to slab or slab to column."""
         return COLUMN if self.struck else SLABS
 
     @property
     def weights(self) -> tuple[float, float, float]:
-        """Of the left floor, the right one and the one below the column, in the penetration."""
+        """Factors in the penetration of the left floor, the right floor and the floor below a column."""
         left, right = (self.share if self.struck == side else 1.0 for side in ("left", "right"))
         below = 1 - self.share if self.storey else 0.0
         return left, -right, below if self.struck == "left" else -below
 
     @property
     def storey(self) -> int:
-        """Of the column that is met, counted from 0: that below its floor."""
+        """Storey of the column, counted from 0, which is below the floor on the side of the column."""
         return self.floor_left if self.struck == "left" else self.floor_right
 
 
 def checked_buildings(structures: Sequence[Building]) -> list[Building]:
-    """The structures, once each of them can pound against the others."""
+    """The structures as a list, after a check that the time steps of pounding can be applied to each."""
     if not isinstance(structures, Sequence) or not structures:
         raise ValueError(
             f"structures = {brief(structures)}; allowed: a list of one or more, from left to right"
@@ -107,7 +108,7 @@ def checked_buildings(structures: Sequence[Building]) -> list[Building]:
 
 
 def checked_gaps(gaps: npt.ArrayLike, count: int) -> Array:
-    """Gaps [m] between ``count`` structures; a number will do for two."""
+    """Gaps [m] between ``count`` structures as an array, checked; one number is enough for two."""
     allowed = f"one number between each two neighbours, {count - 1} in all"
     if count == 1:
         allowed = "none for one building alone, gaps=(), or a second structure"
@@ -124,7 +125,7 @@ def checked_gaps(gaps: npt.ArrayLike, count: int) -> Array:
 
 
 def check_contact(contact: Contact | None, count: int) -> None:
-    """Raise unless ``count`` structures have something to meet at; one alone needs none."""
+    """Raise an error if ``count`` structures, more than one, have no valid contact."""
     if contact is None and count > 1:
         raise ValueError(
             f"contact is not given; {count} structures need a contact between them, for instance "
@@ -136,7 +137,7 @@ def check_contact(contact: Contact | None, count: int) -> None:
 
 
 def checked_links(link: Link | Sequence[Link | None] | None, count: int) -> tuple[Link | None, ...]:
-    """Links between ``count`` structures; one will do for two."""
+    """Links between ``count`` structures, checked; for two structures a single link is enough."""
     links = check_links("link", link, count)
     for each in links:
         if each is not None:
@@ -145,9 +146,9 @@ def checked_links(link: Link | Sequence[Link | None] | None, count: int) -> tupl
 
 
 def meetings(levels: Sequence[Array]) -> list[Meeting]:
-    """Contacts of structures with floors at these levels [m], NaN of an oscillator, in a row.
+    """Contacts of structures in a row, with floors at these levels [m]; NaN for an oscillator.
 
-    Level by level from the ground, and along a level from left to right.
+    They are sorted by level from the ground up, and from left to right at the same level.
     """
     found: list[Meeting] = []
     for b, (one, two) in enumerate(pairwise(levels)):
@@ -158,7 +159,7 @@ def meetings(levels: Sequence[Array]) -> list[Meeting]:
             found += _facing(b, one, two)
     starts: dict[tuple[int, int], tuple[float, int]] = {}
     chains: list[tuple[tuple[float, int], int, Meeting]] = []
-    for m in found:  # a chain is known by the level and the building at which it begins
+    for m in found:  # slabs in contact form a chain, known by the level and building where it starts
         key = np.inf if np.isnan(m.level) else m.level, m.building
         if not m.struck:
             key = starts.get((m.building, m.floor_left), key)
@@ -174,7 +175,7 @@ def build_row(
     motion: Array,
     links: Sequence[Link | None],
 ) -> tuple[Row, list[Meeting]]:
-    """The row of buildings for a kernel, and what its contacts are."""
+    """The row of buildings as kernels take it, and its contacts."""
     system = system_of(structures, links)
     first, mass = system.first, system.all("mass")
     places = meetings([stack.levels for stack in system.stacks])
@@ -222,17 +223,17 @@ def build_row(
 
 
 def shortest_period(structures: Sequence[Building]) -> float:
-    """Of the first modes [s]."""
+    """Shortest of the first-mode periods of the structures [s]."""
     return min(float(first_period(structure)) for structure in structures)
 
 
 def slow_approach(shortest: float, motion: Array) -> float:
-    """Approach [m/s] that counts as none in this motion, see `Row.slow`."""
+    """Approach velocity [m/s] below which a contact counts as elastic in this motion, `Row.slow`."""
     return SLOW * float(np.abs(motion).max()) * shortest / (2 * np.pi)
 
 
 def _facing(b: int, one: Array, two: Array) -> list[Meeting]:
-    """Contacts of two neighbours, up to the lower roof: floors at one level, and floors at columns."""
+    """Contacts of two neighbours up to the lower roof, slab to slab and slab to column."""
     pairs = [(i, j) for i in range(one.size) for j in range(two.size) if abs(one[i] - two[j]) < LEVEL]
     found = [Meeting(b, i, j, float(0.5 * (one[i] + two[j]))) for i, j in pairs]
     for side, floor in slabs_on_columns(one, two):
@@ -244,7 +245,7 @@ def _facing(b: int, one: Array, two: Array) -> list[Meeting]:
 
 
 def _floors(m: Meeting, first: Array) -> tuple[int, int, int]:
-    """Left and right floor of a contact, and the one below its column, through all buildings."""
+    """Numbers, among all floors of the row, of the left, the right and the floor below the column."""
     left, right = int(first[m.building]) + m.floor_left, int(first[m.building + 1]) + m.floor_right
     upper = left if m.struck == "left" else right
     return left, right, upper - 1 if m.struck and m.storey else upper
@@ -265,11 +266,11 @@ def _tie_law(link: Link) -> int:
 
 
 def _tie(tie: Tie, per_mass: Array) -> tuple[float, ...]:
-    """A link as a kernel takes it: see `Row`."""
+    """Parameters of a link as kernels take them, in the order of `Row.tie`."""
     post, couple, strength = tie.link.spring
     c, a = tie.link.number("damping_constant"), tie.link.exponent
     easy = 0.0
-    if a < 1:  # where c |v|^(a-1) over the mass is STEEPEST
+    if a < 1:  # the velocity at which c |v|^(a-1) over the mass equals STEEPEST
         moved = per_mass[tie.one] + (per_mass[tie.two] if tie.two >= 0 else 0.0)
         easy = float(np.exp(min(np.log(max(c * moved / STEEPEST, TINY)) / (1 - a), 0.0)))
     return post, c, couple, strength, a, easy

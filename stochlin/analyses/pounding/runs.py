@@ -1,4 +1,4 @@
-"""A row of buildings through one motion: in the row and standing alone, and what that would take."""
+"""Response of a row of buildings to one motion, in the row and each alone, and its expected cost."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from stochlin.kernels.pounding.rows import Row, sizes_of
 from stochlin.kernels.records.runs import SampledGround
 from stochlin.models.buildings import ShearBuilding
 
-STEP, STEPS_PER_PERIOD = 2.5e-6, 10.0  # [s] of a floor, and of the shortest period, roughly
-ON_GRID = 1e-9  # of a step: times this close to a sample of the record are that
-HISTORIES = 4  # times a state that are held of each sample of a motion that runs
-RUNS = 2  # of each motion
+STEP, STEPS_PER_PERIOD = 2.5e-6, 10.0  # computing time of a step and floor [s]; steps in a period
+ON_GRID = 1e-9  # share of a time step within which an output time counts as a sample of the record
+HISTORIES = 4  # memory of a running motion per sample, in states
+RUNS = 2  # number of runs for each motion, in the row and alone
 
 
 def check_runs(structures: Sequence[Building], row: Row, grounds: Sequence[SampledGround]) -> None:
-    """Raise a ValueError if steps for the shortest periods take too long; before the work."""
+    """Raise a ValueError if the motions would take too much time or memory."""
     modes = [
         structure.periods() if isinstance(structure, ShearBuilding) else structure.arrays()["period"]
         for structure in structures
@@ -44,7 +44,10 @@ def check_runs(structures: Sequence[Building], row: Row, grounds: Sequence[Sampl
 def in_row(
     structures: Sequence[Building], row: Row, ground: SampledGround, times: Array | None = None
 ) -> kernel.Run:
-    """The row through a motion, with states at the times [s] since its beginning, or at its samples."""
+    """Response of the row to a motion, with states at ``times`` since its beginning [s].
+
+    Without ``times`` the states are at the samples of the motion.
+    """
     intervals = len(ground.acceleration) - 1
     if times is None:
         times = ground.dt * np.arange(intervals + 1)
@@ -55,7 +58,7 @@ def in_row(
 def alone(
     structures: Sequence[Building], row: Row, ground: SampledGround, sampled: bool = False
 ) -> kernel.Run:
-    """The same structures, each standing alone, without states, or with those at the samples."""
+    """Response of the same structures, each without neighbours, with states at the samples or none."""
     if sampled:
         return in_row(structures, kernel.standing_alone(row), ground)
     never = np.empty(0, np.int64), np.empty(0)
@@ -63,7 +66,10 @@ def alone(
 
 
 def _intervals(times: Array, dt: float, intervals: int) -> tuple[Array, Array]:
-    """Interval of the record and time since its beginning; samples are the ends of intervals."""
+    """Number of the interval between samples, and time since the start of this interval [s].
+
+    A time at a sample belongs to the interval that ends there.
+    """
     scaled = times / dt
     whole = np.rint(scaled)
     scaled = np.where(np.abs(scaled - whole) < ON_GRID, whole, scaled)
@@ -87,7 +93,7 @@ def _completed(structures: Sequence[Building], row: Row, motion: kernel.SampledM
 
 
 def _check_standing(structures: Sequence[Building], row: Row, run: kernel.Run) -> None:
-    """Raise an ArithmeticError if the weight has made a storey drift by more than its height."""
+    """Raise an ArithmeticError if a storey with P-delta has drifted by more than its height."""
     for number, structure in enumerate(structures, start=1):
         if not isinstance(structure, ShearBuilding) or not structure.p_delta:
             continue

@@ -1,4 +1,4 @@
-"""What a motion comes to, for a row of buildings: peaks, and what the impacts add up to."""
+"""Summary of one motion for a row of buildings: peaks, and sums and extremes over the impacts."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from stochlin.kernels.pounding import run as kernel
 from stochlin.kernels.pounding.rows import Row
 
 FLOOR, STRUCTURE, CONTACT, LINK, WHOLE = "floor", "structure", "contact", "link", ""
-# What each is of.
+# Dimension of each variable of a summary; FLOOR also stands for the structure.
 DIMENSIONS: Mapping[str, str] = {
     "peak": FLOOR,
     "peak_alone": FLOOR,
@@ -49,7 +49,7 @@ DIMENSIONS: Mapping[str, str] = {
 def summary(
     row: Row, places: Sequence[Meeting], found: Course, run: kernel.Run, alone: kernel.Run
 ) -> dict[str, Array]:
-    """All that one motion comes to, by name: see `DIMENSIONS`."""
+    """Summary of one motion, arrays by name, see `DIMENSIONS`."""
     values = _peaks(row, found, run, alone) | _tallies(row, places, run)
     return values | _columns(row, places, run)
 
@@ -57,7 +57,7 @@ def summary(
 def labelled(
     values: Mapping[str, Array], row: Row, structures: Sequence[Building], *over: str
 ) -> dict[str, xr.DataArray]:
-    """A summary, or several of them over a dimension of their own, with its dimensions."""
+    """A summary as labelled arrays; several summaries are along the additional dimension ``over``."""
     return {
         name: by_floor(array, row, structures, *over)
         if DIMENSIONS[name] == FLOOR
@@ -67,7 +67,7 @@ def labelled(
 
 
 def _peaks(row: Row, found: Course, run: kernel.Run, alone: kernel.Run) -> dict[str, Array]:
-    """Largest absolute values in the row, and standing alone; those between outputs too."""
+    """Largest absolute values in the row and of each building alone, also between outputs."""
     values: dict[str, Array] = {}
     for ending, one in (("", run), ("_alone", alone)):
         values |= {
@@ -77,7 +77,7 @@ def _peaks(row: Row, found: Course, run: kernel.Run, alone: kernel.Run) -> dict[
             f"peak_base_shear{ending}": one.most.shear[row.first[:-1]],
         }
     history = found.floors | found.structures
-    for name in ("acceleration", "storey_shear", "base_shear"):  # outputs may lie between steps
+    for name in ("acceleration", "storey_shear", "base_shear"):  # outputs are not always ends of steps
         values[f"peak_{name}"] = np.maximum(values[f"peak_{name}"], np.abs(history[name]).max(axis=0))
     apart = values["peak_alone"]
     unknown = np.full_like(apart, np.nan)
@@ -88,7 +88,7 @@ def _peaks(row: Row, found: Course, run: kernel.Run, alone: kernel.Run) -> dict[
 
 
 def _tallies(row: Row, places: Sequence[Meeting], run: kernel.Run) -> dict[str, Array]:
-    """What the impacts of each contact come to, and what they give to each structure."""
+    """Number, extremes and lost energy of the impacts of each contact, and energy received."""
     line = run.impacts.T
     where = line[impacts.CONTACT].astype(np.int64)
     hit = where == np.arange(row.gap.size)[:, None]
@@ -112,7 +112,10 @@ def _tallies(row: Row, places: Sequence[Meeting], run: kernel.Run) -> dict[str, 
 
 
 def _columns(row: Row, places: Sequence[Meeting], run: kernel.Run) -> dict[str, Array]:
-    """What columns bear that a floor of the neighbour meets; NaN where slabs meet."""
+    """Largest force on columns that a slab meets [N], also over the storey shear at yield [-].
+
+    Contacts slab to slab are NaN.
+    """
     struck = np.array([bool(m.struck) for m in places])
     if not struck.any():
         return {}

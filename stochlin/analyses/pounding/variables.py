@@ -1,4 +1,4 @@
-"""What happens to buildings that meet."""
+"""Variables of the results on pounding, with unit and long name."""
 
 from stochlin.analyses.records.variables import VARIABLES as RECORDS
 from stochlin.analyses.tables.labels import Variables
@@ -72,7 +72,7 @@ _SINGLE: Variables = {
     "pounding_probability": ("1", "share of the motions with an impact between the neighbours"),
     "no_pounding_probability": ("1", "share of the motions without an impact between the neighbours"),
 }
-# Of several motions these have a mean and quantiles; without an impact a force counts as 0.
+# Variables with a mean and quantiles over several motions; without an impact a force counts as 0.
 STATISTICS = (
     *("impacts_between", "hardest_force_between", "contact_energy_between"),
     *("impacts", "hardest_force", "fastest_approach", "contact_energy", "column_force"),

@@ -1,1 +1,1 @@
-"""Strong motions: read, fit a ground or an envelope, follow a structure through them."""
+"""Strong-motion records: reading, fits of grounds and envelopes, and the response of structures."""

@@ -1,4 +1,4 @@
-"""A record in a file that other programs read."""
+"""Writing a record as a PEER AT2 file."""
 
 from __future__ import annotations
 
@@ -22,26 +22,26 @@ def to_at2(record: xr.DataArray, path: str | os.PathLike[str]) -> None:
     Parameters
     ----------
     record : xarray.DataArray
-        Ground acceleration [m/s^2] over ``time`` [s], as `read_record` gives it, or one of
-        `simulated_motions`. Its time starts at zero in the file.
+        Ground acceleration [m/s^2] over ``time`` [s], as from `read_record`, or one motion from
+        `simulated_motions`. In the file its time starts at zero.
     path : str or path
-        The file, which is replaced; written whole or not at all.
+        Path of the file. An existing file is replaced; if an error occurs, it is kept.
 
     Returns
     -------
     None
-        The file is the result.
+        The result is the file.
 
     Raises
     ------
     ValueError, TypeError
-        If the record is not one.
+        If the record is not valid.
     OSError
         If the file cannot be written.
 
     Notes
     -----
-    Accelerations in g, with eight digits.
+    Accelerations are written in g, with eight digits.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""From records and structures to what follows them through time: checked grounds, cells, tables."""
+"""Checked records and structures, the cells of a table of structures, and the labelled table."""
 
 from __future__ import annotations
 
@@ -25,27 +25,27 @@ from stochlin.models.structures import Structure
 from stochlin.models.systems import STRUCTURES, AnyStructure
 
 Records = xr.DataArray | Sequence[xr.DataArray] | Mapping[str, xr.DataArray]
-"""One record, as `read_record` gives it, or several: a list, or a mapping with their names."""
+"""One record, as from `read_record`, or several as a list, or as a mapping with their names."""
 
 RECORD = "record"
 SCALARS = "scalars, since histories are of one structure; response_spectrum takes arrays"
-SHORTEST = 0.1  # of the record's step: shorter periods would follow its straight lines, no ground
-SUB_STEP = 3e-8  # [s] of a core, roughly, that a structure takes
+SHORTEST = 0.1  # shortest period over time step; below it the response is to the interpolation
+SUB_STEP = 3e-8  # approximate computing time of a sub-step of one structure on one core [s]
 
 
 class Motions(NamedTuple):
-    """Records ready to run."""
+    """Checked records, as accelerations with a time step, and their names."""
 
     grounds: list[SampledGround]
-    names: list[str] | None  # None for a lone record, which has no dimension
+    names: list[str] | None  # None for a single record, which adds no dimension to results
 
     @property
     def longest_step(self) -> float:
-        """The coarsest time step [s]."""
+        """Longest time step of the records [s]."""
         return max(ground.dt for ground in self.grounds)
 
     def describe(self) -> str:
-        """One line for the run information."""
+        """The records in one line, for the run information."""
         names = self.names or ["record"]
         return "; ".join(
             f"{name}: {len(ground.acceleration)} samples at {ground.dt:g} s"
@@ -54,14 +54,14 @@ class Motions(NamedTuple):
 
 
 class RecordCells(NamedTuple):
-    """Every cell of a structure, one after the other."""
+    """Parameters of a structure for the n cells of a table."""
 
-    parameters: Array  # (n, 4): w, damping, hardening, yield displacement; infinite where elastic
+    parameters: Array  # (n, 4): w, damping, hardening and yield displacement, infinite if elastic
     valid: Array  # (n,)
 
 
 def checked_motions(record: Records) -> Motions:
-    """The records, checked; a list takes its names from their sources where these are distinct."""
+    """The records, checked; names in a list are those of the sources, if all differ, or else numbers."""
     if isinstance(record, xr.DataArray):
         return Motions([SampledGround(*checked_record(record))], None)
     if isinstance(record, Mapping):
@@ -89,7 +89,7 @@ def checked_motions(record: Records) -> Motions:
 
 
 def check_structure(structure: AnyStructure, role: str) -> None:
-    """Raise for a structure that cannot follow a record."""
+    """Raise an error for a structure whose response to a record cannot be computed."""
     expect(structure, STRUCTURES, role)
     if isinstance(structure, Structure) and structure.reduction_factor is not None:
         raise ValueError(
@@ -100,7 +100,7 @@ def check_structure(structure: AnyStructure, role: str) -> None:
 
 
 def dims_of(*structures: Bilinear) -> xr.DataArray:
-    """False over all dimensions of the structures, by name, with their coordinates."""
+    """An array of False over all dimensions of the structures, with their coordinates."""
     arrays = [array for structure in structures for array in structure.arrays().values()]
     try:
         aligned = xr.align(*arrays, join="exact", copy=False)
@@ -121,8 +121,8 @@ def dims_of(*structures: Bilinear) -> xr.DataArray:
 def cells_of(structure: Bilinear, like: xr.DataArray, motions: Motions) -> RecordCells:
     """The cells of a structure over the dimensions of ``like``, in their order.
 
-    A cell without a finite strength is elastic; one so short that the record says nothing of it,
-    or out of range, is not valid.
+    A cell with an infinite yield displacement is elastic. A cell that is out of range, or has a period
+    below a tenth of the records' longest time step, is not valid.
     """
     values = structure.arrays()
     uy = values.get("yield_displacement", xr.DataArray(np.inf))
@@ -143,9 +143,9 @@ def cells_of(structure: Bilinear, like: xr.DataArray, motions: Motions) -> Recor
 
 
 def check_run(motions: Motions, frequencies: Array, kept: int = 0) -> None:
-    """Raise a ValueError if structures of these frequencies [rad/s] are too much on these records.
+    """Raise a ValueError if structures of these circular frequencies [rad/s] would take too long.
 
-    ``kept`` numbers are held of every sub-step of those that run at once.
+    ``kept`` is how many numbers of each sub-step are stored while a structure runs.
     """
     dt, samples = np.array([(ground.dt, len(ground.acceleration)) for ground in motions.grounds]).T
     steps = samples[:, None] * np.maximum(1.0, dt[:, None] * frequencies / LONGEST)
@@ -166,7 +166,8 @@ def table_over(
 ) -> xr.Dataset:
     """Columns (records, valid cells) as a labelled table over the records and the cells' dimensions.
 
-    The status of a cell is the elastic limit where it stayed ``elastic``, invalid input where it is NaN.
+    The status of a cell is ``elastic_limit`` if the structure did not yield, ``elastic`` being True, and
+    ``invalid_input`` if the cell is NaN.
     """
     table = xr.Dataset(coords=like.coords)
     status = np.where(elastic, labels.ELASTIC_LIMIT, labels.CONVERGED)

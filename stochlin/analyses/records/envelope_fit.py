@@ -1,4 +1,4 @@
-"""Fit of an envelope to the way the energy of a record builds up."""
+"""Fit of an envelope to the cumulative energy of a record over time."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from stochlin.messages import brief
 from stochlin.models.envelopes import AminAng, Envelope, GammaEnvelope, HsuBernard, ShinozukaSato
 from stochlin.models.parameters import expect
 
-POINTS = 400  # instants at which build-ups are compared
-FEWEST = 1e-3  # of the record's length: shortest time that is sought
-LONGEST = 20.0  # times the record's length
+POINTS = 400  # number of times at which cumulative energies are compared
+FEWEST = 1e-3  # smallest value of an unknown; for a time, relative to the length of the record
+LONGEST = 20.0  # largest value of an unknown, likewise
 
 
 class _Unknown(NamedTuple):
-    """A positive number that is sought."""
+    """A positive unknown of the fit, and its starting values."""
 
-    is_time: bool  # as a share of the record's length
+    is_time: bool  # a time, relative to the length of the record
     starts: tuple[float, ...]
 
 
-# How to make an envelope of the numbers that are sought.
+# For each model, a function that makes the envelope from the unknowns, and the unknowns.
 _MODELS: dict[str, tuple[Callable[..., Envelope], tuple[_Unknown, ...]]] = {
     "amin_ang": (
         lambda rise, strong, decay: AminAng(rise, rise + strong, 1 / decay),
@@ -49,16 +49,17 @@ _MODELS: dict[str, tuple[Callable[..., Envelope], tuple[_Unknown, ...]]] = {
 
 
 def fit_envelope(record: xr.DataArray, model: str = "amin_ang") -> Envelope:
-    """Envelope whose energy builds up as that of a record.
+    """Envelope fitted to the cumulative energy of a record.
 
-    Least squares on the share of ``Int m^2 dt`` over time, against the record's ``Int a^2 dt`` (Husid
-    plot): the energy, not the noise of single peaks, decides.
+    The fit is by least squares on the cumulative ``Int m^2 dt`` of the envelope ``m`` over its total,
+    compared with ``Int a^2 dt`` of the record (Husid plot). It is therefore not governed by single
+    peaks.
 
     Parameters
     ----------
     record : xarray.DataArray
-        Ground acceleration [m/s^2] over ``time`` [s], as `read_record` gives it. The time of the
-        envelope counts from its first sample.
+        Ground acceleration [m/s^2] over ``time`` [s], as from `read_record`. The time of the envelope
+        is counted from the first sample.
     model : str
         ``"amin_ang"``, ``"shinozuka_sato"``, ``"gamma"`` or ``"hsu_bernard"``.
 
@@ -70,7 +71,7 @@ def fit_envelope(record: xr.DataArray, model: str = "amin_ang") -> Envelope:
     Raises
     ------
     ValueError, TypeError
-        If the record is not one, or the model is unknown.
+        If the record is not valid or the model is unknown.
     ArithmeticError
         If no fit is found.
 
@@ -110,25 +111,25 @@ def fit_envelope(record: xr.DataArray, model: str = "amin_ang") -> Envelope:
 
 
 def energy_build_up(record: xr.DataArray, envelope: Envelope) -> xr.Dataset:
-    """Compare the energy of a record with that of an envelope over time, for a chart of the fit.
+    """Compare the cumulative energy of a record with that of an envelope, for a chart of the fit.
 
     Parameters
     ----------
     record : xarray.DataArray
         Ground acceleration [m/s^2] over ``time`` [s].
     envelope : AminAng, ShinozukaSato, GammaEnvelope or HsuBernard
-        As `fit_envelope` gives it, or any other.
+        The envelope, as from `fit_envelope` or any other.
 
     Returns
     -------
     xarray.Dataset
-        Over ``time`` [s], from the first sample: ``record_energy`` and ``envelope_energy`` [-], shares
-        of the total so far, and ``envelope`` [-].
+        Over ``time`` [s], counted from the first sample: ``record_energy`` and ``envelope_energy`` [-],
+        cumulative energies over their totals, and ``envelope`` [-].
 
     Raises
     ------
     ValueError, TypeError
-        If the record or the envelope is not one.
+        If the record or the envelope is not valid.
 
     References
     ----------
@@ -166,7 +167,7 @@ def energy_build_up(record: xr.DataArray, envelope: Envelope) -> xr.Dataset:
 
 
 def _build_up(values: Array, dt: float) -> Array:
-    """Share of the energy so far, trapezoidal."""
+    """Cumulative energy over its total [-], by the trapezoidal rule."""
     square = values**2
     steps = 0.5 * dt * (square[1:] + square[:-1])
     energy = np.concatenate([[0.0], np.cumsum(steps)])

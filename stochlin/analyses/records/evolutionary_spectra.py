@@ -20,9 +20,9 @@ def evolutionary_psd(
     Parameters
     ----------
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
-        The stationary ground, ``S``.
+        Stationary ground with the PSD ``S``.
     envelope : AminAng, ShinozukaSato, GammaEnvelope or HsuBernard
-        ``m``, the same for all frequencies.
+        Envelope ``m`` of the motion, the same for all frequencies.
     frequency : float or array
         Circular frequency [rad/s]; a plain 1-D array gets the dimension ``frequency``.
     time : float or array
@@ -36,7 +36,7 @@ def evolutionary_psd(
     Raises
     ------
     ValueError, TypeError
-        If a time is negative or not finite, or an argument is no ground or envelope.
+        If a time is negative or not finite, or the ground or the envelope is of another kind.
 
     References
     ----------

@@ -1,4 +1,4 @@
-"""Record files: PEER AT2 and columns of text, read as they are written."""
+"""Record files: PEER AT2 and columns of text, read without conversion of units."""
 
 from __future__ import annotations
 
@@ -35,25 +35,25 @@ _AT2_DIALECTS = (
 )
 _AT2_UNITS = re.compile(r"UNITS\s+OF\s+(\S+)", re.IGNORECASE)
 _AT2_HEADER_LINES = 8
-# Of columns that hold no acceleration that we know.
+# Units in column names that are not of a known acceleration.
 _OTHER_UNITS = re.compile(r"(mm|cm|m|km|in|ft|ms|hz|rad|deg)([/^*][\w/^*.-]*)?")
 _COMMA = re.compile(r"[-+]?\d+,\d{2,}")
-_SAMPLE = 100  # lines
+_SAMPLE = 100  # lines checked for decimal commas
 _LINE_ENDS = ("\r\n", *"\r\x0b\x0c\x1c\x1d\x1e\x85\u2028\u2029")
 
 
 class Series(NamedTuple):
-    """What a file holds: acceleration as written, and what the file says about it."""
+    """Content of a record file: accelerations as written, and time, time step and units if stated."""
 
     values: npt.NDArray[np.float64]
     time: npt.NDArray[np.float64] | None
     dt: float | None
     units: str | None
-    column: str = ""  # its name
+    column: str = ""  # name of the column
 
 
 def read_series(path: Path, column: Column | None, time_column: Column | None) -> Series:
-    """Read a file of either format."""
+    """Read a record file of either format."""
     name, text = plain(path.name), _text(path)
     head = list(islice(_content(text), _AT2_HEADER_LINES))
     if not head:
@@ -67,7 +67,7 @@ def read_series(path: Path, column: Column | None, time_column: Column | None) -
 
 
 def _text(path: Path) -> str:
-    """What the file holds; a ValueError if that is no text."""
+    """Text of the file, with ``#`` for each comment sign; a ValueError if it is not text in UTF-8."""
     content = path.read_bytes()
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):
         raise ValueError(f"{plain(path.name)} is text in UTF-16; allowed: UTF-8, so save it as such")
@@ -76,13 +76,13 @@ def _text(path: Path) -> str:
     text = content.decode("utf-8-sig", errors="replace")
     for other in _LINE_ENDS:
         text = text.replace(other, "\n")
-    return text.replace("%", "#")  # either starts a comment
+    return text.replace("%", "#")  # both start a comment
 
 
 def _content(text: str, start: int = 0) -> Iterator[Line]:
-    """Numbered lines beyond the first so many, without comments and blanks.
+    """Numbered lines after the first ``start``, without comments, empty lines and white space.
 
-    A control-Z ends old DOS files.
+    The control-Z at the end of old DOS files is dropped.
     """
     for number, line in enumerate(StringIO(text), 1):
         kept = line.partition("#")[0].strip(" \t\n\x1a")
@@ -113,7 +113,7 @@ def _read_at2(text: str, head: Sequence[Line], name: str) -> Series:
 
 
 def _plain_series(text: str, header: int) -> npt.NDArray[np.float64] | None:
-    """The numbers after so many lines, if all that is there is numbers."""
+    """The numbers after ``header`` lines, or None if there is anything else."""
     start = 0
     for _ in range(header):
         start = text.find("\n", start) + 1
@@ -171,7 +171,7 @@ def _read_columns(
 
 
 def rows_in_words(path: Path) -> list[str]:
-    """File, line and row of each row of numbers, for messages."""
+    """Name of file, line and row for each row of numbers, for messages."""
     name, text = plain(path.name), _text(path)
     number, line = next(_content(text))
     separator = next((mark for mark in ";," if mark in line), None)
@@ -181,7 +181,7 @@ def rows_in_words(path: Path) -> list[str]:
 
 
 def _refuse_decimal_commas(text: str, start: int, name: str) -> None:
-    """Raise for numbers such as ``0,05``, which would be read as 0 and 5."""
+    """Raise a ValueError for numbers such as ``0,05``, which would be read as 0 and 5."""
     lines = [line for _, line in islice(_content(text, start), _SAMPLE)]
     if all(_COMMA.fullmatch(line) for line in lines) and any(",0" in line for line in lines):
         raise ValueError(
@@ -190,7 +190,7 @@ def _refuse_decimal_commas(text: str, start: int, name: str) -> None:
 
 
 def _plain_table(text: str, start: int, separator: str | None) -> npt.NDArray[np.float64] | None:
-    """The columns after so many lines, if all that is there is numbers, as many in each line."""
+    """The columns after ``start`` lines, or None unless all lines have equally many finite numbers."""
     try:
         table = np.loadtxt(StringIO(text), comments="#", delimiter=separator, skiprows=start, ndmin=2)
     except ValueError:
@@ -204,7 +204,7 @@ def _fields(text: str, separator: str | None) -> list[str]:
 
 
 def _column_names(text: str, separator: str | None) -> list[str]:
-    """Names in a first line that has no number; none where it is a line of data."""
+    """Names of the columns in a first line without numbers; empty if it is a line of data."""
     fields = _fields(text, "\t" if separator is None and "\t" in text else separator)
     return fields if all(re.match(r"[^-+.\d]|$", f) and _float(f) is None for f in fields) else []
 
@@ -267,7 +267,7 @@ def _float(text: str) -> float | None:
 
 
 def acceleration_units(units: str, parameter: str) -> str:
-    """The one spelling of units of acceleration that `METRES` knows."""
+    """Units of acceleration in the spelling of `METRES`; a ValueError if they are unknown."""
     known = spelled(units)
     if known not in METRES:
         raise ValueError(
@@ -277,18 +277,18 @@ def acceleration_units(units: str, parameter: str) -> str:
 
 
 def spelled(units: object) -> str:
-    """Units in lower case, without the variants of writing per second squared."""
+    """Units in lower case and in one spelling of per second squared."""
     lower = str(units).strip().lower()
     return _SPELLINGS.get(lower, lower)
 
 
 def allowed_units() -> str:
-    """Units for an error message."""
+    """All known units in one line, for error messages."""
     return ", ".join(f"{unit!r}" for unit in (*METRES, "gal"))
 
 
 def stated_units(series: Series, name: str, units: str | None) -> str:
-    """Units of a file, as given or as it states them; a ValueError if neither, or if they differ."""
+    """Units of a file, as given or stated in it; a ValueError if neither is the case or they differ."""
     if units and series.units and units != series.units:
         raise ValueError(
             f"units = {brief(units)} contradicts {name}, which states {brief(series.units)}; correct "

@@ -1,4 +1,4 @@
-"""The gap that two structures would have needed in a recorded motion, or the set-back of one."""
+"""Gap that two structures would have needed in a recorded motion, or the set-back of one structure."""
 
 from __future__ import annotations
 
@@ -32,45 +32,48 @@ QUANTILES = np.array([0.5, 0.84, 0.9, 0.95])
 
 
 def recorded_gap(first: AnyStructure, second: AnyStructure | None, record: Records) -> xr.Dataset:
-    """Gap that would just have been enough between two structures in a recorded motion.
+    """Smallest gap without contact between two structures in a recorded motion.
 
-    ``max (u_1 - u_2)`` over the motion, ``first`` on the left: nothing random is left in it, and no rule
-    of combination is needed.
+    It is ``max (u_1 - u_2)`` over the motion, with ``first`` on the left. It requires no rule for the
+    combination of peaks.
 
     Parameters
     ----------
     first, second : Bilinear, BoucWen, Hysteretic or ShearBuilding, or None for ``second``
-        Elastic, or with strengths in metres; parameters of oscillators broadcast by dimension name.
-        None: ``first`` stands alone, and the gap is its distance from the property line on its right.
+        Structures, elastic or with a yield displacement or yield drifts. Parameters of oscillators
+        broadcast by dimension name. If ``second`` is None, ``first`` stands alone, and the gap is its
+        distance from the property line on its right.
     record : xarray.DataArray, or list or mapping of them
-        Ground acceleration [m/s^2] over ``time``, as `read_record` gives it. Several records make
-        a dimension ``record``.
+        Ground acceleration [m/s^2] over ``time`` [s], as from `read_record`. Several records add the
+        dimension ``record`` to the result.
 
     Returns
     -------
     xarray.Dataset
-        Over the dimensions of the parameters: ``separation`` [m]; ``peak_1`` and ``peak_2`` [m],
-        ``max |u|`` of each, of a building where the lower roof meets the other; ``srss`` [m] of the two
-        peaks and ``separation_over_srss`` [-]; ``rho`` [-], ``int u_1 u_2 dt`` over the root of
-        ``int u_1^2 dt int u_2^2 dt``, about the position before the motion; ``status``,
-        ``elastic_limit`` where neither yielded. Of two oscillators also ``pseudo_energy_radius_1``
-        and ``_2`` [m]; of others than two `Bilinear` ``step_error`` [-]: what halving the step changed
-        last. With storeys ``separation`` holds at all heights, and there are ``separation_at_height``
-        [m] over ``height``, ``peak_drift`` [m] and ``ductility`` [-] over ``element``. Of several
-        records also ``separation_quantile`` [m] over ``quantile``, with a 95 % interval, ``_lower`` and
-        ``_upper``: infinite where the records are too few to bound it. Of one structure alone what is of
-        two is left out.
+        Over the dimensions of the parameters: ``separation`` [m]; ``peak_1`` and ``peak_2`` [m], the
+        peaks ``max |u|`` of both structures, for a building at the level of the lower roof; ``srss``
+        [m] of the two peaks and ``separation_over_srss`` [-]; ``rho`` [-], ``int u_1 u_2 dt`` over the
+        square root of ``int u_1^2 dt int u_2^2 dt``, with displacements from the position before the
+        motion; ``status``, which is ``elastic_limit`` where no structure yielded. For two oscillators
+        also ``pseudo_energy_radius_1`` and ``_2`` [m]. Unless both structures are `Bilinear`, also
+        ``step_error`` [-], the largest change of a peak when the time step was last halved.
+
+        For buildings with storeys, ``separation`` is the largest over all heights; there are also
+        ``separation_at_height`` [m] over ``height``, and ``peak_drift`` [m] and ``ductility`` [-] over
+        ``element``. For several records there is also ``separation_quantile`` [m] over ``quantile``,
+        with a 95 % interval ``_lower`` and ``_upper``, infinite if the records are too few. For one
+        structure alone, the variables of two structures are left out.
 
     Raises
     ------
     ValueError, TypeError
-        As in `response_spectrum`; or if a structure has a reduction factor.
+        As in `response_spectrum`, or if a structure has a reduction factor.
 
     Notes
     -----
-    Two `Bilinear`: exact for a ground that is linear between samples, as `response_spectrum`; both take
-    common sub-steps, chosen by the stiffer of them. Others in the steps of `simulate`, which are halved
-    until no peak changes by more than 1e-4.
+    For two `Bilinear` structures the response is exact for a ground acceleration that is linear between
+    samples, as in `response_spectrum`; both have common sub-steps, chosen for the stiffer one. Other
+    structures have the time steps of `simulate`, halved until no peak changes by more than 1e-4.
 
     References
     ----------
@@ -112,7 +115,7 @@ def recorded_gap(first: AnyStructure, second: AnyStructure | None, record: Recor
 
 
 def _over_records(separation: xr.DataArray) -> dict[str, xr.DataArray]:
-    """Quantiles over the records, with their 95 % intervals."""
+    """Quantiles of the separation over the records, with their 95 % intervals."""
     samples = separation.transpose(RECORD, ...)
     found = quantile_intervals(samples.to_numpy(), QUANTILES)
     like = samples.isel({RECORD: 0}, drop=True)
@@ -124,7 +127,7 @@ def _over_records(separation: xr.DataArray) -> dict[str, xr.DataArray]:
 
 
 def _exactly(structures: list[Bilinear], motions: Motions) -> xr.Dataset:
-    """Every cell, without labels."""
+    """Exact results for bilinear structures in all cells, without labels."""
     like = dims_of(*structures)
     cells = [cells_of(structure, like, motions) for structure in structures]
     valid = np.all([one.valid for one in cells], axis=0)

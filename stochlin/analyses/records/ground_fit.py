@@ -26,23 +26,23 @@ from stochlin.messages import brief
 from stochlin.models.grounds import GROUNDS, Ground
 
 Matrix = npt.NDArray[np.float64]
-# Ordinates per independent one: sums over them are then integrals over frequency.
+# Ordinates of the padded periodogram per independent one, so that sums approximate integrals.
 _PADDING = 4
 _MINIMUM_ORDINATES = 8
-# Half width at half height [rad/s] of the line that a sinusoid of 1 s makes in a periodogram.
+# Half width at half height [rad/s] of the spectral line of a sinusoid of 1 s in a periodogram.
 _LINE_WIDTH = 2.78
 _START_PERIODS = 16
 _STEP, _ON_BOUND = 1e-4, 1e-3  # in the logarithm of a parameter
 
 
 class _Unknown(NamedTuple):
-    """A parameter that is sought by its logarithm, between bounds."""
+    """A parameter of the ground to be fitted by its logarithm, between bounds."""
 
     name: str
     lower: float
     upper: float
 
-    over_period: bool = False  # a time, sought over the ground's period
+    over_period: bool = False  # a time, fitted as a multiple of the ground period
 
     @property
     def shown(self) -> str:
@@ -50,10 +50,10 @@ class _Unknown(NamedTuple):
 
 
 class _Problem(NamedTuple):
-    """What is sought, of which kind of ground, from where."""
+    """The kind of ground to be fitted, its unknowns and their starting values."""
 
     kind: type[Ground]
-    unknowns: tuple[_Unknown, ...]  # period, those of `Fit`, intensity
+    unknowns: tuple[_Unknown, ...]  # the period, the parameters of `Fit`, the intensity
     starts: Sequence[tuple[float, ...]]
 
     @classmethod
@@ -73,14 +73,14 @@ class _Problem(NamedTuple):
         }
 
     def psd(self, logs: Matrix, frequency: Vector) -> Matrix:
-        """PSD of each row of parameters, by one call for all of them."""
+        """PSD for each row of parameters (trials, frequencies), from one call."""
         found = self.kind.filter(self.parameters(np.exp(logs).T[..., None]))
         density: Matrix = found.intensity * found.transmission(frequency)
         return density
 
 
 def fitted_grounds() -> dict[str, type[Ground]]:
-    """The kinds of ground that can be fitted, by name."""
+    """The kinds of ground that can be fitted to records, by name."""
     return {name: kind for name, kind in GROUNDS.items() if kind.fit is not None}
 
 
@@ -92,7 +92,7 @@ def ground_of_record(
     part: Part = STRONG_PART,
     frequency_range: tuple[float, float] | None = None,
 ) -> Any:
-    """What `fit_ground` gives for a record."""
+    """The ground that `fit_ground` fits to a record."""
     kinds = fitted_grounds()
     _check_name("model", model, kinds)
     _check_name("estimator", estimator, ESTIMATORS)
@@ -166,7 +166,10 @@ def _starts(
     problem: _Problem,
     residual: Callable[[Vector], Matrix],
 ) -> list[Vector]:
-    """The best period of a grid for each start of the others, at the record's energy."""
+    """Starting values: for each start of the other unknowns, the best period of a grid.
+
+    The intensity is that with the energy of the record.
+    """
     period = problem.unknowns[0]
     periods = np.geomspace(period.lower, period.upper, _START_PERIODS + 2)[1:-1]
     peak = 2 * np.pi / frequency[np.argmax(density)]
@@ -180,7 +183,7 @@ def _starts(
 
 
 def _standard_errors(frequency: Vector, logs: Vector, problem: _Problem, estimator: Estimator) -> Vector:
-    """Relative standard errors of the parameters, by the sandwich of the estimating equations."""
+    """Relative standard errors of the parameters [-], by the sandwich estimator of their covariance."""
     shifts = _STEP * np.eye(logs.size)
     up, down = (problem.psd(logs + sign * shifts, frequency) for sign in (1, -1))
     slopes = np.log(up / down) / (2 * _STEP)

@@ -1,4 +1,4 @@
-"""Strong-motion records: a labelled history of ground acceleration, and its strong part."""
+"""Strong-motion records: reading a record as a labelled array, and its strong part."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ from stochlin.messages import DoubtfulInput, brief, plain
 
 MINIMUM_SAMPLES = 16
 
-# Fractions of the step by which a printed time may miss its place and a printed step the usual
-# one: 1/300 s is printed .003, .007, .010. A lost sample misses both by 1.
+# Allowed deviations in time steps: of a printed time from its even position, and of a printed step from
+# the median step. Times at 1/300 s are printed 0.003, 0.007, 0.010. A lost sample deviates by 1.
 _TIME_TOLERANCE, _GAP = 0.25, 0.5
-# Relative difference of two steps that rounding may make: 1/128 s is printed .0078.
+# Relative difference of two time steps that may come from rounding: 1/128 s is printed 0.0078.
 _STEP_TOLERANCE = 2e-3
 _CURE = "correct it, or leave it out"
 SHORTEST_STEP = 1e-6  # s
-LONGEST_STEP, LARGEST_PEAK = 0.5, 3 * METRES["g"]  # s, m/s^2: beyond, it is asked whether it is meant
+LONGEST_STEP, LARGEST_PEAK = 0.5, 3 * METRES["g"]  # s, m/s^2; larger values give a warning
 _NO_ACCELERATION = re.compile(r"\b(vel|velocity|disp|displacement|time)\b", re.IGNORECASE)
 
 
@@ -46,22 +46,23 @@ def read_record(
 ) -> xr.DataArray:
     r"""Read a strong-motion record.
 
-    Formats: PEER AT2 (recognised by ``NPTS`` in its header, in the dialects
-    ``NPTS=  5372, DT=   .0100 SEC`` and ``4096    0.0100    NPTS, DT``), which states its time step
-    and units; and columns of text separated by comma, semicolon or white space, with or without a
-    row of names, which state neither. Text after ``#`` or ``%`` is a comment. Nothing is guessed.
+    Two formats are read. A PEER AT2 file is recognised by ``NPTS`` in its header, in the form
+    ``NPTS=  5372, DT=   .0100 SEC`` or ``4096    0.0100    NPTS, DT``, and states its time step and
+    units. A file with columns of text, separated by comma, semicolon or white space, with or without a
+    row of names, does not state the time step, and the units only in a name such as ``acc [g]``. Text
+    after ``#`` or ``%`` is a comment. Missing information is never guessed.
 
     Parameters
     ----------
     path : str or path
-        The file, text in UTF-8.
+        Path of the file, text in UTF-8.
     dt : float, optional
         Time step [s], positive. Not needed for AT2 or with a ``time_column``.
     units : {"g", "m/s^2", "cm/s^2", "gal", "mm/s^2"}, optional
-        Units of the numbers in the file. Not needed for AT2.
+        Units of the numbers in the file. Not needed if the file states them.
     column, time_column : int or str, optional
-        Column of the acceleration and of the time [s]: index from 0, or name in the row of names.
-        ``column`` may be left out where one column remains.
+        Columns of the acceleration and of the time [s], each by its index from 0 or by its name.
+        ``column`` is not needed if only one column remains.
 
     Returns
     -------
@@ -74,15 +75,15 @@ def read_record(
     FileNotFoundError
         If there is no such file.
     ValueError
-        If a time step, units or a column are missing, unknown or contradict the file; if the file
+        If the time step, the units or a column are missing, unknown or contradict the file; if the file
         has text, NaN or infinity among its numbers (the message names the line), lines of unequal
         length, a time that does not increase or has a gap, fewer than 16 samples or only zeros.
 
     Warns
     -----
     UserWarning
-        If the record is possible, but hardly meant: a peak of more than 3 g, a time step of more than
-        .5 s, values that increase throughout, a column that is named as a velocity or the like.
+        If the record is implausible: a peak of more than 3 g, a time step of more than 0.5 s, values
+        that increase throughout, or a column named as a velocity, a displacement or a time.
 
     Examples
     --------
@@ -107,7 +108,7 @@ def read_record(
 
 
 def _doubts(record: xr.DataArray, series: Series) -> Iterator[str]:
-    """What is allowed, but hardly meant: each as a question."""
+    """Texts of warnings on an implausible record, each as a question."""
     peak, step = float(np.abs(record).max()), record.attrs["dt"]
     if peak > LARGEST_PEAK:
         yield (
@@ -128,20 +129,21 @@ def strong_part(record: xr.DataArray, start: float = 0.05, end: float = 0.95) ->
     Parameters
     ----------
     record : xarray.DataArray
-        Ground acceleration [m/s^2] with the dimension ``time``, as `read_record` gives it.
+        Ground acceleration [m/s^2] with the dimension ``time`` [s], as from `read_record`.
     start, end : float
-        Fractions of the Arias intensity (pi / 2 g times the integral of the squared acceleration)
-        at which the part starts and ends, 0 <= start < end <= 1.
+        Fractions of the Arias intensity (``pi/(2 g)`` times the integral of the squared acceleration) at
+        which the part starts and ends, 0 <= start < end <= 1.
 
     Returns
     -------
     xarray.DataArray
-        The part, on its own piece of ``time``; ``energy_part`` among its attributes.
+        The samples of this part [m/s^2] over their ``time`` in the record. The attribute ``energy_part``
+        names the fractions.
 
     Raises
     ------
     TypeError, ValueError
-        If the record is not such an array, or the fractions are out of range.
+        If the record is not valid or the fractions are out of range.
 
     References
     ----------
@@ -171,10 +173,10 @@ def strong_part(record: xr.DataArray, start: float = 0.05, end: float = 0.95) ->
 
 
 def checked_record(record: xr.DataArray) -> tuple[npt.NDArray[np.float64], float]:
-    """Values [m/s^2] and time step [s] of a record, once it is one.
+    """Values [m/s^2] and time step [s] of a record, checked.
 
-    It is a DataArray over an even ``time`` [s], in these units or none, with 16 finite samples at least
-    that are not all zero; otherwise a TypeError or ValueError says what is wrong.
+    A record is a DataArray over an evenly spaced ``time`` [s], with units m/s^2 or without units, and
+    with at least 16 finite samples that are not all zero. Otherwise a TypeError or ValueError is raised.
     """
     if not isinstance(record, xr.DataArray):
         raise TypeError(
@@ -232,7 +234,7 @@ def _labelled(series: Series, name: str, dt: float | None, units: str | None) ->
 
 
 def _time_step(time: npt.NDArray[np.float64], dt: float | None = None) -> float:
-    """Step of an even time, `dt` where that is given and agrees."""
+    """Step of an evenly spaced time [s], which is ``dt`` if this is given and agrees."""
     steps = np.diff(time)
     if not steps.size or not np.isfinite(time).all():
         raise ValueError("time is not a series of finite numbers; allowed: increasing, in seconds")
@@ -250,7 +252,7 @@ def _time_step(time: npt.NDArray[np.float64], dt: float | None = None) -> float:
             f"time has a gap at {time[i]:.9g} s: the next is {time[i + 1]:.9g} s, but the step is "
             f"{usual:.6g} s; fill it, or cut the record there"
         )
-    # Twelve digits: the mean step of printed times is .02, not .019999999999999997.
+    # Rounded to twelve digits, the mean step of printed times is 0.02, not 0.019999999999999997.
     step = float(f"{(time[-1] - time[0]) / steps.size:.12g}")
     if dt is not None and not np.isclose(dt, step, rtol=_STEP_TOLERANCE, atol=0):
         raise ValueError(f"dt = {dt:g} contradicts the time, whose step is {step:.6g} s; {_CURE}")

@@ -1,4 +1,4 @@
-"""Response of structures to recorded motions: spectra, the pseudo energy radius, histories."""
+"""Response of structures to records: response spectra, pseudo energy radius, response histories."""
 
 from __future__ import annotations
 
@@ -45,19 +45,19 @@ def pseudo_energy_radius(
 ) -> xr.Dataset:
     """Pseudo energy radius of structures on records, eqs. (1) and (2).
 
-    ``r_PER = max sqrt(u^2 + (u'/w)^2)``, with ``w = 2 pi/T`` of the elastic structure; it is at least
-    ``max |u|``, and equal to it only if the largest energy finds the structure at rest.
+    ``r_PER = max sqrt(u^2 + (u'/w)^2)``, with ``w = 2 pi/T`` of the elastic structure. It is at least
+    ``max |u|``, and equal to it only if the velocity is zero at the largest energy.
 
     Parameters
     ----------
     record, period, damping, hardening, yield_displacement
-        As in `response_spectrum`, which gives more of the same run.
+        As in `response_spectrum`, whose result includes that of this function.
 
     Returns
     -------
     xarray.Dataset
-        ``pseudo_energy_radius`` [m] and ``displacement_max`` [m], ``max |u|``, over the dimensions of
-        the parameters; ``status``, ``elastic_limit`` where yield was not reached.
+        Over the dimensions of the parameters: ``pseudo_energy_radius`` [m]; ``displacement_max`` [m],
+        which is ``max |u|``; ``status``, which is ``elastic_limit`` where the structure did not yield.
 
     Raises
     ------
@@ -92,44 +92,47 @@ def response_spectrum(
     hardening: Parameter | None = None,
     yield_displacement: Parameter | None = None,
 ) -> xr.Dataset:
-    """Response spectra of records: the peaks of elastic or bilinear structures.
+    """Response spectra of records: peak responses of elastic or bilinear oscillators.
 
     Parameters
     ----------
     record : xarray.DataArray, or list or mapping of them
-        Ground acceleration [m/s^2] over ``time``, as `read_record` gives it. Several records make
-        a dimension ``record``.
+        Ground acceleration [m/s^2] over ``time`` [s], as from `read_record`. Several records add the
+        dimension ``record`` to the result.
     period, damping : float or array
-        ``T`` [s], at least a tenth of the record's step, and the damping ratio [-], in (0, 1).
+        Period ``T`` [s], at least a tenth of the time step of the record, and damping ratio [-], in
+        (0, 1).
     hardening : float or array, optional
-        Post-yield over elastic stiffness [-], in (0, 1]; needed with a strength.
+        Hardening ratio, post-yield over elastic stiffness [-], in (0, 1]. It is required with a yield
+        displacement.
     yield_displacement : float or array, optional
-        ``uy`` [m], positive; infinite, or left out, is elastic.
+        Yield displacement ``uy`` [m], positive. By default, and where it is infinite, the structure
+        stays elastic.
 
     Returns
     -------
     xarray.Dataset
         Over the dimensions of the parameters: ``displacement_max`` [m] and ``velocity_max`` [m/s],
         relative to the ground; ``acceleration_max`` [m/s^2], absolute; ``pseudo_velocity`` [m/s],
-        ``w max |u|``, and ``pseudo_acceleration`` [m/s^2], ``w^2 max |u|``, with the elastic ``w``;
+        ``w max |u|``, and ``pseudo_acceleration`` [m/s^2], ``w^2 max |u|``, with ``w = 2 pi/T``;
         ``pseudo_energy_radius`` [m]; ``input_energy_per_mass``, ``viscous_energy_per_mass`` and
-        ``hysteretic_energy_per_mass`` [m^2/s^2] by the end of the record, as in `respond`; and
-        ``status``, ``elastic_limit`` where yield was not reached. With a strength, ``permanent_set``
-        [m]: the position in which the structure comes to rest if it does not yield after the record's
-        end.
+        ``hysteretic_energy_per_mass`` [m^2/s^2] at the end of the record, as in `respond`; and
+        ``status``, which is ``elastic_limit`` where the structure did not yield. With a yield
+        displacement also ``permanent_set`` [m], the displacement at which the structure comes to rest if
+        it does not yield after the end of the record.
 
     Raises
     ------
     ValueError, TypeError
-        If a record is not one, a scalar is out of range, or dimensions do not fit together. In an
-        array the cells out of range are NaN with status ``invalid_input``.
+        If a record is not valid, a scalar is out of range, or dimensions do not match. Cells of an array
+        that are out of range are NaN, with the status ``invalid_input``.
 
     Notes
     -----
-    The ground is linear between samples, and for such a ground the response is exact: each linear
-    branch by its own solution, yields and reversals located inside the step. Peaks between steps
-    are those of cubics, right to a few 1e-4. Peaks after the end of the record are not
-    seen: append zeros to a record that ends while structures still move.
+    The ground acceleration is linear between samples, and for it the response is exact: each linear
+    branch has its closed-form solution, and yielding and unloading are located within a time step. Peaks
+    between steps are those of cubic interpolation, with an error of a few 1e-4. Peaks after the end of
+    the record are not found; append zeros to a record that ends while structures still move.
 
     References
     ----------
@@ -177,37 +180,40 @@ def response_spectrum(
 
 
 def respond(structure: AnyStructure, record: xr.DataArray, *, refine: int = 1) -> xr.Dataset:
-    """History of the response of one structure to a record, from rest.
+    """Response history of one structure to a record, from rest.
 
     Parameters
     ----------
     structure : Bilinear, BoucWen, Hysteretic or ShearBuilding
-        Scalar parameters; elastic, or with strengths in metres.
+        Structure with scalar parameters, elastic or with a yield displacement or yield drifts.
     record : xarray.DataArray
-        Ground acceleration [m/s^2] over ``time``, as `read_record` gives it; linear between samples.
+        Ground acceleration [m/s^2] over ``time`` [s], as from `read_record`, linear between samples.
     refine : int
-        Points of time to an interval of the record. The response at the record's own times does
-        not depend on it.
+        Number of output times in each interval of the record. The response at the times of the record
+        does not depend on it.
 
     Returns
     -------
     xarray.Dataset
         Over ``time`` [s]: ``displacement`` [m] and ``velocity`` [m/s], relative to the ground;
-        ``radius`` [m], ``sqrt(u^2 + (u'/w)^2)`` of eq. (1). Energies [m^2/s^2]:
+        ``radius`` [m], ``sqrt(u^2 + (u'/w)^2)`` of eq. (1); and energies per unit mass [m^2/s^2]:
         ``input_energy_per_mass``, ``-Int a_g u' dt`` up to this time; ``viscous_energy_per_mass`` and
-        ``hysteretic_energy_per_mass``, dissipated by then; ``kinetic_energy_per_mass``, ``u'^2/2``, and
-        ``elastic_energy_per_mass``, what unloading would give back; the four add up to the first. With a
-        strength ``z`` [-], the hysteretic displacement over ``uy``, in [-1, 1] for the bilinear law. Of
-        a building displacement and velocity are over ``floor``, there are ``storey_drift`` [m] and
-        ``z`` over ``element``, and the energies are those of all floors over the whole mass. What is
-        not a `Bilinear` takes the steps of `simulate`, halved until no peak changes by more than
-        1e-4: ``step_error`` [-] is what it changed last.
+        ``hysteretic_energy_per_mass``, dissipated up to this time; ``kinetic_energy_per_mass``,
+        ``u'^2/2``; and ``elastic_energy_per_mass``, which unloading would release. The last four add up
+        to the first. If the structure can yield, also ``z`` [-], the hysteretic displacement over
+        ``uy``, which is in [-1, 1] for the bilinear law.
+
+        For a building with storeys, ``displacement`` and ``velocity`` are over ``floor``, and
+        ``storey_drift`` [m] and ``z`` over ``element``; energies are those of all floors over the total
+        mass, and there is no ``radius``. For all structures except `Bilinear`, the time steps are those
+        of `simulate`, halved until no peak changes by more than 1e-4; ``step_error`` [-] is the last
+        change.
 
     Raises
     ------
     ValueError, TypeError
-        If the structure has arrays or a reduction factor, the record is not one, or ``refine`` is not a
-        whole number from 1.
+        If the structure has arrays or a reduction factor, the record is not valid, or ``refine`` is not
+        a whole number from 1.
 
     References
     ----------

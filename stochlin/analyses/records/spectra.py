@@ -1,4 +1,4 @@
-"""Spectra of records, and the estimators by which a model is compared with them."""
+"""Spectra of records, and the estimators by which models of grounds are fitted to them."""
 
 from __future__ import annotations
 
@@ -21,18 +21,19 @@ Part = tuple[float, float]
 
 STRONG_PART: Part = (0.05, 0.95)
 
-# Shares of the energy below and above which leakage, noise and filters outweigh the ground.
+# Shares of the cumulative energy over frequency between which a fit is made by default. Outside,
+# leakage, noise and filters of the record outweigh the ground motion.
 _ENERGY = (1e-4, 0.99)
-# Share of the part under a cosine taper, for estimators that see the weak frequencies.
+# Share of the part under a cosine taper, for estimators that weight low ordinates fully.
 _TAPER = 0.1
-_SIXTH_OCTAVE = 2 ** (1 / 12)  # from the centre of a band to its edges
+_SIXTH_OCTAVE = 2 ** (1 / 12)  # frequency ratio from the centre of a sixth of an octave to its edges
 
 
 class Estimator(NamedTuple):
-    """Residuals of a fit, and what its error needs.
+    """Residuals of a fit, with the weight and variance from which standard errors follow.
 
-    The estimating equations are ``sum weight e dlog(model)/dp = 0``, where ``e`` has `variance`
-    because a record's ordinate over the true PSD is exponentially distributed.
+    The estimating equations are ``sum weight e dlog(model)/dp = 0``. The error ``e`` has the variance
+    ``variance``, since ordinates of a record over the true PSD are exponentially distributed.
     """
 
     text: str
@@ -47,7 +48,7 @@ def _difference(record: Vector, model: Vector) -> Vector:
 
 
 def _log_difference(record: Vector, model: Vector) -> Vector:
-    return np.log(model / record) - np.euler_gamma  # mean log of an exponential variable
+    return np.log(model / record) - np.euler_gamma  # the mean log of an exponential variable
 
 
 def _deviance(record: Vector, model: Vector) -> Vector:
@@ -72,7 +73,7 @@ def fit_spectra(record: xr.DataArray, ground: Ground, *, part: Part = STRONG_PAR
     record : xarray.DataArray
         Ground acceleration [m/s^2] with the dimension ``time`` [s].
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
-        As `fit_ground` gives it, or any other.
+        The ground, as from `fit_ground` or any other.
     part : tuple of two floats
         Fractions of the cumulative energy between which the record is used.
 
@@ -81,13 +82,13 @@ def fit_spectra(record: xr.DataArray, ground: Ground, *, part: Part = STRONG_PAR
     xarray.Dataset
         Over ``frequency`` [rad/s], the positive Fourier frequencies: ``psd_record`` (raw
         periodogram), ``psd_smoothed`` (its mean over a sixth of an octave) and ``psd_ground``, all
-        two-sided per rad/s [m^2/s^3]. Twice the integral of ``psd_record`` is the variance of the
-        part.
+        two-sided per rad/s [m^2/s^3]. Twice the integral of ``psd_record`` is the variance of this part
+        of the record.
 
     Raises
     ------
     TypeError, ValueError
-        If the record or the ground is not one, or the fractions are out of range.
+        If the record or the ground is not valid, or the fractions are out of range.
 
     References
     ----------
@@ -129,7 +130,7 @@ def fit_spectra(record: xr.DataArray, ground: Ground, *, part: Part = STRONG_PAR
 
 
 def described(record: xr.DataArray, part: Part, duration: float) -> str:
-    """Name of a record and the part used, for sources and titles."""
+    """Name of a record, part used and its duration [s], for sources and titles."""
     name = record.attrs.get("source", "a record")
     return f"{name}, {100 * part[0]:g}-{100 * part[1]:g} % part ({duration:.4g} s)"
 
@@ -149,18 +150,18 @@ def periodogram(
 
 
 def energy_band(frequency: Vector, density: Vector, duration: float) -> tuple[float, float]:
-    """Default frequency range of a fit [rad/s]."""
+    """Default frequency range of a fit [rad/s], lowest and highest."""
     energy = np.cumsum(density)
     low, high = frequency[np.searchsorted(energy, np.multiply(_ENERGY, energy[-1]))]
     return max(2 * np.pi / duration, float(low)), float(high)
 
 
 def _smoothed(frequency: Vector, density: Vector) -> Vector:
-    """Mean over a sixth of an octave, by differences of the cumulative energy."""
+    """Mean of the density over a sixth of an octave, by differences of the cumulative energy."""
     step = frequency[0]
     edges = np.append(0.0, frequency) + step / 2
     energy = np.append(0.0, np.cumsum(density) * step)
-    # Never narrower than the step, and not beyond the ends.
+    # A band is never narrower than the step, and does not go beyond the ends.
     low = np.clip(np.minimum(frequency / _SIXTH_OCTAVE, frequency - step / 2), edges[0], None)
     high = np.clip(np.maximum(frequency * _SIXTH_OCTAVE, frequency + step / 2), None, edges[-1])
     mean: Vector = (np.interp(high, edges, energy) - np.interp(low, edges, energy)) / (high - low)

@@ -1,4 +1,4 @@
-"""Structures of any law, and buildings with storeys, in a recorded motion: in steps that are halved."""
+"""Response to records of buildings with storeys and structures of any law, by steps that are halved."""
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ from stochlin.models.buildings import ShearBuilding
 from stochlin.models.structures import Structure
 from stochlin.models.systems import AnyStructure, System, system_of
 
-STEPS_PER_PERIOD = 32  # to begin with
-CLOSE, HALVINGS = 1e-4, 6  # of the peaks, from one step length to the next; how often it is halved
-STEP = 6e-7  # [s] of a core, that a step of a storey takes, roughly
-AT_ONCE = 4096  # steps
+STEPS_PER_PERIOD = 32  # steps in the shortest period before the first halving
+CLOSE, HALVINGS = 1e-4, 6  # allowed relative change of peaks when the step is halved; most halvings
+STEP = 6e-7  # approximate computing time of a step of one storey on one core [s]
+AT_ONCE = 4096  # steps computed at a time
 
 
 class Ridden(NamedTuple):
-    """What a system did in a record: functions of its floors at the ends of all steps."""
+    """Response of a system to a record: m functions of its floor displacements after every step."""
 
     values: Array  # (steps + 1, m) [m]
-    cuts: int  # steps to an interval of the record
-    error: float  # largest change of a peak when the step was halved for the last time, over the peak
+    cuts: int  # number of steps in an interval of the record
+    error: float  # largest relative change of a peak when the step was halved for the last time
 
 
 class States(NamedTuple):
-    """Floors and storeys of a system at the samples of a record (samples, n)."""
+    """Response of the floors and storeys of a system at the samples of a record (samples, n)."""
 
     displacement: Array  # [m]
     velocity: Array  # [m/s]
@@ -44,9 +44,9 @@ class States(NamedTuple):
 
 
 def ridden(frames: Sequence[Frame], ground: SampledGround, functions: Sequence[Terms]) -> Ridden:
-    """Functions of the floors from rest, in steps so short that their peaks stand still.
+    """Functions of the floor displacements, from rest, with steps halved until their peaks converge.
 
-    Second order: the error that is left is about a third of the last change.
+    The steps are of second order, so that the remaining error is about a third of the last change.
     """
     weights = np.zeros((len(functions), _floors(frames)))
     for row, terms in zip(weights, functions, strict=True):
@@ -73,7 +73,7 @@ def ridden(frames: Sequence[Frame], ground: SampledGround, functions: Sequence[T
 
 
 def states(frames: Sequence[Frame], ground: SampledGround, cuts: int) -> States:
-    """Floors and storeys at the samples, in ``cuts`` steps to an interval."""
+    """Displacements, velocities and ``z`` at the samples, with ``cuts`` steps in each interval."""
     f, dt = _forcing(ground, cuts), ground.dt / cuts
     samples = ground.acceleration.size
     found = States(*(np.zeros((samples, _floors(frames))) for _ in States._fields))
@@ -90,7 +90,7 @@ def states(frames: Sequence[Frame], ground: SampledGround, cuts: int) -> States:
 
 
 def stepped_history(structure: AnyStructure, ground: SampledGround, refine: int) -> xr.Dataset:
-    """What `respond` says of a structure, ``refine`` points to an interval of the record; no times."""
+    """The response history for `respond`, with ``refine`` points in an interval; without times."""
     system = system_of([structure])
     samples = np.arange(ground.acceleration.size)
     between = np.arange(refine * samples[-1] + 1) / refine
@@ -120,11 +120,11 @@ def stepped_history(structure: AnyStructure, ground: SampledGround, refine: int)
 def _energies(
     system: System, ground: SampledGround, motion: Ridden, u: Array, v: Array, z: Array
 ) -> xr.Dataset:
-    """Energies per unit mass at the samples, of the whole structure.
+    """Energies per unit mass of the whole structure at the samples [m^2/s^2].
 
-    Within a step the velocity is the change of the displacement over the step, for either rule: what is
-    put in and lost to viscous damping follows without an error of quadrature. What is neither that nor
-    in the structure has gone into yielding.
+    In the time stepping, the velocity within a step is the change of the displacement over the step.
+    With it, input energy and viscous energy have no error of quadrature. The hysteretic energy is the
+    rest of the energy balance.
     """
     mass, moved, dt = system.all("mass"), np.diff(motion.values, axis=0), ground.dt / motion.cuts
     whole = mass.sum()
@@ -145,7 +145,7 @@ def _energies(
 
 
 def stepped_gap(structures: Sequence[AnyStructure], motions: Motions) -> xr.Dataset:
-    """What `recorded_gap` says of structures with scalar parameters, without labels."""
+    """The result of `recorded_gap` for structures with scalar parameters, without labels."""
     system = system_of(structures)
     if len(structures) == 1:
         floors: list[Terms] = [{floor: 1.0} for floor in range(int(system.first[-1]))]
@@ -173,7 +173,11 @@ def stepped_gap(structures: Sequence[AnyStructure], motions: Motions) -> xr.Data
 
 
 def _in_one(system: System, motion: Ridden) -> xr.Dataset:
-    """Of one record; the functions are a displacement of each, all drifts, and what is kept apart."""
+    """Results for one record.
+
+    The functions in ``motion`` are the displacement of each structure at the highest level where they
+    can meet, all drifts, and the relative displacements at all levels.
+    """
     n, values, count = int(system.first[-1]), motion.values, len(system.stacks)
     peaks, drifts = np.split(np.abs(values[:, : count + n]).max(axis=0), [count])
     at_height = np.maximum(values[:, count + n :].max(axis=0), 0.0)
@@ -205,7 +209,7 @@ def _in_one(system: System, motion: Ridden) -> xr.Dataset:
 
 
 def _radii(motion: Ridden, periods: Sequence[float], dt: float) -> dict[str, float]:
-    """Pseudo energy radii of two oscillators; the velocity at a step is the slope across it."""
+    """Pseudo energy radii of oscillators [m], with velocities by central differences."""
     radii = {}
     for n, period in enumerate(periods):
         moved = motion.values[:, n]
@@ -215,7 +219,7 @@ def _radii(motion: Ridden, periods: Sequence[float], dt: float) -> dict[str, flo
 
 
 def peaks_of(values: Array) -> Array:
-    """Largest values, and smallest as positive numbers (2 m,)."""
+    """Largest values and negatives of the smallest values, each at least 0 (2 m,)."""
     return np.maximum(np.concatenate([values.max(axis=0), -values.min(axis=0)]), 0.0)
 
 
@@ -224,7 +228,7 @@ def _floors(frames: Sequence[Frame]) -> int:
 
 
 def _forcing(ground: SampledGround, cuts: int) -> Array:
-    """Mean of less the ground acceleration, which is linear between samples, over each step."""
+    """Mean over each step of the negative ground acceleration, which is linear between samples."""
     share = (np.arange(cuts) + 0.5) / cuts
     rise = np.diff(ground.acceleration)
     f = -(ground.acceleration[:-1, None] + rise[:, None] * share).ravel()

@@ -1,4 +1,4 @@
-"""What recorded motions do to structures."""
+"""Variables of the results on records, with unit and long name."""
 
 from stochlin.analyses.tables.labels import Variables
 
@@ -35,7 +35,7 @@ VARIABLES: Variables = {
     "envelope_energy": ("1", "share of the envelope's energy so far"),
 }
 
-# Of one structure, beside its property line.
+# Variables with another long name for one structure alone, beside its property line.
 ALONE: Variables = {
     "separation": ("m", "largest displacement of the structure towards its property line"),
     "separation_at_height": ("m", "largest displacement towards the property line at this height"),

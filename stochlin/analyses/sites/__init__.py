@@ -1,1 +1,1 @@
-"""Sites: design spectra, grounds that deliver them, motions with the energy of a record."""
+"""Sites: design spectra, grounds fitted to spectra or records, and suites of records."""

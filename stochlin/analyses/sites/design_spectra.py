@@ -1,4 +1,4 @@
-"""Elastic design spectra of codes: pseudo-acceleration over the period."""
+"""Elastic spectra of building codes: pseudo-acceleration over period."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from stochlin.analyses.tables.checks import is_number
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief
 
-STEP = 0.01  # s, between the periods that are given
+STEP = 0.01  # step between the periods of a spectrum [s]
 _EC8_LONGEST, _ASCE_LONGEST = 4.0, 10.0  # s
 
 
@@ -47,38 +47,39 @@ _EUROCODE = {
 
 
 def eurocode_8(ag: float, soil: str, type: int = 1, damping: float = 0.05) -> xr.DataArray:
-    """Elastic response spectrum of Eurocode 8, horizontal.
+    """Horizontal elastic response spectrum of Eurocode 8.
 
-    EN 1998-1:2004, eqs. (3.2) to (3.6), with the recommended values of tables 3.2 and 3.3; a national
-    annex may have others (then `read_spectrum`).
+    It is that of EN 1998-1:2004, eqs. (3.2) to (3.6), with the recommended values of tables 3.2 and 3.3.
+    A national annex may have other values; use `read_spectrum` for these.
 
     Parameters
     ----------
     ag : float
-        Design ground acceleration on ground type A, with the importance factor [m/s^2], positive.
+        Design ground acceleration on ground type A, including the importance factor [m/s^2], positive.
     soil : str
         Ground type, ``"A"`` to ``"E"``.
     type : {1, 2}
-        1 where earthquakes of a surface-wave magnitude above 5.5 count most, else 2.
+        Type of the spectrum: 1 if earthquakes with a surface-wave magnitude above 5.5 govern, else 2.
     damping : float
-        Damping ratio [-] between 0 and 1: the factor ``eta = sqrt(10/(5 + 100 xi)) >= 0.55``.
+        Damping ratio ``xi`` [-], from 0 to 1. It enters by the factor
+        ``eta = sqrt(10/(5 + 100 xi)) >= 0.55``.
 
     Returns
     -------
     xarray.DataArray
         Pseudo-acceleration [m/s^2] over ``period`` [s], from 0 (the peak ground acceleration) to 4 s.
-        The attributes say of what: ``damping``, ``source``, and what the code was asked for.
+        The attributes are ``damping``, ``source`` and the arguments of this function.
 
     Raises
     ------
     ValueError, TypeError
-        If a value is out of range or a ground type unknown.
+        If a value is out of range or the ground type is unknown.
 
     Warns
     -----
     UserWarning
-        If ``ag S`` is at most 0.05 g, for which the code need not be applied, or more than 3 g: is
-        ``ag`` in m/s^2?
+        If ``ag S`` is at most 0.05 g, for which the code need not be applied, or more than 3 g, so that
+        ``ag`` is probably not in m/s^2.
 
     References
     ----------
@@ -121,16 +122,16 @@ def eurocode_8(ag: float, soil: str, type: int = 1, damping: float = 0.05) -> xr
 
 
 def asce_7(sds: float, sd1: float, tl: float) -> xr.DataArray:
-    """Design response spectrum of ASCE 7, damping 0.05.
+    """Design response spectrum of ASCE 7, for the damping ratio 0.05.
 
-    ASCE 7-16, 11.4.6: ``0.4 + 0.6 T/T0`` below ``T0 = 0.2 TS``, the plateau ``SDS`` to ``TS = SD1/SDS``,
-    ``SD1/T`` to ``TL``, then ``SD1 TL/T^2``.
+    It is that of ASCE 7-16, 11.4.6: ``SDS (0.4 + 0.6 T/T0)`` below ``T0 = 0.2 TS``, ``SDS`` up to
+    ``TS = SD1/SDS``, ``SD1/T`` up to ``TL``, and ``SD1 TL/T^2`` beyond.
 
     Parameters
     ----------
     sds, sd1 : float
-        Design spectral accelerations at short periods and at 1 s [m/s^2], positive: times 9.80665 if
-        they are in g, as maps have them.
+        Design spectral accelerations at short periods and at 1 s [m/s^2], positive. Values in g, as in
+        maps, are multiplied by 9.80665.
     tl : float
         Long-period transition [s], positive.
 
@@ -138,17 +139,18 @@ def asce_7(sds: float, sd1: float, tl: float) -> xr.DataArray:
     -------
     xarray.DataArray
         Pseudo-acceleration [m/s^2] over ``period`` [s], from 0 (the peak ground acceleration) to 10 s.
-        The attributes say of what: ``damping``, ``source``, and what the code was asked for.
+        The attributes are ``damping``, ``source`` and the arguments of this function.
 
     Raises
     ------
     ValueError, TypeError
-        If a value is out of range, or ``TS`` is not before ``tl``.
+        If a value is out of range, or ``TS`` is not less than ``tl``.
 
     Warns
     -----
     UserWarning
-        If ``sds`` is below 0.05 g or its peak ground acceleration above 3 g: is it in m/s^2?
+        If ``sds`` is below 0.05 g or the peak ground acceleration above 3 g, so that ``sds`` is probably
+        not in m/s^2.
 
     References
     ----------

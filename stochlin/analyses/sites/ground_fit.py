@@ -27,7 +27,7 @@ from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
 
 _OF_SPECTRA = "clough_penzien"
-_FEWEST_DECADES = 0.5  # of periods that a spectrum covers within the range of a fit
+_FEWEST_DECADES = 0.5  # smallest range of periods of a spectrum within the range of the fit
 
 
 def fit_ground(
@@ -45,78 +45,82 @@ def fit_ground(
 ) -> Any:
     """Fit a ground to a record, or to an elastic response spectrum.
 
-    **To a record**, by its power spectral density. The model is compared with the raw periodogram of the
-    part without its mean: there is no smoothing bandwidth to choose, and the peak of a narrow-band
-    ground keeps its height. The part is padded with zeros to four times its length, so that the result
-    does not depend on where the Fourier frequencies fall; with ``estimator="psd"`` this is the
-    least-squares fit of the sample autocovariance at all lags (Parseval). The two other estimators also
-    see the frequencies at which the ground is weak, where leakage from the peak counts: for them a tenth
-    of the part is under a cosine taper. The search starts from a grid of periods and dampings.
+    **A record** is fitted by its power spectral density. The model is compared with the raw periodogram
+    of a part of the record without its mean. No smoothing bandwidth has to be chosen, and the peak of a
+    narrow-band ground keeps its height. The part is padded with zeros to four times its length, so that
+    the result does not depend on the position of the Fourier frequencies. With ``estimator="psd"`` the
+    fit is then equal to a least-squares fit of the sample autocovariance at all lags (Parseval). The
+    other two estimators also depend on frequencies at which the ground is weak, where leakage from the
+    peak matters; for them a tenth of the part is under a cosine taper. The search starts from a grid of
+    periods and damping ratios.
 
-    **To a spectrum**, so that motions of this duration and envelope have it in the mean. The ground is
-    one Clough-Penzien filter, or several in parallel. The search goes by the variances of elastic
-    oscillators, `peak_factor_model` ``"vanmarcke"`` and an effective damping for the start from rest;
-    then motions are simulated, and what they miss is put right, once as a rule.
+    **A spectrum** is fitted such that motions of the given duration and envelope have it in the mean.
+    The ground is one Clough-Penzien filter, or several in parallel. The fit uses the variances of
+    elastic oscillators, the peak factors of `peak_factor_model` ``"vanmarcke"`` and an effective damping
+    ratio for the start from rest. Motions are then simulated, and the fit is corrected by their mean
+    spectrum, usually once.
 
     Parameters
     ----------
     target : xarray.DataArray
-        A record: ground acceleration [m/s^2] over ``time`` [s], as `read_record` gives it. Or a
-        spectrum: pseudo-acceleration [m/s^2] over ``period`` [s], as `eurocode_8`, `asce_7` and
-        `read_spectrum` give it.
+        A record, ground acceleration [m/s^2] over ``time`` [s], as from `read_record`; or a spectrum,
+        pseudo-acceleration [m/s^2] over ``period`` [s], as from `eurocode_8`, `asce_7` and
+        `read_spectrum`.
     model : str, optional
-        The kind of ground. Of a record ``"kanai_tajimi"`` (by default), ``"clough_penzien"``, or an
-        extension that can be fitted; of a spectrum ``"clough_penzien"``.
+        Kind of ground. For a record ``"kanai_tajimi"`` (default), ``"clough_penzien"``, or an extension
+        that can be fitted; for a spectrum ``"clough_penzien"``.
     estimator : {"psd", "log_psd", "whittle"}, optional
-        Of a record, what the fit minimizes: the squared difference of the spectra, which follows the
-        peak (by default); the squared difference of their logarithms, in which each frequency of the
-        range counts alike; or the Whittle likelihood, the most accurate one if the model is true. On a
-        record that the model does not describe they differ widely: look at it with `fit_spectra`.
+        Quantity that the fit to a record minimizes: the squared difference of the spectra (default),
+        which is governed by the peak; the squared difference of their logarithms, in which all
+        frequencies of the range count equally; or the Whittle likelihood, which is the most accurate if
+        the model is true. The results differ widely for a record that the model does not describe; draw
+        the fit with `fit_spectra`.
     part : tuple of two floats
-        Fractions of the cumulative energy between which a record is used, see `strong_part`;
-        (0, 1) is all of it.
+        Fractions of the cumulative energy between which a record is used, see `strong_part`; (0, 1) is
+        the whole record.
     frequency_range : tuple of two floats, optional
-        Of a record, lowest and highest circular frequency used [rad/s]. By default those below which the
-        part has 0.01 % (and one cycle at least) and 99 % of its energy. They matter little to ``"psd"``
-        and much to the other two.
+        Lowest and highest circular frequency used for a record [rad/s]. By default these are the
+        frequencies below which the part has 0.01 % (at least one cycle) and 99 % of its energy. The
+        range has little effect on ``"psd"`` and a large one on the other estimators.
     duration : float
-        Of a spectrum, the length of the motions [s]. A spectrum does not say it, and inelastic gaps
-        depend on it: try half and double.
+        Length of the motions for a spectrum [s]. A spectrum does not contain it, but inelastic gaps
+        depend on it; compare half and twice the value.
     envelope : AminAng, ShinozukaSato, GammaEnvelope or HsuBernard, optional
-        Of a spectrum, how the motions rise and fall; without it they are stationary.
+        Envelope of the motions for a spectrum; without it they are stationary.
     filters : int, optional
-        Of a spectrum, the number of filters, 1 to 3; by default the fewest that come within 2 % (root
-        mean square) and 6 % (largest error) before the correction.
+        Number of filters for a spectrum, 1 to 3. By default it is the smallest number with which the
+        errors before the correction are at most 2 % (root mean square) and 6 % (largest).
     seed : int
-        Of the motions that are simulated for a spectrum.
+        Seed of the motions that are simulated for a spectrum.
     progress : callable, optional
         Called with the share of the work of each simulation that is done.
 
     Returns
     -------
     KanaiTajimi, CloughPenzien, ParallelGround or an extension
-        With ``intensity`` [m^2/s^3], the two-sided PSD per rad/s of the white noise. ``source`` names
-        what was fitted and how well: of a record the estimator, the part, the range and relative
-        standard errors, of a spectrum the error of what simulated motions deliver.
+        The fitted ground. Its ``intensity`` [m^2/s^3] is the two-sided PSD per rad/s of the white noise.
+        Its ``source`` describes the fit: for a record the estimator, the part, the frequency range and
+        relative standard errors, for a spectrum the error of the mean spectrum of simulated motions.
 
     Raises
     ------
     TypeError, ValueError
-        If the target is neither a record nor an elastic spectrum, an option is unknown or goes with the
-        other kind of target, the range holds too few frequencies or periods, or the fit fails or ends
-        on a bound, as it does where a record does not define a parameter.
+        If the target is neither a record nor an elastic spectrum; if an option is unknown or belongs to
+        the other kind of target; if the range has too few frequencies or periods; or if the fit fails or
+        ends on a bound, which happens if a record does not define a parameter.
 
     Notes
     -----
-    The standard errors of a fit to a record are those of a stationary Gaussian process of the fitted
-    spectrum [1]_, which a part of a record is only roughly. Short records of narrow-band ground say
-    little: in 200 simulated ones of 71 s with ``wg=3.09``, ``xig=0.054`` the damping found over the true
-    one was 0.21 to 2.0 with ``"psd"`` (median 0.5) and 0.63 to 1.8 with ``"whittle"`` (median 1.1), in
-    nine cases of ten. A periodogram of duration d cannot tell a damping ratio below about ``2.8/(wg d)``
-    from a sinusoid; ``source`` says so where the result is less than twice that.
+    The standard errors of a fit to a record are those of a stationary Gaussian process with the fitted
+    spectrum [1]_, which a part of a record is only approximately. Short records of narrow-band ground
+    define the damping ratio poorly. In 200 simulated records of 71 s with ``wg=3.09`` and ``xig=0.054``,
+    90 % of the fitted damping ratios were within 0.21 to 2.0 times the true one with ``"psd"`` (median
+    0.5), and within 0.63 to 1.8 times with ``"whittle"`` (median 1.1). The periodogram of a part of the
+    duration d cannot distinguish a damping ratio below about ``2.8/(wg d)`` from a sinusoid; ``source``
+    states this if the result is less than twice this value.
 
-    Spectra are fitted from 0.05 to 4 s. A design spectrum is no spectrum of an earthquake to come: it is
-    neither its mean nor its median, and the scatter between earthquakes is not in it.
+    Spectra are fitted from 0.05 to 4 s. A design spectrum is neither the mean nor the median spectrum of
+    an earthquake, and does not contain the scatter between earthquakes.
 
     References
     ----------
@@ -139,7 +143,7 @@ def fit_ground(
     >>> round(ground.period, 2), round(ground.damping, 1), round(ground.intensity, 3)
     (1.0, 0.3, 0.01)
 
-    Of a spectrum:
+    Fit to a spectrum:
 
     >>> spectrum = sl.eurocode_8(0.25 * 9.80665, "B")
     >>> ground = sl.fit_ground(spectrum, duration=20.0, envelope=sl.AminAng(2.0, 12.0, 0.4))

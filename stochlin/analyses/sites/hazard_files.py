@@ -23,24 +23,25 @@ def read_hazard(
     units: str | None = None,
     period: float | None = None,
 ) -> HazardCurve:
-    r"""Read a hazard curve: columns of text, as `read_record` reads them.
+    r"""Read a hazard curve from a file with columns of text.
 
     Parameters
     ----------
     path : str or path
-        The file: intensities in the first column, annual frequencies of exceedance [1/yr] in the second.
+        Path of the file, with intensities in the first column and annual frequencies of exceedance
+        [1/yr] in the second. Columns are separated as in `read_record`.
     measure : {"pga", "sa", "intensity"}
         As in `HazardCurve`.
     units : {"g", "m/s^2", "cm/s^2", "gal", "mm/s^2"}, optional
-        Units of the accelerations. Not needed where the row of names has them, as ``pga [g]``. Of
-        ``"intensity"`` there is but m^2/s^3.
+        Units of the accelerations. Not needed if the row of names has them, as in ``pga [g]``. Not
+        allowed for ``"intensity"``, which is in m^2/s^3.
     period : float, optional
-        Of ``"sa"`` [s].
+        Period [s] of ``"sa"``.
 
     Returns
     -------
     HazardCurve
-        In SI.
+        The hazard curve in SI units.
 
     Raises
     ------
@@ -48,8 +49,8 @@ def read_hazard(
         If there is no such file.
     ValueError
         If units are missing or contradict the file; if there are fewer than two points, a number is not
-        positive, the intensities do not increase or the frequencies do not fall (the message names the
-        row); if the measure is unknown, or has no period that it needs.
+        positive, the intensities do not increase or the frequencies do not decrease (the message names
+        the row); if the measure is unknown; or if a period is missing or not allowed.
 
     Examples
     --------
@@ -62,7 +63,7 @@ def read_hazard(
     0.196
     """
     path = as_path("path", path)
-    of = Hazard(measure=measure, period=period)  # which checks both
+    of = Hazard(measure=measure, period=period)  # checks measure and period
     units = None if units is None else acceleration_units(units, "units")
     of_s0 = of.measure == "intensity"
     if of_s0 and units is not None:

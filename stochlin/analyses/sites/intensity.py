@@ -1,4 +1,4 @@
-"""How strong the motions of a ground are, and the ground whose motions are as strong as is asked."""
+"""Intensity of the motions of a ground, and scaling of a ground to a wanted intensity."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground, rms_acceleration
 from stochlin.models.parameters import expect
 
-PATHS = 1024  # a standard error of about half a per cent
-FEWEST, MOST_STEPS = 64, 20_000_000  # the latter of all motions, in memory at once
+PATHS = 1024  # gives a standard error of about half a per cent
+FEWEST, MOST_STEPS = 64, 20_000_000  # fewest motions; most time steps of all motions in memory at once
 _TOLD = "intensity for a mean"
 
 
@@ -41,47 +41,46 @@ def scale_ground(
     seed: int = 0,
     progress: Progress | None = None,
 ) -> Any:
-    """Scale a ground so that the mean of its motions has a given peak or spectral acceleration.
+    """Scale a ground so that its motions have a given mean peak ground or spectral acceleration.
 
-    Strong by the mean of their peak ground accelerations, or by their mean spectral acceleration at a
-    period. Motions go with the square root of ``S0``, so that one simulation is enough.
+    The motions are proportional to the square root of ``S0``, so that one simulation is enough.
 
     Parameters
     ----------
-    ground : KanaiTajimi, CloughPenzien, ParallelGround, or of ``sa`` WhiteNoise
-        With scalar parameters; its own intensity does not matter.
+    ground : KanaiTajimi, CloughPenzien, ParallelGround, or WhiteNoise with ``sa``
+        Ground with scalar parameters; its own intensity does not matter.
     duration : float
         Length of each motion [s], positive.
     envelope : AminAng, ShinozukaSato, GammaEnvelope or HsuBernard, optional
-        Without it the motions are stationary.
+        Envelope of the motions; without it they are stationary.
     pga : float, optional
-        Mean peak ground acceleration [m/s^2] that is wanted.
+        Wanted mean peak ground acceleration [m/s^2]; given, or ``sa`` and ``period`` are.
     sa, period : float, optional
-        Or the mean pseudo-acceleration [m/s^2] that is wanted, at this period [s].
+        Wanted mean pseudo-acceleration [m/s^2] at this period [s].
     damping : float
         Damping ratio [-] for ``sa``.
     paths : int
-        Motions that are simulated, from 2.
+        Number of simulated motions, at least 2.
     seed : int
-        The same seed gives the same answer, whatever the number of cores.
+        Seed of the simulation; the same seed gives the same result on any number of cores.
     progress : callable, optional
         Called with the share of the work that is done.
 
     Returns
     -------
     Ground
-        Of the same kind; its ``intensity`` [m^2/s^3] is what was sought; its ``source`` says by what,
-        with the standard error of the simulated mean.
+        Ground of the same kind with the ``intensity`` [m^2/s^3] that gives the wanted acceleration. Its
+        ``source`` states this acceleration and the standard error of the simulated mean.
 
     Raises
     ------
     ValueError, TypeError
-        If it is not said how strong, or twice; if a number is out of range; if white noise is to have a
-        peak ground acceleration.
+        If neither or both of ``pga`` and ``sa`` are given, a number is out of range, or ``pga`` is given
+        for white noise.
 
     References
     ----------
-    Derived here: linear elastic response, and the motion itself, are proportional to ``sqrt(S0)``.
+    Derived here from the linear elastic response and the motion being proportional to ``sqrt(S0)``.
 
     Examples
     --------
@@ -130,17 +129,18 @@ def scale_ground(
 
 
 def paths_for(duration: float) -> int:
-    """As many motions as are simulated to say how strong they are, fewer where they are very long."""
+    """Number of motions simulated for an intensity, smaller for very long motions [s]."""
     return int(np.clip(MOST_STEPS * USUAL_STEP / duration, FEWEST, PATHS))
 
 
 def shaking(
     ground: Ground, periods: Array, duration: float, envelope: Envelope | None, seed: int = 0
 ) -> xr.Dataset:
-    """How strong the motions of a ground are, in the mean: at these periods [s], and themselves.
+    """Mean intensity of the motions of a ground, with standard errors.
 
-    ``spectral_acceleration_1`` [m/s^2] and so on are of the periods in their order, damping 0.05. What
-    white noise has not is NaN.
+    The variables are ``rms_acceleration`` and ``peak_ground_acceleration`` [m/s^2], NaN for white noise;
+    ``ground_intensity`` [m^2/s^3]; and ``spectral_acceleration_1`` [m/s^2] and so on, for the periods
+    [s] in their order and the damping ratio 0.05.
     """
     motion: Any = {"duration": duration, "envelope": envelope, "seed": seed}
     motion["paths"] = paths_for(duration)
@@ -150,7 +150,7 @@ def shaking(
     found["ground_intensity"] = float(ground.arrays()["intensity"])
     peak = mean_with_error(_peaks(ground, **motion)) if known else (np.nan, np.nan)
     found |= dict(zip(_with_error("peak_ground_acceleration", ""), peak, strict=True))
-    # Each by itself, in the steps in which `scale_ground` has sought it: what was asked for is told.
+    # One period at a time, as in `scale_ground`, so that the time steps and the result are the same.
     of_each = {
         period: mean_with_error(samples)
         for period in set(map(float, periods))

@@ -1,4 +1,4 @@
-"""Ground and envelope of a record together: motions that carry its energy and have its spectrum."""
+"""Fit of ground and envelope to a record, so that motions have its energy and response spectrum."""
 
 from __future__ import annotations
 
@@ -27,31 +27,31 @@ from stochlin.models.grounds import Ground, rms_acceleration
 from stochlin.models.parameters import Model, expect
 
 FILTERS, PATHS = 2, 512
-CYCLES = 4.0  # of the longest period that are in a record
+CYCLES = 4.0  # smallest number of cycles of a fitted period in a record
 SHORTEST_RECORD = 2.0  # s
-RECORD_TO_RECORD = 0.3  # scatter between the two components of a station: see docs/reality.md
+RECORD_TO_RECORD = 0.3  # scatter between the two components of a station, see docs/reality.md
 
 
 @dataclass(frozen=True)
 class FittedMotion:
-    """A motion of finite length, as `fit_motion` gives it.
+    """Random motion of finite length, as fitted by `fit_motion`: ground, envelope and duration.
 
     Parameters
     ----------
     ground : CloughPenzien or ParallelGround
-        Stationary, before it is modulated.
+        Stationary ground, before the envelope is applied.
     envelope : AminAng, ShinozukaSato, GammaEnvelope or HsuBernard, or None
-        None for motions that are stationary, which `fit_motion` never gives.
+        Envelope of the motion. None is a stationary motion, which `fit_motion` does not return.
     duration : float
-        Length [s].
+        Length of the motion [s].
     scatter : float
-        From earthquake to earthquake [-], as `simulate` takes it: what one record cannot know, and
-        suites of records show. 0 for motions like this very record.
+        Scatter of the ground acceleration between earthquakes [-], as in `simulate`. It cannot be
+        obtained from one record, only from suites of records. 0 is for motions like this record.
 
     Raises
     ------
     TypeError, ValueError
-        If one of them is of another kind or out of range.
+        If an argument is of another kind or out of range.
 
     Examples
     --------
@@ -82,48 +82,50 @@ def fit_motion(
     seed: int = 0,
     progress: Progress | None = None,
 ) -> FittedMotion:
-    """Fit ground, envelope and duration so that the motions are as strong as a record.
+    """Fit ground, envelope and duration to a record, so that motions have its energy and spectrum.
 
-    The envelope is that of `fit_envelope`. The ground is the one whose motions under this envelope have
-    the response spectrum of the record in the mean, from 0.05 to 4 s, and its energy:
-    ``sigma^2 Int m^2 dt = Int a^2 dt``, which the intensity then meets exactly. `fit_ground` with
-    `fit_envelope` has not: a ground fitted to the strong part is right where the envelope is 1, and the
-    motions carry half of the record's energy.
+    The envelope is fitted by `fit_envelope`. The ground is fitted such that motions with this envelope
+    have, in the mean, the response spectrum of the record from 0.05 to 4 s. Its intensity is then set
+    such that they have the energy of the record exactly, ``sigma^2 Int m^2 dt = Int a^2 dt``, with the
+    standard deviation ``sigma`` of the ground acceleration, the envelope ``m`` and the record ``a``. A
+    ground by `fit_ground` is instead fitted to the strong part of the record; with an envelope by
+    `fit_envelope`, its motions have about half of the energy of the record.
 
     Parameters
     ----------
     record : xarray.DataArray
-        Ground acceleration [m/s^2] over ``time`` [s], as `read_record` gives it, of 2 s or more.
+        Ground acceleration [m/s^2] over ``time`` [s], as from `read_record`, of 2 s or more.
     envelope : str
-        As in `fit_envelope`.
+        Model of the envelope, as in `fit_envelope`.
     filters : int
-        Clough-Penzien filters in parallel, 1 to 3.
+        Number of Clough-Penzien filters in parallel, 1 to 3.
     seed : int
-        Of the motions that are simulated in between.
+        Seed of the motions that are simulated during the fit.
     progress : callable, optional
         Called with the share of the work of each simulation that is done.
 
     Returns
     -------
     FittedMotion
-        ``ground``, ``envelope``, ``duration`` [s], that of the record, and the usual ``scatter``; for
-        `simulate`, `separation`, `simulated_motions` and whatever takes the four.
+        The ``ground``, the ``envelope``, the ``duration`` [s] of the record and the default ``scatter``
+        [-], for `simulate`, `separation`, `simulated_motions` and other functions with these arguments.
 
     Raises
     ------
     ValueError, TypeError
-        If the record is not one, is shorter than 2 s, or an option is unknown.
+        If the record is not valid or shorter than 2 s, or an option is unknown.
     ArithmeticError
-        If no envelope is found.
+        If no envelope can be fitted.
 
     Notes
     -----
-    A record represents one earthquake. Its ground and envelope make motions that are like it; how much
-    the next earthquake differs is their ``scatter``, which is not fitted to the record.
+    A record represents one earthquake, and the motions are like this one. The difference to other
+    earthquakes is the ``scatter``, which is not fitted to the record.
 
     References
     ----------
-    Husid, R. (1969), Rev. IDIEM 8, for the envelope; Vanmarcke, E. H. (1975), J. Appl. Mech. 42.
+    Husid, R. (1969), Rev. IDIEM 8, for the envelope; Vanmarcke, E. H. (1975), J. Appl. Mech. 42, for the
+    peak factors.
 
     Examples
     --------
@@ -160,32 +162,33 @@ def fit_motion(
 def compare_motions(
     record: xr.DataArray, motion: FittedMotion, *, paths: int = 256, seed: int = 0
 ) -> xr.Dataset:
-    """Compare a record with the motions fitted to it: energy, length, response spectrum.
+    """Compare a record with motions fitted to it: energy, significant duration, response spectrum.
 
     Parameters
     ----------
     record : xarray.DataArray
         Ground acceleration [m/s^2] over ``time`` [s].
     motion : FittedMotion
-        As `fit_motion` gives it.
+        The fitted motion, as from `fit_motion`.
     paths : int
-        Motions that are simulated.
+        Number of simulated motions.
     seed : int
-        The same seed gives the same answer.
+        Seed of the simulation; the same seed gives the same result.
 
     Returns
     -------
     xarray.Dataset
-        What `simulated_spectrum` gives over ``period`` [s], with the record's own spectrum, damping
-        0.05, as ``target`` [m/s^2], so that ``ratio`` is that of the motions over the record;
-        ``energy_ratio`` [-], ``Int a^2 dt`` of the motions over the record's, and
-        ``significant_duration`` [s], from 5 to 95 % of it, the mean, with standard errors;
-        ``record_arias_intensity`` [m/s] and ``record_significant_duration`` [s].
+        Over ``period`` [s], the variables of `simulated_spectrum` with the spectrum of the record,
+        damping ratio 0.05, as ``target`` [m/s^2]; ``ratio`` is the mean spectrum of the motions over
+        that of the record. Without dimensions: ``energy_ratio`` [-], the mean ``Int a^2 dt`` of the
+        motions over that of the record, and ``significant_duration`` [s], the mean time from 5 to 95 %
+        of this integral, each with its standard error; ``record_arias_intensity`` [m/s] and
+        ``record_significant_duration`` [s].
 
     Raises
     ------
     ValueError, TypeError
-        If the record or the motion is not one, or a number is out of range.
+        If the record or the motion is not valid, or a number is out of range.
 
     References
     ----------
@@ -227,7 +230,7 @@ def compare_motions(
 def energy_ratio(
     record: xr.DataArray, ground: Ground, envelope: Envelope | None, duration: float
 ) -> float:
-    """Energy of motions on this ground over that of a record: ``sigma^2 Int m^2 dt / Int a^2 dt``."""
+    """Mean energy of motions over that of a record [-], ``sigma^2 Int m^2 dt / Int a^2 dt``."""
     of_motions = rms_acceleration(ground) ** 2 * strong_seconds(duration, envelope)
     return of_motions / float(_energy(*checked_record(record)))
 

@@ -1,4 +1,4 @@
-"""The response spectrum of simulated motions, and how far it is from a target."""
+"""Mean response spectrum of simulated motions, compared with a target spectrum."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Model, expect
 
-PERIODS = 48  # of a target that are looked at
+PERIODS = 48  # number of periods at which a target spectrum is compared
 QUANTILES = (0.16, 0.5, 0.84)
-STEPS_PER_PERIOD = 16  # of the shortest: half a per cent of its spectrum
-TOGETHER = 24  # oscillators of neighbouring periods on one step
+STEPS_PER_PERIOD = 16  # in the shortest period; the error of its ordinate is half a per cent
+TOGETHER = 24  # oscillators of neighbouring periods that have the same time step
 
 
 def simulated_spectrum(
@@ -48,40 +48,42 @@ def simulated_spectrum(
     seed: int = 0,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Response spectrum of simulated motions, beside a target.
+    """Response spectrum of simulated motions, compared with a target spectrum.
 
     Parameters
     ----------
     ground : WhiteNoise, KanaiTajimi, CloughPenzien or ParallelGround
-        With scalar parameters.
+        Ground with scalar parameters.
     target : xarray.DataArray or sequence of float
-        A spectrum, as `eurocode_8` and `read_spectrum` give it: 48 of its periods are looked at, from
-        0.05 s on. Or the periods themselves [s], positive and increasing.
+        A spectrum, as from `eurocode_8` and `read_spectrum`, which is compared at 48 periods from 0.05 s
+        to its longest one; or the periods [s], positive and increasing.
     duration : float
         Length of each motion [s], positive.
     envelope : AminAng, ShinozukaSato, GammaEnvelope or HsuBernard, optional
-        Without it the motion is stationary; the oscillators start from rest.
+        Envelope of the motions; without it they are stationary. The oscillators start from rest.
     damping : float, optional
-        Damping ratio [-]; by default that of the target, or 0.05.
+        Damping ratio of the oscillators [-]; by default that of the target, or 0.05.
     paths : int
-        Independent motions, from 2.
+        Number of independent motions, at least 2.
     seed : int
-        The same seed gives the same answer, whatever the number of cores.
+        Seed of the simulation; the same seed gives the same result on any number of cores.
     progress : callable, optional
         Called with the share of the work that is done.
 
     Returns
     -------
     xarray.Dataset
-        Over ``period`` [s]: ``pseudo_acceleration`` [m/s^2], the mean over the motions,
-        ``pseudo_acceleration_standard_error``, and over ``quantile`` ``pseudo_acceleration_quantile``;
-        ``peak_ground_acceleration`` [m/s^2], the mean, with its standard error. Of a target that is a
-        spectrum also ``target`` [m/s^2] and ``ratio`` [-], the mean over it, with its standard error.
+        Over ``period`` [s]: ``pseudo_acceleration`` [m/s^2], the mean over the motions, with
+        ``pseudo_acceleration_standard_error``, and ``pseudo_acceleration_quantile`` [m/s^2] also over
+        ``quantile``. Without dimensions: ``peak_ground_acceleration`` [m/s^2], the mean over the
+        motions, with its standard error. For a target spectrum also ``target`` [m/s^2] and ``ratio``
+        [-], the mean over the target, with its standard error.
 
     Raises
     ------
     ValueError, TypeError
-        If a number is out of range, the target is no elastic spectrum, or the work is too much.
+        If a number is out of range, the target is not an elastic spectrum, or the simulation would take
+        too much time or memory.
 
     Examples
     --------
@@ -132,7 +134,7 @@ def spectrum_and_motions(
     seed: int,
     progress: Progress | None = None,
 ) -> tuple[xr.Dataset, xr.DataArray]:
-    """What `simulated_spectrum` returns, beside a spectrum if one is wanted, and the motions."""
+    """The result of `simulated_spectrum`, compared with any ``wanted`` spectrum, and the motions."""
     peaks = peak_accelerations(
         periods, damping, ground, duration, envelope, paths=paths, seed=seed, progress=progress
     )
@@ -159,7 +161,7 @@ def spectrum_and_motions(
 def _asked(
     target: xr.DataArray | Sequence[float] | Array,
 ) -> tuple[Array, Array | None, float]:
-    """Periods, the spectrum wanted there, and its damping."""
+    """Periods [s], the target spectrum at these periods [m/s^2], if any, and its damping ratio."""
     if is_spectrum(target):
         period, values, damping = checked_spectrum(target)
         sought = np.geomspace(max(SHORTEST, period[period > 0][0]), period[-1], PERIODS)
@@ -181,7 +183,7 @@ def peak_accelerations(
     seed: int,
     progress: Progress | None = None,
 ) -> Array:
-    """Pseudo-accelerations [m/s^2] of elastic oscillators, (paths, periods)."""
+    """Pseudo-accelerations of elastic oscillators in each motion [m/s^2], (paths, periods)."""
     found = np.empty((paths, periods.size))
     order = np.argsort(periods)
     for mine in np.array_split(order, -(-periods.size // TOGETHER)):

@@ -1,4 +1,4 @@
-"""What a response spectrum is here: pseudo-acceleration over the period, with its damping."""
+"""Response spectra as labelled arrays, pseudo-acceleration over period, and their checks."""
 
 from __future__ import annotations
 
@@ -14,16 +14,17 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
 
 USUAL_DAMPING = 0.05
-SHORTEST = 0.05  # s: below, a spectrum is not fitted and not looked at
-FEWEST = 4  # points
-WIDEST = 2.0  # ratio of two periods next to each other
-# Elastic spectra of 5 % rise to 2 to 3 times the ground's peak; divided by q or R they do not.
-_LEAST_RISE, _STIFF = 1.5, 0.02  # the latter in s: at most, it moves with the ground
-_FLAT = 3  # points of a floor that codes put under design spectra at long periods
+SHORTEST = 0.05  # shortest period for which a spectrum is fitted or compared [s]
+FEWEST = 4  # smallest number of points
+WIDEST = 2.0  # largest ratio of two consecutive periods
+# Elastic spectra with damping 0.05 rise to 2 to 3 times the peak ground acceleration; spectra divided by
+# a behaviour factor q or R do not.
+_LEAST_RISE, _STIFF = 1.5, 0.02  # smallest rise; longest period of a rigid structure [s]
+_FLAT = 3  # last points that are equal if a design spectrum has a lower bound at long periods
 
 
 def labelled(period: Array, values: Array, damping: float, source: str) -> xr.DataArray:
-    """A spectrum, with units."""
+    """A spectrum as a labelled array, with its units, damping ratio and source."""
     return xr.DataArray(
         values,
         dims="period",
@@ -39,15 +40,16 @@ def labelled(period: Array, values: Array, damping: float, source: str) -> xr.Da
 
 
 def is_spectrum(target: object) -> TypeGuard[xr.DataArray]:
-    """Whether this is meant as a spectrum: it is over ``period``."""
+    """Whether ``target`` is a spectrum, an array with the dimension ``period``."""
     return isinstance(target, xr.DataArray) and "period" in target.dims
 
 
 def checked_spectrum(spectrum: xr.DataArray) -> tuple[Array, Array, float]:
-    """Periods [s], pseudo-accelerations [m/s^2] and damping ratio of a spectrum, once it is one.
+    """Periods [s], pseudo-accelerations [m/s^2] and damping ratio of a spectrum, checked.
 
-    A ValueError or TypeError says what is wrong: dimensions, units, periods that do not increase
-    or leave a gap, ordinates that are not positive. A period of 0 stands for the ground itself.
+    A ValueError or TypeError is raised for other dimensions or units, for periods that do not increase
+    or have a gap, and for ordinates that are not positive. The ordinate at a period of 0 is the peak
+    ground acceleration.
     """
     if not isinstance(spectrum, xr.DataArray):
         raise TypeError(
@@ -77,14 +79,14 @@ def checked_spectrum(spectrum: xr.DataArray) -> tuple[Array, Array, float]:
 
 
 def check_damping(damping: object) -> float:
-    """The damping ratio of oscillators; a ValueError unless it is between 0 and 1."""
+    """The damping ratio of oscillators, checked; a ValueError unless it is between 0 and 1."""
     if not (is_number(damping) and 0 < damping < 1):
         raise ValueError(f"damping = {brief(damping)} is out of range; allowed: 0 < damping < 1")
     return damping
 
 
 def check_goal(goals: Mapping[str, object], period: object) -> None:
-    """Raise a ValueError unless one goal is given, positive, and a period with ``sa`` alone."""
+    """Raise a ValueError unless exactly one goal is given, and a period with ``sa`` only."""
     given = [name for name, value in goals.items() if value is not None]
     if len(given) != 1:
         named = ["sa with a period" if name == "sa" else name for name in goals]
@@ -101,14 +103,14 @@ def check_goal(goals: Mapping[str, object], period: object) -> None:
 
 
 def interpolated(period: Array, values: Array, at: Array) -> Array:
-    """Ordinates at other periods above 0, on straight lines in logarithms."""
+    """Ordinates at other periods above 0, by linear interpolation of logarithms."""
     above = period > 0
     found: Array = np.exp(np.interp(np.log(at), np.log(period[above]), np.log(values[above])))
     return found
 
 
 def check_ordinates(period: Array, values: Array, damping: float, places: list[str]) -> None:
-    """Raise a ValueError unless these are an elastic spectrum's; ``places`` say where each stands."""
+    """Raise a ValueError unless these are an elastic spectrum; ``places`` name the points."""
     if period.size < FEWEST:
         raise ValueError(f"spectrum has {period.size} points; allowed: {FEWEST} or more")
     for place, t, sa in zip(places, period, values, strict=True):

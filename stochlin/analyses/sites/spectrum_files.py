@@ -20,7 +20,7 @@ from stochlin.analyses.sites.spectra import USUAL_DAMPING, check_damping, check_
 from stochlin.analyses.tables.checks import as_path
 from stochlin.messages import DoubtfulInput, plain
 
-LEAST, MOST = 0.0025, 7.5  # g: of ground accelerations of 0.001 and 3 g, times the usual 2.5
+LEAST, MOST = 0.0025, 7.5  # plausible ordinates [g], 2.5 times ground accelerations of 0.001 and 3 g
 
 
 def read_spectrum(
@@ -31,39 +31,40 @@ def read_spectrum(
     column: Column | None = None,
     period_column: Column = 0,
 ) -> xr.DataArray:
-    r"""Read an elastic response spectrum: columns of text, as `read_record` reads them.
+    r"""Read an elastic response spectrum from a file with columns of text.
 
     Parameters
     ----------
     path : str or path
-        The file, text in UTF-8, with or without a row of names; text after ``#`` or ``%`` is a comment.
+        Path of the file, text in UTF-8, with or without a row of names. Text after ``#`` or ``%`` is a
+        comment. Columns are separated as in `read_record`.
     units : {"g", "m/s^2", "cm/s^2", "gal", "mm/s^2"}, optional
-        Units of the accelerations. Not needed where the row of names has them, as ``Sa [g]``.
+        Units of the accelerations. Not needed if the row of names has them, as in ``Sa [g]``.
     damping : float
         Damping ratio [-] of the spectrum, between 0 and 1.
     column, period_column : int or str
-        Columns of the acceleration and of the period [s]: index from 0, or name. The first may be
-        left out where one column remains.
+        Columns of the acceleration and of the period [s], each by its index from 0 or by its name.
+        ``column`` is not needed if only one column remains.
 
     Returns
     -------
     xarray.DataArray
-        Pseudo-acceleration [m/s^2] over ``period`` [s]; ``damping`` and ``source`` among its attributes.
+        Pseudo-acceleration [m/s^2] over ``period`` [s], with the attributes ``damping`` and ``source``.
 
     Raises
     ------
     FileNotFoundError
         If there is no such file.
     ValueError
-        If units are missing or contradict the file; if the periods do not increase or leave a gap, an
-        ordinate is not positive, there are fewer than 4 points; if the spectrum looks divided by a
-        behaviour factor: it hardly rises above its value at a period of zero, or is level at long
-        periods.
+        If units are missing or contradict the file; if the periods do not increase or have a gap, an
+        ordinate is not positive, or there are fewer than 4 points; or if the spectrum seems to be
+        divided by a behaviour factor, since it hardly rises above its value at a period of zero, or is
+        constant at long periods.
 
     Warns
     -----
     UserWarning
-        If its largest ordinate is below 0.0025 or above 7.5 g: the units are hardly meant then.
+        If the largest ordinate is below 0.0025 g or above 7.5 g, so that the units are probably wrong.
 
     Examples
     --------

@@ -1,8 +1,9 @@
-"""A ground whose motions deliver a response spectrum, under an envelope and over a duration.
+"""Fit of a ground whose motions, with an envelope and a duration, have a wanted mean response spectrum.
 
-For a given peak factor the spectrum fixes the variance of each oscillator, which is linear in the PSD of
-the ground: the search for filters goes by that. Peak factors come from Vanmarcke's formula first, and
-then, since the formula knows neither envelope nor start, from a simulation of what was found.
+For given peak factors, the spectrum defines the variance of each oscillator, which is linear in the PSD
+of the ground; the filters are fitted to these variances. The peak factors are first those of Vanmarcke's
+formula. Since this formula neglects the envelope and the start from rest, they are then taken from a
+simulation of the fitted ground.
 """
 
 from __future__ import annotations
@@ -21,79 +22,79 @@ from stochlin.models.envelopes import Envelope, strong_seconds
 from stochlin.models.grounds import CloughPenzien, Ground, ParallelGround
 from stochlin.models.rules.peak_factors import peak_factor_model
 
-LONGEST, POINTS = 4.0, 72  # of the periods for which a ground is fitted; the first in s
+LONGEST, POINTS = 4.0, 72  # longest period [s] and number of periods for which a ground is fitted
 MOST_FILTERS = 3
 GOOD_RMS, GOOD_WORST = 0.02, 0.06  # relative errors at which no further filter is tried
 PATHS = 2048
-# Error of the delivered spectrum at which a correction ends, and how often it is made at most.
+# Errors of the mean simulated spectrum at which corrections end, and the largest number of corrections.
 DELIVERED_RMS, DELIVERED_WORST, CORRECTIONS = 0.02, 0.05, 3
-_GROUND_WEIGHT = 10.0  # of the ground's own standard deviation, beside one oscillator
-_ROUNDS = 4  # in which peak factors and filters come to agree
+_GROUND_WEIGHT = 10.0  # weight of the standard deviation of the ground; that of an oscillator is 1
+_ROUNDS = 4  # number of fits with updated peak factors
 _FIRST_FACTOR = 2.5
 
-_STEP = 0.012  # of ln w: an eighth of the width of the resonance of an oscillator of 5 %
-_REACH = 8.0  # beyond the frequencies of the longest and of the shortest period
-# Soil and high-pass oscillator, wg, xig, wf and xif in rad/s and 1, and the intensity.
+_STEP = 0.012  # step of ln w, an eighth of the resonance width of an oscillator with damping 0.05
+_REACH = 8.0  # factor of the frequency range beyond the longest and the shortest period
+# Bounds and starts of wg [rad/s], xig, wf [rad/s], xif and the intensity, in logarithms.
 _LOWER = np.log([1.0, 0.02, 0.2, 0.2, 1e-20])
 _UPPER = np.log([150.0, 3.0, 8.0, 1.5, 1e20])
 _SOILS = np.log([(4.0, 0.3), (4.0, 0.8), (12.0, 0.3), (12.0, 0.8), (30.0, 0.5)])
 _HIGH_PASS = np.log([(0.6, 0.6), (2.5, 0.6)])
-_DRAWN = 6  # combinations of them that two or three filters start from
-_SLACK = 1e-6  # that a start keeps from the bounds
-_END = 1e-11  # of the search: valleys are flat
+_DRAWN = 6  # number of random combinations of these starts for two or three filters
+_SLACK = 1e-6  # smallest distance of a start from the bounds
+_END = 1e-11  # tolerances of the least-squares search, whose minimum is flat
 
 
 class Wanted(NamedTuple):
-    """What motions are to deliver."""
+    """The wanted mean spectrum of motions, with their duration and envelope."""
 
     periods: Array  # [s]
     accelerations: Array  # [m/s^2]
     damping: float
     duration: float  # [s]
     envelope: Envelope | None
-    ground_std: float | None = None  # [m/s^2] of the stationary ground, where that is known
+    ground_std: float | None = None  # [m/s^2], wanted standard deviation of the stationary ground
 
     @property
     def strong(self) -> float:
-        """How long a stationary motion of the same energy lasts [s]."""
+        """Duration of a stationary motion with the same energy [s]."""
         return strong_seconds(self.duration, self.envelope)
 
     @property
     def displacements(self) -> Array:
-        """Mean peaks [m]."""
+        """Wanted mean peak displacements of the oscillators [m]."""
         return self.accelerations * (self.periods / (2 * np.pi)) ** 2
 
 
 class Delivered(NamedTuple):
-    """A ground, and by how much what its motions deliver differs from what is wanted."""
+    """A fitted ground, and the error of the mean spectrum of its motions."""
 
     ground: Ground
     off: Array  # ln of the mean simulated spectrum over that wanted
 
     @property
     def rms(self) -> float:
-        """Root mean square over the periods."""
+        """Root mean square of the error over the periods [-]."""
         return float(np.sqrt(np.mean(self.off**2)))
 
     @property
     def worst(self) -> float:
-        """Largest, of either sign."""
+        """Largest absolute error [-]."""
         return float(np.abs(self.off).max())
 
 
 class _Oscillators:
-    """Linear oscillators of the periods wanted; moments of their displacements, linear in the PSD."""
+    """Linear oscillators of the wanted periods, with spectral moments that are linear in the PSD."""
 
     def __init__(self, wanted: Wanted) -> None:
         w = 2 * np.pi / wanted.periods
-        # From rest, after the strong part: the variance of a stationary oscillator of this damping.
+        # Effective damping ratio whose stationary variance is that of a start from rest.
         damping = wanted.damping / -np.expm1(-2 * wanted.damping * w * wanted.strong)
         low, high = np.log([w.min() / _REACH, _REACH * w.max()])
         self.frequency = np.exp(np.arange(low, high, _STEP))
         x = (self.frequency / w[:, None]) ** 2
         response = 1 / (w[:, None] ** 4 * ((1 - x) ** 2 + 4 * damping[:, None] ** 2 * x))
         self.moments = [2 * _STEP * response * self.frequency ** (k + 1) for k in range(3)]
-        self.ground = 2 * _STEP * self.frequency  # of the variance of the ground itself
+        self.ground = 2 * _STEP * self.frequency  # weights of the PSD in the variance of the ground
         self._strong = wanted.strong
 
     def variance(self, psd: Array) -> Array:
@@ -107,10 +108,10 @@ class _Oscillators:
 
 
 class _Filters(NamedTuple):
-    """Clough-Penzien filters, a row each; logarithms of wg, xig, wf, xif and the intensity."""
+    """Clough-Penzien filters, one in each row: logarithms of wg, xig, wf, xif and the intensity."""
 
     logs: Array
-    off: Array
+    off: Array  # error of the logarithm of each displacement
 
     @property
     def good(self) -> bool:
@@ -129,7 +130,7 @@ class _Filters(NamedTuple):
 def deliver(
     wanted: Wanted, filters: int | None, seed: int, progress: Progress | None, paths: int = PATHS
 ) -> Delivered:
-    """The ground that delivers a spectrum, by so many filters, or by the fewest that do it well."""
+    """The ground fitted to a spectrum, with ``filters`` filters or as few as give a good fit."""
     search = _Search(wanted)
     found = None
     for count in range(1, MOST_FILTERS + 1) if filters is None else [filters]:
@@ -146,7 +147,7 @@ def deliver(
             wanted.duration,
             wanted.envelope,
             paths=paths,
-            seed=seed + attempt,  # a correction must not fit the scatter of one sample
+            seed=seed + attempt,  # another sample, so that a correction does not fit its scatter
             progress=progress,
         ).mean(axis=0)
         now = Delivered(found.ground(), np.log(means / wanted.accelerations))
@@ -168,7 +169,7 @@ def _starts(count: int) -> Iterable[Array]:
 
 
 class _Search:
-    """Least squares of the logarithms of standard deviations, of oscillators and of the ground."""
+    """Least-squares fit of the log standard deviations of the oscillators and of the ground."""
 
     def __init__(self, wanted: Wanted) -> None:
         self.wanted, self.oscillators = wanted, _Oscillators(wanted)
@@ -180,7 +181,7 @@ class _Search:
             self._ground = np.array([wanted.ground_std])
 
     def by_formula(self, count: int) -> _Filters:
-        """By so many filters, with the peak factors of the formula."""
+        """The fit with ``count`` filters and the peak factors of Vanmarcke's formula."""
         factors = np.full(self.wanted.periods.size, _FIRST_FACTOR)
         starts = list(_starts(count))
         for _ in range(_ROUNDS):
@@ -190,7 +191,7 @@ class _Search:
         return found
 
     def corrected(self, found: _Filters, accelerations: Array) -> _Filters:
-        """With the peak factors of a simulation, whose mean spectrum this is."""
+        """The fit with the peak factors of a simulation, whose mean spectrum is ``accelerations``."""
         peaks = accelerations * (self.wanted.periods / (2 * np.pi)) ** 2
         std = np.sqrt(self.oscillators.variance(self._psd(found)))
         return self._best(peaks / std, [found.logs])
@@ -227,7 +228,7 @@ class _Search:
 
 
 def _psd(logs: Array, frequency: Array) -> tuple[Array, Array]:
-    """PSD of all filters together [m^2/s^3], and its slopes by their parameters (frequencies, 5 n)."""
+    """PSD of all n filters [m^2/s^3], and its derivatives by their parameters (frequencies, 5 n)."""
     wg, xig, wf, xif, intensity = np.exp(logs.reshape(-1, 5)).T[..., None]
     x, y = (frequency / wg) ** 2, (frequency / wf) ** 2
     a, b = 4 * xig**2, 4 * xif**2

@@ -1,4 +1,4 @@
-"""Suites of records: read from a folder or a table, and scaled, one factor each."""
+"""Suites of records: reading from a folder or a table, and scaling of each record by a factor."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief, plain
 
 ENDINGS = {".at2", ".txt", ".csv", ".dat", ".acc"}
-FILE = "file"  # the column of a table that names the records
+FILE = "file"  # name of the table column with the paths of the records
 LARGEST_FACTOR = 10.0
 BAND_POINTS = 40
 
@@ -42,38 +42,38 @@ def read_records(
     time_column: Column | None = None,
     skip_unreadable: bool = False,
 ) -> Suite:
-    r"""Read a suite of records: all files of a folder, or those that a table lists.
+    r"""Read a suite of records: all files of a folder, or those listed in a table.
 
     Parameters
     ----------
     path : str or path
-        A folder, whose files that end in .at2, .txt, .csv, .dat or .acc are read in the order of their
-        names, with those of the folders in it. Or a table, comma-separated with a row of names: its
-        column ``file`` holds paths from the folder of the table; ``dt`` [s] and ``units``, where it has
-        them, are those of the file. Units as ``"t s, g"`` say that a column of times stands before
-        that of accelerations; what follows a semicolon is a remark.
+        Path of a folder or a table. Of a folder and the folders in it, all files that end in .at2, .txt,
+        .csv, .dat or .acc are read in the order of their names. A table is comma-separated with a row of
+        names. Its column ``file`` has paths relative to the folder of the table. The columns ``dt`` [s]
+        and ``units``, which are optional, apply to each file. Units such as ``"t s, g"`` mean that the
+        first column of the file is time and the second acceleration; text after a semicolon is a remark.
     dt, units, column, time_column
-        As in `read_record`, of all files for which the table says nothing else.
+        As in `read_record`, for all files without such an entry in the table.
     skip_unreadable : bool
-        True: a file that cannot be read is left out, with a warning that names it.
+        Whether a file that cannot be read is left out with a warning, instead of an error.
 
     Returns
     -------
     dict of str to xarray.DataArray
-        The records [m/s^2] over ``time`` [s], by their paths as the table has them, or from the folder
-        on: as `recorded_gap`, `response_spectrum` and `separation` take them.
+        The records [m/s^2] over ``time`` [s], by their paths in the table or relative to the folder, for
+        `recorded_gap`, `response_spectrum` and `separation`.
 
     Raises
     ------
     FileNotFoundError
         If there is no such folder or table.
     ValueError
-        If a file cannot be read (the message names it, and the line of the table), or there is none.
+        If a file cannot be read (the message names it and the line of the table), or there is none.
 
     Warns
     -----
     UserWarning
-        As `read_record`; for each file that is left out.
+        As in `read_record`, and for each file that is left out.
 
     Examples
     --------
@@ -108,7 +108,7 @@ def read_records(
 
 
 def _of_folder(path: Path) -> Iterator[tuple[str, str, dict[str, Any]]]:
-    """Name, place for messages and options of each file."""
+    """Name, name for messages, and options of each file in a folder."""
     for file in sorted(path.rglob("*")):
         if file.suffix.lower() in ENDINGS and file.is_file():
             name = file.relative_to(path).as_posix()
@@ -157,39 +157,40 @@ def scale_records(
     band: tuple[float, float] = (0.2, 2.0),
     damping: float = USUAL_DAMPING,
 ) -> Suite:
-    """Scale each record of a suite by one factor.
+    """Scale each record of a suite by its own factor to a peak or spectral acceleration or a spectrum.
 
     Parameters
     ----------
     records : mapping of str to xarray.DataArray
-        A suite, as `read_records` gives it.
+        A suite, as from `read_records`.
     pga : float, optional
-        Peak ground acceleration [m/s^2] that each is to have.
+        Wanted peak ground acceleration of each record [m/s^2]. One of ``pga``, ``sa`` and ``spectrum``
+        is given.
     sa, period : float, optional
-        Or the pseudo-acceleration [m/s^2] that each is to have at this period [s].
+        Wanted pseudo-acceleration of each record [m/s^2] at this period [s].
     spectrum : xarray.DataArray, optional
-        Or the spectrum to which that of each is to be equal in the mean of the logarithm over the
-        ``band``; as `eurocode_8` gives it.
+        Wanted spectrum, as from `eurocode_8`. The spectrum of each record has the same mean logarithm
+        over the ``band``.
     band : tuple of two floats
-        Periods [s] between which a spectrum is compared, evenly in the logarithm.
+        Periods [s] between which spectra are compared, evenly spaced in the logarithm.
     damping : float
         Damping ratio [-] for ``sa``; a spectrum has its own.
 
     Returns
     -------
     dict of str to xarray.DataArray
-        The suite; ``scale`` among the attributes of each is its factor.
+        The scaled suite; the attribute ``scale`` of each record is its factor.
 
     Raises
     ------
     ValueError, TypeError
-        If it is not said to what, or twice; if a number is out of range; if a record is none.
+        If not exactly one of ``pga``, ``sa`` and ``spectrum`` is given, a number is out of range, or a
+        record is not valid.
 
     Warns
     -----
     UserWarning
-        If a factor is above 10 or below 0.1: such a record is hardly one of the earthquake that is
-        meant.
+        If a factor is above 10 or below 0.1, so that the record hardly represents the wanted earthquake.
 
     Examples
     --------
@@ -229,13 +230,13 @@ def scale_records(
 
 
 def doubtful_factor(factor: float) -> str:
-    """What is doubtful about scaling a record so; empty if nothing is."""
+    """Text of a warning on an implausible factor of a record; empty if it is plausible."""
     plausible = 1 / LARGEST_FACTOR <= factor <= LARGEST_FACTOR
     return "" if plausible else "between 0.1 and 10 a record is still one of its kind"
 
 
 def scaled_record(record: xr.DataArray, factor: float) -> xr.DataArray:
-    """The record times a factor, which stands among its attributes then."""
+    """The record times a factor, which becomes its attribute ``scale``."""
     return (factor * record).assign_attrs(record.attrs, scale=factor)
 
 

@@ -1,4 +1,4 @@
-"""What sites deliver: spectra of simulated motions."""
+"""Variables of the results on sites, with unit and long name."""
 
 from stochlin.analyses.tables.labels import Variables
 
