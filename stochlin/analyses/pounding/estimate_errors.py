@@ -219,13 +219,15 @@ def _statistics(table: xr.Dataset, over: str) -> xr.Dataset:
     told = xr.concat([table[name] for name in ESTIMATES.values()], "estimate").assign_coords(estimate=by)
     ratio = xr.ufuncs.log(told / truth).where(table.hits > 0)
     count = (table.hits > 0).sum(over)
-    scatter = ratio.std(over, ddof=1).where(count >= FEWEST)
+    bias = ratio.mean(over)
+    freedom = (count - 1).where(count >= FEWEST)  # `std` warns of cells with fewer motions
+    scatter = np.sqrt(((ratio - bias) ** 2).sum(over) / freedom)
     more = (ratio < 0).sum(over)
     lower, upper = share_interval(more.to_numpy(), count.broadcast_like(more).to_numpy())
     return xr.Dataset(
         {
             "motions_with_hits": count,
-            "estimate_bias": ratio.mean(over),
+            "estimate_bias": bias,
             "estimate_bias_standard_error": scatter / np.sqrt(count),
             "estimate_scatter": scatter,
             "exceeded_probability": (more / count.where(count > 0)),
