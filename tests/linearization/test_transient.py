@@ -11,6 +11,7 @@ from cases import augmented_system
 
 import stochlin as sl
 from stochlin.analyses.probability.cells import PairTable
+from stochlin.kernels.linearization import transient
 from stochlin.models.structures import Gap
 
 pytestmark = pytest.mark.oracle
@@ -123,6 +124,25 @@ def test_almost_elastic_is_elastic():
         for s in (weak, sl.Bilinear(0.7, 0.05))
     )
     np.testing.assert_allclose(found, elastic, atol=1e-7 * float(elastic.max()))
+
+
+def test_an_envelope_whose_slope_is_infinite_at_the_start_is_followed():
+    """``t^0.4``: the panels begin as short as that takes."""
+    quake, one = sl.GammaEnvelope(power=0.4, decay=0.2), sl.Bilinear(1.0, 0.05)
+    found = sl.transient_response(one, sl.WhiteNoise(0.01), 8.0, envelope=quake, points=5)
+    w, v = 2 * np.pi, 2 * np.pi * np.sqrt(1 - 0.05**2)
+    for at, std in zip(found.time.values, found.displacement_std.values, strict=True):
+        s = np.linspace(0, at**0.2, 20001) ** 5  # denser where the envelope is steep
+        pulse = quake.at(s) * np.exp(-0.05 * w * (at - s)) * np.sin(v * (at - s)) / v
+        variance = 2 * np.pi * 0.01 * scipy.integrate.trapezoid(pulse**2, s)
+        assert std == pytest.approx(np.sqrt(variance), rel=1e-6, abs=1e-12)
+
+
+def test_panels_that_become_too_short_are_refused(monkeypatch):
+    monkeypatch.setattr(transient, "MOST_PANELS", 150)
+    weak = sl.Bilinear(0.5, 0.05, 0.05, yield_displacement=1e-5)
+    with pytest.raises(ArithmeticError, match=r"so weak that .* give it more strength, or simulate"):
+        sl.transient_response(weak, FIRM, 80.0, envelope=QUAKE)
 
 
 @pytest.mark.slow

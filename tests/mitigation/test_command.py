@@ -167,6 +167,19 @@ def test_floors_that_are_not_level_are_told_and_links_have_to_say_theirs(tmp_pat
     assert "least dashpot between: not searched" in result.output
 
 
+def test_the_picture_shows_the_thickness_of_bumpers_below_the_gap_that_is_needed(done):
+    """Both in cm, as a bar that ends at the gap needed."""
+    folder, _ = done
+    with xr.open_dataset(folder / "m.nc") as table:
+        bumpers = table.sel(measure="Rubber bumpers")
+        ends = 100 * (bumpers.required_gap - bumpers.bumper_thickness), 100 * bumpers.required_gap
+        row, axes = list(table.measure.values).index("Rubber bumpers"), draw_measures(table).axes[0]
+    drawn = next(one for one in axes.collections if one.get_label() == "thickness of bumpers")
+    (bar,) = drawn.get_segments()
+    np.testing.assert_allclose(bar, [[float(end), row] for end in ends], rtol=1e-12)
+    assert float(ends[1] - ends[0]) == pytest.approx(2.0, rel=1e-12)
+
+
 def test_the_picture_takes_nothing_else():
     with pytest.raises(ValueError, match="allowed: a dataset that mitigate returns"):
         draw_measures(xr.Dataset())

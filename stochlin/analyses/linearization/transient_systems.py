@@ -41,8 +41,8 @@ STEPS_PER_PERIOD = 16  # of the shortest period, for integrals over time
 STRONG = 0.5  # of the envelope's largest value: shaking is strong until it falls below for good
 SCANNED = 4096  # instants at which an envelope is looked at
 COLUMNS = 8  # numbers that are held of each structure and pair at an instant
-INSTANT = 6e-4  # [s] of integration, roughly
-RATES = 7  # times that the equations are evaluated, roughly, for each radian of the fastest mode
+INSTANT = 1e-4  # [s] of integration, roughly
+RATES = 20  # nodes times sweeps, roughly, for each radian of the fastest mode
 PRODUCT = 8e-11  # [s] of each, for the states of a structure cubed
 POINTS = 101  # instants of a result
 TIME = "time"
@@ -110,9 +110,9 @@ class Course(NamedTuple):
     shown: Array  # indices of the instants of the result
     strong_end: float  # [s]
 
-    def value(self, time: float) -> float:
-        """The envelope at an instant."""
-        return 1.0 if self.envelope is None else float(self.envelope.at(np.asarray(time)))
+    def values(self, times: Array) -> Array:
+        """The envelope at instants [s]."""
+        return envelope_at(self.envelope, times)
 
 
 class Moments(NamedTuple):
@@ -290,7 +290,7 @@ def solve_course(sides: Sequence[Side], ground: Ground, pairs: Array, course: Co
     )
     filters = _filters(ground, grounds_of(sides))
     closure = _coefficients(sides) if np.isfinite(structures.yield_displacement).any() else None
-    transient = Transient(structures, filters, pairs, closure, course.value)
+    transient = Transient(structures, filters, pairs, closure, course.values)
     kinks = () if course.envelope is None else course.envelope.kinks()
     return Moments(*transient.solve(course.times, kinks), tuple(sides), course)
 
@@ -305,7 +305,7 @@ def over_time(table: xr.Dataset, course: Course) -> xr.Dataset:
     }
     return (
         table.assign(
-            envelope=("time", np.array([course.value(instant) for instant in time.values])),
+            envelope=("time", course.values(time.to_numpy())),
             permanent_set=("time", (time.values > course.strong_end).astype(np.int8), flag),
         )
         .assign_coords(time=time)
