@@ -17,7 +17,7 @@ from stochlin.analyses.cases.pounding import pound_case
 from stochlin.analyses.cases.probability import judge_gap
 from stochlin.analyses.cases.separation import answer_case, rms_acceleration
 from stochlin.analyses.cases.values import UNITS, Quantity, Section, key_lines
-from stochlin.analyses.explorer.scene import scene_of
+from stochlin.analyses.explorer.case_scene import scene_of
 from stochlin.models.parameters import Range
 
 pytestmark = pytest.mark.invariant

@@ -9,8 +9,8 @@ from click.testing import CliRunner
 
 import stochlin as sl
 from stochlin.analyses.cases.case import Case
+from stochlin.analyses.explorer.case_scene import scene_of
 from stochlin.analyses.explorer.case_text import case_text
-from stochlin.analyses.explorer.scene import scene_of
 from stochlin.analyses.sites.motion_fit import RECORD_TO_RECORD
 from stochlin.views.command import main
 from stochlin.views.shared.words import scatter

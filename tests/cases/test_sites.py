@@ -165,7 +165,7 @@ def test_a_hazard_that_is_wrong_names_the_line(tmp_path):
         ),
         (
             'spectrum = "site.csv"\nintensity = "0.01 m^2/s^3"\n',
-            "its strength is given by the file, or pga, sa and return_period",
+            "its strength is given by the file and scale, or pga, sa and return_period",
         ),
     ],
 )

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 import stochlin as sl
 from stochlin.analyses.cases.case import Case
-from stochlin.analyses.explorer.scene import scene_of
+from stochlin.analyses.explorer.case_scene import scene_of
 from stochlin.messages import DoubtfulInput
 from stochlin.models.systems import slabs_on_columns
 from stochlin.views.shared.words import floors

@@ -4,20 +4,16 @@ from __future__ import annotations
 
 import http.client
 import json
-import os
 import re
-import shutil
 import socket
-import subprocess
 import sys
 import time
-from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
+from browser import PATIENCE, wait
 from click.testing import CliRunner
 
 import stochlin as sl
@@ -25,19 +21,6 @@ from stochlin.views.command import main
 from stochlin.views.explorer.server import OwnOrigin, names_of
 
 pytestmark = pytest.mark.cli
-
-PROGRAM = "from stochlin.views.command import main; main()"
-PATIENCE = 60.0  # s, on a machine that is busy
-FLAGS = (
-    *("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
-    *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
-    "--disable-dev-shm-usage",
-)
-IDLE = (
-    "const s = [...document.querySelectorAll('.state')];"
-    "return s.length == 4 && s.every(e => !e.textContent) && "
-    "[...document.querySelectorAll('.chart')].every(e => e.querySelector('.main-svg'))"
-)
 
 
 def run(*arguments: object) -> Any:
@@ -102,49 +85,6 @@ def test_only_its_own_pages_may_ask(listens, host, origin, allowed):
     assert OwnOrigin(None, names_of(listens)).allows(headers) is allowed
 
 
-@pytest.fixture(scope="module")
-def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """The page served by a process of its own, from the example case."""
-    folder = tmp_path_factory.mktemp("explorer")
-    (folder / "case.toml").write_text(sl.example_case(), encoding="utf-8")
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        port = free.getsockname()[1]
-    # NiceGUI looks for this variable and would wait for a test runner of its own.
-    environment = {name: text for name, text in os.environ.items() if name != "PYTEST_CURRENT_TEST"}
-    command = [sys.executable, "-c", PROGRAM, "explore", "--no-open", "--port", str(port)]
-    log = folder / "log.txt"
-    with log.open("w") as stream:
-        server = subprocess.Popen(
-            [*command, "--case", "case.toml"],
-            cwd=folder,
-            env=environment,
-            stdout=stream,
-            stderr=subprocess.STDOUT,
-        )
-    try:
-        wait(lambda: "Ctrl+C" in log.read_text() or server.poll() is not None)
-        assert server.poll() is None, log.read_text()
-        wait(lambda: listens(port))  # it says where it is just before it listens
-        yield f"127.0.0.1:{port}"
-    finally:
-        server.terminate()
-        server.wait(PATIENCE)
-    said = log.read_text().splitlines()
-    assert said == [f"The explorer is at http://127.0.0.1:{port} (Ctrl+C ends it)"]
-
-
-def listens(port: int) -> bool:
-    with socket.socket() as probe:
-        return probe.connect_ex(("127.0.0.1", port)) == 0
-
-
-def wait(done: Any, seconds: float = PATIENCE) -> None:
-    end = time.monotonic() + seconds
-    while not done():
-        assert time.monotonic() < end, "waited in vain"
-        time.sleep(0.05)
-
-
 def status(address: str, path: str, **headers: str) -> int:
     connection = http.client.HTTPConnection(address, timeout=PATIENCE)
     try:
@@ -166,105 +106,6 @@ def test_requests_of_other_hosts_and_pages_are_refused(address):
     channel = "/_nicegui_ws/socket.io/?EIO=4&transport=websocket"
     assert status(address, channel, **upgrade, Origin=f"http://{address}") == 101
     assert status(address, channel, **upgrade, Origin="http://evil.example") == 403
-
-
-class Browser:
-    """Chromium on the page, by keyboard and script."""
-
-    def __init__(self, driver: Any, downloads: Path) -> None:
-        self.driver, self.downloads = driver, downloads
-
-    def script(self, text: str, *arguments: Any) -> Any:
-        return self.driver.execute_script(text, *arguments)
-
-    def open(self, address: str, width: int = 1200, height: int = 900) -> None:
-        size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500}
-        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
-        self.driver.get(f"http://{address}/")
-        self.idle()
-
-    def idle(self) -> None:
-        wait(lambda: self.script(IDLE))
-
-    def press(self, *keys: str) -> None:
-        from selenium.webdriver import ActionChains
-
-        ActionChains(self.driver).send_keys(*keys).perform()
-
-    def enter(self, name: str, text: str) -> None:
-        from selenium.webdriver.common.keys import Keys
-
-        self.script("document.querySelector(arguments[0]).select()", f"[data-control={name}]")
-        self.press(text or Keys.DELETE)
-        time.sleep(0.5)  # longer than an entry waits for another key
-
-    def choose(self, label: str, text: str) -> None:
-        from selenium.webdriver.common.keys import Keys
-
-        find = "e.getAttribute('aria-label') == arguments[0]"
-        lists = "[...document.querySelectorAll('[role=combobox]')]"
-        self.script(f"{lists}.find(e => {find}).focus()", label)
-        self.press(Keys.SPACE)
-        choose = """const found = [...document.querySelectorAll('.q-menu [role=option]')]
-            .find(e => e.innerText == arguments[0]); if (found) found.click(); return !!found"""
-        wait(lambda: self.script(choose, text))
-        wait(lambda: not self.script("return !!document.querySelector('.q-menu')"))
-
-    def shows(self, name: str) -> bool:
-        found = "return document.querySelector(arguments[0]).offsetParent !== null"
-        return bool(self.script(found, f"[data-slider={name}]"))
-
-    def click(self, mark: str) -> None:
-        self.driver.find_element("css selector", f"[data-{mark}]").click()
-
-    def text(self, mark: str) -> str:
-        return str(
-            self.script("return document.querySelector(arguments[0]).textContent", f"[data-{mark}]")
-        )
-
-    def value(self, name: str) -> str:
-        return str(
-            self.script("return document.querySelector(arguments[0]).value", f"[data-control={name}]")
-        )
-
-    def curve(self, panel: str, number: int) -> list[float]:
-        find = f"[data-panel={panel}] .chart"
-        data = "const d = document.querySelector(arguments[0]).data[arguments[1]]; return [...d.y]"
-        return list(self.script(data, find, number))
-
-    def downloaded(self, name: str) -> Path:
-        path = self.downloads / name
-        wait(path.exists)
-        return path.rename(path.with_stem(f"{path.stem} {time.monotonic_ns()}"))  # the next has its name
-
-
-@pytest.fixture(scope="module")
-def chromium(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
-    program, driver = shutil.which("chromium"), shutil.which("chromedriver")
-    if not (program and driver):
-        pytest.skip("Chromium and chromedriver are not installed")
-    webdriver = pytest.importorskip("selenium.webdriver", reason="selenium is not installed")
-    downloads = tmp_path_factory.mktemp("downloads")
-    options = webdriver.ChromeOptions()
-    options.binary_location = program
-    for flag in (*FLAGS, f"--user-data-dir={tmp_path_factory.mktemp('profile')}"):
-        options.add_argument(flag)
-    options.add_experimental_option("prefs", {"download.default_directory": str(downloads)})
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    browser = webdriver.Chrome(options=options, service=webdriver.ChromeService(driver))
-    try:
-        yield Browser(browser, downloads)
-    finally:
-        browser.quit()
-
-
-@pytest.fixture
-def page(chromium: Browser, address: str) -> Iterator[Browser]:
-    """The page as it begins; it must not have complained when the test ends."""
-    chromium.open(address)
-    yield chromium
-    complaints = [entry for entry in chromium.driver.get_log("browser") if entry["level"] != "INFO"]
-    assert complaints == []
 
 
 def test_the_page_comes_from_this_machine_alone(page, address):

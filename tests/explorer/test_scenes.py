@@ -10,9 +10,11 @@ import pytest
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.explorer.case_text import case_text
+from stochlin.analyses.explorer.buildings import REGULAR
+from stochlin.analyses.explorer.case_scene import scene_of
+from stochlin.analyses.explorer.case_text import case_text, files_named, left_out
 from stochlin.analyses.explorer.formulas import correlation, gap_rules, probability, spectra
-from stochlin.analyses.explorer.scene import ALLOWED, SHAPES, SITES, WHOLE, Scene, scene_of
+from stochlin.analyses.explorer.scene import ALLOWED, BY_DISPLACEMENT, SHAPES, SITES, WHOLE, Scene
 from stochlin.analyses.explorer.simulations import merge_tables, simulations
 from stochlin.analyses.explorer.sites import CODES
 from stochlin.analyses.linearization.equivalent_systems import INTERNAL, solve_structure
@@ -75,28 +77,71 @@ def test_a_scene_survives_its_case_file(seed, tmp_path):
     assert case_text(again) == case_text(scene)  # all that the file holds: unused sliders it does not
 
 
-def test_of_the_example_only_what_pounding_takes_is_lost(tmp_path):
-    scene, (note,) = read_text(sl.example_case(), tmp_path)
-    assert note.startswith("Masses, contact and measures are left out")
+def test_of_the_example_nothing_is_lost(tmp_path):
+    scene, notes = read_text(sl.example_case(), tmp_path)
+    assert not notes
     assert (scene.title, scene.period_1, scene.period_2, scene.gap) == (
         "Office block and annex",
         1,
         0.6,
         0.05,
     )
-    assert read_text(case_text(scene), tmp_path) == (scene, [])
+    before = sl.read_case(tmp_path / "case.toml")
+    moved = dataclasses.replace(scene, period_2=0.7)
+    assert not left_out(moved)
+    assert read_text(case_text(moved), tmp_path) == (moved, [])
+    after = sl.read_case(tmp_path / "case.toml")
+    assert after.second.structure == dataclasses.replace(before.second.structure, period=0.7)
+    assert after.first == before.first
+    for name in ("contact", "measures", "amplification_limit", "numbers", "zone", "floors_align"):
+        assert getattr(after, name) == getattr(before, name), name
 
 
-def test_strength_by_yield_displacement_becomes_the_same_structure(tmp_path):
+def test_measures_of_storeys_that_are_gone_are_left_out(tmp_path):
+    tie = '[measures.tie]\nlink_floors = [1, 1]\nlink_stiffness = "9 MN/m"\n[mitigation]'
+    scene, _ = read_text(sl.example_case().replace("[mitigation]", tie), tmp_path)
+    storeys = dataclasses.replace(scene, description_1=REGULAR)
+    assert not left_out(storeys)  # floor 1 is there
+    (tmp_path / "case.toml").write_text(case_text(storeys), encoding="utf-8")
+    assert "tie" in sl.read_case(tmp_path / "case.toml").measures
+    text = case_text(storeys).replace("link_floors = [1, 1]", "link_floors = [8, 1]")
+    scene, _ = read_text(text, tmp_path)
+    lower = dataclasses.replace(scene, storey_count_1=5)
+    (told,) = left_out(lower)
+    assert "they do not fit the buildings: case.toml: measures.tie.link_floors = [8, 1]" in told
+    (tmp_path / "case.toml").write_text(case_text(lower), encoding="utf-8")
+    assert not sl.read_case(tmp_path / "case.toml").measures
+
+
+def test_strength_by_yield_displacement_stays_so_whatever_the_intensity(tmp_path):
     text = sl.example_case().replace(
         "reduction_factor = 4\nheight", 'yield_displacement = "2 cm"\nheight'
     )
     scene, notes = read_text(text, tmp_path)
-    assert len(notes) == 3
-    assert "yield displacement" in notes[1]
-    for structure in scene.structures():
-        uy = float(sl.linearize(structure, scene.ground()).yield_displacement)
-        assert uy == pytest.approx(0.02, rel=1e-9)
+    assert not notes
+    stronger = dataclasses.replace(scene, intensity=4 * scene.intensity)
+    for one in (scene, stronger):
+        assert [structure.yield_displacement for structure in one.structures()] == [0.02, 0.02]
+    assert case_text(stronger).count('yield_displacement = "0.02 m"') == 2
+
+
+def test_strength_the_other_way_is_the_same(tmp_path):
+    scene = Scene()
+    name, value = scene.strength_in_other_words(2)
+    assert name == "yield_displacement_2"
+    other = dataclasses.replace(scene, strength_by_2=BY_DISPLACEMENT, yield_displacement_2=value)
+    for one in (scene, other):
+        found = sl.linearize(one.structure(2), scene.ground())
+        assert float(found.yield_displacement) == pytest.approx(value, rel=1e-12)
+    assert other.strength_in_other_words(2) == ("reduction_factor_2", pytest.approx(4, rel=1e-12))
+    # The strength by R goes with the square root of the intensity.
+    stronger = dataclasses.replace(scene, intensity=4 * scene.intensity)
+    assert stronger.strength_in_other_words(2)[1] == pytest.approx(2 * value, rel=1e-12)
+
+
+def test_uncertain_parameters_are_told(tmp_path):
+    _, (note,) = read_text(sl.example_case().replace('"0.6 s"', '"0.6 s +- 10 %"', 1), tmp_path)
+    assert note.startswith("Uncertain parameters (Annex) are taken at their medians here")
 
 
 @pytest.mark.filterwarnings("ignore:.*times the energy of the record")  # of another envelope
@@ -113,7 +158,8 @@ def test_what_a_scene_cannot_hold_is_told(tmp_path):
     scene, notes = read_text(text.replace('existing = "5 cm"', ""), tmp_path)
     assert scene.site == "kanai_tajimi"
     assert [note for note in notes if "fitted" in note]
-    assert [note for note in notes if "gaps of the records" in note]
+    assert list(scene.records) == ["a.txt"]
+    assert files_named(scene) == ["a.txt"]
     assert [note for note in notes if "no existing gap" in note]
 
 

@@ -11,9 +11,10 @@ import xarray as xr
 
 import stochlin as sl
 from stochlin.analyses.explorer.buildings import OF_FILE, OSCILLATOR, REGULAR
+from stochlin.analyses.explorer.case_scene import scene_of
 from stochlin.analyses.explorer.case_text import case_text
 from stochlin.analyses.explorer.formulas import correlation, gap_rules, probability, spectra
-from stochlin.analyses.explorer.scene import Scene, scene_of
+from stochlin.analyses.explorer.scene import Scene
 from stochlin.analyses.explorer.simulations import merge_tables, simulations
 from stochlin.analyses.tables.storage import as_netcdf
 from stochlin.views.explorer import pictures as charts
@@ -169,12 +170,17 @@ def test_a_building_stronger_than_the_slider_is_held_storey_by_storey(tmp_path):
     same(scene.structure(1), case.first.structure)
 
 
-def test_what_a_mixed_case_leaves_out_is_told(tmp_path):
+def test_contact_and_masses_of_a_mixed_case_are_kept(tmp_path):
     contact = '[contact]\nmodel = "kelvin"\nstiffness = "2000 MN/m"\nrestitution = 0.65\n'
-    _, _, (note,) = read(tmp_path, OFFICE, SHOP, one=("[simulation]", f"{contact}[simulation]"))
-    assert note.startswith("Masses and contact are left out here")
-    _, _, (note,) = read(tmp_path, OFFICE, ANNEX, one=("[simulation]", f"{contact}[simulation]"))
-    assert note.startswith("Contact is left out here")
+    for other in (SHOP, ANNEX):
+        case, scene, notes = read(
+            tmp_path, OFFICE, other, one=("[simulation]", f"{contact}[simulation]")
+        )
+        assert not notes
+        (tmp_path / "again.toml").write_text(case_text(scene), encoding="utf-8")
+        again = sl.read_case(tmp_path / "again.toml")
+        assert again.contact == case.contact
+        assert again.second.structure.mass == 9e5 if other is SHOP else again.second.weighed
 
 
 def test_too_many_storeys_are_told(tmp_path):

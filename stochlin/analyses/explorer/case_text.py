@@ -3,15 +3,25 @@
 from __future__ import annotations
 
 import json
+import re
+import tomllib
+import warnings
 from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
 
+from stochlin.analyses.cases.buildings import read_buildings
+from stochlin.analyses.cases.contacts import read_measures
 from stochlin.analyses.cases.site import PARALLEL
+from stochlin.analyses.cases.sites.records import SCALE_TO, SUITE
+from stochlin.analyses.cases.sites.strength import HAZARD
+from stochlin.analyses.cases.values import Section
 from stochlin.analyses.explorer.buildings import REGULAR
-from stochlin.analyses.explorer.scene import Scene
-from stochlin.analyses.explorer.sites import EUROCODE_8
+from stochlin.analyses.explorer.scene import STRENGTHS, Scene
+from stochlin.analyses.explorer.sites import EUROCODE_8, OF_FILE, PGA, S0, G
+from stochlin.analyses.sites.spectra import USUAL_DAMPING
+from stochlin.messages import DoubtfulInput
 from stochlin.models.buildings import RegularBuilding, ShearBuilding
 from stochlin.models.envelopes import ENVELOPES
 from stochlin.models.grounds import GROUNDS, Ground, ParallelGround
@@ -24,10 +34,15 @@ HEAD = """\
 # A case for 'stochlin gap', saved by 'stochlin explore'. Lengths in m, times in s; 'stochlin gap
 # --example' explains every line.
 """
+SPECTRUM_FILE = ("spectrum", "units", "damping", "column", "period_column")
+PARTS = ("contact", "measures", "mitigation")  # tables of a file of which no control shows anything
+BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
 def case_text(scene: Scene) -> str:
     """Text of the case file that describes a scene, every number to its last digit.
+
+    What no control shows is as in the scene's own file, but for what `left_out` names.
 
     Examples
     --------
@@ -39,15 +54,16 @@ def case_text(scene: Scene) -> str:
     lines = [f"title = {_written(scene.title)}", "", "[site]"]
     ground = scene.ground()
     if scene.shape is not None:
-        lines += [f"spectrum = {_written(scene.site)}", *_of_code(scene)]
+        lines += _of_spectrum(scene)
     else:
         values = scene.site_parameters() | {"intensity": ground.arrays()["intensity"].item()}
-        lines += [f"ground = {_written(scene.site)}", *_numbers(site, values)]
+        lines += [f"ground = {_written(scene.site)}", *_numbers(site, values), *_remark(scene)]
     if scene.site == PARALLEL and isinstance(ground, ParallelGround):
         for part in ground.grounds:
             kind = next(name for name, one in GROUNDS.items() if type(part) is one)
             lines += ["", "[[site.grounds]]", f"ground = {_written(kind)}"]
             lines += _numbers(type(part), _given(part, part.parameter_names()))
+    lines += _of_site(scene)
     lines += [
         "",
         "[motion]",
@@ -63,23 +79,106 @@ def case_text(scene: Scene) -> str:
     lines += [f"floors_align = {_written(scene.for_codes()['floors_align'])}"]
     lines += [f"zone = {_written(scene.zone)}"] if scene.zone else []
     lines += [f"unverified = {_written(scene.unverified)}"]
-    lines += ["", "[simulation]", f"paths = {scene.paths}", f"seed = {scene.seed}", ""]
-    return HEAD + "\n".join(lines)
+    lines += _pairs(_said(scene, "separation"), ("risk", "numbers"))
+    lines += ["", "[simulation]", f"paths = {scene.paths}", f"seed = {scene.seed}"]
+    for table in PARTS:
+        if table != "measures" or not _unfit(scene):
+            lines += _table(table, _said(scene, table))
+    return HEAD + "\n".join([*lines, ""])
 
 
-def _of_code(scene: Scene) -> list[str]:
-    """What says the spectrum of a code, and of how many filters its ground is."""
+def left_out(scene: Scene) -> list[str]:
+    """In sentences, what of the scene's own file does not go with its values any more."""
+    told = []
+    if unfit := _unfit(scene):
+        told.append(f"The measures of the file are left out; they do not fit the buildings: {unfit}.")
+    if _scaled_to_nothing(scene):
+        told.append(
+            "The suite of records is left out; it is scaled to a spectrum, which the site lacks."
+        )
+    return told
+
+
+def files_named(scene: Scene) -> list[str]:
+    """The files that its case file refers to, from the folder of its own."""
+    site = _said(scene, "site")
+    names = [one["path"] for one in site.get("records", [])]
+    if scene.site == OF_FILE:
+        names.append(site["spectrum"])
+    if SUITE in site and not _scaled_to_nothing(scene):
+        names.append(site[SUITE]["path"])
+    if "file" in site.get(HAZARD, {}):
+        names.append(site[HAZARD]["file"])
+    return names
+
+
+def _said(scene: Scene, *place: str) -> Mapping[str, Any]:
+    """A table of the scene's own file; empty where there is none."""
+    values: Mapping[str, Any] = scene.case_file.values if scene.case_file else {}
+    for key in place:
+        values = values.get(key, {})
+    return values
+
+
+def _scaled_to_nothing(scene: Scene) -> bool:
+    return scene.shape is None and SCALE_TO in _said(scene, "site", SUITE)
+
+
+def _unfit(scene: Scene) -> str:
+    """Why the measures of the file do not go with the buildings of the scene; empty if they do."""
+    if scene.case_file is None:
+        return ""
+    text = "\n".join(line for number in (1, 2) for line in _building(scene, number))
+    values = tomllib.loads(text) | {"measures": _said(scene, "measures")}
+    whole = Section(scene.case_file.file.name, (), values, {})
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DoubtfulInput)  # it was said when the file was read
+        try:
+            read_measures(whole, read_buildings(whole, scene.ground()))
+        except ValueError as error:
+            return str(error)
+    return ""
+
+
+def _of_site(scene: Scene) -> list[str]:
+    """Records and hazard of the file."""
+    said, lines = _said(scene, "site"), []
+    for record in said.get("records", []):
+        lines += ["", "[[site.records]]", *_pairs(record)]
+    if not _scaled_to_nothing(scene):
+        lines += _table(f"site.{SUITE}", said.get(SUITE, {}))
+    return lines + _table(f"site.{HAZARD}", said.get(HAZARD, {}))
+
+
+def _remark(scene: Scene) -> list[str]:
+    """What the intensity was found for."""
+    if scene.measure == S0:
+        return []
+    at = "" if scene.measure == PGA else f" at {scene.sa_period:.4g} s"
+    return [f"# so that the mean {scene.measure} of the motions is {scene.strength / G:.4g} g{at}"]
+
+
+def _of_spectrum(scene: Scene) -> list[str]:
+    """What says the spectrum, and of how many filters its ground is."""
     ground = scene.ground()
     filters = f"filters = {len(ground.grounds) if isinstance(ground, ParallelGround) else 1}"
+    if scene.site == OF_FILE:
+        kept = _pairs(_said(scene, "site"), SPECTRUM_FILE)
+        return [*kept, f"scale = {scene.spectrum_scale!r}", filters]
+    named = f"spectrum = {_written(scene.site)}"
     if scene.site == EUROCODE_8:
+        usual = scene.spectrum_damping == USUAL_DAMPING
         return [
+            named,
             f"ag = {_quantity(scene.ag, 'm/s^2')}",
             f"soil = {_written(scene.soil)}",
             f"type = {scene.spectrum_type}",
+            *([] if usual else [f"damping = {scene.spectrum_damping!r}"]),
             filters,
         ]
     values = ((name, Scene.units(name)) for name in ("sds", "sd1", "tl"))
-    return [*(f"{name} = {_quantity(getattr(scene, name), units)}" for name, units in values), filters]
+    given = (f"{name} = {_quantity(getattr(scene, name), units)}" for name, units in values)
+    return [named, *given, filters]
 
 
 def _building(scene: Scene, number: int) -> list[str]:
@@ -98,8 +197,9 @@ def _building(scene: Scene, number: int) -> list[str]:
 
 
 def _oscillator(scene: Scene, number: int) -> list[str]:
-    names = ("period", "damping", "hardening", "reduction_factor")
+    names = ("period", "damping", "hardening", *STRENGTHS.values())
     lines = _numbers(Bilinear, _given(scene.structure(number), names))
+    lines += _pairs(_said(scene, f"building_{number}"), ("mass",))
     height, storeys = scene.heights[number - 1], scene.storeys[number - 1]
     lines += [f'height = "{height!r} m"'] if height is not None else []
     return lines + ([f"storeys = {storeys}"] if storeys is not None else [])
@@ -130,6 +230,28 @@ def _quantity(value: Any, unit: str = "1") -> str:
     return f"{value!r}" if unit == "1" else f'"{value!r} {unit}"'
 
 
-def _written(value: str | bool) -> str:
+def _table(name: str, values: Mapping[str, Any]) -> list[str]:
+    """A table of the file as it is there; nothing of an empty one."""
+    inner = {key: value for key, value in values.items() if isinstance(value, dict)}
+    if inner and len(inner) == len(values):  # a table of tables, as that of the measures
+        return [line for key, value in inner.items() for line in _table(f"{name}.{_key(key)}", value)]
+    return ["", f"[{name}]", *_pairs(values)] if values else []
+
+
+def _pairs(values: Mapping[str, Any], names: Iterable[str] | None = None) -> list[str]:
+    """Lines of what the file says, of all or of these names."""
+    chosen = values if names is None else [name for name in names if name in values]
+    return [f"{_key(name)} = {_written(values[name])}" for name in chosen]
+
+
+def _key(name: str) -> str:
+    return name if BARE.fullmatch(name) else _written(name)
+
+
+def _written(value: Any) -> str:
     """As TOML has it; texts and truth values are those of JSON."""
-    return json.dumps(value, ensure_ascii=False)
+    if isinstance(value, dict):
+        return f"{{ {', '.join(_pairs(value))} }}"
+    if isinstance(value, list):
+        return f"[{', '.join(map(_written, value))}]"
+    return json.dumps(value, ensure_ascii=False) if isinstance(value, (str, bool)) else repr(value)

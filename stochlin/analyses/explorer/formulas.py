@@ -207,7 +207,9 @@ def _rules(scene: Scene, seconds: float) -> list[Rule]:
             scene.confidence,
             scene.scatter,
         ),
-        *code_rules(drifted[:, None], scene.heights, scene.floors_align, scene.zone),
+        *code_rules(
+            drifted[:, None], scene.heights, scene.floors_align, scene.zone, dict(scene.numbers)
+        ),
     ]
 
 
@@ -246,11 +248,11 @@ def recorded(scene: Scene) -> xr.Dataset:
 
     Strengths that hang on the ground are those of the scene's.
     """
-    if scene.records is None:
+    if not scene.records:
         raise ValueError("the scene has no record; allowed: a case file with [[site.records]]")
     ground = scene.ground()
     one, other = (strength_in_metres(structure, ground) for structure in scene.structures())
-    return recorded_gap(one, other, dict(scene.records.motions)).assign_attrs(gap_m=scene.gap)
+    return recorded_gap(one, other, dict(scene.records)).assign_attrs(gap_m=scene.gap)
 
 
 def swept(scene: Scene, ratios: Array) -> Structure:

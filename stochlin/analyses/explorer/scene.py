@@ -4,44 +4,44 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
-import numpy as np
+import xarray as xr
 
-from stochlin.analyses.cases.buildings import Building
-from stochlin.analyses.cases.case import FEWEST_PATHS, Case
-from stochlin.analyses.cases.site import FITTED, NONE, PARALLEL
+from stochlin.analyses.cases.case import FEWEST_PATHS
+from stochlin.analyses.cases.site import NONE, PARALLEL
 from stochlin.analyses.cases.storeys import SlabOnColumn, StoreyBuilding, slabs_of_row
 from stochlin.analyses.explorer.buildings import (
     DESCRIPTIONS,
     OF_FILE,
     OSCILLATOR,
-    REGULAR,
     StoreysOfFile,
 )
 from stochlin.analyses.explorer.sites import (
-    ASCE_7,
     CODES,
-    EUROCODE_8,
     MEASURES,
+    NAMES,
     PGA,
     S0,
     SA,
     SOILS,
+    SPECTRA,
     TYPES,
     Fitted,
     G,
     Measured,
     Motions,
-    RecordsOfFile,
     Shape,
-    code_of,
+    SpectrumOfFile,
     kind_of,
 )
-from stochlin.analyses.linearization.strength import reduction_factor
+from stochlin.analyses.explorer.sites import OF_FILE as OF_SPECTRUM_FILE
+from stochlin.analyses.linearization.strength import reduction_factor, strength_in_metres
 from stochlin.analyses.linearization.transient_systems import check_course
+from stochlin.analyses.sites.spectra import USUAL_DAMPING
 from stochlin.analyses.tables.checks import check_confidence, check_duration, check_scatter, check_whole
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import brief
@@ -54,9 +54,11 @@ from stochlin.models.parameters import POSITIVE, Model, Range, parameter
 from stochlin.models.structures import DAMPING, HARDENING
 from stochlin.models.systems import AnyStructure
 
-MEDIAN = "gaps by rules without simulation are those of the median strength"
 SITES = (*ground_names(), *GROUNDS, *CODES)
 SHAPES = (*ENVELOPES, NONE)
+# How the strength of an oscillator is given, and the number that then gives it.
+STRENGTHS = {"reduction factor R": "reduction_factor", "yield displacement": "yield_displacement"}
+BY_FACTOR, BY_DISPLACEMENT = STRENGTHS
 # So that no entry asks for work of hours.
 MOST_PATHS, MOST_STOREYS = 20_000, 60
 PERIOD = Range(0.02, 20.0, True, True)
@@ -97,6 +99,15 @@ def names_of(kind: type[Model] | None) -> dict[str, str]:
     return {name: name for name in kind.parameter_names()} if kind else {}
 
 
+@dataclass(frozen=True)
+class CaseFile:
+    """The case file of a scene: what it says, and its recorded motions. Scenes know it by its place."""
+
+    file: Path
+    motions: Mapping[str, xr.DataArray] = field(compare=False, repr=False)
+    values: Mapping[str, Any] = field(compare=False, repr=False)
+
+
 @_with_all_parameters
 @dataclass(frozen=True, kw_only=True)
 class Scene(Model):
@@ -104,9 +115,10 @@ class Scene(Model):
 
     Of ground, envelope and a building only the parameters of the chosen ``site``, ``envelope`` and
     ``description`` count; the others wait for another choice. ``ground_of_file`` is that of the site
-    ``"parallel"``. What no control shows is kept for the case file: ``scatter``; ``storeys`` and
-    ``heights`` of oscillators; ``floor_masses`` [kg] of regular buildings, on which nothing that is
-    shown depends.
+    ``"parallel"``, ``spectrum_of_file`` that of the site ``"spectrum of the file"``. What no control
+    shows is kept for the case file: ``scatter``; ``storeys`` and ``heights`` of oscillators;
+    ``floor_masses`` [kg] of regular buildings, on which nothing that is shown depends; ``numbers`` of
+    code rules; and in ``case_file`` all else that the file says.
     """
 
     site: str = "firm"
@@ -121,9 +133,12 @@ class Scene(Model):
     sds: float = parameter("m/s^2", "SDS", POSITIVE, G)
     sd1: float = parameter("m/s^2", "SD1", POSITIVE, 0.6 * G)
     tl: float = parameter("s", "TL", POSITIVE, 8.0)
+    spectrum_of_file: SpectrumOfFile | None = None
+    spectrum_scale: float = parameter("1", "factor on the spectrum of the file", POSITIVE, 1.0)
+    spectrum_damping: float = USUAL_DAMPING
     fitted: Fitted | None = None
     measured: Measured | None = None
-    records: RecordsOfFile | None = None
+    case_file: CaseFile | None = None
     intensity: float = parameter("m^2/s^3", "intensity S0 of the ground", POSITIVE, 0.01)
     ground_period: float = parameter("s", "ground period", PERIOD, 1.0)
     ground_damping: float = parameter("1", "ground damping ratio", SOIL, 0.3)
@@ -133,7 +148,9 @@ class Scene(Model):
     damping_1: float = parameter("1", "damping ratio", DAMPING, 0.05)
     yields_1: bool = True
     hardening_1: float = parameter("1", "hardening ratio", HARDENING, 0.05)
+    strength_by_1: str = BY_FACTOR
     reduction_factor_1: float = parameter("1", "reduction factor R", FACTOR, 4.0)
+    yield_displacement_1: float = parameter("m", "yield displacement", POSITIVE, 0.03)
     description_1: str = OSCILLATOR
     storey_count_1: int = 8
     storey_height_1: float = parameter("m", "storey height", STOREY_HEIGHT, 3.0)
@@ -147,7 +164,9 @@ class Scene(Model):
     damping_2: float = parameter("1", "damping ratio", DAMPING, 0.05)
     yields_2: bool = True
     hardening_2: float = parameter("1", "hardening ratio", HARDENING, 0.05)
+    strength_by_2: str = BY_FACTOR
     reduction_factor_2: float = parameter("1", "reduction factor R", FACTOR, 4.0)
+    yield_displacement_2: float = parameter("m", "yield displacement", POSITIVE, 0.03)
     description_2: str = OSCILLATOR
     storey_count_2: int = 5
     storey_height_2: float = parameter("m", "storey height", STOREY_HEIGHT, 3.0)
@@ -178,6 +197,7 @@ class Scene(Model):
     storeys_of_file: tuple[StoreysOfFile | None, StoreysOfFile | None] = (None, None)
     floors_align: bool = False
     zone: str | None = None
+    numbers: tuple[tuple[str, float], ...] = ()
     unverified: bool = False
 
     def __post_init__(self) -> None:
@@ -189,6 +209,7 @@ class Scene(Model):
             "spectrum_type": TYPES,
             "envelope": SHAPES,
             **{f"description_{n}": self.ways_to_describe(n) for n in (1, 2)},
+            **{f"strength_by_{n}": tuple(STRENGTHS) for n in (1, 2)},
         }
         for name, allowed in chosen.items():
             if (value := getattr(self, name)) not in allowed:
@@ -206,8 +227,14 @@ class Scene(Model):
         return DESCRIPTIONS if self.storeys_of_file[number - 1] else DESCRIPTIONS[:-1]
 
     def sites(self) -> tuple[str, ...]:
-        """The kinds of ground; filters in parallel are one where the file gives some."""
-        return (*SITES, PARALLEL) if self.ground_of_file else SITES
+        """The kinds of ground, with the parallel filters or the spectrum of the file if it has some."""
+        of_file = {PARALLEL: self.ground_of_file, OF_SPECTRUM_FILE: self.spectrum_of_file}
+        return (*SITES, *(name for name, given in of_file.items() if given))
+
+    @property
+    def records(self) -> Mapping[str, xr.DataArray]:
+        """The recorded motions of the file."""
+        return self.case_file.motions if self.case_file else {}
 
     def ground(self) -> Ground:
         """The ground of the site, as strong as is asked; a ValueError unless it is settled."""
@@ -235,20 +262,20 @@ class Scene(Model):
 
     @property
     def strength(self) -> float:
-        """What says how strong motions are [m/s^2], where that is no intensity."""
+        """What says how strong motions are, where that is no intensity: [m/s^2], or a scale."""
         by_measure = "pga" if self.measure == PGA else "sa"
-        return float(getattr(self, {EUROCODE_8: "ag", ASCE_7: "sds"}.get(self.site, by_measure)))
+        return float(getattr(self, NAMES.get(self.site, (by_measure,))[0]))
 
     @property
     def shape(self) -> Shape | None:
-        """The code's spectrum that motions are to have, if they are."""
-        if self.site not in CODES:
+        """The spectrum that motions are to have, if they are."""
+        if self.site not in SPECTRA:
             return None
         kind = kind_of(self.site, vars(self))
         return Shape(self.site, kind, self.duration, self.motion_envelope())
 
     @property
-    def _motions(self) -> Motions:
+    def motions(self) -> Motions:
         """Those of which is asked how strong they are."""
         period = self.sa_period if self.measure == SA else None
         return Motions(self._of_intensity(1.0), self.duration, self.motion_envelope(), period)
@@ -259,7 +286,7 @@ class Scene(Model):
         if self.shape is not None:
             return self.fitted is not None and self.fitted.shape == self.shape
         return self.measure == S0 or (
-            self.measured is not None and self.measured.motions == self._motions
+            self.measured is not None and self.measured.motions == self.motions
         )
 
     def settle(self, progress: Progress | None = None) -> Scene:
@@ -268,7 +295,7 @@ class Scene(Model):
             return self
         if self.shape is not None:
             return dataclasses.replace(self, fitted=self.shape.fitted(progress))
-        return dataclasses.replace(self, measured=self._motions.measured(self.seed, progress))
+        return dataclasses.replace(self, measured=self.motions.measured(self.seed, progress))
 
     def site_parameters(self) -> dict[str, float]:
         """What the case file says of the ground beside its name."""
@@ -310,8 +337,18 @@ class Scene(Model):
         """Building 1 or 2, which is one, with other parameters where they are given."""
         names = ["period", "damping"]
         if getattr(self, f"yields_{number}"):
-            names += ["hardening", "reduction_factor"]
+            names += ["hardening", STRENGTHS[getattr(self, f"strength_by_{number}")]]
         return Bilinear(**self._of(number, *names) | changed)
+
+    def strength_in_other_words(self, number: int) -> tuple[str, float]:
+        """Name and value of the number that gives oscillator 1 or 2 the same strength the other way."""
+        structure, ground = self.oscillator(number), self.ground()
+        if structure.reduction_factor is None:
+            name, found = "reduction_factor", reduction_factor(structure, ground).reduction_factor
+        else:
+            name = "yield_displacement"
+            found = strength_in_metres(structure, ground).yield_displacement
+        return f"{name}_{number}", float(found)
 
     def _of(self, number: int, *names: str) -> dict[str, Any]:
         return {name: getattr(self, f"{name}_{number}") for name in names}
@@ -356,156 +393,8 @@ class Scene(Model):
             "height_2": heights[1],
             "floors_align": self.floors_align and not self.slabs_on_columns,
             "zone": self.zone,
+            "numbers": dict(self.numbers),
         }
-
-
-def scene_of(case: Case) -> tuple[Scene, list[str]]:
-    """The scene of a case file, and in sentences what of the file it cannot hold.
-
-    A ValueError if a number lies beyond what the explorer takes.
-    """
-    notes, of_code = [], code_of(case)
-    site, given = case.site, _numbers(case.ground)
-    if site == FITTED:
-        site = _kind_of(case)
-        notes.append(
-            f"The ground is fitted to {next(iter(case.records))}. The page keeps the fitted parameters."
-        )
-    elif case.spectrum is not None and not of_code:
-        notes.append(
-            f"The motions of the ground have the spectrum {site}. The page keeps the "
-            "parameters of the ground."
-        )
-        site = _kind_of(case)
-    if case.records:
-        notes.append(
-            "The gaps of the records are shown beside those of the rules; a case file saved "
-            "here contains no records."
-        )
-    if lost := _left_out(case):
-        notes.append(f"{lost} left out here, and in a case file saved here.")
-    if site not in GROUNDS:
-        given = {"intensity": given["intensity"]}
-    names = case.ground.beside_structures()
-    values: dict[str, Any] = {name: given[own] for name, own in names.items() if own in given}
-    values["ground_of_file"] = case.ground if site == PARALLEL else None
-    values |= {"site": site} | of_code
-    values["envelope"] = NONE
-    masses, storeys = list(Scene.floor_masses), list[StoreysOfFile | None](Scene.storeys_of_file)
-    for number, building in enumerate(case.pair, start=1):
-        if isinstance(building, Building):
-            shown, told = _shown_oscillator(case, building)
-            notes += told
-        else:
-            _check_storeys(case, building)
-            masses[number - 1] = float(building.structure.arrays()["masses"].mean())
-            shown = _shown_storeys(building)
-            if shown["description"] == OF_FILE:
-                storeys[number - 1] = StoreysOfFile.of(building.structure)
-        values |= {f"{name}_{number}": value for name, value in shown.items()}
-        values[f"yields_{number}"] = building.structure.yields
-    if case.envelope is not None:
-        values["envelope"] = next(n for n, kind in ENVELOPES.items() if type(case.envelope) is kind)
-        values |= _numbers(case.envelope)
-    if case.gap is None:
-        notes.append(f"The file has no existing gap: the page starts from {Scene.gap:g} m.")
-    else:
-        values["gap"] = case.gap
-    notes += [f"Motions scatter by {case.scatter:g}, as in the file; {MEDIAN}."] if case.scatter else []
-    values["records"] = RecordsOfFile(case.inputs[0], case.records) if case.records else None
-    kept = (
-        *("title", "confidence", "duration", "scatter", "floors_align", "zone", "unverified"),
-        *("paths", "seed"),
-    )
-    scene = Scene(
-        names=(case.first.name, case.second.name),
-        heights=(case.first.height, case.second.height),
-        storeys=(case.first.storeys, case.second.storeys),
-        floor_masses=(masses[0], masses[1]),
-        storeys_of_file=(storeys[0], storeys[1]),
-        **values,
-        **{name: getattr(case, name) for name in (*kept, "paths", "seed")},
-    )
-    return scene, notes
-
-
-def _kind_of(case: Case) -> str:
-    return next((name for name, kind in GROUNDS.items() if type(case.ground) is kind), PARALLEL)
-
-
-def _left_out(case: Case) -> str:
-    """What of the file pounding alone asks for, as the beginning of a sentence."""
-    weighed = any(isinstance(one, Building) and one.weighed for one in case.pair)
-    there = {"masses": weighed, "contact": case.contact is not None, "measures": case.measures}
-    parts = [name for name, given in there.items() if given]
-    if not parts:
-        return ""
-    *others, last = parts
-    listed = f"{', '.join(others)} and {last}" if others else last
-    return f"{listed.capitalize()} {'is' if parts == ['contact'] else 'are'}"
-
-
-def _shown_oscillator(case: Case, building: Building) -> tuple[dict[str, Any], list[str]]:
-    """Its numbers, and what they do not hold of it."""
-    structure, notes = _bilinear(case, building), []
-    if building.strength in ("yield_displacement", "ductility"):
-        notes.append(
-            f"The strength of {building.name}, given by {building.strength.replace('_', ' ')}, is kept "
-            "as a reduction factor here: another ground or period changes its yield displacement."
-        )
-    if building.strength == "yield_displacement":
-        factor = float(reduction_factor(structure, case.ground).reduction_factor)
-        structure = dataclasses.replace(structure, yield_displacement=None, reduction_factor=factor)
-    shown: dict[str, Any] = _numbers(structure)
-    shown = {name: value for name, value in shown.items() if name not in ("peak_factor", "mass")}
-    if building.storeys and building.storeys <= MOST_STOREYS:  # to start from, described by them
-        shown["storey_count"] = building.storeys
-        if building.storey_height and STOREY_HEIGHT.contains(building.storey_height):
-            shown["storey_height"] = building.storey_height
-    return shown, notes
-
-
-def _shown_storeys(building: StoreyBuilding) -> dict[str, Any]:
-    """Its numbers: those of a regular one, if they say all, or what changes the storeys of the file."""
-    structure, told = building.structure, building.regular
-    shown: dict[str, Any] = {"storey_count": structure.storeys, "damping": structure.damping}
-    if structure.yields:
-        shown["hardening"] = structure.hardening
-    if told is not None and _plainly_regular(told):
-        names = ("period", "storey_height", "base_shear_coefficient")
-        return shown | {"description": REGULAR} | {name: told[name] for name in names if name in told}
-    return shown | {"description": OF_FILE, "period": StoreysOfFile.of(structure).period}
-
-
-def _plainly_regular(told: Mapping[str, Any]) -> bool:
-    return (
-        np.ndim(told["storey_height"]) == 0
-        and told["law"] == "bilinear"
-        and not told["p_delta"]
-        and not np.any(told.get("dampers", 0.0))
-        and bool(COEFFICIENT.contains(told.get("base_shear_coefficient", PLAUSIBLE_COEFFICIENT)))
-    )
-
-
-def _check_storeys(case: Case, building: StoreyBuilding) -> None:
-    if building.storeys > MOST_STOREYS:
-        raise ValueError(
-            f"{case.file}: {building.name} has {building.storeys} storeys; allowed in the explorer: 1 "
-            f"to {MOST_STOREYS}; 'stochlin gap' and 'stochlin probability' accept more"
-        )
-
-
-def _bilinear(case: Case, building: Building) -> Bilinear:
-    if not isinstance(building.structure, Bilinear):
-        raise ValueError(
-            f"{case.file}: {building.name} is a {type(building.structure).__name__}; allowed in the "
-            "explorer: bilinear buildings; 'stochlin gap' and 'stochlin probability' accept every law"
-        )
-    return building.structure
-
-
-def _numbers(model: Model) -> dict[str, float]:
-    return {name: float(value) for name, value in model.arrays().items()}
 
 
 ALLOWED: Mapping[str, dataclasses.Field[Any]] = {

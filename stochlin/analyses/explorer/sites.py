@@ -1,11 +1,9 @@
-"""What of a scene's ground takes its time: the fit to a code's spectrum, and how strong motions are."""
+"""What of a scene's ground takes its time: the fit to a spectrum, and how strong motions are."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 import xarray as xr
@@ -15,43 +13,64 @@ from stochlin.analyses.records.files import METRES
 from stochlin.analyses.sites.design_spectra import asce_7, eurocode_8
 from stochlin.analyses.sites.ground_fit import fit_ground
 from stochlin.analyses.sites.simulated_spectra import simulated_spectrum
+from stochlin.analyses.sites.spectra import labelled
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground, rms_acceleration
 
 EUROCODE_8, ASCE_7 = "eurocode_8", "asce_7"
 CODES = (EUROCODE_8, ASCE_7)
+OF_FILE = "spectrum of the file"
+SPECTRA = (*CODES, OF_FILE)
 SOILS, TYPES = tuple("ABCDE"), ("1", "2")
-S0, PGA, SA = "intensity S0", "peak ground acceleration", "spectral acceleration"
+S0, PGA, SA = "intensity S₀", "peak ground acceleration", "spectral acceleration"
 MEASURES = (S0, PGA, SA)
 G = METRES["g"]
-UNIT = 0.3 * G  # strength of the spectra that are fitted: the ground goes with its square
+# Strength of the spectra that are fitted: the intensity of the ground goes with its square.
+UNITS = dict.fromkeys(CODES, 0.3 * G) | {OF_FILE: 1.0}
 PATHS = 1024  # of motions of which the mean peak is taken: a standard error of half a per cent
 
 
-class Shape(NamedTuple):
-    """A code's spectrum but for its strength, and the motions that are to have it."""
+class SpectrumOfFile(NamedTuple):
+    """The spectrum that a file gives by its ordinates: plain numbers, by which scenes are told apart."""
 
-    code: str
-    kind: tuple[str, str] | tuple[float, float]  # soil and type, or sd1 over sds and tl
+    periods: tuple[float, ...]  # [s]
+    accelerations: tuple[float, ...]  # [m/s^2], of the scale 1
+    damping: float
+    source: str
+
+    @classmethod
+    def of(cls, spectrum: xr.DataArray, scale: float) -> Self:
+        """That of a spectrum which is so many times as strong as the file has it."""
+        periods, values = spectrum.period.values, spectrum.values / scale
+        attrs = spectrum.attrs
+        return cls(tuple(periods.tolist()), tuple(values.tolist()), attrs["damping"], attrs["source"])
+
+
+class Shape(NamedTuple):
+    """A spectrum but for its strength, and the motions that are to have it."""
+
+    name: str
+    kind: Any  # soil, type and damping; or sd1 over sds and tl; or that of the file
     duration: float
     envelope: Envelope | None
 
     def spectrum(self, strength: float) -> xr.DataArray:
-        """Of this ``ag`` or ``sds`` [m/s^2]."""
-        return _SPECTRA[self.code](strength, *self.kind)
+        """Of this ``ag`` or ``sds`` [m/s^2], or of this scale."""
+        return _SPECTRA[self.name](strength, *self.kind)
 
     def fitted(self, progress: Progress | None = None) -> Fitted:
         """The ground whose motions have it."""
         motion: Any = {"duration": self.duration, "envelope": self.envelope, "progress": progress}
-        return Fitted(self, UNIT, fit_ground(self.spectrum(UNIT), **motion))
+        unit = UNITS[self.name]
+        return Fitted(self, unit, fit_ground(self.spectrum(unit), **motion))
 
 
 class Fitted(NamedTuple):
     """The ground that delivers a spectrum of some strength."""
 
     shape: Shape
-    strength: float  # ag or sds [m/s^2]
+    strength: float  # ag or sds [m/s^2], or the scale
     ground: Ground
 
 
@@ -84,44 +103,58 @@ class Measured(NamedTuple):
     acceleration: float
 
 
-@dataclass(frozen=True)
-class RecordsOfFile:
-    """The recorded motions of a case file, which no control changes: scenes know them by the file."""
-
-    file: Path
-    motions: Mapping[str, xr.DataArray] = field(compare=False, repr=False)
-
-
-def kind_of(code: str, said: Mapping[str, Any]) -> tuple[Any, Any]:
-    """What says the shape of a code's spectrum, by the names of a scene."""
-    if code == EUROCODE_8:
-        return said["soil"], said["spectrum_type"]
+def kind_of(name: str, said: Mapping[str, Any]) -> Any:
+    """What says the shape of a spectrum, by the names of a scene."""
+    if name == OF_FILE:
+        return said["spectrum_of_file"]
+    if name == EUROCODE_8:
+        return said["soil"], said["spectrum_type"], said["spectrum_damping"]
     return said["sd1"] / said["sds"], said["tl"]
 
 
-def code_of(case: Case) -> dict[str, Any]:
-    """What a scene holds of a code's spectrum and the ground fitted to it; nothing of any other."""
+def spectrum_of(case: Case, scale: float) -> dict[str, Any]:
+    """What a scene holds of the spectrum of a case and the ground fitted to it; nothing without one.
+
+    ``scale`` is how many times as strong a spectrum is as its file has it.
+    """
     wanted = case.spectrum
-    if wanted is None or wanted.attrs.get("code") not in CODES:
+    if wanted is None:
         return {}
-    code, said = wanted.attrs["code"], wanted.attrs
-    names = NAMES[code]
-    shape = Shape(code, kind_of(code, said), case.duration, case.envelope)
-    own = shape.spectrum(said[names[0]])
-    if own.shape != wanted.shape or not np.allclose(own, wanted, rtol=1e-9, atol=0):
-        return {}  # of another damping, or scaled
-    fitted = Fitted(shape, said[names[0]], case.ground)
-    return {"site": code, "fitted": fitted} | {name: said[name] for name in names}
+    name = wanted.attrs.get("code", OF_FILE)
+    if name == OF_FILE:
+        said: dict[str, Any] = {
+            "spectrum_scale": scale,
+            "spectrum_of_file": SpectrumOfFile.of(wanted, scale),
+        }
+    else:
+        said = {key: wanted.attrs[key] for key in NAMES[name]}
+        said["spectrum_damping"] = wanted.attrs["damping"]
+    shape = Shape(name, kind_of(name, said), case.duration, case.envelope)
+    return {"site": name, "fitted": Fitted(shape, said[NAMES[name][0]], case.ground)} | said
 
 
-def _eurocode_8(ag: float, soil: str, kind: str) -> xr.DataArray:
-    return eurocode_8(ag, soil, type=int(kind))
+def _eurocode_8(ag: float, soil: str, kind: str, damping: float) -> xr.DataArray:
+    return eurocode_8(ag, soil, type=int(kind), damping=damping)
 
 
 def _asce_7(sds: float, ratio: float, tl: float) -> xr.DataArray:
     return asce_7(sds, ratio * sds, tl)
 
 
-_SPECTRA: Mapping[str, Callable[..., xr.DataArray]] = {EUROCODE_8: _eurocode_8, ASCE_7: _asce_7}
+def _of_file(
+    scale: float, periods: Any, accelerations: Any, damping: float, source: str
+) -> xr.DataArray:
+    return labelled(np.array(periods), scale * np.array(accelerations), damping, source)
+
+
+_SPECTRA: Mapping[str, Callable[..., xr.DataArray]] = {
+    EUROCODE_8: _eurocode_8,
+    ASCE_7: _asce_7,
+    OF_FILE: _of_file,
+}
 # By the names of a scene, what says how strong it is first.
-NAMES = {EUROCODE_8: ("ag", "soil", "spectrum_type"), ASCE_7: ("sds", "sd1", "tl")}
+NAMES = {
+    EUROCODE_8: ("ag", "soil", "spectrum_type"),
+    ASCE_7: ("sds", "sd1", "tl"),
+    OF_FILE: ("spectrum_scale",),
+}

@@ -136,12 +136,12 @@ def rules(scene: Scene, seconds: float) -> tuple[list[Rule], Array]:
     peaks = peaks_of(scene, both, seconds)
     apart = [m[2 * count :] for m in moments]
     texts = {"mark": "C", "assumptions": f"{EQ_3}; {LINEARIZED_PEAKS}"}
-    of_modes = _of_first_modes(scene, scene.period_2).values
+    of_modes, asked = _of_first_modes(scene, scene.period_2).values, scene.for_codes()
     listed = [
         equation_3_rule(peaks, "eq_3_white_noise", of_modes, **texts),
         equation_3_rule(peaks, "eq_3_linearized", correlation_of(motion, one, two), **texts),
         linearized_rule(lambda: tuple(apart), seconds, scene.confidence, scene.scatter),
-        *code_rules(peaks, (heights, heights), scene.for_codes()["floors_align"], scene.zone),
+        *code_rules(peaks, (heights, heights), asked["floors_align"], asked["zone"], asked["numbers"]),
     ]
     return listed, heights
 

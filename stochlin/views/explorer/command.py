@@ -44,7 +44,8 @@ def explore(case: Path | None, port: int, host: str, show: bool) -> None:
                 f"the explorer needs NiceGUI: pip install 'stochlin[app]' ({error})"
             ) from error
         from stochlin.analyses.cases.case import read_case
-        from stochlin.analyses.explorer.scene import Scene, scene_of
+        from stochlin.analyses.explorer.case_scene import scene_of
+        from stochlin.analyses.explorer.scene import Scene
 
         check_address(host, port)
         scene, notes = scene_of(read_case(case)) if case else (Scene(), [])

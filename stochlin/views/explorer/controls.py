@@ -7,8 +7,26 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from stochlin.analyses.explorer.buildings import DESCRIPTIONS, OF_FILE, OSCILLATOR, REGULAR
-from stochlin.analyses.explorer.scene import ALLOWED, SHAPES, SITES, WHOLE, Scene, names_of
-from stochlin.analyses.explorer.sites import CODES, MEASURES, NAMES, PGA, S0, SA, SOILS, TYPES, G
+from stochlin.analyses.explorer.scene import (
+    ALLOWED,
+    SHAPES,
+    SITES,
+    STRENGTHS,
+    WHOLE,
+    Scene,
+    names_of,
+)
+from stochlin.analyses.explorer.sites import (
+    MEASURES,
+    NAMES,
+    PGA,
+    S0,
+    SA,
+    SOILS,
+    SPECTRA,
+    TYPES,
+    G,
+)
 from stochlin.analyses.tables.checks import check_whole
 from stochlin.messages import brief
 from stochlin.models.envelopes import ENVELOPES
@@ -16,10 +34,21 @@ from stochlin.models.grounds import GROUNDS
 from stochlin.models.parameters import Model
 
 SCALES = {"cm": 100.0, "g": 1 / G}  # of a unit that is shown, for one in SI
+OF_FACTOR = (
+    "R is relative to the elastic response, so that a stronger ground motion makes the building "
+    "stronger as well; choose the yield displacement above to keep the strength as it is."
+)
+OF_SCALE = (
+    "The spectrum of the file has this one slider: a factor on all of its accelerations, at every "
+    "period alike."
+)
 
 
 class Control(NamedTuple):
-    """A number: its name in the scene, its label, and the range of its slider; entries may go beyond."""
+    """A number: its name in the scene, its label, and the range of its slider; entries may go beyond.
+
+    ``about`` is a sentence below it.
+    """
 
     name: str
     label: str
@@ -27,6 +56,7 @@ class Control(NamedTuple):
     high: float
     step: float
     unit: str = ""
+    about: str = ""
 
     @property
     def shown(self) -> str:
@@ -97,7 +127,9 @@ def _building(number: int, side: str) -> Group:
             Control(f"storey_height_{number}", "Storey height", 2.5, 6.0, 0.05, "m"),
             Control(f"damping_{number}", "Damping ratio", 0.005, 0.3, 0.005),
             Choice(f"yields_{number}", "Yields (off: elastic)"),
-            Control(f"reduction_factor_{number}", "Reduction factor R", 0.5, 10.0, 0.1),
+            Choice(f"strength_by_{number}", f"Strength of building {number} given by", (*STRENGTHS,)),
+            Control(f"reduction_factor_{number}", "Reduction factor R", 0.5, 10.0, 0.1, about=OF_FACTOR),
+            Control(f"yield_displacement_{number}", "Yield displacement", 0.2, 30.0, 0.1, "cm"),
             Control(f"base_shear_coefficient_{number}", "Base shear coefficient", 0.02, 0.6, 0.01),
             Control(f"strength_factor_{number}", "Strength factor", 0.1, 4.0, 0.05),
             Control(f"hardening_{number}", "Hardening ratio", 0.01, 1.0, 0.01),
@@ -120,6 +152,7 @@ SHOWN = (
             Control("pga", "Peak acceleration, mean", 0.01, 1.0, 0.01, "g"),
             Control("sa", "Spectral acceleration, mean", 0.01, 2.0, 0.01, "g"),
             Control("sa_period", "Its period", 0.1, 4.0, 0.01, "s"),
+            Control("spectrum_scale", "Scale of the spectrum", 0.1, 4.0, 0.05, about=OF_SCALE),
             Control("intensity", "Intensity S0", 0.0005, 0.05, 0.0005, "m²/s³"),
             Control("ground_period", "Ground period", 0.1, 4.0, 0.01, "s"),
             Control("ground_damping", "Ground damping ratio", 0.02, 1.0, 0.01),
@@ -176,14 +209,22 @@ OF_BUILDINGS: Mapping[str, Sequence[str]] = {
     "storey_height": (REGULAR,),
     "yields": DESCRIPTIONS,
     "hardening": DESCRIPTIONS,
+    "strength_by": (OSCILLATOR,),
     "reduction_factor": (OSCILLATOR,),
+    "yield_displacement": (OSCILLATOR,),
     "base_shear_coefficient": (REGULAR,),
     "strength_factor": (OF_FILE,),
 }
 # Of what ground, and of what measure of its strength, a control is.
 OF_CODES = {name: code for code, names in NAMES.items() for name in names}
 OF_MEASURES = {"intensity": S0, "pga": PGA, "sa": SA, "sa_period": SA}
-STRENGTHS = ("hardening", "reduction_factor", "base_shear_coefficient", "strength_factor")
+OF_STRENGTH = (
+    "hardening",
+    "strength_by",
+    "base_shear_coefficient",
+    "strength_factor",
+    *STRENGTHS.values(),
+)
 OF_KINDS: Mapping[str, Mapping[str, type[Model]]] = {"Ground": GROUNDS, "Motion": ENVELOPES}
 GROUPS = tuple(_with_others(group, OF_KINDS.get(group.title, {})) for group in SHOWN)
 NUMBERS: Mapping[str, Control] = {
@@ -200,7 +241,7 @@ def counts(name: str, values: Mapping[str, Any]) -> bool:
         return values["site"] == OF_CODES[name]
     if name == "measure" or name in OF_MEASURES:
         asked = OF_MEASURES.get(name, values["measure"])
-        return values["site"] not in CODES and values["measure"] == asked
+        return values["site"] not in SPECTRA and values["measure"] == asked
     for role, kinds in (("site", GROUNDS), ("envelope", ENVELOPES)):
         if any(name in names_of(kind) for kind in kinds.values()):
             return name in names_of(kinds.get(values[role]))
@@ -211,6 +252,9 @@ def counts(name: str, values: Mapping[str, Any]) -> bool:
     can_yield = described != OF_FILE or "yield_drifts" in storeys.given
     if stem == "yields":
         return can_yield
-    return described in OF_BUILDINGS[stem] and (
-        stem not in STRENGTHS or (can_yield and bool(values[f"yields_{number}"]))
+    other_way = stem in {*STRENGTHS.values()} - {STRENGTHS[values[f"strength_by_{number}"]]}
+    return (
+        described in OF_BUILDINGS[stem]
+        and not other_way
+        and (stem not in OF_STRENGTH or (can_yield and bool(values[f"yields_{number}"])))
     )

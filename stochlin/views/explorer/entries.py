@@ -9,6 +9,7 @@ from nicegui import ui
 
 from stochlin.analyses.explorer.scene import Scene
 from stochlin.views.explorer.controls import SCALES, Choice, Control
+from stochlin.views.explorer.pictures import typeset
 
 PAUSE = 300  # ms after the last key, before an entry is read
 BETWEEN = 0.05  # s between two values of a slider that is dragged
@@ -38,7 +39,7 @@ class NumberEntry:
         self._following = False  # whether the text is the slider's
         self._name = name = f"{group}: {control.shown}"
         with ui.element("div").classes("entry") as self.row:
-            ui.label(control.shown).classes("name")
+            ui.html(typeset(control.shown), sanitize=False).classes("name")
             self._text = ui.input(value=control.text(scene), on_change=self._typed)
             hints = (
                 f'dense outlined debounce={PAUSE} inputmode=decimal aria-label="{name}" autocomplete=off'
@@ -47,8 +48,18 @@ class NumberEntry:
             value = getattr(scene, control.name) * SCALES.get(control.unit, 1.0)
             self._slider = Slider(control, value, self._slid)
             self._slider.props(f'aria-label="{name}, slider" data-slider={control.name}')
+            if control.about:
+                ui.label(control.about).classes("about").props(f"data-about={control.name}")
             self._message = ui.label().classes("wrong")
             self._message.set_visibility(False)
+
+    def show(self, scene: Scene) -> None:
+        """Follow the scene, without telling of it."""
+        self._following = True
+        self._text.value = self._control.text(scene)
+        self._following = False
+        self._slider.show(getattr(scene, self._control.name) * SCALES.get(self._control.unit, 1.0))
+        self._tell("")
 
     def _typed(self) -> None:
         if self._following:

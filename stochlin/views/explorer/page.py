@@ -6,12 +6,13 @@ import asyncio
 import dataclasses
 import logging
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 from nicegui import background_tasks, ui
 
 from stochlin.analyses.explorer import formulas as exploration
-from stochlin.analyses.explorer.case_text import case_text
+from stochlin.analyses.explorer.case_text import case_text, files_named, left_out
 from stochlin.analyses.explorer.simulations import merge_tables
 from stochlin.analyses.tables.storage import as_netcdf
 from stochlin.models.systems import floor_count
@@ -24,6 +25,7 @@ from stochlin.views.explorer.workers import (
     CORRELATION,
     GAPS,
     GROUND,
+    OPEN,
     PROBABILITY,
     RECORDS,
     SIMULATIONS,
@@ -36,6 +38,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     import xarray as xr
+    from nicegui import events
 
     from stochlin.analyses.explorer.scene import Scene
     from stochlin.views.explorer.workers import Job, Worker
@@ -57,6 +60,7 @@ FORMULAS: dict[str, Callable[[Scene], xr.Dataset]] = {
 }
 PATIENT = (SPECTRA, GAPS, PROBABILITY, CORRELATION)  # in this order, what is not there at once
 FEW_STOREYS = 24  # of both buildings, with which spectra and gaps are there at once
+MOST_BYTES = 64 * 2**20  # of a case file with its records
 LOOK = 0.2  # s between two looks at how far a simulation is
 # One thread for all pages: numpy's work between Python's steps gains nothing from more.
 _FAST = ThreadPoolExecutor(1, thread_name_prefix="explorer")
@@ -72,6 +76,7 @@ class Page:
         self._values: dict[str, Any] = vars(scene).copy()
         self._wrong: dict[str, str] = {}  # messages of entries that cannot be read
         self._rows: dict[str, Any] = {}
+        self._entries: dict[str, NumberEntry] = {}
         self._fast, self._slow = False, False  # whether a round is under way
         self._seeking = False  # whether a ground is sought
         self._job: Job | None = None
@@ -90,19 +95,31 @@ class Page:
 
     def _build(self, notes: list[str]) -> None:
         ui.colors(primary="#2166ac")
+        ui.dark_mode(None)  # as the browser prefers
         ui.link("To the charts", "#charts").classes("skip")
         with ui.element("header").classes("head"):
             with ui.element("h1"):
-                ui.label(self._scene.title)
+                self._title = ui.label()
             ui.label("How far must two buildings on the same ground stand apart?")
         with ui.element("main").classes("sheet"):
-            with ui.element("form").classes("controls").props('onsubmit="return false"'):
-                for group in GROUPS:
-                    self._group(group.title, group.controls)
+            self._form = ui.element("form").classes("controls").props('onsubmit="return false"')
             with ui.element("div").props("id=charts tabindex=-1"):
-                self._words(notes)
+                self._words()
                 with ui.element("div").classes("charts"):
                     self._panels = {key: Panel(*texts, key) for key, texts in PANELS.items()}
+        self._show_controls(notes)
+
+    def _show_controls(self, notes: list[str]) -> None:
+        """All that is of the present file: its title, its notes, and controls with its values."""
+        self._title.text = self._scene.title
+        self._notes.clear()
+        with self._notes:
+            for note in notes:
+                ui.label(note)
+        self._form.clear()
+        with self._form:
+            for group in GROUPS:
+                self._group(group.title, group.controls)
         self._hide()
 
     def _group(self, title: str, controls: Any) -> None:
@@ -111,15 +128,15 @@ class Page:
                 ui.label(title).style("display: inline")
             for control in controls:
                 if isinstance(control, Control):
-                    row = NumberEntry(control, title, self._scene, self._change).row
+                    entry = NumberEntry(control, title, self._scene, self._change)
+                    self._entries[control.name], row = entry, entry.row
                 else:
                     row = choice_entry(control, title, self._scene, self._change)
                 self._rows[control.name] = row
 
-    def _words(self, notes: list[str]) -> None:
+    def _words(self) -> None:
         with ui.element("div").classes("words"):
-            for note in notes:
-                ui.label(note)
+            self._notes = ui.element("div").props("data-notes")
             self._alert = ui.label().classes("wrong").props("role=alert data-alert")
             self._caution = ui.label().classes("caution").props("role=status data-caution")
             self._why = ui.label().classes("why")
@@ -127,6 +144,12 @@ class Page:
                 self._start = _button("Simulate", self._simulate, "data-simulate")
                 self._stop = _button("Stop", self._interrupt, "outline data-stop")
                 self._bar = ui.element("progress").props('max=1 value=0 aria-label="Simulation"')
+                files = ui.upload(on_multi_upload=self._open, multiple=True, auto_upload=True)
+                files.props(f"max-total-size={MOST_BYTES}").classes("files")
+                files.on("rejected", self._too_large)
+                self._files = files
+                pick = f"() => getElement({files.id}).pickFiles()"
+                _button("Open case file", None, "outline data-open").on("click", js_handler=pick)
                 _button("Save case file", self._save_case, "outline data-save-case")
                 _button("Save dataset", self._save_data, "outline data-save-data")
             self._told = ui.label(words.START).props("role=status data-told")
@@ -139,6 +162,8 @@ class Page:
             self._wrong[name] = wrong
         else:
             self._values[name] = value
+            if name.startswith("strength_by"):
+                self._keep_strength(int(name[-1]))
             self._hide()
         messages = list(self._wrong.values())
         if not messages:
@@ -149,12 +174,46 @@ class Page:
                 messages = [f"These values do not fit: {error}."]
         self._alert.text = " ".join([*messages, KEPT] if messages else [])
         if not messages and scene != self._wanted:
-            self._wanted = scene
-            self._interrupt()
-            self._drop()  # at once: the next round may begin before the refresh
-            self._simulated = {}
-            self._told.text = words.START
-            background_tasks.create(self._refresh())
+            self._take(scene)
+
+    def _take(self, scene: Scene) -> None:
+        """Other values, of which nothing is simulated."""
+        self._wanted = scene
+        self._interrupt()
+        self._drop()  # at once: the next round may begin before the refresh
+        self._simulated = {}
+        self._told.text = words.START
+        background_tasks.create(self._refresh())
+
+    def _keep_strength(self, number: int) -> None:
+        """Start the other way to give the strength of an oscillator with the strength that it has."""
+        try:
+            name, value = self._scene.strength_in_other_words(number)
+            changed: dict[str, Any] = {name: value}
+            shown = dataclasses.replace(self._scene, **changed)
+        except REFUSED:  # elastic, or beyond what may be entered: the control starts as it stands
+            return
+        self._values[name] = value
+        self._entries[name].show(shown)
+
+    async def _open(self, event: events.MultiUploadEventArguments) -> None:
+        """Show another case file; one that cannot be read changes nothing."""
+        files = {PurePath(file.name).name: await file.read() for file in event.files}
+        self._files.reset()
+        self._told.text = "Opening the case file ..."
+        try:
+            scene, notes = await asyncio.wrap_future(self._patient.ask(OPEN, files).answer)
+        except (Stopped, asyncio.CancelledError):
+            return
+        except Exception as error:
+            self._told.text = ""
+            self._alert.text = f"The file was not opened: {_why(error, OPEN, self._scene)}"
+            return
+        self._scene, self._values, self._wrong = scene, vars(scene).copy(), {}
+        self._alert.text = ""
+        self._show_controls(notes)
+        ui.run_javascript(FOLD)
+        self._take(scene)
 
     def _hide(self) -> None:
         for name, row in self._rows.items():
@@ -226,7 +285,7 @@ class Page:
 
     async def _run_records(self, scene: Scene) -> None:
         """Show the gaps that the records of the file need, beside those already shown."""
-        if scene.records is None:
+        if not scene.records:
             return
         self._patience = self._patient.ask(RECORDS, scene)
         try:
@@ -254,9 +313,8 @@ class Page:
             self._panels[key].fail(_why(error, key, scene))
 
     def _draw(self, key: str, table: xr.Dataset, scene: Scene) -> None:
-        """Draw a formula's table, with the simulation of the present values if there is one."""
+        """Draw a formula's table, beside it the simulation of the present values if there is one."""
         simulated = self._simulated.get(key) if scene is self._scene else None
-        shown = table if simulated is None else simulated
         panel = self._panels[key]
         if key == SPECTRA:
             if scene.has_storeys:
@@ -270,10 +328,16 @@ class Page:
         elif key == GAPS:
             own = self._recorded is not None and self._recorded[0] is scene
             recorded = self._recorded[1] if own and self._recorded else None
-            told = [words.gaps(shown), words.records(recorded), columns_hit(scene.slabs_on_columns)]
-            panel.show(shown, charts.gaps_figure(shown, recorded), " ".join(filter(None, told)))
+            told = [
+                words.gaps(table, simulated),
+                words.records(recorded),
+                columns_hit(scene.slabs_on_columns),
+            ]
+            figure = charts.gaps_figure(table, recorded, simulated)
+            panel.show(table, figure, " ".join(filter(None, told)))
         else:
-            panel.show(shown, charts.probability_figure(shown), words.probability(shown))
+            figure = charts.probability_figure(table, simulated)
+            panel.show(table, figure, words.probability(table, simulated))
 
     async def _simulate(self) -> None:
         scene = self._scene
@@ -314,22 +378,27 @@ class Page:
         if self._patience is not None:
             self._patience.stop()
 
+    def _too_large(self) -> None:
+        self._alert.text = f"The files are too large; allowed: {MOST_BYTES >> 20} MB in all."
+
     def _running(self, running: bool) -> None:
         self._start.set_enabled(self._wanted.settled and not running)
         for element in (self._stop, self._bar):
             element.set_visibility(running)
 
     def _save_case(self) -> None:
-        if self._alert.text:
-            self._told.text = words.SAVED_LAST
-        ui.download.content(case_text(self._scene), "case.toml", "application/toml")
+        told = [words.SAVED_LAST] if self._alert.text else []
+        told += [*left_out(self._scene), words.beside(files_named(self._scene))]
+        self._told.text = " ".join(filter(None, told)) or self._told.text
+        file = self._scene.case_file
+        name = file.file.name if file else "case.toml"
+        ui.download.content(case_text(self._scene), name, "application/toml")
 
     def _save_data(self) -> None:
         tables = {key: p.table for key, p in self._panels.items() if p.table is not None}
         if self._recorded is not None and self._recorded[0] is self._scene:
             tables[RECORDS] = self._recorded[1]
-        if CORRELATION in self._simulated:
-            tables["simulation"] = self._simulated[CORRELATION]
+        tables |= {f"simulated_{key}": table for key, table in self._simulated.items()}
         if self._alert.text:
             self._told.text = words.SAVED_LAST
         missing = [PANELS[key][0] for key in self._panels if key not in tables]
@@ -360,5 +429,5 @@ def _why(error: Exception, what: str, scene: Scene) -> str:
     return f"{type(error).__name__}: {error}"
 
 
-def _button(text: str, on_click: Callable[[], Any], props: str) -> ui.button:
+def _button(text: str, on_click: Callable[[], Any] | None, props: str) -> ui.button:
     return ui.button(text, on_click=on_click).props(f"no-caps {props}")

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
+import html
+import re
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
+from stochlin.models.rules.codes import FIXED, HEIGHT
 from stochlin.views.probability.pictures import ESTIMATES, known
 from stochlin.views.shared.style import CURVES
-from stochlin.views.shared.words import BEYOND, FAR, rule_label
+from stochlin.views.shared.words import BEYOND, FAR, per_cent, rule_label
 
 Figure = dict[str, Any]
 DASHES = ("solid", "dash", "dashdot", "dot", "longdash", "longdashdot")  # as in CURVES
@@ -22,8 +25,13 @@ KINDS = {  # of rules: marker and name
     "code": ("square", "building codes"),
 }
 BY_HEIGHT = ("simulation", "linearization")  # the first that there is
+CHANCE = "confidence_of_no_pounding"
 HEIGHT_CHART = 170  # px
 RATIO_TICKS = (0.25, 0.5, 1, 2, 4)
+FEW = 6  # ticks of an axis
+UNSAFE = 2  # of the flag ``verdict``
+BANDS = ("#dcdcdc", "#a9a9a9")  # of simulations: that of few motions, that of all
+SYMBOL = re.compile(r"\b(a|S|T)(g|0|1|2|DS|D1|L)\b")  # of those that the page has
 RHO = (
     ("rho_drift", 0, "linearization, drift closure"),
     ("rho_linearized", 1, "linearization, Gaussian closure"),
@@ -31,25 +39,49 @@ RHO = (
 )
 
 
+class Row(NamedTuple):
+    """A rule in the chart of the gaps; NaN for what is not known of it."""
+
+    label: str
+    kind: str
+    gap: float  # [cm]
+    error: float
+    verdict: float
+    lower: float  # [cm]
+    upper: float
+
+
+def typeset(text: str) -> str:
+    """As HTML, and for the charts, with the indices of symbols set below the line."""
+    return SYMBOL.sub(r"\1<sub>\2</sub>", html.escape(text, quote=False))
+
+
+def label_without_simulation(rule: str, family: str) -> str:
+    """Name of a rule that is fed with linearized peaks: the bare name is of the simulated ones."""
+    without_peaks = rule == "linearization" or family in (HEIGHT, FIXED)
+    return rule_label(rule) + ("" if without_peaks else ", linearized peaks")
+
+
 def spectra_figure(table: xr.Dataset, periods: tuple[float, float]) -> Figure:
     """PSD of the ground above, of the displacements below, over period; both periods marked."""
     period = table.period.values
-    curves = [_curve(period, table.psd_ground.values, 0, "ground")]
+    curves = [_curve(period, 1e4 * table.psd_ground.values, 0, "ground")]
     for number in (1, 2):
         values = 1e4 * table[f"displacement_psd_{number}"].values
         name = f"displacement, building {number}"
         curves.append(_curve(period, values, number, name) | {"yaxis": "y2"})
-    layout = _layout("period [s]", "ground [m²/s³]")
-    layout["xaxis"] |= {"type": "log", "range": _log_range(period), "anchor": "y2", "dtick": "D2"}
+    layout = _layout("period T [s]", "PSD [cm²/s³]")
+    ticks = _log_ticks(period)
+    layout["xaxis"] |= {"type": "log", "range": _log_range(period), "anchor": "y2", "tickvals": ticks}
     layout["yaxis"] |= {"domain": [0.56, 1], "rangemode": "tozero"}
     layout["yaxis2"] = layout["yaxis"] | {
         "domain": [0, 0.46],
-        "title": {"text": "displ. [cm² s]", "standoff": 6},
+        "title": {"text": "PSD [cm² s]", "standoff": 6},
     }
     layout["shapes"] = [_vertical(period, DASHES[n]) for n, period in enumerate(periods, start=1)]
     first_right = periods[0] > periods[1]  # the words go to the outer sides of the lines
     layout["annotations"] = [
-        _note(float(np.log10(period)), f"T{n}")
+        _note(float(np.log10(period)), typeset(f"T{n}"))
         | {"xanchor": "left" if (n == 1) == first_right else "right"}
         for n, period in enumerate(periods, start=1)
     ]
@@ -75,60 +107,86 @@ def correlation_figure(table: xr.Dataset, simulated: xr.Dataset | None = None) -
         )
     values = [table[name] for name, _, _ in shown] + ([] if simulated is None else [simulated.rho])
     low = min(float(v.min()) for v in values)
-    layout = _layout("ratio of periods T2/T1", "correlation coefficient ρ")
+    layout = _layout(typeset("ratio of periods T2/T1"), "correlation coefficient ρ")
     layout["xaxis"] |= {"type": "log", "range": _log_range(ratio), "tickvals": list(RATIO_TICKS)}
     layout["yaxis"] |= {"range": [min(-0.05, np.floor(low * 10) / 10), 1.03]}
     own = float(table.attrs["period_ratio"])
     layout["shapes"] = [_vertical(own, "solid")]
-    layout["annotations"] = [_note(float(np.log10(own)), f"T2/T1 = {own:.3g}")]
+    layout["annotations"] = [_note(float(np.log10(own)), typeset(f"T2/T1 = {own:.3g}"))]
     return _figure(curves, layout)
 
 
-def gaps_figure(table: xr.Dataset, recorded: xr.Dataset | None = None) -> Figure:
+def gaps_figure(
+    table: xr.Dataset, recorded: xr.Dataset | None = None, simulated: xr.Dataset | None = None
+) -> Figure:
     """The gap by every rule that has one, and the existing gap; with errors where it is simulated.
 
-    Beside them, if there are some, the gaps that the records need.
+    Rules with simulated peaks, if there are some, stand above those with linearized ones, and have the
+    bare names. Beside them, if there are some, the gaps that the records need.
 
-    For buildings with storeys, below it the gap over the height, by simulation or by linearization.
+    For buildings with storeys, below it the gap over the height, by simulation and by linearization.
     """
-    known = table.isel(rule=np.flatnonzero(table.gap.notnull().values)[::-1])
-    names = [rule_label(str(rule)) for rule in known.rule.values]
-    gaps = 100 * known.gap.values
-    far = gaps > FAR * np.median(gaps)
-    curves = []
-    for kind, (symbol, text) in KINDS.items():
-        rows = np.flatnonzero(known.kind.values == kind)
-        if rows.size:
-            curves.append(_points(known, gaps, names, rows, symbol, far) | {"name": text})
+    rows = _rows(table, [*map(label_without_simulation, table.rule.values, table.family.values)])
+    if simulated is not None:
+        above = _rows(simulated, [rule_label(str(rule)) for rule in simulated.rule.values])
+        rows = above + [row for row in rows if row.label not in {one.label for one in above}]
+    rows = rows[::-1]
+    names, gaps = [row.label for row in rows], np.array([row.gap for row in rows])
+    near = [row for row in rows if row.gap <= FAR * np.median(gaps)]
+    curves = [
+        _points([row for row in near if row.kind == kind], symbol) | {"name": text}
+        for kind, (symbol, text) in KINDS.items()
+        if any(row.kind == kind for row in rows)
+    ]
     of_records = [] if recorded is None else 100 * recorded.separation.values
     if recorded is not None:
         names.append("records")
         curves.append(_of_records(recorded, of_records))
+    existing = 100 * table.attrs["gap_m"]
     layout = _layout("gap [cm]", "")
-    highest = float(np.nanmax([*gaps[~far], *of_records, 100 * table.attrs["gap_m"]]))
+    highest = float(np.nanmax([*(row.gap for row in near), *of_records, existing]))
     layout["xaxis"] |= {"range": [0, 1.22 * highest]}
     beyond = [
-        _note(1, f"{gaps[row]:.0f} cm {BEYOND}")
-        | {"xref": "paper", "y": names[row], "yref": "y", "xanchor": "right", "yanchor": "middle"}
-        for row in np.flatnonzero(far)
+        _note(1, f"{row.gap:.0f} cm {BEYOND}")
+        | {"xref": "paper", "y": row.label, "yref": "y", "xanchor": "right", "yanchor": "middle"}
+        for row in rows
+        if row not in near
     ]
-    layout["yaxis"] |= {"type": "category", "categoryarray": names}
+    layout["yaxis"] |= {"type": "category", "categoryarray": names, "nticks": 0}
     layout["yaxis"] |= {"range": [-0.6, len(names) - 0.1], "tickfont": {"size": 11}}
     layout["height"] = 130 + 21 * len(names)
-    layout["shapes"] = [_vertical(100 * table.attrs["gap_m"], "dash")]
-    layout["annotations"] = [_note(100 * table.attrs["gap_m"], "existing gap"), *beyond]
-    if rule := told_by_height(table):
-        curves.append(_over_height(table.sel(rule=rule)))
-        share = HEIGHT_CHART / (layout["height"] + HEIGHT_CHART)
-        layout["height"] += HEIGHT_CHART
-        layout["legend"] = layout["legend"] | {"y": -60 / layout["height"]}
-        layout["yaxis"] |= {"domain": [share, 1]}
-        title = {"text": "height [m]", "standoff": 6}
-        top = 1.05 * float(table.height[-1])
-        layout["yaxis2"] = layout["xaxis"] | {"title": title, "range": [0, top], "anchor": "x"}
-        layout["yaxis2"] |= {"domain": [0, 0.8 * share], "automargin": True}
-        layout["xaxis"] |= {"anchor": "y2"}
+    layout["legend"] |= {"y": -60 / layout["height"]}
+    layout["shapes"] = [_vertical(existing, "dash")]
+    layout["annotations"] = [_note(existing, "existing gap"), *beyond]
+    over_height = [one for one in (table, simulated) if one is not None and told_by_height(one)]
+    if over_height:
+        curves += [_over_height(one, style) for style, one in enumerate(over_height, start=1)]
+        _add_heights(layout, float(table.height[-1]))
     return _figure(curves, layout)
+
+
+def _add_heights(layout: Figure, top: float) -> None:
+    """Room for the gap over the height, up to this one, below the rules."""
+    share = HEIGHT_CHART / (layout["height"] + HEIGHT_CHART)
+    layout["height"] += HEIGHT_CHART
+    layout["legend"] |= {"y": -60 / layout["height"]}
+    layout["yaxis"] |= {"domain": [share, 1]}
+    title = {"text": "height [m]", "standoff": 6}
+    layout["yaxis2"] = layout["xaxis"] | {"title": title, "range": [0, 1.05 * top], "anchor": "x"}
+    layout["yaxis2"] |= {"domain": [0, 0.8 * share], "automargin": True}
+    layout["xaxis"] |= {"anchor": "y2"}
+
+
+def _rows(table: xr.Dataset, labels: list[str]) -> list[Row]:
+    """The rules that have a gap, in the order of the table, under these names."""
+    unknown = np.full(table.sizes["rule"], np.nan)
+    gap, lower, upper = (
+        100 * table[name].values if name in table else unknown
+        for name in ("gap", "gap_lower", "gap_upper")
+    )
+    error, verdict = (table[name].values if name in table else unknown for name in ("error", "verdict"))
+    found = zip(labels, table.kind.values, gap, error, verdict, lower, upper, strict=True)
+    return [row for row in map(Row._make, found) if np.isfinite(row.gap)]
 
 
 def _of_records(recorded: xr.Dataset, gaps: Any) -> Figure:
@@ -153,23 +211,31 @@ def told_by_height(table: xr.Dataset) -> str:
     return next((name for name in BY_HEIGHT if name in known), "")
 
 
-def _over_height(row: xr.Dataset) -> Figure:
+def _over_height(table: xr.Dataset, style: int) -> Figure:
     """The gap that is sufficient at each height, by one rule."""
+    row = table.sel(rule=told_by_height(table))
     name = f"{rule_label(str(row.rule.values))}, by height"
-    curve = _curve(100 * row.gap_at_height.values, row.height.values, 1, name)
+    curve = _curve(100 * row.gap_at_height.values, row.height.values, style, name)
     return curve | {"yaxis": "y2", "hovertemplate": "%{y:.1f} m: %{x:.1f} cm<extra></extra>"}
 
 
-def probability_figure(table: xr.Dataset) -> Figure:
-    """Probability of no pounding up to each time; simulation as a band."""
-    stem, time = "confidence_of_no_pounding", table.time.values
+def simulations(table: xr.Dataset, simulated: xr.Dataset | None) -> list[xr.Dataset]:
+    """Those of the probability: that of few motions, which follows the sliders, and that of all."""
+    both = [one for one in (table, simulated) if one is not None and f"{CHANCE}_simulated" in one]
+    return both[:1] if len({one.attrs["paths"] for one in both}) == 1 else both
+
+
+def probability_figure(table: xr.Dataset, simulated: xr.Dataset | None = None) -> Figure:
+    """Probability of no pounding up to each time; simulations as bands."""
+    stem, time = CHANCE, table.time.values
     curves = []
-    if f"{stem}_simulated" in table:
-        low, high = (table[f"{stem}_simulated_{end}"].values for end in ("lower", "upper"))
+    for colour, one in zip(BANDS, simulations(table, simulated), strict=False):
+        low, high = (one[f"{stem}_simulated_{end}"].values for end in ("lower", "upper"))
         edge: Figure = {"mode": "lines", "line": {"width": 0}, "hoverinfo": "skip"}
         curves.append(edge | {"x": _plain(time), "y": _plain(low), "showlegend": False})
-        band: Figure = {"fill": "tonexty", "fillcolor": "#cfcfcf", "name": "simulation, 95 %"}
-        curves.append(edge | band | {"x": _plain(time), "y": _plain(high)})
+        name = f"simulation of {one.attrs['paths']} motions, 95 %"
+        band: Figure = {"fill": "tonexty", "fillcolor": colour, "name": name}
+        curves.append(edge | band | {"x": _plain(one.time.values), "y": _plain(high)})
     for number, (ending, text) in enumerate(ESTIMATES):
         if known(table, stem + ending):
             curves.append(_curve(time, table[stem + ending].values, (0, 3, 1, 2)[number], text))
@@ -187,34 +253,31 @@ def probability_figure(table: xr.Dataset) -> Figure:
     return _figure(curves, layout)
 
 
-def _points(table: xr.Dataset, gaps: Any, names: list[str], rows: Any, symbol: str, far: Any) -> Figure:
+def _points(rows: list[Row], symbol: str) -> Figure:
     """Rules of one kind; open markers are unsafe, a number beside them is the error."""
-    rows = rows[~far[rows]]
-    errors = table.error.values[rows] if "error" in table else np.full(rows.size, np.nan)
-    texts = ["" if not np.isfinite(e) or e == 0 else f"{100 * e:+.0f} %" for e in errors]
-    unsafe = table.verdict.values[rows] == 2 if "verdict" in table else np.zeros(rows.size, bool)
     points: Figure = {
-        "x": _plain(gaps[rows]),
-        "y": [names[row] for row in rows],
+        "x": _plain([row.gap for row in rows]),
+        "y": [row.label for row in rows],
         "mode": "markers+text",
-        "text": texts,
+        "text": [
+            per_cent(row.error, sign="+") if np.isfinite(row.error) and row.error else "" for row in rows
+        ],
         "textposition": "middle right",
         "cliponaxis": False,
         "marker": {
-            "symbol": [f"{symbol}-open" if one else symbol for one in unsafe],
+            "symbol": [f"{symbol}-open" if row.verdict == UNSAFE else symbol for row in rows],
             "size": 10,
             "color": CURVES[0][0],
             "line": {"width": 1.6},
         },
         "hovertemplate": "%{y}: %{x:.1f} cm<extra></extra>",
     }
-    if "gap_lower" in table and symbol == KINDS["simulation"][0]:
-        ends = [100 * table[f"gap_{end}"].values[rows] for end in ("lower", "upper")]
+    if any(np.isfinite(row.lower) for row in rows):
         points["error_x"] = {
             "type": "data",
             "symmetric": False,
-            "array": _plain(ends[1] - gaps[rows]),
-            "arrayminus": _plain(gaps[rows] - ends[0]),
+            "array": _plain([row.upper - row.gap for row in rows]),
+            "arrayminus": _plain([row.gap - row.lower for row in rows]),
             "thickness": 1.5,
         }
     return points
@@ -233,6 +296,18 @@ def _plain(values: Any) -> list[Any]:
 def _log_range(values: Any) -> list[float]:
     low, high = np.log10([np.min(values), np.max(values)])
     return [float(low - 0.01), float(high + 0.01)]
+
+
+def _log_ticks(values: Any) -> list[float]:
+    """Few round numbers within these: 1, 2 and 5 in every decade, or 1 alone where that is too many."""
+    low, high = np.min(values), np.max(values)
+    decades = range(int(np.floor(np.log10(low))), int(np.ceil(np.log10(high))) + 1)
+    for steps in ((1, 2, 5), (1, 3), (1,)):
+        ticks = [float(f"{step}e{power}") for power in decades for step in steps]
+        ticks = [tick for tick in ticks if low <= tick <= high]
+        if len(ticks) <= FEW:
+            break
+    return ticks
 
 
 def _vertical(x: float, dash: str) -> Figure:
@@ -260,6 +335,8 @@ def _layout(x: str, y: str) -> Figure:
         "linecolor": GREY,
         "ticks": "outside",
         "zeroline": False,
+        "nticks": FEW,
+        "exponentformat": "power",
     }
     return {
         "font": {"family": "system-ui, sans-serif", "size": 12, "color": "#222"},

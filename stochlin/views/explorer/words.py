@@ -7,12 +7,25 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from stochlin.views.explorer.pictures import told_by_height
+from stochlin.messages import listed
+from stochlin.views.explorer.pictures import (
+    label_without_simulation,
+    simulations,
+    told_by_height,
+)
 from stochlin.views.shared.words import SPACE, centimetres, length, per_cent, rule_label
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from stochlin.analyses.explorer.scene import Scene
 
+PEAKS = {  # that rules use without simulation
+    "drift closure": "Rules with linearized peaks use those of the drift closure; eq. (3), linearized, "
+    "uses those of the Gaussian closure, as linearization does.",
+    "linearized": "Rules with linearized peaks use those of linearization, which are too small where "
+    "storeys yield.",
+}
 UNKNOWN = 2  # of the flag ``caution``: outside of the map
 CORRELATION = (
     "Building 1 stays; the period of building 2 changes. The line marks the ratio of the controls."
@@ -83,44 +96,48 @@ def _where(table: xr.Dataset) -> str:
     return f"at the lower roof, {table.attrs['height_m']:.4g}{SPACE}m up"
 
 
-def gaps(table: xr.Dataset) -> str:
-    """The simulated answer, or the peaks that the rules use; and the rules that are not shown."""
-    there = length(table.attrs["gap_m"])
-    confidence = per_cent(table.attrs["confidence"])
-    if table.attrs["peaks"] == "simulated":
-        answer = table.sel(rule="simulation")
-        low, high = (float(answer[f"gap_{end}"]) for end in ("lower", "upper"))
-        words = (
-            f"Simulated: {length(float(answer.gap))} ({centimetres(low)} to {length(high)}) for "
-            f"{confidence}; the existing gap is {there}. The rules use the simulated peaks. Open "
-            "markers are unsafe. The number beside a rule is its error."
+def gaps(table: xr.Dataset, simulated: xr.Dataset | None = None) -> str:
+    """The gap by the simulation and without it, and the rules that are not shown."""
+    parts = [] if simulated is None else [_simulated_gap(simulated)]
+    parts += [_linearized_gap(table), f"The existing gap is {length(table.attrs['gap_m'])}."]
+    if simulated is None:
+        parts.append("Nothing is simulated.")
+    parts.append(PEAKS[table.attrs["peaks"]])
+    if simulated is not None:
+        parts.append(
+            "All other rules use the simulated peaks. Open markers are unsafe. The number beside a rule "
+            "is its error."
         )
-    elif table.attrs["peaks"] == "linearized":
-        alone = float(table.gap.sel(rule="linearization"))
-        words = (
-            f"Linearization: {length(alone)} for {confidence}; the existing gap is {there}. Nothing is "
-            "simulated: all rules use the peaks of linearization, which are too small where storeys "
-            "yield."
+    shown = table if simulated is None else simulated
+    if rule := told_by_height(shown):
+        height = float(shown.governing_height.sel(rule=rule))
+        parts.append(
+            f"It is needed at {height:.4g}{SPACE}m; at lower heights the gap by height is sufficient."
         )
-    else:
-        drift = float(table.gap.sel(rule="eq_3_drift"))
-        words = (
-            f"Eq. (3) with the drift closure: {length(drift)} for {confidence}; the existing gap is "
-            f"{there}. Nothing is simulated: the rules use the peaks of the drift closure, except eq. "
-            "(3) linearized and linearization, which use those of the Gaussian closure."
-        )
-    if rule := told_by_height(table):
-        height = float(table.governing_height.sel(rule=rule))
-        words += (
-            f" It is needed at {height:.4g}{SPACE}m; at lower heights the gap by height is sufficient."
-        )
-    lacking = table[["missing"]].where(table.missing != "", drop=True)
+    lacking = shown[["missing"]].where(shown.missing != "", drop=True)
     missing = [
         f"{rule_label(str(r))}{'' if m.startswith('needs') else ':'} "
         f"{m.replace('height_1, height_2', 'heights')}"
         for r, m in zip(lacking.rule.values, lacking.missing.values, strict=True)
     ]
-    return words + (f" Not shown: {'; '.join(missing)} (a case file can give these)." if missing else "")
+    if missing:
+        parts.append(f"Not shown: {'; '.join(missing)} (a case file can give these).")
+    return " ".join(parts)
+
+
+def _simulated_gap(table: xr.Dataset) -> str:
+    answer = table.sel(rule="simulation")
+    low, high = (float(answer[f"gap_{end}"]) for end in ("lower", "upper"))
+    return (
+        f"Simulated: {length(float(answer.gap))} ({centimetres(low)} to {length(high)}) for "
+        f"{per_cent(table.attrs['confidence'])}."
+    )
+
+
+def _linearized_gap(table: xr.Dataset) -> str:
+    rule = "eq_3_drift" if "eq_3_drift" in table.rule else "linearization"
+    gap, share = float(table.gap.sel(rule=rule)), per_cent(table.attrs["confidence"])
+    return f"{label_without_simulation(rule, '').capitalize()}: {length(gap)} for {share}."
 
 
 def records(table: xr.Dataset | None) -> str:
@@ -136,7 +153,7 @@ def records(table: xr.Dataset | None) -> str:
     )
 
 
-def probability(table: xr.Dataset) -> str:
+def probability(table: xr.Dataset, simulated: xr.Dataset | None = None) -> str:
     """The probability at the end of the motion, by every method."""
     last, stem = table.isel(time=-1), "confidence_of_no_pounding"
     corrected = float(last[f"{stem}_corrected"])
@@ -145,11 +162,18 @@ def probability(table: xr.Dataset) -> str:
         f"{per_cent(float(last[stem]))} by formula",
         f"{per_cent(corrected)} corrected for its bias" if known else "correction unknown here",
     ]
-    if f"{stem}_simulated" in table:
-        low, high = (float(last[f"{stem}_simulated_{end}"]) for end in ("lower", "upper"))
-        share = per_cent(float(last[f"{stem}_simulated"]))
-        parts.append(f"{share} simulated ({per_cent(low)} to {per_cent(high)})")
+    for one in simulations(table, simulated):
+        low, high = (float(one[f"{stem}_simulated_{end}"][-1]) for end in ("lower", "upper"))
+        share = per_cent(float(one[f"{stem}_simulated"][-1]))
+        parts.append(
+            f"{share} simulated by {one.attrs['paths']} motions ({per_cent(low)} to {per_cent(high)})"
+        )
     words = f"No pounding to the end of the motion: {', '.join(parts)}."
     if "comment" in table.attrs:
         words += " The formula is linearized and therefore in error where buildings yield."
     return words
+
+
+def beside(files: Sequence[str]) -> str:
+    """Where a case file has to be that refers to other files."""
+    return f"Keep the saved case file beside the files that it names: {listed(files)}." if files else ""

@@ -12,11 +12,13 @@ from multiprocessing.connection import wait
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from stochlin.analyses.explorer.scene import Scene
 
 RUNNING, SHARE, STOPPED = range(3)  # on the board: a job, how far it is, the job to be stopped
 CORRELATION, GAPS, PROBABILITY, SPECTRA = "correlation", "gaps", "probability", "spectra"
-SIMULATIONS, GROUND, RECORDS = "simulations", "ground", "records"
+SIMULATIONS, GROUND, RECORDS, OPEN = "simulations", "ground", "records", "open"
 EVERY_JOB = -1.0
 _board: Any = None  # of this process, if it is a worker
 
@@ -52,8 +54,8 @@ class Worker:
         self._count = 0
         self._pool = self._start()
 
-    def ask(self, question: str, scene: Scene) -> Job:
-        """Put a question."""
+    def ask(self, question: str, scene: Scene | Mapping[str, bytes]) -> Job:
+        """Put a question about a scene, or about files of which one is to be."""
         self._count += 1
         try:
             answer = self._pool.submit(_answer, self._count, question, scene)
@@ -86,8 +88,9 @@ def _end_with_the_page() -> None:
         os._exit(0)
 
 
-def _answer(number: int, question: str, scene: Scene) -> Any:
+def _answer(number: int, question: str, scene: Any) -> Any:
     from stochlin.analyses.explorer import formulas
+    from stochlin.analyses.explorer.case_scene import open_case
     from stochlin.analyses.explorer.simulations import simulations
 
     _board[RUNNING], _board[SHARE] = number, 0.0
@@ -97,6 +100,8 @@ def _answer(number: int, question: str, scene: Scene) -> Any:
             raise Stopped
         _board[SHARE] = share
 
+    if question == OPEN:
+        return open_case(scene)
     if question == SPECTRA:
         return formulas.spectra(scene)
     if question == GAPS:

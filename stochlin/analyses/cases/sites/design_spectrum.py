@@ -17,12 +17,12 @@ from stochlin.analyses.sites.spectrum_fit import MOST_FILTERS
 from stochlin.messages import brief
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
-from stochlin.models.parameters import Range
+from stochlin.models.parameters import POSITIVE, Range
 
 SPECTRUM = "spectrum"
-DAMPING = Quantity("1", Range(0.0, 1.0))
+DAMPING, SCALE = Quantity("1", Range(0.0, 1.0)), Quantity("1", POSITIVE)
 _SHARED = (SPECTRUM, "filters", "records", SUITE)
-_OF_FILES = ("units", "damping", "column", "period_column")
+_OF_FILES = ("units", "damping", "column", "period_column", "scale")
 
 
 def spectrum_file(site: Section, folder: Path) -> list[Path]:
@@ -66,7 +66,7 @@ def _asce_7(site: Section, folder: Path) -> xr.DataArray:
 
 
 def _of_file(site: Section, folder: Path) -> xr.DataArray:
-    _check_keys(site, (*_OF_FILES, *GOALS), strength="the file, or pga, sa and return_period")
+    _check_keys(site, (*_OF_FILES, *GOALS), strength="the file and scale, or pga, sa and return_period")
     name = site.text(SPECTRUM)
     if not (folder / name).exists():
         raise site.error(
@@ -82,7 +82,10 @@ def _of_file(site: Section, folder: Path) -> xr.DataArray:
     for key in ("column", "period_column"):
         if key in site:
             options[key] = site.column(key)
-    return read_spectrum(folder / name, **options)
+    spectrum = read_spectrum(folder / name, **options)
+    if "scale" not in site:
+        return spectrum
+    return (site.number("scale", SCALE) * spectrum).assign_attrs(spectrum.attrs)
 
 
 def _check_keys(site: Section, own: tuple[str, ...], strength: str) -> None:

@@ -1,0 +1,266 @@
+"""The scene of a case file, from a folder or as a browser sends it."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import os
+import tempfile
+import warnings
+from collections.abc import Iterator, Mapping
+from pathlib import Path, PurePosixPath, PureWindowsPath
+from typing import Any
+
+import numpy as np
+
+from stochlin.analyses.cases.buildings import Building
+from stochlin.analyses.cases.case import Case, read_case
+from stochlin.analyses.cases.site import FITTED, NONE, PARALLEL
+from stochlin.analyses.cases.sites.design_spectrum import SPECTRUM, design_spectrum
+from stochlin.analyses.cases.sites.strength import ACCELERATION, TIME
+from stochlin.analyses.cases.storeys import StoreyBuilding
+from stochlin.analyses.cases.values import Section, read_sections
+from stochlin.analyses.explorer.buildings import OF_FILE, REGULAR, StoreysOfFile
+from stochlin.analyses.explorer.scene import (
+    BY_DISPLACEMENT,
+    COEFFICIENT,
+    MOST_STOREYS,
+    STOREY_HEIGHT,
+    CaseFile,
+    Scene,
+)
+from stochlin.analyses.explorer.sites import PGA, SA, Measured, spectrum_of
+from stochlin.analyses.sites.suites import FILE
+from stochlin.messages import DoubtfulInput, listed, plain
+from stochlin.models.buildings import PLAUSIBLE_COEFFICIENT
+from stochlin.models.envelopes import ENVELOPES
+from stochlin.models.grounds import GROUNDS
+from stochlin.models.laws.bilinear import Bilinear
+from stochlin.models.parameters import Model
+
+MEDIAN = "gaps by rules without simulation are those of the median strength"
+
+
+def open_case(files: Mapping[str, bytes]) -> tuple[Scene, list[str]]:
+    """The scene of the one case file among these, by their names, with the files that it names.
+
+    Nothing else is read. Errors are those of `read_case`; doubts are among the sentences.
+    """
+    cases = [name for name in files if name.endswith(".toml")]
+    if len(cases) != 1:
+        raise ValueError(
+            f"{len(cases)} case files are chosen; allowed: one, its name ends in .toml, together with "
+            "the files that it names, such as records"
+        )
+    with tempfile.TemporaryDirectory() as folder:
+        for name, data in files.items():
+            (Path(folder) / name).write_bytes(data)
+        path = Path(folder) / cases[0]
+        _check_inside(read_sections(path).section("site", needed=False), path)
+        with warnings.catch_warnings(record=True) as doubts:
+            warnings.simplefilter("always", DoubtfulInput)
+            try:
+                scene, notes = scene_of(read_case(path))
+            except (OSError, ValueError) as error:
+                raise ValueError(_without(folder, error)) from error
+    return scene, [*(str(one.message) for one in doubts), *notes]
+
+
+def _without(folder: str, error: Exception) -> str:
+    """What the error says, without the folder, which its reader does not know."""
+    told = str(error).replace(f"{folder}{os.sep}", "")
+    absent = isinstance(error.__cause__, FileNotFoundError)
+    return f"{told}; choose the case file together with the files that it names" if absent else told
+
+
+def _check_inside(site: Section, path: Path) -> None:
+    """Raise for a file that is not one of those chosen; put those of other folders where they belong."""
+    for text in [*_texts(site.values), *_of_tables(path.parent)]:
+        parts = PurePosixPath(text.replace("\\", "/"))
+        if parts.is_absolute() or ".." in parts.parts or PureWindowsPath(text).drive:
+            raise ValueError(
+                f"{plain(path.name)}: {plain(text)} is outside of the folder of the case file; allowed "
+                "on this page: files in that folder; 'stochlin explore --case' accepts any"
+            )
+        chosen, there = path.parent / parts.name, path.parent / parts
+        if len(parts.parts) > 1 and chosen.is_file() and not there.exists():
+            there.parent.mkdir(parents=True, exist_ok=True)
+            chosen.rename(there)
+
+
+def _texts(values: Any) -> Iterator[str]:
+    if isinstance(values, str):
+        yield values
+    elif isinstance(values, (dict, list)):
+        for value in values.values() if isinstance(values, dict) else values:
+            yield from _texts(value)
+
+
+def _of_tables(folder: Path) -> Iterator[str]:
+    """The files that tables of records name."""
+    for table in folder.glob("*.csv"):
+        with table.open(encoding="utf-8-sig", errors="replace", newline="") as lines:
+            rows = csv.DictReader(lines, skipinitialspace=True)
+            if FILE in (rows.fieldnames or ()):
+                yield from (str(row[FILE] or "").strip() for row in rows)
+
+
+def scene_of(case: Case) -> tuple[Scene, list[str]]:
+    """The scene of a case file, and in sentences what of the file it cannot hold.
+
+    A ValueError if a number lies beyond what the explorer takes.
+    """
+    whole, notes = read_sections(case.inputs[0]), []
+    site = whole.section("site")
+    names, given = case.ground.beside_structures(), _numbers(case.ground)
+    of_site = site.text("ground") if "ground" in site else ""
+    if of_site == FITTED:
+        of_site = _kind_of(case)
+        notes.append(
+            f"The ground is fitted to {next(iter(case.records))}. The page keeps the fitted parameters."
+        )
+    values: dict[str, Any] = {name: given[own] for name, own in names.items() if own in given}
+    if of_site not in GROUNDS:  # a named one has its intensity alone
+        values = {"intensity": given["intensity"]} if of_site else {}
+    values["ground_of_file"] = case.ground if of_site == PARALLEL else None
+    values |= {"site": of_site} | spectrum_of(case, _scale(case, site))
+    for number, building in enumerate(case.pair, start=1):
+        shown, told = _shown(case, building)
+        values |= {f"{name}_{number}": value for name, value in shown.items()}
+        notes += told
+    values |= _motion(case)
+    if case.gap is None:
+        notes.append(f"The file has no existing gap: the page starts from {Scene.gap:g} m.")
+    if case.uncertain:
+        notes.append(
+            f"Uncertain parameters ({listed(case.uncertain)}) are taken at their medians here, and in a "
+            "case file saved here."
+        )
+    notes += [f"Motions scatter by {case.scatter:g}, as in the file; {MEDIAN}."] if case.scatter else []
+    one, other = case.pair
+    scene = Scene(
+        case_file=CaseFile(case.inputs[0], case.records, whole.values),
+        names=(one.name, other.name),
+        heights=(one.height, other.height),
+        storeys=(one.storeys, other.storeys),
+        floor_masses=(_floor_mass(one), _floor_mass(other)),
+        storeys_of_file=(_storeys_of(one), _storeys_of(other)),
+        numbers=tuple(case.numbers.items()),
+        **values,
+    )
+    return _as_measured(scene, site), notes
+
+
+def _motion(case: Case) -> dict[str, Any]:
+    """Envelope, gap and the rest that is of no building."""
+    names = ("title", "confidence", "duration", "scatter", "floors_align", "zone", "unverified")
+    values: dict[str, Any] = {name: getattr(case, name) for name in (*names, "paths", "seed")}
+    values["envelope"] = NONE
+    if case.envelope is not None:
+        values["envelope"] = next(n for n, kind in ENVELOPES.items() if type(case.envelope) is kind)
+        values |= _numbers(case.envelope)
+    return values if case.gap is None else values | {"gap": case.gap}
+
+
+def _scale(case: Case, site: Section) -> float:
+    """How many times as strong the spectrum of the case is as its file has it."""
+    if case.spectrum is None or "code" in case.spectrum.attrs:
+        return 1.0
+    values = {key: value for key, value in site.values.items() if key != "scale"}
+    alone = dataclasses.replace(site, values=values)
+    return float((case.spectrum / design_spectrum(alone, case.inputs[0].parent))[0])
+
+
+def _as_measured(scene: Scene, site: Section) -> Scene:
+    """With the strength given as in the file, where that is by a mean acceleration of the motions."""
+    key, measure = ("pga", PGA) if "pga" in site else ("sa", SA)
+    if key not in site or SPECTRUM in site:
+        return scene
+    value = site.number(key, ACCELERATION)
+    period = site.number("sa_period", TIME) if measure == SA else scene.sa_period
+    given: dict[str, Any] = {key: value, "sa_period": period}
+    scene = dataclasses.replace(scene, measure=measure, **given)
+    return dataclasses.replace(scene, measured=Measured(scene.motions, value / scene.intensity**0.5))
+
+
+def _kind_of(case: Case) -> str:
+    return next((name for name, kind in GROUNDS.items() if type(case.ground) is kind), PARALLEL)
+
+
+def _shown(case: Case, building: Building | StoreyBuilding) -> tuple[dict[str, Any], list[str]]:
+    """The numbers of a building by the controls that show them, and what they do not hold of it."""
+    notes = []
+    if isinstance(building, StoreyBuilding):
+        shown = _shown_storeys(case, building)
+    else:
+        shown = _shown_oscillator(case, building)
+        if building.strength == "ductility":
+            notes.append(
+                f"The strength of {building.name}, given by ductility, is kept as a reduction factor "
+                "here: another ground or period changes its yield displacement."
+            )
+    return shown | {"yields": building.structure.yields}, notes
+
+
+def _shown_oscillator(case: Case, building: Building) -> dict[str, Any]:
+    structure = building.structure
+    if not isinstance(structure, Bilinear):
+        raise ValueError(
+            f"{case.file}: {building.name} is a {type(structure).__name__}; allowed in the "
+            "explorer: bilinear buildings; 'stochlin gap' and 'stochlin probability' accept every law"
+        )
+    shown: dict[str, Any] = _numbers(structure)
+    shown = {name: value for name, value in shown.items() if name not in ("peak_factor", "mass")}
+    if building.strength == "yield_displacement":
+        shown["strength_by"] = BY_DISPLACEMENT
+    if building.storeys and building.storeys <= MOST_STOREYS:  # to start from, described by them
+        shown["storey_count"] = building.storeys
+        if building.storey_height and STOREY_HEIGHT.contains(building.storey_height):
+            shown["storey_height"] = building.storey_height
+    return shown
+
+
+def _shown_storeys(case: Case, building: StoreyBuilding) -> dict[str, Any]:
+    """The numbers of a regular one, if they say all, or what changes the storeys of the file."""
+    if building.storeys > MOST_STOREYS:
+        raise ValueError(
+            f"{case.file}: {building.name} has {building.storeys} storeys; allowed in the explorer: 1 "
+            f"to {MOST_STOREYS}; 'stochlin gap' and 'stochlin probability' accept more"
+        )
+    structure, told = building.structure, building.regular
+    shown: dict[str, Any] = {"storey_count": structure.storeys, "damping": structure.damping}
+    if structure.yields:
+        shown["hardening"] = structure.hardening
+    if told is not None and _plainly_regular(told):
+        names = ("period", "storey_height", "base_shear_coefficient")
+        return shown | {"description": REGULAR} | {name: told[name] for name in names if name in told}
+    return shown | {"description": OF_FILE, "period": StoreysOfFile.of(structure).period}
+
+
+def _storeys_of(building: Building | StoreyBuilding) -> StoreysOfFile | None:
+    """Those that only the file can describe."""
+    if isinstance(building, Building):
+        return None
+    told = building.regular
+    regular = told is not None and _plainly_regular(told)
+    return None if regular else StoreysOfFile.of(building.structure)
+
+
+def _plainly_regular(told: Mapping[str, Any]) -> bool:
+    return (
+        np.ndim(told["storey_height"]) == 0
+        and told["law"] == "bilinear"
+        and not told["p_delta"]
+        and not np.any(told.get("dampers", 0.0))
+        and bool(COEFFICIENT.contains(told.get("base_shear_coefficient", PLAUSIBLE_COEFFICIENT)))
+    )
+
+
+def _floor_mass(building: Building | StoreyBuilding) -> float:
+    if isinstance(building, Building):
+        return Scene.floor_masses[0]
+    return float(building.structure.arrays()["masses"].mean())
+
+
+def _numbers(model: Model) -> dict[str, float]:
+    return {name: float(value) for name, value in model.arrays().items()}

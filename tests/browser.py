@@ -1,0 +1,117 @@
+"""Chromium on the page of the explorer, by keyboard and script."""
+
+from __future__ import annotations
+
+import socket
+import time
+from pathlib import Path
+from typing import Any
+
+PROGRAM = "from stochlin.views.command import main; main()"
+PATIENCE = 60.0  # s, on a machine that is busy
+FLAGS = (
+    *("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
+    *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
+    "--disable-dev-shm-usage",
+)
+IDLE = (
+    "const s = [...document.querySelectorAll('.state')];"
+    "return s.length == 4 && s.every(e => !e.textContent) && "
+    "[...document.querySelectorAll('.chart')].every(e => e.querySelector('.main-svg'))"
+)
+
+
+def listens(port: int) -> bool:
+    with socket.socket() as probe:
+        return probe.connect_ex(("127.0.0.1", port)) == 0
+
+
+def wait(done: Any, seconds: float = PATIENCE) -> None:
+    end = time.monotonic() + seconds
+    while not done():
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.05)
+
+
+class Browser:
+    """Chromium on the page, by keyboard and script."""
+
+    def __init__(self, driver: Any, downloads: Path) -> None:
+        self.driver, self.downloads = driver, downloads
+
+    def script(self, text: str, *arguments: Any) -> Any:
+        return self.driver.execute_script(text, *arguments)
+
+    def open(self, address: str, width: int = 1200, height: int = 900) -> None:
+        size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500}
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+        self.driver.get(f"http://{address}/")
+        self.idle()
+
+    def idle(self) -> None:
+        wait(lambda: self.script(IDLE))
+
+    def press(self, *keys: str) -> None:
+        from selenium.webdriver import ActionChains
+
+        ActionChains(self.driver).send_keys(*keys).perform()
+
+    def enter(self, name: str, text: str) -> None:
+        from selenium.webdriver.common.keys import Keys
+
+        self.script("document.querySelector(arguments[0]).select()", f"[data-control={name}]")
+        self.press(text or Keys.DELETE)
+        time.sleep(0.5)  # longer than an entry waits for another key
+
+    def choose(self, label: str, text: str) -> None:
+        from selenium.webdriver.common.keys import Keys
+
+        find = "e.getAttribute('aria-label') == arguments[0]"
+        lists = "[...document.querySelectorAll('[role=combobox]')]"
+        self.script(f"{lists}.find(e => {find}).focus()", label)
+        self.press(Keys.SPACE)
+        choose = """const found = [...document.querySelectorAll('.q-menu [role=option]')]
+            .find(e => e.innerText == arguments[0]); if (found) found.click(); return !!found"""
+        wait(lambda: self.script(choose, text))
+        wait(lambda: not self.script("return !!document.querySelector('.q-menu')"))
+
+    def shows(self, name: str) -> bool:
+        found = "return document.querySelector(arguments[0]).offsetParent !== null"
+        return bool(self.script(found, f"[data-slider={name}]"))
+
+    def click(self, mark: str) -> None:
+        self.driver.find_element("css selector", f"[data-{mark}]").click()
+
+    def text(self, mark: str) -> str:
+        return str(
+            self.script("return document.querySelector(arguments[0]).textContent", f"[data-{mark}]")
+        )
+
+    def value(self, name: str) -> str:
+        return str(
+            self.script("return document.querySelector(arguments[0]).value", f"[data-control={name}]")
+        )
+
+    def curve(self, panel: str, number: int) -> list[float]:
+        find = f"[data-panel={panel}] .chart"
+        data = "const d = document.querySelector(arguments[0]).data[arguments[1]]; return [...d.y]"
+        return list(self.script(data, find, number))
+
+    def gaps(self) -> dict[str, float]:
+        """The gap [cm] of each row of its chart, by its label."""
+        rows = """const d = document.querySelector('[data-panel=gaps] .chart').data;
+            return d.filter(c => c.mode == 'markers+text')
+              .flatMap(c => c.y.map((y, n) => [y, c.x[n]]))"""
+        found = self.script(rows)
+        assert len(dict(found)) == len(found), "a label has two numbers"
+        return dict(found)
+
+    def send(self, *files: Path) -> None:
+        """Choose these files to be opened."""
+        entry = self.driver.find_element("css selector", "input[type=file]")
+        entry.send_keys("\n".join(map(str, files)))
+
+    def downloaded(self, name: str) -> Path:
+        path = self.downloads / name
+        wait(path.exists)
+        return path.rename(path.with_stem(f"{path.stem} {time.monotonic_ns()}"))  # the next has its name
