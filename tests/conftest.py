@@ -7,8 +7,13 @@ from hypothesis import settings
 from opensees_models import load_opensees
 
 # Examples follow from the test alone, and a slow machine does not make a test fail.
-settings.register_profile("stochlin", deadline=None, derandomize=True, max_examples=60, database=None)
-settings.load_profile("stochlin")
+settings.register_profile("all", deadline=None, derandomize=True, max_examples=60, database=None)
+settings.register_profile("short", settings.get_profile("all"), max_examples=30)
+
+
+def pytest_configure(config):
+    """``make test`` draws half as many examples as ``make test-all``."""
+    settings.load_profile("short" if config.option.markexpr == "not slow" else "all")
 
 
 @pytest.fixture(scope="module")

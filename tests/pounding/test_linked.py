@@ -48,7 +48,7 @@ def reference(structures, link, motion):
             return np.append(x[2:], -stiffness @ x[:2] - damping @ x[2:] - a - slope * (s - t))
 
         span = (t, t + time[1] - time[0])
-        solved = scipy.integrate.solve_ivp(rates, span, state, rtol=1e-11, atol=1e-14, method="Radau")
+        solved = scipy.integrate.solve_ivp(rates, span, state, rtol=1e-11, atol=1e-14, method="DOP853")
         state = solved.y[:, -1]
         out.append(state[:2])
     return np.array(out)
