@@ -64,6 +64,7 @@ sphinx_gallery_conf = {
     "min_reported_time": 3600,
     "abort_on_example_error": True,
     "capture_repr": (),
+    "image_srcset": ["3x"],  # for print, beside those of the page
 }
 
 linkcheck_timeout = 10

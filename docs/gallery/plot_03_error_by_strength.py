@@ -32,7 +32,7 @@ for column, name, title in zip(
     units = "%" if name.startswith("displacement") else ""
     factor = 100 if units else 1
     for axes, values, text, scale in (
-        (column[0], 100 * share, "share off by more than " + ("10 %" if units else ".1") + " [%]", 100),
+        (column[0], 100 * share, "share off by more than " + ("10 %" if units else "0.1") + " [%]", 100),
         (column[1], factor * median, f"median error{' [%]' if units else ''}", factor * 0.5),
     ):
         axes.imshow(abs(values), vmin=0, vmax=scale, cmap="Greys", origin="lower", aspect="auto")

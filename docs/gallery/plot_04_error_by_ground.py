@@ -26,7 +26,7 @@ for column, name, period, title in zip(
 ):
     bias = table[name].transpose("ground_damping", period, ...)
     others = bias.dims[2:]
-    unit = "10 %" if period == "period" else ".1"
+    unit = "10 %" if period == "period" else "0.1"
     shares = np.linspace(0, 1, 11)
     medians = np.linspace(0, 0.8 if period == "period" else 0.16, 9)
     for axes, values, text, levels in (

@@ -29,5 +29,7 @@ for row, rule in enumerate(known.rule.values):
 axes.set_yticks(range(known.rule.size), [rule_label(rule) for rule in known.rule.values])
 axes.set(xlim=(0, None), xlabel="gap [m] for a confidence of 0.9 (x: too small)")
 axes.set_title(
-    r"T = 0.6 and 1 s, $\xi$ = $\alpha$ = 0.05, R = 4; firm ground, $S_0$ = 0.01 m²/s³, 30 s", size=9
+    "periods 0.6 and 1 s, damping and hardening 0.05, reduction factor 4;\n"
+    "firm ground of intensity 0.01 m²/s³, motions of 30 s",
+    size=9,
 )

@@ -26,5 +26,5 @@ axes.plot(chart.displacement, chart.velocity_over_frequency, color="0.45", lw=0.
 circle = chart.circle_displacement, chart.circle_velocity_over_frequency
 axes.plot(*circle, "k--", lw=1.4, label=f"$r_{{PER}}$ = {float(chart.pseudo_energy_radius):.3f} m")
 axes.set(xlabel="$u$ [m]", ylabel=r"$\dot u/\omega$ [m]", aspect="equal")
-axes.set_title(r"T = 1 s, $\xi$ = 0.05, synthetic motion", size=9)
+axes.set_title("period 1 s, damping 0.05, synthetic motion", size=9)
 figure.legend(loc="outside lower center", ncols=2)

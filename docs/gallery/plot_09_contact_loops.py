@@ -15,14 +15,21 @@ from stochlin.charts import CURVES, STYLE, contact_loop_chart
 plt.rcParams.update(STYLE)
 chart = contact_loop_chart(restitution=0.65)
 figure, panels = plt.subplots(1, 2, figsize=(7.2, 3.6), sharey=True, layout="constrained")
+linear = {
+    "LinearSpring": "linear spring",
+    "Kelvin": "Kelvin",
+    "NoTensionKelvin": "Kelvin, no tension",
+    "ImpactKelvin": "impact Kelvin",
+}
+others = {"Hertz": "Hertz", "HertzDamp": "Hertz-damp", "Jankowski": "Jankowski"}
 groups = (
-    ("linear elements; damped: e = 0.65", ["LinearSpring", "Kelvin", "NoTensionKelvin", "ImpactKelvin"]),
-    ("Hertz types; damped: e = 0.65", ["Hertz", "HertzDamp", "Jankowski"]),
+    ("linear springs; those with damping: restitution 0.65", linear),
+    ("Hertz types; those with damping: restitution 0.65", others),
 )
 for axes, (title, names) in zip(panels, groups, strict=True):
-    for name, (color, dash) in zip(names, CURVES, strict=False):
+    for (name, label), (color, dash) in zip(names.items(), CURVES, strict=False):
         loop = chart.sel(element=name)
-        axes.plot(loop.scaled_deformation, loop.scaled_force, color=color, linestyle=dash, label=name)
+        axes.plot(loop.scaled_deformation, loop.scaled_force, color=color, linestyle=dash, label=label)
     axes.set_title(title, size=9)
     axes.set(xlabel="deformation, scaled")
     axes.legend(loc="upper left")

@@ -33,5 +33,5 @@ for (label, make), (color, dash), marker in zip(laws.items(), CURVES, "os", stri
     values = simulated.ductility_std
     axes.plot(factors, values, marker, mfc="w", color=color, label=f"{label}, simulated")
 axes.set(xlabel="reduction factor R", ylabel="standard deviation of the ductility")
-axes.set_title(r"T = 0.8 s, $\xi$ = 0.05, $\alpha$ = 0.1; firm ground", size=9)
+axes.set_title("period 0.8 s, damping 0.05, hardening 0.1; firm ground", size=9)
 axes.legend()

@@ -38,4 +38,5 @@ bottom.set(xlabel="time [s]", ylabel="force [MN]", xlim=(0, 16))
 for axes in (top, bottom):
     axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1))
 periods = [float(b.periods()[0]) for b in (tall, low)]
-top.set_title(f"T = {periods[0]:.2f} and {periods[1]:.2f} s, gap 2 cm, k = 500 MN/m, e = 0.65", size=9)
+contact = "contact stiffness 500 MN/m, restitution 0.65"
+top.set_title(f"periods {periods[0]:.2f} and {periods[1]:.2f} s, gap 2 cm, {contact}", size=9)

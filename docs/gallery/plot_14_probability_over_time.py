@@ -31,7 +31,8 @@ for (label, ending), (color, dash) in zip(curves.items(), CURVES, strict=False):
     axes.plot(table.time, table[stem + ending], color=color, linestyle=dash, label=label)
 axes.set(xlabel="time [s]", ylabel="confidence of no pounding", xlim=(0, 25), ylim=(0, 1.02))
 axes.set_title(
-    r"T = 0.6 and 1 s, $\xi$ = $\alpha$ = 0.05, R = 4, gap 0.08 m; $\omega_g$ = 15 rad/s, $\xi_g$ = 0.6",
+    "periods 0.6 and 1 s, damping and hardening 0.05, reduction factor 4, gap 0.08 m;\n"
+    "ground period 0.42 s, ground damping 0.6",
     size=9,
 )
 axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1))

@@ -35,9 +35,19 @@ def test_what_the_role_says_is_not_said_twice():
     ]
 
 
+def test_uncertain_numbers_and_places_have_units_and_words():
+    period, strength = sl.Uncertain(0.6, 0.2), sl.Uncertain.between(0.02, 0.03)
+    told = in_words(sl.Bilinear(period, 0.05, 0.05, yield_displacement=strength).describe())
+    assert "period 0.6 s ± 20 %" in plain(told)
+    assert "yield displacement 0.02 to 0.03 m" in plain(told)
+    brace = sl.Link(stiffness=1e8, structures=(1, 1), floors=(1, 0))
+    assert plain(in_words(brace.describe())).endswith("floors 1 and 0, buildings 1 and 1")
+
+
 def test_storeys_and_tables_keep_their_ranges():
     text = "ShearBuilding(masses=[3 times 2e+05 over storey], stiffnesses=[1e+08 to 3e+08 over storey])"
-    told = "Shear-Building, masses 3 times 200 t over storey, stiffnesses 100 to 300 MN/m over storey"
+    told = "shear building, masses 3 times 200 t over the storeys, stiffnesses 100 to 300 MN/m over "
+    told += "the storeys"
     assert plain(in_words(text)) == told
 
 

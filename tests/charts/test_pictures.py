@@ -5,12 +5,17 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.contour import ContourSet
+from matplotlib.figure import Figure
 
 import stochlin as sl
 from stochlin.views.charts import charts
+from stochlin.views.shared.style import contour_levels, plane
 
 pytestmark = pytest.mark.invariant
 
@@ -88,3 +93,39 @@ def test_a_chart_without_simulation_is_not_verified(name):
 def test_settings_out_of_range_are_refused_before_any_work(name, value):
     with pytest.raises(ValueError, match=f"{name} = .* is out of range; allowed: 0 < value"):
         sl.charts.ChartSettings(**{name: value})
+
+
+def test_pictures_have_a_style_of_their_own_that_can_be_switched_off():
+    """The settings of matplotlib are a user's before and after; without a style also in pictures."""
+    chart, usual = sl.charts.white_noise_chart(SETTINGS), dict(sl.charts.STYLE)
+    with mpl.rc_context({"font.size": 17.0}):
+        before = dict(mpl.rcParams)
+        ours = sl.charts.draw(chart)
+        assert dict(mpl.rcParams) == before
+        try:
+            sl.charts.STYLE.clear()
+            theirs = sl.charts.draw(chart)
+        finally:
+            sl.charts.STYLE.update(usual)
+    sizes = [one.axes[0].xaxis.label.get_fontsize() for one in (ours, theirs)]
+    assert sizes == [usual["font.size"], 17.0]
+
+
+def test_numbers_on_contours_are_not_cut():
+    """They keep away from the edges, and no line is drawn along a ridge at the highest level."""
+    x = np.linspace(0.1, 4.0, 41)
+    rho = xr.DataArray(
+        np.exp(-np.abs(np.subtract.outer(x, x))), dims=("a", "b"), coords={"a": x, "b": x}, name="rho"
+    )
+    figure = FigureCanvasAgg(Figure()).figure
+    axes = figure.add_subplot()
+    plane(axes, rho, contour_levels(rho))
+    labels = [text for text in axes.texts if text.get_text()]
+    assert labels
+    frame = axes.get_window_extent()
+    for text in labels:
+        box = text.get_window_extent(figure.canvas.get_renderer())
+        assert frame.x0 < box.x0 < box.x1 < frame.x1
+        assert frame.y0 < box.y0 < box.y1 < frame.y1
+    drawn = [lines for lines in axes.collections if isinstance(lines, ContourSet) and not lines.filled]
+    assert max(drawn[0].levels) < 1

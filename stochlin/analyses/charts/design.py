@@ -188,8 +188,8 @@ def _with_simulated_amplification(
             values = found[f"amplification{end}"].transpose(*chart.amplification.dims).values
             chart[name + end][place] = values
     caption = (
-        f"{chart.attrs['caption']}\nMaxima: {duration:.3g} s of motion, envelope AminAng("
-        f"{shape[0]:.3g} s, {shape[1]:.3g} s, {shape[2]:.3g}/s); "
+        f"{chart.attrs['caption']}\nMaxima: {duration:.3g} s of motion, Amin-Ang envelope: rise to "
+        f"{shape[0]:.3g} s, strong to {shape[1]:.3g} s, decay {shape[2]:.3g} 1/s; "
         f"std. deviations simulated for R ≥ {SLOWEST_DRIFT:g}"
     )
     return labels.label(chart, VARIABLES).assign_attrs(

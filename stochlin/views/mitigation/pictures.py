@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import textwrap
+from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,10 +15,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-WIDTH, ROW, HEAD, FOOT, LINE = 7.2, 0.26, 0.4, 0.55, 0.14  # inches
+WIDTH, ROW, HEAD, FOOT, LINE = 7.2, 0.26, 0.4, 0.64, 0.14  # inches
 NAMES, MIDDLE, LAST, ALONE = 0.34, 0.64, 0.97, 0.8  # of the width: where panels begin and end
-NAME, CAPTION = 34, 105  # characters
-LEGEND: Any = {"borderaxespad": 0.2, "fontsize": 7, "columnspacing": 1.2}
+NAME, CAPTION = 38, 112  # characters
 MARKERS = ("o", "s", "^", "D", "v", "P")
 
 
@@ -39,7 +38,8 @@ def draw_measures(dataset: xr.Dataset) -> Figure:
     caption = _caption(dataset)
     foot = FOOT + LINE * (caption.count("\n") + 1)
     count = dataset.sizes["measure"]
-    head = HEAD + LINE * max(2, 2 * dataset.sizes.get("quantile", dataset.sizes.get("record", 0)))
+    named = _named(dataset) if recorded else []
+    head = HEAD + LINE * max(4, 1 + sum(1 + name.count("\n") for name in named))
     height = head + ROW * (count + 0.6) + foot
     figure = Figure(figsize=(WIDTH, height))
     end = MIDDLE if recorded else ALONE
@@ -49,16 +49,17 @@ def draw_measures(dataset: xr.Dataset) -> Figure:
     panels = [gaps]
     if recorded:
         panels.append(figure.add_axes((MIDDLE + 0.03, box[0], LAST - MIDDLE - 0.03, box[1])))
-        _amplifications(panels[1], dataset)
+        _amplifications(panels[1], dataset, named)
     for axes in panels:
         axes.set_ylim(count - 0.4, -0.6)
         axes.set_yticks(range(count))
         axes.tick_params(labelleft=axes is gaps, length=0)
         if axes.get_legend_handles_labels()[1]:
             axes.legend(
-                loc="lower left", bbox_to_anchor=(0, 1.0), ncols=2, borderaxespad=0.2, fontsize=7
-            )
-    gaps.set_yticklabels([textwrap.shorten(str(n), NAME) for n in dataset.measure.values], size=7.5)
+                loc="lower left", bbox_to_anchor=(0, 1.0), borderaxespad=0.2, fontsize=7,
+                labelspacing=0.2,
+            )  # fmt: skip
+    gaps.set_yticklabels([filled([str(n)], NAME) for n in dataset.measure.values], size=7.5)
     figure.text(0.02, 1 - 0.2 / height, dataset.attrs["title"], size=10)
     figure.text(0.02, (foot - FOOT) / height, caption, va="top", size=7.5)
     return figure
@@ -98,21 +99,27 @@ def _gaps(axes: Axes, dataset: xr.Dataset) -> None:
     )
 
 
-def _amplifications(axes: Axes, dataset: xr.Dataset) -> None:
+def _named(dataset: xr.Dataset) -> list[str]:
+    """Names of the records, or of their quantiles where they are many, as the legend can hold them."""
+    if "quantile" in dataset.dims:
+        shares = 100 * dataset["quantile"].values
+        return [f"not exceeded in {share:.4g} % of the records" for share in shares]
+    return [filled([str(record)], NAME) for record in dataset.record.values]
+
+
+def _amplifications(axes: Axes, dataset: xr.Dataset, named: list[str]) -> None:
     place = np.arange(dataset.sizes["measure"])
     many = "quantile" in dataset.dims  # of more records than can be told apart
-    for number, record in enumerate(dataset["quantile" if many else "record"].values):
+    style: Any = {"linestyle": "none", "ms": 5, "color": CURVES[1][0]}
+    for number, (name, marker) in enumerate(zip(named, cycle(MARKERS), strict=False)):
         one = dataset.isel({"quantile" if many else "record": number})
-        told = f"{100 * record:.4g} % of the records" if many else textwrap.shorten(str(record), 20)
-        marker = MARKERS[number % len(MARKERS)]
-        for n, face in ((1, CURVES[1][0]), (2, "white")):
-            at, label = place + 0.12 * (2 * n - 3), f"{told}, building {n}"
-            style: Any = {"linestyle": "none", "ms": 5, "color": CURVES[1][0], "markerfacecolor": face}
-            axes.plot(
-                one[f"{'record_' * many}amplification_{n}"], at, marker=marker, label=label, **style
-            )
+        for n, face, label in ((1, CURVES[1][0], name), (2, "white", None)):
+            values = one[f"{'record_' * many}amplification_{n}"]
+            at = place + 0.12 * (2 * n - 3)
+            axes.plot(values, at, marker=marker, markerfacecolor=face, label=label, **style)
+    axes.plot([], [], " ", label="filled: building 1, open: building 2")
     axes.axvline(1, color="0.5", lw=0.8)
-    axes.set_xlabel("peak / as built, alone")
+    axes.set_xlabel("peak, relative to that\nas built and alone")
 
 
 def _caption(dataset: xr.Dataset) -> str:

@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-WIDTH, ROW, HEAD, AXIS, LINE, MARGIN = 4.6, 0.34, 0.28, 0.5, 0.14, 0.05  # inches
-SMALL = 0.13  # inches: a line of a label
+WIDTH, ROW, HEAD, AXIS, LINE, MARGIN = 4.6, 0.36, 0.28, 0.5, 0.15, 0.05  # inches
+SMALL = 0.14  # inches: a line of a label
 NAME, CAPTION = 34, 66  # characters on a line
-LEFT, RIGHT = 0.44, 0.97  # of the width
+LEFT, RIGHT = 0.47, 0.97  # of the width
 MOST = 14  # inputs that are drawn
 BETWEEN = 0.5  # rows, between what is uncertain and what is known
 EDGE = "#1b1b1b"
@@ -86,7 +86,7 @@ def draw_sensitivity(
             right = max(right, abs(change) + error)
     axes.axvline(0, color=EDGE, lw=0.8, zorder=4)
     axes.set_yticks(place, labels)
-    axes.tick_params(axis="y", length=0, labelsize=7.5)
+    axes.tick_params(axis="y", length=0, labelsize=8.5)
     axes.grid(visible=False, axis="y")
     axes.set_axisbelow(True)
     axes.set(xlim=(-1.05 * right, 1.05 * right), ylim=(rows_high - 0.5, -0.5))
@@ -101,7 +101,7 @@ def draw_sensitivity(
         loc="lower right", bbox_to_anchor=(1.02, 1.0), ncols=2, borderaxespad=0.2, fontsize=8.5,
         columnspacing=1.2, handlelength=1.6,
     )  # fmt: skip
-    figure.text(0.02, foot / height, told, va="top", size=8)
+    figure.text(0.02, foot / height, told, va="top", size=8.5)
     return figure
 
 

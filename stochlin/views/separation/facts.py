@@ -9,6 +9,7 @@ import numpy as np
 
 from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.analyses.records.files import METRES
+from stochlin.messages import hyphenated
 from stochlin.models.buildings import ShearBuilding
 from stochlin.views.separation.subjects import subject_of
 from stochlin.views.separation.words import ductilities, rows
@@ -97,7 +98,8 @@ def models(case: Case) -> tuple[str, str]:
 def _law(building: AnyBuilding) -> str:
     """Name of the law of an oscillator, or of the storeys."""
     structure = building.structure
-    return type(structure.storey_law if isinstance(structure, ShearBuilding) else structure).__name__
+    law = structure.storey_law if isinstance(structure, ShearBuilding) else structure
+    return hyphenated(type(law).__name__)
 
 
 def facts(answer: CaseAnswer) -> list[tuple[str, str, str]]:
@@ -111,7 +113,8 @@ def facts(answer: CaseAnswer) -> list[tuple[str, str, str]]:
     if case.ground.source:
         ground.append(("Site", "source", case.ground.source))
     motion = [("Motion", "duration", f"{case.duration:g} s")]
-    motion.append(("Motion", "envelope", type(case.envelope).__name__ if case.envelope else "none"))
+    shape = hyphenated(type(case.envelope).__name__) if case.envelope else "none"
+    motion.append(("Motion", "envelope", shape))
     motion += [("Motion", *fact) for fact in (_parameters(case.envelope) if case.envelope else [])]
     motion.append(("Motion", "scatter from motion to motion", f"{case.scatter:g}"))
     wanted = [

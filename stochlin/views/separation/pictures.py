@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stochlin.views.separation.storeys import draw_heights
+from stochlin.views.separation.storeys import LINE, caption_of, draw_heights
 from stochlin.views.separation.subjects import subject_of
 from stochlin.views.separation.words import RuleLine, rows
-from stochlin.views.shared.style import CURVES, STYLE, filled, styled
+from stochlin.views.shared.style import CURVES, filled, styled
 from stochlin.views.shared.words import BEYOND, FAR
 from stochlin.views.sites.pictures import draw_spectrum
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 WIDTH = 4.6  # inches: a phone shows it at three quarters of its size
 NAME_WIDTH = 36  # characters of the name of a rule on one line
-PAGE_STYLE = STYLE | {"font.size": 10, "hatch.linewidth": 0.7, "svg.fonttype": "path"}
+PAGE_STYLE = {"font.size": 10, "hatch.linewidth": 0.7, "svg.fonttype": "path"}
 # Face, hatch: told apart in grey and in print.
 VERDICTS = {
     "answer": ("#1b1b1b", ""),
@@ -40,17 +40,23 @@ TOP, LEVELS = 1.4, 5  # of the distribution: upper end of its axis, heights of l
 def answer_figure(answer: CaseAnswer) -> Figure:
     """The picture that stands alone: over height where there are storeys, else the gaps by rule."""
     table = answer.table()
-    return draw_heights(table) if "height" in table.dims else rules_figure(answer)
+    if "height" in table.dims:
+        return draw_heights(table)
+    return rules_figure(answer, caption_of(table))
 
 
-def rules_figure(answer: CaseAnswer) -> Figure:
-    """Gaps by rule, against the answer and its interval."""
+def rules_figure(answer: CaseAnswer, caption: str = "") -> Figure:
+    """Gaps by rule, against the answer and its interval; below it the caption."""
     shown = [row for row in rows(answer) if row.verdict in VERDICTS]
     gaps = [100 * _gap(answer, row) for row in shown]
     names = [filled([f"{row.number}  {row.label}"], NAME_WIDTH) for row in shown]
     wide = any("\n" in name for name in names)
     pitch, middle = (0.34, 0.1) if wide else (0.235, 0.3)
-    figure, axes = _blank(pitch * len(shown) + 1.35)
+    foot = LINE * (caption.count("\n") + 2) if caption else 0.0
+    height = pitch * len(shown) + 1.35 + foot
+    figure, axes = _blank(height)
+    figure.set_layout_engine("constrained", rect=(0, foot / height, 1, 1 - foot / height))
+    figure.text(0.02, (foot - 0.5 * LINE) / height, caption, va="top", size=8.5, parse_math=False)
     place = np.arange(len(shown))
     right = 1.04 * _farthest(answer, gaps) or 1
     for at, (row, gap) in enumerate(zip(shown, gaps, strict=True)):
@@ -216,7 +222,7 @@ def _verdict_legend(axes: Axes, verdicts: set[str], middle: float) -> None:
 
 def _legend_above(axes: Axes) -> None:
     axes.legend(
-        loc="lower left", bbox_to_anchor=(0, 1.0), ncols=3, borderaxespad=0.2, fontsize=9,
+        loc="lower right", bbox_to_anchor=(1, 1.0), ncols=3, borderaxespad=0.2, fontsize=9,
         columnspacing=1.0,
     )  # fmt: skip
 
@@ -238,4 +244,4 @@ def _rule_numbers(axes: Axes, shown: list[RuleLine], gaps: dict[int, float], rig
         ends[level] = at + half
         height = 1.05 + (TOP - 1.05) / LEVELS * level
         axes.plot([at, at], [1.0, height], color="0.6", lw=0.6, zorder=1)
-        axes.text(at, height, text, size=8, ha="center", va="bottom")
+        axes.text(at, height, text, size=8.5, ha="center", va="bottom")

@@ -16,6 +16,7 @@ from stochlin.views.separation.risk import risk_caption, risk_figure, risk_words
 from stochlin.views.separation.statement import SIGNED, statement
 from stochlin.views.separation.storeys import draw_heights
 from stochlin.views.separation.subjects import subject_of
+from stochlin.views.shared.style import STYLE
 from stochlin.views.shared.uncertain import HEADS, unknowns
 from stochlin.views.shared.words import centimetres, doubted
 from stochlin.views.sites.words import fit_in_words
@@ -171,7 +172,7 @@ def _svg(draw: Callable[[CaseAnswer], Figure], answer: CaseAnswer, prefix: str, 
     import matplotlib as mpl
     from markupsafe import Markup, escape
 
-    with mpl.rc_context(pictures.PAGE_STYLE), io.StringIO() as stream:
+    with mpl.rc_context(STYLE | pictures.PAGE_STYLE), io.StringIO() as stream:
         draw(answer).savefig(stream, format="svg", metadata={"Date": None})
         svg = stream.getvalue()
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg[svg.index("<svg") :], flags=re.DOTALL)

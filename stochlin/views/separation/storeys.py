@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 WIDTH, PANEL, LOW, AXIS = 4.6, 2.5, 0.6, 0.55  # inches; a low panel is of one height
-LEGEND, LINE, MARGIN = 0.17, 0.14, 0.05  # inches: lines of text, and above all of it
+LEGEND, LINE, MARGIN = 0.17, 0.15, 0.05  # inches: lines of text, and above all of it
 LEFT, RIGHT = 0.15, 0.97  # of the width
 CAPTION = 66  # characters
 FORMULAS = ("eq_3_linearized", "linearization", "srss")  # beside the simulation, where they are known
@@ -57,7 +57,7 @@ def draw_heights(dataset: xr.Dataset, caption: bool = True) -> Figure:
             f"dataset has the dimensions {tuple(dataset.dims)}; allowed: the separation of one pair of "
             "buildings, at least one of them with storeys"
         )
-    told = _caption(dataset) if caption else ""
+    told = caption_of(dataset) if caption else ""
     foot = LINE * (told.count("\n") + 1.5) if told else 0.0
     figure = Figure()
     panels = [figure.add_axes((0, n, 1, 1)) for n in (1, 0)]  # until their legends are known
@@ -79,7 +79,7 @@ def draw_heights(dataset: xr.Dataset, caption: bool = True) -> Figure:
         for side in ("top", "right"):
             axes.spines[side].set_visible(False)
         axes.set(xlim=(0, None))
-    figure.text(0.02, foot / height, told, va="top", size=8)
+    figure.text(0.02, foot / height, told, va="top", size=8.5)
     return figure
 
 
@@ -151,7 +151,8 @@ def _drifts(axes: Axes, dataset: xr.Dataset) -> None:
     axes.set_yticks(range(1, most + 1, 1 + most // TICKS))
 
 
-def _caption(dataset: xr.Dataset) -> str:
+def caption_of(dataset: xr.Dataset) -> str:
+    """What is shown, the buildings, the ground and the motions, in lines."""
     attrs = dataset.attrs
     lines = [attrs["title"], *roles_in_words(attrs, "first", "second", "ground", "envelope")]
     lines.append(f"{attrs['paths']} motions of {attrs['duration_s']:g} s, seed {attrs['seed']}")

@@ -31,6 +31,8 @@ ROLES = {
 CALL = re.compile(r"(\w+)\((.*)\)", re.DOTALL)
 NUMBER = re.compile(r"(?<![\w.])-?\d+\.?\d*(?:e[-+]?\d+)?(?![\w.])")
 OF_ONE = re.compile(r"_(?=[12]$)")
+UNCERTAIN = re.compile(r"([-\d.e+]+(?: to [-\d.e+]+)?)(?: \+- (.*))?")  # two ends, or median and spread
+SEVERAL = re.compile(r"\(([^()]*)\)")
 OVER = re.compile(r"\[(?:(\d+) times )?(.*) over (.*)\]")
 
 
@@ -48,7 +50,8 @@ def in_words(described: str, role: str = "") -> str:
     name, given = call.groups()
     kind = _kinds().get(name)
     told = [_parameter(kind, role, *part.partition("=")[::2]) for part in _parts(given)]
-    return ", ".join(filter(None, ["" if name.lower() == role else hyphenated(name), *told]))
+    shown = "shear building" if kind is ShearBuilding else hyphenated(name)
+    return ", ".join(filter(None, ["" if name.lower() == role else shown, *told]))
 
 
 def _parameter(kind: type[Model] | None, role: str, name: str, value: str) -> str:
@@ -66,9 +69,19 @@ def _parameter(kind: type[Model] | None, role: str, name: str, value: str) -> st
     if over:
         count, numbers, dimensions = over.groups()
         every = f"{count} times " if count else ""
-        shown = NUMBER.sub(lambda found: rounded(scale * float(found[0])), numbers)
-        return f"{words}{every}{shown}{unit} over {dimensions}"
+        shown = _scaled(numbers, scale)
+        return f"{words}{every}{shown}{unit} over {dimensions.replace('storey', 'the storeys')}"
+    if uncertain := UNCERTAIN.fullmatch(value):
+        spread = f" ± {uncertain[2]}" if uncertain[2] else ""
+        return f"{words}{_scaled(uncertain[1], scale)}{unit}{spread}"
+    if several := SEVERAL.fullmatch(value):
+        return f"{words.replace('structure', 'building')}{several[1].rstrip(',').replace(', ', ' and ')}"
     return f"{words}{value}"
+
+
+def _scaled(text: str, scale: float) -> str:
+    """A number in the unit that is shown; what is no number unchanged."""
+    return NUMBER.sub(lambda found: rounded(scale * float(found[0])), text)
 
 
 def _parts(given: str) -> Iterator[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 import textwrap
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial, wraps
 from typing import TYPE_CHECKING, Any, Literal, ParamSpec
 
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.contour import ContourSet
     from matplotlib.figure import Figure
 
+# Of every picture while it is drawn, and of nothing else; after STYLE.clear() the user's style holds.
 STYLE: Any = {
     "font.size": 9,
     "axes.titlesize": 10,
@@ -34,7 +35,7 @@ STYLE: Any = {
     "legend.frameon": False,
     "svg.hashsalt": "stochlin",  # the same input gives the same file
 }
-AS_GIVEN = STYLE | {"text.parse_math": False}  # where names are the user's
+AS_GIVEN = {"text.parse_math": False}  # where names are the user's
 # Dark to light, each with a dash of its own: told apart in colour, in grey and by line style.
 CURVES = (
     ("#1b1b1b", "-"),
@@ -44,6 +45,8 @@ CURVES = (
     ("#4d9a8a", (0, (6, 1.5, 1, 1.5, 1, 1.5))),
     ("#9e9ac8", (0, (1, 1))),
 )
+PRINT = 300  # points an inch
+EDGE = 0.05  # of an axis: labels of contours nearer to its ends would be cut
 SIGNED_STEPS = (0.1, 0.2, 0.4, 0.6, 0.8, 1, 1.5, 2)  # of a difference of rho; within 0.1 is white
 TICKS = (0.1, 0.25, 0.5, 1, 2, 4)
 NAMES = {
@@ -62,15 +65,17 @@ LATIN = {"α": "alpha", "ξ": "xi", "ρ": "rho", "σ": "sigma", "τ": "tau", "ω
 Given = ParamSpec("Given")
 
 
-def styled(style: Any = STYLE) -> Callable[[Callable[Given, Figure]], Callable[Given, Figure]]:
-    """A decorator: the function draws in the package's style."""
+def styled(
+    more: Mapping[str, Any] | None = None,
+) -> Callable[[Callable[Given, Figure]], Callable[Given, Figure]]:
+    """A decorator: the function draws in the package's style, and these settings."""
 
     def decorate(draw: Callable[Given, Figure]) -> Callable[Given, Figure]:
         @wraps(draw)
         def drawing(*args: Given.args, **kwargs: Given.kwargs) -> Figure:
             import matplotlib as mpl
 
-            with mpl.rc_context(style):
+            with mpl.rc_context(STYLE | dict(more or {})):
                 return draw(*args, **kwargs)
 
         return drawing
@@ -172,18 +177,26 @@ def plane(
     else:
         fill, draw_lines = contours_of(axes, *place)
         filled = fill(levels=levels, cmap=colours, norm=norm)
-    lines = draw_lines(levels=levels, colors="0.1", linewidths=0.6)
+    below = levels < float(table.max()) - 1e-9  # at the very top a line would be dots along a ridge
+    lines = draw_lines(levels=levels[below], colors="0.1", linewidths=0.6)
     digits = "%.1f" if str(table.name).startswith("rho") else "%g"
-    axes.clabel(
-        lines,
-        levels=levels if signed else levels[::2],
-        fontsize=6.5,
-        fmt="%+g" if signed else digits,
-        inline_spacing=1,
-    )
+    told = levels[below] if signed else levels[::2][below[::2]]
+    label_contours(axes, lines, told, "%+g" if signed else digits)
     axes.grid(visible=False)
     axes.set_box_aspect(1)
     return filled
+
+
+def label_contours(axes: Axes, lines: ContourSet, levels: np.ndarray, digits: str) -> None:
+    """Numbers on contours, none of them so near to the edge that it would be cut."""
+    style: Any = {"levels": levels, "fontsize": 6.5, "fmt": digits}
+    tried = axes.clabel(lines, inline=False, **style)
+    places = np.reshape([text.get_position() for text in tried], (-1, 2))
+    for text in tried:
+        text.remove()
+    within = axes.transAxes.inverted().transform(axes.transData.transform(places))
+    inside = ((within > EDGE) & (within < 1 - EDGE)).all(axis=1)
+    axes.clabel(lines, manual=[tuple(place) for place in places[inside]], inline_spacing=1, **style)
 
 
 def _edges(centres: np.ndarray, logarithmic: bool) -> np.ndarray:
@@ -265,4 +278,4 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
         raise ValueError(f"path = {brief(os.fspath(path))} ends in {brief(suffix)}; allowed: {allowed}")
     undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix)
     with mpl.rc_context(STYLE), whole_file(path) as temporary:
-        figure.savefig(temporary, dpi=200, metadata=undated)
+        figure.savefig(temporary, dpi=PRINT, metadata=undated)
