@@ -1,4 +1,4 @@
-"""Atlases: tables larger than memory, written block by block, carried on where they stopped."""
+"""Writing an atlas block by block, also after an interruption, and opening a finished atlas."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from stochlin.analyses.atlases.checksums import CHECKSUM, CHECKSUMS, Checks, Num
 from stochlin.analyses.atlases.specification import AtlasSpecification, read_specification, specification
 from stochlin.kernels.basics.parallel import Progress, cores
 
-PATIENCE = 20.0  # seconds without any worker
-POLL = 1.0  # seconds between looks at the cluster
+PATIENCE = 20.0  # longest time without any worker [s]
+POLL = 1.0  # time between two queries of the cluster [s]
 UNCHECKED = (
     "{} was written before atlases had checksums: it is read as it is, and numbers that were lost or "
     "damaged since may read as good ones; write it anew where that matters"
@@ -35,43 +35,44 @@ def write_atlas(
     scheduler: Any = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Compute a design atlas into a Zarr store, or continue an interrupted one.
+    """Compute a design atlas into a Zarr store, or continue an interrupted computation.
 
-    A table of linearized `correlate` over any parameters, in blocks. A block that is written stays
-    written: a process that was killed loses its current blocks, and the same call carries on. What is
-    there is read and compared with its checksums; what is damaged is computed again. The result is the
-    same, to the last bit, as that of a run without interruption.
+    An atlas is a table of `correlate` by linearization over any of its parameters. It is computed in
+    blocks. If the process is interrupted, only the blocks in progress are lost, and the same call
+    continues with the others. Existing blocks are compared with their checksums, and damaged ones are
+    computed again. The result is bit for bit that of a run without interruption.
 
     Parameters
     ----------
     spec : path or mapping
-        A TOML file, or its contents; ``stochlin atlas --help`` shows one. ``period_1`` and
-        ``period_2`` are over the ground's period; numbers are held, lists and sweeps are axes.
+        Specification, as a TOML file or a mapping with its content; ``stochlin atlas --help`` shows an
+        example. ``period_1`` and ``period_2`` are relative to the ground period. Parameters with one
+        number are fixed; lists and sweeps are the axes.
     path : path
-        Where the store is or will be.
+        Path of the store, which may exist.
     scheduler : str or distributed.Client, optional
-        Address of a dask scheduler, or a client of one, whose workers then compute and write; they must
-        see the same file system. The cores of this machine, if not given.
+        Address of a dask scheduler, or a client of one. Its workers compute and write the blocks and
+        must have access to the same file system. By default the cores of this machine are used.
     progress : callable, optional
-        Called with the share of blocks that are written and good.
+        Called with the share of the blocks that are written and intact.
 
     Returns
     -------
     xarray.Dataset
-        As `open_atlas`, over the dimensions of the specification.
+        The atlas, as from `open_atlas`, over the dimensions of the specification.
 
     Raises
     ------
     ValueError
-        If the specification is wrong, might not fit on the disk or in memory, or differs from that of
-        the store, as may its version.
+        If the specification is not valid or needs more disk space or memory than there is, or if an
+        existing store has another specification or was written by another version.
     OSError
-        If the specification cannot be read or there is no folder for the store.
+        If the specification cannot be read, or the folder of the store does not exist.
     RuntimeError
-        If the disk is full or workers are lost: what is written is kept. If another process is writing
-        the same atlas.
+        If the disk is full or workers are lost; written blocks are kept. Also if another process is
+        writing the same atlas.
     ImportError
-        Without the extra ``scale``.
+        If the extra ``scale`` is not installed.
 
     Examples
     --------
@@ -108,7 +109,10 @@ def write_atlas(
 
 
 def _blocks(checks: Checks, chosen: AtlasSpecification, scheduler: Any) -> Iterator[tuple[int, int]]:
-    """Look all blocks over and write those that are not good; how many are, and the number of all."""
+    """Check all blocks and write those that are missing or damaged.
+
+    Yields the number of intact blocks so far and the number of all blocks.
+    """
     path, numbers = checks.root, list(np.ndindex(checks.counts))
     good, todo = 0, []
     yield good, len(numbers)
@@ -129,32 +133,32 @@ def _blocks(checks: Checks, chosen: AtlasSpecification, scheduler: Any) -> Itera
 
 
 def open_atlas(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Open a finished atlas; numbers are read when they are used.
+    """Open a finished atlas; its numbers are read when they are used.
 
     Parameters
     ----------
     path : path
-        What `write_atlas` made.
+        Path of an atlas written by `write_atlas`.
 
     Returns
     -------
     xarray.Dataset
-        ``rho``, ``bias`` [-], ``status`` and ``caution`` over the dimensions of both structures;
-        ``ductility_std_1`` and ``_2``, ``bias_1`` and ``_2`` [-] over those of each. Periods are over
-        the ground's.
+        Over the dimensions of both structures: ``rho``, ``bias`` [-], ``status`` and ``caution``. Over
+        the dimensions of each structure: ``ductility_std_1`` and ``_2``, ``bias_1`` and ``_2`` [-]. The
+        coordinates ``period_1`` and ``period_2`` are relative to the ground period.
 
     Raises
     ------
     ValueError
-        If there is no atlas, an unfinished one, or one of whose files some are missing, too short or too
-        long. Bytes are compared with their checksums when they are read, by `lookup` or any other.
+        If there is no atlas, the atlas is unfinished, or files of it are missing or have a wrong length.
+        Later reading of numbers, by `lookup` or otherwise, raises it if a checksum is wrong.
     ImportError
-        Without the extra ``scale``.
+        If the extra ``scale`` is not installed.
 
     Warns
     -----
     UserWarning
-        If the atlas was written before there were checksums: it is read as it is.
+        If the atlas was written by a version without checksums; it is then read unchecked.
 
     Examples
     --------
@@ -185,7 +189,7 @@ def open_atlas(path: str | os.PathLike[str]) -> xr.Dataset:
 
 
 class _ClusterLostError(Exception):
-    """The dask cluster is gone, or its workers are."""
+    """The connection to the dask cluster or to all its workers is lost."""
 
 
 def _reason(error: BaseException) -> str:
@@ -198,7 +202,7 @@ def _reason(error: BaseException) -> str:
 
 @contextmanager
 def _threads() -> Iterator[ThreadPoolExecutor]:
-    """One a core; what they have not begun when the block ends is left."""
+    """A pool with a thread for each core; at its end, tasks that have not started are cancelled."""
     pool = ThreadPoolExecutor(cores())
     try:
         yield pool
@@ -207,7 +211,7 @@ def _threads() -> Iterator[ThreadPoolExecutor]:
 
 
 def _on_this_machine(path: Path, chosen: AtlasSpecification, todo: Sequence[Number]) -> Iterator[None]:
-    """Write blocks in threads: one computes while another writes."""
+    """Compute and write blocks in threads, so that computing and writing overlap."""
     with _threads() as pool:
         futures = [pool.submit(atlas_store.write_block, str(path), chosen, n) for n in todo]
         for future in as_completed(futures):
@@ -226,7 +230,7 @@ def _on_worker(path: str, chosen: AtlasSpecification, number: Number, code: str)
 def _on_cluster(
     scheduler: Any, path: Path, chosen: AtlasSpecification, todo: Sequence[Number]
 ) -> Iterator[None]:
-    """Let the workers of a dask cluster write the blocks."""
+    """Compute and write blocks on the workers of a dask cluster."""
     try:
         distributed: Any = importlib.import_module("distributed")
     except ImportError as error:

@@ -1,12 +1,13 @@
-"""What every file of an atlas has to be: its bytes and its checksum, told by another file.
+"""Checks of the files of an atlas: the size and the checksum of each file, stored in another file.
 
-Files that are there from the beginning, metadata and axes, stand in the attribute `CHECKSUMS` of the
-group, whose own metadata carry a `CHECKSUM` of themselves. Chunks of a block stand in the array
-``block_checks``: one chunk for each block, a row for each variable and the last for itself. It is
-written after the chunks of the block: where it is, the block is done.
+Those of the metadata and axes, which exist from the beginning, are in the attribute `CHECKSUMS` of the
+group. The metadata of the group have their own `CHECKSUM`. Those of the chunks of a block are in the
+array ``block_checks``, which has one chunk for each block, with a row for each variable and a last row
+for this chunk itself. It is written after the other chunks of the block, so that its presence means that
+the block is complete.
 
-A checksum begins with that of the specification and the code and goes on with the name of the file: what
-belongs to another place, array or atlas is as wrong as what is broken.
+A checksum includes the specification, the code version and the name of the file. A file that belongs to
+another place, array or atlas therefore has a wrong checksum.
 """
 
 from __future__ import annotations
@@ -28,26 +29,26 @@ from stochlin.kernels.basics.arrays import Array
 CHECKS = "block_checks"
 CHECKSUM, CHECKSUMS = "checksum", "checksums"
 METADATA = "zarr.json"
-FILES = "files"  # attribute of the checks: the variables in the order of their rows
-NONE = -1  # in place of bytes and checksum: no such chunk
+FILES = "files"  # attribute of the checks with the names of the variables in the order of their rows
+NONE = -1  # size and checksum where there is no chunk
 CURE = "write_atlas with the specification that made it computes what is damaged again, and just that"
 Number = tuple[int, ...]
 Facts = tuple[int, int]
-"""Bytes of a file, and their checksum."""
+"""Size of a file [bytes], and its checksum."""
 
 
 def seed_of(specification: str, code: str) -> int:
-    """Where the checksums of an atlas begin."""
+    """Initial value of the checksums of an atlas, from its specification and code version."""
     return zlib.crc32(f"{specification}\n{code}".encode())
 
 
 def facts(seed: int, key: str, data: Any) -> Facts:
-    """Bytes and checksum of what the file of this name holds."""
+    """Size and checksum of the content ``data`` of the file named ``key``."""
     return len(data), zlib.crc32(data, zlib.crc32(key.encode(), seed))
 
 
 def checksum_of_metadata(metadata: Mapping[str, Any]) -> int:
-    """Of the group's metadata, less this number itself."""
+    """Checksum of the metadata of the group, without the checksum itself."""
     attributes = {k: v for k, v in metadata["attributes"].items() if k != CHECKSUM}
     return zlib.crc32(json.dumps({**metadata, "attributes": attributes}, sort_keys=True).encode())
 
@@ -63,16 +64,16 @@ def rows_key(number: Number) -> str:
 
 
 def rows_of_block(seed: int, number: Number, found: Sequence[Facts] | Array) -> Array:
-    """The checks of a block's chunks, and of these rows."""
+    """The checks of the chunks of a block, with a last row for the checks themselves."""
     rows = np.array(found, "<i8")
     return np.vstack([rows, np.array([facts(seed, rows_key(number), rows.tobytes())], "<i8")])
 
 
 class DamagedError(ValueError):
-    """A file of an atlas is not what was written; says which, why, how many others, and the cure."""
+    """A file of an atlas is damaged; ``more`` is the number of other damaged files."""
 
     def __init__(self, root: Path, key: str, why: str, more: int = 0) -> None:
-        super().__init__(root, key, why, more)  # as they are: the error may come from another process
+        super().__init__(root, key, why, more)  # all arguments, so that the error can be pickled
         self.key = key
         array, _, chunk = key.partition("/")
         what = f"chunk {chunk} of {array}" if chunk.startswith("c") else key
@@ -84,7 +85,7 @@ class DamagedError(ValueError):
 
 @dataclass(frozen=True)
 class Checks:
-    """The checks of one atlas. ``variables`` has the axes that each variable goes along."""
+    """The checks of one atlas; ``variables`` has the dimensions of each variable."""
 
     root: Path
     seed: int
@@ -95,7 +96,7 @@ class Checks:
 
     @classmethod
     def of(cls, root: Path, attributes: Mapping[str, Any]) -> Self:
-        """Those of the atlas with these attributes; a `DamagedError` if metadata or axes are damaged."""
+        """The checks of the atlas with these attributes; `DamagedError` for metadata or axes."""
         seed = seed_of(attributes["specification"], attributes["code"])
         fixed = {
             key: (size, checksum) for key, (size, checksum) in json.loads(attributes[CHECKSUMS]).items()
@@ -110,14 +111,14 @@ class Checks:
 
     @cached_property
     def rows(self) -> Array:
-        """Of every block, as they were when they were first asked for; `NONE` where there are none."""
+        """The checks of all blocks, read once; `NONE` where a block is not written."""
         rows = np.full((*self.counts, len(self.variables) + 1, 2), NONE, np.int64)
         for number in np.ndindex(self.counts):
             rows[number] = self.rows_of(number)
         return rows
 
     def rows_of(self, number: Number) -> Array:
-        """Of a block, read from its file; raises a `DamagedError` if that is damaged."""
+        """The checks of a block, read from its file; raises a `DamagedError` if this is damaged."""
         key, shape = rows_key(number), (len(self.variables) + 1, 2)
         data = self.content(key)
         if data is None:
@@ -131,11 +132,11 @@ class Checks:
 
     @property
     def done(self) -> Array:
-        """Whether each block is written."""
+        """Array that tells whether each block is written."""
         return self.rows[..., -1, 0] != NONE
 
     def any_block(self) -> bool:
-        """Whether the checks of some block are good: they are of no other specification or code."""
+        """Whether the checks of any block are intact, and so of this specification and code version."""
         for number in np.ndindex(self.counts):
             try:
                 if self.rows_of(number)[-1, 0] != NONE:
@@ -145,14 +146,14 @@ class Checks:
         return False
 
     def of_block(self, number: Number, rows: Array) -> Iterator[tuple[str, Facts]]:
-        """The chunks of a block that its rows tell of."""
+        """Name, size and checksum of each chunk of a block, from its checks."""
         at = dict(zip(self.axes, number, strict=True))
         for (name, dims), (size, checksum) in zip(self.variables.items(), rows, strict=False):
             if size != NONE:
                 yield chunk_key(name, [at[dim] for dim in dims]), (int(size), int(checksum))
 
     def expected(self, key: str) -> Facts | None:
-        """What the file of this name has to be; None if it is not one of the atlas."""
+        """Size and checksum that a file should have; None if it is not a file of the atlas."""
         if key in self.fixed:
             return self.fixed[key]
         name, _, rest = key.partition("/")
@@ -165,7 +166,7 @@ class Checks:
         return int(size), int(checksum)
 
     def check(self, key: str, data: Any, expected: Facts | None) -> None:
-        """Raise a `DamagedError` unless these are the bytes of the file; None: it is not there."""
+        """Raise a `DamagedError` unless ``data`` is the content of the file; None is a missing file."""
         if expected is None:
             return
         if data is None:
@@ -176,11 +177,11 @@ class Checks:
             raise DamagedError(self.root, key, "its checksum is wrong")
 
     def check_file(self, key: str, expected: Facts) -> None:
-        """The same, of what lies on the disk."""
+        """Raise a `DamagedError` unless the file on disk has this size and checksum."""
         self.check(key, self.content(key), expected)
 
     def content(self, key: str) -> bytes | None:
-        """The bytes of a file, None if there is none; a `DamagedError` if the disk does not tell."""
+        """Content of a file, None if it is missing; a `DamagedError` if it cannot be read."""
         try:
             return (self.root / key).read_bytes()
         except (FileNotFoundError, IsADirectoryError, NotADirectoryError):
@@ -191,7 +192,7 @@ class Checks:
             raise DamagedError(self.root, key, f"it cannot be read, {error.strerror}") from error
 
     def check_presence(self) -> None:
-        """Raise a `DamagedError` unless every chunk is there and as long as it was; reads none."""
+        """Raise a `DamagedError` unless every chunk exists with its size; chunks are not read."""
         wrong = []
         for number in np.ndindex(self.counts):
             for key, (size, _) in self.of_block(number, self.rows[number]):
@@ -203,7 +204,7 @@ class Checks:
             raise DamagedError(self.root, *wrong[0], len(wrong) - 1)
 
     def is_good(self, number: Number) -> bool:
-        """Whether a block is written, and every byte of it as it was; reads it whole."""
+        """Whether a block is written and its checksums are right; reads the whole block."""
         try:
             rows = self.rows_of(number)
             for key, expected in self.of_block(number, rows):

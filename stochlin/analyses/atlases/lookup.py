@@ -1,4 +1,4 @@
-"""Look up cases in an atlas: linear between its points, in the logarithms of all parameters."""
+"""Interpolation in an atlas, linear in the logarithms of all parameters."""
 
 from __future__ import annotations
 
@@ -16,42 +16,43 @@ from stochlin.messages import brief, sentence
 from stochlin.models.grounds import GROUNDS
 from stochlin.models.parameters import CASE, Parameter
 
-ROUNDING = 1e-9  # by which a logarithm may miss the end of an axis, or a held parameter
-UNKNOWN = 2  # caution
+ROUNDING = 1e-9  # allowed deviation of a logarithm from the end of an axis or a fixed parameter
+UNKNOWN = 2  # value of ``caution`` outside of the atlas
 CORNER = "corner"
 PERIODS = ("period_1", "period_2")
 
 
 def lookup(atlas: xr.Dataset, ground_period: Parameter = 1.0, **parameters: Parameter) -> xr.Dataset:
-    """Interpolate cases in an atlas.
+    """Interpolate in an atlas.
 
-    Linear between the atlas's points in the logarithms of its parameters. Near equal periods ``rho``
-    has a ridge as wide as the damping ratios: an atlas coarser than that rounds it off.
+    The interpolation is linear in the logarithms of the parameters. Near equal periods ``rho`` has a
+    ridge, whose width is that of the damping ratios; an atlas with a coarser grid underestimates it.
 
     Parameters
     ----------
     atlas : xarray.Dataset
-        Of `open_atlas`.
+        The atlas, as from `open_atlas`.
     ground_period : float or array
-        ``2 pi/wg`` [s]; periods are divided by it. Without it they are over the ground's.
+        Ground period ``2 pi/wg`` [s], by which the periods are divided. Without it the periods are
+        already relative to the ground period.
     **parameters : float or array
-        All that the atlas sweeps, by its names: ``period_1``, ``period_2``, ``damping`` and others.
-        Arrays broadcast by dimension name; 1-D arrays share the dimension ``case``. What the atlas
-        holds may be given, with the value that it has; ``damping`` stands for ``damping_1`` and
-        ``damping_2``, and likewise the others.
+        Values of all axes of the atlas by their names: ``period_1``, ``period_2``, ``damping`` and
+        others. Arrays broadcast by dimension name; 1-D arrays share the dimension ``case``. Parameters
+        that are fixed in the atlas may be given with their value. ``damping`` stands for both
+        ``damping_1`` and ``damping_2``, and likewise ``hardening`` and ``reduction_factor``.
 
     Returns
     -------
     xarray.Dataset
-        The atlas's variables, over the dimensions of the parameters. NaN where a case is outside,
-        or beside a cell that failed; its ``status`` is ``invalid_input``, or the worst of the cells
-        around, and ``caution`` the worst.
+        The variables of the atlas over the dimensions of the parameters. Cells outside of the atlas, or
+        next to a failed cell of the atlas, are NaN. Their ``status`` is ``invalid_input`` or the worst
+        of the surrounding cells; ``caution`` is also the worst of these.
 
     Raises
     ------
     ValueError, TypeError
-        If a parameter is missing or unknown, is held at another value, or is no number; if a chunk that
-        is read is damaged: the message names it and the cure.
+        If a parameter is missing or unknown, differs from the fixed value in the atlas, or is not a
+        number; or if a chunk of the atlas is damaged (the message names it).
 
     Examples
     --------
@@ -89,7 +90,7 @@ def lookup(atlas: xr.Dataset, ground_period: Parameter = 1.0, **parameters: Para
 def _points(
     atlas: xr.Dataset, parameters: Mapping[str, Parameter], ground_period: Parameter
 ) -> dict[str, xr.DataArray]:
-    """Logarithms of the coordinates along every axis, broadcast."""
+    """Logarithms of the coordinates along each axis of the atlas, broadcast against each other."""
     specification = json.loads(atlas.attrs["specification"])
     held = {name: v for name, v in specification["parameters"].items() if isinstance(v, float)}
     soil = GROUNDS.named(specification["ground"], "ground")
@@ -103,7 +104,7 @@ def _points(
         raise ValueError(f"{what}; this atlas needs {', '.join(axes)} and holds {held}")
     unit = _array("ground_period", ground_period)
     logs: dict[str, xr.DataArray] = {}
-    with np.errstate(invalid="ignore", divide="ignore"):  # what has no logarithm is outside
+    with np.errstate(invalid="ignore", divide="ignore"):  # values <= 0 are outside of the atlas
         for name, value in given.items():
             logs[name] = np.log(value / unit if name in times.union(PERIODS) else value)  # type: ignore[assignment]
     for name, number in held.items():
@@ -117,7 +118,7 @@ def _points(
 
 
 def _numbered(parameters: Mapping[str, Parameter], known: set[str]) -> dict[str, Parameter]:
-    """``damping`` as ``damping_1`` and ``damping_2`` where the atlas has these."""
+    """The parameters, with ``damping`` as ``damping_1`` and ``damping_2`` if the atlas has these."""
     named: dict[str, Parameter] = {}
     for name, value in parameters.items():
         pair = [f"{name}_{n}" for n in (1, 2)]
@@ -142,7 +143,7 @@ def _array(name: str, value: Parameter) -> xr.DataArray:
 
 
 def _corners(axis: Array, point: xr.DataArray) -> tuple[xr.DataArray, xr.DataArray]:
-    """Number of the axis value below each point, and the share of the one above; NaN outside."""
+    """Index of the axis value below each point, and weight of the one above; NaN outside."""
     x = point.values
     inside = (x >= axis[0] - ROUNDING) & (x <= axis[-1] + ROUNDING)
     low = np.clip(np.searchsorted(axis, x, side="right") - 1, 0, max(axis.size - 2, 0))
@@ -155,9 +156,9 @@ def _corners(axis: Array, point: xr.DataArray) -> tuple[xr.DataArray, xr.DataArr
 def _interpolate(
     variable: xr.DataArray, corners: list[tuple[xr.DataArray, xr.DataArray]]
 ) -> xr.DataArray:
-    """Weighted mean over the corners; the largest of them for flags."""
+    """Weighted mean over the surrounding cells; for flags, the largest value with a weight above 0."""
     dims, flags = [str(dim) for dim in variable.dims], variable.dtype.kind == "i"
-    # All corners in one request: a chunk on the disk is then read once.
+    # One request for all surrounding cells, so that each chunk on disk is read only once.
     steps = np.array(list(itertools.product((0, 1), repeat=len(dims))), int).reshape(
         2 ** len(dims), len(dims)
     )
@@ -170,5 +171,5 @@ def _interpolate(
     values = xr.DataArray(plain[{dim: where[dim].variable for dim in dims}].load())
     if flags:
         return values.where(weight > 0, 0).max(CORNER)
-    terms = (values * weight).where(weight != 0, 0.0)  # NaN where outside: the weight is NaN
+    terms = (values * weight).where(weight != 0, 0.0)  # outside, the weight is NaN
     return terms.sum(CORNER, skipna=False)

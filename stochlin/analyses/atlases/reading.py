@@ -1,4 +1,4 @@
-"""Zarr's way to the files of an atlas, each of which is checked whenever it is read. Needs zarr."""
+"""A read-only Zarr store of the files of an atlas, checked whenever they are read. Needs zarr."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from stochlin.analyses.atlases.checksums import Checks
 
 
 class CheckedFiles(WrapperStore[LocalStore]):
-    """The files below the atlas's folder, to be read only; a damaged one raises a `DamagedError`."""
+    """Read-only store of the files in the folder of an atlas; a damaged file raises `DamagedError`."""
 
     def __init__(self, store: LocalStore, checks: Checks) -> None:
         super().__init__(store)
@@ -23,7 +23,7 @@ class CheckedFiles(WrapperStore[LocalStore]):
 
     @classmethod
     def of(cls, checks: Checks) -> Self:
-        """Those that are told by these checks."""
+        """The store of the atlas with these checks."""
         return cls(LocalStore(checks.root, read_only=True), checks)
 
     def _with_store(self, store: LocalStore) -> Self:
@@ -32,11 +32,11 @@ class CheckedFiles(WrapperStore[LocalStore]):
     async def get(
         self, key: str, prototype: BufferPrototype, byte_range: ByteRequest | None = None
     ) -> Buffer | None:
-        """The content of a file."""
+        """Content of a file, or a range of it, after a check of the whole file."""
         try:
             whole = await self._store.get(key, prototype)
         except OSError:
-            self.checks.content(key)  # says which file it is
+            self.checks.content(key)  # raises an error that names the file
             raise
         data = None if whole is None else whole.as_buffer_like()
         self.checks.check(key, data, self.checks.expected(key))
@@ -51,6 +51,6 @@ async def _drop_other_reads() -> None:
         await asyncio.wait(others, timeout=1.0)
 
 
-# Zarr reads chunks side by side. Where one is damaged the others are left, and a process that ends then
-# would complain of each of them.
+# Zarr reads several chunks at a time. After an error in one of them the other reads are still pending;
+# unless they are cancelled, asyncio prints a warning for each at the end of the process.
 atexit.register(lambda: sync(_drop_other_reads()))

@@ -1,4 +1,4 @@
-"""What an atlas is to hold: a specification in TOML, data only, checked before any work.
+"""Specification of an atlas, a TOML file with data only, which is checked before any computation.
 
 ::
 
@@ -7,8 +7,8 @@
     closure = "gaussian"            # optional
     block_cells = 1000000           # optional: cells that are computed and written at a time
 
-    [parameters]                    # a number is held; a list or a sweep is an axis
-    period_1 = { start = 0.1, stop = 10, count = 400, spacing = "log" }     # over the ground's period
+    [parameters]                    # a number is fixed; a list or a sweep is an axis
+    period_1 = { start = 0.1, stop = 10, count = 400, spacing = "log" }     # over the ground period
     period_2 = { start = 0.1, stop = 10, count = 400, spacing = "log" }
     ground_damping = [0.05, 0.2, 0.6]
     damping = 0.05                  # of both structures; or damping_1 and damping_2
@@ -40,7 +40,7 @@ from stochlin.models.parameters import Model
 KEYS = ("title", "ground", "closure", "block_cells", "parameters")
 SWEEP = ("start", "stop", "count", "spacing")
 OF_STRUCTURES = ("damping", "hardening", "reduction_factor")
-UNITS = {"ground_period": 1.0, "intensity": 1.0}  # of time [s], and of all that is proportional to it
+UNITS = {"ground_period": 1.0, "intensity": 1.0}  # values [s], [m^2/s^3] to which results are scaled
 LONGEST_AXIS = 1_000_000
 BLOCK_CELLS = 1_000_000
 
@@ -62,11 +62,11 @@ class AtlasSpecification:
 
     @property
     def cells(self) -> int:
-        """Size of the table."""
+        """Number of cells of the table."""
         return math.prod(len(values) for values in self.axes.values())
 
     def as_json(self) -> str:
-        """All that decides the numbers and their layout, for comparison and for the manifest."""
+        """The specification as JSON, for comparison with that of an existing atlas."""
         return json.dumps(vars(self), sort_keys=True)
 
     def models(self) -> tuple[Bilinear, Bilinear, Ground]:
@@ -94,13 +94,13 @@ class AtlasSpecification:
 
 
 def read_specification(path: str | os.PathLike[str]) -> AtlasSpecification:
-    """Read a TOML file; a ValueError says what is wrong with it and what is allowed."""
+    """Read a specification from a TOML file; a ValueError if it is not valid."""
     _, data = read_toml(Path(path))
     return specification(data)
 
 
 def specification(data: Mapping[str, Any]) -> AtlasSpecification:
-    """Check a specification given as nested mappings; raises as `read_specification`."""
+    """The checked specification from nested mappings; raises as `read_specification`."""
     _only(data, KEYS, "the specification")
     ground = _one_of(data.get("ground", "kanai_tajimi"), tuple(GROUNDS), "ground")
     closure = _one_of(data.get("closure", "gaussian"), Bilinear.closure_names(), "closure")
@@ -156,7 +156,7 @@ def _one_of(value: Any, allowed: tuple[str, ...], name: str) -> str:
 
 
 def _parameter(name: str, value: Any) -> float | tuple[float, ...]:
-    """A number, or the values of an axis, which increase."""
+    """A fixed number, or the increasing values of an axis."""
     if _is_number(value):
         return float(value)
     if isinstance(value, Mapping):
@@ -198,7 +198,7 @@ def _is_number(value: Any) -> bool:
 
 
 def _check_ranges(role: str, model: Model) -> None:
-    """Arrays with cells out of range are refused: an atlas has no use for them."""
+    """Raise a ValueError if an axis has values out of range."""
     for name, values in model.arrays().items():
         allowed = model.allowed(name)
         if not bool(allowed.contains(values).all()):

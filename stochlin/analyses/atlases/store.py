@@ -1,8 +1,9 @@
-"""An atlas on disk: a Zarr group that knows its specification, its version and which blocks are done.
+"""An atlas on disk: a Zarr group with its specification, its code version and the checks of its blocks.
 
-It appears whole, empty, under its name; then blocks are written one by one, each array in a chunk of its
-own and last their `checksums`. A chunk is whole or absent, so that a process may die at any moment. All
-chunks of a finished atlas are there; one that is not would read as NaN with the worst of its flags.
+The empty group is created under a temporary name and then renamed. Blocks are written one by one, each
+array in its own chunk, and their `checksums` last. Each chunk is written completely or not at all, so
+that the process may be interrupted at any time. A finished atlas has all chunks; Zarr would read a
+missing one as NaN with the worst flags.
 """
 
 from __future__ import annotations
@@ -51,9 +52,9 @@ from stochlin.models.grounds import GROUNDS
 
 TABLES = ("rho", "status", "bias", "caution")
 SIDES = ("ductility_std_1", "ductility_std_2", "bias_1", "bias_2")
-DONE_BEFORE = "block_done"  # in place of the checks, in atlases that were written before there were any
-PAGE_BYTES = 4096  # of the disk, that a file may leave unused
-WORKING_BYTES = 100  # of memory for a cell of a block while it is computed
+DONE_BEFORE = "block_done"  # array in place of the checks in atlases of versions without checksums
+PAGE_BYTES = 4096  # disk space that a file may waste [bytes]
+WORKING_BYTES = 100  # memory per cell of a block during its computation [bytes]
 LONG_NAMES = {
     "period": "period over that of the ground",
     "damping": "damping ratio",
@@ -64,7 +65,7 @@ Block = dict[str, slice]
 
 
 def zarr_module() -> Any:
-    """Zarr, or an ImportError that says how to get it."""
+    """The module zarr; an ImportError with the installation command if it is not installed."""
     try:
         return importlib.import_module("zarr")
     except ImportError as error:
@@ -73,7 +74,7 @@ def zarr_module() -> Any:
 
 @cache
 def code_version() -> str:
-    """Version and digest of the code and data that make the numbers."""
+    """Version of the package, with a digest of the code and data from which results follow."""
     root = Path(str(files("stochlin")))
     digest = hashlib.sha256()
     for floor in ("kernels", "models", "analyses"):
@@ -83,9 +84,10 @@ def code_version() -> str:
 
 
 def block_shape(specification: AtlasSpecification) -> dict[str, int]:
-    """Cells of a block along each axis: planes of the two structures' own axes first, then the rest.
+    """Number of cells of a block along each axis.
 
-    The structures of a plane are solved once for all its cells.
+    A block extends along axes of a single structure first, such as ``period_1``, and then along the
+    others, since each structure is solved once for all cells of the former.
     """
     sizes = {name: len(values) for name, values in specification.axes.items()}
     shape = dict.fromkeys(sizes, 1)
@@ -101,7 +103,7 @@ def block_shape(specification: AtlasSpecification) -> dict[str, int]:
 
 
 def compute_block(specification: AtlasSpecification, block: Block) -> xr.Dataset:
-    """The variables of one block."""
+    """Dataset with the variables of one block."""
     first, second, ground = specification.models()
     table = correlate(
         first.isel(block), second.isel(block), ground.isel(block), closure=specification.closure
@@ -110,7 +112,7 @@ def compute_block(specification: AtlasSpecification, block: Block) -> xr.Dataset
 
 
 def write_block(path: str, specification: AtlasSpecification, number: Number) -> None:
-    """Compute a block and write it, its checks last; others at the same time, in threads or workers."""
+    """Compute a block and write it, its checks last; may run in several threads or workers at once."""
     shape = block_shape(specification)
     cells = {
         axis: slice(n * shape[axis], min((n + 1) * shape[axis], len(values)))
@@ -123,7 +125,7 @@ def write_block(path: str, specification: AtlasSpecification, number: Number) ->
     found = []
     for name, variable in table.data_vars.items():
         if any(at[axis] for axis in at if axis not in variable.dims):
-            found.append((NONE, NONE))  # the same numbers as in the first block along this axis
+            found.append((NONE, NONE))  # already written with the first block along this axis
             continue
         array = group[name].with_config({"write_empty_chunks": True})
         array[tuple(cells[str(dim)] for dim in variable.dims)] = variable.values
@@ -133,7 +135,7 @@ def write_block(path: str, specification: AtlasSpecification, number: Number) ->
 
 
 def largest_bytes(specification: AtlasSpecification) -> int:
-    """Bytes of the whole atlas, without compression."""
+    """Size of the whole atlas without compression [bytes]."""
     first, second, _ = specification.models()
     sides = sum(math.prod(a.size for a in model.arrays().values()) for model in (first, second))
     ground = math.prod(len(v) for k, v in specification.axes.items() if k.startswith(("ground", "high")))
@@ -141,7 +143,7 @@ def largest_bytes(specification: AtlasSpecification) -> int:
 
 
 def check_room(specification: AtlasSpecification, path: Path) -> None:
-    """Raise a ValueError if the atlas might not fit on its disk."""
+    """Raise a ValueError if the atlas may need more space than its disk has."""
     folder = path.absolute().parent
     if not folder.is_dir():
         raise FileNotFoundError(f"{folder} is no folder: the atlas cannot be put there")
@@ -156,7 +158,7 @@ def check_room(specification: AtlasSpecification, path: Path) -> None:
 
 
 def check_memory(specification: AtlasSpecification) -> None:
-    """Raise a ValueError if the blocks that are computed at a time need too much memory."""
+    """Raise a ValueError if the blocks that are computed at the same time need too much memory."""
     at_a_time = min(cores(), math.prod(_counts(specification)))
     block = math.prod(block_shape(specification).values())
     check_work(
@@ -168,7 +170,7 @@ def check_memory(specification: AtlasSpecification) -> None:
 
 
 def create(path: Path, specification: AtlasSpecification) -> None:
-    """The empty atlas, under its name when it is complete; none, if another writer was faster."""
+    """Create the empty atlas under its name, unless another process has created it meanwhile."""
     with _empty(path, specification) as made:
         try:
             made.rename(path)
@@ -179,10 +181,10 @@ def create(path: Path, specification: AtlasSpecification) -> None:
 
 @contextmanager
 def held(path: Path) -> Iterator[None]:
-    """Hold an atlas against other writers; a process that ends, however it ends, lets go.
+    """Lock an atlas against other writing processes; the lock ends with the process at the latest.
 
-    Where a folder cannot be held, as on Windows and some network disks, two writers do the same work
-    twice, and write the same bits.
+    Where a folder cannot be locked, as on Windows and some network disks, two processes may write the
+    same atlas. They then do the work twice and write the same bits.
     """
     try:
         import fcntl
@@ -207,7 +209,7 @@ def held(path: Path) -> Iterator[None]:
 
 @contextmanager
 def _empty(path: Path, specification: AtlasSpecification) -> Iterator[Path]:
-    """An atlas without blocks, in a folder beside its place, which is gone afterwards."""
+    """An atlas without blocks in a temporary folder beside ``path``, which is removed afterwards."""
     temporary = Path(tempfile.mkdtemp(prefix=f".{path.name}-", dir=path.absolute().parent))
     try:
         _fill(temporary, specification)
@@ -218,7 +220,7 @@ def _empty(path: Path, specification: AtlasSpecification) -> Iterator[Path]:
 
 
 def _fill(folder: Path, specification: AtlasSpecification) -> None:
-    """Metadata and axes of an atlas."""
+    """Write the metadata, axes and empty arrays of an atlas."""
     zarr = zarr_module()
     axes, shape = specification.axes, block_shape(specification)
     cell = compute_block(specification, {name: slice(0, 1) for name in axes})
@@ -261,7 +263,7 @@ def _fill(folder: Path, specification: AtlasSpecification) -> None:
         chunks=[*([1] * len(counts)), rows, 2],
         dimension_names=[*(f"{dim}_block" for dim in axes), "file", "check"],
         fill_value=NONE,
-        compressors=None,  # as they are in memory: they check themselves
+        compressors=None,  # stored uncompressed; each row has its own checksum
         attributes={
             "units": "1",
             "long_name": "bytes and checksums of the chunks of a block",
@@ -276,13 +278,13 @@ def _fill(folder: Path, specification: AtlasSpecification) -> None:
 
 
 def _counts(specification: AtlasSpecification) -> Number:
-    """Blocks along each axis."""
+    """Number of blocks along each axis."""
     shape = block_shape(specification)
     return tuple(-(-len(values) // shape[axis]) for axis, values in specification.axes.items())
 
 
 def check_same(path: Path, specification: AtlasSpecification) -> Mapping[str, Any]:
-    """The attributes of what lies there; a ValueError unless it is of this specification and code."""
+    """Attributes of an existing atlas; a ValueError unless specification and code version are these."""
     found = read_attributes(path)
     cure = "write to another path, or remove what is there"
     wanted = specification.as_json()
@@ -297,10 +299,10 @@ def check_same(path: Path, specification: AtlasSpecification) -> Mapping[str, An
 
 
 def mend(path: Path, specification: AtlasSpecification) -> Checks:
-    """Put back metadata and axes that are damaged; the checks of the atlas.
+    """The checks of an atlas, after damaged metadata and axes have been replaced.
 
-    Raises as `check_same`. If that cannot be told, since the metadata of the group are gone, the checks
-    of one block have to show it: they begin with the specification and the code.
+    Raises as `check_same`. If the metadata of the group are lost, the specification and code version
+    are verified by the checks of any block, whose seed depends on both.
     """
     try:
         return Checks.of(path, check_same(path, specification))
@@ -320,7 +322,7 @@ def mend(path: Path, specification: AtlasSpecification) -> Checks:
 
 
 def read_attributes(path: str | os.PathLike[str]) -> Mapping[str, Any]:
-    """Attributes of an atlas; a ValueError where there is none, or they are damaged."""
+    """Attributes of an atlas; a ValueError if there is no atlas or its metadata are damaged."""
     root, metadata, why = Path(path), {}, ""
     try:
         metadata = json.loads((root / METADATA).read_bytes())
@@ -340,12 +342,12 @@ def read_attributes(path: str | os.PathLike[str]) -> Mapping[str, Any]:
 
 
 def is_unchecked(path: Path) -> bool:
-    """Whether the atlas was written before there were checksums."""
+    """Whether the atlas was written by a version without checksums."""
     return (path / DONE_BEFORE).is_dir() and not (path / CHECKS).is_dir()
 
 
 def checks_of(path: Path) -> Checks | None:
-    """The checks of an atlas, None if it has none.
+    """The checks of an atlas, or None if it was written without checksums.
 
     Raises as `read_attributes`, and a `DamagedError` if other metadata or an axis are damaged.
     """
@@ -354,7 +356,7 @@ def checks_of(path: Path) -> Checks | None:
 
 
 def done(path: Path, checks: Checks | None) -> Array:
-    """Whether each block is written."""
+    """Array that tells whether each block is written."""
     if checks is not None:
         return checks.done
     group = zarr_module().open_group(str(path), mode="r", use_consolidated=False)
@@ -362,7 +364,7 @@ def done(path: Path, checks: Checks | None) -> Array:
 
 
 def long_name(axis: str, ground: str) -> str:
-    """Of a coordinate, on this kind of ground."""
+    """Long name of the coordinate of an axis, for this kind of ground."""
     kind = GROUNDS[ground]
     if axis in kind.beside_structures():
         field = kind.__dataclass_fields__[kind.beside_structures()[axis]].metadata

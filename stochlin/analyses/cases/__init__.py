@@ -1,1 +1,1 @@
-"""A case file: read it, and put each of the four questions to it."""
+"""Case files: reading them, and the separation, probability, mitigation and pounding of a case."""

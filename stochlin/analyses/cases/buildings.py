@@ -1,4 +1,4 @@
-"""The buildings of a case file, in a row from left to right, and the gaps between them."""
+"""The buildings of a case file in a row from left to right, and the existing gaps between them."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ _NUMBERED = re.compile(r"building_([1-9]\d*)")
 
 @dataclass(frozen=True)
 class Building:
-    """A building of a case that is one oscillator.
+    """A building of a case as an oscillator.
 
-    ``strength`` says by which key the file gives it; ``height`` [m] and ``storeys`` may be unknown.
-    ``uncertain`` describes it where parameters are not known exactly, of which ``structure`` has the
-    medians.
+    ``strength`` is the key by which the file gives its strength. ``height`` [m] and ``storeys`` may be
+    unknown. ``uncertain`` is the model with its uncertain parameters, if there are any; ``structure``
+    has them at their medians.
     """
 
     name: str
@@ -45,12 +45,12 @@ class Building:
 
     @property
     def sampled(self) -> Any:
-        """The structure as verbs take it that draw a sample for every motion."""
+        """The structure with its uncertain parameters, for simulations that sample them."""
         return self.uncertain or self.structure
 
     @property
     def period(self) -> float:
-        """Of small oscillations [s]."""
+        """Period of small oscillations [s]."""
         return float(self.structure.arrays()["period"])
 
     @property
@@ -60,7 +60,7 @@ class Building:
 
     @property
     def storey_height(self) -> float | None:
-        """Of a mean storey [m], where it is known."""
+        """Mean storey height [m], if it is known."""
         return self.height / self.storeys if self.height and self.storeys else None
 
 
@@ -68,7 +68,7 @@ AnyBuilding = Building | StoreyBuilding
 
 
 def building_keys(whole: Section) -> tuple[str, ...]:
-    """``building_1``, ``building_2`` and as many more as there are."""
+    """The keys ``building_1``, ``building_2`` and so on, checked for completeness."""
     given = [key for key in whole.values if _NUMBERED.fullmatch(key)]
     for number, key in enumerate(sorted(given, key=lambda key: int(key.partition("_")[2])), start=1):
         expected = f"building_{number}"
@@ -82,9 +82,9 @@ def building_keys(whole: Section) -> tuple[str, ...]:
 
 
 def read_buildings(whole: Section, ground: Ground) -> tuple[AnyBuilding, ...]:
-    """All of them; strengths by reduction factor and by ductility refer to this ground.
+    """All buildings; strengths by reduction factor and by ductility refer to this ground.
 
-    One with a key of storeys is described by them, any other is an oscillator.
+    A building with any key of `OF_STOREYS` has storeys; any other is an oscillator.
     """
     sections = [whole.section(key) for key in building_keys(whole)]
     return tuple(
@@ -94,9 +94,9 @@ def read_buildings(whole: Section, ground: Ground) -> tuple[AnyBuilding, ...]:
 
 
 def read_gaps(wanted: Section, count: int) -> tuple[float, ...]:
-    """The gaps there are between so many buildings [m]; none if nothing is said.
+    """The existing gaps between ``count`` buildings [m]; empty if they are not given.
 
-    Of one building it is its distance from its property line.
+    For one building it is the distance from its property line.
     """
     key = "existing"
     if key not in wanted:
@@ -133,7 +133,7 @@ def _oscillator(one: Section, number: int, ground: Ground) -> Building:
     names = ("period", "damping") if strength == "elastic" else ("period", "damping", "hardening")
     if strength in ("reduction_factor", "yield_displacement"):
         names = (*names, strength)
-    # A class has what is usual as an attribute; what has no such thing has to be given.
+    # Parameters of the law with a default, which is an attribute of the class, may be missing.
     own = [name for name in law.own_parameters() if name in one or not hasattr(law, name)]
     names = (*names, *(["mass"] if "mass" in one else []), *own)
     described = one.described(law, names)

@@ -1,4 +1,4 @@
-"""Case files: a site, buildings in a row and a motion, described in TOML."""
+"""Case files in TOML, which describe a site, buildings in a row and a motion."""
 
 from __future__ import annotations
 
@@ -58,25 +58,26 @@ from stochlin.models.rules.codes.families import Numbered
 from stochlin.models.uncertain import UncertainModel, median_of
 
 SHARE = Quantity("1", Range(upper=1.0, reason="a probability"))
-FEWEST_PATHS = 100  # for a quantile to have an interval
+FEWEST_PATHS = 100  # smallest number of motions for a quantile with an interval
 TABLES = ("site", "motion", "separation", "simulation", "contact", "measures", "mitigation")
 
 
 @dataclass(frozen=True)
 class Case:
-    """What a case file describes, in SI; ``file`` is its name, ``gaps`` [m] are those that exist.
+    """Content of a case file in SI units; ``file`` is its name, ``gaps`` [m] are the existing gaps.
 
-    ``inputs`` are the file itself and those of its records: nothing may be written over them.
+    ``inputs`` are the paths of the file and of the files of its records, which results must not
+    overwrite.
 
-    ``buildings`` stand in a row from left to right, oscillators and buildings with storeys. What is
-    about two asks for ``pair``, ``first``, ``second`` and ``gap``; what also takes one beside its
-    property line, for ``one_or_two``.
+    ``buildings`` are in a row from left to right, oscillators and buildings with storeys. Analyses of
+    two buildings use ``pair``, ``first``, ``second`` and ``gap``; analyses that also take one building
+    beside its property line use ``one_or_two``.
     """
 
     file: str
     inputs: tuple[Path, ...]
     title: str
-    site: str  # the file's word for the ground
+    site: str  # ground or spectrum as written in the file
     ground: Ground
     buildings: tuple[AnyBuilding, ...]
     duration: float
@@ -94,19 +95,19 @@ class Case:
     contact: Contact | None
     measures: Mapping[str, Measure]
     amplification_limit: float | None
-    spectrum: xr.DataArray | None = None  # elastic, which the ground delivers
-    uncertain_ground: UncertainModel | None = None  # of which ``ground`` has the medians
+    spectrum: xr.DataArray | None = None  # elastic spectrum to which the ground is fitted
+    uncertain_ground: UncertainModel | None = None  # ``ground`` has its parameters at their medians
     hazard: Hazard | None = None
-    risk: str | float | None = None  # that is allowed, as `required_gap` takes it
+    risk: str | float | None = None  # allowed risk, as in `required_gap`
 
     @property
     def sampled_ground(self) -> Any:
-        """The ground as verbs take it that draw a sample for every motion."""
+        """The ground with its uncertain parameters, for simulations that sample them."""
         return self.uncertain_ground or self.ground
 
     @property
     def uncertain(self) -> dict[str, UncertainModel]:
-        """What is described by parameters that are not known exactly, by its name."""
+        """Buildings and ground with uncertain parameters, by name."""
         found = {building.name: building.uncertain for building in self.buildings}
         found["ground"] = self.uncertain_ground
         return {name: model for name, model in found.items() if model is not None}
@@ -118,12 +119,12 @@ class Case:
 
     @property
     def usual_scatter(self) -> float:
-        """The scatter of a file that says none."""
+        """The scatter by default, if the file has none [-]."""
         return usual_scatter(self.site)
 
     @property
     def pair(self) -> tuple[AnyBuilding, AnyBuilding]:
-        """The two buildings, the left one first; an error if there are others."""
+        """The two buildings from left to right; an error if there are more or fewer."""
         if self.alone:
             raise ValueError(
                 f"{self.file}: building_2 is missing; this command needs two buildings: write a line "
@@ -135,7 +136,7 @@ class Case:
 
     @property
     def one_or_two(self) -> tuple[AnyBuilding, ...]:
-        """The two buildings, or the one beside its property line; an error if there are more."""
+        """The two buildings, or one beside its property line; an error if there are more."""
         if len(self.buildings) > 2:
             raise ValueError(
                 f"{self.file}: describes {len(self.buildings)} buildings; this command needs two, "
@@ -146,29 +147,29 @@ class Case:
 
     @property
     def alone(self) -> bool:
-        """Whether there is but one building."""
+        """Whether there is only one building."""
         return len(self.buildings) == 1
 
     @property
     def slabs_on_columns(self) -> tuple[SlabOnColumn, ...]:
-        """Where a floor of one building meets its neighbour between two floors, from the ground up."""
+        """Slabs that meet columns of the neighbour, from left to right and from the ground up."""
         return slabs_of_row(self.buildings)
 
     @property
     def floors_level(self) -> bool | None:
-        """Whether all floors meet floors, within 0.05 m; None where floors are not known."""
+        """Whether all floors meet floors within 0.05 m; None if floors are not known."""
         known = all(isinstance(building, StoreyBuilding) for building in self.buildings)
         return not self.slabs_on_columns if known or self.slabs_on_columns else None
 
     @property
     def motion(self) -> dict[str, Any]:
-        """What simulations are of, and how many, as the verbs take them."""
+        """Arguments of the analyses that describe the simulated motions, by name."""
         names = ("duration", "envelope", "scatter", "confidence", "paths", "seed")
         return {name: getattr(self, name) for name in names}
 
     @property
     def unlike_storeys(self) -> tuple[AnyBuilding, AnyBuilding] | None:
-        """Neighbours whose mean storeys differ, and of whose floors no more is known."""
+        """Neighbours with different mean storey heights, whose floor levels are not all known."""
         for one, other in pairwise(self.buildings):
             if isinstance(one, StoreyBuilding) and isinstance(other, StoreyBuilding):
                 continue
@@ -179,27 +180,27 @@ class Case:
 
     @property
     def first(self) -> AnyBuilding:
-        """The left one of two."""
+        """The left one of two buildings."""
         return self.pair[0]
 
     @property
     def second(self) -> AnyBuilding:
-        """The right one of two."""
+        """The right one of two buildings."""
         return self.pair[1]
 
     @property
     def gap(self) -> float | None:
-        """Between two buildings, or from one to its property line [m]; an error if there are more."""
+        """Existing gap of two buildings, or distance of one from its property line [m], if given."""
         return self.gaps[0] if self.one_or_two and self.gaps else None
 
 
 def example_case() -> str:
-    """Text of a case file, with comments, to start from.
+    """Text of an example case file, with comments.
 
     Returns
     -------
     str
-        As ``stochlin gap --example`` prints it.
+        The text in TOML, as ``stochlin gap --example`` prints it.
 
     Examples
     --------
@@ -216,35 +217,35 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     Parameters
     ----------
     path : str or path
-        The file, TOML as `example_case` shows it. Values with a unit are texts, ``"0.8 s"``; paths of
-        records are relative to the file. Nothing in it is evaluated.
+        Path of the case file, TOML as in `example_case`. Values with a unit are texts such as
+        ``"0.8 s"``; paths of records are relative to the file. Nothing in the file is evaluated as code.
 
     Returns
     -------
     Case
-        With ``ground``, ``first`` and ``second`` (each with its ``structure``, an oscillator or a
-        `ShearBuilding`), ``duration`` [s],
-        ``envelope``, ``scatter``, ``records``, ``confidence``, ``gap`` [m] and the rest, as `separation`
-        takes them;
-        ``buildings`` and ``gaps`` [m] of a longer row, or of one building and its property line,
-        ``contact``, ``measures`` and ``amplification_limit`` [-], as `pound` takes them; ``hazard`` and
-        ``risk``, as `required_gap` takes them.
+        The case. Its attributes ``ground``, ``first`` and ``second`` (each with its ``structure``, an
+        oscillator or a `ShearBuilding`), ``duration`` [s], ``envelope``, ``scatter`` [-], ``records``,
+        ``confidence`` [-], ``gap`` [m] and others are arguments of `separation`; ``buildings`` and
+        ``gaps`` [m] of a longer row or of one building, ``contact``, ``measures`` and
+        ``amplification_limit`` [-] are arguments of `pound` and `mitigate`; ``hazard`` and ``risk`` are
+        arguments of `required_gap`.
 
     Raises
     ------
     OSError
         If the file cannot be read.
     ValueError
-        If the file is no TOML; if a key is unknown or missing, a unit missing or unknown, a number
-        no number or out of range, a building without a strength or with two, or with keys of both an
-        oscillator and storeys, gaps too many or too few, a link at a floor that is not there; or if a
-        record cannot be read or fitted. The message names file, line and key, and what is allowed.
+        If the file is not valid TOML; if a key is unknown or missing, a unit is missing or unknown, or a
+        value is not a number or out of range; if a building has no strength or two, or keys of both an
+        oscillator and a building with storeys; if there are too many or too few gaps, or a link ties a
+        floor that does not exist; or if a record cannot be read or fitted. The message names the file,
+        the line, the key and what is allowed.
 
     Warns
     -----
     UserWarning
-        If a value is allowed but looks like a mistake, in the same words: a base shear coefficient above
-        1, a storey that leans by a tenth before it yields, floors that are said to align and do not.
+        If a value is allowed but implausible: a base shear coefficient above 1, a yield drift above a
+        tenth of the storey height, or floors that are stated to align and do not.
 
     Examples
     --------
@@ -329,7 +330,7 @@ def read_case(path: str | os.PathLike[str]) -> Case:
 
 
 def _risk(wanted: Section, hazard: Hazard | None) -> str | float | None:
-    """The risk that is allowed, if that is said."""
+    """The allowed risk, if it is given."""
     risk: str | float | None = wanted.values.get("risk")
     if risk is None:
         return None
@@ -341,13 +342,13 @@ def _risk(wanted: Section, hazard: Hazard | None) -> str | float | None:
 
 
 def _numbers(section: Section) -> dict[str, float]:
-    """Numbers of code rules, in place of the usual ones."""
+    """Numbers of code rules in place of their defaults, by name."""
     known = {name: rule.units for name, rule in CODE_RULES.items() if issubclass(rule, Numbered)}
     section.only(*known)
     return {name: section.number(name, Quantity(known[name], POSITIVE)) for name in section.values}
 
 
 def _as_strong(ground: Any, given: Ground, wanted: Ground) -> Any:
-    """A sample of the ground as many times as strong as the one that is wanted is over the one given."""
+    """A sample of the ground with its intensity scaled by the ratio of ``wanted`` to ``given``."""
     before, after = (float(one.arrays()["intensity"]) for one in (given, wanted))
     return replace(ground, intensity=ground.intensity * (after / before))

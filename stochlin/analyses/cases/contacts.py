@@ -1,4 +1,4 @@
-"""What the buildings of a case file meet at, and the measures against pounding that it names."""
+"""The tables [contact], [measures] and [mitigation] of a case file."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ ALL = "all"
 
 
 def read_contact(section: Section) -> Contact:
-    """The contact of a table: its model, and the parameters that this model takes."""
+    """The contact of a table, by the name of its model and the parameters of this model."""
     kind = CONTACTS[section.text("model", tuple(CONTACTS))]
     names = inspect.signature(kind).parameters
     section.only("model", *names)
@@ -36,10 +36,7 @@ def read_contact(section: Section) -> Contact:
 
 
 def read_measures(whole: Section, buildings: Sequence[AnyBuilding]) -> dict[str, Measure]:
-    """The measures by name, in the order of the file; none if there is no such table.
-
-    They are of the first two buildings.
-    """
+    """The measures for the first two buildings, by name, in the order of the file."""
     table = whole.section("measures", needed=False)
     for name in table.values:
         if not is_label(name):
@@ -48,7 +45,7 @@ def read_measures(whole: Section, buildings: Sequence[AnyBuilding]) -> dict[str,
 
 
 def read_amplification_limit(whole: Section) -> float | None:
-    """The largest amplification that is accepted, if it is said."""
+    """The largest accepted amplification [-], if it is given."""
     if "mitigation" not in whole:
         return None
     section = whole.section("mitigation")
@@ -57,7 +54,7 @@ def read_amplification_limit(whole: Section) -> float | None:
 
 
 def _quantity(section: Section, kind: type[Contact], name: str) -> Quantity:
-    """Unit and range; what a contact takes without declaring it are the two names of its damping."""
+    """Unit and range of an argument of a contact; undeclared arguments are restitution and damping."""
     if name not in kind.parameter_names():
         return Quantity("1", RESTITUTION if name == "restitution" else DAMPING)
     declared = Quantity.declared(kind, name)
@@ -93,7 +90,7 @@ def _measure(section: Section, buildings: Sequence[AnyBuilding]) -> Measure:
 
 
 def _doubt_weakening(section: Section, values: Mapping[str, float]) -> None:
-    """Warn of a stiffness or strength that is less than as built, where more may be meant."""
+    """Warn of a stiffening or strengthening factor below 1, where an increase may be meant."""
     for key in (f"{name}_{number}" for name in OF_STRENGTH for number in (1, 2)):
         if values.get(key, 1.0) < 1:
             more = f"{key} = {1 + values[key]:g}"
@@ -101,7 +98,7 @@ def _doubt_weakening(section: Section, values: Mapping[str, float]) -> None:
 
 
 def _law(section: Section, prefix: str = "", listed: bool = False) -> dict[str, Any]:
-    """What the file gives of a link; where they may be ``listed``, also numbers one a storey."""
+    """Parameters of a link in the file; if ``listed``, each may be a list with a number per storey."""
     names = [name for name in Link.parameter_names() if f"{prefix}{name}" in section]
     for name, other in (("hardening", "yield_displacement"), ("damping_exponent", "damping_constant")):
         if name in names and other not in names:
@@ -119,7 +116,7 @@ def _law(section: Section, prefix: str = "", listed: bool = False) -> dict[str, 
 
 
 def _devices(section: Section, number: int, building: AnyBuilding) -> list[Link]:
-    """Devices in storeys of a building, one a storey."""
+    """Damping devices in storeys of a building, one in each storey."""
     section.only("storeys", *DEVICE)
     law = _law(section, listed=True)
     if not {"stiffness", "damping_constant"} & {*law}:
@@ -143,7 +140,7 @@ def _devices(section: Section, number: int, building: AnyBuilding) -> list[Link]
 
 
 def _storeys(section: Section, building: AnyBuilding) -> list[int]:
-    """The storeys with a device, from 1; an oscillator is one storey."""
+    """Numbers of the storeys with a device, from 1; an oscillator has one storey."""
     count = building.storeys if isinstance(building, StoreyBuilding) else 1
     given = section.values.get("storeys", ALL)
     if given == ALL:
@@ -160,7 +157,7 @@ def _storeys(section: Section, building: AnyBuilding) -> list[int]:
 
 
 def _floors(section: Section, buildings: Sequence[AnyBuilding]) -> tuple[int, int]:
-    """The floors that a link ties, one of each building; an oscillator is one floor."""
+    """Numbers of the floors that a link ties, one of each building; an oscillator has one floor."""
     given = section.values[FLOORS]
     counts = [b.storeys if isinstance(b, StoreyBuilding) else 1 for b in buildings]
     fits = isinstance(given, list) and len(given) == len(counts) and all(map(is_whole, given))

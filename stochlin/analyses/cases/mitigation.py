@@ -1,4 +1,4 @@
-"""Measures against pounding of the two buildings of a case file."""
+"""Comparison of mitigation measures for the two buildings of a case."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from stochlin.models.systems import LEVEL
 
 
 def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
-    """The measures of a case compared, and the smallest sufficient ones, by `stochlin.mitigate`.
+    """The measures of a case compared, and the least sufficient ones, by `stochlin.mitigate`.
 
-    The case needs two buildings and the gap there is; errors name its file, and the cure. Pounding is
-    computed on its records, where it has some, a contact, and masses. ``progress`` is called with the
-    share of the rows that is done.
+    The case needs two buildings and an existing gap; errors name the file and the cure. Pounding is
+    computed in the records if the case has records, a contact and all masses. ``progress`` is called
+    with the share of the rows that is done.
     """
     first, second = case.pair
     if case.gap is None or case.gap <= 0:
@@ -67,9 +67,9 @@ def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
 
 
 def _over_records(table: xr.Dataset) -> xr.Dataset:
-    """What many records come to, for every measure that has pounded in them."""
+    """Quantiles over many records, and the share of records without an impact, for each measure."""
     known = table.amplification_1.notnull()
-    quiet = table.largest_force.where(table.impacts > 0, 0.0)  # where nothing hits there is no force
+    quiet = table.largest_force.where(table.impacts > 0, 0.0)  # without an impact the force is 0
     columns = {name: table[name] for name in ("amplification_1", "amplification_2", "impacts")}
     found = (
         xr.Dataset({**columns, "largest_force": quiet})
@@ -85,7 +85,7 @@ def _over_records(table: xr.Dataset) -> xr.Dataset:
 
 
 def _check_fits(case: Case, name: str) -> None:
-    """Raise a ValueError for bumpers that fill the gap, and for strength of what never yields."""
+    """Raise a ValueError for bumpers that fill the gap, or for strengthening an elastic building."""
     measure, gap = case.measures[name], case.gap or 0.0
     where = f"in its table of [measures], {brief(name)}"
     if measure.bumper_thickness >= gap:
@@ -103,7 +103,7 @@ def _check_fits(case: Case, name: str) -> None:
 
 
 def _check_level(case: Case, name: str) -> None:
-    """Raise a ValueError if a link without floors has none at one level that it could tie."""
+    """Raise a ValueError if a link without given floors has no floors at the same level."""
     pair = [building.structure for building in case.pair]
     levels = [structure.levels() for structure in pair if isinstance(structure, ShearBuilding)]
     if len(levels) < len(pair) or (np.abs(levels[0][:, None] - levels[1]) < LEVEL).any():

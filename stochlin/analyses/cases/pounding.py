@@ -1,4 +1,4 @@
-"""Pounding of the buildings of a case file, in each of its records, or in many motions together."""
+"""Pounding of the buildings of a case, in each of its records or in many motions together."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Contact
 from stochlin.models.structures import Structure
 
-# The input, and where it goes.
+# Variables of the input energy, and of its parts at the end of a record.
 ENERGIES = {
     "input": ("input_energy",),
     "viscous": ("viscous_energy",),
@@ -28,42 +28,40 @@ ENERGIES = {
     "contacts": ("contact_lost_energy",),
     "remaining": ("kinetic_energy", "elastic_energy", "contact_stored_energy"),
 }
-OF_MOTIONS = ("ground", "envelope", "scatter")  # attributes of simulated ones, where they are
+OF_MOTIONS = ("ground", "envelope", "scatter")  # attributes of simulated motions that are kept
 
 
 def pound_case(case: Case, progress: Progress | None = None) -> dict[str, xr.Dataset]:
-    """The buildings of a case through each of its records, with all their impacts.
+    """Response of the buildings of a case to each of its records, with all impacts.
 
     Parameters
     ----------
     case : Case
-        As `stochlin.read_case` gives it, with records, a contact, gaps, and the mass of every building;
-        of one building alone without gaps and contact.
+        A case as from `stochlin.read_case`, with records, a contact, gaps, and the mass of every
+        building; a case of one building alone needs no gap and no contact.
     progress : callable, optional
         Called with the share of the work that is done.
 
     Returns
     -------
     dict of xarray.Dataset
-        By record: what `stochlin.pound` returns; over ``structure`` the name of the ``building``, its
-        ``storeys`` or ``yield_displacement`` [m] and ``peak_ductility`` [-], NaN where elastic; over
-        ``contact`` its ``gap`` [m], ``impacts``, ``hardest_force`` [N], ``fastest_approach`` [m/s],
-        ``longest_impact`` [s], ``contact_energy`` [J] that it has taken and ``least_clearance`` [m] at
-        the instants of ``time``; over ``structure`` the ``energy_received`` [J] from all impacts, and
-        over ``floor``, too, its ``floor_level`` [m]; over ``sink`` the ``energy_share`` [-] of the
-        input, at the end.
+        For each record, the variables of `stochlin.pound`; over ``structure`` the name of the
+        ``building``, and its ``yield_displacement`` [m] and ``peak_ductility`` [-], NaN if elastic, or
+        for buildings with storeys ``storeys`` and over ``floor`` the ``floor_level`` [m]; over
+        ``contact`` the ``least_clearance`` [m] at the output times; over ``sink`` the ``energy_share``
+        [-], the parts of the input energy at the end.
 
     Raises
     ------
     ValueError, TypeError
-        If the case lacks something, or as in `stochlin.pound`. The message names the file, and the cure.
+        If the case lacks data, or as in `stochlin.pound`. The message names the file and the cure.
     ArithmeticError
         As in `stochlin.pound`.
 
     Notes
     -----
-    A reduction factor, or the strength that a ductility asks for, refers to the elastic response to the
-    ground of the case, whatever the record.
+    A strength by reduction factor or by ductility refers to the response to the ground of the case, not
+    to the record.
     """
     contact, structures = _checked(case), _in_metres(case)
     tables: dict[str, xr.Dataset] = {}
@@ -88,22 +86,23 @@ def pound_case(case: Case, progress: Progress | None = None) -> dict[str, xr.Dat
 def pound_motions(
     case: Case, motions: int | None = None, progress: Progress | None = None
 ) -> xr.Dataset:
-    """The buildings of a case through many motions, with means and quantiles.
+    """Response of the buildings of a case to many motions, with means and quantiles.
 
     Parameters
     ----------
     case : Case
         As in `pound_case`.
     motions : int, optional
-        So many simulated ones of the case's site, with its seed; the records of the case if left out.
+        Number of simulated motions of the site, with the seed of the case; by default the motions are
+        the records of the case.
     progress : callable, optional
         Called with the share of the motions that is done.
 
     Returns
     -------
     xarray.Dataset
-        What `stochlin.pound` returns of several motions, over ``path`` or ``record``; over ``structure``
-        also the name of the ``building`` and the rest as in `pound_case`.
+        The variables of `stochlin.pound` for several motions, over ``path`` or ``record``; over
+        ``structure`` also the name of the ``building`` and its data as in `pound_case`.
 
     Raises
     ------
@@ -134,7 +133,7 @@ def pound_motions(
 
 
 def by_motion(table: xr.Dataset) -> xr.Dataset:
-    """A table over motions as a sheet: a row a motion, a column for each floor, contact and so on."""
+    """A table with a row for each motion, and a column for each floor, contact and so on."""
     over = str(table.status.dims[0])
     sheet = xr.Dataset(coords={name: table[name] for name in (over, "missing") if name in table.coords})
     for name, values in table.data_vars.items():
@@ -155,7 +154,7 @@ def _what(case: Case) -> str:
 
 
 def _in_metres(case: Case) -> list[Structure | ShearBuilding]:
-    """The buildings, with their strengths in metres."""
+    """The structures of the buildings, with strengths in metres."""
     return [
         strength_in_metres(building.structure, case.ground)
         if isinstance(building, Building)
@@ -165,7 +164,7 @@ def _in_metres(case: Case) -> list[Structure | ShearBuilding]:
 
 
 def _checked(case: Case, simulated: bool = False) -> Contact | None:
-    """The contact, once nothing else is missing either; one building alone needs none."""
+    """The contact, after a check that the case has all data for pounding; None for one building."""
     needs = f"{case.file}: pounding needs"
     if not case.records and not simulated:
         raise ValueError(
@@ -198,7 +197,7 @@ def _checked(case: Case, simulated: bool = False) -> Contact | None:
 
 
 def _described(table: xr.Dataset) -> xr.Dataset:
-    """The dataset with what its energies add up to, and how near they come."""
+    """The dataset with the shares of the energies, and the least clearance of each contact."""
     if "floor" not in table.dims and "largest_radius_amplification" not in table:
         table["largest_radius_amplification"] = np.nan * table.amplification  # of bilinear buildings
     if "contact" in table.dims:
@@ -208,7 +207,7 @@ def _described(table: xr.Dataset) -> xr.Dataset:
 
 
 def _named(table: xr.Dataset, case: Case, structures: list[Structure | ShearBuilding]) -> xr.Dataset:
-    """The dataset with the names of the case, its floors or its strengths."""
+    """The dataset with the names of the buildings, and their floors or yield displacements."""
     names = [building.name for building in case.buildings]
     strengths = [
         structure.yield_displacement if isinstance(structure, Structure) and structure.yields else np.nan
@@ -231,12 +230,12 @@ def _named(table: xr.Dataset, case: Case, structures: list[Structure | ShearBuil
 
 
 def displacement_beside(table: xr.Dataset, side: str) -> xr.DataArray:
-    """Displacement of a side of each contact, floor or column, over ``time`` and ``contact``."""
+    """Displacement of the slab or column on a side of each contact [m], over time and contact."""
     at = {"structure": table[side].drop_vars(table[side].coords)}
     if "floor" in table.dims:
         at["floor"] = table[f"floor_{side}"].drop_vars(table[f"floor_{side}"].coords)
     beside = table.displacement.sel(at)
-    if "column" in table.coords:  # between its floors, or the ground and the first
+    if "column" in table.coords:  # a column moves between its floors, or the ground and the first one
         share = table.share.where(table.column == side, 1.0)
         below = table.displacement.shift(floor=1, fill_value=0.0).sel(at)
         beside = share * beside + (1.0 - share) * below
@@ -245,7 +244,7 @@ def displacement_beside(table: xr.Dataset, side: str) -> xr.DataArray:
 
 
 def _with_energies(table: xr.Dataset) -> xr.Dataset:
-    """Shares of what the ground has put in, at the end of the record."""
+    """The dataset with the parts of the input energy at the end of the record, as shares."""
     last = table.isel(time=-1)
     given, *kept = (float(energy_of(last, where)) for where in ENERGIES)
     shares = np.array(kept) / (given if given > 0 else np.nan)
@@ -255,19 +254,19 @@ def _with_energies(table: xr.Dataset) -> xr.Dataset:
 
 
 def energy_of(table: xr.Dataset, where: str) -> xr.DataArray:
-    """What of the energy is there, of all buildings together [J]."""
+    """Energy of one kind in `ENERGIES`, of all buildings together [J]."""
     parts = [table[name] for name in ENERGIES[where]]
     totals = [part.sum("structure") if "structure" in part.dims else part for part in parts]
     return sum(totals[1:], totals[0])
 
 
 def is_oscillator(one: xr.Dataset) -> bool:
-    """Whether a structure in a row with storeys has none: its floor has no height."""
+    """Whether a structure in a row of buildings with storeys is an oscillator, without a height."""
     return bool(one.floor_level.isnull().all())
 
 
 def hardest_contacts(table: xr.Dataset) -> list[int]:
-    """Of each gap the contact that is hit hardest, else fastest, or that comes nearest."""
+    """Number of the contact of each gap with the largest force, else velocity, else least clearance."""
     chosen = []
     for left in np.unique(table.left.values):
         there = np.flatnonzero(table.left.values == left)
@@ -280,5 +279,5 @@ def hardest_contacts(table: xr.Dataset) -> list[int]:
 
 
 def hardness(table: xr.Dataset) -> str:
-    """What impacts are compared by: their force, or, where velocities jump, their approach."""
+    """Variable by which impacts are compared: force, or approach velocity if velocities jump."""
     return "largest_force" if bool(table.largest_force.notnull().all()) else "approach_velocity"

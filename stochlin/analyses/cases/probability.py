@@ -1,4 +1,4 @@
-"""Probability of pounding of the two buildings of a case file, simulated and in its records."""
+"""Probability of pounding of the two buildings of a case, by simulation and in its records."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ INSTANTS = 501  # at which the confidence in the records is kept
 
 
 class ProbabilityAnswer(NamedTuple):
-    """What `stochlin.pounding_probability` says of the case, for one gap [m]."""
+    """Results of `stochlin.pounding_probability` for a case and one gap [m]."""
 
     case: Case
     gap: float
     table: xr.Dataset
-    records: xr.Dataset | None  # by the hybrid method; none where they are many
-    shaking: xr.Dataset  # of the motions, in the mean
-    over_records: xr.Dataset | None  # what they come to, where they are many
+    records: xr.Dataset | None  # results by the hybrid method; None if there are many records
+    shaking: xr.Dataset  # mean intensity of the motions
+    over_records: xr.Dataset | None  # statistics over many records
 
     def whole(self) -> xr.Dataset:
-        """All of it for a file."""
+        """The table with the intensity of the motions and the results of records, for a file."""
         table = self.table.assign(self.shaking.data_vars)
         for found in (self.over_records, self.records):
             table = table if found is None else table.merge(found)
@@ -45,20 +45,20 @@ class ProbabilityAnswer(NamedTuple):
         return self.table.merge(self.records.isel(record_time=-1, drop=True))
 
     def doubts(self) -> list[str]:
-        """What of it can hardly be meant."""
+        """Texts on implausible results."""
         return doubts(self.shaking, self.case.pair, float(self.table.required_gap_simulated))
 
 
 def judge_gap(case: Case, gap: float, progress: Progress | None = None) -> ProbabilityAnswer:
-    """How likely the buildings of a case are to pound across this gap [m], simulated and in its records.
+    """Probability of pounding of the buildings of a case with a gap [m], simulated and in its records.
 
-    ``progress`` is called with the share of the simulation that is done; errors are those of
+    ``progress`` is called with the share of the simulation that is done. Errors are those of
     `stochlin.pounding_probability`.
     """
     first, second = case.pair
     bilinear = all(isinstance(building.structure, Bilinear) for building in case.pair)
     many = len(case.records) > MOST_RECORDS
-    motions = {} if many or not bilinear else case.records  # the hybrid method is of these alone
+    motions = {} if many or not bilinear else case.records  # the hybrid method needs bilinear laws
     asked = first.structure, second.structure, case.ground, gap
     sampled = first.sampled, second.sampled, case.sampled_ground, gap
     table = pounding_probability(*sampled, **case.motion, progress=progress)

@@ -1,4 +1,4 @@
-"""Risk of the two buildings of a case file: with the gaps that matter, and the gap for a risk."""
+"""Risk of pounding of the buildings of a case with several gaps, and the gap for its allowed risk."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import DoubtfulInput
 
-YEARS = 50.0  # of the probability, where the file names no other
-SHARE = 4  # of the motions of the case, one in so many: there are 13 intensities
+YEARS = 50.0  # default time of the probability of pounding [yr]
+SHARE = 4  # motions of the case over those at each of the 13 intensities
 PREFIX, GAP, OF = "risk_", "risk_gap", "risk_of"
 KEPT = ("required_gap", "required_gap_lower", "required_gap_upper", "target_rate")
 
 
 def simulated_risk(case: Case, progress: Progress | None) -> SimulatedRisk | None:
-    """Motions of all intensities of the hazard; None if the file has none."""
+    """Simulated motions at all intensities of the hazard; None if the case has no hazard."""
     if case.hazard is None:
         return None
     sampled = [building.sampled for building in case.one_or_two]
@@ -37,9 +37,10 @@ def simulated_risk(case: Case, progress: Progress | None) -> SimulatedRisk | Non
 
 
 def risk_table(found: SimulatedRisk, case: Case, answer: float) -> xr.Dataset | None:
-    """Risk with the existing gap, with that of the answer [m], and with the one that has the risk asked.
+    """Risk with the existing gap, the required gap ``answer`` [m], and the gap for the allowed risk.
 
-    None where they need no gap. Names begin with ``risk_``, to stand beside those of the answer.
+    None if all these gaps are 0. Names of variables begin with ``risk_``, so that they can be merged
+    with those of the separation.
     """
     gaps = {"existing": case.gap or 0.0, "answer": answer}
     years, target = YEARS, xr.Dataset()
@@ -52,7 +53,7 @@ def risk_table(found: SimulatedRisk, case: Case, answer: float) -> xr.Dataset | 
     if not gaps:
         return None
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DoubtfulInput)  # of weak shaking that is left out: see the words
+        warnings.simplefilter("ignore", DoubtfulInput)  # on weak shaking; the report states it instead
         each = [found.of_gap(gap, years) for gap in gaps.values()]
     along = labels.axis(GAP, "gap of which the risk is", np.array(list(gaps.values())), "m")
     table = xr.concat(each, along, data_vars="all", coords="minimal", compat="override", join="exact")

@@ -1,4 +1,4 @@
-"""The answer to a case file: separation or set-back, what there is allows, and the site's spectrum."""
+"""Results for a case: separation or set-back, limits of an existing gap, risk, and site spectrum."""
 
 from __future__ import annotations
 
@@ -22,29 +22,29 @@ from stochlin.models.grounds import rms_acceleration
 from stochlin.models.parameters import Model
 
 POINTS, SPECTRUM_PATHS = 401, 512
-OF_RISK = 0.2  # share of the work that a risk takes, where there is a hazard
-SEARCHES = 0.95  # share of the work that an existing gap takes, where there is one
-WITH_SENSITIVITIES = 0.5  # share of the work before them
-USUAL_PATHS, FEW_PATHS = 512, 128  # of them
-AROUND = 5.0  # how far the spectrum goes beyond the periods of buildings and ground
+OF_RISK = 0.2  # share of the work for the risk, if there is a hazard
+SEARCHES = 0.95  # share of the remaining work for the existing gap, if there is one
+WITH_SENSITIVITIES = 0.5  # share of the work before the sensitivities
+USUAL_PATHS, FEW_PATHS = 512, 128  # motions for the sensitivities
+AROUND = 5.0  # factor of the range of the spectrum beyond the periods of buildings and ground
 
 
 @dataclass(frozen=True)
 class CaseAnswer:
-    """A case, and what the analyses say of it; ``existing`` is None where there is no gap yet."""
+    """A case and its results; ``existing`` is None if there is no existing gap."""
 
     case: Case
     separation: xr.Dataset
     existing: xr.Dataset | None
     spectrum: xr.Dataset
     rms_acceleration: float  # m/s^2; infinite for white noise
-    shaking: xr.Dataset  # of the motions, in the mean
-    over_records: xr.Dataset | None  # what they come to, where they are many
-    risk: xr.Dataset | None = None  # where there is a hazard
-    matters: xr.Dataset | None = None  # what the gap depends on
+    shaking: xr.Dataset  # mean intensity of the motions
+    over_records: xr.Dataset | None  # statistics over many records
+    risk: xr.Dataset | None = None  # if there is a hazard
+    matters: xr.Dataset | None = None  # sensitivities of the gap
 
     def table(self, samples: bool = True) -> xr.Dataset:
-        """All of it for a file; without samples, what there is one of each rule, in rows."""
+        """All results in one dataset; without samples, only variables with one value for each rule."""
         table = self.separation
         if samples:
             table = table.assign(self.shaking.data_vars)
@@ -59,22 +59,22 @@ class CaseAnswer:
         return table if samples else table.drop_dims(set(table.dims) - {"rule"})
 
     def doubts(self) -> list[str]:
-        """What of it can hardly be meant."""
+        """Texts on implausible results."""
         buildings = self.case.one_or_two
         peaks = tuple(float(self.separation[f"peak_mean_{n + 1}"]) for n in range(len(buildings)))
         return doubts(self.shaking, buildings, float(self.separation.gap[0]), peaks)
 
     def worst(self) -> int:
-        """Row of the smallest gap among those that are unsafe."""
+        """Row of the rule with the smallest gap among the unsafe ones."""
         return int(self.separation.gap.where(self.separation.verdict == UNSAFE).argmin("rule"))
 
 
 def answer_case(case: Case, progress: Progress | None = None, sensitivities: bool = False) -> CaseAnswer:
-    """Separation of the two buildings of a case, and what the existing gap allows.
+    """Separation of the two buildings of a case or set-back of one, and limits of the existing gap.
 
-    Of one building its set-back. What it depends on is looked at if something is uncertain, or if
-    ``sensitivities`` are asked for. ``progress`` is called with the share of the work that is done;
-    errors are those of `separation`, `existing_gap` and `sensitivity`.
+    Sensitivities are computed if any parameter is uncertain, or if ``sensitivities`` is True.
+    ``progress`` is called with the share of the work that is done. Errors are those of `separation`,
+    `existing_gap` and `sensitivity`.
     """
     sensitivities = sensitivities or bool(case.uncertain)
     end = WITH_SENSITIVITIES if sensitivities else 1.0
@@ -124,18 +124,21 @@ def answer_case(case: Case, progress: Progress | None = None, sensitivities: boo
 
 
 def _paths(case: Case) -> int:
-    """Motions for what matters: a building with storeys takes long to be made anew for each of them."""
+    """Number of motions for the sensitivities, smaller for uncertain buildings with storeys.
+
+    Such a building is made anew for each motion, which takes long.
+    """
     storeys = any(isinstance(one, StoreyBuilding) and one.uncertain for one in case.buildings)
     return FEW_PATHS if storeys else USUAL_PATHS
 
 
 def periods_of(*models: Model) -> list[float]:
-    """Periods of structures and ground [s]; white noise has none."""
+    """Periods of the structures and of the ground [s]; white noise has no period."""
     return [float(model.arrays()["period"]) for model in models if "period" in model.arrays()]
 
 
 def _spectrum(case: Case) -> xr.Dataset:
-    """Response spectrum of the motions, beside the one wanted or the record's; else the ground's PSD."""
+    """Response spectrum of the motions, compared with the target or the record; else the ground PSD."""
     options: Any = {"paths": SPECTRUM_PATHS, "seed": case.seed}
     if case.spectrum is not None:
         motion = case.duration, case.envelope

@@ -1,4 +1,4 @@
-"""The site and the motion of a case file: its ground, its envelope."""
+"""The tables [site] and [motion] of a case file: ground, fitted motion, envelope and scatter."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ from stochlin.models.uncertain import UncertainModel
 FITTED, NONE, PARALLEL = "fitted", "none", "parallel"
 RECORDS = ("records", SUITE)
 TIME = Quantity("s", POSITIVE)
-_LIKE = 0.8, 1.25  # energy of motions over that of a record, without a warning
+_LIKE = 0.8, 1.25  # range of the energy of motions over that of a record without a warning
 
 
 def read_ground(site: Section, records: Mapping[str, xr.DataArray]) -> Any:
-    """The ground, by name, by parameters, fitted to the first record, or several of them in parallel.
+    """The ground by name or by parameters, fitted to the first record, or several in parallel.
 
-    Its description, where parameters are not known exactly.
+    It is an uncertain model if parameters are uncertain.
     """
     kinds = (*ground_names(), *GROUNDS, FITTED, PARALLEL)
     name = site.text("ground", kinds)
@@ -71,7 +71,7 @@ def read_ground(site: Section, records: Mapping[str, xr.DataArray]) -> Any:
 
 
 def _part(site: Section) -> Ground:
-    """One of several grounds in parallel."""
+    """One of several parallel grounds."""
     found = read_ground(site, {})
     if isinstance(found, UncertainModel):
         raise site.error(
@@ -86,7 +86,7 @@ def _part(site: Section) -> Ground:
 def fitted_motion(
     site: Section, motion: Section, records: Mapping[str, xr.DataArray]
 ) -> FittedMotion | None:
-    """Ground, envelope and duration of the first record, where the envelope is fitted to it too."""
+    """Ground, envelope and duration fitted to the first record; None unless envelope is "fitted"."""
     if motion.values.get("envelope") != FITTED:
         return None
     if site.values.get("ground") != FITTED or not records:
@@ -95,7 +95,7 @@ def fitted_motion(
             'goes with a ground that is fitted as well; allowed: ground = "fitted" in [site], and a '
             "[[site.records]]",
         )
-    motion.only("envelope", "scatter")  # the duration is the record's
+    motion.only("envelope", "scatter")  # the duration is that of the record
     site.only("ground", "records", "filters", HAZARD)
     filters = site.whole("filters", 1, FILTERS, MOST_FILTERS)
     name, record = next(iter(records.items()))
@@ -108,7 +108,7 @@ def fitted_motion(
 def check_energy(
     motion: Section, record: xr.DataArray, ground: Ground, envelope: Envelope | None, duration: float
 ) -> None:
-    """Warn where motions on a fitted ground are much weaker or stronger than its record."""
+    """Warn if motions on a fitted ground have much less or more energy than its record."""
     ratio = energy_ratio(record, ground, envelope, duration)
     if not _LIKE[0] <= ratio <= _LIKE[1]:
         motion.doubt(
@@ -119,7 +119,7 @@ def check_energy(
 
 
 def read_envelope(motion: Section) -> Envelope | None:
-    """How the shaking rises and falls, if it is said."""
+    """The envelope of the motion, or None."""
     name = motion.text("envelope", (*ENVELOPES, NONE, FITTED), NONE)
     names = () if name == NONE else ENVELOPES[name].parameter_names()
     motion.only("duration", "envelope", "scatter", *names)
@@ -127,12 +127,12 @@ def read_envelope(motion: Section) -> Envelope | None:
 
 
 def usual_scatter(site: str) -> float:
-    """That of a site by its spectrum or a record; 0 where the strength of the ground is given."""
+    """Default scatter [-]: 0 for one ground by name or by parameters, else that between records."""
     return 0.0 if site in (*ground_names(), *GROUNDS) else RECORD_TO_RECORD
 
 
 def read_scatter(motion: Section, usual: float) -> float:
-    """How motions differ in strength, as the verbs take it."""
+    """Scatter of the ground acceleration between motions [-], or its default."""
     scatter = motion.values.get("scatter", usual)
     try:
         check_scatter(scatter)

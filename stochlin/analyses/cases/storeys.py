@@ -1,4 +1,4 @@
-"""A building of a case file that is meant by its storeys: from a few numbers, or storey by storey."""
+"""Buildings with storeys in a case file: regular ones from a few numbers, or storey by storey."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from stochlin.models.uncertain import UncertainModel, median_of
 
 REGULAR = ("period", "floor_mass", "base_shear_coefficient")
 STOREY_BY_STOREY = ("masses", "stiffnesses", "yield_drifts")
-# Any of these says that a building is meant by its storeys: an oscillator has none of them.
+# A building with any of these keys has storeys; an oscillator has none of them.
 OF_STOREYS = (
     *("storey_height", "heights", "floor_mass", "base_shear_coefficient"),
     *STOREY_BY_STOREY,
@@ -34,25 +34,26 @@ OF_STOREYS = (
 OF_OSCILLATORS = ("mass", "height", "reduction_factor", "yield_displacement", "ductility")
 EXAMPLES = {"period": '"0.8 s"', "floor_mass": '"400 t"', "storeys": "8", "storey_height": '"3.2 m"'}
 COEFFICIENT = Quantity.declared(RegularBuilding, "base_shear_coefficient")
-DRIFT_LIMIT = 0.1  # of the height of a storey: a larger drift at yield is doubtful
+DRIFT_LIMIT = 0.1  # largest plausible yield drift over the height of a storey
 
 
 @dataclass(frozen=True)
 class StoreyBuilding:
-    """A building of a case that is meant by its storeys; ``strength`` is the key that gives that.
+    """A building of a case with storeys; ``strength`` is the key by which the file gives its strength.
 
-    ``regular`` is what `ShearBuilding.regular` was told, None of one given storey by storey.
+    ``regular`` has the arguments of `ShearBuilding.regular`, and is None for a building given storey by
+    storey.
     """
 
     name: str
     structure: ShearBuilding
     strength: str
     regular: Mapping[str, Any] | None = None
-    uncertain: UncertainModel | None = None  # as of an oscillator
+    uncertain: UncertainModel | None = None  # as in `Building`
 
     @property
     def sampled(self) -> Any:
-        """The structure as verbs take it that draw a sample for every motion."""
+        """The structure with its uncertain parameters, for simulations that sample them."""
         return self.uncertain or self.structure
 
     @property
@@ -67,24 +68,24 @@ class StoreyBuilding:
 
     @property
     def period(self) -> float:
-        """Of the first mode [s]."""
+        """Period of the first mode [s]."""
         return float(self.structure.periods()[0])
 
     @property
     def weighed(self) -> bool:
-        """Whether its mass is known, as it always is."""
+        """Whether its mass is known, which is always the case."""
         return True
 
     @property
     def storey_height(self) -> float:
-        """Of a mean storey [m]."""
+        """Mean storey height [m]."""
         return self.height / self.storeys
 
 
 class SlabOnColumn(NamedTuple):
-    """A floor of one building at a level [m] where its neighbour has a storey's columns.
+    """A floor slab of one building at a level [m] where its neighbour has columns.
 
-    Buildings are numbered from 1 on the left, floors and storeys from 1 at the ground.
+    Buildings are counted from 1 on the left, floors and storeys from 1 at the ground.
     """
 
     slab_of: int
@@ -103,7 +104,7 @@ class SlabOnColumn(NamedTuple):
 
 
 def slabs_of_row(buildings: Sequence[Any]) -> tuple[SlabOnColumn, ...]:
-    """Those of all neighbours whose floors are known, pair by pair from the left."""
+    """Slabs that meet columns, of all neighbours whose floors are known, pair by pair from the left."""
     found = []
     for number, pair in enumerate(pairwise(buildings), start=1):
         if not all(isinstance(building, StoreyBuilding) for building in pair):
@@ -118,12 +119,12 @@ def slabs_of_row(buildings: Sequence[Any]) -> tuple[SlabOnColumn, ...]:
 
 
 def storey_keys(one: Section) -> list[str]:
-    """Those of its keys that say that the building is meant by its storeys."""
+    """The keys of a building that belong to buildings with storeys."""
     return [key for key in OF_STOREYS if key in one]
 
 
 def read_storeys(one: Section, number: int) -> StoreyBuilding:
-    """The building, regular or storey by storey; an error says which keys are missing or too many."""
+    """The building, regular or storey by storey; a ValueError for missing or additional keys."""
     a_few = any(key in one for key in REGULAR[1:])
     singly = any(key in one for key in STOREY_BY_STOREY[: 2 if a_few else 3])
     laws = laws_in_numbers()
@@ -158,7 +159,7 @@ def read_storeys(one: Section, number: int) -> StoreyBuilding:
 
 
 def strength_key(one: Section, keys: Sequence[str], example: str) -> str:
-    """The key by which the strength is given."""
+    """The key by which the strength is given; a ValueError unless there is exactly one."""
     elastic = one.truth("elastic")
     given = [key for key in keys if key in one and (key != "elastic" or elastic)]
     if not given:
@@ -173,7 +174,7 @@ def strength_key(one: Section, keys: Sequence[str], example: str) -> str:
 
 
 def _regular(one: Section, strength: str, values: dict[str, Any]) -> Any:
-    """One from a few numbers."""
+    """A regular building from a few numbers."""
     heights = _heights(one)
     values |= {
         "period": one.parameter("period", Quantity.declared(RegularBuilding, "period")),
@@ -187,12 +188,12 @@ def _regular(one: Section, strength: str, values: dict[str, Any]) -> Any:
         return one.made(ShearBuilding.regular, values)
     values[strength] = one.parameter(strength, COEFFICIENT)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DoubtfulInput)  # it is said elsewhere, with its line
+        warnings.simplefilter("ignore", DoubtfulInput)  # `_doubt_strength` warns with the line number
         return one.made(ShearBuilding.regular, values)
 
 
 def _singly(one: Section, strength: str, values: dict[str, Any]) -> Any:
-    """One storey by storey."""
+    """A building given storey by storey."""
     for key in ("masses", "stiffnesses"):
         values[key] = one.parameters(key, Quantity.declared(ShearBuilding, key))
     heights, storeys = _heights(one), np.size(median_of(values["masses"]))
@@ -203,7 +204,7 @@ def _singly(one: Section, strength: str, values: dict[str, Any]) -> Any:
 
 
 def _heights(one: Section) -> float | list[float]:
-    """Of every storey, or of each."""
+    """Height of all storeys, or a list with the height of each [m]."""
     quantity = Quantity.declared(ShearBuilding, "heights")
     return (
         one.numbers("heights", quantity) if "heights" in one else one.number("storey_height", quantity)
@@ -211,7 +212,7 @@ def _heights(one: Section) -> float | list[float]:
 
 
 def _check_keys(one: Section, allowed: Sequence[str]) -> None:
-    """Raise for a key that contradicts those of storeys, or that is not known at all."""
+    """Raise a ValueError for an unknown key, or a key that cannot be combined with those of storeys."""
     elsewhere = (*OF_STOREYS, *OF_OSCILLATORS, "period")
     strange = [key for key in one.values if key in elsewhere and key not in allowed]
     if strange:
@@ -228,7 +229,7 @@ def _check_keys(one: Section, allowed: Sequence[str]) -> None:
 
 
 def _check_missing(one: Section, needed: Sequence[str]) -> None:
-    """Raise for keys without which there are no storeys."""
+    """Raise a ValueError if keys that a building with storeys needs are missing."""
     if "heights" not in one:
         needed = [*needed, *([] if "masses" in needed else ["storeys"]), "storey_height"]
     missing = [key for key in needed if key not in one]
@@ -244,7 +245,7 @@ def _check_missing(one: Section, needed: Sequence[str]) -> None:
 
 
 def _check_counts(one: Section, keys: Sequence[str]) -> None:
-    """Raise for a list that has not as many values as there are storeys."""
+    """Raise a ValueError for a list whose length differs from the number of storeys."""
     if "storeys" in one:
         count = one.whole("storeys", 1, highest=MOST_STOREYS)
         for key in keys:
@@ -256,7 +257,7 @@ def _check_counts(one: Section, keys: Sequence[str]) -> None:
 
 
 def _doubt_strength(one: Section, strength: str, structure: ShearBuilding) -> None:
-    """Warn of a building that resists more than its weight, or leans far before it yields."""
+    """Warn of an implausible base shear coefficient or yield drift."""
     if strength in REGULAR and median_of(one.parameter(strength, COEFFICIENT)) > PLAUSIBLE_COEFFICIENT:
         one.doubt(strength, f"is doubtful: {IMPLAUSIBLE}")
         return

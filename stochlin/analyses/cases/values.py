@@ -1,4 +1,4 @@
-"""Values of a TOML file with their units, checked one by one; errors name file, line and key."""
+"""Values of a TOML file with units, checked one by one; errors name the file, the line and the key."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from stochlin.models.uncertain import Uncertain
 
 One = TypeVar("One", bound=Model)
 Place = tuple[str | int, ...]
-"""Names of the tables around a key, and the key; numbers count tables of one name."""
+"""Names of the tables that contain a key, and the key; numbers count tables of the same name."""
 
-# Allowed spellings, and what one of each is in SI; the first is the one that examples show.
+# Allowed units for each SI unit, with their values in it; the first one is shown in examples.
 UNITS: Mapping[str, Mapping[str, float]] = {
     "s": {"s": 1.0, "ms": 1e-3},
     "m": {"cm": 1e-2, "m": 1.0, "mm": 1e-3, "in": 0.0254, "ft": 0.3048},
@@ -37,11 +37,11 @@ UNITS: Mapping[str, Mapping[str, float]] = {
     "yr": {"yr": 1.0, "years": 1.0, "a": 1.0},
     "1": {"%": 1e-2},
 }
-_OF_POWER = ("N/m^", "N (s/m)^")  # of a spring or a dashpot that is not linear: any exponent
+_OF_POWER = ("N/m^", "N (s/m)^")  # units of nonlinear springs and dashpots, with any exponent
 _OTHER_SIGNS = str.maketrans({"²": "^2", "³": "^3", "·": " "})
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(.*)", re.DOTALL)
 _SPREAD = re.compile(r"\s*(.+?)\s*(?:\+-|\+/-|±)\s*(\d+\.?\d*|\.\d+)\s*%\s*", re.DOTALL)
-_SIGNS = re.compile(r"\+-|\+/-|±|\bto\b")  # of what is not known exactly
+_SIGNS = re.compile(r"\+-|\+/-|±|\bto\b")  # signs of an uncertain value
 _FROM_TO = re.compile(r"\s*(.+?)\s+to\s+(.+?)\s*", re.DOTALL)
 _BARE, _QUOTED = r"[A-Za-z0-9_-]+", r"\"[^\"]*\"|'[^']*'"
 _DOTTED = rf"(?:{_BARE}|{_QUOTED})(?:\s*\.\s*(?:{_BARE}|{_QUOTED}))*"
@@ -50,32 +50,32 @@ _KEY = re.compile(rf"\s*({_DOTTED})\s*=")
 
 
 class Quantity(NamedTuple):
-    """Units in SI, as the parameters of models declare them, and the allowed range."""
+    """SI unit and allowed range of a value, as declared by the parameters of models."""
 
     units: str
     allowed: Range
 
     @classmethod
     def declared(cls, kind: type[Model], name: str) -> Quantity:
-        """That of a parameter, as the model declares it."""
+        """The quantity of a declared parameter of a model."""
         return cls(kind.units(name), kind.allowed(name))
 
     @property
     def spellings(self) -> Mapping[str, float]:
-        """Allowed units, and what one of each is in SI."""
+        """Allowed units of the quantity, with their values in SI."""
         if self.units.startswith(_OF_POWER):
             return {self.units: 1.0, f"k{self.units}": 1e3, f"M{self.units}": 1e6}
         return UNITS.get(self.units, {self.units: 1.0})
 
     @property
     def example(self) -> str:
-        """A value as a file may have it."""
+        """An example of a value as it is written in a file."""
         return "0.05" if self.units == "1" else f'"1 {next(iter(self.spellings))}"'
 
 
 @dataclass(frozen=True)
 class Section:
-    """One table of a TOML file."""
+    """One table of a TOML file, with its place and the line numbers of all keys."""
 
     file: str
     place: Place
@@ -86,12 +86,12 @@ class Section:
         return key in self.values
 
     def name(self, key: str = "") -> str:
-        """The key as it is written with its tables, ``building_1.period``."""
+        """The key with the names of its tables, as in ``building_1.period``."""
         parts = (part for part in (*self.place, key) if isinstance(part, str) and part)
         return ".".join(plain(part, 40) for part in parts)
 
     def error(self, key: str, what: str) -> ValueError:
-        """An error at a key, or, for the empty key, at the table."""
+        """A ValueError at a key, or at the table for an empty key."""
         places = [(*self.place, key), *(self.place[:n] for n in range(len(self.place), 0, -1))]
         line = next((self.lines[place] for place in places if place in self.lines), None)
         where = self.file if line is None else f"{self.file}, line {line}"
@@ -100,12 +100,12 @@ class Section:
         return ValueError(f"{where}: {given} {what}".replace(":  ", ": "))
 
     def doubt(self, key: str, what: str) -> None:
-        """Warn of a key that is allowed, but looks like a mistake."""
+        """Warn of the value of a key, which is allowed but implausible."""
         warnings.warn(str(self.error(key, what)), DoubtfulInput, stacklevel=2)
 
     @contextmanager
     def naming(self, key: str, what: str = "cannot be used") -> Iterator[None]:
-        """Errors and doubts of what is done within name the file and the line of the key."""
+        """Add the file, the line and the key to errors and warnings that occur inside the context."""
         try:
             with warnings.catch_warnings(record=True) as caught:
                 warnings.simplefilter("always", DoubtfulInput)
@@ -121,7 +121,7 @@ class Section:
                 warnings.warn_explicit(one.message, one.category, one.filename, one.lineno)
 
     def only(self, *allowed: str, elsewhere: Sequence[str] = ()) -> None:
-        """Raise for a key that is not one of these, and suggest the nearest, also of those elsewhere."""
+        """Raise a ValueError for a key that is not allowed, and suggest the nearest known one."""
         for key in self.values:
             if key not in allowed:
                 near = difflib.get_close_matches(key, (*allowed, *elsewhere), 1)
@@ -131,17 +131,17 @@ class Section:
                 )
 
     def need(self, key: str, example: str) -> Any:
-        """The raw value; raises if there is none."""
+        """The value of a key as written; a ValueError with the example if it is missing."""
         if key not in self:
             raise self.error(key, f"is missing; write, for instance, {key} = {example}")
         return self.values[key]
 
     def number(self, key: str, quantity: Quantity) -> float:
-        """A number in SI: with a unit, in a text; a ratio as it is, or as per cent."""
+        """A number in SI, from a text with a unit; for a ratio from a number or per cent."""
         return self._number(key, self.need(key, quantity.example), quantity)
 
     def parameter(self, key: str, quantity: Quantity) -> float | Uncertain:
-        """A number in SI, or one that is not known exactly, ``"1 s +- 20 %"`` or ``"0.8 to 1.2 s"``."""
+        """A number in SI, or an uncertain one such as ``"1 s +- 20 %"`` or ``"0.8 to 1.2 s"``."""
         given = self.values.get(key)
         if not _is_uncertain(given):
             return self.number(key, quantity)
@@ -162,12 +162,12 @@ class Section:
             low, high = ends[1], ends[2]
             unit_of_high = _NUMBER.fullmatch(high)
             alone = _NUMBER.fullmatch(low)
-            if alone and unit_of_high and not alone[2].strip():  # both in the unit of the second
+            if alone and unit_of_high and not alone[2].strip():  # both have the unit of the second
                 low = f"{low} {unit_of_high[2].strip()}"
             return Uncertain.between(*(_with_unit(text, quantity) for text in (low, high)))
 
     def parameters(self, key: str, quantity: Quantity) -> list[float] | Uncertain:
-        """A list of numbers in SI; those that are not known exactly vary by one factor, as one."""
+        """A list of numbers in SI; uncertain ones have the same spread and a common factor."""
         given = self.values.get(key)
         if not isinstance(given, list) or not any(map(_is_uncertain, given)):
             return self.numbers(key, quantity)
@@ -190,12 +190,12 @@ class Section:
         return Uncertain(np.array(alike), first.spread, first.kind)
 
     def parameter_or_list(self, key: str, quantity: Quantity) -> float | list[float] | Uncertain:
-        """One for all, or a list of them."""
+        """A number in SI or a list of them, with or without uncertainty."""
         listed = isinstance(self.values.get(key), list)
         return self.parameters(key, quantity) if listed else self.parameter(key, quantity)
 
     def numbers(self, key: str, quantity: Quantity) -> list[float]:
-        """A list of numbers in SI, at least one."""
+        """A list of at least one number in SI."""
         example = f"[{quantity.example}, {quantity.example}]"
         given = self.need(key, example)
         if not isinstance(given, list) or not given:
@@ -206,7 +206,7 @@ class Section:
         ]
 
     def number_or_list(self, key: str, quantity: Quantity) -> float | list[float]:
-        """One number for all, or a list of them."""
+        """A number in SI, or a list of them."""
         listed = isinstance(self.values.get(key), list)
         return self.numbers(key, quantity) if listed else self.number(key, quantity)
 
@@ -228,26 +228,26 @@ class Section:
         return value
 
     def model(self, kind: type[One], names: Sequence[str]) -> One:
-        """A model from those of its parameters that the file has to give."""
+        """A model from these of its parameters, which the file must have."""
         return self.made(kind, {n: self.number(n, Quantity.declared(kind, n)) for n in names})
 
     def described(self, kind: type[Model], names: Sequence[str]) -> Any:
-        """The same, or its description where parameters are not known exactly."""
+        """A model as from `model`, or an uncertain model if parameters are uncertain."""
         return self.made(kind, {n: self.parameter(n, Quantity.declared(kind, n)) for n in names})
 
     def given(self, kind: type[Model], names: Sequence[str]) -> dict[str, float]:
-        """Those of the parameters that the file gives."""
+        """Those of the parameters of a model that the file has, by name."""
         return {n: self.number(n, Quantity.declared(kind, n)) for n in names if n in self}
 
     def made(self, kind: Callable[..., One], values: Mapping[str, Any]) -> One:
-        """The model with these parameters; an error if they do not fit one another."""
+        """The model with these parameters; a ValueError at the table if they cannot be combined."""
         try:
             return kind(**values)
         except ValueError as error:
             raise self.error("", f"does not fit: {error}") from error
 
     def text(self, key: str, choices: Sequence[str] = (), default: str | None = None) -> str:
-        """A line of text, one of the choices if there are any; if none is given, what is usual."""
+        """A line of text, one of the choices if there are any; the default if it is missing."""
         if key not in self and default is not None:
             return default
         value = self.need(key, f'"{choices[0]}"' if choices else '"..."')
@@ -264,7 +264,7 @@ class Section:
         return self.text(key) if isinstance(self.values[key], str) else self.whole(key, 0)
 
     def truth(self, key: str, default: bool = False) -> bool:
-        """True or false."""
+        """A truth value; the default if it is missing."""
         value = self.values.get(key, default)
         if not isinstance(value, bool):
             raise self.error(key, "is neither true nor false; allowed: true, false")
@@ -273,7 +273,7 @@ class Section:
     def whole(
         self, key: str, lowest: int, default: int | None = None, highest: int = LARGEST_WHOLE
     ) -> int:
-        """A whole number from the lowest to the highest; if none is given, what is usual."""
+        """A whole number from the lowest to the highest; the default if it is missing."""
         if key not in self and default is not None:
             return default
         value = self.need(key, str(lowest))
@@ -283,11 +283,11 @@ class Section:
         return value
 
     def section(self, key: str, needed: bool = True) -> Section:
-        """The table of this name; one without keys, if it is not there and not needed."""
+        """The table of this name; an empty one if it is missing and not needed."""
         return self._inner(key, self.values.get(key, None if needed else {}), (*self.place, key))
 
     def sections(self, key: str) -> list[Section]:
-        """The tables of this name, in the order of the file; none if there is none."""
+        """All tables of this name, in the order of the file; empty if there is none."""
         tables = self.values.get(key, [])
         if not isinstance(tables, list):
             name = self.name(key)
@@ -302,12 +302,12 @@ class Section:
 
 
 def _is_uncertain(given: object) -> TypeGuard[str]:
-    """Whether a text means to say that a number is not known exactly."""
+    """Whether a value is a text with an uncertain number."""
     return isinstance(given, str) and _SIGNS.search(given) is not None
 
 
 def in_si(given: Any, quantity: Quantity) -> float:
-    """A number as a file or an option gives it, in SI; a ValueError says what is wrong with it."""
+    """A number in SI from a value of a file or an option; a ValueError if it is not valid."""
     value, unit = _split(given, quantity)
     known = quantity.spellings
     if unit and unit not in known:
@@ -316,7 +316,7 @@ def in_si(given: Any, quantity: Quantity) -> float:
 
 
 def _with_unit(text: str, quantity: Quantity) -> float:
-    """A number in a text, in SI; of a ratio it may stand alone."""
+    """A number in SI from a text with a unit; for a ratio the unit is not needed."""
     found = _NUMBER.fullmatch(text)
     if quantity.units == "1" and found and not found[2].strip():
         return float(found[1])
@@ -324,7 +324,7 @@ def _with_unit(text: str, quantity: Quantity) -> float:
 
 
 def _split(given: Any, quantity: Quantity) -> tuple[float, str]:
-    """The number and its unit, as they are written."""
+    """The number and its unit as written; the unit is empty for a ratio without one."""
     a_number = is_whole(given) or is_number(given)
     found = _NUMBER.fullmatch(given) if isinstance(given, str) else None
     ratio = quantity.units == "1"
@@ -346,20 +346,20 @@ def _split(given: Any, quantity: Quantity) -> tuple[float, str]:
 
 
 def read_sections(path: Path) -> Section:
-    """The whole file, as one section; an OSError if it cannot be read, a ValueError if it is no TOML."""
+    """The whole file as one section; an OSError if it cannot be read, a ValueError if not TOML."""
     text, values = read_toml(path)
     return Section(plain(path.name), (), values, key_lines(text))
 
 
 def key_lines(text: str) -> dict[Place, int]:
-    """Line of each key and table, from 1; keys of tables within braces have none.
+    """Line number, from 1, of each key and table; keys of tables within braces have none.
 
-    A parser of TOML gives none, and messages can do without where this one finds none.
+    The TOML parser does not provide line numbers. Messages omit a line number that is not found here.
     """
     lines: dict[Place, int] = {}
     counts: dict[Place, int] = {}
     table: Place = ()
-    within = False  # a text of several lines
+    within = False  # inside of a text of several lines
     for number, line in enumerate(text.splitlines(), 1):
         header, key = _HEADER.match(line), _KEY.match(line)
         if not within and header:

@@ -1,4 +1,4 @@
-"""What records, impacts and energies of a case add up to."""
+"""Variables of the results on cases, with unit and long name."""
 
 from stochlin.analyses.pounding.variables import VARIABLES as POUNDING
 from stochlin.analyses.tables.labels import Variables

@@ -1,1 +1,1 @@
-"""Measures against pounding: a comparison, and the least that is sufficient."""
+"""Mitigation measures against pounding: comparison of measures, and the least sufficient ones."""

@@ -1,4 +1,4 @@
-"""A pair of buildings with one measure against pounding at a time: simulated, linearized, on records."""
+"""Response of a pair of buildings with a measure: by simulation, by linearization and to records."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ RECORDED = (
 
 @dataclass(frozen=True)
 class MitigatedPair:
-    """Two structures, by their yield displacements, and all that a measure leaves as it is."""
+    """Two structures, with strengths in metres, and all conditions that a measure does not change."""
 
     structures: tuple[Any, Any]
     ground: Ground
@@ -53,7 +53,7 @@ class MitigatedPair:
     records: Mapping[str, xr.DataArray]
 
     def changed(self, measure: Measure) -> tuple[Any, Any]:
-        """The structures with what the measure adds to each of them, but for devices."""
+        """The structures with added damping, stiffening and strengthening of the measure."""
         pair = [
             applied(partial(self._changed, measure=measure, number=n), structure)
             for n, structure in enumerate(self.structures, 1)
@@ -61,7 +61,7 @@ class MitigatedPair:
         return pair[0], pair[1]
 
     def known(self, measure: Measure) -> tuple[Any, Any]:
-        """The same, at the medians of what is not known exactly."""
+        """The changed structures with uncertain parameters at their medians."""
         one, two = self.changed(measure)
         return median_of(one), median_of(two)
 
@@ -82,7 +82,7 @@ class MitigatedPair:
         return replace(retrofitted(structure, stiffening, strengthening), damping=total)
 
     def open_gap(self, measure: Measure) -> float:
-        """What bumpers leave of the gap [m]."""
+        """Gap between the bumpers [m]."""
         left = self.gap - measure.bumper_thickness
         if left <= 0:
             raise ValueError(
@@ -92,12 +92,12 @@ class MitigatedPair:
         return left
 
     def check(self, measure: Measure) -> None:
-        """Raise a ValueError or TypeError for a measure that does not fit the pair."""
+        """Raise a ValueError or TypeError for a measure that cannot be applied to the pair."""
         self.open_gap(measure)
         system_of(self.known(measure), checked_links(measure.links, len(self.structures)))
 
     def simulated(self, measure: Measure) -> dict[str, float]:
-        """What random motions say: the required gap, how probable no pounding is, mean peaks.
+        """Required gap [m], probability of no pounding [-] and mean peaks [m] by simulation.
 
         Contact between bumpers counts as pounding.
         """
@@ -115,20 +115,20 @@ class MitigatedPair:
         return row
 
     def required_gap(self, measure: Measure) -> float:
-        """The gap that keeps the confidence [m]."""
+        """Gap without pounding with the probability ``confidence`` [m]."""
         required, *_ = required_gaps(self._motions(measure))
         return required
 
     def linearized(self, measure: Measure) -> dict[str, float]:
         """Correlation and standard deviation of ``u_1 - u_2`` by linearization; NaN if not solved."""
         rho = apart = np.nan
-        # Not solved; or nothing stationary: a link with slack, storeys without stiffness beyond yield.
+        # There is no solution, or no stationary response: links with slack, storeys without stiffness.
         with suppress(ArithmeticError, ValueError):
             rho, apart = linearized_at_roof(self.known(measure), median_of(self.ground), measure.links)
         return {"rho": rho, "relative_displacement_std": apart}
 
     def recorded(self, measure: Measure) -> dict[str, Array]:
-        """What the records say (records,): amplification of the peaks as built and alone, impacts."""
+        """Variables of `RECORDED` for the records (records,), from pounding with the measure."""
         found: dict[str, list[float]] = {name: [] for name in RECORDED}
         contact = self.contact if measure.contact is None else measure.contact
         unknown = xr.DataArray(np.nan)
@@ -147,13 +147,13 @@ class MitigatedPair:
         return {name: np.array(values) for name, values in found.items()}
 
     def worst_amplification(self, measure: Measure) -> float:
-        """The largest of both buildings on all records [-]."""
+        """Largest amplification of both buildings in all records [-]."""
         found = self.recorded(measure)
         return float(max(found["amplification_1"].max(), found["amplification_2"].max()))
 
     @cached_property
     def peaks_alone(self) -> list[Array]:
-        """Peaks of the floors as built and standing alone, record by record [m]."""
+        """Peaks of the floors as built and without neighbours [m], for each record."""
         return [
             pound(self.known(Measure()), self.gap, self.contact, motion).peak_alone.values
             for motion in self.records.values()

@@ -1,4 +1,4 @@
-"""Measures against pounding compared in one table, and the least that is sufficient."""
+"""Comparison of mitigation measures against pounding in one table, and the least sufficient ones."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from stochlin.models.systems import STRUCTURES, AnyStructure
 from stochlin.models.uncertain import applied, median_of
 
 AS_BUILT = "as built"
-SIMULATIONS = 60  # that the searches take together, as a rule
+SIMULATIONS = 60  # usual number of simulations of all searches together
 TEXTS: Mapping[str, str] = {
     "kind": "as built, given, or the least that meets an aim",
     "aim": "aim of the least measure: the confidence, or the limit of amplification in the records",
@@ -65,72 +65,76 @@ def mitigate(
     amplification_limit: float | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Compare measures against pounding with the same motions, and find the least that is sufficient.
+    """Compare mitigation measures against pounding in the same motions, and find the least sufficient.
 
-    The rows are the buildings as built, each measure that is given, and the least damping, added to both
-    or to one of them, and the least dashpot between both with which they do not touch with the
-    probability ``confidence``; with a limit of amplification also those that keep it on the records.
-    Nothing is searched where the buildings meet the aim as built.
+    The rows of the table are the buildings as built and each given measure. Further rows are the least
+    damping, added to both buildings or to one of them, and the least dashpot between both, with which
+    the buildings do not touch with the probability ``confidence``. With an amplification limit, there
+    are also the least measures that keep it in the records. There is no search for an aim that is met as
+    built.
 
     Parameters
     ----------
     first, second, ground, duration
-        As in `separation`, numbers only; oscillators that a link ties need a mass.
+        As in `separation`, with numbers or `Uncertain` parameters. Oscillators with a link need a mass.
     gap : float
-        The existing gap [m], positive.
+        Existing gap [m], positive.
     measures : mapping of str to Measure
-        By name; may be empty.
+        Measures by name; may be empty.
     envelope, confidence, scatter, paths, seed
         As in `separation`.
     contact : Contact, optional
-        Contact between the buildings as built; records need it.
+        Contact between the buildings as built, required with records.
     records : mapping of str to xarray.DataArray, optional
-        Ground accelerations [m/s^2] by name, as `read_record` gives them, on which pounding itself is
-        computed.
+        Ground accelerations [m/s^2] by name, as from `read_record`, for which pounding is computed.
     amplification_limit : float, optional
-        Largest peak allowed on the records over the peak as built and standing alone [-], positive.
+        Largest allowed peak in the records over the peak as built without neighbours [-], positive.
     progress : callable, optional
         Called with the share of the rows that is done.
 
     Returns
     -------
     xarray.Dataset
-        Over ``measure``: ``added_damping_1``, ``added_damping_2``, ``stiffening_1`` and ``_2``,
-        ``strengthening_1`` and ``_2`` [-], ``bumper_thickness`` [m]; of all links between both together
-        their number ``links``, ``link_stiffness`` [N/m], ``link_damping_constant`` [N (s/m)^a] and
-        ``link_damping_exponent`` a [-], of all devices in each ``devices_1`` and ``device_stiffness_1``
-        [N/m], ``device_damping_constant_1`` [N (s/m)^a], ``device_damping_exponent_1`` [-], and ``_2``
-        (constants with unlike exponents have no sum and are NaN); by simulation ``required_gap`` [m] and
-        ``no_pounding_probability`` [-] of the existing gap, each with a 95 % interval, ``_lower`` and
-        ``_upper``, ``verdict`` on the gap, ``peak_mean_1`` and ``_2`` [m] without contact, with standard
-        errors; by linearization ``rho`` [-] and ``relative_displacement_std`` [m]; texts in the
-        coordinates ``kind``, ``aim``, ``contact``, ``description`` and ``missing``. With records also
-        over ``record``: ``amplification_1`` and ``_2`` [-], the peak over the peak as built and standing
-        alone, ``impacts``, ``largest_force`` [N] and ``deepest_compression`` [m] of what they meet at,
-        ``largest_link_force`` [N] of any link or device. A row whose search found nothing is NaN.
+        Over ``measure``, the parameters of the measure: ``added_damping_1`` and ``_2``,
+        ``stiffening_1`` and ``_2``, ``strengthening_1`` and ``_2`` [-], ``bumper_thickness`` [m]; for
+        all links between both buildings together ``links`` (their number), ``link_stiffness`` [N/m],
+        ``link_damping_constant`` [N (s/m)^a] and ``link_damping_exponent`` a [-]; for all devices in
+        each building likewise ``devices_1``, ``device_stiffness_1`` [N/m],
+        ``device_damping_constant_1`` [N (s/m)^a] and ``device_damping_exponent_1`` [-], and ``_2``.
+        Damping constants with different exponents cannot be added and are NaN.
+
+        Over ``measure``, by simulation: ``required_gap`` [m], and ``no_pounding_probability`` [-] with
+        the existing gap, each with a 95 % interval ``_lower`` and ``_upper``; ``verdict`` on the gap;
+        ``peak_mean_1`` and ``_2`` [m] without contact, with standard errors. By linearization: ``rho``
+        [-] and ``relative_displacement_std`` [m]. The coordinates ``kind``, ``aim``, ``contact``,
+        ``description`` and ``missing`` are texts. A row whose search found nothing is NaN.
+
+        With records, over ``measure`` and ``record``: ``amplification_1`` and ``_2`` [-], the peak over
+        the peak as built without neighbours; ``impacts``, ``largest_force`` [N] and
+        ``deepest_compression`` [m] of the contact; ``largest_link_force`` [N] of any link or device.
 
     Raises
     ------
     ValueError, TypeError
-        If a gap, limit, mass or measure is out of range, missing or of the wrong kind; otherwise as
+        If a gap, limit, mass or measure is out of range, missing or of the wrong kind; otherwise as in
         `separation`.
 
     Notes
     -----
-    Strengths stay what they are as built, in metres. Peaks, required gaps and probabilities are those of
-    motions without contact, on which a contact of another kind has no influence: the effect of bumpers
-    is only visible in the records. Linearization is unsafe where structures yield and is given for
-    comparison. Stiffening and strengthening act on these strengths: see `Measure`. A least measure is
-    the first that meets its aim going up from none.
+    Strengths are converted to metres as built; stiffening and strengthening change them as described in
+    `Measure`. Peaks, required gaps and probabilities are for motions without contact and do not depend
+    on the kind of contact; the effect of bumpers shows only in the records. Linearization is unsafe if
+    structures yield and is given for comparison. A least measure is the first that meets its aim as the
+    damping grows from zero.
 
-    Contact between bumpers counts as pounding: with bumpers the probability of no pounding is that of
-    the gap less their thickness, the required gap includes it, and pounding in the records is computed
-    with the gap that is left. A ``deepest_compression`` beyond ``bumper_thickness`` means that the
-    bumpers would be crushed; their behaviour beyond that is not modelled.
+    Contact between bumpers counts as pounding. With bumpers, the probability of no pounding is that of
+    the gap minus their thickness, the required gap includes their thickness, and pounding in the records
+    is computed with the remaining gap. A ``deepest_compression`` beyond ``bumper_thickness`` means that
+    the bumpers would be crushed; their behaviour beyond this is not modelled.
 
     References
     ----------
-    Valles-Mattox and Reinhorn (1996), on links, bumpers and supplemental damping.
+    Valles-Mattox and Reinhorn (1996), for links, bumpers and supplemental damping.
 
     Examples
     --------
@@ -208,7 +212,7 @@ def _checked(
     records: Mapping[str, xr.DataArray] | None,
     limit: float | None,
 ) -> list[Any]:
-    """The structures by their yield displacements, once all that is given fits together."""
+    """The structures, with strengths in metres, after a check of all arguments."""
     expect(median_of(ground), Ground, "ground")
     if contact is not None:
         expect(contact, Contact, "contact")
@@ -244,7 +248,7 @@ def _checked(
 
 
 def _column(site: MitigatedPair, row: MeasureLine) -> dict[str, Any]:
-    """All numbers of a row."""
+    """All variables of a row, by name."""
     measure = row.measure
     if measure is None:
         return {}
@@ -260,7 +264,7 @@ def _column(site: MitigatedPair, row: MeasureLine) -> dict[str, Any]:
 
 
 def _sums(name: str, links: Sequence[Link]) -> dict[str, float]:
-    """What links have together; constants of dashpots with unlike exponents have no sum."""
+    """Number and sums of stiffnesses and damping constants of links; NaN for unlike exponents."""
     exponents = {link.exponent for link in links if link.damping_constant}
     constant = sum(link.number("damping_constant") for link in links)
     return {

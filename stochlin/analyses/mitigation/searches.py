@@ -1,4 +1,4 @@
-"""The least measure against pounding that meets an aim, of each kind."""
+"""Searches for the least damping and the least dashpot with which an aim is met."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from stochlin.models.links import Link
 from stochlin.models.measures import Measure
 from stochlin.models.systems import first_mode, system_of
 
-CONSTANTS = np.append(0.0, np.geomspace(1e-3, 10, 13))  # of dashpots, over 2 m w
+CONSTANTS = np.append(0.0, np.geomspace(1e-3, 10, 13))  # damping constants that are tried, over 2 m w
 
 
 class MeasureLine(NamedTuple):
-    """A row of the table; without a measure, none was found."""
+    """A row of the table of measures; ``measure`` is None if a search found none."""
 
     name: str
     kind: str
@@ -32,18 +32,18 @@ class MeasureLine(NamedTuple):
 
 
 class Search(NamedTuple):
-    """What a least measure is looked for with."""
+    """A search for the least measure, with the values that are tried."""
 
     name: str
     aim: str
     build: Callable[[float], Measure]
     outcome: Callable[[Measure], float]
-    most: float  # of the outcome
+    most: float  # largest outcome that meets the aim
     values: Array
     unit: str
 
     def result(self) -> MeasureLine:
-        """The least measure, or why there is none."""
+        """The row with the least measure, or the reason why none was found."""
         value = least(Required(lambda x: self.outcome(self.build(x)), self.most), self.values).value
         if np.isfinite(value):
             return MeasureLine(self.name, "least", self.build(value), self.aim)
@@ -52,9 +52,9 @@ class Search(NamedTuple):
 
 
 def searches(site: MitigatedPair, limit: float | None) -> list[Search]:
-    """Searches for added damping, and for a dashpot where there are masses, for each aim.
+    """Searches for added damping, and for a dashpot if the structures have masses, for each aim.
 
-    None for an aim that is met as built.
+    There is no search for an aim that is met as built.
     """
     aims: list[tuple[str, str, Callable[[Measure], float], float]] = [
         ("confidence", "", site.required_gap, site.gap)
@@ -63,7 +63,7 @@ def searches(site: MitigatedPair, limit: float | None) -> list[Search]:
         aims.append(("amplification", " (limit)", site.worst_amplification, limit))
     found = []
     for aim, suffix, found_by, most in aims:
-        outcome = cache(found_by)  # every search begins with the buildings as built
+        outcome = cache(found_by)  # every search starts with the buildings as built
         if outcome(Measure()) <= most:
             continue
         for side, shares in SIDES.items():
@@ -85,7 +85,7 @@ def _dashpot(constant: float) -> Measure:
 
 
 def _dampings(site: MitigatedPair, shares: tuple[float, float]) -> Array:
-    """The values to try, as far as the damping stays a ratio below 1."""
+    """Added damping ratios that are tried, with which the total damping ratio is below 1."""
     built = site.known(Measure())
     own = max(float(s.damping) for s, share in zip(built, shares, strict=True) if share)
     values: Array = DAMPINGS[own + DAMPINGS < 1]
@@ -93,9 +93,9 @@ def _dampings(site: MitigatedPair, shares: tuple[float, float]) -> Array:
 
 
 def _dashpot_scale(site: MitigatedPair) -> float | None:
-    """``2 m w`` [N s/m] of the reduced mass and the mean frequency of the first modes.
+    """``2 m w`` [N s/m], with the reduced mass and the mean circular frequency of the first modes.
 
-    None where there are no masses, or no floors at one level.
+    None if a structure has no mass or no floors are at the same level.
     """
     try:
         system_of(site.known(Measure()), _dashpot(0.0).links)

@@ -1,4 +1,4 @@
-"""Measures against pounding, side by side."""
+"""Variables of the results on mitigation, with unit and long name."""
 
 from stochlin.analyses.pounding.variables import VARIABLES as POUNDING
 from stochlin.analyses.separation.variables import VARIABLES as SEPARATION

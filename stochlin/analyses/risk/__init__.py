@@ -1,1 +1,1 @@
-"""How often in a year buildings pound, and the gap with which they pound no more often than is asked."""
+"""Risk of pounding: its annual frequency from the hazard of a site, and the gap for an allowed risk."""

@@ -1,8 +1,8 @@
-"""From separations at several intensities to annual frequencies: sums over motions.
+"""Annual frequencies of pounding from separations in the same motions at several intensities.
 
-The motions are the same at all intensities. Between two of them the logarithm of a motion's separation
-is linear in the logarithm of the intensity, which is exact for linear structures; below the lowest it
-goes on as that of linear structures.
+Between two intensities, the logarithm of the separation in a motion is interpolated linearly in the
+logarithm of the intensity, which is exact for linear structures. Below the lowest intensity it is
+extrapolated with the slope of linear structures.
 """
 
 from __future__ import annotations
@@ -16,23 +16,23 @@ from scipy.special import log_ndtr
 
 from stochlin.kernels.basics.arrays import Array
 
-TINY = 1e-12  # [m]: less than this is no separation
+TINY = 1e-12  # smallest separation [m], in place of zero in logarithms
 FITTED, TOO_FEW_POUND, ALL_POUND, TOO_FEW_INTENSITIES, NOT_SIMULATED = range(5)
-REACH, POINTS = 24.0, 6001  # of the integral over a lognormal fragility, in standard deviations
+REACH, POINTS = 24.0, 6001  # range [standard deviations] and points of the integral over a fragility
 
 
 class Motions(NamedTuple):
-    """What the structures do in the same motions at rising intensities."""
+    """Separations of the structures in the same motions at increasing intensities."""
 
     intensity: Array  # (n,)
     separation: Array  # (paths, n) [m]
-    power: float = 1.0  # of the intensity, with which linear structures go: 0.5 of S0
+    power: float = 1.0  # exponent of the intensity in the separation of linear structures; 0.5 for S0
 
     def crossings(self, gap: float) -> tuple[Array, Array]:
-        """Between which intensities each motion makes them pound, interval by interval (paths, n + 1).
+        """Lower and upper intensity of pounding for each motion and interval (paths, n + 1).
 
-        The first interval ends at the lowest intensity, the last one begins at the highest and has no
-        end. Where nothing pounds both ends are the same.
+        The first interval is below the lowest simulated intensity, the last one above the highest.
+        Without pounding in an interval, both intensities are equal.
         """
         x = np.log(self.intensity)
         beyond = np.log(np.maximum(self.separation, TINY)) - np.log(gap)
@@ -50,10 +50,10 @@ class Motions(NamedTuple):
 
 
 def rates(motions: Motions, gap: float, frequency: Callable[[Array], Array]) -> Array:
-    """Annual frequency of pounding (paths, n + 1) if all shaking had the form of this motion.
+    """Annual frequency of pounding [1/yr] of each motion in each interval of intensity (paths, n + 1).
 
-    Its mean over the motions is the mean annual frequency, by interval; ``frequency`` is how often an
-    intensity is exceeded.
+    Its mean over the motions is the mean annual frequency of the interval. ``frequency`` is the annual
+    frequency of exceedance of an intensity.
     """
     begin, end = motions.crossings(gap)
     exceeded = [np.where(np.isfinite(at), frequency(np.where(np.isfinite(at), at, 1.0)), 0.0)
@@ -62,7 +62,7 @@ def rates(motions: Motions, gap: float, frequency: Callable[[Array], Array]) -> 
 
 
 class Fragility(NamedTuple):
-    """Lognormal: median intensity at which they pound, and standard deviation of its logarithm."""
+    """Lognormal fragility: median intensity of pounding, and standard deviation of its logarithm."""
 
     median: float
     dispersion: float
@@ -72,11 +72,11 @@ class Fragility(NamedTuple):
 
     @classmethod
     def none(cls, status: int) -> Fragility:
-        """One that cannot be fitted, and why."""
+        """A fragility that cannot be fitted, with the reason as its status."""
         return cls(np.nan, np.nan, np.nan, np.nan, status)
 
     def named(self) -> dict[str, Any]:
-        """As the variables of a dataset are called."""
+        """The numbers of the fragility by the names of their variables."""
         told = {
             name.replace("_error", "_standard_error"): value for name, value in self._asdict().items()
         }
@@ -84,10 +84,11 @@ class Fragility(NamedTuple):
 
 
 def lognormal_fragility(motions: Motions, gap: float) -> Fragility:
-    """By maximum likelihood from the intensity at which each motion first makes them pound.
+    """Fragility by maximum likelihood from the lowest intensity of pounding in each motion.
 
-    Of a motion that never does it is known that it takes more than the highest. NaN, with the reason in
-    ``status``, where fewer than two motions do, or all of them at the lowest intensity already.
+    For a motion without pounding, this intensity is known to be above the highest one. The result is
+    NaN, with the reason as its status, if fewer than two motions have pounding, or all of them already
+    at the lowest intensity.
     """
     if motions.intensity.size < 2:
         return Fragility.none(TOO_FEW_INTENSITIES)
@@ -107,7 +108,7 @@ def lognormal_fragility(motions: Motions, gap: float) -> Fragility:
         return float(0.5 * z @ z + known.size * log_b - never * log_ndtr(most))
 
     start = np.array([known.mean(), np.log(known.std())])
-    if not never:  # the closed form
+    if not never:  # closed form of the maximum
         mean, log_b = start
         b = float(np.exp(log_b))
         errors = b / np.sqrt(known.size), b / np.sqrt(2 * known.size)
@@ -122,7 +123,7 @@ def lognormal_fragility(motions: Motions, gap: float) -> Fragility:
 
 
 def _inverse_curvature(function: Callable[[Array], float], at: Array, step: float = 1e-3) -> Array:
-    """Covariance of estimates: the inverse of the second derivatives of the negative log likelihood."""
+    """Covariance of the estimates, the inverse of the Hessian of the negative log likelihood."""
     n = at.size
     second = np.empty((n, n))
     for i in range(n):
@@ -137,9 +138,10 @@ def _inverse_curvature(function: Callable[[Array], float], at: Array, step: floa
 
 
 def lognormal_rate(fragility: Fragility, frequency: Callable[[Array], Array]) -> float:
-    """Mean annual frequency: the frequency in the mean over a lognormal intensity at which they pound.
+    """Mean annual frequency [1/yr], the mean of ``frequency`` over the lognormal fragility.
 
-    By the trapezoidal rule, which for such integrands converges faster than any power of its step.
+    The integral is by the trapezoidal rule, which converges for such integrands faster than any power of
+    its step.
     """
     z = np.linspace(-REACH, REACH, POINTS)
     weight = np.exp(-0.5 * z**2) / np.sqrt(2 * np.pi) * (z[1] - z[0])

@@ -1,6 +1,6 @@
-"""Risk: how often in a year two buildings pound, and the gap with which it is no more than allowed.
+"""Mean annual frequency of pounding of two buildings, and the gap for an allowed frequency.
 
-Or how often one building crosses its property line.
+For one building it is the frequency of crossing its property line.
 """
 
 from __future__ import annotations
@@ -51,12 +51,12 @@ from stochlin.models.parameters import expect
 from stochlin.models.systems import AnyStructure, first_period
 from stochlin.models.uncertain import applied, median_of
 
-POINTS = 13  # intensities that are simulated
-RETURN_PERIODS = (5.0, 2e5)  # yr, of these, where the hazard has no ends
-CERTAIN = 1.96  # standard errors of a 95 % interval
-WEAKEST = 0.1  # probability of pounding at the lowest intensity of a hazard beyond which it lacks some
-CLOSE = 1e-6  # relative, of a gap that is sought
-ROUNDING = 1e-12  # relative, of the end of a hazard curve
+POINTS = 13  # number of simulated intensities
+RETURN_PERIODS = (5.0, 2e5)  # [yr] of the lowest and highest intensity of a hazard without a table
+CERTAIN = 1.96  # standard errors to each side of a 95 % interval
+WEAKEST = 0.1  # largest pounding probability at the lowest intensity of a hazard without a warning
+CLOSE = 1e-6  # relative tolerance of a required gap
+ROUNDING = 1e-12  # relative rounding error allowed at the end of a hazard curve
 UNITS = {"pga": "m/s^2", "sa": "m/s^2", "intensity": "m^2/s^3"}
 _RISK = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*%\s*in\s*(\d+\.?\d*)\s*(?:yr|years|a)\s*")
 REFERENCES = (
@@ -82,55 +82,57 @@ def pounding_risk(
 ) -> xr.Dataset:
     """Mean annual frequency of pounding of two buildings, from the hazard of the site.
 
-    The mean annual frequency ``Int P(pounding | im) |d lambda(im)|`` over the intensities ``im`` of the
-    hazard; in ``t`` years they pound with the probability ``1 - exp(-rate t)``. The same motions are
-    simulated at rising intensities, and each tells from which of them on the buildings pound.
+    The mean annual frequency is ``Int P(pounding | im) |d lambda(im)|`` over the intensities ``im`` of
+    the hazard ``lambda``. The probability of pounding in ``t`` years is ``1 - exp(-rate t)``. The same
+    motions are simulated at increasing intensities, which gives the intensities of pounding for each.
 
     Parameters
     ----------
     first, second, ground
-        As in `separation`, each cell by itself, or with `Uncertain` parameters; a ``reduction_factor``
-        refers to ``ground`` as given, and the strength in metres that it means there is kept at all
-        intensities. With None for ``second`` it is how often one building crosses its property line.
+        As in `separation`, with arrays over the cells of a table or `Uncertain` parameters. A
+        ``reduction_factor`` refers to ``ground`` as given; the resulting strength in metres is the same
+        at all intensities. If ``second`` is None, the result is for one building crossing its property
+        line.
     gap : float
-        [m], positive; of one building its distance from the line.
+        Gap between the buildings, or distance of one building from its property line [m], positive.
     hazard : HazardCurve or PowerLawHazard
-        Of peak ground acceleration, ``Sa`` at a period, or ``S0``: a motion's intensity is the mean of
-        all motions of its ground, as in `scale_ground`.
+        Hazard of peak ground acceleration, ``Sa`` at a period, or ``S0``. The intensity of motions is
+        their mean peak ground or spectral acceleration, as in `scale_ground`, or ``S0``.
     duration, envelope
         As in `separation`.
     years : float
-        ``t`` [yr], positive.
+        Time ``t`` [yr], positive.
     scatter
         As in `separation`.
     paths : int
-        Motions at each of 13 intensities.
+        Number of motions at each of 13 intensities.
     seed, progress
         As in `separation`.
 
     Returns
     -------
     xarray.Dataset
-        ``annual_rate`` [1/yr] with its standard error, ``annual_rate_unseen``: what shaking stronger
-        than that of the hazard's table, or of a return period of 200 000 years, could add at most;
-        ``probability_in_years`` [-] with its 95 % interval; ``annual_rate_lognormal`` by a lognormal
-        fragility, of ``fragility_median`` and ``fragility_dispersion`` [-] with standard errors;
-        ``fragility_status``, why there is none. Over
-        ``intensity``: ``pounding_probability`` [-] with its 95 % interval, ``exceedance_frequency``
-        [1/yr]; over ``from_intensity`` also ``annual_rate_by_intensity``: the part of the rate that
-        comes from each interval of intensities, which begins there.
+        Over the dimensions of the parameters: ``annual_rate`` [1/yr] with its standard error;
+        ``annual_rate_unseen`` [1/yr], the largest possible contribution of intensities beyond the table
+        of the hazard, or beyond a return period of 200 000 years; ``probability_in_years`` [-] with its
+        95 % interval; ``annual_rate_lognormal`` [1/yr] by a lognormal fragility with
+        ``fragility_median`` and ``fragility_dispersion`` [-], which have standard errors;
+        ``fragility_status``, the reason if there is no fragility. Also over ``intensity``:
+        ``pounding_probability`` [-] with its 95 % interval, and ``exceedance_frequency`` [1/yr]. Also
+        over ``from_intensity``: ``annual_rate_by_intensity`` [1/yr], the part of the rate from the
+        interval of intensities that begins there.
 
     Raises
     ------
     ValueError, TypeError
-        If the gap, the years or the hazard is out of range or of the wrong kind; otherwise as
+        If the gap, the years or the hazard is out of range or of the wrong kind; otherwise as in
         `separation`.
 
     Notes
     -----
-    Of motions that make them pound at one intensity and not at a higher one both are counted. A hazard
-    says how often an intensity is exceeded, and the motions of one intensity differ: that they differ
-    as those of a random process do is in the answer, that earthquakes differ more is in ``scatter``.
+    A motion with pounding at an intensity and without pounding at a higher one counts for the former
+    only. Motions of the same intensity differ as samples of a random process; the larger difference
+    between earthquakes is included by ``scatter``.
 
     References
     ----------
@@ -179,21 +181,21 @@ def required_gap(
     first, second, ground, hazard, duration
         As in `pounding_risk`.
     risk : str or float
-        ``"2 % in 50 years"``, or a mean annual frequency [1/yr].
+        Allowed risk, as a text such as ``"2 % in 50 years"``, or as a mean annual frequency [1/yr].
     envelope, scatter, paths, seed, progress
         As in `pounding_risk`.
 
     Returns
     -------
     xarray.Dataset
-        Without dimensions: ``required_gap`` [m] with its 95 % interval, ``target_rate`` [1/yr], and
-        the ``annual_rate`` [1/yr] of this gap with its standard error.
+        Over the dimensions of the parameters: ``required_gap`` [m] with its 95 % interval,
+        ``target_rate`` [1/yr], and ``annual_rate`` [1/yr] with this gap, with its standard error.
 
     Raises
     ------
     ValueError, TypeError
-        If the risk cannot be read or is out of range, if it is rarer than all that the hazard tells of
-        or more frequent than shaking of any kind in it; otherwise as `pounding_risk`.
+        If the risk cannot be read or is out of range, or is not between the smallest and the largest
+        annual frequency of the hazard; otherwise as in `pounding_risk`.
 
     References
     ----------
@@ -222,7 +224,7 @@ def required_gap(
 def _over_cells(
     of_cell: Callable[..., xr.Dataset], given: dict[str, Any], ground: Ground, duration: float
 ) -> xr.Dataset:
-    """``of_cell`` of every cell of structures and ground; NaN where a period is too long."""
+    """``of_cell`` for every cell of structures and ground; NaN if a period exceeds the duration."""
     expect(median_of(ground), Ground, "ground")
     both = {role: median_of(structure) for role, structure in given.items()}
     check_duration(duration, both)
@@ -231,14 +233,14 @@ def _over_cells(
 
 
 class Target(NamedTuple):
-    """A risk that is allowed."""
+    """An allowed risk."""
 
-    rate: float  # 1/yr
-    years: float | None  # of which it was said, if it was
+    rate: float  # mean annual frequency [1/yr]
+    years: float | None  # years in the text of the risk, if it is a text
 
     @classmethod
     def of(cls, risk: str | float) -> Target:
-        """From a mean annual frequency, or from ``"2 % in 50 years"``: ``-ln(1 - p)/t``."""
+        """The target from a mean annual frequency, or from ``"p in t years"`` as ``-ln(1 - p)/t``."""
         if is_number(risk):
             if not 0 < risk < np.inf:
                 raise ValueError(f"risk = {brief(risk)}; allowed: a positive annual frequency [1/yr]")
@@ -258,7 +260,7 @@ class Target(NamedTuple):
 
 
 def check_target(hazard: Hazard, risk: str | float) -> None:
-    """Raise a ValueError for a risk that this hazard cannot tell of."""
+    """Raise a ValueError for a risk outside of the annual frequencies of the hazard."""
     target = Target.of(risk).rate
     rarest, commonest = (float(hazard.frequency(im)) for im in simulated_at(hazard)[[-1, 0]])
     if not rarest < target < commonest:
@@ -270,7 +272,7 @@ def check_target(hazard: Hazard, risk: str | float) -> None:
 
 
 def simulated_at(hazard: Hazard) -> Array:
-    """Intensities at which motions are simulated: over the table, or the return periods that matter."""
+    """Simulated intensities, over the table of the hazard or over the range of `RETURN_PERIODS`."""
     if isinstance(hazard, HazardCurve):
         ends = hazard.intensities
     else:
@@ -279,9 +281,9 @@ def simulated_at(hazard: Hazard) -> Array:
 
 
 class RiskAsked(NamedTuple):
-    """What a question about risk is about."""
+    """Structures, site and options of a computation of risk."""
 
-    structures: Mapping[str, AnyStructure]  # by their roles
+    structures: Mapping[str, AnyStructure]  # by the names of their arguments
     ground: Ground
     hazard: Hazard
     duration: float
@@ -292,11 +294,11 @@ class RiskAsked(NamedTuple):
 
     @property
     def alone(self) -> bool:
-        """Whether it is one building beside its property line."""
+        """Whether there is only one building, beside its property line."""
         return len(self.structures) == 1
 
     def check(self) -> None:
-        """Raise for what is of the wrong kind, out of range, or too much; before any work is done."""
+        """Raise an error for arguments of the wrong kind, out of range or with too much work."""
         both = {role: median_of(structure) for role, structure in self.structures.items()}
         ground = median_of(self.ground)
         expect(ground, Ground, "ground")
@@ -306,11 +308,11 @@ class RiskAsked(NamedTuple):
         check_repeated(list(both.values()), ground, self.duration, self.paths, self.seed, POINTS)
 
     def check_target(self, risk: str | float) -> None:
-        """Raise a ValueError for a risk that this hazard cannot tell of."""
+        """Raise a ValueError for a risk outside of the annual frequencies of the hazard."""
         check_target(self.hazard, risk)
 
     def frequency(self, intensity: Array) -> Array:
-        """How often it is exceeded: that of the least there is below it, none beyond the largest."""
+        """Annual frequency of exceedance [1/yr]; constant below a table of the hazard, zero beyond."""
         known, top = intensity, np.inf
         if isinstance(self.hazard, HazardCurve):
             least, top = self.hazard.intensities[0], self.hazard.intensities[-1]
@@ -319,7 +321,7 @@ class RiskAsked(NamedTuple):
         return np.where(intensity > top * (1 + ROUNDING), 0.0, found)
 
     def simulated(self, progress: Progress | None) -> SimulatedRisk:
-        """The same motions at all intensities."""
+        """Separations in the same motions at all intensities, simulated."""
         found = []
         motion: dict[str, Any] = {"duration": self.duration, "envelope": self.envelope}
         usual = median_of(self.ground)
@@ -344,11 +346,11 @@ class RiskAsked(NamedTuple):
         return SimulatedRisk(self, motions)
 
     def _power(self, intensity: float) -> float:
-        """``S0`` over that of an intensity of 1."""
+        """``S0`` at an intensity over ``S0`` at the intensity 1 [-]."""
         return float(intensity if self.hazard.measure == "intensity" else intensity**2)
 
     def _ground_of_one(self, ground: Ground) -> float:
-        """``S0`` of motions whose intensity by the hazard's measure is 1."""
+        """``S0`` [m^2/s^3] of motions with the intensity 1 in the measure of the hazard."""
         if self.hazard.measure == "intensity":
             return 1.0
         goal: dict[str, Any] = {self.hazard.measure: 1.0}
@@ -358,7 +360,7 @@ class RiskAsked(NamedTuple):
         return float(scaled.arrays()["intensity"])
 
     def labelled(self, table: xr.Dataset, call: str) -> xr.Dataset:
-        """With units, and how it was made."""
+        """The table with units and run information."""
         units = UNITS[self.hazard.measure]
         table = labelled_fragility(labels.label(table, VARIABLES), units)
         models: dict[str, Any] = {**self.structures, "ground": self.ground, "hazard": self.hazard}
@@ -380,13 +382,13 @@ class RiskAsked(NamedTuple):
 
 
 class SimulatedRisk(NamedTuple):
-    """What is asked, and the motions that answer it for any gap."""
+    """A computation of risk and its simulated motions, from which results for any gap follow."""
 
     asked: RiskAsked
     motions: Motions
 
     def of_gap(self, gap: float, years: float) -> xr.Dataset:
-        """What `pounding_risk` returns."""
+        """The result of `pounding_risk`."""
         asked, motions = self
         by_path = rates(motions, gap, asked.frequency)
         rate, error = mean_with_error(by_path.sum(axis=1))
@@ -406,7 +408,7 @@ class SimulatedRisk(NamedTuple):
         return asked.labelled(table.assign_attrs(years=float(years), gap_m=float(gap)), "pounding_risk")
 
     def gap_of(self, risk: str | float) -> xr.Dataset:
-        """What `required_gap` returns."""
+        """The result of `required_gap`."""
         asked, motions = self
         target = Target.of(risk).rate
 
@@ -414,7 +416,7 @@ class SimulatedRisk(NamedTuple):
             return mean_with_error(rates(motions, gap, asked.frequency).sum(axis=1))
 
         def gap_of(excess: Callable[[float, float], float]) -> float:
-            """Where the rate, or an end of its interval, is the target."""
+            """Gap for which the rate, or an end of its interval, equals the target [m]."""
             least = 1e-3 * float(motions.separation.min() or 1e-6)
             most = 2 * float(motions.separation.max())
             if excess(*rate(least)) <= target:
@@ -439,7 +441,7 @@ class SimulatedRisk(NamedTuple):
         return asked.labelled(table.assign_attrs(risk=brief(risk)), "required_gap")
 
     def _warn_of_weak(self, gap: float) -> None:
-        """Warn if weaker shaking than the hazard tells of makes them pound, too."""
+        """Warn if pounding is likely also below the lowest intensity of the hazard."""
         motions, hazard = self.motions, self.asked.hazard
         share = float((motions.separation[:, 0] > gap).mean())
         if isinstance(hazard, HazardCurve) and share > WEAKEST:
@@ -454,14 +456,14 @@ class SimulatedRisk(NamedTuple):
 
 
 def _times(ground: Any, factor: float) -> Any:
-    """The ground with so many times the intensity."""
+    """The ground with its intensity multiplied by a factor."""
     return replace(ground, intensity=ground.intensity * factor)
 
 
 def _by_intensity(
     motions: Motions, by_path: Array, gap: float, asked: RiskAsked
 ) -> dict[str, xr.DataArray]:
-    """What each intensity does, and what each interval of them adds to the rate."""
+    """Pounding probability and hazard at each intensity, and the part of the rate of each interval."""
     attrs = {"units": UNITS[asked.hazard.measure], "long_name": f"intensity, {asked.hazard.measure}"}
     axis = {"intensity": ("intensity", motions.intensity, attrs)}
     samples = xr.DataArray(motions.separation, dims=("path", "intensity"), coords=axis)
@@ -477,7 +479,7 @@ def _by_intensity(
 
 
 def _unseen(motions: Motions, gap: float, frequency: Callable[[Array], Array]) -> float:
-    """What shaking beyond the highest intensity could add: all of it counts where they pound there."""
+    """Largest contribution of intensities beyond the highest, from motions without pounding [1/yr]."""
     spared = float((motions.separation[:, -1] <= gap).mean())
     return spared * float(frequency(motions.intensity[-1:])[0])
 

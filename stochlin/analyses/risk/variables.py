@@ -1,4 +1,4 @@
-"""Risk of pounding, and the gap that keeps it."""
+"""Variables of the results on risk, with unit and long name."""
 
 import numpy as np
 import xarray as xr
@@ -36,7 +36,7 @@ VARIABLES: Variables = {
 
 
 def labelled_fragility(table: xr.Dataset, units: str) -> xr.Dataset:
-    """What has the unit of the intensity, and the reason why there is no fragility."""
+    """The table with attributes of the fragility, whose median has the unit of the intensity."""
     for name in ("fragility_median", "fragility_median_standard_error"):
         if name in table:
             error = "standard error of " if name.endswith("error") else ""

@@ -1,1 +1,1 @@
-"""What matters for a gap: shares of its variance, and its slopes, by parameter."""
+"""Sensitivity of the gap to each input: shares of the variance, slopes and elasticities."""

@@ -1,4 +1,4 @@
-"""Shares of a variance and changes of a quantile from the same motions, with their errors."""
+"""Estimates of variance shares and of changes of a quantile from common motions, with their errors."""
 
 from __future__ import annotations
 
@@ -9,23 +9,24 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 
-GROUPS = 32  # of motions, each of which is left out once
-DEGREE = 8  # of polynomials in the share of values below
-FEW = 8  # motions for each coefficient, at least
-NEAR = 0.25  # share of the motions that tell of a quantile: those of the nearest responses
+GROUPS = 32  # groups of motions for the jackknife, each of which is left out once
+DEGREE = 8  # highest degree of the polynomials in the probability of an input
+FEW = 8  # smallest number of motions for each coefficient
+NEAR = 0.25  # share of the motions, with responses nearest to the quantile, in the local regression
 
 
 class Estimate(NamedTuple):
-    """Estimates, and their standard errors."""
+    """Estimates and their standard errors."""
 
     value: Array
     error: Array
 
 
 def jackknifed(estimate: Callable[[int], Array], groups: int, unbiased: bool = False) -> Estimate:
-    """An estimate without a group of motions, -1 for none: of all, and its error by leaving out each.
+    """An estimate from all motions, with its standard error by the jackknife.
 
-    ``unbiased`` takes off what chance adds to squares (Quenouille 1956).
+    ``estimate`` is a function of the group of motions that is left out, -1 for none. ``unbiased``
+    subtracts the jackknife estimate of the bias (Quenouille 1956).
     """
     whole = estimate(-1)
     parts = np.array([estimate(left) for left in range(groups)])
@@ -35,23 +36,23 @@ def jackknifed(estimate: Callable[[int], Array], groups: int, unbiased: bool = F
 
 
 def variance_shares(response: Array, usual: Array, shares: Array) -> Estimate:
-    """First-order Sobol indices: of each input, then of the motion, then of what is left.
+    """First-order Sobol indices of each input and of the motion, followed by the interaction share.
 
     Parameters
     ----------
     response : (samples, motions)
-        The same motions with several independent samples of the inputs.
+        Responses to the same motions with several independent samples of the inputs.
     usual : (motions,)
-        The response with all inputs at their medians.
+        Responses with all inputs at their medians.
     shares : (samples, motions, inputs)
-        Of each input, the share of all its values that lie below: evenly between 0 and 1.
+        Cumulative probability of each sample of an input, uniform between 0 and 1.
 
     Notes
     -----
-    ``Var(E[Y | x])/Var(Y)``. The conditional mean is a polynomial by least squares (given-data
-    estimates: Plischke, Borgonovo and Smith 2013). The response to the same motion at the medians stands
-    beside the polynomials: it depends on no input, and would be noise. The motion's own index is the
-    covariance of two responses to it (Sobol 1993).
+    The index is ``Var(E[Y | x])/Var(Y)``. The conditional mean is a least-squares polynomial in the
+    cumulative probability (estimates from given data, Plischke, Borgonovo and Smith 2013). The response
+    to the same motion at the medians is a further regressor, which reduces the noise since it depends on
+    no input. The index of the motion is the covariance of two responses to it (Sobol 1993).
     """
     samples, motions, inputs = shares.shape
     degree = int(np.clip(samples * motions // (FEW * inputs), 1, DEGREE))
@@ -81,11 +82,11 @@ def variance_shares(response: Array, usual: Array, shares: Array) -> Estimate:
 
 
 def changed_quantiles(response: Array, more: Array, less: Array, level: float) -> Estimate:
-    """Quantiles of responses less those of others (k, motions), all to the same motions (k,).
+    """Quantiles of responses ``more`` minus those of ``less`` (k, motions), in the same motions (k,).
 
-    The ordered differences, by a straight line through those where the response itself is nearest to its
-    quantile (Cleveland 1979): less noise than two quantiles have, and exact where the responses are
-    multiples of each other.
+    The differences of the sorted responses are interpolated at the quantile by a local linear regression
+    over ``response`` (Cleveland 1979). This has less noise than the difference of two quantiles, and is
+    exact if the responses are multiples of each other.
     """
     number = np.arange(response.size)
     groups = min(GROUPS, response.size)
@@ -108,7 +109,7 @@ def changed_quantiles(response: Array, more: Array, less: Array, level: float) -
 
 
 def _legendre(shares: Array, degree: int) -> Array:
-    """Legendre polynomials of an even distribution between 0 and 1 (..., inputs, degree)."""
+    """Legendre polynomials, orthonormal for a uniform distribution in 0 to 1 (..., inputs, degree)."""
     orders = np.arange(1, degree + 1)
     basis: Array = np.polynomial.legendre.legvander(2 * shares - 1, degree)[..., 1:]
     return basis * np.sqrt(2 * orders + 1)

@@ -1,4 +1,4 @@
-"""What a separation depends on: the numbers by which structures and ground are described."""
+"""Inputs of a separation: the numbers that describe the structures and the ground."""
 
 from __future__ import annotations
 
@@ -16,47 +16,47 @@ from stochlin.models.grounds import Ground
 from stochlin.models.systems import AnyStructure
 from stochlin.models.uncertain import Uncertain, UncertainModel, median_of
 
-WITHOUT = ("peak_factor", "mass")  # of an oscillator: a definition, and what nothing here hangs on
-STEP = 0.1  # by which an input is changed for its slope, to either side; an example of what is known
-RANGE = 0.16, 0.84  # shares of the values of an uncertain input below its ends
+WITHOUT = ("peak_factor", "mass")  # of an oscillator: part of a definition, and without influence
+STEP = 0.1  # relative change of an input, to either side, for its slope; also the range of a known input
+RANGE = 0.16, 0.84  # probabilities at the ends of the range of an uncertain input
 
 
 class Input(NamedTuple):
-    """One number of a model, or the common factor of several."""
+    """An input: one number of a model, or the common factor of several numbers."""
 
     role: str
     key: str
-    value: float  # its median; 1 of a common factor
+    value: float  # median; 1 for a common factor
     units: str
-    given: Uncertain  # without spread where it is known exactly
+    given: Uncertain  # with spread 0 if the input is known exactly
 
     @property
     def name(self) -> str:
-        """As in the samples of `separation`."""
+        """Name of the input, as for the samples of `separation`."""
         return f"{self.role}.{self.key}"
 
     @property
     def uncertain(self) -> bool:
-        """Whether it is not known exactly."""
+        """Whether the input has a spread."""
         return self.given.spread > 0
 
     def ends(self) -> tuple[float, ...]:
-        """A low and a high value over the median: of 16 and 84 %, or an example to either side."""
+        """Ends of the range over the median: quantiles of 16 and 84 %, or 10 % to either side."""
         if not self.uncertain:
             return 1 - STEP, 1 + STEP
         return tuple(float(self.given.factor(share)) for share in RANGE)
 
 
 class Inputs(NamedTuple):
-    """All of them, and the models in which they can be changed."""
+    """All inputs, and the models in which they can be changed."""
 
-    given: tuple[Sequence[Any], Any]  # structures and ground, of which samples are drawn
+    given: tuple[Sequence[Any], Any]  # structures and ground, from which samples are drawn
     models: Mapping[str, UncertainModel]
     inputs: Sequence[Input]
 
     @classmethod
     def of(cls, structures: Sequence[AnyStructure], ground: Ground) -> Inputs:
-        """Those of structures, whose strength is that on the usual ground, and of the ground."""
+        """The inputs of structures and ground; reduction factors refer to the median ground."""
         usual = median_of(ground)
         roles = {f"structure_{n}": each for n, each in enumerate(structures, start=1)}
         models, inputs = dict[str, UncertainModel](), list[Input]()
@@ -72,16 +72,16 @@ class Inputs(NamedTuple):
 
     @property
     def uncertain(self) -> list[Input]:
-        """Those that are not known exactly."""
+        """The inputs that have a spread."""
         return [one for one in self.inputs if one.uncertain]
 
     def sampled(self, paths: int, seed: int, number: int) -> dict[str, Array]:
-        """Samples of the uncertain ones over their medians, by name, one for every motion."""
+        """Samples of the uncertain inputs over their medians, by name, one for each motion."""
         factors = draw(*self.given, paths, seed, number).factors
         return {one.name: factors[one.role][one.key] for one in self.uncertain}
 
     def at(self, samples: Mapping[str, Array], changes: Mapping[str, float], motions: int) -> Draw:
-        """The models with these samples, some inputs multiplied by a number."""
+        """The models with these samples of their inputs, some of which are multiplied by a factor."""
         found, factors = dict[str, Any](), dict[str, dict[str, Array]]()
         for role, model in self.models.items():
             own = [one for one in self.inputs if one.role == role]
@@ -96,7 +96,7 @@ class Inputs(NamedTuple):
         return Draw(structures, ground, motions, factors)
 
     def possible(self, one: Input, samples: Mapping[str, Array], factor: float) -> bool:
-        """Whether the model takes all samples of an input that is multiplied by this."""
+        """Whether all samples of an input times ``factor`` are allowed values."""
         drawn = samples.get(one.name, np.ones(1))
         try:
             for end in (drawn.min(), drawn.max()):
@@ -114,7 +114,7 @@ def _described(model: Any) -> UncertainModel:
 
 
 def _inputs(role: str, described: UncertainModel) -> list[Input]:
-    """The numbers among the arguments, by the units that models declare; arrays by a common factor."""
+    """The inputs of a model: its declared parameters that are given, arrays as a common factor."""
     median = described.median()
     kinds = (type(median), RegularBuilding)
     found = []

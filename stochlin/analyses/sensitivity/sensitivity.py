@@ -1,4 +1,4 @@
-"""What matters for the gap of two buildings: shares of its variance, and its slopes."""
+"""Sensitivity of the gap of two buildings: variance shares and slopes of every input."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from stochlin.models.parameters import expect
 from stochlin.models.systems import AnyStructure
 from stochlin.models.uncertain import median_of
 
-SAMPLES = 2  # of the inputs for each motion, of which shares of variance come
+SAMPLES = 2  # independent samples of the inputs for each motion, for the shares of variance
 END, ENDS = "end", ("low", "high")
 REFERENCES = (
     "Sobol, I. M. (1993), Math. Model. Comput. Exp. 1; Plischke, E., Borgonovo, E. and Smith, C. L. "
@@ -52,56 +52,58 @@ def sensitivity(
 ) -> xr.Dataset:
     """Influence of each input on the gap of two buildings, and its share of the uncertainty.
 
-    For every number by which structures and ground are described: the share of the variance of the
-    separation that comes from not knowing it, and how the gap of `separation` changes with it. All of
-    it is from the same motions.
+    The inputs are all numbers that describe the structures and the ground. For each input the result has
+    the share of the variance of the separation that comes from its uncertainty, and the change of the
+    gap of `separation` with it. All estimates are from the same motions.
 
     Parameters
     ----------
     first, second, ground
-        As in `separation`, numbers or `Uncertain` ones; of one structure, with None second, all is about
-        its set-back.
+        As in `separation`, with numbers or `Uncertain` parameters. If ``second`` is None, the result is
+        for the set-back of ``first``.
     duration, envelope, confidence, scatter
         As in `separation`.
     paths : int
-        Motions, each of which is simulated three times, twice for every input, and twice more for one
-        that is uncertain.
+        Number of motions. Each is simulated three times, twice for every input, and twice more for
+        every uncertain input.
     seed, progress
         As in `separation`.
 
     Returns
     -------
     xarray.Dataset
-        Over ``input``, ``"structure_1.period"`` and so on, with the coordinates ``input_median`` and
-        ``input_unit``, and ``uncertain``, 1 where it is not known exactly; an array, as stiffnesses of
-        storeys, is one input, a common factor of median 1. ``variance_share`` [-]: the first-order index
-        ``Var(E[Y | x])/Var(Y)`` of the separation ``Y`` of each motion, 0 of what is known. ``slope``
-        [m]: change of the gap per unit of the input, or of its median; ``elasticity`` [-]: per cent of
-        the gap per per cent of the input. Over ``end`` too: ``input_factor_at`` [-], a low and a high
-        value over the median, those of 16 and 84 % where the input is uncertain, and as an example 10 %
-        to either side where it is known; ``gap_change`` [m]: how the gap changes if the input is known
-        to have that value, all others being as they are. Without dimensions: ``gap`` [m] with its 95 %
-        interval, ``gap_of_medians`` [m], ``motion_share`` and ``interaction_share`` [-], the parts of
-        the variance from the motion alone and from several together. All but ``gap`` have standard
-        errors.
+        Over ``input``, named ``"structure_1.period"`` and so on, with the coordinates ``input_median``,
+        ``input_unit`` and ``uncertain``, which is 1 if the input has a spread. An array, such as the
+        stiffnesses of storeys, is one input, a common factor with median 1. ``variance_share`` [-] is
+        the first-order Sobol index ``Var(E[Y | x])/Var(Y)`` of the input ``x`` and the separation ``Y``
+        of each motion, 0 for known inputs. ``slope`` [m] is the change of the gap per unit of the input;
+        ``elasticity`` [-] is its relative change over that of the input. Also over ``end``:
+        ``input_factor_at`` [-], a low and a high value of the input over its median, which are its 16 %
+        and 84 % quantiles if it is uncertain, else 10 % below and above; ``gap_change`` [m], the change
+        of the gap if the input is known to have this value. Without dimensions: ``gap`` [m] with its
+        95 % interval; ``gap_of_medians`` [m], with all inputs at their medians; ``motion_share`` and
+        ``interaction_share`` [-], the shares of the variance from the motion alone and from several of
+        motion and inputs together. All variables except ``gap`` have standard errors.
 
     Raises
     ------
     ValueError, TypeError
-        As `separation`; parameters are numbers, not tables.
+        As in `separation`; also if a parameter is an array over the cells of a table.
 
     Notes
     -----
-    Shares are of the variance of the separation itself, in [m^2], not of its logarithm. They are nearly
-    unbiased, and may come out a little below 0. Strength by reduction factor means that of the ground at
-    its medians: a stronger ground meets the same strength in metres. Slopes
-    are taken over 10 % to either side; a value that the model does not take, as a hardening above 1, is
-    left out. What defines a strength or bears no load here
-    (``peak_factor``, the ``mass`` of an oscillator) is no input, nor is a number within a law or a list.
+    Shares are of the variance of the separation [m^2], not of its logarithm. Their estimates are nearly
+    unbiased and may be slightly negative. A strength by reduction factor is converted to metres on the
+    ground at its medians and does not change with the ground. Slopes are taken between 10 % below and
+    above the input; a value that is not allowed, such as a hardening above 1, is left out. The
+    ``peak_factor``, which belongs to the definition of a reduction factor, and the ``mass`` of an
+    oscillator, on which the separation does not depend, are no inputs; nor are numbers within a sympy
+    law or a list.
 
     References
     ----------
-    Sobol (1993); Plischke, Borgonovo and Smith (2013).
+    Sobol (1993), Math. Model. Comput. Exp. 1; Plischke, Borgonovo and Smith (2013), Eur. J. Oper. Res.
+    226, for the shares; Cleveland (1979), J. Am. Stat. Assoc. 74, for the changes of the gap.
 
     Examples
     --------
@@ -150,24 +152,24 @@ def _asked_of(second: AnyStructure | None) -> str:
 
 
 class _Responses(NamedTuple):
-    """Separations [m] of the same motions."""
+    """Separations [m] in the same motions with different values of the inputs."""
 
-    samples: Array  # (SAMPLES, motions): of independent samples of the inputs
-    usual: Array  # (motions,): with all inputs at their medians
-    shares: Array  # (SAMPLES, motions, uncertain inputs): of the values of an input, those below
-    near: Array  # (inputs, 2, motions): with an input a little smaller and larger
-    near_factors: Array  # (inputs, 2)
-    ends: Array  # (inputs, 2, motions): with an input at the ends of its range
-    end_factors: Array  # (inputs, 2)
+    samples: Array  # (SAMPLES, motions), with independent samples of the inputs
+    usual: Array  # (motions,), with all inputs at their medians
+    shares: Array  # (SAMPLES, motions, uncertain inputs), cumulative probability of each sample
+    near: Array  # (inputs, 2, motions), with an input 10 % smaller and larger
+    near_factors: Array  # (inputs, 2), these factors of the input
+    ends: Array  # (inputs, 2, motions), with an input at the ends of its range
+    end_factors: Array  # (inputs, 2), these values of the input over its median
 
     @property
     def base(self) -> Array:
-        """Those of `separation` (motions,)."""
+        """The separations with the samples that `separation` has, (motions,)."""
         return self.samples[0]
 
 
 class _Asked(NamedTuple):
-    """What is simulated again and again."""
+    """Inputs and options of the repeated simulations."""
 
     inputs: Inputs
     duration: float
@@ -179,7 +181,7 @@ class _Asked(NamedTuple):
     times: int
 
     def responses(self) -> _Responses:
-        """All simulations, in steps that fit the first."""
+        """Responses of all simulations, which have the time step of the first."""
         inputs, done = self.inputs.inputs, 0
         motions = -(-self.paths // LANES) * LANES
         step: float | None = None
@@ -275,7 +277,7 @@ def _table(found: _Responses, inputs: Inputs, confidence: float) -> xr.Dataset:
 
 
 def _shares(found: _Responses, inputs: Inputs) -> tuple[Estimate, Estimate, Estimate]:
-    """Of every input, of the motion, and of what they do together."""
+    """Variance shares of every input, of the motion, and of their interaction."""
     whole = Estimate(np.zeros(len(inputs.inputs)), np.zeros(len(inputs.inputs)))
     if not inputs.uncertain:
         return whole, Estimate(np.ones(()), np.zeros(())), Estimate(np.zeros(()), np.zeros(()))

@@ -1,4 +1,4 @@
-"""What matters for a gap."""
+"""Variables of the results on sensitivity, with unit and long name."""
 
 from stochlin.analyses.separation.variables import VARIABLES as SEPARATION
 from stochlin.analyses.tables.labels import Variables

@@ -1,1 +1,1 @@
-"""How far apart: eq. (3), codes, every rule, what an existing gap allows."""
+"""Required separation of buildings: by simulation, eq. (3) and codes, and limits of an existing gap."""

@@ -1,4 +1,4 @@
-"""The least damping with which an existing gap is enough in a recorded motion."""
+"""Least added damping with which an existing gap is sufficient in a recorded motion."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ from stochlin.models.parameters import Model
 from stochlin.models.rules.effective_properties import EffectiveRule
 from stochlin.models.structures import Structure
 
-CLOSELY = np.linspace(0, DAMPINGS[-1], 41)  # where all of a table is followed in one go
-MOST = 0.999  # damping ratio of a structure with what is added
+CLOSELY = np.linspace(0, DAMPINGS[-1], 41)  # added damping ratios for bilinear structures
+MOST = 0.999  # largest total damping ratio of a structure
 SIDES: Mapping[str, tuple[float, float]] = {
     "both": (1.0, 1.0),
     "structure 1": (1.0, 0.0),
@@ -34,7 +34,7 @@ SIDES: Mapping[str, tuple[float, float]] = {
 DAMPED, BY_DAMPING = "damped", "added_damping"
 LEAST = "least_added_damping"
 CURVES = ("critical_gap", "separation", "rho_estimate", *(f"pseudo_energy_radius_{n}" for n in (1, 2)))
-# It is kept by one motion here, or by an estimate of it.
+# Other long names, since the gap is required by one motion or estimated from it.
 OF_RECORD = {
     LEAST: ("1", "least damping ratio to be added, by the energy radii and eq. (3)"),
     f"{LEAST}_recorded": ("1", "least damping ratio to be added, by the motion itself"),
@@ -55,45 +55,47 @@ def damping_for_gap(
 ) -> xr.Dataset:
     """Least supplemental damping with which a gap is sufficient in a recorded motion.
 
-    It is computed by the energy approach of the paper, with the pseudo energy radii of the record and
-    the added damping, eq. (4) or another estimate of the correlation, and eq. (3); and by integration of
-    the response to the record, which needs neither.
+    It is computed in two ways: by the energy approach of the paper, that is eq. (3) with the pseudo
+    energy radii of the damped structures and a correlation by eq. (4) or another estimate; and by
+    integration of the response to the record.
 
     Parameters
     ----------
     record, first, second
         As in `energy_gap`.
     gap : float
-        The existing gap [m], positive.
+        Existing gap [m], positive.
     method, rule, ground, closure
-        As in `energy_gap`: where the correlation comes from.
+        As in `energy_gap`, for the correlation.
 
     Returns
     -------
     xarray.Dataset
-        Over ``damped``, where damping is added: ``"both"`` (the same ratio to each), ``"structure 1"``
-        or ``"structure 2"`` alone: ``least_added_damping`` [-] by the energy approach,
-        ``least_added_damping_recorded`` [-] by following the record, and
-        ``least_added_damping_difference`` [-], the first less the second. 0 where the gap is enough as
-        it is, NaN where up to 0.4 is not. Over ``damped`` and ``added_damping`` what both are found
-        from: ``critical_gap``, ``separation``, ``pseudo_energy_radius_1`` and ``_2`` [m] and
-        ``rho_estimate``. Several records make a dimension ``record``. ``status``.
+        Over ``damped``, the structures with added damping (``"both"`` with the same ratio,
+        ``"structure 1"`` or ``"structure 2"``): ``least_added_damping`` [-] by the energy approach,
+        ``least_added_damping_recorded`` [-] by integration of the response, and
+        ``least_added_damping_difference`` [-], the first minus the second. They are 0 if the gap is
+        sufficient without added damping, and NaN if it is not sufficient up to 0.4. Over ``damped`` and
+        ``added_damping``, the curves from which they are found: ``critical_gap``, ``separation``,
+        ``pseudo_energy_radius_1`` and ``_2`` [m] and ``rho_estimate`` [-]. Several records add the
+        dimension ``record``. ``status``.
 
     Raises
     ------
     ValueError, TypeError
-        If the gap is not positive; otherwise as `energy_gap`.
+        If the gap is not positive; otherwise as in `energy_gap`.
 
     Notes
     -----
-    More damping need not mean a smaller gap: in a single record two structures may fall out of step,
-    and damping that is added to one of two equal buildings parts them. The least is the first that is
-    enough, in steps of 0.01 (of 0.05 for other laws than the bilinear) that are then refined; with
-    somewhat more the gap may be too small again, which the curves over ``added_damping`` show.
+    The required gap need not decrease with added damping: in a single record two structures may move out
+    of phase, and damping added to one of two equal buildings causes a relative displacement. The least
+    damping is the first sufficient value in steps of 0.01 (0.05 for laws other than the bilinear one),
+    refined between two steps. A somewhat larger value may not be sufficient again; this is shown by the
+    curves over ``added_damping``.
 
     References
     ----------
-    Valles-Mattox and Reinhorn (1996), eqs. (1) to (4), and on supplemental energy dissipation.
+    Valles-Mattox and Reinhorn (1996), eqs. (1) to (4), and for supplemental energy dissipation.
 
     Examples
     --------
@@ -139,7 +141,7 @@ def damping_for_gap(
 def damped_gaps(
     first: Structure, second: Structure, record: xr.DataArray, estimate: RhoEstimate
 ) -> xr.Dataset:
-    """`energy_gap` of two structures with scalar parameters over where how much damping is added."""
+    """`energy_gap` of two structures with scalar parameters, over ``damped`` and ``added_damping``."""
     where = xr.DataArray(list(SIDES), dims=DAMPED, attrs={"long_name": "where damping is added"})
     bilinear = isinstance(first, Bilinear) and isinstance(second, Bilinear)
     added = labels.axis(BY_DAMPING, "added damping ratio", CLOSELY if bilinear else DAMPINGS)
@@ -162,7 +164,7 @@ def _of_one(
     gap: float,
     estimate: RhoEstimate,
 ) -> xr.Dataset:
-    """What `damping_for_gap` says of one record and of models with scalar parameters."""
+    """The result of `damping_for_gap` for one record and models with scalar parameters."""
     estimate = estimate._replace(ground=ground)
     scan = damped_gaps(first, second, record, estimate)
 
@@ -188,6 +190,6 @@ def _of_one(
 
 
 def _damped(structure: Structure, added: Any) -> Structure:
-    """The structure with damping added to it."""
+    """The structure with added damping; the total ratio is at most `MOST`."""
     damping: Any = np.minimum(structure.arrays()["damping"] + added, MOST)
     return replace(structure, damping=damping)

@@ -1,4 +1,4 @@
-"""Separations that building codes ask for, side by side."""
+"""Separation of two buildings by the rules of building codes, in one table."""
 
 from __future__ import annotations
 
@@ -43,47 +43,47 @@ def code_gaps(
 ) -> xr.Dataset:
     """Separation of two buildings by every known rule of a building code.
 
-    All four families of the paper are among them: the square root of squares, a factor times the sum, a
-    factor times the height, and a fixed distance.
+    The rules include the four families of the paper: the square root of the sum of squares, a factor
+    times the sum, a factor times the height, and a fixed distance.
 
     Parameters
     ----------
     peak_1, peak_2 : float or array
-        Peak displacements [m], not negative, at the level where the buildings could meet. Every code
-        means another displacement by this: see ``assumptions``. With None for ``peak_2`` one building
-        is alone, and the gap its distance from the property line, for rules that say one.
+        Peak displacements [m], not negative, at the level where the buildings could meet. Each code
+        defines its own displacement, see ``assumptions``. If ``peak_2`` is None, the gap is the distance
+        of one building from its property line, for rules that define it.
     height_1, height_2 : float or array, optional
         Heights of the buildings [m].
     floors_align : bool
-        Whether the floors are at the same levels; some rules then ask for less.
+        Whether the floors are at the same levels, which reduces the gap in some rules.
     zone : str, optional
         Zone of Mexico City: ``"I"``, ``"II"`` or ``"III"``.
     numbers : mapping, optional
-        Numbers of rules, by name, in place of the usual ones, as `code_rule` takes them; with one of
-        their own ``"share_of_height"`` and ``"fixed_distance"`` [m] are in the table, too.
+        Numbers of rules by name, in place of their defaults, as in `code_rule`. With a number,
+        ``"share_of_height"`` and ``"fixed_distance"`` [m] are also in the table.
 
     Returns
     -------
     xarray.Dataset
-        Over ``rule`` and the dimensions of the arguments: ``gap`` [m], NaN for rules that need what
-        is not given, and ``status``; along ``rule`` the coordinates ``family`` (``SRSS``, ``sum``,
+        Over ``rule`` and the dimensions of the arguments: ``gap`` [m], NaN for rules that lack an
+        argument, and ``status``. Coordinates along ``rule`` are ``family`` (``SRSS``, ``sum``,
         ``height`` or ``fixed``), ``reference``, ``mark`` (S: seen in a copy of the source; P: printed in
-        the paper; M: not compared with the printed source), ``assumptions`` and ``missing``: what was
-        needed and not given.
+        the paper; M: not compared with the printed source), ``assumptions``, and ``missing``, the
+        arguments that the rule lacks.
 
     Raises
     ------
     ValueError, TypeError
         If the zone or a rule is unknown, a scalar is out of range, a value is not a number, or
-        dimensions do not fit.
+        dimensions do not match.
 
     Notes
     -----
-    A summary of one clause each, for comparison: no substitute for the code.
+    The table is a summary of one clause of each code for comparison. It does not replace the code.
 
     References
     ----------
-    The coordinate ``reference``.
+    The coordinate ``reference`` names the source of each rule.
 
     Examples
     --------
@@ -139,7 +139,7 @@ def code_gaps(
 
 
 def rules_with(numbers: Mapping[str, float] | None) -> list[CodeRule]:
-    """All rules in their order, some with a number that is stated."""
+    """All rules in their order, with the given numbers of rules in place of their defaults."""
     if numbers is not None and not isinstance(numbers, Mapping):
         raise TypeError(f"numbers = {brief(numbers)}; allowed: a mapping from names of rules to numbers")
     stated: dict[str, float] = {}
@@ -153,12 +153,12 @@ def rules_with(numbers: Mapping[str, float] | None) -> list[CodeRule]:
 
 
 def check_alone(alone: bool, height_2: object, floors_align: bool) -> None:
-    """Raise a ValueError if something is told of a second building that is not there."""
+    """Raise a ValueError if an argument for a second building is given, but there is only one."""
     told = {"height_2": height_2 is not None, "floors_align": floors_align}
     for name in (name for name, given in told.items() if alone and given):
         raise ValueError(f"{name} is given, of a second building, and there is none; leave it out")
 
 
 def told_numbers(numbers: Mapping[str, float] | None) -> str:
-    """Stated numbers, for the run information."""
+    """The given numbers of rules, for the run information."""
     return f", numbers={ {str(n): float(v) for n, v in numbers.items()} }" if numbers else ""

@@ -32,7 +32,7 @@ def critical_gap(peak_1: Parameter, peak_2: Parameter, rho: Parameter) -> xr.Dat
     Parameters
     ----------
     peak_1, peak_2 : float or array
-        Peak displacements [m], not negative, with one peak factor for both; they broadcast by
+        Peak displacements [m], not negative, with the same peak factor for both. They broadcast by
         dimension name.
     rho : float or array
         Correlation coefficient of the displacements [-], from -1 to 1.
@@ -46,13 +46,13 @@ def critical_gap(peak_1: Parameter, peak_2: Parameter, rho: Parameter) -> xr.Dat
     Raises
     ------
     ValueError, TypeError
-        If a scalar is out of range, a value is not a number, or dimensions do not fit.
+        If a scalar is out of range, a value is not a number, or dimensions do not match.
 
     Notes
     -----
-    Negative correlation, where the ground period lies between those of the structures, needs
-    more than the square root of the sum of squares. With linearized ``rho`` and peaks the gap is
-    too small for yielding structures, by 21 to 54 %.
+    If the ground period lies between those of the structures, the correlation may be negative. The gap
+    is then larger than the square root of the sum of the squared peaks. With ``rho`` and peaks by
+    linearization, the gap is too small for yielding structures, by 21 to 54 %.
 
     References
     ----------

@@ -25,7 +25,7 @@ WHITE_NOISE, EFFECTIVE, LINEARIZATION = METHODS = ("white_noise", "effective", "
 
 
 class RhoEstimate(NamedTuple):
-    """Where eq. (3) takes its correlation from."""
+    """The estimate of the correlation in eq. (3): method and options."""
 
     method: str = WHITE_NOISE
     rule: str | EffectiveRule = "iwan_1980"
@@ -33,7 +33,7 @@ class RhoEstimate(NamedTuple):
     closure: str = "gaussian"
 
     def check(self, first: Structure, second: Structure) -> None:
-        """Raise for what is not known, or does not fit together."""
+        """Raise an error for an unknown method or rule, or for options of another method."""
         for role, structure in (("first", first), ("second", second)):
             expect(structure, Structure, role)
             check_closure(structure, self.closure)
@@ -57,7 +57,7 @@ class RhoEstimate(NamedTuple):
             )
 
     def of(self, first: Structure, second: Structure, recorded: xr.Dataset) -> xr.DataArray:
-        """The correlation of structures with these peaks in a record."""
+        """Correlation of the structures [-]; ``recorded`` has their peaks in the record."""
         if self.ground is not None:
             return correlate(first, second, self.ground, closure=self.closure).rho
         pairs: dict[str, xr.DataArray] = {}
@@ -74,7 +74,7 @@ class RhoEstimate(NamedTuple):
 
     @property
     def told(self) -> str:
-        """What a history says of it."""
+        """The method and its options in words, for the run information."""
         if self.method == EFFECTIVE:
             return f"method={self.method!r}, rule={effective_rule(self.rule).name!r}"
         return f"method={self.method!r}" + (f", closure={self.closure!r}" if self.ground else "")
@@ -90,48 +90,50 @@ def energy_gap(
     ground: Ground | None = None,
     closure: str = "gaussian",
 ) -> xr.Dataset:
-    """Critical gap in a recorded motion by the energy approach, and the gap that the motion needs.
+    """Critical gap in a recorded motion by the energy approach, compared with the required gap.
 
-    Eq. (3) with the pseudo energy radii of both structures, eqs. (1) and (2), elastic or yielding as
-    they are, and a correlation coefficient by a formula; and what `recorded_gap` finds without either.
+    The critical gap is eq. (3) with the pseudo energy radii of both structures, eqs. (1) and (2),
+    elastic or yielding, and an estimate of the correlation coefficient. The gap that the record requires
+    is that of `recorded_gap`.
 
     Parameters
     ----------
     first, second : Bilinear, BoucWen or Hysteretic
-        Elastic, or with strengths in metres; their parameters broadcast by dimension name.
+        Structures, elastic or with a yield displacement. Their parameters broadcast by dimension name.
     record : xarray.DataArray, or list or mapping of them
-        Ground acceleration [m/s^2] over ``time``, as `read_record` gives it. Several records make
-        a dimension ``record``.
+        Ground acceleration [m/s^2] over ``time`` [s], as from `read_record`. Several records add the
+        dimension ``record`` to the result.
     method : str
-        Of the correlation: ``"white_noise"``, eq. (4) with the elastic periods and dampings;
-        ``"effective"``, eq. (4) with those of ``rule`` at the peak ductilities in the record;
-        ``"linearization"`` on ``ground``, as the paper advises for structures that yield.
+        Method for the correlation: ``"white_noise"``, eq. (4) with the elastic periods and damping
+        ratios; ``"effective"``, eq. (4) with effective properties by ``rule`` at the peak ductilities in
+        the record; ``"linearization"`` on ``ground``, as the paper recommends for yielding structures.
     rule : str
-        One of `effective_rule_names`, or a rule; for effective properties.
+        One of `effective_rule_names`, or a rule, for ``"effective"``.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien, optional
-        One like the record, as `fit_ground` finds it: for linearization.
+        Ground that represents the record, as from `fit_ground`, for ``"linearization"``.
     closure : str
-        As in `linearize`, for linearization.
+        As in `linearize`, for ``"linearization"``.
 
     Returns
     -------
     xarray.Dataset
-        Over the dimensions of the parameters what `recorded_gap` returns, ``pseudo_energy_radius_1`` and
-        ``_2`` [m] among it, and ``critical_gap`` [m], eq. (3) with them and ``rho_estimate`` [-];
-        ``critical_gap_error`` [-], by which it exceeds ``separation``, the gap that the record needs, as
-        a share of that.
+        Over the dimensions of the parameters: the variables of `recorded_gap`, among them
+        ``pseudo_energy_radius_1`` and ``_2`` [m] and the required gap ``separation`` [m];
+        ``critical_gap`` [m] by eq. (3), with ``rho_estimate`` [-]; and ``critical_gap_error`` [-], the
+        critical gap over the separation minus 1.
 
     Raises
     ------
     ValueError, TypeError
-        As in `recorded_gap` and `correlate`; without a ground for linearization, or with one for another
-        method.
+        As in `recorded_gap` and `correlate`; also if the ground is missing for ``"linearization"`` or
+        given for another method.
 
     Notes
     -----
-    Elastic ``rho`` is too small for structures that yield, so that eq. (4) gives too wide a gap;
-    effective properties and linearization err both ways. All are means over many motions: in a single
-    record two structures may meet although eq. (3) predicts that they do not.
+    The elastic ``rho`` is too small for yielding structures, so that eq. (4) leads to too large a gap;
+    the errors of effective properties and linearization have either sign. All estimates of ``rho`` are
+    means over many motions. In a single record two structures may therefore touch with the gap of
+    eq. (3).
 
     References
     ----------
@@ -161,7 +163,7 @@ def energy_gap(
 def estimated_gap(
     first: Structure, second: Structure, record: Records, estimate: RhoEstimate
 ) -> xr.Dataset:
-    """What `energy_gap` returns, without what made it."""
+    """The result of `energy_gap`, without labels and run information."""
     table = recorded_gap(first, second, record)
     radii = (table.pseudo_energy_radius_1, table.pseudo_energy_radius_2)
     rho = estimate.of(first, second, table)

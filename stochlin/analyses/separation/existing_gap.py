@@ -1,4 +1,4 @@
-"""What an existing gap allows: strength, intensity of the motion, and added damping."""
+"""Limits of strength, intensity and added damping for which an existing gap is sufficient."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ from stochlin.models.grounds import Ground
 from stochlin.models.systems import AnyStructure, first_mode, weaker
 from stochlin.models.uncertain import applied, median_of
 
-STRENGTHS = np.geomspace(1 / 8, 8, 13)  # factors on both reduction factors
-AS_BUILT = 6  # of these, the one that changes nothing
+STRENGTHS = np.geomspace(1 / 8, 8, 13)  # factors of both reduction factors
+AS_BUILT = 6  # index of the factor 1 among these
 ENDS = "", "_lower", "_upper"
-AMPLITUDES = np.geomspace(1 / 16, 16, 17)  # factors on the motion
-DAMPINGS = np.linspace(0, 0.4, 9)  # added to both
+AMPLITUDES = np.geomspace(1 / 16, 16, 17)  # factors of the ground acceleration
+DAMPINGS = np.linspace(0, 0.4, 9)  # damping ratios added to both structures
 MOST_DAMPING = 0.999
-SIMULATIONS = 60  # that the three searches take together, as a rule
+SIMULATIONS = 60  # usual number of simulations of the three searches together
 
 
 def existing_gap(
@@ -52,43 +52,53 @@ def existing_gap(
     seed: int = 0,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Strength, shaking and added damping for which an existing gap is sufficient.
+    """Limits of strength, intensity and added damping for which an existing gap is sufficient.
 
-    Each is searched alone, with everything else unchanged, by simulation with the same motions.
+    Each limit is found separately, with everything else unchanged, by simulation with the same motions.
 
     Parameters
     ----------
     first, second, ground, duration
-        As in `separation`; with None for ``second`` of one building beside its property line.
+        As in `separation`. If ``second`` is None, the result is for one building beside its property
+        line.
     gap : float
-        The existing gap [m], positive; of one building its distance from the line.
+        Existing gap, or distance of one building from its property line [m], positive.
     envelope, confidence, scatter, paths, seed
         As in `separation`.
     progress : callable, optional
-        Called with the share of the work that is done, by a guess.
+        Called with the approximate share of the work that is done.
 
     Returns
     -------
     xarray.Dataset
-        Without dimensions: ``no_pounding_probability`` [-] as things are, with its 95 % interval;
-        ``required_gap`` [m]; ``largest_reduction_factor_1`` and ``_2`` [-]: both strengths lowered
-        alike, from the present ones as far as the confidence holds (of a building with storeys, that of
-        its first mode), and ``least_reduction_factor_1`` and ``_2`` where it ceases to hold if they are
-        raised, as between structures that are in resonance while elastic; if it does not hold at
-        present, the ends of the strengths next to it where it does. ``largest_intensity`` [m^2/s^3] of
-        the ground, up to which it holds throughout, strengths in metres kept; ``least_added_damping``
-        [-], the same ratio added to both. Each with its 95 % interval, ``_lower`` and ``_upper``.
-        Infinite, or for a least 0, where the confidence holds to the end of the range that was searched,
-        NaN where it holds nowhere; ``searched`` in the attributes says which it was.
+        Without dimensions: ``no_pounding_probability`` [-] as built, with its 95 % interval;
+        ``required_gap`` [m]; ``largest_reduction_factor_1`` and ``_2`` and
+        ``least_reduction_factor_1`` and ``_2`` [-], the range of reduction factors around the present
+        ones with the required confidence, when both strengths are changed by the same factor (for a
+        building with storeys, those of its first mode); ``largest_intensity`` [m^2/s^3] of the ground,
+        up to which the gap has the confidence, with unchanged strengths in metres; and
+        ``least_added_damping`` [-], the same damping ratio added to both structures. Each limit has a
+        95 % interval ``_lower`` and ``_upper``.
+
+        If the gap lacks the confidence as built, the range of reduction factors is the next one with the
+        confidence. A largest value is infinite, and a least value 0, if the confidence holds up to the
+        end of the searched range, which is the attribute ``searched``. A limit is NaN if the confidence
+        holds nowhere in this range.
 
     Raises
     ------
     ValueError, TypeError
-        If the gap is not positive; otherwise as `separation`.
+        If the gap is not positive; otherwise as in `separation`.
+
+    Notes
+    -----
+    A least reduction factor above 0 means that the gap is not sufficient for stronger structures, for
+    instance if they are in resonance while elastic.
 
     References
     ----------
-    Valles-Mattox and Reinhorn (1996), on least supplemental damping, here found by simulation.
+    Valles-Mattox and Reinhorn (1996), for the least supplemental damping, which is found here by
+    simulation.
 
     Examples
     --------
@@ -160,7 +170,7 @@ def _with_interval(name: str, edge: Edge, end: str = "") -> dict[str, float]:
 
 
 def _factors(which: str, factors: Sequence[float], edge: Edge) -> dict[str, float]:
-    """Reduction factors of the structures at an edge."""
+    """Reduction factors of the structures at an edge of the range, with their intervals."""
     found: dict[str, float] = {}
     for n, factor in enumerate(factors, start=1):
         found |= _with_interval(f"{which}_reduction_factor", edge.times(factor), f"_{n}")
@@ -168,11 +178,11 @@ def _factors(which: str, factors: Sequence[float], edge: Edge) -> dict[str, floa
 
 
 class _ExistingPair(NamedTuple):
-    """The structures by their yield displacements, and how to change them."""
+    """One or two structures with strengths in metres, and their changes."""
 
-    pair: Sequence[Any]  # or one of them alone
+    pair: Sequence[Any]  # two structures, or one alone
     ground: Ground
-    factors: Sequence[float]  # reduction factors, NaN where elastic
+    factors: Sequence[float]  # reduction factors, NaN if elastic
 
     @classmethod
     def of(cls, structures: Sequence[AnyStructure], ground: Ground) -> _ExistingPair:
@@ -194,10 +204,10 @@ class _ExistingPair(NamedTuple):
 
 
 def _times(ground: Any, factor: float) -> Any:
-    """The ground with so many times the intensity."""
+    """The ground with its intensity multiplied by a factor."""
     return replace(ground, intensity=ground.intensity * factor)
 
 
 def _damped(structure: Any, added: float) -> Any:
-    """The structure with more damping, as much as there can be."""
+    """The structure with added damping; the total ratio is at most `MOST_DAMPING`."""
     return replace(structure, damping=np.minimum(structure.damping + added, MOST_DAMPING))

@@ -1,4 +1,4 @@
-"""Every rule for the separation of two buildings, or the set-back of one, with simulated peaks."""
+"""All rules for the separation of two buildings, or the set-back of one, from simulated peaks."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ SOLVED = "simulated", "linearized", "drift"
 
 @dataclass(frozen=True)
 class Rule:
-    """One row of the table: what a rule asks for at each height at which the buildings could meet."""
+    """A row of the table: the gap of a rule at each height at which the buildings could meet."""
 
     name: str
     kind: str
     gaps: Array  # (heights,) [m], NaN if not available
     rhos: Array | None = None  # (heights,)
-    family: str = ""  # of a building code
+    family: str = ""  # for a building code only
     reference: str = ""
     mark: str = ""
     assumptions: str = ""
@@ -48,74 +48,74 @@ class Rule:
 
     @property
     def gap(self) -> float:
-        """The largest [m], which has to be kept over all of the height."""
+        """Largest gap over the heights [m], which is required over the whole height."""
         return float(np.max(self.gaps))
 
     @property
     def rho(self) -> float:
-        """The correlation where the gap is largest; NaN if the rule has none."""
+        """Correlation at the height where the gap is largest [-]; NaN if the rule has none."""
         known = self.rhos is not None and not np.isnan(self.gap)
         return float(self.rhos[int(np.argmax(self.gaps))]) if known else np.nan  # type: ignore[index]
 
 
 @dataclass(frozen=True)
 class PairInMotion(ABC):
-    """Two structures, or one beside its property line, and what the simulation of finite motions tells.
+    """Two structures, or one beside its property line, with their simulated motions of finite length.
 
-    Arrays are over the heights at which they could meet, or cross the line; without storeys that is one,
-    of no number.
+    Arrays are over the heights at which the structures could meet, or cross the line. Without storeys
+    there is one height, which is NaN.
     """
 
     structures: tuple[Any, ...]
     ground: Ground
     motions: xr.Dataset
     confidence: float
-    strong_seconds: float  # length of the stationary motion that an envelope stands for
+    strong_seconds: float  # [s], duration of the stationary motion with equal energy
 
     @property
     def alone(self) -> bool:
-        """Whether there is but one."""
+        """Whether there is only one structure."""
         return len(self.structures) == 1
 
     @property
     @abstractmethod
     def heights(self) -> Array:
-        """Where they could meet [m]."""
+        """Heights at which the structures could meet [m]."""
 
     @property
     @abstractmethod
     def code_heights(self) -> tuple[Any, ...]:
-        """Heights of each that codes ask for [m], each a number, an array or None."""
+        """Height of each structure for rules of codes [m], a number, an array or None."""
 
     @property
     @abstractmethod
     def peaks(self) -> Array:
-        """Largest ``|u|`` of each (structures, heights) [m], of the probability ``confidence``."""
+        """Quantile of the peak ``|u|`` at the probability ``confidence`` [m], (structures, heights)."""
 
     @abstractmethod
     def simulated_rho(self) -> Array:
-        """Correlation by simulation of stationary motions."""
+        """Correlation by stationary simulation [-], (heights,)."""
 
     @abstractmethod
     def linearized_rho(self, closure: str) -> Array:
-        """Correlation by linearization; a ValueError says why there is none."""
+        """Correlation by linearization [-], (heights,); a ValueError if there is no solution."""
 
     @abstractmethod
     def effective_arguments(self) -> dict[str, float]:
-        """What `rho_effective` takes, but for the rule."""
+        """Arguments of `rho_effective`, without the rule."""
 
     @abstractmethod
     def relative_moments(self) -> tuple[Array, Array, Array]:
-        """Spectral moments of the linearized ``u_1 - u_2``, or of ``u_1`` alone [m]."""
+        """Spectral moments ``l0, l1, l2`` of the linearized ``u_1 - u_2``, or of ``u_1`` if alone."""
 
     @abstractmethod
     def quantities(self) -> dict[str, Any]:
-        """What the table says of the structures."""
+        """Variables of the table for the structures, by name."""
 
 
 @dataclass(frozen=True)
 class OscillatorsInMotion(PairInMotion):
-    """Oscillators; ``known_heights`` are those of the buildings that they stand for."""
+    """Oscillators; ``known_heights`` are the given heights of the buildings [m]."""
 
     known_heights: tuple[float | None, ...]
 
@@ -131,12 +131,12 @@ class OscillatorsInMotion(PairInMotion):
 
     @cached_property
     def solved(self) -> list[xr.Dataset]:
-        """Both structures, linearized."""
+        """The linearized response of each structure."""
         return [solve_structure(s, self.ground, "gaussian", USUAL) for s in self.structures]
 
     @cached_property
     def yield_displacements(self) -> list[float]:
-        """Of both [m], known whether linearization succeeds or not."""
+        """Yield displacement of each structure [m], known even if linearization fails."""
         return [float(solve_elastic(s, self.ground).yield_displacement) for s in self.structures]
 
     @property
@@ -147,7 +147,7 @@ class OscillatorsInMotion(PairInMotion):
 
     @property
     def ductilities(self) -> Array:
-        """Mean peak ductility of both; 0 where elastic."""
+        """Mean peak ductility of each structure [-]; 0 if elastic."""
         return self.motions.peak_mean.values / np.array(self.yield_displacements)
 
     def simulated_rho(self) -> Array:
@@ -189,7 +189,7 @@ class OscillatorsInMotion(PairInMotion):
 
 
 def effective_arguments(structures: Sequence[Structure], ductilities: Array) -> dict[str, float]:
-    """What `rho_effective` takes of two oscillators of these peak ductilities."""
+    """Arguments of `rho_effective` for two oscillators with these peak ductilities."""
     arguments: dict[str, float] = {}
     for n, structure in enumerate(structures):
         own, given = structure.yields, structure.arrays()
@@ -206,7 +206,7 @@ def all_rules(
     unverified: bool,
     numbers: Mapping[str, float] | None,
 ) -> list[Rule]:
-    """Every rule that there is, those that lack something too."""
+    """All rules, including those that have no gap because something is missing."""
     return [
         *_with_correlations(pair, effective_rule_names(unverified)),
         linearized_rule(
@@ -220,12 +220,12 @@ def all_rules(
 
 
 def _with_correlations(pair: PairInMotion, effective: Sequence[str]) -> list[Rule]:
-    """Eq. (3) with each correlation that there is; one building alone has none."""
+    """Eq. (3) with the correlation by each method; for one building alone there is no gap."""
     if pair.alone:
         names = (f"eq_3_{name}" for name in (*SOLVED, *effective))
         return [Rule(name, "equation_3", _nothing(pair), missing=COMBINES) for name in names]
     ways: list[tuple[str, Callable[[], Array]]] = [
-        # simulation is refused for structures so rarely yielding that it would take hours
+        # The simulation raises an error for structures that yield so rarely that it would take hours.
         ("stationary simulation", pair.simulated_rho),
         ("linearization", lambda: pair.linearized_rho(GAUSSIAN)),
         ("linearization with plastic drift", lambda: pair.linearized_rho(DRIFT)),
@@ -272,9 +272,9 @@ def _nothing(pair: PairInMotion) -> Array:
 def linearized_rule(
     moments: Callable[[], tuple[Any, ...]], seconds: float, confidence: float, scatter: float = 0.0
 ) -> Rule:
-    """Linearization alone: a Gaussian difference, its one-sided peak by Vanmarcke.
+    """The gap by linearization: the one-sided peak of a Gaussian ``u_1 - u_2`` by Vanmarcke.
 
-    It is of the median strength of the motions; with ``scatter`` it says so.
+    It does not include the ``scatter`` between motions, which is stated in its assumptions.
     """
     l0, l1, l2 = (xr.DataArray(np.atleast_1d(moment), dims="height") for moment in moments())
     gaps = peak_quantile((l0, l1, l2), seconds, confidence, sides=1).values
@@ -294,7 +294,7 @@ def linearized_rule(
 def peak_quantile(
     moments: tuple[xr.DataArray, ...], seconds: float, confidence: float, sides: int
 ) -> xr.DataArray:
-    """Peak [m] that a Gaussian motion does not exceed with this probability, a Gumbel distribution."""
+    """Quantile of the peak of a Gaussian motion [m] at ``confidence``, by a Gumbel distribution."""
     l0, l1, l2 = moments
     peak = peak_table(l0, l1, l2, xr.DataArray(seconds), Vanmarcke1975(), sides)
     reduced = -np.log(-np.log(confidence))
@@ -308,7 +308,7 @@ def code_rules(
     zone: str | None,
     numbers: Mapping[str, float] | None = None,
 ) -> list[Rule]:
-    """The rules of building codes, fed with these peaks (1 or 2, heights) [m]."""
+    """The rules of building codes with these peaks [m], (1 or 2 structures, heights)."""
     height_1, height_2 = (
         xr.DataArray(height, dims="height") if np.ndim(height) else height
         for height in (*heights, None)[:2]

@@ -1,8 +1,8 @@
-"""Where what is required passes what there is: the ends of the values that do, with intervals.
+"""Searches for the values of a parameter at which a required gap equals the existing one.
 
-What is required is simulated, so that it has a 95 % interval itself. Each value is simulated once; the
-interval of an end is read from the same simulations: it holds the values at which the gap lies
-within that of what is required.
+The required gap comes from a simulation and has a 95 % interval. Each value of the parameter is
+simulated only once. The interval of a found value follows from the same simulations: it contains the
+values at which the existing gap is within the interval of the required gap.
 """
 
 from __future__ import annotations
@@ -15,18 +15,18 @@ import scipy.optimize
 
 from stochlin.kernels.basics.arrays import Array
 
-CLOSE = 1e-3  # relative, of what is searched
+CLOSE = 1e-3  # relative tolerance of a found value
 
 
 class Edge(NamedTuple):
-    """A value at which what is required is just what there is, and its 95 % interval."""
+    """A value at which the required gap equals the existing one, and its 95 % interval."""
 
     value: float
     lower: float = np.nan
     upper: float = np.nan
 
     def times(self, factor: float) -> Edge:
-        """Of something so many times as large."""
+        """The edge with its value and interval multiplied by a factor."""
         return Edge(*(factor * each for each in self))
 
 
@@ -34,14 +34,14 @@ NONE, NO_LIMIT = Edge(np.nan), Edge(np.inf)
 
 
 class Required:
-    """What is required, as a function of a value, which may give both ends of its interval too."""
+    """The required gap as a function of a value, with or without its interval; ``most`` is the limit."""
 
     def __init__(self, function: Callable[[float], float | Sequence[float]], most: float) -> None:
         self._function, self.most = function, most
         self._known: dict[float, tuple[float, float, float]] = {}
 
     def __call__(self, value: float) -> float:
-        """What is required [m]."""
+        """Required gap at a value [m]."""
         return self._at(float(value))[0]
 
     def _at(self, value: float) -> tuple[float, float, float]:
@@ -51,23 +51,23 @@ class Required:
         return self._known[value]
 
     def enough(self, value: float) -> bool:
-        """Whether what there is will do."""
+        """Whether the limit is sufficient at a value."""
         return self(value) <= self.most
 
     def edge(self, one: float, other: float) -> Edge:
-        """Between a value that will do and one that will not."""
+        """The edge between a sufficient value and one that is not."""
         low, high = sorted((float(one), float(other)))
         found = scipy.optimize.brentq(lambda x: self(x) - self.most, low, high, rtol=CLOSE, xtol=1e-6)
         required, least, most = self._at(float(found))
         slope = (self(high) - self(low)) / (high - low)
-        for end in (least, most):  # about there the ends of the interval pass, too
+        for end in (least, most):  # near these values, the ends of the interval equal the limit
             moved = found - (end - required) / slope
             if end != required and moved > 0:
                 self(moved)
         return Edge(float(found), *self._interval(float(found)))
 
     def _interval(self, value: float) -> tuple[float, float]:
-        """Where the ends of what is required pass what there is, next to the value."""
+        """Values next to ``value`` at which the ends of the required gap's interval equal the limit."""
         at = np.array(sorted(self._known))
         ends = np.array([self._known[x][1:] for x in at]).T
         passed = np.concatenate([_crossings(at, end - self.most) for end in ends])
@@ -76,7 +76,7 @@ class Required:
 
 
 def _crossings(at: Array, values: Array) -> Array:
-    """Where values pass zero, linear in between."""
+    """Positions at which values change sign, by linear interpolation."""
     low, high = values[:-1], values[1:]
     n = np.flatnonzero((low <= 0) != (high <= 0))
     found: Array = at[n] + (at[n + 1] - at[n]) * low[n] / (low[n] - high[n])
@@ -84,7 +84,7 @@ def _crossings(at: Array, values: Array) -> Array:
 
 
 def up_to(required: Required, grid: Sequence[float] | Array) -> Edge:
-    """The largest value up to which all will do; no limit if all do, none if the first does not."""
+    """Largest value up to which all are sufficient; `NO_LIMIT` for all values, `NONE` for none."""
     before = None
     for value in grid:
         if not required.enough(value):
@@ -94,7 +94,7 @@ def up_to(required: Required, grid: Sequence[float] | Array) -> Edge:
 
 
 def least(required: Required, grid: Sequence[float] | Array) -> Edge:
-    """The first value that will do; none if there is none."""
+    """First sufficient value; `NONE` if there is none."""
     before = None
     for value in grid:
         if required.enough(value):
@@ -104,9 +104,10 @@ def least(required: Required, grid: Sequence[float] | Array) -> Edge:
 
 
 def around(required: Required, grid: Sequence[float] | Array, start: int) -> tuple[Edge, Edge]:
-    """Both ends of the values next to ``grid[start]`` that will do; 0 and no limit where there is none.
+    """Both ends of the range of sufficient values around ``grid[start]``, or of the next such range.
 
-    Those that hold it; else those below it, or, if there are none, above it.
+    The next range is sought below ``grid[start]`` first, then above. An end beyond the grid is 0 or
+    `NO_LIMIT`.
     """
     inside = next(
         (n for n in (*range(start, -1, -1), *range(start + 1, len(grid))) if required.enough(grid[n])),

@@ -1,4 +1,4 @@
-"""The separation of two buildings: simulated, and by every rule beside it, each with its error."""
+"""Required separation of two buildings by simulation, compared with that by every rule."""
 
 from __future__ import annotations
 
@@ -92,85 +92,91 @@ def separation(
     records: Any = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Gap that two buildings need, by simulation and by every rule.
+    """Gap that two buildings require, by simulation and by every rule.
 
-    The answer is the gap that ``max(u_1 - u_2)`` does not exceed, with the probability ``confidence``,
-    in motions of this duration from rest; ``first`` stands on the left. The rules use the simulated
-    peaks of the same buildings with the same probability; the table gives the error of each rule, and
-    the share of the motions in which its gap prevents pounding.
+    The gap by simulation is the quantile of ``max(u_1 - u_2)`` at the probability ``confidence``, in
+    motions of this duration from rest, with ``first`` on the left. The rules use the quantiles of the
+    simulated peaks of the same buildings at the same probability. The table has the error of each rule,
+    and the share of the motions in which its gap prevents pounding.
 
-    With None for ``second`` it is the set-back of one building: its distance from the property line on
-    its right with which ``max(u_1)`` of all its floors stays on its own side.
+    If ``second`` is None, the result is the set-back of one building: the distance from the property
+    line on its right that ``max(u_1)`` of all its floors does not exceed.
 
     Parameters
     ----------
     first, second : Bilinear, BoucWen, Hysteretic or ShearBuilding, or None for ``second``
-        Strength by ``reduction_factor`` refers to the stationary ground. None: ``first`` stands alone.
+        Structures; a ``reduction_factor`` refers to the stationary ground. If ``second`` is None,
+        ``first`` stands alone.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
-        All parameters broadcast by dimension name; each cell is a simulation of its own. Parameters of
-        structures and ground may be `Uncertain`, as in `simulate`; the rules are then those of the
-        medians.
+        Ground. All parameters broadcast by dimension name; each cell is simulated separately. Parameters
+        of structures and ground may be `Uncertain`, as in `simulate`; the rules are then applied to the
+        structures at their medians.
     duration : float
-        Of each motion [s], at least a period of the structures.
+        Length of each motion [s], at least a period of the structures.
     envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
-        Of the motions; without it they are stationary from their start.
+        Envelope of the motions; without it they are stationary from their start.
     confidence : float
-        Probability of no pounding that is asked for, between 0 and 1.
+        Required probability of no pounding, between 0 and 1.
     scatter : float
-        As in `simulate`; in the answer, and in the peaks that feed the rules.
+        As in `simulate`. It is included in the simulated gap and in the peaks for the rules.
     paths, seed : int
         As in `simulate`.
     height_1, height_2 : float, optional
-        Heights of the buildings [m], for building codes that ask for them.
+        Heights of the buildings [m], for building codes that require them.
     floors_align : bool
-        Whether floors are at the same levels; some codes then ask for less.
+        Whether the floors are at the same levels, which reduces the gap in some codes.
     zone : str, optional
-        ``"I"``, ``"II"`` or ``"III"``, of Mexico City.
+        Zone of Mexico City, ``"I"``, ``"II"`` or ``"III"``.
     numbers : mapping, optional
-        Of code rules, by name, in place of the usual ones: as in `code_gaps`.
+        Numbers of code rules by name, as in `code_gaps`.
     unverified : bool
         Whether to include rules whose formulas could not be verified.
     records : DataArray, or list or mapping of them, optional
-        Recorded motions, as `read_record` returns them.
+        Recorded motions [m/s^2] over ``time`` [s], as from `read_record`.
     progress : callable, optional
         Called with the share of a simulation that is done.
 
     Returns
     -------
     xarray.Dataset
-        Over ``rule``: ``gap`` [m]; ``error`` [-], the gap over the answer's less 1;
-        ``no_pounding_probability`` [-] in the simulated motions with its 95 % interval, ``_lower`` and
-        ``_upper``; ``rho`` [-] where the rule has one; ``verdict`` and ``status`` (flags); along it the
-        coordinates ``kind``, ``family`` (of a code, as in `code_gaps`), ``reference``, ``mark``,
-        ``assumptions``, ``missing``. ``gap_lower`` and
-        ``gap_upper`` [m]: the 95 % interval of the answer. Of the simulation: ``peak_1`` and ``_2`` [m],
-        the quantiles that the rules use, ``peak_mean_1`` and ``_2``, ``separation_mean`` [m] with
-        standard errors, ``separation_samples`` [m] over ``path``, ``ductility_1`` and ``_2`` [-] (mean
-        peak), ``yield_displacement_1`` and ``_2`` [m], ``reduction_factor_1`` and ``_2`` [-]. With
-        records, over ``record``: what `recorded_gap` gives, with the prefix ``record_``. With storeys,
-        over ``rule`` and ``height`` [m]: ``gap_at_height`` [m], that of the simulation with its 95 %
-        interval, ``_lower`` and ``_upper``, and ``governing_height`` [m]; over ``element``, storey by
-        storey: ``peak_drift_mean`` [m] with its standard error, and ``ductility`` [-]. Of one building
-        alone what ends in ``_2`` is left out, heights are those of its floors, and rules that say
-        nothing of one are NaN, with the reason in ``missing``.
+        Over ``rule``, of which the first is the simulation: ``gap`` [m]; ``gap_lower`` and
+        ``gap_upper`` [m], the 95 % interval of the simulated gap; ``error`` [-], the gap over the
+        simulated gap minus 1; ``no_pounding_probability`` [-] in the simulated motions with its 95 %
+        interval ``_lower`` and ``_upper``; ``rho`` [-] if the rule has one; ``verdict`` and ``status``
+        (flags). Coordinates along ``rule`` are ``kind``, ``family`` (of a code, as in `code_gaps`),
+        ``reference``, ``mark``, ``assumptions`` and ``missing``.
+
+        Over the dimensions of the parameters, from the simulation: ``peak_1`` and ``_2`` [m], the
+        quantiles that the rules use; ``peak_mean_1`` and ``_2`` and ``separation_mean`` [m], with
+        standard errors; ``separation_samples`` [m], also over ``path``; ``ductility_1`` and ``_2`` [-],
+        of the mean peaks; ``yield_displacement_1`` and ``_2`` [m]; ``reduction_factor_1`` and ``_2``
+        [-]. With records, over ``record``, the variables of `recorded_gap` with the prefix ``record_``.
+
+        For buildings with storeys also ``gap_at_height`` [m] over ``rule`` and ``height`` [m], that of
+        the simulation with a 95 % interval ``_lower`` and ``_upper``; ``governing_height`` [m] over
+        ``rule``; and over ``element``, for every storey, ``peak_drift_mean`` [m] with its standard error
+        and ``ductility`` [-].
+
+        For one building alone, the variables ending in ``_2`` are left out, the heights are those of its
+        floors, and rules that do not cover one building are NaN, with the reason in ``missing``.
 
     Raises
     ------
     ValueError, TypeError
-        If a number is out of range, the duration is shorter than a period, something is given for a
-        second building that is not there, or the run would not fit into memory: before any work is done.
+        If a number is out of range, the duration is shorter than a period, an argument is given for a
+        second building that is None, or the simulation would need too much time or memory.
 
     Notes
     -----
-    A rule is called safe or unsafe if the 95 % interval of its probability lies on that side of the
-    confidence. The codes' own load factors, minimum distances and definitions of displacement are
-    not judged by this: see ``assumptions``. With scatter the rules follow by their peaks; correlations
-    that are solved for stationary motions are those of the median strength, and so is all of
-    ``linearization``, which takes no simulated peaks.
+    The verdict on a rule is safe or unsafe if the 95 % interval of its probability of no pounding is
+    above or below the confidence. It does not include the load factors, minimum distances and
+    definitions of displacement of a code, see ``assumptions``. With scatter, the peaks for the rules
+    include it; correlations for stationary motions, and the rule ``linearization``, which uses no
+    simulated peaks, are for motions of the median strength.
 
     References
     ----------
-    Valles-Mattox and Reinhorn (1996), eqs. (3) and (4); the coordinate ``reference``.
+    Valles-Mattox and Reinhorn (1996), eqs. (3) and (4); the coordinate ``reference`` for each rule.
 
     Examples
     --------
@@ -202,7 +208,7 @@ def separation(
         check_levels(list(both.values()), tall, floors_align)
 
     def of_cell(ground: Ground, **given: AnyStructure) -> xr.Dataset:
-        with np.errstate(all="ignore"):  # what comes of extreme input is judged by its status
+        with np.errstate(all="ignore"):  # overflow by extreme input shows in the status
             motions = simulate(
                 list(given.values()),
                 ground,
@@ -214,7 +220,7 @@ def separation(
                 quantiles=[confidence],
                 progress=progress,
             )
-            # The rules are of the structures at their medians, with the peaks of all samples.
+            # The rules take the structures at their medians, and the peaks of all samples.
             structures, ground = tuple(map(median_of, given.values())), median_of(ground)
             seconds = strong_seconds(duration, envelope)
             pair: PairInMotion
@@ -256,12 +262,12 @@ def separation(
 
 
 def in_metres(structures: Sequence[AnyStructure], ground: Ground) -> tuple[AnyStructure, ...]:
-    """The structures with their strengths in metres."""
+    """The structures with strengths converted to metres."""
     return tuple(strength_in_metres(structure, ground) for structure in structures)
 
 
 def verdict_of(apart: Mapping[Any, xr.DataArray], confidence: float) -> xr.DataArray:
-    """Safe or unsafe where the 95 % interval of the probability of no pounding tells."""
+    """Verdict by the 95 % interval of the probability of no pounding: safe, unsafe or undecided."""
     lower, upper = (apart[f"no_pounding_probability_{end}"] for end in ("lower", "upper"))
     undecided = xr.where(upper < confidence, UNSAFE, WITHIN_ERROR)  # type: ignore[no-untyped-call]
     verdict: xr.DataArray = xr.where(lower >= confidence, SAFE, undecided)  # type: ignore[no-untyped-call]
@@ -269,7 +275,7 @@ def verdict_of(apart: Mapping[Any, xr.DataArray], confidence: float) -> xr.DataA
 
 
 def _judged(rules: list[Rule], pair: PairInMotion) -> xr.Dataset:
-    """Gaps of the rules beside the simulated answer, and what the motions say of each."""
+    """Table of the simulated gap and the gaps of the rules, each judged by the simulated motions."""
     motions, confidence = pair.motions, pair.confidence
     samples = pair_separation(motions)
     required, lower, upper = required_gaps(motions)
@@ -305,7 +311,7 @@ def _judged(rules: list[Rule], pair: PairInMotion) -> xr.Dataset:
 
 
 def _by_height(rules: list[Rule], pair: PairInMotion) -> xr.Dataset:
-    """What is required at each height, and how far both go there."""
+    """Gaps by simulation and by the rules at each height, and peaks of both structures there."""
     samples = separation_at(pair.motions, pair.heights)
     levels = np.array([pair.confidence])
     simulated, *interval = (ends[0] for ends in quantile_intervals(samples.values, levels))
@@ -319,7 +325,7 @@ def _by_height(rules: list[Rule], pair: PairInMotion) -> xr.Dataset:
 
 
 def gaps_by_height(gaps: Sequence[Array], heights: Array) -> xr.Dataset:
-    """What each rule requires at each height, and where it is governed."""
+    """Gap of each rule at each height [m], and the height where it is largest [m]."""
     gaps = [np.broadcast_to(each, heights.shape) for each in gaps]
     return xr.Dataset(
         {

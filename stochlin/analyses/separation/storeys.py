@@ -1,4 +1,4 @@
-"""Two structures, at least one of them a building with storeys, or one such, in simulated motions."""
+"""One or two structures, at least one of them a building with storeys, in simulated motions."""
 
 from __future__ import annotations
 
@@ -33,18 +33,18 @@ from stochlin.models.systems import (
     system_of,
 )
 
-PATHS, RELAXATION_TIMES = 64, 5.0  # of the stationary simulation, which tells rho to about 0.01
-SLOWEST = 20.0  # relaxation time of a drift, over the duration, up to which that simulation is made
+PATHS, RELAXATION_TIMES = 64, 5.0  # of the stationary simulation; the error of rho is about 0.01
+SLOWEST = 20.0  # largest relaxation time of a drift over the duration for a stationary simulation
 NO_DRIFT = "the drift closure is only available for oscillators"
 
 
 @dataclass(frozen=True)
 class StoreysInMotion(PairInMotion):
-    """Structures whose strengths are in metres, at least one of them a building with storeys."""
+    """Structures with strengths in metres, at least one of them a building with storeys."""
 
     @cached_property
     def system(self) -> System:
-        """All, unlinked."""
+        """All structures as one system, without links."""
         return system_of(self.structures)
 
     @cached_property
@@ -55,7 +55,7 @@ class StoreysInMotion(PairInMotion):
 
     @property
     def code_heights(self) -> tuple[Array, ...]:
-        """The level itself: what a code says of a roof holds at every level below it."""
+        """The levels themselves: rules of codes for the roof are applied at every level below it."""
         return (self.heights,) * len(self.structures)
 
     @cached_property
@@ -70,12 +70,12 @@ class StoreysInMotion(PairInMotion):
 
     @cached_property
     def oscillators(self) -> list[Structure]:
-        """The first modes."""
+        """The first modes of the structures as oscillators."""
         return [first_mode(structure) for structure in self.structures]
 
     @cached_property
     def ductilities(self) -> Array:
-        """Mean peak ductility of both first modes, by the displacement of the roof; 0 where elastic."""
+        """Mean peak ductility of the first modes, from roof displacements; 0 if elastic."""
         first, found = self.system.first, []
         for number, (structure, mode) in enumerate(zip(self.structures, self.oscillators, strict=True)):
             roof = float(self.motions.peak_mean[first[number + 1] - 1])
@@ -100,7 +100,7 @@ class StoreysInMotion(PairInMotion):
 
     @cached_property
     def linearized(self) -> Solved:
-        """Both by linearization."""
+        """Stationary response of the structures by linearization."""
         return linearized_motion(self.structures, self.ground)
 
     def effective_arguments(self) -> dict[str, float]:
@@ -138,7 +138,7 @@ class StoreysInMotion(PairInMotion):
 
     @cached_property
     def _weights(self) -> list[Array]:
-        """Displacements of each at the heights (heights, floors)."""
+        """Displacement of each structure at the heights, as weights of floors (heights, floors)."""
         return [
             np.array([weights(self.system, number, height) for height in self.heights])
             for number in range(len(self.structures))
@@ -146,7 +146,7 @@ class StoreysInMotion(PairInMotion):
 
 
 def weights(system: System, number: int, height: float) -> Array:
-    """Displacement of a structure of the system at a height, as weights of all floors."""
+    """Displacement of structure ``number`` at a height [m], as weights of all floors of the system."""
     found = np.zeros(int(system.first[-1]))
     for floor, share in at_height(system, number, height).items():
         found[floor] = share
@@ -156,7 +156,7 @@ def weights(system: System, number: int, height: float) -> Array:
 def linearized_at_roof(
     structures: tuple[AnyStructure, AnyStructure], ground: Ground, links: Sequence[Link]
 ) -> tuple[float, float]:
-    """Correlation and standard deviation of the difference [m] where the lower roof meets the other."""
+    """Correlation [-], and standard deviation of ``u_1 - u_2`` [m], at the level of the lower roof."""
     motion = linearized_motion(structures, ground, links)
     system = system_of(structures)
     height = meeting_heights(*system.stacks)[-1]
@@ -165,7 +165,7 @@ def linearized_at_roof(
 
 
 def correlation_of(motion: Solved, one: Array, two: Array) -> Array:
-    """Of displacements that are sums over floors with these weights (k, floors)."""
+    """Correlation of two displacements with these weights of the floors (k, floors), linearized."""
     first, second, apart = (motion.std(row) for row in (one, two, one - two))
     rho: Array = (first**2 + second**2 - apart**2) / (2 * first * second)
     return rho
@@ -180,7 +180,7 @@ def stationary_motions(
 ) -> xr.Dataset:
     """A stationary simulation that is long enough for a correlation.
 
-    Raises a ValueError where the drift of a storey is far slower than motions of the duration [s].
+    Raises a ValueError if the drift of a storey relaxes far more slowly than the duration [s].
     """
     slowest = float(riders_of(structures, ground, None, stationary=True).drift_times.max())
     if slowest > SLOWEST * duration:
@@ -199,7 +199,7 @@ def stationary_motions(
 
 
 def correlation_in(table: xr.Dataset, one: Array, two: Array) -> Array:
-    """Of such displacements in a stationary simulation."""
+    """Correlation of two displacements with these weights of the floors, in a stationary simulation."""
     sigma = table.displacement_std.values
     covariance = table.rho.values * np.outer(sigma, sigma)
     variances = [np.einsum("hi,ij,hj->h", w, covariance, w) for w in (one, two)]
@@ -211,7 +211,7 @@ def correlation_in(table: xr.Dataset, one: Array, two: Array) -> Array:
 def check_levels(
     structures: Sequence[AnyStructure], heights: Sequence[float | None], floors_align: bool
 ) -> None:
-    """Raise a ValueError if heights are given twice, or floors are said to align and do not."""
+    """Raise a ValueError if heights contradict the storeys, or floors that should align do not."""
     for n, (structure, height) in enumerate(zip(structures, heights, strict=True), start=1):
         if isinstance(structure, ShearBuilding) and height is not None:
             roof = float(structure.levels()[-1])

@@ -1,4 +1,4 @@
-"""Gaps by rule, and what is simulated of them."""
+"""Variables of the results on separation, with unit and long name."""
 
 from stochlin.analyses.simulation.variables import VARIABLES as SIMULATION
 from stochlin.analyses.tables.labels import Variables
@@ -29,7 +29,7 @@ VARIABLES: Variables = {
     "least_added_damping": ("1", "damping ratio to be added to both for the gap to keep the confidence"),
 }
 
-# Of one structure, beside its property line.
+# Variables with another long name for one structure alone, beside its property line.
 ALONE: Variables = {
     "gap": ("m", "distance of the structure from its property line"),
     "gap_at_height": ("m", "distance of the structure from its property line at this height"),

@@ -1,1 +1,1 @@
-"""What a case file says of its site: spectrum, records, how strong the shaking is."""
+"""The site of a case file: design spectrum, records, and intensity of the shaking."""

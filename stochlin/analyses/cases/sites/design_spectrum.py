@@ -1,4 +1,4 @@
-"""The design spectrum of a case file, and the ground that delivers it in the motion of the file."""
+"""The design spectrum of a case file, and the ground that is fitted to it."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ _OF_FILES = ("units", "damping", "column", "period_column", "scale")
 
 
 def spectrum_file(site: Section, folder: Path) -> list[Path]:
-    """The file that the spectrum is read from, if there is one."""
+    """Path of the file of the spectrum, if there is one."""
     if SPECTRUM not in site or site.text(SPECTRUM) in _CODES:
         return []
     return [folder / site.text(SPECTRUM)]
 
 
 def design_spectrum(site: Section, folder: Path) -> xr.DataArray:
-    """The spectrum of the site, of a code or a file."""
+    """The spectrum of the site, by a code or from a file."""
     if "ground" in site:
         raise site.error("ground", "is given beside a spectrum; allowed: one of them, so leave one out")
     name = site.text(SPECTRUM)
@@ -44,7 +44,7 @@ def design_spectrum(site: Section, folder: Path) -> xr.DataArray:
 def ground_of_design(
     site: Section, spectrum: xr.DataArray, duration: float, envelope: Envelope | None
 ) -> Ground:
-    """The ground that delivers the spectrum of the site."""
+    """The ground fitted to the spectrum of the site for the motion of the case."""
     filters = site.whole("filters", 1, highest=MOST_FILTERS) if "filters" in site else None
     with site.naming(SPECTRUM):
         ground: Ground = fit_ground(spectrum, duration=duration, envelope=envelope, filters=filters)
@@ -89,7 +89,10 @@ def _of_file(site: Section, folder: Path) -> xr.DataArray:
 
 
 def _check_keys(site: Section, own: tuple[str, ...], strength: str) -> None:
-    """Raise for a key that the spectrum has not; of how strong it is, in words."""
+    """Raise a ValueError for a key that does not belong to this kind of spectrum.
+
+    ``strength`` names the keys that give the strength of the spectrum, for messages.
+    """
     for key in (INTENSITY, *GOALS):
         if key in site and key not in (*own, HAZARD):
             raise site.error(

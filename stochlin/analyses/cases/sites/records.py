@@ -1,4 +1,4 @@
-"""The records of a case file: one by one, and a suite of them."""
+"""The records of a case file: single records, and a suite of records."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def recorded_motions(site: Section, folder: Path) -> dict[str, xr.DataArray]:
 def read_suite(
     site: Section, folder: Path, records: Suite, spectrum: xr.DataArray | None
 ) -> tuple[Suite, list[Path]]:
-    """The records of the site with those of its suite after them, and the files of the suite."""
+    """The single records followed by those of the suite, and the paths of the suite."""
     if SUITE not in site:
         return records, []
     one = site.section(SUITE)
@@ -69,7 +69,7 @@ def read_suite(
 
 
 def _goal(one: Section, spectrum: xr.DataArray | None) -> dict[str, Any]:
-    """To what the suite is scaled, as `scale_records` takes it; nothing, if nothing is said."""
+    """Arguments of `scale_records` for the suite; empty if it is not scaled."""
     key = chosen_key(one, _GOALS, {"sa_period": "sa", "band": SCALE_TO})
     if key == "pga":
         return {key: one.number(key, ACCELERATION)}
@@ -96,7 +96,7 @@ def _band(one: Section) -> tuple[float, ...]:
 
 
 def _reading(one: Section) -> dict[str, Any]:
-    """How a record, or each of a suite, is to be read."""
+    """Arguments of `read_record` for a record, or for each of a suite."""
     options: dict[str, Any] = {"units": one.text("units")} if "units" in one else {}
     if "dt" in one:
         options["dt"] = one.number("dt", TIME)

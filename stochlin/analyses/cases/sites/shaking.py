@@ -1,4 +1,4 @@
-"""The shaking of an answer, and doubts about it."""
+"""Intensity of the motions and records of a case, and warnings on implausible results."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ if TYPE_CHECKING:
     from stochlin.analyses.cases.buildings import AnyBuilding
     from stochlin.analyses.cases.case import Case
 
-MOST_RECORDS = 5  # that are told one by one; of more the median has an interval
-LEVELS = (0.5, 0.84)  # quantiles that are told of more, beside the confidence that is asked for
+MOST_RECORDS = 5  # records reported one by one; of more, statistics are reported
+LEVELS = (0.5, 0.84)  # quantiles over more records, besides the confidence of the case
 
 
 def shaking_of(case: Case) -> xr.Dataset:
-    """How strong the motions of a case are: PGA, rms, S0, and Sa at the period of each building."""
+    """Mean intensity of the motions of a case: PGA, rms, S0, and Sa at the period of each building."""
     periods = np.array([building.period for building in case.buildings])
     return shaking(case.ground, periods, case.duration, case.envelope)
 
 
 def recorded_shaking(record: xr.DataArray, periods: list[float]) -> dict[str, xr.DataArray]:
-    """How strong a record is: PGA, rms of its strong part, and over ``structure`` Sa at its period."""
+    """Intensity of a record: PGA, rms of its strong part, and Sa at each period over ``structure``."""
     shown, place = np.unique(periods, return_inverse=True)
     found = response_spectrum(record, shown, USUAL_DAMPING).pseudo_acceleration.to_numpy()[place]
     return {
@@ -42,7 +42,7 @@ def recorded_shaking(record: xr.DataArray, periods: list[float]) -> dict[str, xr
 
 
 def over_records(separations: xr.DataArray, gap: float, confidence: float) -> xr.Dataset:
-    """Quantiles of the gaps [m] that records take, and the share that one gap would have survived."""
+    """Quantiles of the separations [m] in records, and the share of records without pounding."""
     levels = np.unique([*LEVELS, confidence])
     found = quantile_intervals(separations.to_numpy(), levels)
     table = xr.Dataset(coords={"quantile": labels.axis("quantile", "quantile", levels)})
@@ -59,7 +59,7 @@ def doubts(
     gap: float = 0.0,
     peaks: tuple[float, ...] = (),
 ) -> list[str]:
-    """What of an answer can hardly be meant: the shaking, a gap [m] or peaks [m] beyond all measure."""
+    """Texts on implausible results: the shaking, or a gap [m] or peaks [m] above building heights."""
     found = []
     if doubt := doubtful_peak(float(shaken["peak_ground_acceleration"])):
         found.append(f"peak ground acceleration: {doubt}")

@@ -1,4 +1,4 @@
-"""How strong the shaking of a case file is: by S0, PGA, Sa at a period, or a return period."""
+"""Intensity of the shaking in a case file: by S0, PGA, Sa at a period, or a return period."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from stochlin.models.hazards import MEASURES, Hazard, HazardCurve, PowerLawHazar
 from stochlin.models.parameters import POSITIVE
 
 INTENSITY, RETURN_PERIOD, HAZARD = "intensity", "return_period", "hazard"
-GOALS = ("pga", "sa", "sa_period", RETURN_PERIOD, HAZARD)  # keys beside or in place of an intensity
+GOALS = ("pga", "sa", "sa_period", RETURN_PERIOD, HAZARD)  # keys besides or in place of an intensity
 ACCELERATION, TIME = Quantity("m/s^2", POSITIVE), Quantity("s", POSITIVE)
 YEARS, NUMBER = Quantity("yr", POSITIVE), Quantity("1", POSITIVE)
 SPECTRAL_DENSITY = Quantity("m^2/s^3", POSITIVE)
-WAYS = {  # of describing a hazard, by the key that says which, and what goes with it
+WAYS = {  # kinds of hazard, by the key that distinguishes them, with all keys of each kind
     "file": ("file", "units"),
     "intensities": ("intensities", "frequencies", "return_periods"),
     "k0": ("k0", "k", "units"),
@@ -34,19 +34,19 @@ HAZARD_EXAMPLES = (
     'return_periods = ["100 yr", "1000 yr"]; k0, k and units'
 )
 HAZARD_EXAMPLE = f'write [site.hazard], and below it measure = "pga" and one of {HAZARD_EXAMPLES}'
-STRONGEST, WEAKEST = 3.0, 1e-3  # peak ground accelerations in g: beyond, units are likely to be mixed up
+STRONGEST, WEAKEST = 3.0, 1e-3  # range of plausible peak ground accelerations [g]
 EXAMPLE = '"0.01 m^2/s^3", or pga = "0.3 g", or sa = "0.8 g" with sa_period = "1 s"'
 
 
 class Goal(NamedTuple):
-    """How strong the motions are to be: arguments of `scale_ground`, and the key that says so."""
+    """Wanted intensity of the motions: arguments of `scale_ground`, and the key that gives them."""
 
     key: str
     asked: dict[str, Any]
 
 
 def read_goal(site: Section, folder: Path) -> Goal | None:
-    """What the site says in place of an intensity; None if nothing."""
+    """The wanted intensity by PGA, Sa or a return period; None if the site has none of these."""
     key = chosen_key(site, (INTENSITY, "pga", "sa", RETURN_PERIOD), {"sa_period": "sa"})
     if key == "pga":
         pga = site.number(key, ACCELERATION)
@@ -67,12 +67,15 @@ def read_goal(site: Section, folder: Path) -> Goal | None:
 
 
 def read_hazard_of(site: Section, folder: Path) -> Hazard | None:
-    """How often which shaking is exceeded, where the site says so."""
+    """The hazard of the site, if it is given."""
     return described_hazard(site.section(HAZARD), folder) if HAZARD in site else None
 
 
 def chosen_key(one: Section, keys: Sequence[str], companions: Mapping[str, str]) -> str:
-    """The one of these keys that is there, if any; an error for two, or for what goes with another."""
+    """The one of these keys that is given, or an empty text.
+
+    A ValueError is raised for two of them, or for a companion key without the key that it belongs to.
+    """
     given = [key for key in keys if key in one]
     if len(given) > 1:
         raise one.error(
@@ -87,7 +90,7 @@ def chosen_key(one: Section, keys: Sequence[str], companions: Mapping[str, str])
 
 
 def doubtful_peak(pga: float) -> str:
-    """What is doubtful about a peak ground acceleration [m/s^2]; empty if nothing is."""
+    """Text of a warning on an implausible peak ground acceleration [m/s^2]; empty if plausible."""
     shown = f"{pga / METRES['g']:.3g} g"
     if pga > STRONGEST * METRES["g"]:
         return (
@@ -107,12 +110,12 @@ def as_strong_as_asked(
     duration: float,
     envelope: Envelope | None,
 ) -> tuple[Ground, xr.DataArray | None]:
-    """Ground and spectrum of the site, as strong as it asks for; as they are where it does not."""
+    """Ground and spectrum of the site, scaled to the wanted intensity if the site has one."""
     goal = read_goal(site, folder)
     if goal is None:
         return ground, spectrum
     found: Ground
-    if INTENSITY in goal.asked:  # by a hazard of it
+    if INTENSITY in goal.asked:  # from a hazard of S0
         found = replace(ground, **goal.asked)
     else:
         with site.naming(goal.key, "cannot be met"):
@@ -124,7 +127,7 @@ def as_strong_as_asked(
 
 
 def described_hazard(one: Section, folder: Path) -> Hazard:
-    """A file, a few points or a power law; each says of what, and in which units."""
+    """The hazard from a file, from points in the case file, or by a power law."""
     way = next((key for key in ("file", "intensities") if key in one), "k0")
     one.only(
         "measure", "sa_period", *WAYS[way], elsewhere=[key for keys in WAYS.values() for key in keys]
@@ -144,14 +147,14 @@ def described_hazard(one: Section, folder: Path) -> Hazard:
     if "k0" not in one and "k" not in one:
         raise one.error("", f"has no numbers; allowed: one of {HAZARD_EXAMPLES}")
     k0, k = (one.number(key, NUMBER) for key in ("k0", "k"))
-    # k0 is how often 1 g, or whatever the unit is, is exceeded.
+    # k0 is the annual frequency of exceedance of 1 in the unit of the file, for instance 1 g.
     units_of = SPECTRAL_DENSITY.spellings if measure == INTENSITY else METRES
     unit = units_of[one.text("units", tuple(units_of))]
     return PowerLawHazard(k0 * unit**k, k, **of)
 
 
 def _of_points(one: Section, of: Mapping[str, Any]) -> HazardCurve:
-    """Intensities, each with its annual frequency or its return period."""
+    """Hazard curve from intensities, each with its annual frequency or return period."""
     intensities = one.numbers(
         "intensities", SPECTRAL_DENSITY if of["measure"] == INTENSITY else ACCELERATION
     )
@@ -175,7 +178,7 @@ def _of_points(one: Section, of: Mapping[str, Any]) -> HazardCurve:
 
 
 def hazard_file(site: Section, folder: Path) -> list[Path]:
-    """The file that the hazard is read from, if there is one."""
+    """Path of the file of the hazard, if there is one."""
     hazard = site.section(HAZARD, needed=False)
     return [folder / hazard.text("file")] if "file" in hazard else []
 
