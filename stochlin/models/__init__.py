@@ -1,1 +1,1 @@
-"""First floor: what a user describes. Frozen dataclasses, validated here, once."""
+"""Models that a user describes, such as structures and grounds; they are validated when made."""

@@ -83,7 +83,7 @@ def read_spectrum(
     name = plain(path.name)
     series = read_series(path, column, period_column)
     stated = stated_units(series, name, units)
-    assert series.time is not None  # a column was asked for
+    assert series.time is not None  # period_column is always given
     period, values = np.asarray(series.time), series.values * METRES[stated]
     check_ordinates(period, values, damping, rows_in_words(path))
     largest = values.max() / METRES["g"]
