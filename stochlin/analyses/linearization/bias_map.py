@@ -133,8 +133,9 @@ def _at_point(*point: Array, name: str) -> Array:
     return np.expm1(between_points(_grid(name), in_one_shape(*map(np.log, point))))
 
 
-def between_points(grid: Grid, place: Sequence[Array]) -> Array:
+def between_points(grid: Grid, place: Sequence[Array] | Array) -> Array:
     """The value of a map at this place, axis by axis, in arrays of one shape; NaN outside."""
-    out = np.empty(place[0].size)
-    interpolate(*grid, np.stack([array.ravel() for array in place]), out)
-    return out.reshape(place[0].shape)
+    points = np.asarray(place)
+    out = np.empty(points.shape[1:])
+    interpolate(*grid, points.reshape(len(points), -1), out.reshape(-1))
+    return out

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -20,6 +21,9 @@ def in_slabs(function: Callable[..., Array], *inputs: Array, results: int = 1) -
     shape = np.broadcast_shapes(*(array.shape for array in inputs))
     result = np.empty(shape if results == 1 else (results, *shape))
     padded = [array.reshape((1,) * (len(shape) - array.ndim) + array.shape) for array in inputs]
+    if math.prod(shape) <= CHUNK:
+        result[...] = function(*padded)
+        return result
     for slab in _slabs(shape):
         cells: tuple[Any, ...] = (..., *slab)
         result[cells] = function(*(array[_clip(slab, array.shape)] for array in padded))
