@@ -40,6 +40,7 @@ TEXTBOOK_CELLS, LYAP_CELLS, NUMPY_POINTS = 20, 200, 300
 SIZES = (100, 400, 1000, 2000, 4000)
 BYTES = 35  # of a cell: rho, the difference and both biases, status, two cautions
 GROUND = sl.KanaiTajimi(2.0, 0.05)
+METHODS = ("linearization", "white_noise", "effective")
 Row = tuple[str, float, float, str]  # what, its rate, its error, a remark
 
 
@@ -254,17 +255,53 @@ def drift_over_gaussian() -> list[Row]:
     return rows
 
 
-def peak_memory() -> Row:
-    """Growth of the resident set by a table of 4000 x 4000 over its own size, in a fresh process."""
-    program = (
-        "import re, tables; tables.table(300);"
-        "rss = lambda: 1024 * int(re.search(r'VmHWM:\\s+(\\d+)', open('/proc/self/status').read())[1]);"
-        "before = rss(); kept = tables.table(4000); print((rss() - before) / kept.nbytes)"
-    )
-    here = Path(__file__).parent
-    command = [sys.executable, "-c", program]
-    done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=here)
-    return "peak memory over the result", float(done.stdout), np.nan, "4000 x 4000"
+def one_pair() -> list[Row]:
+    """Milliseconds of processor time of a call with numbers, warm."""
+    pair = building(1.0), building(0.7)
+    tasks: dict[str, Callable[[], object]] = {
+        **{
+            f"correlate, {name}": functools.partial(sl.correlate, *pair, GROUND, name)
+            for name in METHODS
+        },
+        "correlate, drift closure": lambda: sl.correlate(*pair, GROUND, closure="drift"),
+        "linearize": lambda: sl.linearize(pair[0], GROUND),
+    }
+    rows: list[Row] = []
+    for what, task in tasks.items():
+        times = []
+        for _ in range(20):
+            begin = time.process_time()
+            task()
+            times.append(1e3 * (time.process_time() - begin))
+        rows.append(
+            (f"{what}, one pair (ms)", min(times), np.nan, f"median {statistics.median(times):.2f}")
+        )
+    return rows
+
+
+def peak_memory() -> list[Row]:
+    """Growth of the resident set by a large table over its own size, in a fresh process each."""
+    pair = "*(tables.building(tables.axis(name, n)) for name in 'ab'), tables.GROUND"
+    periods = "*(tables.axis(name, n) for name in 'ab')"
+    calls = {f"correlate, {name}": f"tables.sl.correlate({pair}, {name!r})" for name in METHODS}
+    calls["correlate, drift closure"] = f"tables.sl.correlate({pair}, closure='drift')"
+    calls["rho_white_noise"] = f"tables.sl.rho_white_noise({periods}, 0.05, 0.05)"
+    calls["rho_effective"] = f"tables.sl.rho_effective({periods}, *[0.05] * 4, 4.0, 4.0)"
+    calls["critical_gap"] = f"tables.sl.critical_gap({periods}, 0.5)"
+    rows: list[Row] = []
+    for what, call in calls.items():
+        program = (
+            f"import re, tables; made = lambda n: {call}; made(300);"
+            "status = lambda: open('/proc/self/status').read();"
+            "rss = lambda: 1024 * int(re.search(r'VmHWM:\\s+(\\d+)', status())[1]);"
+            "before = rss(); kept = made(3000); print((rss() - before) / kept.nbytes, kept.nbytes)"
+        )
+        command = [sys.executable, "-c", program]
+        here = Path(__file__).parent
+        done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=here)
+        share, size = map(float, done.stdout.split())
+        rows.append((f"peak memory over the result, {what}", share, np.nan, f"{size / 1e6:.0f} MB"))
+    return rows
 
 
 def start_up() -> list[Row]:
@@ -327,7 +364,8 @@ def main() -> None:
     book = textbook()
     rows = [book, lyap("scipy"), lyap("slycot"), *plain_numpy(), *ours()]
     counted = len(rows)
-    rows += [*fixed_points(), *drift_over_gaussian(), peak_memory(), *start_up(), *atlases()]
+    rows += [*fixed_points(), *drift_over_gaussian(), *one_pair()]
+    rows += [*peak_memory(), *start_up(), *atlases()]
     load = f"{os.cpu_count()} cores, load average before and during {os.getloadavg()[0]:.1f}"
     lines = [f"{load}; cells a second unless said otherwise", ""]
     lines += ["| what | rate | x textbook | error of rho | remark |", "|---|---|---|---|---|"]

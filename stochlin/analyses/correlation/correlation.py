@@ -28,11 +28,11 @@ from stochlin.analyses.tables.cellwise import (
     Solved,
     cellwise_pair,
     valid_cells,
-    where_valid,
 )
 from stochlin.analyses.tables.work import check_work, count_cells
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.basics.slabs import in_slabs
 from stochlin.kernels.correlation.tables import ROUNDING
 from stochlin.kernels.correlation.white_noise import white_noise_correlation
 from stochlin.messages import brief
@@ -208,17 +208,17 @@ def _by_linearization(asked: Question) -> Answer:
 def _by_white_noise(asked: Question) -> Answer:
     sides = elastic_together(asked.pair, asked.ground)
     inputs = [s.cells()[name] for name in ("period", "damping") for s in asked.pair]
-    return _shown(_white_noise(*inputs), sides), "eq. (4)", {}
+    return _shown(inputs, sides), "eq. (4)", {}
 
 
 def _by_effective_properties(asked: Question) -> Answer:
     rule = effective_rule(asked.rule)
     sides = solved_together(asked.pair, asked.ground, asked.closure, asked.tolerance)
     effective = effective_pair(*asked.pair, sides, rule)
-    rho = _white_noise(*(effective[name] for name in EQ_4))
     comment = {"comment": f"Peak ductilities are linearized. {labels.CAUTION_SIGMA}"}
     attrs = (comment if asked.yields else {}) | {"rule": rule.describe()}
-    return _shown(rho, sides) | effective, f"closure={asked.closure!r}, rule={rule.name!r}", attrs
+    of_eq_4 = [effective[name] for name in EQ_4]
+    return _shown(of_eq_4, sides) | effective, f"closure={asked.closure!r}, rule={rule.name!r}", attrs
 
 
 def _by_simulation(asked: Question) -> Answer:
@@ -228,8 +228,8 @@ def _by_simulation(asked: Question) -> Answer:
     return found, settings.told, table.attrs
 
 
-DRIFTING, WHITE_NOISE = 150, 80  # bytes that a cell takes, roughly
-BYTES = {"linearization": 40, "white_noise": WHITE_NOISE, "effective": 100, "simulation": 80}
+DRIFTING, WHITE_NOISE = 100, 30  # bytes that a cell takes, roughly
+BYTES = {"linearization": 40, "white_noise": WHITE_NOISE, "effective": 40, "simulation": 80}
 METHODS: Mapping[str, Callable[[Question], Answer]] = {
     "linearization": _by_linearization,
     "white_noise": _by_white_noise,
@@ -238,22 +238,23 @@ METHODS: Mapping[str, Callable[[Question], Answer]] = {
 }
 
 
-def _shown(rho: Cells, sides: list[Solved]) -> dict[str, Cells]:
-    """``rho`` beside the two responses, blank where one of them failed."""
-    (status,) = cellwise_pair(_worse, *(side["status"] for side in sides), rho, kinds=(np.int8,))
-    (rho,) = cellwise_pair(_solved_rho, rho, status)
+def _shown(inputs: list[Cells], sides: list[Solved]) -> dict[str, Cells]:
+    """Eq. (4) of these beside the two responses, blank where one of them failed."""
+    of_sides = (side["status"] for side in sides)
+    rho, status = cellwise_pair(_judged_eq_4, *of_sides, *inputs, kinds=(float, np.int8))
     shown = {f"{name}_{n}": side[name] for name in SHOWN for n, side in enumerate(sides, start=1)}
     return {"rho": rho, **shown, "status": status}
 
 
-def _worse(status_1: Array, status_2: Array, rho: Array) -> Array:
-    status = np.maximum(status_1, status_2)
-    wrong = (status < labels.NOT_CONVERGED) & ~(np.abs(rho) <= 1 + ROUNDING)
-    return np.where(wrong, labels.NOT_PHYSICAL, status)
+@np.errstate(invalid="ignore", divide="ignore")  # invalid cells are blanked by their status
+def _judged_eq_4(*inputs: Array) -> tuple[Array, ...]:
+    def piece(status_1: Array, status_2: Array, *pair: Array) -> tuple[Array, Array]:
+        rho, status = white_noise_correlation(*pair), np.maximum(status_1, status_2)
+        wrong = (status < labels.NOT_CONVERGED) & ~(np.abs(rho) <= 1 + ROUNDING)
+        status = np.where(wrong, labels.NOT_PHYSICAL, status)
+        return np.where(status < labels.NOT_CONVERGED, np.clip(rho, -1, 1), np.nan), status
 
-
-def _solved_rho(rho: Array, status: Array) -> Array:
-    return np.where(status < labels.NOT_CONVERGED, np.clip(rho, -1, 1), np.nan)
+    return in_slabs(piece, *inputs, kinds=(float, np.int8))
 
 
 def rho_white_noise(
@@ -297,7 +298,7 @@ def rho_white_noise(
         memory=WHITE_NOISE * count_cells(pair),
     )
     valid = valid_cells(pair)
-    rho = where_valid(_white_noise(*pair.cells().values()), valid)
+    (rho,) = cellwise_pair(_eq_4_where_valid, valid, *pair.cells().values())
     table = xr.Dataset({"rho": rho, "status": labels.status_where(valid)})
     return labels.with_run_information(
         labels.label(table, VARIABLES),
@@ -307,11 +308,9 @@ def rho_white_noise(
     )
 
 
-@np.errstate(invalid="ignore", divide="ignore")  # invalid cells are blanked by their status
-def _quietly(*inputs: Array) -> Array:
-    return white_noise_correlation(*inputs)
+@np.errstate(invalid="ignore", divide="ignore")  # invalid cells are blanked
+def _eq_4_where_valid(*inputs: Array) -> Array:
+    def piece(valid: Array, *pair: Array) -> Array:
+        return np.where(valid, white_noise_correlation(*pair), np.nan)
 
-
-def _white_noise(*inputs: Cells) -> Cells:
-    (rho,) = cellwise_pair(_quietly, *inputs)
-    return rho
+    return in_slabs(piece, *inputs)[0]

@@ -27,7 +27,7 @@ def derived_correlation(first: Solved, second: Solved) -> Any:
 
 @np.errstate(all="ignore")  # what comes of extreme input is judged by its status
 def _correlation(*inputs: Array) -> Array:
-    return in_slabs(pieces_of_rho, *inputs)
+    return in_slabs(pieces_of_rho, *inputs)[0]
 
 
 def pieces_of_rho(*parts: Array) -> Array:

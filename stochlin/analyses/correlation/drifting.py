@@ -44,8 +44,8 @@ def drifting_pairs(
     raw, doubt, share = _rho_and_doubt((first, second), sides, ground, tolerance)
     expected = expected_rho_error(first, second, ground, sides)
     of_rho = (raw, *(side["status"] for side in sides), truth, expected)
-    kinds = (float, np.int8, float, float, float)
-    *judged, unsure = cellwise(_judged_rho, *of_rho, kinds=kinds)
+    *judged, unsure = cellwise(_judged_rho, *of_rho, kinds=JUDGED)
+    del raw, truth, expected, of_rho  # a column of the table each
     table |= zip(("rho", "status", "bias", "rho_error"), judged, strict=True)
     worst = caution_of(unsure)
     for number, side in enumerate(sides, start=1):
@@ -60,7 +60,14 @@ def drifting_pairs(
     return table | {f"{DIFFERENCE}_caution": caution_of_error(apart), "caution": worst}
 
 
-def _judged_rho(
+JUDGED = (float, np.int8, float, float, float)
+
+
+def _judged_rho(*inputs: Array) -> tuple[Array, ...]:
+    return in_slabs(_judged_piece, *inputs, kinds=JUDGED)
+
+
+def _judged_piece(
     raw: Array, status_1: Array, status_2: Array, truth: Array, expected: Array
 ) -> tuple[Array, ...]:
     """``rho``, status, bias, expected error, and of these two the one that a caution goes by."""
@@ -70,7 +77,11 @@ def _judged_rho(
     return rho, status, bias, error, np.where(np.isnan(bias), error, bias)
 
 
-def _difference_error(*arrays: Array) -> tuple[Array, Array]:
+def _difference_error(*arrays: Array) -> tuple[Array, ...]:
+    return in_slabs(_difference_piece, *arrays, kinds=(float, float))
+
+
+def _difference_piece(*arrays: Array) -> tuple[Array, Array]:
     """`relative_error` where ``rho_error``, the last of the arrays, is known; none of elastic pairs."""
     *of_pair, rho_error = arrays
     error, bias = relative_error(*of_pair)
@@ -104,19 +115,18 @@ def _rho_and_doubt(
 
 @np.errstate(all="ignore")  # what comes of extreme input is judged by its status
 def _cells(*inputs: Array) -> tuple[Array, ...]:
-    def piece(*parts: Array) -> Array:
+    def piece(*parts: Array) -> tuple[Array, ...]:
         half, own = len(parts) // 2, len(OF_A_SIDE)
         one, other = parts[:half], parts[half:]
         derived = pieces_of_rho(*one[:own], *other[:own])
         if half == own:
-            return np.stack([derived, doubt_of(derived), 0 * derived])
+            return derived, doubt_of(derived), 0 * derived
         (seen_1, like_1), (seen_2, like_2) = insight_of(one[own:]), insight_of(other[own:])
         informed, unseen = derived, np.ones_like(derived)
         if seen_1 is not None and seen_2 is not None:
             informed, unseen = informed_correlation(derived, seen_1, seen_2), seen_1.left * seen_2.left
         rho, share, apart = with_nearness(informed, like_1, like_2, unseen)
         mean = (like_1.place + like_2.place)[1:] / 2
-        doubt = doubt_of(rho, corrected(derived, informed), share, apart, *mean)
-        return np.stack(np.broadcast_arrays(rho, doubt, share))
+        return rho, doubt_of(rho, corrected(derived, informed), share, apart, *mean), share
 
-    return tuple(in_slabs(piece, *inputs, results=3))
+    return in_slabs(piece, *inputs, kinds=(float,) * 3)

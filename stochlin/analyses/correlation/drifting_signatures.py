@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -27,7 +28,7 @@ from stochlin.analyses.linearization.drift_map import (
 )
 from stochlin.analyses.linearization.equivalent_systems import solve_derived
 from stochlin.analyses.linearization.tolerance import Tolerance
-from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, lone
+from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.correlation.nearness import AXES, ENTRIES, Nearness
 from stochlin.kernels.correlation.signatures import Insight, insight, signature
@@ -56,9 +57,7 @@ def references(ground: Ground) -> Bilinear:
     )
 
 
-def derived_signatures(
-    solved: Sequence[Solved], known: xr.Dataset, gram: xr.DataArray
-) -> list[xr.DataArray]:
+def derived_signatures(solved: Sequence[Solved], known: Solved, gram: xr.DataArray | Array) -> list[Any]:
     """Signatures of structures over the references, all with the drifts of `solve_derived`.
 
     ``gram`` has the correlations of the references.
@@ -79,6 +78,13 @@ def _solved_references(ground: Ground, tolerance: Tolerance) -> tuple[xr.Dataset
 
 
 _solved_once = lru_cache(maxsize=GROUNDS)(_solved_references)
+
+
+@lru_cache(maxsize=GROUNDS)
+def _plain_references(ground: Ground, tolerance: Tolerance) -> tuple[Solved, Array]:
+    """The same without labels, for lone cells."""
+    known, gram = _solved_once(ground, tolerance)
+    return {name: array.values for name, array in known.items()}, gram.values
 
 
 def _signature(joint: Array, gram: Array) -> Array:
@@ -109,12 +115,15 @@ def insights(
     one_ground = all(array.ndim == 0 for array in ground.arrays().values())
     solve = _solved_once if one_ground else _solved_references
     told = []
-    signatures = derived_signatures(solved, *solve(ground, tolerance))
-    for point, own in zip(points, signatures, strict=True):
-        parts = [own.isel({REFERENCE: n}, drop=True) for n in range(own.sizes[REFERENCE])]
+    for point, side in zip(points, solved, strict=True):
+        labelled = any(isinstance(array, xr.DataArray) for array in side.values())
+        known = (solve if labelled else _plain_references)(ground, tolerance)
+        (own,) = derived_signatures([side], *known)
         correction = hold_at_ends(SIGNATURE, point)
-        seen = cellwise(_insight, *parts, *correction, kinds=(float,) * (2 * len(parts) + 1))
-        told.append([*map(lone, seen), *_like(point, point[-1])])
+        core = ([REFERENCE], *([] for _ in correction))
+        kinds = (float,) * (2 * len(correction) + 1)
+        seen = cellwise(_insight, own, *correction, core=core, kinds=kinds)
+        told.append([*seen, *_like(point, point[-1])])
     return told
 
 
@@ -135,12 +144,9 @@ def _nearness(*arrays: Array) -> tuple[Array, ...]:
 
 
 @np.errstate(invalid="ignore")  # cells that are not solved are NaN
-def _insight(*arrays: Array) -> tuple[Array, ...]:
-    half = len(arrays) // 2
-    derived, correction = (
-        np.stack(np.broadcast_arrays(*part)) for part in (arrays[:half], arrays[half:])
-    )
-    found = insight(derived, correction)
+def _insight(own: Array, *correction: Array) -> tuple[Array, ...]:
+    together = np.broadcast_arrays(*np.moveaxis(own, -1, 0), *correction)
+    found = insight(*np.array(together).reshape(2, len(correction), *together[0].shape))
     return (*found.known, *found.derived, found.unseen)
 
 

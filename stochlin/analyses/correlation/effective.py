@@ -9,8 +9,9 @@ import xarray as xr
 
 from stochlin.analyses.correlation.variables import VARIABLES
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, valid_cells, where_valid
+from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, valid_cells
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.slabs import in_slabs
 from stochlin.kernels.correlation.white_noise import white_noise_correlation
 from stochlin.models.parameters import Parameter
 from stochlin.models.rules.effective_properties import EffectiveRule, YieldingPair, effective_rule
@@ -79,9 +80,8 @@ def rho_effective(
         period_1, period_2, damping_1, damping_2, hardening_1, hardening_2, ductility_1, ductility_2
     )
     valid = valid_cells(pair)
-    values = {name: where_valid(value, valid) for name, value in pair.cells().items()}
-    effective = effective_properties(values, chosen)
-    (rho,) = cellwise(white_noise_correlation, *effective.values())
+    effective = effective_properties(pair.cells(), chosen, valid)
+    (rho,) = cellwise(_eq_4, *effective.values())
     table = xr.Dataset({"rho": rho, **effective, "status": labels.status_where(valid)})
     table = labels.label(table, VARIABLES)
     return labels.with_run_information(
@@ -93,21 +93,29 @@ def rho_effective(
     )
 
 
-def effective_properties(values: Solved, rule: EffectiveRule) -> dict[str, Cells]:
-    """Effective periods and dampings, each on its structure's dimensions.
+def _eq_4(*inputs: Array) -> Array:
+    return in_slabs(white_noise_correlation, *inputs)[0]
+
+
+def effective_properties(values: Solved, rule: EffectiveRule, valid: Cells = True) -> dict[str, Cells]:
+    """Effective periods and dampings, each on its structure's dimensions; NaN where not ``valid``.
 
     ``values`` by the names of `YieldingPair`.
     """
     found: dict[str, Cells] = dict.fromkeys(EQ_4, np.nan)
 
-    @np.errstate(invalid="ignore")  # invalid cells are blanked by their status
-    def effective(mu: Array, alpha: Array, period: Array, xi: Array) -> tuple[Array, Array]:
+    def piece(good: Array, *own: Array) -> tuple[Array, Array]:
+        mu, alpha, period, xi = (np.where(good, value, np.nan) for value in own)
         return period * rule.period_ratio(mu, alpha), rule.damping(mu, alpha, xi)
+
+    @np.errstate(invalid="ignore")  # invalid cells are blanked by their status
+    def effective(*inputs: Array) -> tuple[Array, ...]:
+        return in_slabs(piece, *inputs, kinds=(float, float))
 
     for n in (1, 2):
         given = [values[f"{name}_{n}"] for name in ("ductility", "hardening", "period", "damping")]
         found[f"period_eq_{n}"], found[f"damping_eq_{n}"] = cellwise(
-            effective, *given, kinds=(float, float)
+            effective, valid, *given, kinds=(float, float)
         )
     return found
 

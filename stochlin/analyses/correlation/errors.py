@@ -9,6 +9,7 @@ from the derivation to the simulated map move ``1 - rho``; ``docs/drift.md`` say
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from stochlin.analyses.linearization.bias_map import caution_of_error, point_of
 from stochlin.analyses.linearization.drift_map import CORRECTED_GROUNDS, checked
 from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, is_lazy
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.slabs import in_slabs
 from stochlin.kernels.correlation.differences import NONE_LEFT, differences
 from stochlin.models.grounds import CloughPenzien, Ground, KanaiTajimi, WhiteNoise
 from stochlin.models.structures import Structure
@@ -55,7 +57,7 @@ def expected_rho_error(
             inside = checked(ground, place)
             region = cellwise(_region, inside, *place[3:], kinds=(np.int8,))
         arrays += [*region, structure.cells()["period"], np.isinf(side["yield_displacement"])]
-    (error,) = cellwise(_error, *arrays, values=values)
+    (error,) = cellwise(_errors, *arrays, values=values)
     return error
 
 
@@ -68,6 +70,10 @@ def _region(inside: Array, *soil: Array) -> Array:
     inside = inside & (ratio >= PERIODS[0] * (1 - ROUNDING)) & (ratio <= PERIODS[-1] * (1 + ROUNDING))
     band = (len(GROUND_DAMPINGS) - 1) * _band(ratio, PERIODS) + _band(ground_damping, GROUND_DAMPINGS)
     return np.where(inside, band, -1).astype(np.int8)
+
+
+def _errors(*arrays: Array, values: Array) -> Array:
+    return in_slabs(partial(_error, values=values), *arrays)[0]
 
 
 @np.errstate(divide="ignore", invalid="ignore")
@@ -167,7 +173,11 @@ def difference(table: Solved) -> dict[str, Cells]:
     return {f"{DIFFERENCE}_std": std, f"{DIFFERENCE}_bias": bias, f"{DIFFERENCE}_caution": flag}
 
 
-def _difference(std_1: Array, std_2: Array, rho: Array) -> Array:
+def _difference(*arrays: Array) -> Array:
+    return in_slabs(_difference_piece, *arrays)[0]
+
+
+def _difference_piece(std_1: Array, std_2: Array, rho: Array) -> Array:
     return np.sqrt((std_1 - std_2) ** 2 + 2 * std_1 * std_2 * _left(rho))
 
 

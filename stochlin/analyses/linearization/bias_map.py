@@ -17,6 +17,7 @@ import xarray as xr
 from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise
 from stochlin.kernels.basics.arrays import Array, in_one_shape
 from stochlin.kernels.basics.interpolation import Grid, interpolate
+from stochlin.kernels.basics.slabs import in_slabs
 from stochlin.kernels.correlation.tables import OFF
 from stochlin.models.grounds import Ground, KanaiTajimi, WhiteNoise
 from stochlin.models.laws.bilinear import Bilinear
@@ -121,7 +122,7 @@ def caution_of_error(error: Cells) -> Cells:
 
 
 def _caution(off: Array, most: float) -> Array:
-    return np.where(np.isnan(off), np.int8(2), (np.abs(off) > most).astype(np.int8))
+    return in_slabs(lambda one: 2 * np.isnan(one) + (np.abs(one) > most), off, kinds=(np.int8,))[0]
 
 
 def _property(structure: Structure, name: str) -> Cells:
@@ -133,8 +134,9 @@ def _at_point(*point: Array, name: str) -> Array:
     return np.expm1(between_points(_grid(name), in_one_shape(*map(np.log, point))))
 
 
-def between_points(grid: Grid, place: Sequence[Array]) -> Array:
+def between_points(grid: Grid, place: Sequence[Array] | Array) -> Array:
     """The value of a map at this place, axis by axis, in arrays of one shape; NaN outside."""
-    out = np.empty(place[0].size)
-    interpolate(*grid, np.stack([array.ravel() for array in place]), out)
-    return out.reshape(place[0].shape)
+    points = np.asarray(place)
+    out = np.empty(points.shape[1:])
+    interpolate(*grid, points.reshape(len(points), -1), out.reshape(-1))
+    return out

@@ -168,7 +168,9 @@ def _held_with_spread(*point: Array, name: str) -> tuple[Array, Array]:
     return value, np.sqrt(np.maximum(square - value**2, 0))
 
 
-def _inside(grid: Grid, point: tuple[Array, ...]) -> list[Array]:
-    arrays = in_one_shape(*(np.log(array) for array in point))
-    ends = [axis[[0, size - 1]] for axis, size in zip(grid.axes, grid.sizes, strict=True)]
-    return [np.clip(array, *end) for array, end in zip(arrays, ends, strict=True)]
+def _inside(grid: Grid, point: tuple[Array, ...]) -> Array:
+    place = np.log(np.array(in_one_shape(*point)))
+    ends = zip(grid.axes, grid.sizes, strict=True)
+    for row, (axis, size) in enumerate(ends):
+        place[row] = np.clip(place[row], axis[0], axis[size - 1])
+    return place

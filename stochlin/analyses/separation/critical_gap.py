@@ -11,6 +11,7 @@ from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import cellwise, valid_cells
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.slabs import in_slabs
 from stochlin.kernels.correlation.combination import double_difference
 from stochlin.models.parameters import NOT_NEGATIVE, Model, Parameter, Range, parameter
 
@@ -76,5 +77,8 @@ def critical_gap(peak_1: Parameter, peak_2: Parameter, rho: Parameter) -> xr.Dat
     )
 
 
-def _valid_gap(valid: Array, *pair: Array) -> Array:
-    return double_difference(*(np.where(valid, value, np.nan) for value in pair))
+def _valid_gap(*inputs: Array) -> Array:
+    def piece(valid: Array, *pair: Array) -> Array:
+        return double_difference(*(np.where(valid, value, np.nan) for value in pair))
+
+    return in_slabs(piece, *inputs)[0]

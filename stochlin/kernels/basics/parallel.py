@@ -37,3 +37,18 @@ def in_order(
                 progress(done / count)
     finally:
         pool.shutdown(wait=False, cancel_futures=True)  # who interrupts does not wait for the rest
+
+
+def in_chunks(
+    task: Callable[[slice], Result], cells: int, size: int, *, threads: bool = True
+) -> list[Result]:
+    """Results of a task for each ``size`` cells of so many, in order; without ``threads`` from this one.
+
+    Of no cells there is one chunk, without any.
+    """
+    chunks = [slice(begin, min(begin + size, cells)) for begin in range(0, max(cells, 1), size)]
+
+    def part(number: int) -> Result:
+        return task(chunks[number])
+
+    return list(in_order(part, len(chunks)) if threads else map(part, range(len(chunks))))

@@ -2,28 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import math
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from stochlin.kernels.basics.arrays import Array
 
 CHUNK = 8192  # cells at a time
 
 
-def in_slabs(function: Callable[..., Array], *inputs: Array, results: int = 1) -> Array:
+def in_slabs(
+    function: Callable[..., Any], *inputs: Array, kinds: Sequence[npt.DTypeLike] = (float,)
+) -> tuple[Array, ...]:
     """``function`` of arrays that broadcast, without temporaries of the table's size.
 
-    With several ``results`` both it and this have them along a first axis.
+    It has a result of each of these kinds, and with one kind returns it alone.
     """
     shape = np.broadcast_shapes(*(array.shape for array in inputs))
-    result = np.empty(shape if results == 1 else (results, *shape))
+    results = tuple(np.empty(shape, kind) for kind in kinds)
     padded = [array.reshape((1,) * (len(shape) - array.ndim) + array.shape) for array in inputs]
-    for slab in _slabs(shape):
-        cells: tuple[Any, ...] = (..., *slab)
-        result[cells] = function(*(array[_clip(slab, array.shape)] for array in padded))
-    return result
+    small = math.prod(shape) <= CHUNK
+    for slab in [(slice(None),) * len(shape)] if small else _slabs(shape):
+        found = function(*(padded if small else (array[_clip(slab, array.shape)] for array in padded)))
+        for result, one in zip(results, found if len(kinds) > 1 else (found,), strict=True):
+            result[slab] = one
+    return results
 
 
 def _slabs(shape: tuple[int, ...]) -> Iterator[tuple[slice, ...]]:

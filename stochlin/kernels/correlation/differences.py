@@ -8,7 +8,7 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import entry
-from stochlin.kernels.basics.parallel import in_order
+from stochlin.kernels.basics.parallel import in_chunks
 from stochlin.kernels.correlation.tables import OFF, PART
 from stochlin.kernels.correlation.tiles import LANES, cells_of_tile
 
@@ -45,12 +45,10 @@ def differences(
     parts += [bias.reshape(-1), steps_of(bias.shape, len(shape))]
     found = np.empty(count), np.empty(count), np.empty(count, np.int8)
 
-    def part(number: int) -> None:
-        begin = number * PART
-        _fill(*parts, np.array(shape, int), rho, begin, min(begin + PART, count), *found)
+    def part(cells: slice) -> None:
+        _fill(*parts, np.array(shape, int), rho, cells.start, cells.stop, *found)
 
-    tasks = -(-count // PART)
-    list(in_order(part, tasks) if threads and tasks > 1 else map(part, range(tasks)))
+    in_chunks(part, count, PART, threads=threads)
     std, off, flag = (array.reshape(shape) for array in found)
     return std, off, flag
 

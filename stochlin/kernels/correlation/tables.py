@@ -10,7 +10,7 @@ import numpy as np
 from stochlin.kernels.basics.arrays import Array, in_one_shape
 from stochlin.kernels.basics.compiled import entry
 from stochlin.kernels.basics.interpolation import Grid
-from stochlin.kernels.basics.parallel import in_order
+from stochlin.kernels.basics.parallel import in_chunks
 from stochlin.kernels.correlation.tiles import (
     LANES,
     PARAMETERS,
@@ -91,12 +91,10 @@ def pair_table(
     other_closure = first.gaussian is not first.parameters or second.gaussian is not second.parameters
     fixed: tuple[Any, ...] = (np.array(shape, int), *(grid or NOWHERE), other_closure, *codes)
 
-    def part(number: int) -> None:
-        begin = number * PART
-        _fill(*first, *second, *fixed, begin, min(begin + PART, count), *result)
+    def part(cells: slice) -> None:
+        _fill(*first, *second, *fixed, cells.start, cells.stop, *result)
 
-    parts = -(-count // PART)
-    list(in_order(part, parts) if threads and parts > 1 else map(part, range(parts)))
+    in_chunks(part, count, PART, threads=threads)
     return result
 
 

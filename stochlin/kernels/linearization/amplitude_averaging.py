@@ -16,7 +16,7 @@ from scipy.optimize import elementwise
 from scipy.special import erfc
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.parallel import in_order
+from stochlin.kernels.basics.parallel import in_chunks
 from stochlin.kernels.linearization.cells.series import evaluate
 from stochlin.kernels.linearization.covariance import EquivalentSystem, own_covariance
 from stochlin.kernels.linearization.filters import Filter
@@ -110,12 +110,11 @@ def solve_amplitude_average(
     """
 
     @np.errstate(all="ignore")
-    def part(number: int) -> tuple[Array, ...]:
-        cells = slice(number * CHUNK, (number + 1) * CHUNK)
+    def part(cells: slice) -> tuple[Array, ...]:
         rows = frequency[cells], damping_ratio[cells], hardening[cells], elastic_sigma[cells]
         return _solve(*rows, ground.at(cells), rtol, max_iterations)
 
-    parts = in_order(part, max(1, -(-frequency.size // CHUNK)))
+    parts = in_chunks(part, frequency.size, CHUNK)
     sigma, *judged = (np.concatenate(field) for field in zip(*parts, strict=True))
     return AmplitudeAverage(equivalent_system(sigma, frequency, damping_ratio, hardening), *judged)
 

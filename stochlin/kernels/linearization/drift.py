@@ -15,7 +15,7 @@ from numpy.polynomial.laguerre import laggauss
 from scipy.special import erf
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.parallel import in_order
+from stochlin.kernels.basics.parallel import in_chunks
 from stochlin.kernels.basics.small_systems import solve_3x3
 from stochlin.kernels.linearization.cells.kicks import add_powers, follow, variance_by_order
 from stochlin.kernels.linearization.covariance import (
@@ -107,13 +107,11 @@ def half_cycles(system: EquivalentSystem, ground: Filter) -> HalfCycles:
     time, memory = np.empty(n), np.empty((HALF_CYCLES, n))
 
     @np.errstate(all="ignore")  # where there is no stationary motion
-    def part(number: int) -> None:
-        cells = slice(number * CELLS, (number + 1) * CELLS)
+    def part(cells: slice) -> None:
         own = EquivalentSystem(*(row[cells] for row in system))
         time[cells], memory[:, cells] = _half_cycles(own, ground.at(cells))
 
-    for _ in in_order(part, -(-n // CELLS)):
-        pass
+    in_chunks(part, n, CELLS)
     return HalfCycles(time, memory)
 
 

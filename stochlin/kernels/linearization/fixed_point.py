@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.parallel import in_order
+from stochlin.kernels.basics.parallel import in_chunks
 from stochlin.kernels.linearization.cells.steps import (
     BASE,
     DELTA,
@@ -77,11 +77,10 @@ def solve_fixed_point(
     whole = _Problem(structure, law, ground, one_solution, level, closure, rtol, atol)
 
     @np.errstate(all="ignore")  # an iterate may be no density, or imply no stationary system
-    def part(number: int) -> FixedPoint:
-        cells = slice(number * CHUNK, (number + 1) * CHUNK)
+    def part(cells: slice) -> FixedPoint:
         return _solve(whole.of(cells), start[:, cells], max_iterations)
 
-    parts = in_order(part, max(1, -(-start.shape[1] // CHUNK)))
+    parts = in_chunks(part, start.shape[1], CHUNK)
     return FixedPoint(*(np.concatenate(field, axis=-1) for field in zip(*parts, strict=True)))
 
 
