@@ -65,6 +65,9 @@ def correlate(
     Each structure is solved on its own dimensions; the pair is one linear step a cell. A
     table over ``N1 x N2`` structures costs ``N1 + N2`` fixed points.
 
+    Where dask holds one of the arrays the table is lazy, in the same chunks and with the same numbers.
+    By simulation the steps and the length of the motions are found beforehand, from all structures.
+
     Parameters
     ----------
     first, second : Bilinear, BoucWen, Hysteretic or ShearBuilding
@@ -84,7 +87,7 @@ def correlate(
     rtol, atol, max_iterations
         As in `linearize`; for linearization and effective properties.
     paths, seed, steps_per_period, relaxation_times, progress
-        As in `simulate`; for simulation.
+        As in `simulate`; for simulation. In chunks of dask ``progress`` is not called.
 
     Returns
     -------

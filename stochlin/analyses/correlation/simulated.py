@@ -2,21 +2,45 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.simulation.ensembles import cells_of, check_settings, join_cells, prepare
+from stochlin.analyses.simulation.ensembles import (
+    Run,
+    SimulationCells,
+    cells_of,
+    check_settings,
+    join_cells,
+    prepare,
+)
 from stochlin.analyses.simulation.run_lengths import with_length
-from stochlin.analyses.simulation.simulation import run_attributes, simulate_moments
+from stochlin.analyses.simulation.simulation import (
+    MomentEstimates,
+    run_attributes,
+    simulate_moments,
+)
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.cells import Kinds, computed, in_chunks
+from stochlin.analyses.tables.cellwise import is_lazy
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.grounds import Ground
+from stochlin.models.parameters import Model
 from stochlin.models.structures import Structure
+
+BOTH = 0
+OF_A_SIDE = "displacement_std", "displacement_std_standard_error", "ductility_std"
+VARIABLES = {"rho": BOTH, "rho_standard_error": BOTH} | {
+    f"{name}_{number}": number
+    for number in (1, 2)
+    for name in (*OF_A_SIDE, "yield_displacement", "drift")
+}  # of the table, and over whose dimensions
+PLANNED = "dt", "burn_in", "recorded"  # of a plan, what depends on all structures together
 
 
 @dataclass(frozen=True)
@@ -41,14 +65,36 @@ class SimulationSettings:
 def simulate_pairs(
     first: Structure, second: Structure, ground: Ground, settings: SimulationSettings
 ) -> xr.Dataset:
-    """Table of ``rho``, standard deviations and their errors; one ensemble a ground."""
-    return over_grounds(partial(_on_one_ground, settings=settings), (first, second), ground)
+    """Table of ``rho``, standard deviations and their errors; one ensemble a ground.
+
+    Where dask holds one of the arrays the table is lazy, and a chunk simulates its own structures: under
+    the motions of the whole table, in its steps and over its length, which are found beforehand.
+    """
+    models: dict[str, Model] = {"first": first, "second": second, "ground": ground}
+    if not is_lazy(*(array for model in models.values() for array in model.arrays().values())):
+        return over_grounds(partial(_on_one_ground, settings=settings), (first, second), ground)
+    one, two = (side.with_arrays(computed(side)) for side in (first, second))
+    soil = ground.with_arrays(computed(ground))
+    settings = replace(settings, progress=None)
+    lengths = over_grounds(partial(_lengths, settings=settings), (one, two), soil)
+    dims = {
+        number: xr.broadcast(*side.arrays().values(), *soil.arrays().values())[0].dims
+        for number, side in ((1, one), (2, two))
+    }
+    dims[BOTH] = tuple(dict.fromkeys((*dims[1], *dims[2])))
+    kinds: Kinds = {name: (dims[number], float) for name, number in VARIABLES.items()}
+    kinds["status"] = dims[BOTH], np.int8
+    table = in_chunks(partial(_of_chunk, settings=settings), models, lengths, kinds)
+    return table.assign_attrs(lengths.attrs)
 
 
 def over_grounds(
-    function: Callable[..., xr.Dataset], structures: Sequence[Structure], ground: Ground
+    function: Callable[..., xr.Dataset], structures: Sequence[Structure | xr.Dataset], ground: Ground
 ) -> xr.Dataset:
-    """``function`` of the structures and one ground, for every ground of a table of them."""
+    """``function`` of the structures and one ground, for every ground of a table of them.
+
+    Beside the structures there may be a dataset over the dimensions of the ground.
+    """
     sizes = {dim: n for array in ground.arrays().values() for dim, n in array.sizes.items() if n > 1}
     if not sizes:
         return function(*structures, ground)
@@ -68,21 +114,75 @@ def over_grounds(
     )
 
 
+class _Pairs(NamedTuple):
+    """The cells of both structures on one ground in a row, and where each of them is there."""
+
+    cells: SimulationCells
+    places: tuple[xr.DataArray, xr.DataArray]
+
+    @classmethod
+    def of(cls, first: Structure, second: Structure, ground: Ground) -> _Pairs:
+        (cells_1, index_1), (cells_2, index_2) = cells_of(first, ground), cells_of(second, ground)
+        return cls(join_cells([cells_1, cells_2]), (index_1, index_2 + cells_1.valid.size))
+
+    def run(self, ground: Ground, settings: SimulationSettings, **options: Any) -> Run:
+        return prepare(
+            self.cells,
+            ground,
+            paths=settings.paths,
+            seed=settings.seed,
+            steps_per_period=settings.steps_per_period,
+            **options,
+        )
+
+
 def _on_one_ground(
     first: Structure, second: Structure, ground: Ground, settings: SimulationSettings
 ) -> xr.Dataset:
-    (cells_1, index_1), (cells_2, index_2) = cells_of(first, ground), cells_of(second, ground)
-    cells = join_cells([cells_1, cells_2])
-    index_2 = index_2 + cells_1.valid.size
-    run = prepare(
-        cells,
-        ground,
-        paths=settings.paths,
-        seed=settings.seed,
-        steps_per_period=settings.steps_per_period,
-    )
-    run = with_length(run, settings.relaxation_times)
+    pairs = _Pairs.of(first, second, ground)
+    run = with_length(pairs.run(ground, settings), settings.relaxation_times)
     moments = simulate_moments(run, settings.progress)
+    return _table(pairs, moments).assign_attrs(run_attributes(run))
+
+
+def _lengths(
+    first: Structure, second: Structure, ground: Ground, settings: SimulationSettings
+) -> xr.Dataset:
+    """The steps of a run with all structures, and how long it is."""
+    run = _Pairs.of(first, second, ground).run(ground, settings, moments=False)
+    run = with_length(run, settings.relaxation_times, measured_alone=True)
+    lengths: dict[str, float] = {name: getattr(run.plan, name) for name in PLANNED}
+    return xr.Dataset(lengths, attrs=run_attributes(run))
+
+
+def _of_chunk(
+    models: Mapping[str, Any], lengths: xr.Dataset, settings: SimulationSettings
+) -> xr.Dataset:
+    sides = models["first"], models["second"], lengths
+    return over_grounds(partial(_by_lengths, settings=settings), sides, models["ground"])
+
+
+def _by_lengths(
+    first: Structure,
+    second: Structure,
+    lengths: xr.Dataset,
+    ground: Ground,
+    settings: SimulationSettings,
+) -> xr.Dataset:
+    """Those structures of a table that are in a chunk, in steps and over a length that are given."""
+    pairs = _Pairs.of(first, second, ground)
+    valid = pairs.cells.valid
+    if not valid.any():
+        none, status = np.full(valid.size, np.nan), np.full(valid.size, labels.INVALID_INPUT, np.int8)
+        square = np.full((valid.size, valid.size), np.nan)
+        return _table(pairs, MomentEstimates(none, none, square, square, none, status))
+    run = pairs.run(ground, settings, step=lengths["dt"].item())
+    plan = run.plan._replace(**{name: lengths[name].item() for name in PLANNED})
+    return _table(pairs, simulate_moments(run._replace(plan=plan), None))
+
+
+def _table(pairs: _Pairs, moments: MomentEstimates) -> xr.Dataset:
+    index_1, index_2 = pairs.places
 
     def of_cells(values: Array, *index: xr.DataArray) -> xr.DataArray:
         return xr.apply_ufunc(lambda *i: values[i], *index, join="exact")
@@ -95,10 +195,10 @@ def _on_one_ground(
     table["rho_standard_error"] = of_cells(moments.rho_error, index_1, index_2).where(usable)
     for number, index in ((1, index_1), (2, index_2)):
         sigma = of_cells(moments.displacement_std, index)
-        uy = of_cells(cells.yield_displacement, index)
+        uy = of_cells(pairs.cells.yield_displacement, index)
         table[f"displacement_std_{number}"] = sigma
         table[f"displacement_std_standard_error_{number}"] = of_cells(moments.displacement_error, index)
         table[f"ductility_std_{number}"] = sigma / uy
         table[f"yield_displacement_{number}"] = uy
         table[f"drift_{number}"] = of_cells(moments.drift, index)
-    return table.assign(status=worst.astype(np.int8)).assign_attrs(run_attributes(run))
+    return table.assign(status=worst.astype(np.int8))

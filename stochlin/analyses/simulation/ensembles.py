@@ -160,18 +160,20 @@ def prepare(
     scatter: float = 0.0,
     grounds: Sequence[Ground] = (),
     step: float | None = None,
+    moments: bool = True,
 ) -> Run:
     """Choose the step from cells and ground and lay out the ensemble; it has no length yet.
 
     With ``frames``, ``floors`` are the numbers of those that the cells are, and ``drift_times`` [s] are
     those of all floors. ``grounds`` are samples of this one, one for every motion, if it has any. A
-    ``step`` [s] is taken as it is.
+    ``step`` [s] is taken as it is. Without ``moments`` those of pairs are not going to be held.
     """
     if cells is not None and not cells.valid.any():
         raise ValueError("no structure has valid parameters; correct those that are out of range")
     own = 0 if cells is None else cells.valid.size
     count = own + sum(frame.floors.size for frame in frames)
-    check_memory(count if cells is None or frames else int(cells.valid.sum()), paths)
+    if moments:
+        check_memory(count if cells is None or frames else int(cells.valid.sum()), paths)
     rows, scale, period = np.full(count, -1), np.full(count, np.nan), np.full(count, np.nan)
     drift_time, parts = np.zeros(count), list[Oscillators | Storeys | SampledStoreys]()
     soil = ground.lone_filter()

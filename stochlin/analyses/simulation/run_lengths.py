@@ -31,15 +31,20 @@ class _Drift(NamedTuple):
     period: float  # [s], of the structure
 
 
-def with_length(run: Run, relaxation_times: float) -> Run:
+def with_length(run: Run, relaxation_times: float, measured_alone: bool = False) -> Run:
     """The run with burn-in and length, in multiples of its memory, measured where drift decides.
 
-    Raises a ValueError before any work if by linearization it would take too long.
+    Raises a ValueError before any work if by linearization it would take too long, or the measuring
+    run, where nothing but that is done here.
     """
     expected = run.drift_time
     slowest = _slowest(expected, run)
     longest = max(run.memory, slowest.time)
     steps = (BURN_IN + relaxation_times) * longest / run.plan.dt
+    seconds = seconds_of(run, steps, run.crowd.size**2 / (2 * run.plan.every))
+    if measured_alone:
+        measuring = run._replace(plan=run.plan._replace(groups=GROUPS))
+        seconds = seconds_of(measuring, (SETTLING + LENGTH) * slowest.time / run.plan.dt, 0.0)
     check_work(
         "the run would take",
         f"the structure of period {slowest.period:.3g} s yields so rarely that its drift relaxes in "
@@ -47,7 +52,7 @@ def with_length(run: Run, relaxation_times: float) -> Run:
         if slowest.time > run.memory
         else f"it lasts {steps * run.plan.dt:.3g} s in steps of {run.plan.dt:.3g} s: lower paths or "
         "relaxation_times, or leave out the shortest or the longest period",
-        seconds=seconds_of(run, steps, run.crowd.size**2 / (2 * run.plan.every)),
+        seconds=seconds,
     )
     if slowest.time > run.memory:
         measured = _measure(run, slowest.time)[run.order]

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from functools import reduce
+import warnings
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from functools import partial, reduce
 from operator import and_
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pandas as pd
 import xarray as xr
 
@@ -19,6 +21,8 @@ CELL = "_cell"  # while tables are put together; models have dimensions of any o
 USABLE = "usable"
 NONE_VALID = "no cell has valid parameters; correct those that are out of range"
 OfCell = Callable[..., xr.Dataset]
+Kinds = dict[Any, tuple[Sequence[Hashable], npt.DTypeLike]]  # of variables, with their dimensions
+OfChunk = Callable[[Mapping[str, Any], xr.Dataset], xr.Dataset]  # models, and what is more
 
 
 def over_cells(
@@ -107,8 +111,29 @@ def _in_chunks(
     if not bool(good.isel(place)):
         raise ValueError(NONE_VALID)
     at_hand = {role: model.isel(place) for role, model in models.items()}
-    bare = {role: model.with_arrays(_computed(model)) for role, model in at_hand.items()}
+    bare = {role: model.with_arrays(computed(model)) for role, model in at_hand.items()}
     known = function(**bare, **(beside or {}))
+    kinds: Kinds = {
+        name: ((*variable.dims, *shape.dims), variable.dtype)
+        for name, variable in known.data_vars.items()
+    }
+    more = xr.Dataset(None if usable is None else {USABLE: usable})
+    table = in_chunks(partial(_chunk, options=(function, beside, known)), models, more, kinds, known)
+    return table.assign_coords({name: shape.coords[name] for name in shape.coords})
+
+
+def in_chunks(
+    function: OfChunk,
+    models: Mapping[str, Model],
+    more: xr.Dataset,
+    kinds: Kinds,
+    like: xr.Dataset | None = None,
+) -> xr.Dataset:
+    """The lazy table of ``function`` of the models, and of ``more``, with the cells of a chunk alone.
+
+    It has variables of these dimensions and ``kinds``, and the attributes and coordinates of another
+    that it is ``like``, over dimensions that the models do not have.
+    """
     given = xr.Dataset(
         {
             f"{role}.{name}": array
@@ -117,47 +142,52 @@ def _in_chunks(
             if array.ndim
         }
     )
-    given = given.assign({} if usable is None else {USABLE: usable}).unify_chunks().chunk()
+    with warnings.catch_warnings():
+        # A table has more chunks than its axes: dask warns of what is wanted here.
+        warnings.filterwarnings("ignore", message="Increasing number of chunks")
+        given = given.assign(more.data_vars).chunk().unify_chunks()
+    like = xr.Dataset() if like is None else like
     from dask.array import empty  # which is there, since it holds the arrays
 
-    sizes = [given.chunksizes[dim] for dim in shape.dims]
-    variables = {
-        name: (
-            (*variable.dims, *shape.dims),
-            empty(
-                (*variable.shape, *shape.shape),
-                dtype=variable.dtype,
-                chunks=(*((n,) for n in variable.shape), *sizes),
-            ),
-            variable.attrs,
-        )
-        for name, variable in known.data_vars.items()
-    }
-    coords = {**known.coords, **{name: shape.coords[name] for name in shape.coords}}
-    template = xr.Dataset(variables, coords, known.attrs)
-    return xr.map_blocks(
-        _chunk, given, kwargs={"options": (function, bare, beside, known)}, template=template
+    def blank(name: Any, dims: Sequence[Hashable], kind: npt.DTypeLike) -> xr.Variable:
+        sizes = [given.chunksizes.get(dim) or (like.sizes[dim],) for dim in dims]
+        array = empty([sum(size) for size in sizes], dtype=kind, chunks=sizes)
+        return xr.Variable(dims, array, like[name].attrs if name in like else None)
+
+    template = xr.Dataset(
+        {name: blank(name, *kind) for name, kind in kinds.items()},
+        {**like.coords, **given.coords},
+        like.attrs,
     )
+    bare = {role: model.isel(dict.fromkeys(given.dims, 0)) for role, model in models.items()}
+    bare = {role: model.with_arrays(computed(model)) for role, model in bare.items()}
+    options = function, bare, {name: list(dims) for name, (dims, _) in kinds.items()}
+    return xr.map_blocks(_of_chunk, given, kwargs={"options": options}, template=template)
 
 
-def _computed(model: Model) -> dict[str, xr.DataArray]:
+def computed(model: Model) -> dict[str, xr.DataArray]:
     """The arrays of a model that dask holds, with their numbers."""
     return {name: array.compute() for name, array in model.arrays().items() if is_lazy(array)}
 
 
-def _chunk(given: xr.Dataset, options: tuple[Any, ...]) -> xr.Dataset:
+def _of_chunk(given: xr.Dataset, options: tuple[Any, ...]) -> xr.Dataset:
     """One chunk of a lazy table, from the parameters of its cells."""
-    function, bare, beside, known = options
+    function, bare, dims = options
     models = {
         role: model.with_arrays(
             {name: given[key] for name in model.arrays() if (key := f"{role}.{name}") in given}
         )
         for role, model in bare.items()
     }
+    table = function(models, given[[name for name in given if "." not in str(name)]])
+    return table.assign({name: table[name].transpose(*own) for name, own in dims.items()})
+
+
+def _chunk(models: Mapping[str, Model], more: xr.Dataset, options: tuple[Any, ...]) -> xr.Dataset:
+    function, beside, known = options
     arrays = [array for model in models.values() for array in model.over_cells().values()]
     shape = xr.broadcast(*arrays)[0]
-    table = _one_by_one(function, models, given.get(USABLE), beside, shape, known)
-    return table.transpose(*(dim for dim in known.dims), *shape.dims, missing_dims="ignore")
+    return _one_by_one(function, models, more.get(USABLE), beside, shape, known)
 
 
 def _blank(table: xr.Dataset) -> xr.Dataset:

@@ -252,7 +252,7 @@ def stationary_sums(
             moments.sum(axis=0),
             np.einsum("lij,lij->ij", moments, moments),
             np.einsum("lij,li->ij", moments, own),
-            own.T @ own,
+            np.einsum("li,lj->ij", own, own),  # whose sums, unlike those of BLAS, do not depend on n
             change.sum(axis=0),
             (change**2).sum(axis=0),
         )
