@@ -166,7 +166,7 @@ def test_bouc_wen_pair_moves_as_by_another_integrator(name):
         sl.BoucWen(1.1, 0.05, hardening=0.05, yield_displacement=0.03, mass=2e5),
         sl.BoucWen(0.5, 0.05, hardening=0.1, yield_displacement=0.015, mass=3e5),
     ]
-    record = synthetic(200, size=3.0)
+    record = synthetic(100, size=3.0)
     table = sl.pound(pair, 0.002, CONTACTS[name], record)
     assert table.sizes["impact"] >= 2
     wanted = by_scipy(pair, 0.002, CONTACTS[name], record)
