@@ -21,6 +21,7 @@ SIGNED = ("Date", "Prepared by", "Checked by")  # by hand: the same case makes t
 def statement(answer: CaseAnswer) -> list[tuple[str, str]]:
     """What was asked, by which method, with what result and error, and by which program."""
     case, table, about = answer.case, answer.separation, subject_of(answer.case)
+    site = f"{case.site}: {case.ground.source}" if case.ground.source else case.site
     said = [
         ("Result", words.headline(answer)),
         (
@@ -39,7 +40,7 @@ def statement(answer: CaseAnswer) -> list[tuple[str, str]]:
             f"motions of {case.duration:g}{SPACE}s, Gaussian filtered noise with an envelope: "
             f"{models(case)[0]}.",
         ),
-        ("Site", f"{case.site}. {shaking(answer.shaking, case)} {scatter(case)}".strip()),
+        ("Site", f"{site}. {shaking(answer.shaking, case)} {scatter(case)}".strip()),
         ("Uncertainty", contained(case, f"the {about.gap} is that") or KNOWN),
         ("Inputs", f"They are listed under 'The case', as read from {case.file}."),
         (
