@@ -254,7 +254,7 @@ def test_a_building_becomes_one_with_storeys_and_an_oscillator_again(page):
     assert page.value("storey_height_1") == "3"
     assert "no map of its bias for storeys" in page.text("caution")
     assert "lower roof" in page.text("panel=correlation")
-    assert "simulated (" in page.text("panel=probability")
+    assert "simulated by 512 motions (" in page.text("panel=probability")
     before = page.curve("spectra", 1), page.curve("gaps", 0), page.curve("probability", 2)
     page.enter("storey_count_1", "2.5")
     wait(lambda: "allowed: a whole number from 1 to 60" in page.text("alert"))

@@ -357,7 +357,7 @@ def test_figures_and_words_of_storeys(changed):
     chances = probability(scene)
     said = words.probability(chances)
     assert "by formula" in said
-    assert "simulated (" in said
+    assert "simulated by 128 motions (" in said
     for drawn in (
         figure,
         charts.spectra_figure(spectra(scene), (scene.period_1, scene.period_2)),

@@ -430,4 +430,5 @@ def _why(error: Exception, what: str, scene: Scene) -> str:
 
 
 def _button(text: str, on_click: Callable[[], Any] | None, props: str) -> ui.button:
-    return ui.button(text, on_click=on_click).props(f"no-caps {props}")
+    color = None if "outline" in props else "primary"  # of an outline by the style sheet
+    return ui.button(text, on_click=on_click, color=color).props(f"no-caps {props}")

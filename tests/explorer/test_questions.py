@@ -1,0 +1,244 @@
+"""What a user asks of the page: does a number stay, does a file, does the strength; in a browser."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from browser import wait
+from click.testing import CliRunner
+
+import stochlin as sl
+from stochlin.analyses.explorer.case_scene import scene_of
+from stochlin.views.command import main
+from stochlin.views.explorer.controls import NUMBERS, counts
+
+pytestmark = pytest.mark.cli
+
+RECORD = '[[site.records]]\npath = "a.at2"\nname = "Record A"\n\n'
+STOREYS = """
+[building_2]
+name = "Annex"
+masses = ["300 t", "250 t"]
+stiffnesses = ["200 MN/m", "180 MN/m"]
+heights = ["4 m", "3.2 m"]
+yield_drifts = "1 cm"
+damping = 0.04
+hardening = 0.1
+p_delta = true
+"""
+SITE = 'spectrum = "site.csv"\nunits = "m/s^2"\nfilters = 1\n'
+
+
+@pytest.fixture
+def file(tmp_path):
+    """The example with other numbers and a record; few motions."""
+    motion = sl.simulated_motions(sl.named_ground("firm", 0.01), 10.0, paths=2)[0]
+    sl.to_at2(motion, tmp_path / "a.at2")
+    text = sl.example_case().replace("[motion]", f"{RECORD}[motion]").replace('"4 s"', '"3.5 s"')
+    text = text.replace("paths = 2048", "paths = 128").replace('"0.6 s"', '"0.8 s"', 1)
+    path = tmp_path / "other.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def simulate(page):
+    page.click("simulate")
+    wait(lambda: page.text("told").startswith("Simulated:"))
+    page.idle()
+
+
+def saved(page, folder, name="other.toml"):
+    page.click("save-case")
+    return shutil.copy(page.downloaded(name), folder / "saved.toml")
+
+
+@pytest.mark.parametrize("storeys", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_one_label_has_one_number_before_and_after_the_simulation(page, storeys):
+    if storeys:
+        page.choose("Building 2 described as", "regular storeys")
+        wait(lambda: page.shows("storey_count_2"))
+    page.enter("paths", "640")
+    page.idle()
+    rows, said = page.gaps(), page.text("panel=gaps")
+    curves, chances = page.curve("correlation", 0), page.text("panel=probability")
+    simulate(page)
+    after = page.gaps()
+    assert {label: after[label] for label in rows} == pytest.approx(rows, rel=1e-9)
+    assert "simulation" in after.keys() - rows.keys()
+    assert "SRSS" in after.keys() - rows.keys()
+    ours = re.search(r"(linearized peaks|Linearization): [\d.]+", said)
+    assert ours
+    assert ours[0] in page.text("panel=gaps")
+    assert "Simulated: " in page.text("panel=gaps")
+    assert page.curve("correlation", 0) == curves
+    for share in re.findall(r"[\d.]+\s% (?:by formula|corrected|simulated by \d+ motions)", chances):
+        assert share in page.text("panel=probability")
+    assert "simulated by 640 motions" in page.text("panel=probability")
+
+
+def test_a_case_file_sets_the_sliders_and_is_saved_with_all_that_has_none(page, file):
+    page.send(file, file.with_name("a.at2"))
+    wait(lambda: page.value("rise_end") == "3.5")
+    page.idle()
+    before = sl.read_case(file)
+    scene, _ = scene_of(before)
+    for name, control in NUMBERS.items():
+        if counts(name, vars(scene)):
+            assert page.value(name) == control.text(scene), name
+    assert page.text("alert") == ""
+    wait(lambda: "Records: " in page.text("panel=gaps"))
+    page.enter("period_2", "0.75")
+    page.idle()
+    simulate(page)
+    answer = re.search(r"Simulated: ([\d.]+)", page.text("panel=gaps"))
+    assert answer
+    path = saved(page, file.parent)
+    assert "Keep the saved case file beside the files that it names: a.at2." in page.text("told")
+    after = sl.read_case(path)
+    for name in ("contact", "measures", "amplification_limit", "floors_align"):
+        assert getattr(after, name) == getattr(before, name), name
+    np.testing.assert_array_equal(after.records["Record A"], before.records["Record A"])
+    assert (after.second.structure.mass, after.second.structure.period) == (1.5e6, 0.75)
+    told = CliRunner().invoke(main, ["gap", str(path)])
+    assert told.exit_code == 0, told.output
+    assert f"Office block and Annex should stand {answer[1]} cm apart." in told.output
+    told = CliRunner().invoke(main, ["pound", str(path)])
+    assert told.exit_code == 0, told.output
+
+
+def test_storeys_and_the_spectrum_of_a_file_are_kept(page, tmp_path):
+    period = np.geomspace(0.05, 4.0, 60)
+    values = sl.asce_7(9.8, 5.9, 8.0).interp(period=period).values
+    rows = [f"{t:.6g},{a:.9g}" for t, a in zip(period, values, strict=True)]
+    (tmp_path / "site.csv").write_text("\n".join(["T,Sa", *rows]), encoding="utf-8")
+    text = sl.example_case()
+    start, motion, second, rest, contact = (
+        text.index(f"[{name}]") for name in ("site", "motion", "building_2", "separation", "contact")
+    )
+    site = f"{text[:start]}[site]\n{SITE}{text[motion:second]}"
+    path = tmp_path / "other.toml"
+    path.write_text(f"{site}{STOREYS}{text[rest:contact]}", encoding="utf-8")
+    page.send(path, tmp_path / "site.csv")
+    wait(lambda: page.shows("spectrum_scale"))
+    page.idle()
+    assert "has this one slider: a factor on all of its accelerations" in page.text(
+        "about=spectrum_scale"
+    )
+    assert page.shows("strength_factor_2")
+    assert not page.shows("intensity")
+    before = page.curve("spectra", 0)
+    page.enter("spectrum_scale", "0.5")  # a quarter of the power, without another fit
+    page.idle()
+    np.testing.assert_allclose(page.curve("spectra", 0), np.array(before) / 4, rtol=1e-9)
+    one, other = sl.read_case(path), sl.read_case(saved(page, tmp_path))
+    np.testing.assert_allclose(other.spectrum, 0.5 * one.spectrum, rtol=1e-12)
+    ours, theirs = one.second.structure.arrays(), other.second.structure.arrays()
+    for name, array in ours.items():
+        np.testing.assert_allclose(theirs[name], array, rtol=1e-12, err_msg=name)
+
+
+def test_a_file_that_is_no_case_is_refused_in_the_words_of_its_reader(page, file):
+    before = page.value("period_1"), page.curve("correlation", 0)
+    text = file.read_text(encoding="utf-8")
+    wrong = text.replace('period = "1.0 s"', 'period = "1.0 parsec"')
+    file.write_text(wrong, encoding="utf-8")
+    with pytest.raises(ValueError, match="unknown unit") as told:
+        sl.read_case(file)
+    for files, message in (
+        ([file, file.with_name("a.at2")], str(told.value)),
+        ([file.with_name("a.at2")], "0 case files are chosen; allowed: one"),
+    ):
+        page.send(*files)
+        wait(lambda message=message: message in page.text("alert"))
+    file.write_text(text, encoding="utf-8")
+    page.send(file)
+    wait(lambda: "choose the case file together with the files that it names" in page.text("alert"))
+    assert (page.value("period_1"), page.curve("correlation", 0)) == before
+
+
+def test_the_intensity_changes_a_strength_that_is_given_by_r_alone(page, tmp_path):
+    assert "a stronger ground motion makes the building stronger" in page.text(
+        "about=reduction_factor_1"
+    )
+    page.choose("Strength of building 1 given by", "yield displacement")
+    wait(lambda: page.shows("yield_displacement_1") and not page.shows("reduction_factor_1"))
+    page.idle()
+    start = float(page.value("yield_displacement_1"))
+    page.enter("intensity", "0.02")
+    page.idle()
+    assert float(page.value("yield_displacement_1")) == start
+    case = sl.read_case(saved(page, tmp_path, "case.toml"))
+    given = {"displacement": 0.01 * start, "factor": 4.0}
+    assert case.first.structure.yield_displacement == pytest.approx(given["displacement"], rel=1e-7)
+    assert case.second.structure.reduction_factor == given["factor"]
+    # It began with the strength by R before; building 2 is now stronger than it was.
+    firm = sl.named_ground("firm", 0.01)
+    for building, times in ((case.first, 1.0), (case.second, np.sqrt(2))):
+        r4 = sl.Bilinear(building.structure.period, 0.05, 0.05, reduction_factor=4)
+        was = float(sl.linearize(r4, firm).yield_displacement)
+        now = float(sl.linearize(building.structure, case.ground).yield_displacement)
+        assert now == pytest.approx(times * was, rel=1e-6)
+
+
+TICKS = """return [...document.querySelectorAll('.chart')].map(c =>
+  ['.xtick', '.ytick', '.y2tick'].map(t => [...c.querySelectorAll(t + ' text')].map(e => {
+    const r = e.getBoundingClientRect();
+    return [e.textContent, r.left, r.right, r.top, r.bottom] })))"""
+TITLES = "return [...document.querySelectorAll('.xtitle, .ytitle, .y2title')].map(e => e.textContent)"
+
+
+@pytest.mark.parametrize(
+    ("width", "intensity"), [(390, ""), (1200, ""), (1200, "0.00003"), (1200, "0.05")]
+)
+def test_ticks_are_few_round_numbers_apart_from_one_another(page, address, width, intensity):
+    page.open(address, width, 900)
+    if intensity:
+        page.enter("intensity", intensity)
+    page.idle()
+    spectra, correlation, gaps, probability = page.script(TICKS)
+    for x, y, y2 in (spectra, correlation, (gaps[0], [], []), probability):
+        for axis, first in ((x, 1), (y, 3), (y2, 3)):
+            assert len(axis) <= 8
+            for text, *_ in axis:
+                assert re.fullmatch("[\N{MINUS SIGN}-]?[0-9]{1,5}(\\.[0-9]{1,3})?", text), text
+            ends = sorted((place[first], place[first + 1]) for place in axis)
+            assert all(one[1] <= other[0] for one, other in pairwise(ends)), axis
+    titles = page.script(TITLES)
+    assert {"period T [s]", "PSD [cm²/s³]", "PSD [cm² s]", "gap [cm]", "time [s]"} <= {*titles}
+    raised = "return [...document.querySelectorAll('.chart .xtitle tspan')].map(e => e.textContent)"
+    assert {"1", "2"} <= {*page.script(raised)}  # the indices of T2/T1
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_words_are_readable_in_both_colour_schemes(page, address, scheme):
+    wanted = {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
+    page.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", wanted)
+    try:
+        page.open(address)
+        dark = page.script("return document.body.classList.contains('body--dark')")
+        assert dark == (scheme == "dark")
+        seen = page.script(
+            """const opaque = e => { const c = getComputedStyle(e).backgroundColor;
+                 return c == 'rgba(0, 0, 0, 0)' && e.parentElement ? opaque(e.parentElement) : c };
+               return [...document.querySelectorAll('.name, .about, .why, .caution, h1, h2, summary')]
+                 .concat([...document.querySelectorAll('.head div, .q-btn--outline, .q-field__native')])
+                 .filter(e => e.offsetParent)
+                 .map(e => [e.className, getComputedStyle(e).color, opaque(e)])"""
+        )
+    finally:
+        page.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
+    assert seen
+    for name, *colours in seen:
+        light, faint = sorted(map(luminance, colours), reverse=True)
+        assert (light + 0.05) / (faint + 0.05) >= 4.5, (name, colours)
+
+
+def luminance(colour: str) -> float:
+    """Of WCAG 2."""
+    values = np.array([float(one) for one in re.findall(r"[\d.]+", colour)[:3]]) / 255
+    linear = np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
+    return float(linear @ [0.2126, 0.7152, 0.0722])
