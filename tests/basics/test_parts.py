@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import compiled, entry
+from stochlin.kernels.basics.compiled import UNCOMPILED, compiled, entry
 from stochlin.kernels.basics.lending import borrow
 
 pytestmark = pytest.mark.invariant
@@ -48,6 +48,22 @@ def test_a_part_reads_and_writes_what_was_lent_to_it():
     assert (alike.two == first).all()
     assert (sums.total == 2 * first).all()
     assert (values == np.arange(5.0) + 21).all()
+
+
+@compiled
+def nth(values, n):
+    return values[n]
+
+
+@entry
+def first_and_last(values):
+    return nth(values, 0) + nth(values, -1) + nth(values, values.size - 1)
+
+
+def test_a_part_has_one_form_for_all_whole_numbers():
+    assert first_and_last(np.arange(5.0)) == 8.0
+    if not UNCOMPILED:
+        assert len(nth.signatures) == 1
 
 
 @compiled

@@ -12,6 +12,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numba as nb
@@ -19,7 +20,7 @@ import numpy as np
 from numba.extending import overload, register_jitable
 
 from stochlin.kernels.basics.kept import NOT_COMPILED, kept, say_that_it_is_slow
-from stochlin.kernels.basics.parts import Parts
+from stochlin.kernels.basics.parts import Part, Parts
 
 UNCOMPILED = bool(nb.config.DISABLE_JIT)  # type: ignore[attr-defined]
 OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
@@ -51,8 +52,16 @@ def _uncompiled(function: Any) -> Any:
 
 
 not_kept = nb.njit(**OPTIONS)
-compiled = nb.njit(pipeline_class=Parts, **OPTIONS)
-called_often = nb.njit(pipeline_class=Parts, forceinline=True, **OPTIONS)
+
+
+def compiled(function: Any, **more: Any) -> Any:
+    """The decorator of a part."""
+    if UNCOMPILED:
+        return function
+    return Part(function, targetoptions={"nopython": True, **OPTIONS, **more}, pipeline_class=Parts)
+
+
+called_often = partial(compiled, forceinline=True)
 shared: Any = register_jitable(**OF_OVERLOADS)
 
 

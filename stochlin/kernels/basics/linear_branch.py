@@ -7,8 +7,6 @@ and has none of the cancellations of the closed form. A change of branch is an e
 polynomial from an interval: of a displacement, a velocity, or a distance between two structures.
 """
 
-import numpy as np
-
 from stochlin.kernels.basics.compiled import compiled
 
 LONGEST = 1 / 3  # w h; damping D = 2 xi w h is then below 2/3
@@ -63,7 +61,7 @@ def first_exit(c, lower, upper, end, rows, marks):
         for n in range(TERMS - 1):
             rows[m, n] = (n + 1) * rows[m - 1, n + 1]
         rows[m, TERMS - 1] = 0.0
-    count = np.int64(0)  # a literal would be a type of its own, to be compiled for too
+    count = 0
     for m in range(3, 0, -1):
         count = _roots(rows[m], end, marks[m % 2], count, marks[1 - m % 2])
     breaks = marks[0]  # where the row m = 1 has left its roots

@@ -15,7 +15,9 @@ from numba import _dynfunc  # type: ignore[attr-defined]
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.compiler_machinery import AnalysisPass, PassManager, register_pass
+from numba.core.registry import CPUDispatcher
 from numba.core.typed_passes import NativeLowering
+from numba.core.types import unliteral
 
 # What a call from Python comes to: NULL, and a TypeError.
 REFUSAL = ctypes.cast(ctypes.pythonapi.PyErr_SetFromErrno, ctypes.c_void_p).value
@@ -65,3 +67,16 @@ class Parts(CompilerBase):
         passes.add_pass_after(_Naming, NativeLowering)
         passes.finalize()
         return [passes]
+
+
+class Part(CPUDispatcher):
+    """The dispatcher of parts: one compiled form for all whole numbers.
+
+    Left to itself numba compiles anew for each number that stands in the code of a caller.
+    """
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """As numba has it, of types without values."""
+        plain: Any = unliteral
+        known = {name: plain(one) for name, one in kws.items()}
+        return super().get_call_template([plain(one) for one in args], known)

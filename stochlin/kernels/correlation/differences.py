@@ -60,7 +60,8 @@ def _fill(one, steps_1, two, steps_2, bias, steps, shape, rho, begin, end, std, 
         np.empty(LANES, np.int64), np.empty(LANES, np.int64), np.empty(LANES, np.int64)
     )  # fmt: skip
     a, b, c, d = np.empty(LANES), np.empty(LANES), np.empty(LANES), np.empty(LANES)
-    r, e, found, true = np.zeros(LANES), np.empty(LANES), np.empty(LANES), np.empty(LANES)
+    r, e, found, true = np.empty(LANES), np.empty(LANES), np.empty(LANES), np.empty(LANES)
+    r[:] = 0.0
     for start in range(begin, end, LANES):
         count = min(LANES, end - start)
         cells_of_tile(start, count, shape, steps_1, cells_1)

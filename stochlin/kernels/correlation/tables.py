@@ -108,7 +108,9 @@ def _fill(
     cells_1, cells_2 = np.empty(LANES, np.int64), np.empty(LANES, np.int64)
     a, b = np.empty(PARAMETERS * LANES), np.empty(PARAMETERS * LANES)
     c, d = np.empty(PARAMETERS * LANES), np.empty(PARAMETERS * LANES)
-    loaded, loaded_too = np.full((2, LANES), -1), np.full((2, LANES), -1)
+    loaded, loaded_too = np.empty((2, LANES), np.int64), np.empty((2, LANES), np.int64)
+    for lane in range(LANES):
+        loaded[0, lane] = loaded[1, lane] = loaded_too[0, lane] = loaded_too[1, lane] = -1
     raw, base, known = np.empty(LANES), np.empty(LANES), np.empty(LANES)
     memory = new_memory(sizes)
     for start in range(begin, end, LANES):

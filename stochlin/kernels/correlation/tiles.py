@@ -218,10 +218,7 @@ def bias_of_tile(place_1, cells_1, place_2, cells_2, count, axes, sizes, values,
 def new_memory(sizes):
     """Memory of `bias_of_pair`: values at corners, of which point, its weights, and where it was."""
     plane = sizes[SHARED] * sizes[SHARED + 1]
-    return (
-        np.full(plane, np.nan),
-        np.full(SHARED, np.nan),
-        np.zeros(1 << SHARED),
-        np.zeros(1 << SHARED, np.int64),
-        np.zeros(3, np.int64),
-    )
+    values, point, weights = np.empty(plane), np.empty(SHARED), np.empty(1 << SHARED)
+    offsets, last = np.empty(1 << SHARED, np.int64), np.empty(3, np.int64)
+    values[:], point[:], last[:] = np.nan, np.nan, 0
+    return values, point, weights, offsets, last

@@ -90,11 +90,11 @@ def settle(row, branch, struck, ground, time, x, space, table, used):
 def _blows(row, branch, struck, touch, calm, time, x, table, used):
     """Blows until no floors approach that touch, or too many; returns also which of both."""
     for _ in range(MOST_BLOWS):
-        which, fastest = np.int64(-1), calm  # no literal: it would be a type of its own
+        which, fastest = -1, calm
         for j in range(row.gap.size):
             v = measure(row, CLOSING_RATE, j, x)
             if v > fastest and (j == struck or _touches(row, branch, j, touch, x)):
-                which, fastest = np.int64(j), v
+                which, fastest = j, v
         if which < 0:
             return used, False
         if branch.contact[which] == TOGETHER:

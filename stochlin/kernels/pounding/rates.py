@@ -15,10 +15,6 @@ yielding have done in each building, what each contact and each link has dissipa
 the links.
 """
 
-from typing import Any
-
-import numpy as np
-
 from stochlin.kernels.basics.compiled import called_often, compiled
 from stochlin.kernels.pounding.contact import OPEN, TOGETHER, branch_force, separation_margin
 from stochlin.kernels.pounding.rows import (
@@ -35,9 +31,7 @@ from stochlin.kernels.pounding.rows import (
     slip_of,
 )
 
-# See `measure`. Python's own numbers would be literals to numba, which compiles for each of them.
-MEASURES: Any = np.arange(7)
-STRAIN, STRAIN_RATE, PENETRATION, CLOSING_RATE, MARGIN, STRETCH, STRETCH_RATE = MEASURES
+STRAIN, STRAIN_RATE, PENETRATION, CLOSING_RATE, MARGIN, STRETCH, STRETCH_RATE = range(7)  # see `measure`
 
 
 @compiled
@@ -102,7 +96,8 @@ def _building(row, branch, b, ground, x, dx):
     dx[3 * n + b], dx[3 * n + s + b], dx[3 * n + 2 * s + b] = entering * ground, viscous, hysteretic
 
 
-def _rates(row, branch, ground, x, dx, force):
+@called_often
+def rates(row, branch, ground, x, dx, force):
     """Rates ``dx`` of the state ``x`` and forces (c,) of the contacts, for a ground acceleration."""
     n, s, c, _ = sizes(row)
     for b in range(s):
@@ -130,8 +125,10 @@ def _rates(row, branch, ground, x, dx, force):
         _hold_together(row, branch, dx, force)
 
 
-rates = called_often(_rates)
-rates_at_times = compiled(_rates)  # the same where it is not called in every stage: compiled only once
+@compiled
+def rates_at_times(row, branch, ground, x, dx, force):
+    """The same where it is not called in every stage: optimized only once."""
+    rates(row, branch, ground, x, dx, force)
 
 
 @called_often

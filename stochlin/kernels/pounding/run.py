@@ -225,7 +225,7 @@ def _run(row_, branch_, space_, asked_, most_, acceleration, dt, speed, x):
     asked, most = borrow(asked_), borrow(most_)
     start(row, branch, x)
     table = np.empty((FIRST_LINES + 4 * row.gap.size, COLUMNS))
-    used = steps = done = np.int64(0)  # a literal would be a type of its own, to be compiled for too
+    used = steps = done = 0
     for peaks in asked.peaks:
         copy(x[: row.mass.size], peaks)
     for b in range(row.first.size - 1):

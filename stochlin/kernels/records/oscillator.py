@@ -255,7 +255,7 @@ def run(parameters, ground, dt, cuts, peaks, each, out, space):
     h = dt / cuts
     o = oscillator(parameters, h, space[0])
     total = cuts * (ground.size - 1)
-    u, v, y, side = 0.0, 0.0, 0.0, np.int64(0)  # no literal: it would be a type of its own
+    u, v, y, side = 0.0, 0.0, 0.0, 0
     for n in range(PEAKS):
         peaks[n] = 0.0
     at, u, v, y = _stride(o, u, v, y, side, ground, h, cuts, side, peaks, each, out)

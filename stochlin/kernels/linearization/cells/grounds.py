@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from stochlin.kernels.basics.compiled import called_often, entry
-from stochlin.kernels.linearization.cells.tiles import LANES, load, read3, store, write3
+from stochlin.kernels.linearization.cells.tiles import LANES, fill, load, read3, store, write3
 
 SYSTEM = 5  # rows of an equivalent system
 FORCINGS = 9  # rows of a forcing, its slopes by slip and those by relaxation
@@ -156,7 +156,8 @@ def kanai_tajimi(rows, found):
 
     After the forcings come the correlations of ``mu``, ``mu'`` and ``y`` with the states.
     """
-    given, made = np.ones(rows.shape[0] * LANES), np.empty(found.shape[0] * LANES)
+    given, made = np.empty(rows.shape[0] * LANES), np.empty(found.shape[0] * LANES)
+    fill(given, 1.0)
     for start in range(0, rows.shape[1], LANES):
         load(rows, start, given, 0)
         for lane in range(LANES):
@@ -172,7 +173,8 @@ def kanai_tajimi(rows, found):
 @entry
 def clough_penzien(rows, found):
     """The same (FORCINGS + 12, n), from (10, n): the soil, and ``wf^2`` and ``2 xif wf`` after it."""
-    given, made = np.ones(rows.shape[0] * LANES), np.empty(found.shape[0] * LANES)
+    given, made = np.empty(rows.shape[0] * LANES), np.empty(found.shape[0] * LANES)
+    fill(given, 1.0)
     for start in range(0, rows.shape[1], LANES):
         load(rows, start, given, 0)
         for lane in range(LANES):

@@ -21,9 +21,11 @@ def variance_by_order(sz, growth, excess, weight, found):
     ``growth`` is ``exp(1/2 sz^2)``; the last row is what is beyond the orders.
     """
     orders = found.shape[0] - 1
-    std, threshold, energy, weighted = np.ones((4, LANES))
+    std, threshold = np.empty(LANES), np.empty(LANES)
+    energy, weighted = np.empty(LANES), np.empty(LANES)
     polynomials = np.empty((orders + 1) * LANES)
     sums, square = np.empty((orders + 1) * LANES), np.empty(LANES)
+    fill(std, 1.0)
     for start in range(0, sz.size, LANES):
         count = min(LANES, sz.size - start)
         for lane in range(count):
@@ -75,8 +77,9 @@ def add_powers(memory, found):
     negative.
     """
     cycles, orders = memory.shape[0], found.shape[0]
-    sums, given = np.empty(orders * LANES), np.zeros(cycles * LANES)
+    sums, given = np.empty(orders * LANES), np.empty(cycles * LANES)
     power, square = np.empty(LANES), np.empty(LANES)
+    fill(given, 0.0)
     for start in range(0, memory.shape[1], LANES):
         load(memory, start, given, 0)
         fill(sums, 1.0)
@@ -103,10 +106,12 @@ def follow(matrix, time, turns, states, found):
     """
     size, cycles = states.shape[0], found.shape[0]
     part, step, other = (
-        np.zeros(size * size * LANES), np.empty(size * size * LANES), np.empty(size * size * LANES)
+        np.empty(size * size * LANES), np.empty(size * size * LANES), np.empty(size * size * LANES)
     )  # fmt: skip
-    here, after = np.zeros(size * LANES), np.empty(size * LANES)
-    made, doublings = np.empty(cycles * LANES), np.zeros(LANES)
+    here, after = np.empty(size * LANES), np.empty(size * LANES)
+    made, doublings = np.empty(cycles * LANES), np.empty(LANES)
+    for tile in (part, here, doublings):
+        fill(tile, 0.0)
     for start in range(0, time.size, LANES):
         count = min(LANES, time.size - start)
         load(matrix, start, part, 0)
@@ -147,7 +152,10 @@ def _exponential(part, doublings, size, total, other):
             one = 1.0 if i % (size + 1) == 0 else 0.0
             for lane in range(LANES):
                 total[i * LANES + lane] = one + other[i * LANES + lane] / order
-    for doubling in range(int(doublings.max())):
+    most = 0.0
+    for lane in range(LANES):
+        most = max(most, doublings[lane])
+    for doubling in range(int(most)):
         _multiply(total, total, size, other)
         for i in range(size * size):
             for lane in range(LANES):

@@ -9,7 +9,7 @@ import numpy as np
 from stochlin.kernels.basics.compiled import called_often, entry, shared
 from stochlin.kernels.basics.small_systems import solve_3x3
 from stochlin.kernels.linearization.cells.grounds import FORCINGS, SYSTEM
-from stochlin.kernels.linearization.cells.tiles import LANES, load, read3, store, write3
+from stochlin.kernels.linearization.cells.tiles import LANES, fill, load, read3, store, write3
 from stochlin.kernels.linearization.covariance import (
     EquivalentSystem,
     Forcing,
@@ -47,7 +47,8 @@ def respond(system, forcings, found):
 
     The moments do not tell: on coloured ground they may look like a covariance then.
     """
-    given, made = np.ones((SYSTEM + FORCINGS) * LANES), np.empty(RESPONSE * LANES)
+    given, made = np.empty((SYSTEM + FORCINGS) * LANES), np.empty(RESPONSE * LANES)
+    fill(given, 1.0)
     for start in range(0, system.shape[1], LANES):
         load(system, start, given, 0)
         load(forcings, start, given, SYSTEM)
@@ -90,7 +91,9 @@ def advance(
     Unknowns, latent moments and mismatch are (3, n), ``response`` of `respond`. Of the closure are the
     ``slopes`` of the coefficients (6, n), the covariance (3, n) and its derivatives (9, n).
     """
-    given, here = np.ones(GIVEN * LANES), np.ones(STATE * LANES)
+    given, here = np.empty(GIVEN * LANES), np.empty(STATE * LANES)
+    for tile in (given, here):
+        fill(tile, 1.0)
     for start in range(0, state.shape[1], LANES):
         row = 0
         for part in (unknowns, latent, mismatch, covariance, slopes, by_latent, response):
