@@ -337,7 +337,7 @@ def test_figures_and_words_of_storeys(changed):
     gaps = gap_rules(scene)
     figure = charts.gaps_figure(gaps)
     (far,) = (note for note in figure["layout"]["annotations"] if note["y"] == "ASCE 41")
-    gap = 100 * float(gaps.gap.sel(rule="asce_41"))  # .04 of the height, far beyond the others
+    gap = 100 * float(gaps.gap.sel(rule="asce_41"))  # 0.04 of the height, far beyond the others
     assert far["text"].startswith(f"{gap:.0f} cm")
     assert figure["layout"]["xaxis"]["range"][1] < gap
     by_height = [curve for curve in figure["data"] if curve.get("yaxis") == "y2"]
@@ -384,7 +384,7 @@ def test_floors_that_are_not_level_are_told_and_codes_asked_so():
         float(gap_rules(one).gap.sel(rule="eurocode_8"))
         for one in (scene, dataclasses.replace(scene, storey_height_2=3.0))
     )
-    assert level < 0.8 * apart  # Eurocode 8 asks for .7 of it
+    assert level < 0.8 * apart  # Eurocode 8 asks for 0.7 of it
 
 
 @pytest.mark.slow

@@ -26,9 +26,9 @@ from stochlin.messages import DoubtfulInput, brief, plain
 MINIMUM_SAMPLES = 16
 
 # Fractions of the step by which a printed time may miss its place and a printed step the usual
-# one: 1/300 s is printed .003, .007, .010. A lost sample misses both by 1.
+# one: 1/300 s is printed 0.003, 0.007, 0.010. A lost sample misses both by 1.
 _TIME_TOLERANCE, _GAP = 0.25, 0.5
-# Relative difference of two steps that rounding may make: 1/128 s is printed .0078.
+# Relative difference of two steps that rounding may make: 1/128 s is printed 0.0078.
 _STEP_TOLERANCE = 2e-3
 _CURE = "correct it, or leave it out"
 SHORTEST_STEP = 1e-6  # s
@@ -82,7 +82,7 @@ def read_record(
     -----
     UserWarning
         If the record is possible, but hardly meant: a peak of more than 3 g, a time step of more than
-        .5 s, values that increase throughout, a column that is named as a velocity or the like.
+        0.5 s, values that increase throughout, a column that is named as a velocity or the like.
 
     Examples
     --------
@@ -250,7 +250,7 @@ def _time_step(time: npt.NDArray[np.float64], dt: float | None = None) -> float:
             f"time has a gap at {time[i]:.9g} s: the next is {time[i + 1]:.9g} s, but the step is "
             f"{usual:.6g} s; fill it, or cut the record there"
         )
-    # Twelve digits: the mean step of printed times is .02, not .019999999999999997.
+    # Twelve digits: the mean step of printed times is 0.02, not 0.019999999999999997.
     step = float(f"{(time[-1] - time[0]) / steps.size:.12g}")
     if dt is not None and not np.isclose(dt, step, rtol=_STEP_TOLERANCE, atol=0):
         raise ValueError(f"dt = {dt:g} contradicts the time, whose step is {step:.6g} s; {_CURE}")

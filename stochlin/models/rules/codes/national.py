@@ -125,7 +125,7 @@ class Asce41(ShareOfHeight):
     ASCE 41-17 has lower shares where seismicity is lower.
     """
 
-    assumptions = f".04 of the height is a first check of existing buildings; {NO_PEAKS}"
+    assumptions = f"0.04 of the height is a first check of existing buildings; {NO_PEAKS}"
     line = ""
 
     factor: float = 0.04

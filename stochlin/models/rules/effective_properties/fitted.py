@@ -37,7 +37,7 @@ class _PowerRule(EffectiveRule):
     "Iwan (1980)",
 )
 class Iwan1980(_PowerRule):
-    """Fit to inelastic response spectra: ``1 + 0.121 (mu-1)^.939``, ``xi + 0.0587 (mu-1)^.371``."""
+    """Fit to inelastic response spectra: ``1 + 0.121 (mu-1)^0.939``, ``xi + 0.0587 (mu-1)^0.371``."""
 
     period_law = (0.121, 0.939)
     damping_law = (0.0587, 0.371)
@@ -89,7 +89,7 @@ class JengKasaiMaison1992(_PowerRule):
     "Kasai, Jagiasi and Jeng (1996)",
 )
 class KasaiJagiasiJeng1996(_PowerRule):
-    """``1 + 0.18 (mu-1)``, ``xi + 0.16 (mu-1)^.9``: unverified."""
+    """``1 + 0.18 (mu-1)``, ``xi + 0.16 (mu-1)^0.9``: unverified."""
 
     reason = DOUBT
 

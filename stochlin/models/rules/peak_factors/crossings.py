@@ -56,7 +56,7 @@ class Davenport1964(PeakFactor):
 class DerKiureghian1980(PeakFactor):
     """Davenport's mean with an equivalent number ``Ne`` of independent crossings, fitted.
 
-    ``Ne = max(2.1, 2 delta N)`` for ``delta <= 0.1``, ``(1.63 delta^.45 - 0.38) N`` to 0.69, ``N``
+    ``Ne = max(2.1, 2 delta N)`` for ``delta <= 0.1``, ``(1.63 delta^0.45 - 0.38) N`` to 0.69, ``N``
     above; ``q = 1.2/L - 5.4/(13 + L^6.4)``, and 0.65 for ``Ne <= 2.1``. Of the fit's three pieces only
     the first has a floor: where the others give ``Ne < 1.33``, p is NaN. At ``delta = 0.1`` the pieces
     do not quite meet: ``Ne`` falls by 0.8 %.
