@@ -227,7 +227,7 @@ def displacement_corrections(ductility):
     structure, ground = grid(PERIOD, DAMPING[:2])
     logarithm = np.log(solve_derived(structure, ground, "drift", USUAL).ductility_std).transpose(*GRID)
     simulated = logarithm.copy(data=np.log(ductility[:, :, :2]))
-    change = filled(simulated - logarithm).diff("damping").isel(damping=0, drop=True)  # .01 to .02
+    change = filled(simulated - logarithm).diff("damping").isel(damping=0, drop=True)  # 0.01 to 0.02
     inside = np.log(soil.period.clip(*PERIOD[[0, -1]]))
     change = change.assign_coords(period=np.log(PERIOD)).interp(period=inside.values)
     least = soil.sel(damping=[DAMPING[1]]) - change.assign_coords(period=soil.period.values)

@@ -1,9 +1,9 @@
 """The estimate of pounding from energies, beside simulation: `python benchmarks/pounding_estimates.py`.
 
-Random rows of structures of each kind, each in two motions of its own: 12 s on firm ground. Periods .3
-to 2 s, masses within a factor of ten; buildings of 3 to 10 equal storeys of one height, of .07 to .13 s
-a storey; strength a quarter of the elastic demand; gaps .05 to .4 of the root of the summed squares of
-the energy radii; contacts of e = .65. Some minutes.
+Random rows of structures of each kind, each in two motions of its own: 12 s on firm ground. Periods 0.3
+to 2 s, masses within a factor of ten; buildings of 3 to 10 equal storeys of one height, of 0.07 to 0.13
+s a storey; strength a quarter of the elastic demand; gaps 0.05 to 0.4 of the root of the summed squares
+of the energy radii; contacts of e = 0.65. Some minutes.
 """
 
 import sys

@@ -1,7 +1,7 @@
 """Error of every rule for the separation, over modulated motions: `python benchmarks/rules.py`.
 
-30 s under an Amin-Ang envelope (4 s, 15 s, .35); hardening .02, .05, .1; T1/T2 from .3 to .9; three
-T2 around the ground's period. Every rule is fed with the simulated mean peaks, and judged against
+30 s under an Amin-Ang envelope (4 s, 15 s, 0.35); hardening 0.02, 0.05, 0.1; T1/T2 from 0.3 to 0.9;
+three T2 around the ground's period. Every rule is fed with the simulated mean peaks, and judged against
 the simulated mean of max |u1 - u2|: its error in the mean over the cases, and at worst.
 """
 

@@ -28,9 +28,7 @@ for n, (color, dash) in zip(range(3), CURVES, strict=False):
     axes.fill_between(
         gap, found.probability_lower, found.probability_upper, color=color, alpha=0.2, lw=0
     )
-    axes.plot(
-        gap, found.probability, color=color, linestyle=dash, label=f"periods {periods[n]:g} and 1 s"
-    )
+    axes.plot(gap, found.probability, color=color, linestyle=dash, label=f"{periods[n]:g} and 1 s")
 axes.set(xlabel="gap [m]", ylabel="probability of pounding in 30 s", ylim=(0, 1), xlim=(0, 0.2))
 axes.set_title(
     "damping and hardening 0.05, reduction factor 4; firm ground of intensity 0.01 m²/s³", size=9

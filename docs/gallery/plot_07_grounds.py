@@ -17,9 +17,15 @@ from stochlin.charts import CURVES, STYLE
 plt.rcParams.update(STYLE)
 frequency = xr.DataArray(np.linspace(0.05, 40, 4000), dims="frequency")
 figure, axes = plt.subplots(figsize=(6.4, 3.8), layout="constrained")
-for name, (color, dash) in zip(("firm", "medium", "soft", "sct_1985_ns"), CURVES, strict=False):
+names = {
+    "firm": "firm",
+    "medium": "medium",
+    "soft": "soft",
+    "sct_1985_ns": "lake bed, Mexico City 1985",
+}
+for (name, label), (color, dash) in zip(names.items(), CURVES, strict=False):
     psd = sl.named_ground(name).psd(frequency)
-    axes.plot(frequency, psd / psd.max(), color=color, linestyle=dash, label=name)
+    axes.plot(frequency, psd / psd.max(), color=color, linestyle=dash, label=label)
 axes.set(xlabel="circular frequency [rad/s]", ylabel="PSD over its maximum")
 axes.set(xlim=(0, 40), ylim=(0, 1.05))
 axes.legend()

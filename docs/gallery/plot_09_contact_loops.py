@@ -23,8 +23,8 @@ linear = {
 }
 others = {"Hertz": "Hertz", "HertzDamp": "Hertz-damp", "Jankowski": "Jankowski"}
 groups = (
-    ("linear springs; those with damping: restitution 0.65", linear),
-    ("Hertz types; those with damping: restitution 0.65", others),
+    ("linear springs; damped: restitution 0.65", linear),
+    ("Hertz types; damped: restitution 0.65", others),
 )
 for axes, (title, names) in zip(panels, groups, strict=True):
     for (name, label), (color, dash) in zip(names.items(), CURVES, strict=False):

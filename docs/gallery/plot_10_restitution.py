@@ -13,9 +13,15 @@ from stochlin.charts import CURVES, STYLE, restitution_chart
 plt.rcParams.update(STYLE)
 chart = restitution_chart()
 figure, axes = plt.subplots(figsize=(6.4, 3.8), layout="constrained")
-for name, (color, dash) in zip(chart.element.values, CURVES, strict=False):
+names = {
+    "Kelvin": "Kelvin",
+    "NoTensionKelvin": "Kelvin, no tension",
+    "ImpactKelvin": "impact Kelvin",
+    "Jankowski": "Jankowski",
+}
+for (name, label), (color, dash) in zip(names.items(), CURVES, strict=False):
     row = chart.restitution.sel(element=name)
-    axes.plot(chart.damping_ratio, row, color=color, linestyle=dash, label=name)
+    axes.plot(chart.damping_ratio, row, color=color, linestyle=dash, label=label)
 axes.set(xlabel=r"damping ratio $\xi$", ylabel="coefficient of restitution $e$")
 axes.set(xlim=(0, 1), ylim=(0, 1))
 axes.legend()

@@ -87,7 +87,8 @@ for column, closure in zip(panels.T, closures, strict=True):
             axis.set_ticks(np.arange(len(ends)) - 0.5, [f"{end:g}" for end in ends], fontsize=7)
         axes.set_xlabel("R" if kind == "R" else "$T/T_g$", labelpad=1)
         axes.grid(visible=False)
-    column[0].set_title(closure.replace("_", " "), size=9)
+    name = "Gaussian" if closure == "gaussian" else closure.replace("_", " ")
+    column[0].set_title(f"{name} closure", size=9)
 for axes, quantity, across in zip(
     panels[:, 0],
     (r"$\sigma_u$ [%]", r"$\sigma_u$ [%]", r"$\rho$", r"$\rho$"),

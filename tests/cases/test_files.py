@@ -67,7 +67,7 @@ def test_example_is_what_its_comments_say(tmp_path: Path) -> None:
     assert case.envelope == sl.AminAng(4.0, 15.0, 0.35)
     assert case.first.structure == sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=4, mass=3.2e6)
     assert (case.duration, case.gap, case.confidence) == (20.0, 0.05, 0.9)
-    # The comment on the intensity: an rms acceleration of .1 g.
+    # The comment on the intensity: an rms acceleration of 0.1 g.
     assert rms_acceleration(case.ground) == pytest.approx(0.1 * 9.80665, rel=0.02)
 
 

@@ -90,7 +90,7 @@ def test_eq15_is_the_kelvin_element_s(e):
 
 
 def test_eq15_is_no_other_element_s():
-    # Used elsewhere, the damping ratio for .65 leaves more than .65.
+    # Used elsewhere, the damping ratio for 0.65 leaves more than 0.65.
     ratio = sl.Kelvin.damping_ratio(0.65)
     assert sl.NoTensionKelvin.restitution(ratio) == pytest.approx(0.6748, abs=5.1e-5)
     assert sl.ImpactKelvin.restitution(ratio) == pytest.approx(0.8214, abs=5.1e-5)
@@ -220,7 +220,7 @@ def test_fig7_shows_what_the_paper_says():
 
 
 def test_fig7_responses_diverge_as_the_damping_grows():
-    """Their ratio does; the difference of what velocity is left is largest, .413, at xi = .72."""
+    """Their ratio does; the difference of what velocity is left is largest, 0.413, at xi = 0.72."""
     ratios = np.linspace(0.01, 0.99, 99)
     kelvin, impact = sl.Kelvin.restitution(ratios), sl.ImpactKelvin.restitution(ratios)
     assert (np.diff(impact / kelvin) > 0).all()
@@ -235,7 +235,7 @@ def test_fig7_responses_diverge_as_the_damping_grows():
 
 
 def test_contacts_of_other_laws_need_not_be_shorter_with_less_restitution():
-    """Contact times over those of e = .99: what the paper calls the expected response."""
+    """Contact times over those of e = 0.99: what the paper calls the expected response."""
     times = xr.concat(
         [contact_loop_chart(e).scaled_contact_time for e in (0.99, 0.65, 0.2)], "e", join="exact"
     )

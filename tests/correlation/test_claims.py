@@ -98,7 +98,7 @@ def test_on_broad_band_linearization_and_simplified_formulas_are_not_similar(duc
         rules = by_rule(xr.DataArray(peaks[:-1], dims="ratio"), peaks[-1])
     elif ductility == "equal to R":
         rules = by_rule(4.0, 4.0)
-    # Simulated ductilities scatter by a per cent, which moves a rule by less than .01.
+    # Simulated ductilities scatter by a per cent, which moves a rule by less than 0.01.
     allowed = SAME_AS_WRITTEN + 0.01 * (ductility == "simulated")
     for name, distance in zip(RULES, DISTANCES[ductility], strict=True):
         assert apart(rules[name], linearized.rho.values) == pytest.approx(distance, abs=allowed), name
@@ -108,7 +108,7 @@ def test_on_broad_band_linearization_and_simplified_formulas_are_not_similar(duc
 
 
 def test_the_rules_are_no_nearer_to_linearization_at_other_periods_and_strengths():
-    """Means over three periods and three strengths, linearized ductility; the least of a cell is .07."""
+    """Means over three periods and three strengths, linearized ductility; least of a cell 0.07."""
     cases = [(period, factor) for period in PERIODS for factor in FACTORS]
     means = {}
     for band in (BROAD, NARROW):
@@ -135,7 +135,7 @@ OFF = {
     BROAD: (0.08, 0.02, 0.41, 0.16, 0.10, 0.24, 0.21, 0.14, 0.16),
     NARROW: (0.17, 0.04, 0.40, 0.18, 0.13, 0.23, 0.21, 0.17, 0.18),
 }
-# On narrow band: how often rho of a rule is .05 and more above the simulated, and how often the gap
+# On narrow band: how often rho of a rule is 0.05 and more above the simulated, and how often the gap
 # of it and of the true standard deviations is too small by a twentieth and more.
 TOO_HIGH = {
     "secant": (0.58, 0.49),
@@ -152,7 +152,7 @@ ALONE = {BROAD: (0.51, 0.72, 1.0), NARROW: (0.39, 1.31, 0.83)}
 @pytest.mark.slow
 @pytest.mark.parametrize("band", [BROAD, NARROW], ids=["broad", "narrow"])
 def test_how_near_linearization_and_the_rules_are_to_simulation(band):
-    """Over 144 pairs: three periods, three strengths, 16 ratios. Means are exact to .002."""
+    """Over 144 pairs: three periods, three strengths, 16 ratios. Means are exact to 0.002."""
     away = {name: [] for name in ("linearization", "drift", *RULES)}
     alone, fed, higher, short = [], [], {name: [] for name in RULES}, {name: [] for name in RULES}
     for case in ((period, factor) for period in PERIODS for factor in FACTORS):
@@ -183,7 +183,7 @@ def test_how_near_linearization_and_the_rules_are_to_simulation(band):
 
 
 def test_on_narrow_band_a_rule_gives_higher_correlations_near_the_ground_period():
-    """Iwan, R = 4, T2 = Tg: above linearization for T1 from .59 to .84 T2, above simulation to 1.19."""
+    """Iwan, R = 4, T2 = Tg: above linearization for T1 from 0.59 to 0.84 T2, than simulation to 1.19."""
     found, (linearized, rules) = simulated(NARROW, 1.0, 4), formulas(NARROW, 1.0, 4)
     iwan = rules["iwan_1980"]
     between = (RATIOS > 0.55) & (RATIOS < 0.9)
@@ -235,7 +235,7 @@ def test_on_broad_band_correlation_rises_with_strength_reduction_but_for_the_sti
     ids=["broad", "narrow"],
 )
 def test_eq_4_for_linear_structures_holds_on_broad_band_alone(band, gap, rho):
-    """Eq. (3) with the rho of eq. (4) over that with the exact rho of the ground; T/Tg .25 to 4."""
+    """Eq. (3) with the rho of eq. (4) over that with the exact rho of the ground; T/Tg 0.25 to 4."""
     periods = GROUND_PERIOD * np.geomspace(0.25, 4, 81)
     first, second = (
         sl.Bilinear(xr.DataArray(periods, dims=name, coords={name: periods}), 0.05)
@@ -255,7 +255,7 @@ def test_eq_4_for_linear_structures_holds_on_broad_band_alone(band, gap, rho):
 
 
 def test_the_ground_s_period_decides_on_narrow_band():
-    """T1 = .7 T2, elastic: from T2 = Tg/4 to 4 Tg, and the largest and least between."""
+    """T1 = 0.7 T2, elastic: from T2 = Tg/4 to 4 Tg, and the largest and least between."""
     periods = xr.DataArray(np.geomspace(0.25, 4, 81), dims="period")
     pair = sl.Bilinear(0.7 * periods, 0.05), sl.Bilinear(periods, 0.05)
     narrow, broad = (

@@ -129,7 +129,7 @@ def test_shipped_signatures_are_those_simulated_anew():
     simulated = signature(result["joint"], result["gram"])[[1, 3]][:, ::7]
     found = simulated - derived.transpose("damping", "period", ...).values
     kept = shipped.sel(damping=dampings).values[:, ::7]
-    # Standard errors of a coordinate are some .01: see below for the mean.
+    # Standard errors of a coordinate are some 0.01: see below for the mean.
     assert np.abs(found - kept).max() < 0.08
     assert np.abs(found - kept).mean() < 0.012
     assert np.abs(kept).mean() > 0.03
@@ -169,7 +169,7 @@ def test_elastic_limit_is_exact_on_narrow_band_ground(R):
     ],
 )
 def test_stiff_unequal_pairs_on_narrow_band_ground(first, second, damping):
-    """Where the derivation alone is off by .3 to .5."""
+    """Where the derivation alone is off by 0.3 to 0.5."""
     ground = sl.KanaiTajimi(1.0, damping)
     table = sl.correlate(first, second, ground, closure="drift")
     exact = sl.simulate([first, second], ground, paths=128, seed=11, steps_per_period=16)

@@ -390,7 +390,7 @@ def test_floors_that_are_not_level_are_told_and_codes_asked_so():
         float(gap_rules(one).gap.sel(rule="eurocode_8"))
         for one in (scene, dataclasses.replace(scene, storey_height_2=3.0))
     )
-    assert level < 0.8 * apart  # Eurocode 8 asks for .7 of it
+    assert level < 0.8 * apart  # Eurocode 8 asks for 0.7 of it
 
 
 @pytest.mark.slow

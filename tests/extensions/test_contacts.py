@@ -71,7 +71,7 @@ def test_an_element_from_outside_pounds_as_its_force_law_says(install, example, 
         assert integrated_restitution(xi) == pytest.approx(RESTITUTION, abs=1e-5)  # damping is rounded
         mass = 3.2e6 * 1.5e6 / 4.7e6
         alone = 0.5 * (1 - RESTITUTION**2) * mass * table.approach_velocity**2
-        # The masses are not quite free: an impact takes .015 s, in which springs and ground push on.
+        # The masses are not quite free: an impact takes 0.015 s, in which springs and ground push on.
         fast = table.approach_velocity > 0.5 * table.approach_velocity.max()
         np.testing.assert_allclose(table.energy_lost[fast], alone[fast], rtol=0.1)
 

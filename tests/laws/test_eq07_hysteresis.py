@@ -33,7 +33,7 @@ def coefficients(law, latent, *parameters):
 
 
 def random_latent(count, seed):
-    """Moments with z from far below yield to far beyond, and correlations up to .99."""
+    """Moments with z from far below yield to far beyond, and correlations up to 0.99."""
     rng = np.random.default_rng(seed)
     return np.stack(
         [

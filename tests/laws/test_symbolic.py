@@ -55,7 +55,7 @@ def test_bouc_wen_law_as_an_expression(beta, gamma, exponent):
 
 
 def test_maxwell_element_is_linear_already():
-    """``z' = v - .3 z`` is its own linearization, at any level of motion."""
+    """``z' = v - 0.3 z`` is its own linearization, at any level of motion."""
     law = V - sympy.Rational(3, 10) * Z
     table = sl.linearize(structure(sl.Hysteretic, np.random.default_rng(42), law=law), GROUND)
     np.testing.assert_allclose(table.c_eq, -1, rtol=0, atol=1e-12)

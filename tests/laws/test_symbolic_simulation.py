@@ -13,7 +13,7 @@ pytestmark = pytest.mark.oracle
 
 V, Z = sympy.symbols("v z")
 GROUND = sl.KanaiTajimi(1.0, 0.3)
-BOUC_WEN = V - 0.7 * sympy.Abs(V) * sympy.Abs(Z) * Z + 0.2 * V * Z**2  # beta .7, gamma -.2, n 2
+BOUC_WEN = V - 0.7 * sympy.Abs(V) * sympy.Abs(Z) * Z + 0.2 * V * Z**2  # beta 0.7, gamma -0.2, n 2
 
 
 def test_block_of_a_law_moves_as_the_compiled_one():

@@ -55,7 +55,7 @@ def hard():
 def test_forces_of_stiff_links_are_of_the_order_of_base_shears():
     tables = pounded(gap=10.0, link=STIFF)
     ratio = np.array([float(t.peak_link_force[0] / t.peak_base_shear.min()) for t in tables])
-    assert ratio.min() > 0.25  # measured: .31 to .37
+    assert ratio.min() > 0.25  # measured: 0.31 to 0.37
     assert ratio.max() < 0.5
 
 
@@ -77,9 +77,9 @@ def test_pounding_hands_energy_from_one_building_to_the_other(hard):
         lost = float(table.contact_lost_energy[-1])
         assert float(handed.sum()) == pytest.approx(-lost, rel=1e-6)
         assert (handed.min("side") < 0).all()  # nobody gains without a loser
-        assert float((handed.max("side") > 0).mean()) > 0.5  # measured: .57 to 1, median .92
+        assert float((handed.max("side") > 0).mean()) > 0.5  # measured: 0.57 to 1, median 0.92
         won, gone = float(handed.where(handed > 0).sum()), -float(handed.where(handed < 0).sum())
-        assert 0.4 < won / gone < 1  # measured: .48 to .80; the rest stays in the contacts
+        assert 0.4 < won / gone < 1  # measured: 0.48 to 0.80; the rest stays in the contacts
         gains.append((handed.sum("impact") / table.input_energy.isel(time=-1)).values)
     assert np.min(gains) < -0.15  # measured: a building hands on up to 20 % of its input
     assert np.max(gains) > 0.05  # and gains up to 8 %
@@ -112,7 +112,7 @@ def test_forces_of_hits_exceed_what_the_structure_can_bear(hard):
     assert (min(columns), max(columns)) == pytest.approx((1.76, 4.38), abs=0.02)
 
 
-# ---- Oscillators of 1 and .5 s in twelve motions on firm ground ----
+# ---- Oscillators of 1 and 0.5 s in twelve motions on firm ground ----
 
 MANY = sl.simulated_motions(
     sl.named_ground("firm", intensity=0.01), 15.0, sl.AminAng(2, 9, 0.5), paths=12, seed=3
@@ -148,7 +148,7 @@ def test_the_critical_gap_is_the_least_without_contact(kind):
     ],
 )
 def test_oscillators_are_amplified_less_with_less_restitution(kind, mean, falls):
-    """The larger of both amplifications; three ratios of masses, e = .9, .65 and .1."""
+    """The larger of both amplifications; three ratios of masses, e = 0.9, 0.65 and 0.1."""
     found = []
     for masses in ((2e5, 2e5), (2e5, 6e5), (6e5, 2e5)):
         pair = oscillators(kind, *masses)
@@ -180,12 +180,12 @@ def test_a_stiff_element_of_little_restitution_makes_pulses_worse(hard):
 
 
 def test_elements_of_one_restitution_are_alike():
-    """Peak displacements against those of eq. (13), e = .65, yielding oscillators."""
+    """Peak displacements against those of eq. (13), e = 0.65, yielding oscillators."""
     pair = oscillators("yielding")
     reference = sl.pound(pair, 0.02, sl.Stereomechanical(0.65), MANY).peak.values
     for kind in (sl.Kelvin, sl.NoTensionKelvin, sl.ImpactKelvin):
         peak = sl.pound(pair, 0.02, kind(1e9, restitution=0.65), MANY).peak.values
-        assert np.median(abs(peak / reference - 1)) < 0.05  # measured: .03 to .04
+        assert np.median(abs(peak / reference - 1)) < 0.05  # measured: 0.03 to 0.04
         assert np.max(abs(peak / reference - 1)) < 0.2
 
 
@@ -206,18 +206,18 @@ def test_stiff_links_change_how_forces_are_distributed_over_the_height():
     """Largest storey shears, linked at the fifth floors over standing alone; far apart, no contact."""
     low, high = over_alone(pounded(gap=10.0, link=STIFF), "peak_storey_shear").transpose(1, 0, 2)
     assert 1.1 < low[:, 4].min() < low[:, 4].max() < 1.4  # measured: 1.12 to 1.34 where the link is
-    assert 0.8 < low[:, :3].min() < low[:, :3].max() < 1.05  # .85 to 1.01 in the storeys below
+    assert 0.8 < low[:, :3].min() < low[:, :3].max() < 1.05  # 0.85 to 1.01 in the storeys below
     assert np.median(high[:, 5:]) > 1.05  # 1.00 to 1.15 above it, yielding limits it
-    assert 0.85 < high[:, :5].min() < high[:, :5].max() < 1.1  # .90 to 1.08 below
+    assert 0.85 < high[:, :5].min() < high[:, :5].max() < 1.1  # 0.90 to 1.08 below
     strong = [elastic(FIVE), elastic(EIGHT)]
     tables = [sl.pound(strong, 10.0, HARD, motion, link=STIFF) for motion in motions()]
     low, high = over_alone(tables, "peak_storey_shear").transpose(1, 0, 2)
-    assert np.median(low[:, 4]) > 1.5  # measured: .97 to 2.28, median 1.64
+    assert np.median(low[:, 4]) > 1.5  # measured: 0.97 to 2.28, median 1.64
     assert low[:, 4].max() > 2
     assert np.median(high[:, 5:]) > 1.3  # 1.00 to 1.91
-    assert low[:, 0].min() < 0.6  # .53 to 1.37 at the base
+    assert low[:, 0].min() < 0.6  # 0.53 to 1.37 at the base
     ratio = [float(t.peak_link_force[0] / t.peak_base_shear.min()) for t in tables]
-    assert 0.4 < min(ratio) < max(ratio) < 0.6  # .43 to .57: the order of the base shear
+    assert 0.4 < min(ratio) < max(ratio) < 0.6  # 0.43 to 0.57: the order of the base shear
 
 
 def test_bumpers_as_thick_as_the_gap_allows(hard):
@@ -256,13 +256,13 @@ def test_supplemental_damping_is_preferred(hard):
         base[name] = over_alone(each, "peak_base_shear", hard).max()
         storey[name] = np.nanmax(over_alone(each, "peak_storey_shear", hard))
         pulse[name] = np.nanmax(over_alone(each, "peak_acceleration", hard), axis=(1, 2))
-    # roofs: measured 1.01 and 1.02 as built, 1.04 and 1.01, 1.01 and 1.11, .69 and .71 with damping
+    # roofs: measured 1.01 and 1.02 as built, 1.04 and 1.01, 1.01 and 1.11, 0.69 and 0.71 with damping
     for name in ("as built", "bumpers", "link"):
         assert (roof[name] > 0.98).all()
         assert base[name] > 1.05  # 1.10, 1.09, 1.08
         assert storey[name] > 1.05  # 1.13, 1.09, 1.34
     assert (roof["damping"] < 0.75).all()
-    assert base["damping"] < 1  # .98: better than without a neighbour
+    assert base["damping"] < 1  # 0.98: better than without a neighbour
     assert storey["damping"] < 1.05
     # but pulses of acceleration are left, 2.9 to 5.5 times; with bumpers, too, 1.25 to 1.38
     assert np.median(pulse["damping"]) > 3
@@ -283,5 +283,5 @@ def test_smaller_restitution_gives_smaller_amplification_of_oscillators(periods,
     low, middle, high = np.mean(worst, axis=1)
     assert low < middle < high
     more = worst[2] - worst[0]
-    assert more.mean() > 3 * more.std() / 24**0.5  # measured: .15 to .34 elastic, .10 to .18 yielding
+    assert more.mean() > 3 * more.std() / 24**0.5  # measured: 0.15 to 0.34, yielding 0.10 to 0.18
     assert (more < 0).mean() < 0.25  # but in up to a fifth of the motions it is the other way

@@ -99,7 +99,7 @@ def test_a_column_met_at_its_floor_is_that_floor(name):
 
 
 def test_two_columns_met_beside_two_floors_are_slabs_that_meet():
-    """.06 m of 1000 m are next to none; two springs of half the stiffness stand where one stood."""
+    """0.06 m of 1000 m are next to none; two springs of half the stiffness stand where one stood."""
     tall, record = building([1000.0] * 3), shaking(200)
     level = sl.pound([tall, building([1000.0] * 2)], 0.005, sl.LinearSpring(2e8), record)
     near = building([1000.06, 1000.0])

@@ -113,7 +113,7 @@ def test_what_pounding_does_is_what_pound_finds():
         radius = [
             float(sl.pseudo_energy_radius(each, structure.period, 0.05).pseudo_energy_radius)
             for each in MOTIONS
-        ]  # the largest may lie between samples, .01 s apart
+        ]  # the largest may lie between samples, 0.01 s apart
         np.testing.assert_allclose(error.radius_alone.isel(structure=n), radius, rtol=5e-3)
         told = sl.pounding_estimate_row(
             ROW, [0.02, 0.02], CONTACT, list(error.radius_alone.isel(path=0).values), points=91

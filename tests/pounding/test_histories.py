@@ -391,7 +391,7 @@ def test_rows_that_touch_do_not_chatter_without_end(periods, masses, e, seed):
     row = [sl.Bilinear(t, 0.1, mass=m) for t, m in zip(periods, masses, strict=False)]
     table = sl.pound(row, [0.0] * (len(row) - 1), sl.Stereomechanical(e), synthetic(150, seed=seed))
     check_energy(table)
-    # Measured: some hundreds, at e = .9 some thousands; a cycle without end would be millions.
+    # Measured: some hundreds, at e = 0.9 some thousands; a cycle without end would be millions.
     assert table.sizes["impact"] < 50_000
     u, floors = table.displacement, len(row)
     for left in range(1, floors):

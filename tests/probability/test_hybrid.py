@@ -60,7 +60,7 @@ def test_equal_radii_in_step_never_pound_and_in_opposition_by_the_arc_cosine():
 
 @pytest.mark.parametrize("rho", [0.9999, -0.9999])
 def test_correlations_near_the_ends_are_near_the_closed_forms(rho):
-    # the phase wanders by sqrt(2 (1 - |rho|)) = .014 about its place
+    # the phase wanders by sqrt(2 (1 - |rho|)) = 0.014 about its place
     assert chance(1.0, 0.4, 0.3, rho) == pytest.approx(chance(1.0, 0.4, 0.3, np.sign(rho)), abs=2e-3)
 
 

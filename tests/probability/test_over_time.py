@@ -115,7 +115,7 @@ def test_error_of_the_confidence_is_what_the_notes_say(pair, lowest, highest):
     gaps = xr.DataArray(sigma * np.linspace(1, 4, 7), dims="gap")
     last = probability(*structures, FIRM, gaps, paths=8192, points=6).isel(time=-1)
     error = last.confidence_of_no_pounding - last.confidence_of_no_pounding_simulated
-    # four standard errors of a share of 8192 are .022 at most
+    # four standard errors of a share of 8192 are 0.022 at most
     assert float(error.max()) < highest
     assert float(error.min()) > lowest
     assert float(abs(error).sel(gap=6).max()) < 0.02
@@ -185,7 +185,7 @@ def test_correction_of_a_yielding_pair_is_nearer_to_simulation():
         abs(last[f"confidence_of_no_pounding{ending}"] - last.confidence_of_no_pounding_simulated)
         for ending in ("", "_corrected")
     )
-    # four standard errors of a share of 2048 are .044 at most
+    # four standard errors of a share of 2048 are 0.044 at most
     assert float(corrected.max()) < 0.1 + 0.044
     assert float(plain.max()) > 0.2 - 0.044
     simulated = float(last.required_gap_simulated)
@@ -207,7 +207,7 @@ def test_formulas_are_flagged_where_they_are_off_and_trusted_where_they_are_not(
         last = table.isel(time=-1)
         for ending in ("", "_corrected"):
             error = last[f"confidence_of_no_pounding{ending}"] - last.confidence_of_no_pounding_simulated
-            # four standard errors of a share of 2048 are .044 at most
+            # four standard errors of a share of 2048 are 0.044 at most
             assert not ((last[f"caution{ending}"] == 0) & (error > 0.1 + 0.044)).any()
             off.append(float(error.max()))
     assert max(off) > 0.2

@@ -61,7 +61,7 @@ def test_the_formulas_are_as_near_to_simulation_as_without_scatter(pair):
     table = sl.pounding_probability(*pair, GROUND, gap, **options, **QUAKE)
     last = table.isel(time=-1)
     off = last.confidence_of_no_pounding - last.confidence_of_no_pounding_simulated
-    # What the docstring says of linear structures, with an error of .01 of the simulation.
+    # What the docstring says of linear structures, with an error of 0.01 of the simulation.
     assert off.min() > -0.15
     assert off.max() < 0.07
     assert abs(float(last.required_gap / last.required_gap_simulated) - 1) < 0.12

@@ -119,7 +119,7 @@ def test_eq02_holds_in_part_for_simulated_motions(ground, of_displacement, of_ve
     ],
 )
 def test_eq02_holds_in_part_for_records(suite, of_displacement, of_velocity, near):
-    """Medians, 95 % quantiles, and shares within 5 %, over all records and periods from .2 to 4 s."""
+    """Medians, 95 % quantiles, and shares within 5 %, over all records and periods from 0.2 to 4 s."""
     records = sl.read_records(RECORDS / "suites.csv")
     chosen = {name: record for name, record in records.items() if name.startswith(suite)}
     periods = xr.DataArray(np.geomspace(0.2, 4, 14), dims="period")

@@ -87,7 +87,7 @@ def standard_errors(wg, xig, duration, estimator, low, high):
     ("record", "wg", "xig", "tolerance"),
     [
         (lambda: lake_bed(1), 3.09, 0.054, 0.03),
-        # 37 s do not resolve this peak: a sinusoid of that duration would give xig = .024.
+        # 37 s do not resolve this peak: a sinusoid of that duration would give xig = 0.024.
         (lambda: lake_bed(2), 3.11, 0.033, 0.15),
         (taft, 17.8, 0.45, 0.03),
     ],
@@ -172,7 +172,7 @@ def test_recovers_a_known_ground(wg, xig, duration, estimator):
             np.log([TAU / ground.period / wg, ground.damping / xig, ground.intensity / intensity])
         )
     assert np.all(np.abs(np.mean(logs, axis=0)) < 3.5 * expected / np.sqrt(8))
-    # Seven degrees of freedom: the scatter over its expectation is .28 to 1.9 in all but .1 %.
+    # Seven degrees of freedom: the scatter over its expectation is 0.28 to 1.9 in all but 0.1 %.
     scatter = np.std(logs, axis=0, ddof=1) / expected
     assert np.all((scatter > 0.28) & (scatter < 1.9))
     printed = [

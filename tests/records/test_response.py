@@ -204,7 +204,7 @@ def test_elastic_peaks_on_records(name, period):
     exact = (u, v, 2 * 0.05 * w * v + w**2 * u, np.hypot(u, v / w))
     table = sl.response_spectrum(record, period, 0.05)
     for variable, history in zip(PEAKS, exact, strict=True):
-        # The oracle sees its own 40 points a period: 1 - cos(pi/40) = .3 % low at the worst.
+        # The oracle sees its own 40 points a period: 1 - cos(pi/40) = 0.3 % low at the worst.
         low = 2 * (np.pi / max(40, refine * period / record.attrs["dt"])) ** 2
         peak = abs(history).max()
         assert peak * (1 - 1e-5) <= float(table[variable]) <= peak * (1 + low + 1e-5), variable
@@ -343,7 +343,7 @@ def test_no_brief_change_of_branch_is_lost(seed):
 
 @st.composite
 def any_case(draw):
-    """A record and a structure: periods of .1 to 1e4 steps, strong or yielding a hundredfold."""
+    """A record and a structure: periods of 0.1 to 1e4 steps, strong or yielding a hundredfold."""
     record = synthetic(samples=60, seed=draw(st.integers(0, 2**16)))
     period = 0.02 * 10 ** draw(st.floats(-0.99, 4))
     static = 2.0 * (min(period, 0.3) / (2 * np.pi)) ** 2

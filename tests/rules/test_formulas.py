@@ -31,7 +31,7 @@ def test_elastic_structures_keep_their_period_and_damping(name):
 
 @pytest.mark.parametrize("name", EFFECTIVE)
 def test_rules_are_continuous_where_yielding_begins(name):
-    """Iwan's damping begins like the power .371 of the distance: 1e-12 of it is 3e-5 of .0587."""
+    """Iwan's damping begins like the power 0.371 of the distance: 1e-12 of it is 3e-5 of 0.0587."""
     rule = sl.effective_rule(name)
     assert float(rule.period_ratio(1 + 1e-12, 0.05)) == pytest.approx(1, abs=1e-10)
     assert float(rule.damping(1 + 1e-12, 0.05, 0.05)) == pytest.approx(0.05, abs=3e-6)

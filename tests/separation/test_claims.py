@@ -66,7 +66,7 @@ def test_srss_is_too_small_for_elastic_structures_about_the_period_of_a_lake_bed
     ("ground_damping", "least"), [(0.05, 0.864), (0.1, 0.916), (0.2, 0.960), (0.6, 0.995)]
 )
 def test_how_far_srss_is_too_small_for_stationary_motion(ground_damping, least):
-    """Exact: elastic, xi = .05, all pairs of periods from a quarter of the ground's to four times it."""
+    """Exact: elastic, xi = 0.05, pairs of periods from a quarter of the ground's to four times it."""
     first, second = (
         sl.Bilinear(xr.DataArray(np.geomspace(0.25, 4, 121), dims=name), 0.05)
         for name in ("period_1", "period_2")
@@ -78,7 +78,7 @@ def test_how_far_srss_is_too_small_for_stationary_motion(ground_damping, least):
 
 
 def test_no_factor_on_the_sum_serves_all_pairs():
-    """The sum is always enough; the factor that would just be enough is .08 to .93."""
+    """The sum is always enough; the factor that would just be enough is 0.08 to 0.93."""
     shares = [
         1 / over
         for ground in (FIRM, LAKE)

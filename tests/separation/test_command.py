@@ -148,7 +148,7 @@ def test_all_four_families_of_codes_are_on_the_screen_the_page_and_in_the_file(e
 
 
 def test_a_gap_far_beyond_the_answer_is_told_at_the_border_of_the_pictures(tmp_path: Path) -> None:
-    """.04 of 15 m is five times the answer, and would squeeze the rest."""
+    """0.04 of 15 m is five times the answer, and would squeeze the rest."""
     path = tmp_path / "case.toml"
     path.write_text(sl.example_case().replace("2048", "128").replace('existing = "5 cm"', "# "))
     answer = answer_case(sl.read_case(path))

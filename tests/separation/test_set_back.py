@@ -17,7 +17,7 @@ from stochlin.views.command import main
 GROUND = sl.named_ground("firm", intensity=0.01)
 QUAKE = {"duration": 20.0, "envelope": sl.AminAng(4.0, 15.0, 0.35), "paths": 256, "seed": 3}
 OFFICE = sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=4)
-STIFF = sl.Bilinear(0.03, 0.05)  # moves by less than .2 mm
+STIFF = sl.Bilinear(0.03, 0.05)  # moves by less than 0.2 mm
 TOWER = sl.ShearBuilding(
     [4e5] * 4, [3e8] * 4, [3.0] * 4, 0.05, hardening=0.05, yield_drifts=0.008, p_delta=True
 )

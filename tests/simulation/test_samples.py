@@ -132,7 +132,7 @@ def test_the_interval_of_a_gap_with_uncertain_periods_contains_it_as_often_as_it
     exact, *_ = gaps(6400, 900)
     intervals = np.array([gaps(64, seed)[1:] for seed in range(200)])
     covered = ((intervals[:, 0] <= exact) & (exact <= intervals[:, 1])).mean()
-    # Order statistics are a little more careful than they say; .98 with these seeds.
+    # Order statistics are a little more careful than they say; 0.98 with these seeds.
     assert abs(covered - 0.95) < 3 * np.sqrt(0.95 * 0.05 / 200)
 
 

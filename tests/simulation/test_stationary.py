@@ -142,7 +142,7 @@ def test_intervals_of_95_per_cent_cover_the_exact_values_in_95_per_cent_of_the_r
         ]
         for m in moments
     ]
-    # The limits are 4.5 standard errors of the share, sqrt(.95 * .05 / 2400) = .0044, from .95.
+    # The limits are 4.5 standard errors of the share, sqrt(0.95 * 0.05 / 2400) = 0.0044, from 0.95.
     share = np.mean(covered, axis=0)
     assert (share > 0.93).all()
     assert (share < 0.97).all()
@@ -380,7 +380,7 @@ def test_cells_out_of_range_spoil_only_themselves():
 
 
 def test_rare_yielding_is_bounded_and_flagged():
-    """At R = .7 the drift takes 1e5 s to settle: it is the drift closure's, with its error."""
+    """At R = 0.7 the drift takes 1e5 s to settle: it is the drift closure's, with its error."""
     ground = sl.KanaiTajimi(1.0, 0.3, intensity=0.01)
     rare, usual = yielding(1.0, 0.7 / 3), yielding(0.9, 1.0)
     table = sl.simulate([rare, usual], ground, paths=32)
@@ -392,7 +392,7 @@ def test_rare_yielding_is_bounded_and_flagged():
     closure = sl.linearize(rare, ground, "drift")
     assert float(table.displacement_std[0]) == pytest.approx(float(closure.displacement_std), rel=1e-9)
     assert float(table.ductility_std[0]) == pytest.approx(float(closure.ductility_std), rel=1e-9)
-    # a simulation of 32 motions of 2.5e6 s, seed 0: .07425 with a standard error of .00034
+    # a simulation of 32 motions of 2.5e6 s, seed 0: 0.07425 with a standard error of 0.00034
     error = float(table.displacement_std_standard_error[0])
     assert abs(float(table.displacement_std[0]) - 0.07425) < 2 * np.hypot(error, 0.00034)
     alone = sl.simulate([usual], ground, paths=32)

@@ -62,7 +62,7 @@ def test_a_building_of_one_storey_is_an_oscillator(law):
 def test_printed_values_of_two_buildings():
     """Drifts, correlation and relative displacement that a Runge-Kutta method gave, to 3 digits.
 
-    The top storey of the first yields so rarely that its drift takes 150 s to relax: the .00328 m that
+    The top storey of the first yields so rarely that its drift takes 150 s to relax: the 0.00328 m that
     were printed are those of motions too short for it. It goes on growing, by 2.5 %.
     """
     table = sl.simulate([four(), two()], FIRM, paths=64, seed=1)

@@ -31,7 +31,7 @@ def test_motions_deliver_the_spectrum(name):
     ground = sl.fit_ground(CODES[name], duration=20.0, envelope=ENVELOPE)
     table = sl.simulated_spectrum(ground, CODES[name], 20.0, ENVELOPE, paths=2048, seed=77)
     seen = table.sel(period=slice(0.1, 4.0))
-    # The aim is 3 and 6 %; the scatter of 2048 motions is within .8 %.
+    # The aim is 3 and 6 %; the scatter of 2048 motions is within 0.8 %.
     assert float(np.sqrt(((seen.ratio - 1) ** 2).mean())) < 0.03
     assert float(abs(seen.ratio - 1).max()) < 0.06
     assert "errors of" in ground.source

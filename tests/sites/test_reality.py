@@ -25,7 +25,7 @@ def test_interval_of_independent_cases_is_that_of_clopper_and_pearson():
 @pytest.mark.oracle
 @pytest.mark.parametrize("share", [0.5, 0.9])
 def test_interval_holds_where_cases_of_a_place_go_together(share):
-    """In 500 draws of 12 places with two components and six pairs each, correlated by .5."""
+    """In 500 draws of 12 places with two components and six pairs each, correlated by 0.5."""
     random = np.random.default_rng(4)
     threshold = scipy.stats.norm.ppf(share)
     inside = 0
@@ -48,7 +48,7 @@ def test_where_all_held_a_place_counts_as_one_case():
 
 
 def tried(scatter, suite="far field", part="spectrum", seed=0):
-    """Cases with lognormal gaps of this scatter beside that of the motions, .3."""
+    """Cases with lognormal gaps of this scatter beside that of the motions, 0.3."""
     random = np.random.default_rng(seed)
     sizes = {"case": 60, "scatter": 2, "strength": 3, "pair": 2}
     levels = np.array([0.0, 0.4])

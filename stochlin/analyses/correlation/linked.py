@@ -66,8 +66,8 @@ def correlate_linked(
 
     Notes
     -----
-    Linearization has the same error here as elsewhere where structures yield; `simulate` with ``link``
-    is free of it.
+    Where structures yield, linearization has the same error as without a link. `simulate` with ``link``
+    does not have this error.
 
     References
     ----------

@@ -110,15 +110,14 @@ def simulate(
     -------
     xarray.Dataset
         Over ``structure``: ``displacement_std`` [m] and ``displacement_std_standard_error``,
-        ``ductility_std`` [-], ``drift`` [-]: the change of the variance from the first half of the
-        run to the second in standard errors, ``status``: not converged where a drift exceeds 5;
-        over (``structure``, ``structure_2``): ``rho`` and ``rho_standard_error``. Where a structure
-        yields too rarely for that, ``estimate``: a flag of how it was found; see the notes. With a
-        duration
+        ``ductility_std`` [-], ``drift`` [-]: the change of the variance from the first half of the run
+        to the second in standard errors, ``status``: not converged where a drift exceeds 5; over
+        (``structure``, ``structure_2``): ``rho`` and ``rho_standard_error``. Where a structure yields
+        too rarely for that, ``estimate``: a flag of how it was found; see the notes. With a duration
         instead, over ``path`` and ``structure``: ``peak_positive``, ``peak_negative`` and ``peak``, the
-        larger of the two, all [m]; over ``path``, ``structure`` and ``structure_2``: ``separation`` [m],
-        the largest ``u_1 - u_2``, the gap that would just have been enough with ``structure`` on the
-        left. Their means with standard errors, and ``separation_quantile`` with a 95 % interval,
+        larger of the two, all [m]; over ``path``, ``structure`` and ``structure_2``: ``separation``
+        [m], the largest ``u_1 - u_2``, the gap that would just have been enough with ``structure`` on
+        the left. Their means with standard errors, and ``separation_quantile`` with a 95 % interval,
         ``_lower`` and ``_upper``. `exceedance` takes the probability of a gap from the samples. Of
         uncertain parameters also ``input_factor`` [-] over ``path`` and ``input``: the sample over the
         median.
@@ -131,19 +130,20 @@ def simulate(
 
     Notes
     -----
-    Trapezoidal rule with an exact return map for the bilinear law, implicit midpoint rule for the
-    others; for linear structures the second moments are exact for any step. A law in sympy is
-    compiled in a second or two, and runs a tenth as fast, as dashpots with an exponent do. Standard
-    errors come from the scatter between independent paths.
+    The bilinear law is integrated by the trapezoidal rule with an exact return map, other laws by the
+    implicit midpoint rule. For linear structures the second moments are exact for any step. A law in
+    sympy is compiled in a second or two. Such a law, and dashpots with an exponent, take ten times as
+    long. Standard errors come from the scatter between independent paths.
 
-    A structure that yields rarely has a plastic drift that takes very long to settle. A bilinear
-    oscillator without links that would need more than ten million steps is simulated as elastic, and its
-    drift is that of the drift closure, which grows for a million periods at most: ``estimate`` flags it,
-    and the standard errors hold those of the closure. Against simulations of up to fifty million steps
-    (R 0.72 to 0.77, white noise, firm ground, a lake bed) standard deviations were off by 2 % at most
-    and ``rho`` by 0.03, of two that are nearly alike on the lake bed by 0.12. Fewer ``relaxation_times``
-    let more be simulated. Of other structures and linked ones the whole time is simulated, and refused
-    from a quarter of an hour on.
+    The plastic drift of a structure that yields rarely takes very long to settle. A bilinear oscillator
+    without links that would need more than ten million steps is simulated as elastic. Its drift is then
+    taken from the drift closure and grows for a million periods at most; ``estimate`` flags such a
+    structure, and its standard errors include those of the closure. Compared with simulations of up to
+    fifty million steps (R 0.72 to 0.77, white noise, firm ground and a lake bed), standard deviations
+    were off by 2 % at most and ``rho`` by 0.03; for two structures that are nearly alike on the lake
+    bed ``rho`` was off by 0.12. With fewer ``relaxation_times``, more structures are simulated
+    completely. For other structures and for linked ones the whole time is simulated; a simulation that
+    would take a quarter of an hour or more is refused.
 
     References
     ----------

@@ -11,7 +11,7 @@
 
 At ``kappa = 0`` their ratio is ``sqrt(2 pi) delta h``, Vanmarcke's (1975, J. Appl. Mech. 42). His
 empirical ``delta^1.2`` was fitted to single oscillators; for the difference of two it is unsafe by up
-to .19 in the probability, ``delta`` itself by .05: so that is what stands here.
+to 0.19 in the probability, ``delta`` itself by 0.05: so that is what stands here.
 """
 
 from __future__ import annotations
