@@ -9,6 +9,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+import tomllib
 from collections.abc import Iterator
 from html.parser import HTMLParser
 from pathlib import Path
@@ -96,6 +97,11 @@ def test_command_lines_run(line: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert program == "stochlin"
     result = CliRunner().invoke(main, arguments)
     assert result.exit_code == 0, result.output
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_lines_of_case_files_on_a_page_are_toml(page: str) -> None:
+    assert all(tomllib.loads(block) for block in blocks(PAGES[page], "toml"))
 
 
 @pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
