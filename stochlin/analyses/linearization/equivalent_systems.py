@@ -16,6 +16,7 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, lone, valid_cells
 from stochlin.analyses.tables.work import check_work, count_cells
 from stochlin.kernels.basics.arrays import Array, in_one_shape
+from stochlin.kernels.basics.slabs import in_slabs
 from stochlin.kernels.linearization.amplitude_averaging import solve_amplitude_average
 from stochlin.kernels.linearization.covariance import (
     EquivalentSystem,
@@ -32,6 +33,7 @@ from stochlin.models.grounds import Ground
 from stochlin.models.structures import DRIFT, NARROW_BAND, Structure
 
 SOLVED, DRIFTING = 700, 10_000  # bytes that a cell takes, roughly, and with the drift closure
+AT_ONCE = 1 << 15  # cells, of which what is found on the way is kept
 ROUNDING = 1e-9  # by which a correlation may exceed 1
 # Below this slip and relaxation (over w) the third state changes nothing in double precision.
 ELASTIC = 1e-18
@@ -204,7 +206,11 @@ class _Solver(NamedTuple):
         return (*PUBLIC, *INTERNAL, STRENGTH_RATIO, *(OF_DRIFT if self.drifts else ()))
 
     @np.errstate(all="ignore")  # what comes of extreme input is judged by its status
-    def solve(
+    def solve(self, *inputs: Array) -> tuple[Array, ...]:
+        kinds = [KINDS.get(name, float) for name in self.names]
+        return in_slabs(self._solve_some, *inputs, kinds=kinds, cells=AT_ONCE)
+
+    def _solve_some(
         self, structure_valid: Array, ground_valid: Array, *parameters: Array
     ) -> tuple[Array, ...]:
         arrays = in_one_shape(structure_valid & ground_valid, *parameters)

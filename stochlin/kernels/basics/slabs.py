@@ -15,34 +15,38 @@ CHUNK = 8192  # cells at a time
 
 
 def in_slabs(
-    function: Callable[..., Any], *inputs: Array, kinds: Sequence[npt.DTypeLike] = (float,)
+    function: Callable[..., Any],
+    *inputs: Array,
+    kinds: Sequence[npt.DTypeLike] = (float,),
+    cells: int = CHUNK,
 ) -> tuple[Array, ...]:
     """``function`` of arrays that broadcast, without temporaries of the table's size.
 
-    It has a result of each of these kinds, and with one kind returns it alone.
+    It has a result of each of these kinds, and with one kind returns it alone. So many ``cells`` go at a
+    time.
     """
     shape = np.broadcast_shapes(*(array.shape for array in inputs))
     results = tuple(np.empty(shape, kind) for kind in kinds)
     padded = [array.reshape((1,) * (len(shape) - array.ndim) + array.shape) for array in inputs]
-    small = math.prod(shape) <= CHUNK
-    for slab in [(slice(None),) * len(shape)] if small else _slabs(shape):
+    small = math.prod(shape) <= cells
+    for slab in [(slice(None),) * len(shape)] if small else _slabs(shape, cells):
         found = function(*(padded if small else (array[_clip(slab, array.shape)] for array in padded)))
         for result, one in zip(results, found if len(kinds) > 1 else (found,), strict=True):
             result[slab] = one
     return results
 
 
-def _slabs(shape: tuple[int, ...]) -> Iterator[tuple[slice, ...]]:
-    """Contiguous pieces of an array of this shape, of about CHUNK cells."""
+def _slabs(shape: tuple[int, ...], cells: int) -> Iterator[tuple[slice, ...]]:
+    """Contiguous pieces of an array of this shape, of about so many cells."""
     inner, axis = 1, len(shape)
-    while axis > 0 and inner * shape[axis - 1] <= CHUNK:
+    while axis > 0 and inner * shape[axis - 1] <= cells:
         axis -= 1
         inner *= shape[axis]
     whole = (slice(None),) * (len(shape) - axis)
     if axis == 0:
         yield whole
         return
-    step = max(1, CHUNK // inner)
+    step = max(1, cells // inner)
     for lead in np.ndindex(*shape[: axis - 1]):
         for begin in range(0, shape[axis - 1], step):
             yield (*(slice(i, i + 1) for i in lead), slice(begin, begin + step), *whole)
