@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
-from scipy import fft, signal
+from scipy import fft
 
 from stochlin.analyses.records.records import checked_record, strong_part
 from stochlin.analyses.tables import labels
@@ -139,6 +139,8 @@ def periodogram(
     part: xr.DataArray, padding: int = 1, taper: float = 0.0
 ) -> tuple[Vector, Vector, float]:
     """Frequencies [rad/s] from 0 to Nyquist, two-sided PSD per rad/s, and the duration [s]."""
+    from scipy import signal  # which takes long to load, with all of scipy.stats
+
     values, dt = checked_record(part)
     if not np.ptp(values):
         raise ValueError(f"record is {values[0]:g} throughout the part used; allowed: some motion")

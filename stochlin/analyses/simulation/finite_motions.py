@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import scipy.stats
 import xarray as xr
+from scipy.special import bdtrik, betaincinv
 
 from stochlin.analyses.simulation.ensembles import Run, seconds_of
 from stochlin.analyses.simulation.riders import STRUCTURE, Riders
@@ -313,8 +313,8 @@ def keeping_apart(separation: xr.DataArray, gap: float | xr.DataArray) -> dict[s
 
 def share_interval(count: Array, motions: int) -> tuple[Array, Array]:
     """95 % interval of a probability, from the number of motions in which it came true."""
-    lower = scipy.stats.beta.ppf(TAIL, count, motions - count + 1)
-    upper = scipy.stats.beta.ppf(1 - TAIL, count + 1, motions - count)
+    lower = betaincinv(count, motions - count + 1, TAIL)
+    upper = betaincinv(count + 1, motions - count, 1 - TAIL)
     return np.nan_to_num(lower, nan=0.0), np.nan_to_num(upper, nan=1.0)
 
 
@@ -328,8 +328,8 @@ def quantile_intervals(samples: Array, levels: Array) -> tuple[Array, Array, Arr
     ordered = np.sort(samples, axis=0)
     n = len(ordered)
     each = (-1,) + (1,) * (samples.ndim - 1)
-    low = scipy.stats.binom.ppf(TAIL, n, levels).astype(int) - 1
-    high = scipy.stats.binom.ppf(1 - TAIL, n, levels).astype(int)
+    low = np.ceil(bdtrik(TAIL, n, levels)).astype(int) - 1
+    high = np.ceil(bdtrik(1 - TAIL, n, levels)).astype(int)
     estimate: Array = np.quantile(samples, levels, axis=0)
     lower = np.where((low >= 0).reshape(each), ordered[np.maximum(low, 0)], 0.0)
     upper = np.where((high < n).reshape(each), ordered[np.minimum(high, n - 1)], np.inf)
