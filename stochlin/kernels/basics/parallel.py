@@ -39,7 +39,7 @@ def in_order(
         pool.shutdown(wait=False, cancel_futures=True)  # who interrupts does not wait for the rest
 
 
-def in_chunks(
+def in_ranges(
     task: Callable[[slice], Result], cells: int, size: int, *, threads: bool = True
 ) -> list[Result]:
     """Results of a task for each ``size`` cells of so many, in order; without ``threads`` from this one.

@@ -8,7 +8,7 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import entry
-from stochlin.kernels.basics.parallel import in_chunks
+from stochlin.kernels.basics.parallel import in_ranges
 from stochlin.kernels.correlation.tables import OFF, PART
 from stochlin.kernels.correlation.tiles import LANES, cells_of_tile
 
@@ -48,7 +48,7 @@ def differences(
     def part(cells: slice) -> None:
         _fill(*parts, np.array(shape, int), rho, cells.start, cells.stop, *found)
 
-    in_chunks(part, count, PART, threads=threads)
+    in_ranges(part, count, PART, threads=threads)
     std, off, flag = (array.reshape(shape) for array in found)
     return std, off, flag
 

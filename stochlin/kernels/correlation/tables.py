@@ -10,7 +10,7 @@ import numpy as np
 from stochlin.kernels.basics.arrays import Array, in_one_shape
 from stochlin.kernels.basics.compiled import entry
 from stochlin.kernels.basics.interpolation import Grid
-from stochlin.kernels.basics.parallel import in_chunks
+from stochlin.kernels.basics.parallel import in_ranges
 from stochlin.kernels.correlation.tiles import (
     LANES,
     PARAMETERS,
@@ -94,7 +94,7 @@ def pair_table(
     def part(cells: slice) -> None:
         _fill(*first, *second, *fixed, cells.start, cells.stop, *result)
 
-    in_chunks(part, count, PART, threads=threads)
+    in_ranges(part, count, PART, threads=threads)
     return result
 
 

@@ -16,7 +16,7 @@ from scipy.optimize import elementwise
 from scipy.special import erfc
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.parallel import in_chunks
+from stochlin.kernels.basics.parallel import in_ranges
 from stochlin.kernels.linearization.cells.series import evaluate
 from stochlin.kernels.linearization.covariance import EquivalentSystem, own_covariance
 from stochlin.kernels.linearization.filters import Filter
@@ -114,7 +114,7 @@ def solve_amplitude_average(
         rows = frequency[cells], damping_ratio[cells], hardening[cells], elastic_sigma[cells]
         return _solve(*rows, ground.at(cells), rtol, max_iterations)
 
-    parts = in_chunks(part, frequency.size, CHUNK)
+    parts = in_ranges(part, frequency.size, CHUNK)
     sigma, *judged = (np.concatenate(field) for field in zip(*parts, strict=True))
     return AmplitudeAverage(equivalent_system(sigma, frequency, damping_ratio, hardening), *judged)
 

@@ -15,7 +15,7 @@ from numpy.polynomial.laguerre import laggauss
 from scipy.special import erf
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.parallel import in_chunks
+from stochlin.kernels.basics.parallel import in_ranges
 from stochlin.kernels.basics.small_systems import solve_3x3
 from stochlin.kernels.linearization.cells.kicks import add_powers, follow, variance_by_order
 from stochlin.kernels.linearization.covariance import (
@@ -111,7 +111,7 @@ def half_cycles(system: EquivalentSystem, ground: Filter) -> HalfCycles:
         own = EquivalentSystem(*(row[cells] for row in system))
         time[cells], memory[:, cells] = _half_cycles(own, ground.at(cells))
 
-    in_chunks(part, n, CELLS)
+    in_ranges(part, n, CELLS)
     return HalfCycles(time, memory)
 
 

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.parallel import in_chunks
+from stochlin.kernels.basics.parallel import in_ranges
 from stochlin.kernels.linearization.cells.steps import (
     BASE,
     DELTA,
@@ -80,7 +80,7 @@ def solve_fixed_point(
     def part(cells: slice) -> FixedPoint:
         return _solve(whole.of(cells), start[:, cells], max_iterations)
 
-    parts = in_chunks(part, start.shape[1], CHUNK)
+    parts = in_ranges(part, start.shape[1], CHUNK)
     return FixedPoint(*(np.concatenate(field, axis=-1) for field in zip(*parts, strict=True)))
 
 
