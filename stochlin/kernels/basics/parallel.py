@@ -42,13 +42,13 @@ def in_order(
 def in_ranges(
     task: Callable[[slice], Result], cells: int, size: int, *, threads: bool = True
 ) -> list[Result]:
-    """Results of a task for each ``size`` cells of so many, in order; without ``threads`` from this one.
+    """Results of a task for each range of ``size`` cells, in order; in this thread without ``threads``.
 
-    Of no cells there is one chunk, without any.
+    If there are no cells, the task runs once with an empty range.
     """
-    chunks = [slice(begin, min(begin + size, cells)) for begin in range(0, max(cells, 1), size)]
+    ranges = [slice(begin, min(begin + size, cells)) for begin in range(0, max(cells, 1), size)]
 
     def part(number: int) -> Result:
-        return task(chunks[number])
+        return task(ranges[number])
 
-    return list(in_order(part, len(chunks)) if threads else map(part, range(len(chunks))))
+    return list(in_order(part, len(ranges)) if threads else map(part, range(len(ranges))))
