@@ -53,6 +53,7 @@ def test_it_is_read_said_and_kept_by_the_explorer(tmp_path):
     assert sl.read_case(tmp_path / "saved.toml").scatter == 0.3
 
 
+@pytest.mark.slow
 def test_of_a_spectrum_it_is_what_suites_show_and_can_be_left_out(tmp_path):
     case = read(tmp_path, site=CODE)
     assert case.scatter == case.usual_scatter == RECORD_TO_RECORD

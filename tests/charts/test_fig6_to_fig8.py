@@ -41,7 +41,7 @@ def test_files_are_what_the_program_makes(name):
     for key in ("title", "caption", "comment", "references"):
         assert file.attrs[key] == chart.attrs[key]
     picture = matplotlib.image.imread(FOLDER / f"{name}.png")
-    assert picture.shape[1] == 1440  # 7.2 inches at 200 dots
+    assert picture.shape[1] == 2160  # 7.2 inches at 300 dots
     assert picture.std() > 0.05
 
 

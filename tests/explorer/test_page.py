@@ -243,6 +243,7 @@ def test_nothing_is_wider_than_the_screen(page, address, width):
     assert page.script(wide, width) == 0
 
 
+@pytest.mark.slow
 def test_a_building_becomes_one_with_storeys_and_an_oscillator_again(page):
     gone, there = "reduction_factor_1", "base_shear_coefficient_1"
     assert page.shows(gone)
@@ -291,6 +292,7 @@ def test_another_ground_has_other_controls(page):
     assert re.search("too small for building 1", page.text("caution"))
 
 
+@pytest.mark.slow
 def test_a_ground_by_a_spectrum_or_a_peak_is_sought_beside_the_page(page, capsys):
     shown = "return document.querySelector('[data-panel=spectra]').textContent"
     before = page.curve("spectra", 0)

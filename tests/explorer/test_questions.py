@@ -110,6 +110,7 @@ def test_a_case_file_sets_the_sliders_and_is_saved_with_all_that_has_none(page, 
     assert told.exit_code == 0, told.output
 
 
+@pytest.mark.slow
 def test_storeys_and_the_spectrum_of_a_file_are_kept(page, tmp_path):
     period = np.geomspace(0.05, 4.0, 60)
     values = sl.asce_7(9.8, 5.9, 8.0).interp(period=period).values

@@ -67,6 +67,7 @@ def test_white_noise_has_no_peak():
     assert dataclasses.replace(scene, measure=SA).settle().settled
 
 
+@pytest.mark.slow
 def test_a_code_in_a_file_is_held_with_its_fit_and_another_soil_is_fitted_anew(tmp_path):
     case = case_of(CODE, tmp_path)
     scene, notes = scene_of(case)
@@ -90,6 +91,7 @@ def test_a_code_in_a_file_is_held_with_its_fit_and_another_soil_is_fitted_anew(t
     np.testing.assert_allclose(saved.ground.psd(frequency), other.ground().psd(frequency), rtol=1e-4)
 
 
+@pytest.mark.slow
 def test_asce_7_is_held_and_scaled_as_one(tmp_path):
     site = 'spectrum = "asce_7"\nsds = "1 g"\nsd1 = "0.6 g"\ntl = "8 s"\nfilters = 1\n'
     scene, _ = scene_of(case_of(site, tmp_path))
@@ -100,6 +102,7 @@ def test_asce_7_is_held_and_scaled_as_one(tmp_path):
     assert all(line in case_text(twice) for line in ('tl = "8.0 s"', f'sds = "{2 * G!r} m/s^2"'))
 
 
+@pytest.mark.slow
 def test_another_damping_is_kept(tmp_path):
     case = case_of(f"{CODE}damping = 0.1\n", tmp_path)
     scene, _ = scene_of(case)
@@ -108,6 +111,7 @@ def test_another_damping_is_kept(tmp_path):
     assert not dataclasses.replace(scene, spectrum_damping=0.05).settled
 
 
+@pytest.mark.slow
 def test_a_spectrum_of_a_file_has_its_own_scale(tmp_path):
     period = np.geomspace(0.05, 4.0, 60)
     values = sl.asce_7(G, 0.6 * G, 8.0).interp(period=period).values
