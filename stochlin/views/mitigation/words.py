@@ -32,7 +32,7 @@ WIDE = 34  # characters of a name
 NOTES = (
     "Damping: added damping of buildings 1 and 2 in per cent of critical; then stiffness and damping "
     "constant of the link{more}. Needed: the gap for the confidence, and its 95 % interval{bumpers}. "
-    "Apart: share of the simulated motions in which the existing gap prevents pounding. Linearized: "
+    "Apart: share of the simulated motions in which the existing gap prevents pounding. Std: "
     "standard deviation of the relative displacement by linearization, which is too small where "
     "buildings yield. All measures are simulated with the same motions."
 )
@@ -151,7 +151,7 @@ def _motions(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
         if _changes(table, name)
     }
     heads = ["measure", "damping [%]", "[MN/m]", "[MN s/m]", *extras.values()]
-    heads += ["needed [cm]", "interval", "apart", "verdict", "linearized [cm]"]
+    heads += ["needed [cm]", "interval", "apart", "verdict", "std [cm]"]
     meanings = dict(enumerate(table.verdict.attrs["flag_meanings"].split()))
     meanings[NOT_AVAILABLE] = "none found"
     rows = []
