@@ -33,7 +33,6 @@ def command_lines() -> list[str]:
 
 LONG = {
     "stochlin charts",
-    "stochlin charts --record taft.txt --dt 0.01s --units g",
     "stochlin gap case.toml --report gap.html",
     "stochlin gap case.toml --report gap.html --out gap.nc",
     "stochlin mitigate case.toml --picture measures.png",
