@@ -113,11 +113,11 @@ def insights(
         both = zip(points, pairs, strict=True)
         return [_like([*point, *soil], one.cells()["period"]) for point, (one, _) in both]
     one_ground = all(array.ndim == 0 for array in ground.arrays().values())
-    solve = _solved_once if one_ground else _solved_references
+    of_arrays = None if one_ground else _solved_references(ground, tolerance)
     told = []
     for point, side in zip(points, solved, strict=True):
         labelled = any(isinstance(array, xr.DataArray) for array in side.values())
-        known = (solve if labelled else _plain_references)(ground, tolerance)
+        known = of_arrays or (_solved_once if labelled else _plain_references)(ground, tolerance)
         (own,) = derived_signatures([side], *known)
         correction = hold_at_ends(SIGNATURE, point)
         core = ([REFERENCE], *([] for _ in correction))
