@@ -94,7 +94,7 @@ def parts(count: int) -> dict[str, float]:
 
     tasks: dict[str, Callable[[], object]] = {
         "random": lambda: fill_normal(random, xi),
-        "ground": lambda: ground_block(xi, q, *run.ground, f),
+        "ground": lambda: ground_block(run.ground)(xi, q, f),
         "dynamics": lambda: bilinear_block(f, plan.dt, law, *state, plan.every, out),
         "moments": lambda: add_products(out, total),
     }

@@ -274,7 +274,7 @@ def test_stationary_covariance_of_elastic_structures_is_exact_for_any_step(filte
     xi, f = np.zeros((1, LANES)), np.empty((1, LANES))
     xi[0, total] = 1
     q, u, v = (np.ascontiguousarray(part) for part in (start[4:], start[0:4:2], start[1:4:2]))
-    ground_block(xi, q, *steps, f)
+    ground_block(steps)(xi, q, f)
     bilinear_block(f, dt, laws, u, v, np.zeros((2, LANES)), 1, np.empty((1, 2, LANES)))
     columns = np.concatenate([np.stack([u, v], axis=1).reshape(4, LANES), q])
     transition, gain = columns[:, :total], columns[:, total]
@@ -294,7 +294,7 @@ def test_noise_free_ground_decays_as_the_continuous_filter(filters):
     for count in (400, 800):
         steps = filter_steps(matrix, noise, output, 1.0, 1 / count)
         q, f = start.copy(), np.empty((count, LANES))
-        ground_block(np.zeros((count, LANES)), q, *steps, f)
+        ground_block(steps)(np.zeros((count, LANES)), q, f)
         errors.append(np.abs(q - exact).max())
         # Over the second, the forcing's mean is the output of the integral of the states.
         integral = np.linalg.solve(matrix, exact - start)

@@ -111,7 +111,6 @@ class SampledGround(NamedTuple):
         own = slice(group * LANES, (group + 1) * LANES)
         columns = zip(*self.steps[own], strict=True)
         lanes: list[Any] = [np.stack(column, axis=-1) for column in columns]
-        lanes[-1] = self.steps[0].cascade
         return FilterSteps(*lanes), np.stack(self.roots[own], axis=-1)
 
 
@@ -186,7 +185,7 @@ class Motion:
         self.crowd, self.plan = crowd, plan
         if isinstance(ground, SampledGround):
             ground, root = ground.of(group)
-        self.ground = ground
+        self.ground_block = ground_block(ground)
         self.random = generator_state(plan.seed, group, LANES)
         self.strength = strengths(plan, group) if plan.scatter else None
         start = np.empty((len(root), LANES))
@@ -202,7 +201,7 @@ class Motion:
         """Move on by one block; displacements (samples, n, LANES)."""
         plan, out = self.plan, self.out
         fill_normal(self.random, self.xi)
-        ground_block(self.xi, self.q, *self.ground, self.f)
+        self.ground_block(self.xi, self.q, self.f)
         if envelope is not None:
             self.f *= envelope[:, None]
         if self.strength is not None:

@@ -11,7 +11,9 @@ plastic equation instead, each linear and solved in closed form.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -33,7 +35,6 @@ class FilterSteps(NamedTuple):
     gain: Array  # (m,)
     row: Array  # (m,)
     direct: float
-    cascade: bool  # two oscillators, the second driven by the first, which does not feel it
 
 
 def filter_steps(matrix: Array, noise: Array, output: Array, intensity: float, dt: float) -> FilterSteps:
@@ -44,46 +45,54 @@ def filter_steps(matrix: Array, noise: Array, output: Array, intensity: float, d
     size = len(noise)
     if size == 0:
         direct = float(np.sqrt(intensity / dt))
-        return FilterSteps(np.zeros((0, 0)), np.zeros(0), np.zeros(0), direct, False)
+        return FilterSteps(np.zeros((0, 0)), np.zeros(0), np.zeros(0), direct)
     left = np.linalg.inv(np.eye(size) - 0.5 * dt * matrix)
     transition = left @ (np.eye(size) + 0.5 * dt * matrix)
+    # A state that another one does not act on, by any way, stays so whatever rounding says.
+    acts = np.linalg.matrix_power(np.eye(size) + (matrix != 0), size) > 0
+    transition = np.where(acts, transition, 0.0)
     gain = left @ noise * np.sqrt(intensity * dt)
     row = 0.5 * output @ (np.eye(size) + transition)
-    cascade = size == 4 and not matrix[:2, 2:].any()
-    return FilterSteps(transition, gain, row, float(0.5 * output @ gain), cascade)
+    return FilterSteps(transition, gain, row, float(0.5 * output @ gain))
 
 
-def ground_block(
-    xi: Array,
-    q: Array,
-    transition: Array,
-    gain: Array,
-    row: Array,
-    direct: float | Array,
-    cascade: bool,
-    f: Array,
-) -> None:
-    """Mean forcing of each step, ``f`` (steps, LANES), from normal numbers; moves ``q`` on.
+def ground_block(ground: FilterSteps) -> Callable[[Array, Array, Array], None]:
+    """Time steps of a ground, of the normal numbers, the state and the mean forcing of each step.
 
-    Written out for one oscillator and for two in a cascade: six to nine times as fast as the loop. Which
-    one is chosen here, so that nothing else is compiled.
+    States that do not act on one another, such as those of grounds in parallel, have steps of their own.
+    Those of one oscillator, and of two of which the first drives the second, are written out, which is
+    six to nine times as fast as the loop over the states.
     """
-    block = _any_ground
-    if np.ndim(direct) == 0 and len(q) == 2:
-        block = _one_oscillator
-    elif np.ndim(direct) == 0 and cascade:
-        block = _two_oscillators
-    block(xi, q, transition, gain, row, direct, f)
+    own = []
+    for states in _independent(ground.transition):
+        arrays = ground.transition[states, states], ground.gain[states], ground.row[states]
+        block = _any_states
+        if np.ndim(ground.direct) == 0 and len(arrays[1]) == 2:
+            block = _one_oscillator
+        elif np.ndim(ground.direct) == 0 and len(arrays[1]) == 4 and not arrays[0][:2, 2:].any():
+            block = _two_oscillators
+        own.append((block, states, [np.ascontiguousarray(array) for array in arrays]))
+
+    def steps(xi: Array, q: Array, f: Array) -> None:
+        np.multiply(xi, ground.direct, out=f)
+        for block, states, arrays in own:
+            block(xi, q[states], *arrays, f)
+
+    return steps
+
+
+def _independent(transition: Array) -> list[slice]:
+    """Consecutive states (m, m) that do not act on the others."""
+    acts: Any = transition if transition.ndim == 2 else np.abs(transition).max(axis=2)
+    ends = [k for k in range(1, len(acts) + 1) if not (acts[:k, k:].any() or acts[k:, :k].any())]
+    return [slice(begin, end) for begin, end in pairwise([0, *ends])]
 
 
 @entry
-def _any_ground(xi, q, transition, gain, row, direct, f):
-    """For any number of states, none being white noise, and for a ground a lane."""
-    for s in range(xi.shape[0]):
-        for lane in range(LANES):
-            f[s, lane] = of_lane(direct, lane) * xi[s, lane]
+def _any_states(xi, q, transition, gain, row, f):
+    """Add the forcing of any number of states, for one ground or a ground a lane."""
     moved = np.empty_like(q)
-    for s in range(xi.shape[0] if q.shape[0] else 0):
+    for s in range(xi.shape[0]):
         number, force = xi[s], f[s]
         for i in range(q.shape[0]):
             state, new, weight, kick = q[i], moved[i], row[i], gain[i]
@@ -100,21 +109,21 @@ def _any_ground(xi, q, transition, gain, row, direct, f):
 
 
 @entry
-def _one_oscillator(xi, q, transition, gain, row, direct, f):
+def _one_oscillator(xi, q, transition, gain, row, f):
     a00, a01, a10, a11 = transition[0, 0], transition[0, 1], transition[1, 0], transition[1, 1]
     g0, g1, r0, r1 = gain[0], gain[1], row[0], row[1]
     q0, q1 = q[0], q[1]
     for s in range(xi.shape[0]):
         for lane in range(LANES):
             x0, x1, number = q0[lane], q1[lane], xi[s, lane]
-            f[s, lane] = r0 * x0 + r1 * x1 + direct * number
+            f[s, lane] += r0 * x0 + r1 * x1
             q0[lane] = a00 * x0 + a01 * x1 + g0 * number
             q1[lane] = a10 * x0 + a11 * x1 + g1 * number
 
 
 @entry
-def _two_oscillators(xi, q, transition, gain, row, direct, f):
-    """The second driven by the first, which does not feel it: the upper right block is zero."""
+def _two_oscillators(xi, q, transition, gain, row, f):
+    """The first drives the second and does not feel it: the upper right block is zero."""
     a00, a01, a10, a11 = transition[0, 0], transition[0, 1], transition[1, 0], transition[1, 1]
     b00, b01, b10, b11 = transition[2, 0], transition[2, 1], transition[3, 0], transition[3, 1]
     c00, c01, c10, c11 = transition[2, 2], transition[2, 3], transition[3, 2], transition[3, 3]
@@ -124,7 +133,7 @@ def _two_oscillators(xi, q, transition, gain, row, direct, f):
     for s in range(xi.shape[0]):
         for lane in range(LANES):
             x0, x1, x2, x3, number = q0[lane], q1[lane], q2[lane], q3[lane], xi[s, lane]
-            f[s, lane] = r0 * x0 + r1 * x1 + r2 * x2 + r3 * x3 + direct * number
+            f[s, lane] += r0 * x0 + r1 * x1 + r2 * x2 + r3 * x3
             q0[lane] = a00 * x0 + a01 * x1 + g0 * number
             q1[lane] = a10 * x0 + a11 * x1 + g1 * number
             q2[lane] = b00 * x0 + b01 * x1 + c00 * x2 + c01 * x3 + g2 * number
@@ -149,18 +158,25 @@ def bilinear_block(f, dt, parameters, u, v, z, every, out):
         un, vn, zn = u[n], v[n], z[n]
         sample = 0
         for s in range(f.shape[0]):
-            for lane in range(LANES):
-                disp, vel, hyst = un[lane], vn[lane], zn[lane]
-                base = vel * keep + push * f[s, lane] - pull * disp
-                v_elastic = (base - trial_z * hyst - trial_v * vel) * elastic
-                z_elastic = hyst + half * (vel + v_elastic)
-                limit = np.copysign(1.0, z_elastic)
-                v_plastic = (base - flow * (hyst + limit)) * plastic
-                yields = abs(z_elastic) > 1.0
-                v_new = v_plastic if yields else v_elastic
-                zn[lane] = limit if yields else z_elastic
-                un[lane] = disp + half * (vel + v_new)
-                vn[lane] = v_new
+            if h == 0.0:  # linear: z is kept at u
+                for lane in range(LANES):
+                    disp, vel = un[lane], vn[lane]
+                    v_new = (vel * keep + push * f[s, lane] - pull * disp) * elastic
+                    un[lane] = zn[lane] = disp + half * (vel + v_new)
+                    vn[lane] = v_new
+            else:
+                for lane in range(LANES):
+                    disp, vel, hyst = un[lane], vn[lane], zn[lane]
+                    base = vel * keep + push * f[s, lane] - pull * disp
+                    v_elastic = (base - trial_z * hyst - trial_v * vel) * elastic
+                    z_elastic = hyst + half * (vel + v_elastic)
+                    limit = np.copysign(1.0, z_elastic)
+                    v_plastic = (base - flow * (hyst + limit)) * plastic
+                    yields = abs(z_elastic) > 1.0
+                    v_new = v_plastic if yields else v_elastic
+                    zn[lane] = limit if yields else z_elastic
+                    un[lane] = disp + half * (vel + v_new)
+                    vn[lane] = v_new
             if (s + 1) % every == 0:
                 for lane in range(LANES):
                     out[sample, n, lane] = un[lane]
@@ -246,14 +262,24 @@ def add_products(out, total):
 
 
 @called_often
-def _value(out, row, weight, s, i, value):
-    """Linear function ``i`` of the displacements at one sample."""
+def _weighted(one, weight, value):
     for lane in range(LANES):
-        value[lane] = weight[i, 0] * out[s, row[i, 0], lane]
-    for k in range(1, row.shape[1]):
-        if weight[i, k] != 0.0:
-            for lane in range(LANES):
-                value[lane] += weight[i, k] * out[s, row[i, k], lane]
+        value[lane] = weight * one[lane]
+
+
+@called_often
+def _add_weighted(one, weight, value):
+    for lane in range(LANES):
+        value[lane] += weight * one[lane]
+
+
+@called_often
+def _value(displacements, row, weight, value):
+    """One linear function of the displacements (n, LANES) at one sample."""
+    _weighted(displacements[row[0]], weight[0], value)
+    for k in range(1, len(row)):
+        if weight[k] != 0.0:
+            _add_weighted(displacements[row[k]], weight[k], value)
 
 
 @entry
@@ -261,17 +287,40 @@ def observe(out, row, weight, seen):
     """Linear functions ``seen`` (samples, m, LANES) of displacements: ``weight`` (m, k) of ``row``."""
     for s in range(out.shape[0]):
         for i in range(len(row)):
-            _value(out, row, weight, s, i, seen[s, i])
+            _value(out[s], row[i], weight[i], seen[s, i])
+
+
+@called_often
+def _widen(a, b, c, d, weight, high, low):
+    """Extremes with four samples more; a comparison with NaN keeps the earlier value."""
+    for lane in range(LANES):
+        x0, x1, x2, x3 = weight * a[lane], weight * b[lane], weight * c[lane], weight * d[lane]
+        first = x1 if x1 > x0 else x0
+        last = x3 if x3 > x2 else x2
+        most = last if last > first else first
+        high[lane] = most if most > high[lane] else high[lane]
+        first = x1 if x1 < x0 else x0
+        last = x3 if x3 < x2 else x2
+        least = last if last < first else first
+        low[lane] = least if least < low[lane] else low[lane]
 
 
 @entry
 def keep_extremes(out, row, weight, highest, lowest):
-    """Update the extremes (m, LANES) of linear functions of displacements with those in ``out``."""
-    value = np.empty(LANES)
+    """Update the extremes (m, LANES) of linear functions of displacements with those in ``out``.
+
+    Four samples at a time, between which the extremes need not be written.
+    """
+    four = np.empty((4, LANES))
+    last = out.shape[0] - 1
     for i in range(len(row)):
-        high, low = highest[i], lowest[i]
-        for s in range(out.shape[0]):
-            _value(out, row, weight, s, i, value)
-            for lane in range(LANES):
-                high[lane] = max(high[lane], value[lane])
-                low[lane] = min(low[lane], value[lane])
+        alone = row.shape[1] == 1 or weight[i, 1] == 0.0
+        n, factor = row[i, 0], weight[i, 0]
+        for s in range(0, last + 1, 4):
+            if alone:
+                t, u, v = min(s + 1, last), min(s + 2, last), min(s + 3, last)
+                _widen(out[s, n], out[t, n], out[u, n], out[v, n], factor, highest[i], lowest[i])
+            else:
+                for k in range(4):
+                    _value(out[min(s + k, last)], row[i], weight[i], four[k])
+                _widen(four[0], four[1], four[2], four[3], 1.0, highest[i], lowest[i])
