@@ -206,7 +206,7 @@ def first_event(row, branch, ground, slope, h, x, space):
 
     Returns its time as a share of the step (1 if there is none), its number, the side by which the
     measure leaves its interval (1 or -1), and whether the interpolating polynomials of the step have
-    been computed. While any contact is closed they always are, together with the forces at the nodes.
+    been computed. While any contact is not open they always are, together with the forces at the nodes.
     """
     n, _, c, _ = sizes(row)
     total = 2 * (n + c + len(row.tied))
@@ -308,7 +308,8 @@ def _end_contact(row, branch, j, time, x, table):
 def watch_forces(branch, end, h, space, table, most):
     """Update forces, penetrations and work of impacts in the table by a step up to its share ``end``.
 
-    While any contact is closed, the largest accelerations ``most`` (n,) are also updated, at the nodes.
+    While any contact is not open, the largest accelerations ``most`` (n,) are also updated, at the
+    nodes.
     """
     for q in range(int(end * (NODES - 1)) + 1 if _in_contact(branch) else 0):
         for i in range(most.size):
