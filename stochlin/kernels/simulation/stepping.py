@@ -1,12 +1,12 @@
-"""Time steps of many structures on one ground, for LANES independent motions at once; compiled.
+"""Time steps of many oscillators on one ground, for `LANES` independent motions at once.
 
 Ground filter, displacement and velocity follow the trapezoidal rule as one linear system. For linear
 structures its stationary covariance is *exact for any step*: with
 ``(I - dt A/2) x_new = (I + dt A/2) x + b dW`` the stationary ``X`` satisfies ``A X + X A' + b b' = 0``,
-the equation of the continuous system. An exact transition of the filter alone, under any rule for the
-structures, would not have this. For a structure under a given motion the rule is Newmark's of average
-acceleration. The bilinear law is an exact return map: an elastic trial, and where it passes yield the
-plastic equation instead, each linear and solved in closed form.
+the equation of the continuous system. With the exact transition of the filter in place of its
+trapezoidal rule this would not hold. For a structure under a given motion the rule is Newmark's with
+average acceleration. The bilinear law is stepped by an exact return map: an elastic trial step, and if
+it exceeds yield a plastic step in its place. Both are linear and solved in closed form.
 """
 
 from __future__ import annotations
@@ -18,28 +18,28 @@ import numpy as np
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import called_often, compiled, entry, of_lane
 
-LANES = 32  # independent motions in the innermost loop: vector registers, first-level cache
-NEWTON_STEPS = 4  # for the implicit midpoint rule
+LANES = 32  # independent motions in the innermost loop, which fit vector registers and first-level cache
+NEWTON_STEPS = 4  # iterations of Newton's method for the implicit midpoint rule
 
 
 class FilterSteps(NamedTuple):
     """One step of a ground filter: ``q_new = transition q + gain xi``, forcing ``row q + direct xi``.
 
-    ``xi`` is a standard normal number a step; white noise has no state (m = 0). Where every lane has a
-    ground of its own, all arrays have a last axis of LANES.
+    ``xi`` is a standard normal number for each step; white noise has no states (m = 0). If every lane
+    has another ground, all arrays have a last axis of `LANES`.
     """
 
     transition: Array  # (m, m)
     gain: Array  # (m,)
     row: Array  # (m,)
     direct: float
-    cascade: bool  # two oscillators, the second driven by the first, which does not feel it
+    cascade: bool  # the filter has two oscillators, of which the first drives the second
 
 
 def filter_steps(matrix: Array, noise: Array, output: Array, intensity: float, dt: float) -> FilterSteps:
-    """Trapezoidal rule of ``q' = matrix q + noise n(t)``; ``intensity`` is ``2 pi S0``.
+    """Trapezoidal rule for ``q' = matrix q + noise n(t)``, where ``intensity`` is ``2 pi S0``.
 
-    The forcing ``output q`` of a step is the mean of its values at both ends.
+    The forcing of a step is the mean of ``output q`` at both ends.
     """
     size = len(noise)
     if size == 0:
@@ -63,10 +63,11 @@ def ground_block(
     cascade: bool,
     f: Array,
 ) -> None:
-    """Mean forcing of each step, ``f`` (steps, LANES), from normal numbers; moves ``q`` on.
+    """Write the mean forcing of each step to ``f`` (steps, LANES), and update the filter's state ``q``.
 
-    Written out for one oscillator and for two in a cascade: six to nine times as fast as the loop. Which
-    one is chosen here, so that nothing else is compiled.
+    ``xi`` (steps, LANES) are normal numbers. Filters of one oscillator and of two in a cascade have
+    functions without loops over states, which are six to nine times as fast. The choice is made in
+    Python, so that only the function in use is compiled.
     """
     block = _any_ground
     if np.ndim(direct) == 0 and len(q) == 2:
@@ -78,7 +79,7 @@ def ground_block(
 
 @entry
 def _any_ground(xi, q, transition, gain, row, direct, f):
-    """For any number of states, none being white noise, and for a ground a lane."""
+    """`ground_block` for any number of states, also none, and for another ground in each lane."""
     for s in range(xi.shape[0]):
         for lane in range(LANES):
             f[s, lane] = of_lane(direct, lane) * xi[s, lane]
@@ -101,6 +102,7 @@ def _any_ground(xi, q, transition, gain, row, direct, f):
 
 @entry
 def _one_oscillator(xi, q, transition, gain, row, direct, f):
+    """`ground_block` for a filter of two states."""
     a00, a01, a10, a11 = transition[0, 0], transition[0, 1], transition[1, 0], transition[1, 1]
     g0, g1, r0, r1 = gain[0], gain[1], row[0], row[1]
     q0, q1 = q[0], q[1]
@@ -114,7 +116,7 @@ def _one_oscillator(xi, q, transition, gain, row, direct, f):
 
 @entry
 def _two_oscillators(xi, q, transition, gain, row, direct, f):
-    """The second driven by the first, which does not feel it: the upper right block is zero."""
+    """`ground_block` for two oscillators, of which the first drives the second (``cascade``)."""
     a00, a01, a10, a11 = transition[0, 0], transition[0, 1], transition[1, 0], transition[1, 1]
     b00, b01, b10, b11 = transition[2, 0], transition[2, 1], transition[3, 0], transition[3, 1]
     c00, c01, c10, c11 = transition[2, 2], transition[2, 3], transition[3, 2], transition[3, 3]
@@ -133,11 +135,12 @@ def _two_oscillators(xi, q, transition, gain, row, direct, f):
 
 @entry
 def bilinear_block(f, dt, parameters, u, v, z, every, out):
-    """Bilinear structures over the steps of ``f``.
+    """Steps of bilinear structures under the forcing ``f`` (steps, LANES).
 
-    ``out`` (samples, n, LANES) takes every ``every``-th displacement.
-    ``parameters`` (n, 4): damping ``2 xi w``, post-yield stiffness ``alpha w^2``, coupling
-    ``(1 - alpha) w^2``, and the factor that makes ``f`` the forcing of ``u``.
+    The state ``u``, ``v``, ``z`` (n, LANES) is displacement and velocity over the yield displacement and
+    the hysteretic displacement; it is updated. ``out`` (samples, n, LANES) gets the displacements after
+    every ``every``-th step. ``parameters`` (n, 4) are damping ``2 xi w``, post-yield stiffness
+    ``alpha w^2``, coupling ``(1 - alpha) w^2``, and the factor on ``f`` in the equation for ``u``.
     """
     half = 0.5 * dt
     for n in range(u.shape[0]):
@@ -169,11 +172,11 @@ def bilinear_block(f, dt, parameters, u, v, z, every, out):
 
 @compiled
 def bouc_wen_middle(hyst, start, slope, half, beta, gamma, exponent):
-    """``z`` at the middle of a step from ``hyst``, and what it is at the end.
+    """``z`` of the Bouc-Wen law at the middle of a step and at its end, from ``hyst`` at its beginning.
 
-    Implicit midpoint rule, by Newton's method; there the ductility rate is ``start - slope z``. Iterates
-    and results are kept to the interval that ``z`` cannot leave: no step is too long to be
-    stable.
+    It follows the implicit midpoint rule, solved by Newton's method; ``half`` is half of the time step,
+    and the velocity at the middle is ``start - slope z``. Iterates and results are limited to the range
+    of ``z`` of the law, so that steps of any length are stable.
     """
     limit = (beta + gamma) ** (-1.0 / exponent)
     z_mid = hyst
@@ -192,9 +195,9 @@ def bouc_wen_middle(hyst, start, slope, half, beta, gamma, exponent):
 
 @entry
 def bouc_wen_block(f, dt, parameters, u, v, z, every, out):
-    """Bouc-Wen structures likewise, see `bouc_wen_middle`.
+    """Steps of Bouc-Wen structures, with the arguments of `bilinear_block`; see `bouc_wen_middle`.
 
-    ``parameters`` (n, 7): as for the bilinear law, then ``beta``, ``gamma`` and the exponent.
+    ``parameters`` (n, 7) are those of the bilinear law, then ``beta``, ``gamma`` and the exponent.
     """
     half = 0.5 * dt
     for n in range(u.shape[0]):
@@ -224,8 +227,8 @@ def bouc_wen_block(f, dt, parameters, u, v, z, every, out):
 def add_products(out, total):
     """Add ``sum_samples u_i u_j`` of ``out`` (samples, n, LANES) to the lower triangles of ``total``.
 
-    Not left to BLAS, whose own threads get into the way of ours on matrices this small. Four samples at
-    a time, between which the sum need not be written.
+    BLAS is not used, since for such small matrices its threads compete with those of the groups. Four
+    samples are added at a time, to save writing the sum in between.
     """
     samples, n, _ = out.shape
     fours = samples - samples % 4
@@ -247,7 +250,7 @@ def add_products(out, total):
 
 @called_often
 def _value(out, row, weight, s, i, value):
-    """Linear function ``i`` of the displacements at one sample."""
+    """Write the weighted sum ``i`` of the displacements at sample ``s`` to ``value`` (LANES,)."""
     for lane in range(LANES):
         value[lane] = weight[i, 0] * out[s, row[i, 0], lane]
     for k in range(1, row.shape[1]):
@@ -258,7 +261,7 @@ def _value(out, row, weight, s, i, value):
 
 @entry
 def observe(out, row, weight, seen):
-    """Linear functions ``seen`` (samples, m, LANES) of displacements: ``weight`` (m, k) of ``row``."""
+    """Write the sums of a `View` of the displacements ``out`` to ``seen`` (samples, m, LANES)."""
     for s in range(out.shape[0]):
         for i in range(len(row)):
             _value(out, row, weight, s, i, seen[s, i])
@@ -266,7 +269,7 @@ def observe(out, row, weight, seen):
 
 @entry
 def keep_extremes(out, row, weight, highest, lowest):
-    """Update the extremes (m, LANES) of linear functions of displacements with those in ``out``."""
+    """Update the extremes (m, LANES) of weighted sums of displacements by those in ``out``."""
     value = np.empty(LANES)
     for i in range(len(row)):
         high, low = highest[i], lowest[i]
