@@ -1,1 +1,1 @@
-"""Ground floor: arrays in, arrays out. No labels, no models."""
+"""The lowest floor: numerical methods on plain arrays, without labels, units or models."""

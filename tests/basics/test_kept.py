@@ -44,7 +44,7 @@ print(sum(toy.twice.stats.cache_hits.values()))
 def toy(tmp_path, monkeypatch):
     """The functions as a process finds them that has just begun; with the folder of their cache."""
     monkeypatch.setattr(numba.config, "CACHE_DIR", "")
-    kept.say_that_it_is_slow.cache_clear()
+    kept.warn_once.cache_clear()
     file = tmp_path / "toy.py"
     file.write_text(TOY)
 

@@ -1,1 +1,1 @@
-"""Arrays, small linear algebra, interpolation, threads, compile tools: what several kernels share."""
+"""Tools of several kernels: small linear algebra, interpolation, threads, compilation with numba."""

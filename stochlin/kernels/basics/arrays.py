@@ -1,4 +1,4 @@
-"""The array type of the kernels."""
+"""The array type of the kernels, and broadcasting to one shape."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-# Real as a rule; complex where a derivative is taken by a complex step.
+# Usually real; complex where a derivative is taken by the complex-step method.
 Array = npt.NDArray[Any]
 
 
 def in_one_shape(*arrays: Array) -> Sequence[Array]:
-    """`numpy.broadcast_arrays`, which takes its time even where all have one shape, as lone cells do."""
+    """The arrays, broadcast to one shape; returned as they are if they have one, which is faster."""
     alike = all(array.shape == arrays[0].shape for array in arrays)
     return arrays if alike else np.broadcast_arrays(*arrays)

@@ -1,4 +1,4 @@
-"""Collocation in time: polynomials through Lobatto's nodes of a panel, and matrix exponentials there."""
+"""Collocation in time: polynomials through Gauss-Lobatto nodes of a panel, and matrix exponentials."""
 
 from __future__ import annotations
 
@@ -11,32 +11,33 @@ from numpy.polynomial import legendre
 
 from stochlin.kernels.basics.arrays import Array
 
-TERMS = 10  # of the series of an exponential, accurate to 1e-15
-SMALL = 0.25  # for matrices of this norm at most
+TERMS = 10  # of the Taylor series of the matrix exponential, accurate to 1e-15 up to the norm SMALL
+SMALL = 0.25  # largest norm of a matrix to which the series is applied
 
 
 class Nodes(NamedTuple):
-    """Lobatto's nodes of a panel of unit length, both ends among them."""
+    """Gauss-Lobatto nodes of a panel of unit length, and the matrices that act on values there."""
 
-    at: Array  # (q,) from 0 to 1
-    integrals: Array  # (q, q): from 0 to each node, of the polynomial through values at the nodes
-    series: Array  # (q, q): its coefficients in Legendre's polynomials
+    at: Array  # (q,) nodes, from 0 to 1, including both ends
+    integrals: Array  # (q, q): nodal values to integrals of their polynomial from 0 to each node
+    series: Array  # (q, q): nodal values to the coefficients of their polynomial in a Legendre series
 
     def integrate(self, values: Array, length: float) -> Array:
-        """Integrals from the start of a panel to each node, of values (q, ...) at the nodes."""
+        """Integrals (q, ...) from the start of a panel to each node, of values (q, ...) at the nodes."""
         return self._apply(length * self.integrals, values)
 
     def interpolate(self, values: Array, shares: Array) -> Array:
-        """Values (q, ...) at the nodes, at these shares (t,) of the panel."""
+        """Interpolated values (t, ...) at positions ``shares`` (t,) from 0 to 1 in the panel."""
         basis = legendre.legvander(2 * shares - 1, self.at.size - 1)
         return self._apply(basis @ self.series, values)
 
     def last_terms(self, values: Array) -> Array:
-        """The last two coefficients (2, ...) of the series, which tell how well nodes resolve values."""
+        """Last two Legendre coefficients (2, ...) of the values: small if the nodes resolve them."""
         return self._apply(self.series[-2:], values)
 
     @staticmethod
     def _apply(rows: Array, values: Array) -> Array:
+        """The matrix ``rows`` times values (q, ...), along their first axis."""
         shape = values.shape[1:]
         found: Array = rows @ values.reshape(len(values), prod(shape))
         return found.reshape(len(rows), *shape)
@@ -44,7 +45,10 @@ class Nodes(NamedTuple):
 
 @cache
 def lobatto(count: int) -> Nodes:
-    """So many nodes, exact for polynomials up to the degree ``2 count - 3``."""
+    """The ``count`` Gauss-Lobatto nodes of a panel.
+
+    The integral over the whole panel is exact for polynomials up to the degree ``2 count - 3``.
+    """
     inner = legendre.legroots(legendre.legder(np.eye(count)[-1]))
     x = np.concatenate([[-1.0], inner, [1.0]])
     series = np.linalg.inv(legendre.legvander(x, count - 1))
@@ -53,7 +57,7 @@ def lobatto(count: int) -> Nodes:
 
 
 def exponentials(matrices: Array, times: Array) -> Array:
-    """``exp(A t)`` (times, n, s, s) of matrices (n, s, s), by its series and repeated squares."""
+    """``exp(A t)`` (times, n, s, s) of matrices ``A`` (n, s, s), by scaling and squaring."""
     scaled = matrices * times[:, None, None, None]
     norm = np.abs(scaled).sum(axis=-1).max(initial=SMALL)
     halvings = int(np.ceil(np.log2(norm / SMALL)))

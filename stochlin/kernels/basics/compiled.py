@@ -1,12 +1,12 @@
-"""How code is compiled: the decorators of all kernels, and what they need.
+"""The decorators that compile kernels with numba, one for each way in which a function is called.
 
 ================  ==================================================================================
-`entry`           called from Python; `kept` on the disk
-`elementwise`     called from Python, over arrays that broadcast; kept likewise
-`not_kept`        called from Python, made from what a user gives
-`compiled`        called from compiled code, as one of its `parts`
-`called_often`    so short that handing over its arguments takes longer than the work: LLVM inlines it
-`shared`          stays plain Python, of arrays, and is called from compiled code, of numbers
+`entry`           for functions called from Python; the compiled code is cached on disk (`kept`)
+`elementwise`     for scalar functions called from Python with arrays that broadcast; also cached
+`not_kept`        for functions called from Python and made from a user's formula; not cached
+`compiled`        for functions that only compiled code calls (`parts`)
+`called_often`    as `compiled`, for functions so short that a call takes longer than their work: inlined
+`shared`          for functions called from Python with arrays and from compiled code with numbers
 ================  ==================================================================================
 """
 
@@ -19,7 +19,7 @@ import numba as nb
 import numpy as np
 from numba.extending import overload, register_jitable
 
-from stochlin.kernels.basics.kept import NOT_COMPILED, kept, say_that_it_is_slow
+from stochlin.kernels.basics.kept import NOT_COMPILED, kept, warn_once
 from stochlin.kernels.basics.parts import Part, Parts
 
 UNCOMPILED = bool(nb.config.DISABLE_JIT)  # type: ignore[attr-defined]
@@ -28,7 +28,7 @@ OF_OVERLOADS: Any = {"forceinline": True, "error_model": "numpy"}
 
 
 def entry(function: Any, **more: Any) -> Any:
-    """The decorator of what is called from Python."""
+    """Compile a function that Python calls, and cache it on disk; ``more`` are numba's options."""
     if UNCOMPILED:
         return _uncompiled(function)
     made = nb.njit(**OPTIONS, **more)(function)
@@ -37,7 +37,7 @@ def entry(function: Any, **more: Any) -> Any:
 
 
 def elementwise(function: Any) -> Any:
-    """The same, for arrays that broadcast."""
+    """Compile a function of numbers into one of arrays that broadcast, and cache it on disk."""
     if UNCOMPILED:
         return np.vectorize(_uncompiled(function), otypes=[float])
     made = nb.vectorize(function)  # type: ignore[no-untyped-call]
@@ -46,8 +46,8 @@ def elementwise(function: Any) -> Any:
 
 
 def _uncompiled(function: Any) -> Any:
-    """The function itself, which as compiled code does says nothing of what overflows."""
-    say_that_it_is_slow(NOT_COMPILED)
+    """The Python function, without numpy's warnings of overflow, as in compiled code."""
+    warn_once(NOT_COMPILED)
     return np.errstate(all="ignore")(function)
 
 
@@ -55,7 +55,7 @@ not_kept = nb.njit(**OPTIONS)
 
 
 def compiled(function: Any, **more: Any) -> Any:
-    """The decorator of a part."""
+    """Compile a function that only compiled code calls; ``more`` are numba's options."""
     if UNCOMPILED:
         return function
     return Part(function, targetoptions={"nopython": True, **OPTIONS, **more}, pipeline_class=Parts)
@@ -66,7 +66,7 @@ shared: Any = register_jitable(**OF_OVERLOADS)
 
 
 def of_lane(value: Any, lane: int) -> Any:
-    """A number that all lanes share, or, of an array, that of this lane."""
+    """Element ``lane`` of an array over lanes, or the number itself if all lanes share one."""
     return value[lane] if np.ndim(value) else value
 
 
@@ -78,7 +78,7 @@ def _of_lane(value, lane):  # type: ignore[no-untyped-def]
 
 
 def smallest(value: Any) -> Any:
-    """That number, or the smallest of all lanes."""
+    """Smallest element of an array over lanes, or the number itself if all lanes share one."""
     return np.min(value)
 
 

@@ -1,4 +1,4 @@
-"""Multilinear interpolation on a grid of any number of axes; compiled, NaN outside."""
+"""Multilinear interpolation on a rectangular grid with any number of axes; NaN outside the grid."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ import numpy as np
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import entry
 
-ROUNDING = 1e-9  # by which a point may miss the end of an axis
+ROUNDING = 1e-9  # distance beyond the end of an axis at which a point still counts as inside
 
 
 class Grid(NamedTuple):
-    """Values on a rectangular grid: axes padded to one length, with infinity."""
+    """Values on a rectangular grid with ``d`` axes."""
 
-    axes: Array  # (d, longest)
-    sizes: Array  # (d,) of whole numbers
-    values: Array  # flat, last axis fastest
+    axes: Array  # (d, longest) coordinates along each axis, increasing, padded with infinity
+    sizes: Array  # (d,) number of coordinates of each axis
+    values: Array  # flat, in C order: the last axis varies fastest
 
     @classmethod
     def of(cls, axes: list[Array], values: Array) -> Grid:
-        """From increasing axes and values over them."""
+        """The grid of these increasing axes, with ``values`` of one dimension for each axis."""
         padded = np.full((len(axes), max(axis.size for axis in axes)), np.inf)
         for row, axis in zip(padded, axes, strict=True):
             row[: axis.size] = axis
@@ -31,7 +31,7 @@ class Grid(NamedTuple):
 
 @entry
 def interpolate(axes, sizes, values, points, out):
-    """Interpolate at ``points`` (d, n) into ``out`` (n,); NaN outside and where a point is NaN."""
+    """Interpolate a `Grid` at ``points`` (d, n) into ``out`` (n,); NaN at points outside or with NaN."""
     dimensions, count = points.shape
     share = np.empty(dimensions)
     for n in range(count):

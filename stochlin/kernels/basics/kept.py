@@ -1,12 +1,14 @@
-"""Compiled functions kept on the disk, whatever becomes of the disk.
+"""The disk cache of compiled functions, made safe against damaged files and full disks.
 
-numba's cache raises where no folder can be written, where a file is cut and where the disk is full. Its
-files are numbered by an index: two processes that begin at once may give one number to code for
-different arguments, and a flipped bit runs. Here every file is named after what it is for, tells that
-again inside, below its digest; whatever is not right is compiled anew, and replaced if that is possible.
+numba's own cache raises if no folder can be written, if a file is truncated or if the disk is full. It
+numbers its files in an index: two processes that start together can give one number to code for
+different argument types, and a file with a damaged byte is executed. Here each file is named after its
+function and argument types, repeats both inside and begins with a digest of its content. A file that
+does not match is compiled again, and replaced if possible.
 
-To numba, code is out of date when the file of its function has changed. Here it is out of date too when
-one has changed of those modules that the file imports, from whose functions the code was made.
+numba recompiles a function only if its own source file has changed. Here it is also recompiled if a
+module of `stochlin.kernels` that this file imports has changed, since functions of that module are
+compiled into it.
 """
 
 from __future__ import annotations
@@ -38,14 +40,14 @@ NOT_COMPILED = (
 
 
 @cache
-def say_that_it_is_slow(why: str) -> None:
-    """A warning, once in a process."""
+def warn_once(why: str) -> None:
+    """Warn that calls will be slow, and why; once in a process for each reason."""
     warnings.warn(why, stacklevel=2)
 
 
 @cache
 def digest_of(file: Path) -> bytes:
-    """Of the source of a module, and of all modules of kernels that it imports."""
+    """Digest of the source of a module and of all modules of `stochlin.kernels` that it imports."""
     source = file.read_bytes()
     digest = DIGEST(source)
     for package, lines, line in IMPORTS.findall(source.decode()):
@@ -57,28 +59,29 @@ def digest_of(file: Path) -> bytes:
 
 
 def kept(function: Any) -> FunctionCache | NullCache:
-    """Where the compiled forms of a function are kept; nowhere, where no folder can be written."""
+    """The disk cache of a function; an empty one, with a warning, if no folder can be written."""
     found = _place(function)
     if isinstance(found, NullCache):
-        say_that_it_is_slow(NOT_KEPT)
+        warn_once(NOT_KEPT)
     return found
 
 
 def check_that_it_is_kept() -> None:
-    """Raise a RuntimeError where no folder can be written."""
+    """Raise a RuntimeError if no folder can be written for the disk cache."""
     if isinstance(_place(check_that_it_is_kept), NullCache):
         raise RuntimeError(NOT_KEPT)
 
 
 def _place(function: Any) -> FunctionCache | NullCache:
+    """The disk cache of a function, or an empty one if no folder can be written."""
     try:
         return _Cache(function)
-    except (RuntimeError, OSError):  # numba's "no locator available"
+    except (RuntimeError, OSError):  # numba raises "no locator available"
         return NullCache()
 
 
 class _Cache(FunctionCache):
-    """numba's, with other files."""
+    """Numba's cache of one function, with `_Files` in place of its index and data files."""
 
     def __init__(self, function: Any) -> None:
         super().__init__(function)  # type: ignore[no-untyped-call]
@@ -86,24 +89,24 @@ class _Cache(FunctionCache):
         self._cache_file = _Files(self._cache_path, self._impl.filename_base, stamp)  # type: ignore[no-untyped-call]
 
     def save_overload(self, sig: Any, data: Any) -> None:
-        """Keep one compiled form, if there is room."""
+        """Write the code for one signature, or warn if the disk does not take it."""
         try:
             super().save_overload(sig, data)  # type: ignore[no-untyped-call]
         except OSError:
-            say_that_it_is_slow(NOT_KEPT)
+            warn_once(NOT_KEPT)
 
 
 class _Files(IndexDataCacheFile):
-    """A file for each compiled form, without an index."""
+    """One file for the code of each signature (the ``key``), without an index."""
 
     def save(self, key: Any, data: Any) -> None:
-        """Write the file of this key, whole."""
+        """Write the file of this key, whole or not at all."""
         content = self._dump((self._source_stamp, key, data))  # type: ignore[no-untyped-call]
         with self._open_for_write(self._path(key)) as file:
             file.write(DIGEST(content).digest() + content)
 
     def load(self, key: Any) -> Any:
-        """What the file of this key holds; None if there is none, or it is not right."""
+        """The code in the file of this key; None if the file is missing, damaged or out of date."""
         data = self._read(key)
         if data is None:
             for call in tuple(WHEN_COMPILING):
@@ -111,16 +114,18 @@ class _Files(IndexDataCacheFile):
         return data
 
     def _read(self, key: Any) -> Any:
+        """The code in the file of this key, after its digest, source and key are checked; else None."""
         try:
             whole = Path(self._path(key)).read_bytes()
             size = DIGEST().digest_size
             if DIGEST(whole[size:]).digest() != whole[:size]:
                 return None
             stamp, of, data = pickle.loads(whole[size:])
-        except Exception:  # of the disk; or names that an older version wrote and this one has not
+        except Exception:  # reading failed, or an older version pickled names that no longer exist
             return None
         return data if (stamp, of) == (self._source_stamp, key) else None
 
     def _path(self, key: Any) -> str:
+        """Path of the file of this key, named after a digest of the key and numba's version."""
         name = DIGEST(repr((self._version, key)).encode()).hexdigest()[:16]
         return f"{self._index_path.removesuffix('.nbi')}.{name}.nbc"

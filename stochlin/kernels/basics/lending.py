@@ -1,9 +1,9 @@
-"""Named tuples that compiled functions hand on by their address.
+"""Named tuples passed between compiled functions by address.
 
-numba hands on a named tuple by value: two dozen arrays are some two hundred numbers at each call, for
-LLVM to carry about, and a reference is counted whenever an array is taken out. What is borrowed is one
-address, and its arrays are not counted: `pound` takes a fourth of the time without the counting, and a
-third less again without the numbers, as long as it takes to compile.
+numba passes a named tuple by value: with two dozen arrays these are some two hundred numbers at each
+call, and each access to an array changes its reference count. A tuple passed by `borrow` is a single
+address, and its arrays are not counted. Without the counting `pound` takes a fourth of the time; with
+the address in place of the numbers it takes a third less again, and so does its compilation.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from numba.core.imputils import lower_getattr_generic
 from numba.core.typing.templates import AttributeTemplate, infer_getattr
 from numba.extending import intrinsic, register_model
 
-UNCOUNTED = "meminfo", "parent"  # of an array: by whom its memory is held
+UNCOUNTED = "meminfo", "parent"  # fields of an array that count references to its memory
 OFFSET = ir.IntType(64)
 
 
 class Lent(nb.types.Type):
-    """The address of a named tuple of this type."""
+    """The numba type of the address of a named tuple; ``owned`` is the type of the tuple."""
 
     def __init__(self, owned: Any) -> None:
         self.owned = owned
@@ -31,7 +31,7 @@ class Lent(nb.types.Type):
 
     @property
     def key(self) -> Any:
-        """By which types are told apart."""
+        """The type of the tuple: two types of addresses are equal if these are."""
         return self.owned
 
 
@@ -43,14 +43,14 @@ class _Fields(AttributeTemplate):
     key = Lent
 
     def generic_resolve(self, lent: Any, name: str) -> Any:  # type: ignore[override]
-        """The type of a field."""
+        """The type of the field ``name`` of the tuple; None if there is none."""
         fields = lent.owned.fields
         return lent.owned.types[fields.index(name)] if name in fields else None
 
 
 @lower_getattr_generic(Lent)  # type: ignore[no-untyped-call, untyped-decorator]
 def _field(target: Any, builder: Any, lent: Any, address: Any, name: str) -> Any:
-    """A field as it is read."""
+    """Generate code that reads the field ``name`` of the tuple at ``address``."""
     number = lent.owned.fields.index(name)
     kind, whole = lent.owned.types[number], target.get_value_type(lent.owned)
     if isinstance(whole, ir.ArrayType):  # all fields are of one type
@@ -71,7 +71,10 @@ def _field(target: Any, builder: Any, lent: Any, address: Any, name: str) -> Any
 
 
 def _read(builder: Any, address: Any, offset: int, layout: Any) -> Any:
-    """What nobody writes to: LLVM need not read it again after each number that is written elsewhere."""
+    """Generate code that reads a constant ``offset`` bytes after ``address``.
+
+    The read is marked as of constant memory, so that LLVM does not repeat it after writes to arrays.
+    """
     place = builder.gep(address, [ir.Constant(OFFSET, offset)])
     value = builder.load(builder.bitcast(place, layout.as_pointer()))
     value.set_metadata("invariant.load", builder.module.add_metadata([]))
@@ -79,12 +82,12 @@ def _read(builder: Any, address: Any, offset: int, layout: Any) -> Any:
 
 
 def _borrow(context: Any, owned: Any) -> Any:
-    """The address of a named tuple; who owns its arrays has to keep them while they are used."""
+    """The address of a named tuple; the caller has to keep the tuple alive while the address is used."""
 
     def generate(target: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         place = alloca_once_value(builder, arguments[0])  # type: ignore[no-untyped-call]
-        # An empty instruction, of which LLVM does not know that its result is the place that is written
-        # here: it could take what is written for needless, as `_read` says that nothing is.
+        # `_read` declares the memory constant, so that LLVM could drop the write to it as unused. The
+        # empty assembler instruction hides from LLVM that its result is the address written to.
         same = ir.FunctionType(voidptr_t, [voidptr_t])
         return builder.asm(same, "", "=r,0,~{memory}", [builder.bitcast(place, voidptr_t)], True)
 

@@ -1,22 +1,22 @@
-"""A linear branch of a structure, under a ground acceleration that is linear in time; compiled.
+"""Response on one linear branch of a hysteresis law, under a ground acceleration that is linear in time.
 
-Between two changes of stiffness a displacement follows ``x'' + D x' + K x = push + slope t``. Time is
-counted in sub-steps, of at most LONGEST radians of the stiffest branch: the Taylor series from the
-start of a stretch is then the solution to rounding, for any damping and for periods however long,
-and has none of the cancellations of the closed form. A change of branch is an exit of such a
-polynomial from an interval: of a displacement, a velocity, or a distance between two structures.
+Between two changes of stiffness the displacement follows ``x'' + D x' + K x = push + slope t``. The
+unit of time is a sub-step of ``h`` seconds, with ``w h`` at most `LONGEST` for the stiffest branch.
+The Taylor series from the start of the branch then gives the solution to rounding error, for any
+damping ratio below 1 and any period, without the cancellations of the closed form. The branch ends when
+a polynomial (a displacement, a velocity, or the distance of two structures) leaves an interval.
 """
 
 from stochlin.kernels.basics.compiled import compiled
 
-LONGEST = 1 / 3  # w h; damping D = 2 xi w h is then below 2/3
-TERMS = 18  # the first term left out is below (2/3)^18 / 18!, 1e-19
-MARKS = 8  # roots of one polynomial between 0 and 1: at most 4 are sought
+LONGEST = 1 / 3  # largest w h [rad]; the damping D = 2 xi w h is then below 2/3
+TERMS = 18  # of the Taylor series; the first term left out is below (2/3)^18 / 18!, 1e-19
+MARKS = 8  # room for the roots of one polynomial between 0 and 1, of which there are at most 4
 
 
 @compiled
 def expand(c, velocity, push, slope, damping, stiffness):
-    """Taylor coefficients ``c`` (TERMS,) of ``x(t)`` with ``x(0) = 0``, ``x'(0) = velocity``."""
+    """Write Taylor coefficients of ``x(t)`` to ``c`` (TERMS,); ``x(0) = 0``, ``x'(0) = velocity``."""
     c[0] = 0.0
     c[1] = velocity
     c[2] = (push - damping * velocity) / 2
@@ -27,7 +27,7 @@ def expand(c, velocity, push, slope, damping, stiffness):
 
 @compiled
 def evaluate(c, t):
-    """Value and derivative of the polynomial at ``t``."""
+    """Value and derivative at ``t`` of the polynomial with coefficients ``c``, by Horner's scheme."""
     value, rate = c[TERMS - 1], 0.0
     for n in range(TERMS - 2, -1, -1):
         rate = rate * t + value
@@ -37,7 +37,10 @@ def evaluate(c, t):
 
 @compiled
 def transition(damping, stiffness, c):
-    """Displacement and velocity after one sub-step, per unit of velocity, push and slope."""
+    """Displacements, then velocities, one sub-step after ``x = 0``, per unit velocity, push and slope.
+
+    ``c`` (TERMS,) is working space.
+    """
     expand(c, 1.0, 0.0, 0.0, damping, stiffness)
     xv, vv = evaluate(c, 1.0)
     expand(c, 0.0, 1.0, 0.0, damping, stiffness)
@@ -49,11 +52,13 @@ def transition(damping, stiffness, c):
 
 @compiled
 def first_exit(c, lower, upper, end, rows, marks):
-    """Time at which the polynomial first leaves the interval, and by which side: 1, -1, or 0 for never.
+    """Time at which a polynomial first leaves the interval from ``lower`` to ``upper``, up to ``end``.
 
-    The polynomial is monotone between the roots of its derivative, and so is that between those of
-    the second and third, so that no exit is lost however briefly it lasts, as long as the third
-    derivative changes its sign at most once. Working space: ``rows`` (4, TERMS), ``marks`` (2, MARKS).
+    The second result is the side by which it leaves: 1 above, -1 below, 0 for no exit. Between the roots
+    of its derivative the polynomial is monotone, as is each derivative between the roots of the next.
+    Starting from the third derivative, all roots are therefore found, and no exit is missed however
+    brief it is, provided that the third derivative changes sign at most once. Working space: ``rows``
+    (4, TERMS), ``marks`` (2, MARKS).
     """
     for n in range(TERMS):
         rows[0, n] = c[n]
@@ -64,7 +69,7 @@ def first_exit(c, lower, upper, end, rows, marks):
     count = 0
     for m in range(3, 0, -1):
         count = _roots(rows[m], end, marks[m % 2], count, marks[1 - m % 2])
-    breaks = marks[0]  # where the row m = 1 has left its roots
+    breaks = marks[0]  # roots of the first derivative, from the last pass, m = 1
     lo, before = 0.0, evaluate(c, 0.0)[0]
     for i in range(count + 1):
         hi = breaks[i] if i < count else end
@@ -79,7 +84,10 @@ def first_exit(c, lower, upper, end, rows, marks):
 
 @compiled
 def _roots(c, end, breaks, count, found):
-    """Roots of a polynomial that is monotone between ``breaks``; returns their number."""
+    """Find the roots up to ``end`` of a polynomial that is monotone between ``count`` sorted ``breaks``.
+
+    They are written to ``found``; the result is their number.
+    """
     number, lo, before = 0, 0.0, evaluate(c, 0.0)[0]
     for i in range(count + 1):
         hi = breaks[i] if i < count else end
@@ -87,14 +95,14 @@ def _roots(c, end, breaks, count, found):
         if before < 0 < after or before > 0 > after:
             found[number] = _root(c, 0.0, lo, hi, after > 0)
             number += 1
-        if after != 0 or before == 0:  # a root on a break is a change of sign only if both sides say so
+        if after != 0 or before == 0:  # at a zero on a break, compare the signs on both sides of it
             lo, before = hi, after
     return number
 
 
 @compiled
 def _root(c, target, lo, hi, rising):
-    """Where the polynomial passes the target, by Newton's method kept inside its bracket."""
+    """Time from ``lo`` to ``hi`` at which the polynomial equals ``target``: bracketed Newton steps."""
     t = 0.5 * (lo + hi)
     for _ in range(100):
         value, rate = evaluate(c, t)

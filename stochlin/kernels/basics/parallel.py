@@ -1,4 +1,4 @@
-"""Tasks on all cores, their results in order."""
+"""Tasks run on all cores in threads, with their results in order."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from typing import TypeVar
 
 Result = TypeVar("Result")
 Progress = Callable[[float], None]
-"""Called with the share of the work that is done."""
+"""A function that is called with the share of the work that is done, from 0 to 1."""
 
 
 def cores() -> int:
-    """Those that this process may use."""
+    """Number of processor cores that this process may use."""
     try:
         return len(os.sched_getaffinity(0))
-    except AttributeError:  # neither on macOS nor on Windows
+    except AttributeError:  # the function is missing on macOS and Windows
         return os.cpu_count() or 1
 
 
 def in_order(
     task: Callable[[int], Result], count: int, progress: Progress | None = None
 ) -> Iterator[Result]:
-    """Results of ``task(0), task(1), ...`` in this order, from all cores."""
+    """Results of ``task(0)`` to ``task(count - 1)`` in this order, computed on all cores."""
     if count == 1:
         yield task(0)
         if progress is not None:
@@ -36,15 +36,16 @@ def in_order(
             if progress is not None:
                 progress(done / count)
     finally:
-        pool.shutdown(wait=False, cancel_futures=True)  # who interrupts does not wait for the rest
+        pool.shutdown(wait=False, cancel_futures=True)  # after an interrupt, do not wait for the rest
 
 
 def in_ranges(
     task: Callable[[slice], Result], cells: int, size: int, *, threads: bool = True
 ) -> list[Result]:
-    """Results of a task for each range of ``size`` cells, in order; in this thread without ``threads``.
+    """Results of a task for each range of ``size`` of the cells, in order.
 
-    If there are no cells, the task runs once with an empty range.
+    The ranges are computed on all cores, or in this thread if ``threads`` is false. If there are no
+    cells, the task runs once with an empty range.
     """
     ranges = [slice(begin, min(begin + size, cells)) for begin in range(0, max(cells, 1), size)]
 

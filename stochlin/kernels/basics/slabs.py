@@ -1,4 +1,4 @@
-"""Work through a table in pieces that stay in the cache."""
+"""Functions of large tables, computed in contiguous pieces (slabs) that fit the processor's cache."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from stochlin.kernels.basics.arrays import Array
 
-CHUNK = 8192  # cells at a time
+CHUNK = 8192  # cells of a slab
 
 
 def in_slabs(
@@ -20,10 +20,10 @@ def in_slabs(
     kinds: Sequence[npt.DTypeLike] = (float,),
     cells: int = CHUNK,
 ) -> tuple[Array, ...]:
-    """``function`` of arrays that broadcast, without temporaries of the table's size.
+    """Results of ``function`` for inputs that broadcast, without temporary arrays of the table's size.
 
-    It has a result of each of these kinds, and with one kind returns it alone. So many ``cells`` go at a
-    time.
+    The function is called for slabs of about ``cells`` cells. It returns one array for each data type of
+    ``kinds``: the array itself for one type, a tuple for several.
     """
     shape = np.broadcast_shapes(*(array.shape for array in inputs))
     results = tuple(np.empty(shape, kind) for kind in kinds)
@@ -37,7 +37,7 @@ def in_slabs(
 
 
 def _slabs(shape: tuple[int, ...], cells: int) -> Iterator[tuple[slice, ...]]:
-    """Contiguous pieces of an array of this shape, of about so many cells."""
+    """Indices of contiguous slabs of an array of this shape, with at most ``cells`` cells each."""
     inner, axis = 1, len(shape)
     while axis > 0 and inner * shape[axis - 1] <= cells:
         axis -= 1
@@ -53,5 +53,5 @@ def _slabs(shape: tuple[int, ...], cells: int) -> Iterator[tuple[slice, ...]]:
 
 
 def _clip(slab: tuple[slice, ...], shape: tuple[int, ...]) -> tuple[slice, ...]:
-    """The slab of an input that broadcasts: all of a dimension of length 1."""
+    """The slab's index into an input that broadcasts: dimensions of length 1 are taken whole."""
     return tuple(slice(None) if n == 1 else s for s, n in zip(slab, shape, strict=True))

@@ -1,8 +1,8 @@
 """Many 3 x 3 linear systems at once, by Cramer's rule.
 
-``numpy.linalg.solve`` raises for all cells when one is singular; here only that cell
-turns to NaN or infinity. Cramer's rule is unaffected by the scaling of rows, which is
-what the graded systems of this package need.
+``numpy.linalg.solve`` raises an error for all cells if one is singular; here only this cell becomes NaN
+or infinite. Cramer's rule does not depend on the scaling of rows, which differ here by orders of
+magnitude.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from stochlin.kernels.basics.arrays import Array
 
 
 def solve_3x3(matrix: Sequence[Sequence[Array]], right: Sequence[Array]) -> tuple[Array, ...]:
-    """Solve ``matrix @ x = right`` cell by cell; entries broadcast."""
+    """The three components of ``x`` in ``matrix @ x = right``, cell by cell; all entries broadcast."""
     (a, b, c), (d, e, f), (g, h, i) = matrix
     x, y, z = right
     one, two, three = e * i - f * h, c * h - b * i, b * f - c * e

@@ -1,1 +1,1 @@
-"""Two oscillators: eq. (4), the compiled table of pairs, signatures."""
+"""Correlation of two oscillators: eqs. (3) and (4), compiled tables of pairs, signatures."""

@@ -1,4 +1,4 @@
-"""The difference of two displacements in tables of pairs: its standard deviation, and its bias."""
+"""Standard deviation of ``u1 - u2`` and its bias, in tables of pairs."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from stochlin.kernels.basics.parallel import in_ranges
 from stochlin.kernels.correlation.tables import OFF, PART
 from stochlin.kernels.correlation.tiles import LANES, cells_of_tile
 
-NONE_LEFT = 1e-14  # 1 - rho below it is rounding: equal structures have no difference
+NONE_LEFT = 1e-14  # value of 1 - rho below which it is rounding error, and taken as 0
 
 
 def steps_of(shape: tuple[int, ...], dimensions: int) -> Array:
-    """Steps of a C-ordered array from cell to cell of a table; none along dimensions that it lacks."""
+    """Strides (dimensions,) in entries of a C-ordered array of this shape; 0 where it broadcasts."""
     whole = (1,) * (dimensions - len(shape)) + shape
     steps = [math.prod(whole[d + 1 :]) if whole[d] > 1 else 0 for d in range(dimensions)]
     return np.array(steps, int)
@@ -32,9 +32,10 @@ def differences(
     *,
     threads: bool,
 ) -> tuple[Array, Array, Array]:
-    """Standard deviation of the difference, its relative bias and the flag of that; inputs broadcast.
+    """Standard deviation of ``u1 - u2``, its relative bias, and the caution; the inputs broadcast.
 
-    ``bias_1`` and ``bias_2`` are relative errors of the standard deviations, ``bias`` that of ``rho``.
+    ``bias_1`` and ``bias_2`` are the relative errors of the standard deviations, and ``bias`` is the
+    absolute error of ``rho``. The caution is 0, 1 for a bias beyond `OFF`, or 2 for an unknown bias.
     """
     shape = np.broadcast_shapes(*(array.shape for array in (std_1, std_2, rho, bias_1, bias_2, bias)))
     rho, count = np.broadcast_to(rho, shape).reshape(-1), math.prod(shape)
@@ -55,7 +56,10 @@ def differences(
 
 @entry
 def _fill(one, steps_1, two, steps_2, bias, steps, shape, rho, begin, end, std, off, flag):
-    """Cells ``begin`` to ``end``, tile by tile."""
+    """Compute the cells from ``begin`` to ``end``, tile by tile.
+
+    ``one`` and ``two`` (2, n) are the standard deviations as computed and as corrected by their bias.
+    """
     cells_1, cells_2, cells = (
         np.empty(LANES, np.int64), np.empty(LANES, np.int64), np.empty(LANES, np.int64)
     )  # fmt: skip

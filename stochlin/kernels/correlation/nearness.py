@@ -1,9 +1,10 @@
-"""Correlation of structures that are nearly equal: how fast it falls with what they differ in.
+"""Correlation of nearly equal structures, by a quadratic form in the differences of their properties.
 
-Of two structures that differ little, what they do not share is small, and a small difference of large
-numbers in any theory of both. It can be simulated for itself: ``1 - rho`` is a quadratic form in the
-differences of the logarithms of period, strength, hardening and damping, and its matrix belongs to one
-structure. ``docs/drift.md`` has the equations, (12) and (13).
+For two structures that differ little, ``1 - rho`` is a small difference of large numbers in any theory
+of their covariance, but it can be simulated directly. By eq. (12) of ``docs/drift.md``,
+``1 - rho = q/(1 + q)``, where ``q`` is a quadratic form in the differences of the logarithms of period,
+strength, hardening and damping. Its matrix belongs to one structure. Eq. (13) combines this with the
+correlation by signatures.
 """
 
 from __future__ import annotations
@@ -16,25 +17,29 @@ from stochlin.kernels.basics.arrays import Array
 
 AXES = 4  # period, strength, hardening, damping
 PAIRS = tuple((i, j) for i in range(AXES) for j in range(i))
-ENTRIES = AXES + len(PAIRS)
-LEAST = 1e-3  # eigenvalue of the correlations of the slopes
-NEAR, FAR = 0.3, 1.5  # the form up to which it counts in full, and from which on it does not
-WEIGHT = 0.5  # beside the other estimate, in the logarithm: both err alike, and independently
-SAFE = 0.12  # and so far on the safe side, once more where references see nothing of both
+ENTRIES = AXES + len(PAIRS)  # of a symmetric matrix over these axes
+LEAST = 1e-3  # smallest eigenvalue of the correlations, to which smaller ones are raised
+NEAR, FAR = 0.3, 1.5  # q up to which the weight w of eq. (13) is 1, and from which it is 0
+WEIGHT = 0.5  # weight of eq. (12) beside eq. (11), whose errors are equal and independent
+SAFE = 0.12  # margin on ln(1 - rho), up to twice this for structures independent of the references
 
 
 class Nearness(NamedTuple):
-    """What is known of one structure, for the correlation with others like it."""
+    """The quantities of one structure in eqs. (12) and (13)."""
 
     place: Array  # (AXES, n) logarithms of its properties
-    form: Array  # (ENTRIES, n) logarithms of the slopes, and the correlations of these: eq. (12)
-    trust: Array  # (n,) share of what it says that counts, 0 to 1
+    # (ENTRIES, n): the matrix G of eq. (12), as logarithms of the square roots of its diagonal (slopes),
+    # and the correlations that remain
+    form: Array
+    trust: Array  # (n,) factor from 0 to 1 on the weight of eq. (13)
 
 
 def form_of(share: Array, steps: Array) -> Array:
-    """Slopes and their correlations (ENTRIES, n) from ``1 - rho`` (AXES + 1, AXES + 1, n) of neighbours.
+    """``Nearness.form`` (ENTRIES, n) from simulated groups of five nearly equal structures.
 
-    The first of them is without any of the ``steps``, the others with one each.
+    ``share`` (AXES + 1, AXES + 1, n) is ``1 - rho`` of the pairs in each group. The first structure is
+    that of the form; each of the others differs from it by one of the ``steps`` (AXES,) of the
+    logarithms.
     """
     share = np.clip(share, 0, 0.95)
     form = share / (1 - share)
@@ -42,13 +47,13 @@ def form_of(share: Array, steps: Array) -> Array:
     matrix = np.moveaxis(matrix, -1, 0)
     slopes, across = _parted(matrix)
     values, vectors = np.linalg.eigh(across)
-    # Noise may have made it no form.
+    # By statistical errors the matrix may not be positive definite.
     _, across = _parted((vectors * np.maximum(values, LEAST)[:, None]) @ np.swapaxes(vectors, 1, 2))
     return np.stack([*np.log(slopes.T / steps[:, None]), *(across[:, i, j] for i, j in PAIRS)])
 
 
 def _parted(matrix: Array) -> tuple[Array, Array]:
-    """Square roots of the diagonals (n, k), and the matrices (n, k, k) without them."""
+    """Square roots of the diagonals (n, k) of matrices (n, k, k), and the matrices scaled by them."""
     slopes = np.sqrt(np.diagonal(matrix, axis1=1, axis2=2))
     return slopes, matrix / (slopes[:, :, None] * slopes[:, None])
 
@@ -56,10 +61,11 @@ def _parted(matrix: Array) -> tuple[Array, Array]:
 def with_nearness(
     rho: Array, first: Nearness, second: Nearness, unseen: Array | float
 ) -> tuple[Array, Array, Array]:
-    """``rho`` of pairs, nearly equal ones by their own forms too, eq. (13).
+    """Correlation of pairs by eq. (13), which changes ``rho`` of nearly equal structures only.
 
-    Also the share of the forms in it, and by how much they would move the logarithm of ``1 - rho`` of
-    those that are nearest. ``unseen`` is the share of the variances of both that no reference sees.
+    Also returned are the weight ``w`` of eq. (12) in it, and this weight times the difference of
+    ``ln(1 - rho)`` by eq. (12) from that of the given ``rho``. ``unseen`` is the share of the variances
+    of both structures that is independent of the references, ``f`` in eq. (13).
     """
     form: Array = (_form(first, second, first) + _form(first, second, second)) / 2
     share = np.clip(np.log(FAR / form) / np.log(FAR / NEAR), 0, 1) * first.trust * second.trust
@@ -72,7 +78,7 @@ def with_nearness(
 
 
 def _form(first: Nearness, second: Nearness, told: Nearness) -> Array:
-    """The quadratic form of the difference, by what one of both tells."""
+    """``q`` of eq. (12) for two structures, with the matrix ``G`` of the structure ``told``."""
     apart = [
         np.exp(slope) * (one - other)
         for slope, one, other in zip(told.form, first.place, second.place, strict=False)

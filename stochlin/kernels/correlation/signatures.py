@@ -1,10 +1,10 @@
-"""What a few reference structures on the same ground tell of a response, and of two together.
+"""Correlation of two structures from their correlations with a few reference structures.
 
-The displacements of the references span a space of random variables. The *signature* of a structure
-holds the coordinates of its unit displacement in it, with respect to the orthonormal basis that the
-Cholesky factor of the references' correlations gives. The correlation of two structures is the product
-of their signatures and that of what the references do not see. ``docs/drift.md`` has the equations,
-(9) to (11).
+The displacements of the reference structures on the same ground span a space of random variables. The
+*signature* of a structure is the vector of coordinates of its displacement, over the standard deviation,
+in an orthonormal basis of this space; the basis follows from the Cholesky factor of the correlations of
+the references. The correlation of two structures is the scalar product of their signatures, plus a part
+that is independent of the references. These are eqs. (9) to (11) of ``docs/drift.md``.
 """
 
 from __future__ import annotations
@@ -15,47 +15,51 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 
-OWN = 0.01  # share of each reference that is taken as its own: no small differences of references
-LEFT = 1e-3  # of every variance, on top of what the references do not see: no division by zero
+OWN = 0.01  # share of the unit matrix in the correlations of references, against ill-conditioning
+LEFT = 1e-3  # added to the variance that is independent of the references, against division by zero
 
 
 class Insight(NamedTuple):
-    """What is known of one structure, for the correlation of pairs: eq. (11)."""
+    """The quantities of one structure in eq. (11), for the correlation of pairs."""
 
-    known: Array  # (k, n) simulated signature
-    derived: Array  # (k, n) derived signature times `unseen`
-    unseen: Array  # (n,) ratio of the standard deviations that no reference sees, simulated to derived
+    known: Array  # (k, n) simulated signature c
+    derived: Array  # (k, n) derived signature d times ``unseen``
+    unseen: Array  # (n,) f: ratio of simulated to derived std of the part independent of references
 
     @property
     def left(self) -> Array:
-        """Share of the standard deviation that no reference sees."""
+        """Share of the standard deviation that is independent of the references."""
         return np.sqrt(_left(self.known))
 
 
 def signature(joint: Array, gram: Array) -> Array:
-    """Signatures (..., k) from correlations with the references (..., k) and among them (..., k, k)."""
+    """Signatures (..., k), eq. (9).
+
+    ``joint`` (..., k) are the correlations with the references, ``gram`` (..., k, k) those among them.
+    """
     size = gram.shape[-1]
     basis = np.linalg.inv(np.linalg.cholesky((1 - OWN) * gram + OWN * np.eye(size)))
     return np.sqrt(1 - OWN) * (basis @ joint[..., None])[..., 0]
 
 
 def insight(derived: Array, correction: Array) -> Insight:
-    """Of structures whose derived signatures (k, n) and their corrections are known."""
+    """The `Insight` of structures from their derived signatures (k, n) and the corrections, eq. (10)."""
     known = derived + correction
-    # A displacement has no larger part in the space of the references than itself.
+    # A signature has a length of at most 1, since it is the projection of a unit vector.
     known = known / np.maximum(np.sqrt((known**2).sum(axis=0)), 1.0)
     unseen = np.sqrt((_left(known) + LEFT) / (_left(derived) + LEFT))
     return Insight(known, unseen * derived, unseen)
 
 
 def _left(coordinates: Array) -> Array:
+    """Share of the variance that is independent of the references, ``1 - |c|^2``, for ``c`` (k, n)."""
     return np.asarray(np.maximum(1 - (coordinates**2).sum(axis=0), 0))
 
 
 def informed_correlation(derived: Array, first: Insight, second: Insight) -> Array:
     """Correlation of pairs from the derived one, eq. (11); at most 1, and 1 for equal structures.
 
-    Where nothing is corrected it is the derived one.
+    For structures without a correction it is equal to the derived correlation.
     """
     one = np.concatenate([first.known, first.derived])
     other = np.concatenate([second.known, -second.derived])
@@ -64,9 +68,9 @@ def informed_correlation(derived: Array, first: Insight, second: Insight) -> Arr
 
 
 def _products(one: Array, other: Array) -> Array:
-    """Sums over the first axis of products that broadcast; of a table's two sides a matrix product."""
+    """Sums over the first axis of ``one * other``, which broadcast; for the sides of a table by BLAS."""
     shape = np.broadcast_shapes(one.shape[1:], other.shape[1:])
-    terms: list[Any] = []  # without the axes along which they are broadcast
+    terms: list[Any] = []  # arguments of einsum, without the axes of length 1
     for x in (one, other):
         axes = [n for n, size in enumerate(x.shape) if n == 0 or size > 1]
         terms += [x.reshape([x.shape[n] for n in axes]), axes]

@@ -1,4 +1,4 @@
-"""Tables of pairs: correlation, status, bias and caution of all cells, on all cores."""
+"""Tables of pairs of structures: correlation, status, bias and caution of all cells, on all cores."""
 
 from __future__ import annotations
 
@@ -22,30 +22,30 @@ from stochlin.kernels.correlation.tiles import (
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, coordinates
 
 PART = 1 << 18  # cells of a task
-ROUNDING = 1e-9  # by which |rho| may exceed 1 before the cell is called wrong
-OFF = 0.1  # bias beyond which a cell is cautioned
-NOWHERE = (np.full((6, 2), np.inf), np.full(6, 2), np.zeros(64))  # a map that knows no pair
+ROUNDING = 1e-9  # by which |rho| may exceed 1 by rounding; beyond it the covariance is invalid
+OFF = 0.1  # bias from which the caution of a cell is 1
+NOWHERE = (np.full((6, 2), np.inf), np.full(6, 2), np.zeros(64))  # an empty map of the bias
 
 
 class Side(NamedTuple):
-    """One structure of each pair: its cells, and where they stand in the table."""
+    """The first or the second structures of all pairs, ``n`` of them, and their place in the table."""
 
-    parameters: Array  # (PARAMETERS, n), of `pair_parameters`
-    gaussian: Array  # the same under the Gaussian closure, by which bias is known
-    place: Array  # (n, SHARED + 2): logarithms of the map's shared axes, period, ground period
-    flags: Array  # (n, 3) int8: status, caution, elastic
-    strides: Array  # (d,): steps from cell to cell along the dimensions of the table
+    parameters: Array  # (PARAMETERS, n): results of `pair_parameters`
+    gaussian: Array  # the same by the Gaussian closure, for which the map of the bias holds
+    place: Array  # (n, SHARED + 2): logarithms of the shared axes of the map, period, ground period
+    flags: Array  # (n, 3) int8: status, caution, and 1 for an elastic structure
+    strides: Array  # (d,): increments of the structure's number along the dimensions of the table
 
 
 class Codes(NamedTuple):
-    """Values of ``status``."""
+    """Values of ``status`` that the compiled code compares or assigns."""
 
-    not_converged: int  # from here on a cell is blank
-    not_physical: int
+    not_converged: int  # cells with this or a larger status have no result
+    not_physical: int  # the covariance is invalid
 
 
 class RhoTable(NamedTuple):
-    """Results, flat."""
+    """Results of all cells, flat in C order."""
 
     rho: Array
     status: Array
@@ -54,10 +54,14 @@ class RhoTable(NamedTuple):
 
 
 def pair_parameters(system: EquivalentSystem, forcing: Forcing, displacement_std: Array) -> Array:
-    """What a table needs of each structure, (PARAMETERS, n): see `pair_steps`."""
+    """Quantities (PARAMETERS, n) of each structure from which `tiles.rho_of_tile` computes rho.
+
+    They are the coefficients of the state matrix ``A`` in the coordinates of `covariance.coordinates`,
+    the forcing, the characteristic polynomial, the lower two rows of ``A^2``, and some further terms.
+    """
     (_, (soft, _, h), (back, p, _)), third, _ = coordinates(system, forcing)
     w, d, k = -soft, system.damping, system.relaxation
-    square = (  # lower rows of A^2
+    square = (  # second and third row of A^2
         d * w + h * back,
         d * d + h * p - w,
         -h * (d + k),
@@ -80,10 +84,11 @@ def pair_table(
     *,
     threads: bool,
 ) -> RhoTable:
-    """All cells of a table; on all cores if ``threads``. No cell depends on another.
+    """Results of all cells of a table of this ``shape``, on all cores if ``threads`` is true.
 
-    ``grid`` has the bias of ``rho`` over logarithms: of the SHARED axes, of the longer period over the
-    ground's, and of the shorter over the longer.
+    ``grid`` is the map of the bias of ``rho``, None for none. Its axes are logarithms: the first
+    `SHARED` are of properties that both structures share, the next of the longer period over the
+    ground's, and the last of the ratio of the shorter to the longer period. No cell depends on another.
     """
     count = math.prod(shape)
     kinds = (float, np.int8, float, np.int8)
@@ -104,7 +109,7 @@ def _fill(
     shape, axes, sizes, values, other_closure, not_converged, not_physical,
     begin, end, rho, status, bias, caution,
 ):  # fmt: skip
-    """Cells ``begin`` to ``end``, tile by tile."""
+    """Compute the cells from ``begin`` to ``end``, tile by tile."""
     cells_1, cells_2 = np.empty(LANES, np.int64), np.empty(LANES, np.int64)
     a, b = np.empty(PARAMETERS * LANES), np.empty(PARAMETERS * LANES)
     c, d = np.empty(PARAMETERS * LANES), np.empty(PARAMETERS * LANES)
@@ -126,8 +131,8 @@ def _fill(
             worse = max(flags_1[i, 0], flags_2[j, 0])
             if worse < not_converged and not abs(value) <= 1.0 + ROUNDING:
                 worse = not_physical
-            off = 0.0 if flags_1[i, 2] and flags_2[j, 2] else known[lane]  # elastic: exact
-            off += value - (base[lane] if other_closure else value)  # NaN where rho is
+            off = 0.0 if flags_1[i, 2] and flags_2[j, 2] else known[lane]  # elastic pairs are exact
+            off += value - (base[lane] if other_closure else value)  # NaN if rho is NaN
             large = 2 if np.isnan(off) else int(abs(off) > OFF)
             rho[n] = min(max(value, -1.0), 1.0) if worse < not_converged else np.nan
             status[n], bias[n] = worse, off

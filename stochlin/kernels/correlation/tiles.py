@@ -1,31 +1,35 @@
-"""One tile of a table of pairs, compiled: which structures, their correlation, and its bias.
+"""One tile of a table of pairs: the structures of its cells, their correlation, and its bias.
 
-The covariance of a pair is `covariance.pair_row`, arranged for speed. By the theorem of Cayley and
-Hamilton ``A^3 = -a2 A^2 - a1 A - a0`` for the softer structure, so that with the coefficients of the
-stiffer one marked by ``'`` its 3 x 3 matrix is
+The covariance of a pair is that of `covariance.pair_row`, arranged for speed. ``A`` is the state matrix
+of the softer structure. By the theorem of Cayley and Hamilton ``A^3 = -a2 A^2 - a1 A - a0``, so that
+the 3 x 3 matrix of the system of equations, with the coefficients of the stiffer structure marked by
+``'``, is
 
     D'(-A) = (a2' + a2) A^2 + (a1 - a1') A + (a0' + a0).
 
-What belongs to one structure is computed once; some 70 multiplications and additions and one
-division remain a cell, in vector registers. The modal form would cost five divisions, and fails where
-a structure has a double eigenvalue: `benchmarks/tables.py` holds it against elimination.
+Terms that belong to one structure are computed once. For each cell some 70 multiplications and
+additions and one division remain, in vector registers. The modal form needs five divisions, and fails
+for a structure with a double eigenvalue; `benchmarks/tables.py` compares both.
 """
 
 import numpy as np
 
 from stochlin.kernels.basics.compiled import compiled
 
-LANES = 128  # cells of a tile: both structures of each then fit the first-level cache
-PARAMETERS = 21  # of a structure, as `pair_tables.pair_parameters` lists them
-BACK, STIFFNESS, KICK, STD = 17, 18, 19, 20  # of these
-SHARED = 4  # axes of the map of the bias that the two structures share
-ROUNDING = 1e-9  # by which a point may miss the end of an axis
-EQUAL = 1e-6  # relative difference of properties that count as equal
+LANES = 128  # cells (lanes) of a tile, whose structures then fit the first-level cache
+PARAMETERS = 21  # quantities of a structure, in the order of `tables.pair_parameters`
+BACK, STIFFNESS, KICK, STD = 17, 18, 19, 20  # numbers of some of these
+SHARED = 4  # axes of the map of the bias for properties that both structures share
+ROUNDING = 1e-9  # distance beyond the end of an axis at which a point still counts as inside
+EQUAL = 1e-6  # relative difference of properties that counts as rounding error
 
 
 @compiled
 def cells_of_tile(begin, count, shape, strides, cells):
-    """Numbers of one side's structures in ``count`` cells from ``begin``; the last goes on."""
+    """Write the numbers of the first (or second) structures in a tile to ``cells`` (LANES,).
+
+    The tile has the ``count`` cells from ``begin``; further lanes repeat the last cell.
+    """
     at = np.empty(shape.size, np.int64)
     rest, cell = begin, 0
     for d in range(shape.size - 1, -1, -1):
@@ -47,9 +51,10 @@ def cells_of_tile(begin, count, shape, strides, cells):
 
 @compiled
 def _load(parameters, cells, tile, loaded):
-    """The parameters of the structures of a tile, one parameter after the other.
+    """Copy the parameters of the structures of a tile into ``tile``, one parameter after the other.
 
-    ``loaded`` are those that are there already: of a table's row, one structure stays.
+    ``loaded`` are the numbers of the structures that are in the tile already. Along a row of the table
+    one structure does not change, and is not copied again.
     """
     first, apart, other = cells[0], 0, 0
     for lane in range(LANES):
@@ -71,7 +76,7 @@ def _load(parameters, cells, tile, loaded):
 
 @compiled
 def _put_stiffer_first(stiff, soft):
-    """Exchange the two structures of a lane where the second is the stiffer."""
+    """Exchange the two structures in lanes where the second one is stiffer."""
     for lane in range(LANES):
         if stiff[STIFFNESS * LANES + lane] < soft[STIFFNESS * LANES + lane]:
             for n in range(lane, PARAMETERS * LANES, LANES):
@@ -80,7 +85,7 @@ def _put_stiffer_first(stiff, soft):
 
 @compiled
 def _correlations(stiff, soft, out):
-    """``rho`` of all lanes, from the parameters of the stiffer structure of each and of the softer."""
+    """Write ``rho`` of all lanes to ``out``, from the tiles of the stiffer and the softer structures."""
     for n in range(LANES):
         w, d, h = soft[n], soft[LANES + n], soft[2 * LANES + n]
         p, k, back = soft[3 * LANES + n], soft[4 * LANES + n], soft[BACK * LANES + n]
@@ -109,9 +114,11 @@ def _correlations(stiff, soft, out):
 
 @compiled
 def rho_of_tile(one, two, cells_1, cells_2, a, b, loaded, out):
-    """``rho`` of a tile, the stiffer structure first (`covariance.pair_covariance` says why).
+    """Write ``rho`` of a tile to ``out``.
 
-    ``a`` and ``b`` are space for the structures, ``loaded`` says which are there.
+    The stiffer structure of each pair is taken first, for accuracy as in `covariance.pair_covariance`.
+    ``a`` and ``b`` are working space for the two structures, and ``loaded`` are the numbers of those
+    that are in it.
     """
     _load(one, cells_1, a, loaded[0])
     _load(two, cells_2, b, loaded[1])
@@ -129,7 +136,7 @@ def rho_of_tile(one, two, cells_1, cells_2, a, b, loaded, out):
 
 @compiled
 def _bracket(axes, d, size, x, low):
-    """The interval of ``x`` on axis ``d``, sought from ``low`` on; -1 outside."""
+    """Number of the interval with ``x`` on axis ``d``, searched from ``low``; -1 outside the axis."""
     if not axes[d, 0] - ROUNDING <= x <= axes[d, size - 1] + ROUNDING:
         return -1
     while low > 0 and x < axes[d, low]:
@@ -141,13 +148,17 @@ def _bracket(axes, d, size, x, low):
 
 @compiled
 def _share(axes, d, low, x):
+    """Position of ``x`` in interval ``low`` of axis ``d``, from 0 to 1."""
     x = min(max(x, axes[d, low]), axes[d, low + 1])
     return (x - axes[d, low]) / (axes[d, low + 1] - axes[d, low])
 
 
 @compiled
 def _locate(axes, sizes, point, weights, offsets):
-    """Corners around a point of the shared axes; False outside."""
+    """Find the weights and offsets of the corners around a point on the shared axes.
+
+    Returns False if the point is outside.
+    """
     weights[0], offsets[0], count = 1.0, 0, 1
     for d in range(SHARED):
         low = _bracket(axes, d, sizes[d], point[d], 0)
@@ -164,7 +175,7 @@ def _locate(axes, sizes, point, weights, offsets):
 
 @compiled
 def _corner(values, weights, offsets, plane, cell):
-    """Value at a corner of the plane of periods, interpolated along the shared axes."""
+    """Value of the map at point ``cell`` of the two period axes, interpolated along the shared axes."""
     total = 0.0
     for corner in range(1 << SHARED):
         total += weights[corner] * values[offsets[corner] * plane + cell]
@@ -173,10 +184,11 @@ def _corner(values, weights, offsets, plane, cell):
 
 @compiled
 def bias_of_tile(place_1, cells_1, place_2, cells_2, count, axes, sizes, values, memory, out):
-    """Bias of ``rho`` by the map, linear between its points; NaN outside or if the two differ.
+    """Write the bias of ``rho`` in a tile to ``out``, by linear interpolation in the map.
 
-    ``memory`` is made by `new_memory`: pairs of equal properties find their corners there. What is
-    found does not depend on what was asked before.
+    It is NaN outside the map and for structures whose shared properties differ. ``memory``, from
+    `new_memory`, has interpolated values for later pairs with the same properties; the results do not
+    depend on earlier calls.
     """
     memo, point, weights, offsets, last = memory
     long, width = sizes[SHARED], sizes[SHARED + 1]
@@ -216,7 +228,11 @@ def bias_of_tile(place_1, cells_1, place_2, cells_2, count, axes, sizes, values,
 
 @compiled
 def new_memory(sizes):
-    """Memory of `bias_of_pair`: values at corners, of which point, its weights, and where it was."""
+    """Working space of `bias_of_tile`, which is kept from tile to tile.
+
+    It has values of the map interpolated along the shared axes, the point for which they hold, its
+    weights and offsets, and whether it is inside, with the intervals that were found last.
+    """
     plane = sizes[SHARED] * sizes[SHARED + 1]
     values, point, weights = np.empty(plane), np.empty(SHARED), np.empty(1 << SHARED)
     offsets, last = np.empty(1 << SHARED, np.int64), np.empty(3, np.int64)

@@ -1,4 +1,4 @@
-"""Two linear oscillators under one white noise: eq. (4), exact."""
+"""Correlation of two linear oscillators under one white noise: eq. (4), which is exact."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from stochlin.kernels.basics.arrays import Array
 def white_noise_correlation(
     period_1: Array, period_2: Array, damping_1: Array, damping_2: Array
 ) -> Array:
-    """Eq. (4), in frequencies scaled by their geometric mean, so that it stays symmetric.
+    """Eq. (4), exactly symmetric in both oscillators, since frequencies are over their geometric mean.
 
-    With ``w1 w2 = 1``:
+    With these, ``w1 w2 = 1`` and
     ``rho = 8 sqrt(x1 x2) (x1 w1 + x2 w2) / [(w1^2 - w2^2)^2 + 4 (x1 w1 + x2 w2)(x1 w2 + x2 w1)]``.
 
     Parameters
     ----------
     period_1, period_2 : float or array
-        Periods [s], positive; all four broadcast by shape. Nothing is checked.
+        Periods [s], positive. All four parameters broadcast by shape; they are not checked.
     damping_1, damping_2 : float or array
         Damping ratios [-], in (0, 1).
 
@@ -33,7 +33,7 @@ def white_noise_correlation(
     >>> round(float(white_noise_correlation(0.9, 1.0, 0.05, 0.05)), 6)
     0.473028
     """
-    b = np.sqrt(period_2 / period_1)  # w1 over the mean
+    b = np.sqrt(period_2 / period_1)  # w1 over the geometric mean of w1 and w2
     w1, w2 = b, 1 / b
     mixed = damping_1 * w1 + damping_2 * w2
     crossed = damping_1 * w2 + damping_2 * w1

@@ -1,1 +1,1 @@
-"""One oscillator: covariances, filters, closures, fixed point, moments over time, drift."""
+"""Linearization of one oscillator: covariances, ground filters, closures, fixed point, drift."""

@@ -1,7 +1,7 @@
-"""Caughey's amplitude averaging of the bilinear oscillator (1960, J. Appl. Mech. 27).
+"""Amplitude averaging of the bilinear oscillator (Caughey 1960, J. Appl. Mech. 27).
 
-For a narrow-band response the amplitude is Rayleigh distributed and the oscillator has two
-states only: an equivalent stiffness and damping that depend on ``sigma_mu``.
+The response is assumed to be narrow-band, with Rayleigh distributed amplitudes. The equivalent linear
+oscillator has two states, and a stiffness and a damping that depend on ``sigma_mu``.
 """
 
 from __future__ import annotations
@@ -21,30 +21,30 @@ from stochlin.kernels.linearization.cells.series import evaluate
 from stochlin.kernels.linearization.covariance import EquivalentSystem, own_covariance
 from stochlin.kernels.linearization.filters import Filter
 
-ORDER = 48
-CUTOFF = 45.0  # exponent beyond which the integrand is dropped
-FIRST_PANEL, WIDER = 2.0, 8.0
-CROSSING_STEPS = 64  # between the least and the largest response there may be
-SERIES = -7, 45  # log(lam) between which the integral is neither 0 nor that of a linear oscillator,
-TERMS = 17  # and terms of the series that gives it to rounding from each whole number to the next
-CHUNK = 2048  # cells
+ORDER = 48  # Gauss-Legendre nodes of a panel
+CUTOFF = 45.0  # z^2/lam at which the integral is cut off
+FIRST_PANEL, WIDER = 2.0, 8.0  # length of the first panel in s, and ratio of the edges of the others
+CROSSING_STEPS = 64  # steps between the bounds of log(sigma) in the search for the first root
+SERIES = -7, 45  # range of log(lam) of the series; outside it the integral is that of its ends
+TERMS = 17  # of a Chebyshev series for each unit of log(lam), exact to rounding
+CHUNK = 2048  # cells solved together
 
 
 class AmplitudeAverage(NamedTuple):
-    """Solution per cell: the equivalent two-state system and how it was reached."""
+    """The equivalent two-state system of each cell, and how it was found."""
 
     system: EquivalentSystem
-    iterations: Array
-    residual: Array
-    converged: Array
+    iterations: Array  # (n,)
+    residual: Array  # (n,): mismatch of log(sigma)
+    converged: Array  # (n,)
 
 
 def equivalent_system(
     sigma: Array, frequency: Array, damping_ratio: Array, hardening: Array
 ) -> EquivalentSystem:
-    """Two-state system for a displacement of standard deviation ``sigma`` yield displacements.
+    """Equivalent two-state system for a ductility with the standard deviation ``sigma``.
 
-    With ``lam = 2 sigma^2``:
+    Caughey's stiffness and damping are, with ``lam = 2 sigma^2``,
     ``(weq/w)^2 = 1 - (8 (1 - alpha)/pi) Int_1^inf (z^-3 + 1/(lam z)) sqrt(z - 1) exp(-z^2/lam) dz``,
     ``2 xieq weq/w = 2 xi + (2 (1 - alpha)/sqrt(pi lam)) erfc(1/sqrt(lam)) w/weq``.
     """
@@ -67,7 +67,7 @@ def equivalent_system(
 
 @cache
 def _series() -> Array:
-    """Of the integral over ``log(lam)``, Chebyshev coefficients (TERMS, panels)."""
+    """Chebyshev coefficients (TERMS, panels) of the stiffness integral as a function of log(lam)."""
     angles = np.pi * (np.arange(TERMS) + 0.5) / TERMS
     points = np.arange(*SERIES)[:, None] + 0.5 * (1 + np.cos(angles))
     values = _stiffness_integral(np.exp(points.ravel())).reshape(points.shape)
@@ -77,11 +77,11 @@ def _series() -> Array:
 
 
 def _stiffness_integral(lam: Array) -> Array:
-    """The integral above; with ``z = 1 + s^2`` the integrand is smooth."""
+    """The integral of `equivalent_system`, by quadrature over ``s`` with ``z = 1 + s^2``: smooth."""
     nodes, weights = np.polynomial.legendre.leggauss(ORDER)
     end = np.sqrt(np.sqrt(1 + CUTOFF * lam) - 1)
     furthest = np.max(end, where=np.isfinite(end), initial=FIRST_PANEL)
-    # Far out the integrand falls as a power of s: panels that grow with it.
+    # For large s the integrand falls as a power of s, for which growing panels suffice.
     panels = 1 + int(np.ceil(np.log(furthest / FIRST_PANEL) / np.log(WIDER)))
     edges = [0.0, *(FIRST_PANEL * WIDER**n for n in range(panels)), np.inf]
     total = np.zeros_like(lam)
@@ -103,10 +103,10 @@ def solve_amplitude_average(
     rtol: float,
     max_iterations: int,
 ) -> AmplitudeAverage:
-    """Find ``sigma`` such that the system equivalent to it responds with it, in chunks, on all cores.
+    """Find the ``sigma`` with which the system equivalent to it responds; in chunks, on all cores.
 
-    The ground is in yield displacements. Under a very narrow band there may be three solutions: the
-    least is the one that grows out of the elastic response.
+    The ground acceleration is over the yield displacement. On a ground of very narrow band there may be
+    three solutions; the smallest is taken, which continues the elastic response.
     """
 
     @np.errstate(all="ignore")
@@ -128,13 +128,16 @@ def _solve(
     rtol: float,
     max_iterations: int,
 ) -> tuple[Array, ...]:
+    """``sigma``, iterations, residual and convergence of a range of cells."""
+
     def mismatch(x: Array, w: Array, xi: Array, alpha: Array, which: Array) -> Array:
+        """Logarithm of the response's standard deviation less ``x``, that of the assumed one."""
         system = equivalent_system(np.exp(x), w, xi, alpha)
         forcing = ground.at(which.astype(int)).forcing(system)
         return 0.5 * np.log(own_covariance(system, forcing).mu_mu) - x
 
-    # Far below yield the response is the elastic one; far above it that of a linear
-    # oscillator of stiffness alpha: the mismatch changes sign in between.
+    # Far below yield the response is elastic, and far above it that of a linear oscillator with the
+    # post-yield stiffness; the mismatch changes sign in between.
     low = np.log(np.minimum(0.5 * elastic_sigma, 0.02))
     high = np.log(10 * np.maximum(elastic_sigma, 1) / hardening**2)
     cells = (frequency, damping_ratio, hardening, np.arange(frequency.size))
@@ -151,7 +154,7 @@ def _solve(
 def _first_crossing(
     mismatch: Callable[..., Array], low: Array, high: Array, cells: tuple[Array, ...]
 ) -> tuple[Array, Array]:
-    """The first of even steps from ``low`` to ``high`` over which the mismatch is no longer positive."""
+    """The first of equal intervals from ``low`` to ``high`` in which the mismatch changes sign."""
     first, last = low.copy(), high.copy()
     below = np.arange(low.size)
     for share in np.linspace(0, 1, CROSSING_STEPS + 1)[1:-1]:

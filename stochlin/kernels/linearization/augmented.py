@@ -1,10 +1,11 @@
-"""Floors on springs, linearized, with their ground: covariance, and the moments of each spring.
+"""Covariance of a linearized system of floors, springs and ground, and the moments of each spring.
 
-The states ``x`` are those of the ground, displacements and velocities of the floors, and for each spring
-that yields its ``z`` [m], with ``z' = -c_e d' - k_e z`` for its extension ``d``. Solved in others: the
-extensions of as many springs as there are floors, the stiffest, so that small ones are no differences of
-large numbers; and the slip ``y = d - z``, as for single oscillators, since its whole row of equations
-vanishes as yielding dies out.
+The states ``x`` are those of the ground filter, displacements and velocities of the floors, and the
+hysteretic extension ``z`` [m] of each yielding spring, with ``z' = -c_e d' - k_e z`` for its extension
+``d``. For accuracy the Lyapunov equation is solved in other states. Extensions of as many springs as
+there are floors, the stiffest ones, replace the displacements, so that small extensions are not
+differences of large displacements. The slip ``y = d - z`` replaces ``z``, as for single oscillators: if
+a spring hardly yields, all coefficients of its equation tend to zero together.
 """
 
 from __future__ import annotations
@@ -18,26 +19,26 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.lyapunov import Lyapunov
 from stochlin.kernels.linearization.spectral_moments import SpectralMoments
 
-SLOW = 1e-13  # relaxation over the fastest rate below which z follows the extension at once
-FAST = 1e-2  # over the frequency of the spring, from which z is followed in place of y
+SLOW = 1e-13  # relaxation over the largest frequency below which z is proportional to the extension
+FAST = 1e-2  # relaxation over the largest frequency from which z is a state in place of y
 
 
 class Augmented(NamedTuple):
-    """``x' = matrix x + noise n(t)``, and which states are what."""
+    """The linear system ``x' = matrix x + noise n(t)``, and the meaning of its states."""
 
-    matrix: Array
-    noise: Array
-    intensity: float  # of n in time, 2 pi S0
-    displacements: Array  # states (n,)
-    velocities: Array  # (n,)
-    z: Array  # (m,)
-    springs: Array  # (m,): the spring of each z
-    extensions: Array  # (s, n): of all springs by the displacements, 1 and -1
-    stiffness: Array  # (s,): of the springs before yield
+    matrix: Array  # (states, states)
+    noise: Array  # (states,)
+    intensity: float  # of the white noise n in time, 2 pi S0 [m^2/s^3]
+    displacements: Array  # (n,): indices of the displacements of the floors
+    velocities: Array  # (n,): indices of their velocities
+    z: Array  # (m,): indices of the hysteretic extensions
+    springs: Array  # (m,): number of the spring of each z
+    extensions: Array  # (s, n): extensions of all springs as sums of displacements, entries 1 and -1
+    stiffness: Array  # (s,): elastic stiffness of the springs [N/m]
 
     @property
     def tree(self) -> Array:
-        """The stiffest springs that lead from the ground to all floors (n,)."""
+        """Numbers (n,) of the stiffest springs that connect all floors with the ground, as a tree."""
         group, chosen = np.arange(self.displacements.size + 1), []  # the ground comes last
         for spring in np.argsort(-self.stiffness, kind="stable"):
             ends = np.flatnonzero(self.extensions[spring])
@@ -49,30 +50,28 @@ class Augmented(NamedTuple):
 
 
 class SpringMoments(NamedTuple):
-    """Of springs that yield (m,), in m and s."""
+    """Second moments of the yielding springs, each (m,)."""
 
-    drift: Array  # variances
-    velocity: Array
-    z: Array
-    velocity_z: Array  # covariance
-
-
-class Turn(NamedTuple):
-    """From the states to those that are solved for, and back."""
-
-    into: Array  # (k, states)
-    back: Array  # (states, k)
-    drifts: Array  # of the springs that yield (m, k)
-    velocities: Array
-    z: Array
-    beyond: (
-        Array  # what z has beyond the extension at that instant, with which its rate is not correlated
-    )
-    moves: Array  # (m,): where z is more than a share of the extension
+    drift: Array  # variance of the extension [m^2]
+    velocity: Array  # variance of its rate [m^2/s^2]
+    z: Array  # variance of z [m^2]
+    velocity_z: Array  # covariance of the rate and z [m^2/s]
 
 
-def turn(system: Augmented) -> Turn:
-    """See the head of this file."""
+class Transformation(NamedTuple):
+    """The transformation from the states to those that are solved for, and back."""
+
+    into: Array  # (k, states): matrix to the ``k`` states that are solved for
+    back: Array  # (states, k): matrix back
+    drifts: Array  # (m, k): rows of the extensions of the yielding springs
+    velocities: Array  # (m, k): rows of their rates
+    z: Array  # (m, k): rows of z
+    beyond: Array  # (m, k): rows of z less its part proportional to d, which has E[d d'] = 0
+    moves: Array  # (m,): z is a state of its own; elsewhere it is proportional to the extension
+
+
+def transformation(system: Augmented) -> Transformation:
+    """The transformation that the module's docstring describes."""
     matrix, u, v, z = system.matrix, system.displacements, system.velocities, system.z
     own, tree = system.extensions[system.springs], system.extensions[system.tree]
     floors = np.rint(np.linalg.inv(tree))
@@ -96,45 +95,51 @@ def turn(system: Augmented) -> Turn:
     drifts[:, e] = velocities[:, rate_of_e] = own @ floors
     beyond = np.where(moves[:, None], back[z], 0.0)
     back[z] = beyond + np.where(moves, np.where(by_y, 1.0, 0.0), follows)[:, None] * drifts
-    return Turn(into, back, drifts, velocities, back[z], beyond, moves)
+    return Transformation(into, back, drifts, velocities, back[z], beyond, moves)
 
 
 class Solved:
-    """The stationary motion of an augmented system.
+    """The stationary response of an augmented system.
 
     Raises
     ------
     UnsolvableError
-        If there is none.
+        If the system has no stationary response.
     """
 
     def __init__(self, system: Augmented) -> None:
-        self.system, self.turn = system, turn(system)
-        self._equation = Lyapunov(self.turn.into @ system.matrix @ self.turn.back)
-        self._turned = self._equation.covariance(self.turn.into @ system.noise, system.intensity)
+        self.system, self.transformation = system, transformation(system)
+        self._equation = Lyapunov(self.transformation.into @ system.matrix @ self.transformation.back)
+        self._solution = self._equation.covariance(
+            self.transformation.into @ system.noise, system.intensity
+        )
 
     @cached_property
     def covariance(self) -> Array:
-        """Of the states."""
-        found = self.turn.back @ self._turned @ self.turn.back.T
+        """Covariance matrix of the states."""
+        found = self.transformation.back @ self._solution @ self.transformation.back.T
         return 0.5 * (found + found.T)
 
     @cached_property
     def moments(self) -> SpringMoments:
-        """Of the springs that yield."""
-        _, _, d, v, z, beyond, _ = self.turn
-        return SpringMoments(*_products(self._turned, (d, d), (v, v), (z, z), (v, beyond)))
+        """Second moments of the yielding springs."""
+        _, _, d, v, z, beyond, _ = self.transformation
+        return SpringMoments(*_products(self._solution, (d, d), (v, v), (z, z), (v, beyond)))
 
     def std(self, weights: Array, *, rates: bool = False) -> Array:
         """Standard deviations of sums of displacements, or of velocities, with these weights (k, n)."""
         states = self.system.velocities if rates else self.system.displacements
-        return self._std(weights @ self.turn.back[states])
+        return self._std(weights @ self.transformation.back[states])
 
     def force_std(self, springs: Array, post: Array, couple: Array, dashpot: Array) -> Array:
-        """Of the forces in some springs and the dashpots beside them."""
-        system, back = self.system, self.turn.back
+        """Standard deviations of the forces [N] of some springs and the dashpots parallel to them.
+
+        ``post`` is the post-yield stiffness, ``couple`` the elastic stiffness less this one, and
+        ``dashpot`` the constant of the dashpot of each spring.
+        """
+        system, back = self.system, self.transformation.back
         extensions = system.extensions[springs]
-        z = extensions @ back[system.displacements]  # where the spring does not yield
+        z = extensions @ back[system.displacements]  # of springs that do not yield
         for row, spring in enumerate(springs):
             mine = np.flatnonzero(system.springs == spring)
             z[row] = back[system.z[mine[0]]] if mine.size else z[row]
@@ -142,55 +147,63 @@ class Solved:
         return self._std(rows + dashpot[:, None] * (extensions @ back[system.velocities]))
 
     def spectral_moments(self, weights: Array) -> SpectralMoments:
-        """Of sums of displacements with these weights (k, n): one-sided, as for single oscillators."""
-        rows = weights @ self.turn.back[self.system.displacements]
-        return SpectralMoments(*self._equation.spectral_moments(rows, self._turned))
+        """Spectral moments of sums of displacements with these weights (k, n).
+
+        They are integrals over positive frequencies of twice the two-sided PSD, as for oscillators.
+        """
+        rows = weights @ self.transformation.back[self.system.displacements]
+        return SpectralMoments(*self._equation.spectral_moments(rows, self._solution))
 
     def spectral_density(self, weights: Array, frequency: Array) -> Array:
-        """Of such sums (k, f) [m^2 s], two-sided."""
-        rows, noise = weights @ self.turn.back[self.system.displacements], self.system.noise
-        transfer = self._equation.transfer(rows, self.turn.into @ noise, frequency)
+        """Two-sided PSD (k, f) [m^2 s] of sums of displacements, at circular frequencies (f,)."""
+        rows, noise = weights @ self.transformation.back[self.system.displacements], self.system.noise
+        transfer = self._equation.transfer(rows, self.transformation.into @ noise, frequency)
         density: Array = self.system.intensity / (2 * np.pi) * np.abs(transfer) ** 2
         return density
 
     def _std(self, rows: Array) -> Array:
-        found: Array = np.sqrt(np.maximum(((rows @ self._turned) * rows).sum(axis=1), 0.0))
+        """Standard deviations of linear functions of the states that are solved for."""
+        found: Array = np.sqrt(np.maximum(((rows @ self._solution) * rows).sum(axis=1), 0.0))
         return found
 
     def slopes(self, dashpots: Array, mass: Array) -> Array:
-        """Of the last three of the moments (3 m), and the variances of rates beside ``dashpots`` (l).
+        """Derivatives (3 m + l, 2 m + l) of the moments by the equivalent coefficients.
 
-        By ``c_eq`` and ``k_eq`` (2 m), and by the constants of dashpots beside these springs (l). The
-        floors have the masses (n,).
+        The rows are the last three moments of the yielding springs (3 m) and the variances of the rates
+        of the springs ``dashpots`` (l). The columns are ``c_eq`` and ``k_eq`` of the yielding springs
+        (2 m) and the constants of the dashpots parallel to the springs ``dashpots`` (l). ``mass`` (n,)
+        are the masses of the floors.
         """
-        z, m, turn, velocities = self.system.z, self.system.z.size, self.turn, self.system.velocities
+        z, velocities, basis = self.system.z, self.system.velocities, self.transformation
+        m = z.size
         extensions = self.system.extensions[dashpots]
-        rates = extensions @ turn.back[velocities]
-        seen = (self._equation.schur_rows(r) for r in (turn.velocities, turn.z, turn.beyond, rates))
+        rates = extensions @ basis.back[velocities]
+        seen = (self._equation.schur_rows(r) for r in (basis.velocities, basis.z, basis.beyond, rates))
         v, own, beyond, rate = seen
         pairs = (v, v), (own, own), (v, beyond)
         slopes = np.zeros((3 * m + dashpots.size, 2 * m + dashpots.size))
 
         def add(which: int, column: Array, row: Array) -> None:
-            change = self._equation.slope(column, row, self._turned)
+            """Add the derivative for a change ``column row'`` of the state matrix to a column."""
+            change = self._equation.slope(column, row, self._solution)
             slopes[: 3 * m, which] += _products(change, *pairs).ravel()
             slopes[3 * m :, which] += _products(change, (rate, rate))[0]
 
         for spring in range(m):
-            if turn.moves[spring]:
-                column = turn.into[:, z[spring]]
-                rows = [-turn.velocities[spring], -turn.z[spring]]
+            if basis.moves[spring]:
+                column = basis.into[:, z[spring]]
+                rows = [-basis.velocities[spring], -basis.z[spring]]
             else:  # z = -c_eq d
-                column = turn.into @ self.system.matrix[:, z[spring]]
-                rows = [-turn.drifts[spring]]
-                slopes[m + spring, spring] = 2 * rows[0] @ self._turned @ turn.z[spring]
+                column = basis.into @ self.system.matrix[:, z[spring]]
+                rows = [-basis.drifts[spring]]
+                slopes[m + spring, spring] = 2 * rows[0] @ self._solution @ basis.z[spring]
             for which, row in enumerate(rows):
                 add(which * m + spring, column, row)
         for which, extension in enumerate(extensions):
-            add(2 * m + which, turn.into[:, velocities] @ (extension / mass), -rates[which])
+            add(2 * m + which, basis.into[:, velocities] @ (extension / mass), -rates[which])
         return slopes
 
 
 def _products(matrix: Array, *pairs: tuple[Array, Array]) -> Array:
-    """Of rows (m, n) with each other through a matrix (n, n)."""
+    """Bilinear forms ``one[i] matrix two[i]`` (pairs, m) of rows (m, n) with a matrix (n, n)."""
     return np.stack([np.einsum("mi,ij,mj->m", one, matrix, two) for one, two in pairs])

@@ -1,9 +1,10 @@
-"""Stationary covariances of linear(ized) oscillators, block by block and in closed form.
+"""Stationary covariances of linear and linearized oscillators, block by block and in closed form.
 
-Every function broadcasts. The state of one structure is ``(mu, mu', y)``, with the
-slip ``y = mu - z`` in place of the hysteretic displacement ``z``: as yielding dies out
-``y`` and its whole row of equations vanish together, so that nothing is divided by
-a small number that was found by subtraction. In these variables ``z' = -c_e mu' - k_e z`` reads
+All functions broadcast. The state of one structure is ``(mu, mu', y)``: displacement over ``uy``,
+velocity over ``uy``, and the slip ``y = mu - z`` in place of the hysteretic displacement ``z``. If a
+structure hardly yields, ``y`` and all coefficients of its equation tend to zero together, and there is
+no division by a small difference of large numbers. In these variables the linearized law
+``z' = -c_e mu' - k_e z`` and the equation of motion are
 
     mu'' = -stiffness mu - damping mu' + coupling y + f
     y'   = relaxation mu + slip mu' - relaxation y,
@@ -22,20 +23,20 @@ import numpy as np
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.small_systems import solve_3x3
 
-MEMORYLESS = 1e-12  # least pole over w that counts
-FAST = 30.0  # relaxation over w from which z is followed in place of y
+MEMORYLESS = 1e-12  # largest positive real pole, over w, that is rounding error of a pole at 0
+FAST = 30.0  # relaxation over w above which the third state is z in place of y
 
 Rows3 = tuple[tuple[Array, Array, Array], ...]
 
 
 class EquivalentSystem(NamedTuple):
-    """Coefficients of one linearized oscillator (module docstring); units s^-2, s^-1, s^-2, 1, s^-1."""
+    """Coefficients of the equations of one linearized oscillator, see the module's docstring."""
 
-    stiffness: Array
-    damping: Array
-    coupling: Array
-    slip: Array
-    relaxation: Array
+    stiffness: Array  # w^2 [1/s^2]
+    damping: Array  # 2 xi w [1/s]
+    coupling: Array  # (1 - alpha) w^2 [1/s^2]
+    slip: Array  # 1 + c_e [-]
+    relaxation: Array  # k_e [1/s]
 
     @property
     def characteristic(self) -> tuple[Array, Array, Array]:
@@ -44,12 +45,12 @@ class EquivalentSystem(NamedTuple):
 
     @property
     def hurwitz(self) -> Array:
-        """``a2 a1 - a0``, without the cancellation of that."""
+        """``a2 a1 - a0`` of the characteristic polynomial, computed without cancellation."""
         return hurwitz(*self)
 
     @property
     def stable(self) -> Array:
-        """Whether motion dies out (Routh and Hurwitz)."""
+        """Whether the system is stable, by the criterion of Routh and Hurwitz."""
         return stable(*self)
 
     def transfer_squared(self, frequency: Array) -> Array:
@@ -61,20 +62,23 @@ class EquivalentSystem(NamedTuple):
 
 
 def characteristic(w2: Array, d: Array, h: Array, p: Array, k: Array) -> tuple[Array, Array, Array]:
-    """Of an `EquivalentSystem`; as those below also of one in compiled code."""
+    """Characteristic polynomial ``(a2, a1, a0)`` of an `EquivalentSystem` with these coefficients.
+
+    This function and the two below take numbers too, and are called from compiled code.
+    """
     return d + k, w2 + d * k - h * p, (w2 - h) * k
 
 
 def hurwitz(w2: Array, d: Array, h: Array, p: Array, k: Array) -> Array:
-    """Likewise."""
+    """``a2 a1 - a0`` of an `EquivalentSystem` with these coefficients, without cancellation."""
     return d * (w2 + d * k + k * k - h * p) + (1 - p) * h * k
 
 
 def stable(w2: Array, d: Array, h: Array, p: Array, k: Array) -> Array:
-    """Likewise.
+    """Whether an `EquivalentSystem` with these coefficients is stable, by Routh and Hurwitz.
 
-    A pole at 0, within rounding, belongs to a law without memory: ``z`` is then a function of
-    ``mu``, no energy is lost, and the forcing does not excite that pole.
+    A pole at 0, within rounding, counts as stable. It belongs to a law without hysteresis, where ``z``
+    is a function of ``mu``, no energy is dissipated, and the forcing does not excite this pole.
     """
     a2, a1, a0 = characteristic(w2, d, h, p, k)
     memory = a0 + MEMORYLESS * np.sqrt(w2) * a1
@@ -82,10 +86,10 @@ def stable(w2: Array, d: Array, h: Array, p: Array, k: Array) -> Array:
 
 
 class Forcing(NamedTuple):
-    """Stationary correlations of the forcing ``f`` with ``mu``, ``mu'`` and ``y``.
+    """Stationary covariances of the forcing ``f`` with the states ``mu``, ``mu'`` and ``y``.
 
-    They are all that a structure needs to know of the ground. White noise fits in as
-    half its intensity on ``mu'``.
+    The stationary covariances of a structure depend on the ground through these three numbers alone. For
+    white noise they are ``0, pi S0, 0``: half its intensity in time, with the velocity.
     """
 
     mu: Array
@@ -107,7 +111,7 @@ class OwnCovariance(NamedTuple):
 
 
 def linear_system(frequency: Array, damping_ratio: Array) -> EquivalentSystem:
-    """Oscillator without hysteresis, its third state uncoupled and stable."""
+    """Linear oscillator as an `EquivalentSystem`, whose third state is uncoupled and stable."""
     zero = np.zeros_like(frequency * damping_ratio)
     return EquivalentSystem(
         frequency**2 + zero, 2 * damping_ratio * frequency, zero, zero, frequency + zero
@@ -117,9 +121,9 @@ def linear_system(frequency: Array, damping_ratio: Array) -> EquivalentSystem:
 def own_covariance(system: EquivalentSystem, forcing: Forcing) -> OwnCovariance:
     """Second moments of one structure, from ``A X + X A' + B C' + C B' = 0`` by elimination.
 
-    Exact through the elastic limit ``slip = relaxation = 0``, where the Lyapunov equation
-    itself is singular. Without hardening (``coupling = stiffness``) the displacement has no
-    stationary variance, and the division says so.
+    The result is also exact in the elastic limit ``slip = relaxation = 0``, where the Lyapunov equation
+    is singular. Without hardening (``coupling = stiffness``) the displacement has no stationary
+    variance, and the result is infinite or NaN.
     """
     w2, d, h, p, k = system
     c = 1 - p
@@ -138,8 +142,9 @@ def pair_covariance(
 ) -> Array:
     """``E[mu_1 mu_2]`` of two structures on one ground, by elimination.
 
-    The stiffer one goes first, cell by cell. Over periods that differ by up to a factor of 900
-    and hardening down to .001, rho then errs by 2e-13 at most; the other way round by 5e-9.
+    In each cell the stiffer structure is taken as the first. The error of rho is then at most 2e-13 for
+    periods that differ by a factor of up to 900 and hardening down to 0.001; in the other order it is up
+    to 5e-9.
     """
     stiffer = np.asarray(first.stiffness >= second.stiffness)
     if stiffer.all():
@@ -155,9 +160,10 @@ def pair_covariance(
 
 
 def coordinates(system: EquivalentSystem, forcing: Forcing) -> tuple[Rows3, Array, Array]:
-    """``A`` and ``E[f x]`` of the state ``(mu, mu', x)``, and where ``x`` is ``z`` in place of ``y``.
+    """Rows of the state matrix ``A``, covariance of the forcing with the third state, and which it is.
 
-    With fast relaxation ``y`` is ``mu`` but for a little, and the difference is lost by subtraction.
+    The third state is ``z`` where the last result is true, otherwise ``y``. With fast relaxation ``y``
+    is nearly equal to ``mu``, and their difference ``z`` would lose its digits by subtraction.
     """
     w2, d, h, p, k = system
     fast = np.asarray(k > FAST * np.sqrt(w2))
@@ -171,7 +177,10 @@ def coordinates(system: EquivalentSystem, forcing: Forcing) -> tuple[Rows3, Arra
 
 
 def at_poles(first: EquivalentSystem, rows: Rows3) -> list[list[Array]]:
-    """``D1(-A)``: the characteristic polynomial of the first structure at the other one's matrix."""
+    """``D1(-A2)``: characteristic polynomial of the first structure at minus the matrix of the second.
+
+    ``rows`` are those of the matrix ``A2``.
+    """
     a2, a1, a0 = first.characteristic
     columns = tuple(zip(*rows, strict=True))
     squares = [_times(rows, column) for column in columns]
@@ -183,6 +192,7 @@ def at_poles(first: EquivalentSystem, rows: Rows3) -> list[list[Array]]:
 
 
 def _times(rows: Rows3, column: Sequence[Array]) -> tuple[Array, ...]:
+    """A 3 x 3 matrix, given by its rows, times a column."""
     return tuple(row[0] * column[0] + row[1] * column[1] + row[2] * column[2] for row in rows)
 
 
@@ -191,9 +201,9 @@ def pair_row(
 ) -> tuple[Array, ...]:
     """First row of the pair's covariance: ``E[mu_1 mu_2]``, ``E[mu_1 mu_2']``, ``E[mu_1 y_2]``.
 
-    The first row ``x`` of ``A1 X + X A2' + b1 C2' + C1 b2' = 0`` satisfies
-    ``D1(-A2) x = r``, where ``D1`` is the characteristic polynomial of ``A1``: a 3 x 3
-    system solved by Cramer's rule. No eigenvalue is computed, so nothing can be defective.
+    The first row ``x`` of the solution ``X`` of ``A1 X + X A2' + b1 C2' + C1 b2' = 0`` satisfies the
+    3 x 3 system ``D1(-A2) x = r``, where ``D1`` is the characteristic polynomial of ``A1``. It is solved
+    by Cramer's rule. No eigenvalues are computed, so that equal eigenvalues cause no errors.
     """
     rows, third, fast = coordinates(second, forcing_2)
     p1, k1, h1, d1 = first.slip, first.relaxation, first.coupling, first.damping

@@ -1,9 +1,10 @@
-"""The plastic drift that linearization loses: a displacement that moves in kicks and slowly relaxes.
+"""The drift of the plastic displacement, which linearization does not have.
 
-``mu = z + y``: the plastic displacement ``y`` moves by one kick in every half-cycle whose amplitude
-exceeds the yield displacement. Linearization keeps the mean of the kicks, which alternates in sign and
-cancels; what is left of their scatter makes ``y`` a random walk that only the hardening draws
-back. ``docs/drift.md`` derives every line of this module; (1) to (8) are its equations.
+In ``mu = z + y`` the plastic displacement ``y`` changes by one kick in every half-cycle whose amplitude
+exceeds the yield displacement. Linearization keeps the mean of the kicks for a given amplitude, which
+alternates in sign and cancels. It loses their scatter, which makes ``y`` a random walk that only the
+hardening draws back. The derivation is in ``docs/drift.md``, to whose equations the numbers (1) to (8)
+refer.
 """
 
 from __future__ import annotations
@@ -28,43 +29,43 @@ from stochlin.kernels.linearization.covariance import (
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.gaussian import SlipQuadrant, slip_quadrant
 
-ORDERS = 12  # of the Laguerre series; what is beyond counts as one more order
-NODES = 40  # of the quadrature over amplitudes
-HALF_CYCLES = 40  # that are remembered; even, so that Bartlett's window removes what just alternates
-MOTION = 1e6  # elastic periods: a drift that takes longer has no motion to grow in
-CELLS = 4096  # at a time, on all cores
+ORDERS = 12  # orders of the Laguerre series; the rest counts as one more order
+NODES = 40  # nodes of the quadrature over amplitudes
+HALF_CYCLES = 40  # summed in eq. (3); even, so that with Bartlett's window (-1)^n has a zero sum
+MOTION = 1e6  # time over which the drift can grow from rest, in elastic periods
+CELLS = 4096  # cells computed together, on all cores
 
 _EXCESS, _WEIGHT = laggauss(NODES)
 
 
 class Drift(NamedTuple):
-    """Slow part of the plastic displacement, in units of the yield displacement."""
+    """Drift of the plastic displacement, in units of the yield displacement."""
 
-    variance: Array  # (n,) of its contribution (1 - alpha) y to the displacement
-    rate: Array  # (n,) at which it relaxes [1/s]
-    shares: Array  # (ORDERS + 1, n) of the orders in it; they add up to 1, or to 0 without yielding
+    variance: Array  # (n,) variance of its part (1 - alpha) y of the displacement
+    rate: Array  # (n,) relaxation rate [1/s], lambda of eq. (4)
+    shares: Array  # (ORDERS + 1, n) shares of the orders in D; their sum is 1, or 0 without yielding
 
 
 class HalfCycles(NamedTuple):
-    """The rhythm of the linear response."""
+    """Half-cycles of ``z`` in the linearized response."""
 
-    time: Array  # (n,) [s] that a half-cycle takes
-    memory: Array  # (HALF_CYCLES, n) autocorrelation of z after 1, 2, 3... of them
+    time: Array  # (n,) mean duration t1 of a half-cycle [s]
+    memory: Array  # (HALF_CYCLES, n) autocorrelation R_n of z after n = 1, 2, 3... half-cycles
 
 
 def drift_of(system: EquivalentSystem, latent: Array, cycles: HalfCycles) -> Drift:
-    """Drift of a structure solved with the clipped closure, eqs. (1) to (5).
+    """Drift of structures linearized by the clipped closure, eqs. (1) to (5).
 
-    ``latent`` (3, n) are standard deviations and correlation of the Gaussian ``(v, z~)`` behind the
-    closure, in units of the yield displacement.
+    ``latent`` (3, n) are the standard deviations and the correlation of the Gaussian ``(v, z~)`` that
+    the closure clips, in units of the yield displacement.
     """
     sv, sz, r = latent
     slip = slip_quadrant(sz, r)
-    kick = 2 * sv * slip.first * cycles.time  # mean size, half-cycles without yielding among them
+    kick = 2 * sv * slip.first * cycles.time  # mean size over all half-cycles, also without yielding
     with np.errstate(all="ignore"):
         orders = kick**2 * _orders(sz)
         orders[:-1] *= _sums_of_powers(cycles.memory)
-        total: Array = sum(orders)  # row by row, in one order for any number of cells
+        total: Array = sum(orders)  # row by row, so that rounding does not depend on the number of cells
         intensity = total / cycles.time
         rate = _relaxation(system, latent, slip)
         grown = -np.expm1(-2 * rate * MOTION * 2 * np.pi / np.sqrt(system.stiffness))
@@ -75,7 +76,7 @@ def drift_of(system: EquivalentSystem, latent: Array, cycles: HalfCycles) -> Dri
 
 
 def _relaxation(system: EquivalentSystem, latent: Array, slip: SlipQuadrant) -> Array:
-    """Rate at which a displaced drift returns, eq. (4), from the Gaussian gradients of the slip rate."""
+    """Relaxation rate of the drift [1/s], eq. (4), from the derivatives of the mean slip rate."""
     sv, _, r = latent
     h, q = slip.h, slip.q
     by_velocity = 2 * slip.probability
@@ -85,10 +86,10 @@ def _relaxation(system: EquivalentSystem, latent: Array, slip: SlipQuadrant) -> 
 
 
 def _orders(sz: Array) -> Array:
-    """Variance of the kick sizes by Laguerre order, over the square of their mean: eq. (2).
+    """Variance of the kick sizes by Laguerre order, over the square of their mean: ``c_j^2`` of eq. (2).
 
-    The amplitude is Rayleigh distributed, ``a^2/2 sz^2`` exponentially; beyond the yield
-    displacement it is the threshold plus another exponential variable.
+    The amplitudes ``a`` are Rayleigh distributed, so that ``a^2/(2 sz^2)`` is exponentially distributed.
+    Its part above the threshold of yielding has the same exponential distribution.
     """
     found = np.empty((ORDERS + 1, sz.size))
     variance_by_order(sz, np.exp(0.5 / sz**2), _EXCESS, _WEIGHT, found)
@@ -96,17 +97,18 @@ def _orders(sz: Array) -> Array:
 
 
 def _sums_of_powers(memory: Array) -> Array:
+    """``S_j`` (ORDERS, n) of eq. (3)."""
     found = np.empty((ORDERS, memory.shape[1]))
     add_powers(memory, found)
     return found
 
 
 def half_cycles(system: EquivalentSystem, ground: Filter) -> HalfCycles:
-    """Mean time between zero crossings of ``z`` (Rice 1945), and what ``z`` remembers after each."""
+    """Mean time between zero crossings of ``z`` (Rice 1945), and the autocorrelation of ``z`` there."""
     n = system.stiffness.size
     time, memory = np.empty(n), np.empty((HALF_CYCLES, n))
 
-    @np.errstate(all="ignore")  # where there is no stationary motion
+    @np.errstate(all="ignore")  # NaN in cells without stationary motion
     def part(cells: slice) -> None:
         own = EquivalentSystem(*(row[cells] for row in system))
         time[cells], memory[:, cells] = _half_cycles(own, ground.at(cells))
@@ -116,6 +118,11 @@ def half_cycles(system: EquivalentSystem, ground: Filter) -> HalfCycles:
 
 
 def _half_cycles(system: EquivalentSystem, ground: Filter) -> tuple[Array, Array]:
+    """The fields of `HalfCycles` for a range of cells.
+
+    The autocorrelation follows from the free motion of structure and filter together, which starts from
+    the covariances of their states with ``z``.
+    """
     w2, d, h, p, k = system
     forcing, free = ground.free_motion(system)
     own = own_covariance(system, forcing)
@@ -127,7 +134,7 @@ def _half_cycles(system: EquivalentSystem, ground: Filter) -> tuple[Array, Array
         for j, entry in enumerate(row, start=3):
             a[i, j] = entry
     with_z = [own.mu_z, own.v_z, own.mu_z - own.z_z, *free.with_z]
-    # z' = (1 - p) v - k z, of which E[z z'] = 0.
+    # The variance of z' = (1 - p) v - k z follows with E[z z'] = 0.
     time = np.pi * np.sqrt(own.z_z / ((1 - p) ** 2 * own.v_v - k**2 * own.z_z))
     fastest = np.sqrt(w2) + d + k + free.fastest
     later = np.empty((HALF_CYCLES, w2.size))
@@ -136,9 +143,10 @@ def _half_cycles(system: EquivalentSystem, ground: Filter) -> tuple[Array, Array
 
 
 def innovation_coherence(first: EquivalentSystem, second: EquivalentSystem) -> Array:
-    """Correlation of the two velocities under white noise, eq. (7): what is new in them, not the line.
+    """Correlation of the velocities of two equivalent systems under one white noise, eq. (7).
 
-    On white noise it is the correlation of the velocities themselves.
+    It is a measure of what is new and common to both responses in every half-cycle, without a spectral
+    line of the ground that both follow.
     """
     noise = Forcing(np.zeros(()), np.ones(()), np.zeros(()))
     rows, _, _ = coordinates(first, noise)
@@ -154,8 +162,9 @@ def drift_correlation(
 ) -> Array:
     """Correlation of two drifts, eqs. (6) and (8): at most 1, and 1 for equal structures.
 
-    Kicks of order ``j`` are correlated as ``coherence |coherence|^(2 j - 2)``; drifts that relax at
-    different rates share ``2 sqrt(l1 l2)/(l1 + l2)`` of it.
+    ``coherence`` is ``r_v`` of eq. (7). Kicks of order ``j`` have the correlation
+    ``r_v |r_v|^(2 j - 2)``, of which the factor ``2 sqrt(l1 l2)/(l1 + l2)`` remains for drifts that
+    relax at the rates ``l1`` and ``l2``.
     """
     square, root_1, root_2 = coherence**2, np.sqrt(shares_1), np.sqrt(shares_2)
     total = root_1[-1] * root_2[-1]

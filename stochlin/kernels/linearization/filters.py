@@ -1,8 +1,8 @@
-"""What a ground does to one oscillator: correlations of the forcing with its state, now and later.
+"""Grounds as linear filters of white noise, and the covariances of their motion with an oscillator.
 
-A ground is white noise of two-sided PSD ``S0`` through a linear filter, and a `Filter` says which. What
-is asked of it follows from its matrix for any number of states. Grounds of one oscillator (Kanai-Tajimi)
-or two (Clough-Penzien) have closed forms, which are much faster: those of `cells.grounds`.
+A ground is white noise of two-sided PSD ``S0`` through a linear `Filter` with any number of states.
+Filters of one oscillator (Kanai-Tajimi) or two (Clough-Penzien) have closed forms, which are much
+faster, in `cells.grounds`.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
 
 Entry = Any  # a number, or an array of cells
 Transform = Callable[[Array], Array]
-AT_ONCE = 4096  # cells for which systems of equations are solved
+AT_ONCE = 4096  # cells for which systems of equations are solved together
 
 
 class Matrices(NamedTuple):
-    """A filter in numbers; cells go first."""
+    """The coefficients of a filter as arrays, whose leading dimensions are those of the cells."""
 
     matrix: Array  # (..., m, m)
     noise: Array  # (..., m)
@@ -30,27 +30,28 @@ class Matrices(NamedTuple):
 
 
 class FreeMotion(NamedTuple):
-    """How a ground moves on after an instant, and what it has in common with a structure's ``z``."""
+    """Free motion of a filter after an instant, and its covariances with ``z`` at that instant."""
 
-    matrix: Sequence[Sequence[Entry]]  # (k, k)
-    output: Sequence[Entry]  # (k,): forcing of the structure
-    with_z: Sequence[Entry]  # (k,): correlations of the states with z
-    fastest: Entry  # bound of the eigenvalues [1/s]
+    matrix: Sequence[Sequence[Entry]]  # (k, k): state matrix
+    output: Sequence[Entry]  # (k,): forcing of the structure as a function of the states
+    with_z: Sequence[Entry]  # (k,): covariances of the states with z of the structure
+    fastest: Entry  # bound of the magnitudes of the eigenvalues [1/s]
 
 
 @dataclass(frozen=True)
 class Filter:
-    """A ground: ``q' = matrix q + noise n(t)``, ground acceleration ``output . q``.
+    """A ground as a linear filter: ``q' = matrix q + noise n(t)``, ground acceleration ``output . q``.
 
     Parameters
     ----------
     intensity : number or array of cells
         Two-sided PSD ``S0`` of the white noise ``n`` [m^2/s^3].
     states : tuple of str
-        Names of the ``m`` states; without any the white noise itself is the ground acceleration.
+        Names of the ``m`` states. Without states the ground acceleration is the white noise itself.
     matrix : (m, m) numbers or arrays of cells
-        As nested lists; its eigenvalues have negative real parts.
+        State matrix as nested lists; its eigenvalues have negative real parts.
     noise, output : (m,) numbers or arrays of cells
+        Factors of the noise on the rates of the states, and of the states in the acceleration.
 
     Raises
     ------
@@ -74,12 +75,12 @@ class Filter:
             )
 
     def at(self, cells: Any) -> Self:
-        """The filter of some cells."""
+        """The filter of a selection of the cells."""
         return replace(self, **{f.name: _at(getattr(self, f.name), cells) for f in fields(self)})
 
     @property
     def arrays(self) -> Matrices:
-        """Stacked over the cells."""
+        """The coefficients as arrays over the cells."""
         entries = [*self.output, *self.noise, *(entry for row in self.matrix for entry in row)]
         cells, m = np.broadcast_shapes(*map(np.shape, entries)), len(self.states)
         wide = [np.broadcast_to(np.asarray(entry, float), cells) for entry in entries]
@@ -90,7 +91,7 @@ class Filter:
 
     @property
     def fastest(self) -> Entry:
-        """Largest of the natural frequencies [rad/s], 0 without any."""
+        """Largest natural frequency of the filter [rad/s]; 0 without states."""
         return np.abs(np.linalg.eigvals(self.arrays.matrix)).max(axis=-1, initial=0.0)
 
     def transmission(self, frequency: Array) -> Array:
@@ -102,14 +103,14 @@ class Filter:
         return np.abs((output * resolved).sum(axis=-1)) ** 2
 
     def forcing(self, system: EquivalentSystem) -> Forcing:
-        """Correlations of the forcing with the structure's states."""
+        """Covariances of the forcing with the structure's states."""
         if not self.states:
             zero = np.zeros_like(system.stiffness * self.intensity)
             return Forcing(zero, np.pi * self.intensity + zero, zero)
         return self._forcing(self._correlations(system))
 
     def forcing_and_slopes(self, system: EquivalentSystem) -> Array:
-        """The forcing of cells, then its slopes by slip and by relaxation, (9, n)."""
+        """The `forcing` of cells (n,), then its derivatives by slip and by relaxation: (9, n)."""
         found = np.zeros((9, system.stiffness.size))
         if not self.states:
             found[:3] = self.forcing(system)
@@ -119,13 +120,16 @@ class Filter:
         return found
 
     def _forcing(self, rows: Array) -> Forcing:
+        """The forcing from covariances (3, ..., m) of the structure's with the filter's states."""
         output = self.arrays.output
         return Forcing(*((output * row).sum(axis=-1) for row in rows))
 
     def later(self, system: EquivalentSystem, forcing: Forcing) -> Transform:
-        """``s -> Int_0^inf E[f(t + tau) mu(t)] e^(-s tau) dtau``: what the ground remembers.
+        """Laplace transform of the covariance of the later forcing with the present displacement.
 
-        After ``t`` the filter moves freely. Of cells (n, 1), at ``s`` (n, nodes).
+        It is the function ``s -> Int_0^inf E[f(t + tau) mu(t)] e^(-s tau) dtau``. After ``t`` the filter
+        moves freely, apart from noise that is independent of ``mu(t)``. The cells are (n, 1), and the
+        function takes ``s`` (n, nodes).
         """
         if not self.states:
             return np.zeros_like
@@ -134,7 +138,7 @@ class Filter:
         return lambda s: (output * _resolvent(s, matrix, with_mu)).sum(axis=-1)
 
     def free_motion(self, system: EquivalentSystem) -> tuple[Forcing, FreeMotion]:
-        """Forcing of the structure, and how it goes on."""
+        """Forcing of the structure, and the free motion of the filter after it."""
         if not self.states:
             return self.forcing(system), FreeMotion((), (), (), 0.0)
         rows = self._correlations(system)
@@ -142,9 +146,10 @@ class Filter:
         return self._forcing(rows), FreeMotion(self.matrix, self.output, with_z, self.fastest)
 
     def _correlations(self, system: EquivalentSystem, *, slopes: bool = False) -> Array:
-        """Of ``mu``, ``mu'`` and ``y`` with the states (3, ..., m): ``A C + C F' + b E[f q'] = 0``.
+        """Covariances ``C`` (3, ..., m) of ``mu``, ``mu'``, ``y`` with the states ``q`` of the filter.
 
-        With ``slopes`` (3, 3, ..., m): after them those by slip and by relaxation.
+        They solve ``A C + C F' + b E[f q'] = 0``. With ``slopes`` the result is (3, 3, ..., m):
+        the covariances, then their derivatives by slip and by relaxation.
         """
         matrix, noise, output = self.arrays
         m = len(self.states)
@@ -163,6 +168,7 @@ class Filter:
 
 
 def _at(entry: Any, cells: Any) -> Any:
+    """The selected cells of a number, an array, a filter, or nested sequences of these."""
     if isinstance(entry, (list, tuple)):
         return tuple(_at(one, cells) for one in entry)
     if isinstance(entry, Filter):
@@ -171,13 +177,16 @@ def _at(entry: Any, cells: Any) -> Any:
 
 
 def _resolvent(s: Array, matrix: Array, right: Array) -> Array:
-    """``(s - matrix)^-1 right``."""
+    """``(s - matrix)^-1 right``, for each cell and each ``s``."""
     left = s[..., None, None] * np.eye(matrix.shape[-1]) - matrix
     return np.linalg.solve(left, np.broadcast_to(right, left.shape[:-1])[..., None])[..., 0]
 
 
 def _correlations(system: EquivalentSystem, intensity: Array, soil: Matrices, slopes: bool) -> Array:
-    """As `Filter` wants them, (1 or 3, 3, n, m), solved in units in which everything is of order one."""
+    """As `Filter._correlations`, (1 or 3, 3, n, m) for cells (n,).
+
+    The equations are solved in units in which all quantities are of order one.
+    """
     w2, d, h, p, k = system
     matrix, noise, output = soil
     covariance = stationary(matrix, noise)
@@ -203,7 +212,10 @@ def _correlations(system: EquivalentSystem, intensity: Array, soil: Matrices, sl
 
 
 def stationary(matrix: Array, noise: Array) -> Array:
-    """Covariance of the states under a unit of white noise, (n, m, m); NaN where they are not stable."""
+    """Stationary covariance (n, m, m) of filter states for white noise of unit intensity in time.
+
+    NaN in cells whose matrix is not stable.
+    """
     m = noise.shape[1]
     both = np.concatenate([matrix.reshape(-1, m * m), noise], axis=1)
     alike, which = np.unique(both, axis=0, return_inverse=True)
@@ -212,7 +224,7 @@ def stationary(matrix: Array, noise: Array) -> Array:
     stable = np.linalg.eigvals(matrix).real.max(axis=-1) < 0
     safe = np.where(stable[:, None, None], matrix, -np.eye(m))
     scale = np.ones_like(noise)
-    for _ in range(2):  # the second time in units of the standard deviations
+    for _ in range(2):  # solve again in units of the standard deviations, which is more accurate
         unit, push = safe * scale[:, None, :] / scale[..., None], noise / scale
         drive = push[:, :, None, None] * push[:, None, :, None]
         covariance = _sylvester_of_matrices(unit, unit, drive)[..., 0]
@@ -223,7 +235,7 @@ def stationary(matrix: Array, noise: Array) -> Array:
 
 
 def _sylvester_of_matrices(a: Array, b: Array, right: Array) -> Array:
-    """``X`` of ``A X + X B' + right = 0``, for each cell and each of the last dimension."""
+    """``X`` of ``A X + X B' + right = 0``, for each cell and each entry of the last dimension."""
     p, q = a.shape[-1], b.shape[-1]
     left = a[..., :, None, :, None] * np.eye(q)[:, None, :]
     left = left + np.eye(p)[:, None, :, None] * b[..., None, :, None, :]
@@ -232,27 +244,27 @@ def _sylvester_of_matrices(a: Array, b: Array, right: Array) -> Array:
 
 
 class FilterOscillator(NamedTuple):
-    """``x'' + damping x' + stiffness x = 0``."""
+    """An oscillator of a filter in free motion, ``x'' + damping x' + stiffness x = 0``."""
 
     stiffness: Array
     damping: Array
 
     def free(self, value: Array, rate: Array, s: Array) -> Array:
-        """Laplace transform of a free motion from this value and rate."""
+        """Laplace transform at ``s`` of the free motion from this initial value and rate."""
         return ((s + self.damping) * value + rate) / (s * (s + self.damping) + self.stiffness)
 
 
 class _OfOscillators(Filter):
-    """Those in closed form."""
+    """Filters of one or two oscillators, whose covariances have closed forms."""
 
     @property
     def _oscillators(self) -> Sequence[Entry]:
-        """Stiffness and damping of each."""
+        """Stiffness and damping of each oscillator of the filter."""
         raise NotImplementedError
 
     def _rows(self, system: EquivalentSystem) -> Array:
-        """What `cells.grounds` finds, (9 + 3 m, ...)."""
-        from stochlin.kernels.linearization.cells import grounds  # with the compiler
+        """Results of `cells.grounds` (9 + 3 m, ...): forcing, its derivatives, and covariances."""
+        from stochlin.kernels.linearization.cells import grounds  # imports numba, which takes long
 
         parts = *system, self.intensity, *self._oscillators
         cells = np.broadcast(*parts).shape
@@ -265,7 +277,7 @@ class _OfOscillators(Filter):
         return found
 
     def forcing(self, system: EquivalentSystem) -> Forcing:
-        """Correlations of the forcing with the structure's states."""
+        """Covariances of the forcing with the structure's states."""
         return Forcing(*self._rows(system)[:3])
 
     def forcing_and_slopes(self, system: EquivalentSystem) -> Array:
@@ -273,13 +285,14 @@ class _OfOscillators(Filter):
         return self._rows(system)[:9]
 
     def _correlations(self, system: EquivalentSystem, *, slopes: bool = False) -> Array:
+        """As in `Filter`, without derivatives."""
         rows = self._rows(system)[9:]
         return np.moveaxis(rows.reshape(3, len(self.states), *rows.shape[1:]), 1, -1)
 
 
 @dataclass(frozen=True, kw_only=True)
 class KanaiTajimiFilter(_OfOscillators):
-    """White noise through one oscillator, in closed form."""
+    """The Kanai-Tajimi ground, eqs. (11) and (12): white noise through one oscillator."""
 
     frequency: Entry  # wg [rad/s]
     damping: Entry  # xig
@@ -308,11 +321,14 @@ class KanaiTajimiFilter(_OfOscillators):
         return self.output
 
     def later(self, system: EquivalentSystem, forcing: Forcing) -> Transform:
-        """By stationarity ``d/dtau E[f mu] = -E[f mu']`` at ``tau = 0``."""
+        """As in `Filter`; the initial rate is ``d/dtau E[f mu] = -E[f mu']`` at ``tau = 0``."""
         return lambda s: FilterOscillator(*self.output).free(forcing.mu, -forcing.velocity, s)
 
     def free_motion(self, system: EquivalentSystem) -> tuple[Forcing, FreeMotion]:
-        """The forcing and its rate as states; by stationarity ``d/dtau E[f x] = -E[f x']``."""
+        """As in `Filter`, with the forcing and its rate as states.
+
+        Covariances with the rate follow from ``d/dtau E[f x] = -E[f x']``, by stationarity.
+        """
         forcing, (_, _, _, p, k) = self.forcing(system), system
         f_mu, f_v, f_y = forcing
         with_z = f_mu - f_y, k * f_mu + p * f_v - k * f_y - f_v
@@ -322,7 +338,7 @@ class KanaiTajimiFilter(_OfOscillators):
 
 @dataclass(frozen=True, kw_only=True)
 class CloughPenzienFilter(_OfOscillators):
-    """A Kanai-Tajimi ground through a high-pass oscillator, in closed form."""
+    """The Clough-Penzien ground: a Kanai-Tajimi ground through a high-pass oscillator."""
 
     soil: KanaiTajimiFilter
     frequency: Entry  # wf [rad/s]
@@ -330,7 +346,7 @@ class CloughPenzienFilter(_OfOscillators):
 
     @classmethod
     def of(cls, soil: KanaiTajimiFilter, frequency: Entry, damping: Entry) -> CloughPenzienFilter:
-        """From the soil, ``wf`` and ``xif``."""
+        """From the Kanai-Tajimi filter of the soil, ``wf`` and ``xif``."""
         output = (*soil.output, -(frequency**2), -2 * damping * frequency)
         still = (0.0, 0.0)
         matrix = (*((*row, *still) for row in soil.matrix), (*still, 0.0, 1.0), output)
@@ -352,6 +368,7 @@ class CloughPenzienFilter(_OfOscillators):
 
     @property
     def _layer(self) -> FilterOscillator:
+        """The high-pass oscillator."""
         return FilterOscillator(self.frequency**2, 2 * self.damping * self.frequency)
 
     @property
@@ -359,7 +376,7 @@ class CloughPenzienFilter(_OfOscillators):
         return *self.soil.output, *self._layer
 
     def later(self, system: EquivalentSystem, forcing: Forcing) -> Transform:
-        """The soil's signal moves freely and drives the high-pass oscillator."""
+        """As in `Filter`: the soil oscillator moves freely and drives the high-pass oscillator."""
         soil, layer = FilterOscillator(*self.soil.output), self._layer
         (*with_soil, with_layer, with_layer_rate), (*rate_with_soil, _, _), _ = np.moveaxis(
             self._correlations(system), -1, 1

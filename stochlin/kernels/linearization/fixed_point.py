@@ -1,11 +1,12 @@
-"""The fixed point of statistical linearization, over all cells at once.
+"""The fixed point of statistical linearization, solved for all cells at once.
 
-The unknowns are the moments ``(sigma_v, sigma_z, corr(v, z))`` of the Gaussian density
-that a closure assumes, as ``(log, log, atanh)``: every iterate is then a valid density,
-whatever the hysteresis law. The mismatch ``F`` is what the linear system implied by the
-closure really does, less what the closure assumes. ``y' = F(y)`` relaxes to the fixed point;
-it is followed by pseudo-transient continuation (Kelley & Keyes 1998, SIAM J. Numer. Anal. 35),
-``(1/delta - dF/dy) step = F``, which ends as Newton's method.
+The unknowns are the moments ``(sigma_v, sigma_z, corr(v, z))`` of the Gaussian density that a closure
+assumes, in the variables ``(log, log, atanh)``, in which every iterate is a valid density for any
+hysteresis law. The mismatch ``F`` is the difference of two sets of moments: those of the stationary
+response of the linear system with the closure's coefficients, less those that the closure assumes. The
+fixed point is the stationary solution of ``y' = F(y)``. It is approached by pseudo-transient
+continuation (Kelley and Keyes 1998, SIAM J. Numer. Anal. 35), with steps from
+``(1/delta - dF/dy) step = F``, which become those of Newton's method as ``delta`` grows.
 """
 
 from __future__ import annotations
@@ -33,24 +34,25 @@ from stochlin.kernels.linearization.covariance import EquivalentSystem
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.gaussian import Closure
 
-CHUNK = 2048  # cells: temporaries of one Newton step then stay in the cache
-BOLD = Pace(first=30.0, restart=1.0, shorter=0.25, longer=3.0, longest=100.0)  # nearly Newton
-CAREFUL = Pace(first=0.5, restart=0.5, shorter=0.5, longer=1.1, longest=1.5)
-WEAK = 0.3  # elastic ductility, as standard deviation: hardly anything yields
-FIRST_RISE, LONGER, SHORTER, LEAST_RISE = 0.5, 2.0, 0.5, 1e-4  # of the rise from level to level
-AT_LEVEL = 12  # iterations
-NEAR = 0.05  # how far from where it was sought a solution is still of the same branch
-BOLD_SHARE = 0.15  # of max_iterations: 13 do for the bilinear law, a cell that needs 30 is lost
+CHUNK = 2048  # cells solved together: the temporary arrays of a step then stay in the cache
+BOLD = Pace(first=30.0, restart=1.0, shorter=0.25, longer=3.0, longest=100.0)  # nearly Newton's method
+CAREFUL = Pace(first=0.5, restart=0.5, shorter=0.5, longer=1.1, longest=1.5)  # short pseudo-time steps
+WEAK = 0.3  # standard deviation of the elastic ductility at which hardly any structure yields
+FIRST_RISE, LONGER, SHORTER, LEAST_RISE = 0.5, 2.0, 0.5, 1e-4  # rise of the logarithm of the shaking
+AT_LEVEL = 12  # iterations at one level of shaking
+NEAR = 0.05  # largest distance of a solution from its extrapolation for the same branch of solutions
+# Share of max_iterations for nearly Newton's method: 30 of 200, while the bilinear law needs 13.
+BOLD_SHARE = 0.15
 
 
 class FixedPoint(NamedTuple):
-    """Where Newton's method stopped, per cell."""
+    """The last iterate of each cell."""
 
     coefficients: Array  # (2, n): 1 + c_e, k_e
-    latent: Array  # (3, n): sv, sz, r
-    iterations: Array
-    residual: Array  # mismatch of (log sigma_v, log sigma_z, atanh corr(v, z)), Euclidean norm
-    converged: Array
+    latent: Array  # (3, n): moments sv, sz, r of the closure's Gaussian density
+    iterations: Array  # (n,)
+    residual: Array  # (n,): Euclidean norm of the mismatch of (log sigma_v, log sigma_z, atanh corr)
+    converged: Array  # (n,)
 
 
 def solve_fixed_point(
@@ -64,19 +66,21 @@ def solve_fixed_point(
     atol: float,
     max_iterations: int,
 ) -> FixedPoint:
-    """Solve every cell, in chunks, on all cores.
+    """Solve all cells, in chunks, on all cores.
 
-    ``structure`` (3, n) has stiffness, damping and coupling of the equivalent system, ``start`` (3, n)
-    the latent moments of the elastic response; ``law`` (m, n) is handed through to the closure. Where
-    ``one_solution`` (n,) says that there is one at most, it is sought from the elastic response at once;
-    elsewhere the branch that begins there is followed. A cell is done when ``|dy| <= atol + rtol |y|``
-    for each latent moment ``y``; ``atol`` counts for the correlation only, since the other two are
-    positive scales. ``max_iterations`` are the steps of a search, or the levels of a branch.
+    ``structure`` (3, n) has stiffness, damping and coupling of the equivalent system, and ``start`` (3,
+    n) the moments ``sv, sz, r`` of the elastic response; ``law`` (m, n) has the parameters of the law,
+    for the closure. Cells for which ``one_solution`` (n,) is true have at most one solution, and the
+    iteration starts from the elastic response. For the others the branch of solutions that begins with
+    the elastic response to weak shaking is followed up to full shaking. A cell has converged when
+    ``|dy| <= atol + rtol |y|`` for each of its moments ``y``; ``atol`` applies to the correlation only,
+    since the other two are positive scales. ``max_iterations`` limits the steps of an iteration, or the
+    levels of shaking along a branch.
     """
     level = np.zeros(start.shape[1])
     whole = _Problem(structure, law, ground, one_solution, level, closure, rtol, atol)
 
-    @np.errstate(all="ignore")  # an iterate may be no density, or imply no stationary system
+    @np.errstate(all="ignore")  # an iterate may belong to an unstable system, without moments
     def part(cells: slice) -> FixedPoint:
         return _solve(whole.of(cells), start[:, cells], max_iterations)
 
@@ -85,17 +89,20 @@ def solve_fixed_point(
 
 
 class _Problem(NamedTuple):
+    """The data of `solve_fixed_point` for some cells."""
+
     structure: Array
     law: Array
     ground: Filter
     one_solution: Array
-    level: Array  # logarithm of the share of the shaking
+    level: Array  # (n,): logarithm of the ratio of the shaking to the full one, as standard deviations
     closure: Closure
     rtol: float
     atol: float
 
     def of(self, cells: Array | slice) -> _Problem:
-        if self.level[cells].size == self.level.size:  # all of them
+        """The data of a selection of the cells."""
+        if self.level[cells].size == self.level.size:  # the selection is all cells
             return self
         return self._replace(
             structure=_columns(self.structure, cells),
@@ -107,11 +114,12 @@ class _Problem(NamedTuple):
 
 
 def _columns(rows: Array, cells: Array | slice) -> Array:
+    """Columns (m, selected) of ``rows`` (m, n)."""
     return rows[:, cells] if isinstance(cells, slice) else rows.take(cells, axis=1)
 
 
 def _solve(problem: _Problem, start: Array, max_iterations: int) -> FixedPoint:
-    """Each way to the solution for the cells that the one before has lost."""
+    """Try the three methods in turn, each for the cells in which those before did not converge."""
     elastic = _unknowns(start)
     bold = max(1, int(BOLD_SHARE * max_iterations))
     with_care, any_law = max_iterations - bold, np.ones(start.shape[1], bool)
@@ -131,20 +139,22 @@ def _solve(problem: _Problem, start: Array, max_iterations: int) -> FixedPoint:
 
 
 def _at_once(problem: _Problem, elastic: Array, max_iterations: int) -> FixedPoint:
-    """Boldly from the elastic response."""
+    """From the elastic response, nearly by Newton's method."""
     return _evolve(problem, _yielding(elastic), max_iterations, BOLD)
 
 
 def _relax(problem: _Problem, elastic: Array, max_iterations: int) -> FixedPoint:
-    """From the elastic response with care, also over a jump at which a branch ends."""
+    """From the elastic response with short pseudo-time steps, which also pass the end of a branch."""
     return _evolve(problem, _yielding(elastic), max_iterations, CAREFUL)
 
 
 def _follow(problem: _Problem, elastic: Array, most_levels: int) -> FixedPoint:
-    """From shaking so weak that hardly anything yields up to the full, level by level.
+    """Follow a branch of solutions from weak to full shaking, level by level.
 
-    A level is the logarithm of the share of the shaking. Two solutions tell where the next is sought:
-    one far from there belongs to another branch, and is sought again at a lower level.
+    A level is the logarithm of the ratio of the shaking to the full one. It begins where hardly any
+    structure yields. The solution at the next level is extrapolated linearly from the last two. A
+    solution that is farther than `NEAR` from its extrapolation belongs to another branch, and the step
+    is repeated with a lower level.
     """
     n = elastic.shape[1]
     slope = np.stack([np.ones(n), np.ones(n), np.zeros(n)])
@@ -171,22 +181,24 @@ def _follow(problem: _Problem, elastic: Array, most_levels: int) -> FixedPoint:
 
 
 def _nothing(n: int) -> FixedPoint:
-    """Of cells not yet solved."""
+    """The result for ``n`` cells that are not yet solved: NaN, not converged."""
     none = np.full(n, np.nan)
     return FixedPoint(np.array([none] * 2), np.array([none] * 3), np.zeros(n, np.int32), none, none > 0)
 
 
 def _put(solution: FixedPoint, cells: Array, found: FixedPoint) -> None:
+    """Write the results of some cells into those of all."""
     for field, value in zip(solution, found, strict=True):
         field[..., cells] = value
 
 
 def _yielding(elastic: Array) -> Array:
-    """The elastic response as a start: ``z`` does not go far beyond 1."""
+    """Starting values from the elastic response, with the standard deviation of ``z`` at most 1."""
     return np.array([elastic[0], np.minimum(elastic[1], 0), elastic[2]])
 
 
 def _unknowns(latent: Array) -> Array:
+    """The unknowns ``(log sv, log sz, atanh r)`` of moments (3, n)."""
     unknowns = np.empty_like(latent)
     np.log(latent[:2], out=unknowns[:2])
     np.arctanh(latent[2], out=unknowns[2])
@@ -194,6 +206,7 @@ def _unknowns(latent: Array) -> Array:
 
 
 def _evolve(problem: _Problem, y: Array, max_iterations: int, pace: Pace) -> FixedPoint:
+    """Pseudo-transient continuation from the unknowns ``y`` (3, n), until all cells converge."""
     n = y.shape[1]
     whole, iterations = np.zeros((STATE, n)), np.zeros(n, np.int32)
     whole[BASE:NORM], whole[NORM], whole[DELTA] = y, np.inf, pace.first
@@ -215,13 +228,14 @@ def _evolve(problem: _Problem, y: Array, max_iterations: int, pace: Pace) -> Fix
 
 
 def _latent(y: Array) -> Array:
+    """The moments ``sv, sz, r`` (3, n) of the unknowns."""
     latent = np.exp(y)
     np.tanh(y[2], out=latent[2])
     return latent
 
 
 def _advance(problem: _Problem, state: Array, pace: Pace) -> None:
-    """What the implied linear system does less what the closure assumes, and what is made of it."""
+    """One step of the iteration: compute the mismatch and its Jacobian, and update ``state``."""
     y = state[BASE:NORM] + state[STEP:DELTA]
     latent = _latent(y)
     value = problem.closure(latent, problem.law)
@@ -248,11 +262,15 @@ def _advance(problem: _Problem, state: Array, pace: Pace) -> None:
 
 
 def _unknowns_of(vv: Array, zz: Array, r: Array) -> Array:
+    """The unknowns ``(log sv, log sz, atanh r)`` of variances and a correlation."""
     return np.array([0.5 * np.log(vv), 0.5 * np.log(zz), np.arctanh(r)])
 
 
 def to_unknowns(covariance: Array) -> tuple[Array, Array]:
-    """``(log sv, log sz, atanh r)`` of a covariance and the Jacobian; NaN where it is none."""
+    """``(log sv, log sz, atanh r)`` of a covariance ``(vv, zz, vz)``, and the Jacobian (3, 3, ...).
+
+    NaN where the three numbers are not a covariance.
+    """
     vv, zz, vz = covariance
     r = vz / np.sqrt(vv * zz)
     columns = [slope_of_unknowns(vv, zz, r, unit) for unit in np.eye(3)]

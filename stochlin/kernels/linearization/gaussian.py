@@ -1,4 +1,4 @@
-"""Closures, and Gaussian expectations: of ``(v, z)`` where a bilinear law slips, and of powers."""
+"""What a closure computes, and Gaussian expectations for the bilinear law and for dashpots."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ SQRT_2PI = np.sqrt(2 * np.pi)
 
 
 class ClosureValue(NamedTuple):
-    """A closure at latent moments ``(sv, sz, r)``, and its derivatives by them.
+    """The results of a closure for moments ``(sv, sz, r)``, and their derivatives by these.
 
-    ``coefficients`` are ``(1 + c_e, k_e)``, ``covariance`` is ``(Var v, Var z, Cov(v, z))``
-    under the density assumed. Shapes (2, n), (2, 3, n), (3, n), (3, 3, n).
+    The moments (called latent) are those of the Gaussian density behind the assumed density of
+    ``(v, z)``; for the Gaussian closure both are the same.
     """
 
-    coefficients: Array
-    coefficients_jacobian: Array
-    covariance: Array
-    covariance_jacobian: Array
+    coefficients: Array  # (2, n): 1 + c_e and k_e
+    coefficients_jacobian: Array  # (2, 3, n)
+    covariance: Array  # (3, n): Var v, Var z, Cov(v, z) of the assumed density
+    covariance_jacobian: Array  # (3, 3, n)
 
 
-Closure = Callable[[Array, Array], ClosureValue]  # latent moments, law parameters
+Closure = Callable[[Array, Array], ClosureValue]  # of the latent moments and the law's parameters
 
 
 def gaussian_covariance(latent: Array) -> tuple[Array, Array]:
-    """Covariance and its Jacobian of the Gaussian density with moments ``(sv, sz, r)``."""
+    """``(Var v, Var z, Cov(v, z))`` of a Gaussian density, and the Jacobian by ``(sv, sz, r)``."""
     sv, sz, r = latent
     jacobian = np.zeros((3, *latent.shape))
     jacobian[0, 0], jacobian[1, 1] = 2 * sv, 2 * sz
@@ -39,26 +39,26 @@ def gaussian_covariance(latent: Array) -> tuple[Array, Array]:
 
 
 class SlipQuadrant(NamedTuple):
-    """Partial moments over ``{v > 0, z > 1}`` of ``x = v / sv``, and what their derivatives need.
+    """Moments of ``x = v/sv`` over the quadrant ``v > 0, z > 1``, where the bilinear law slips.
 
-    With ``h = 1 / sz``, ``q = sqrt(1 - r^2)``, ``a = r / q``:
-    ``edge = phi(h) Phi(a h)`` and ``corner = exp(-h^2 / (2 q^2)) / (2 pi)``.
+    The last four fields are the terms of which the moments and their derivatives consist, with
+    ``a = r/q``.
     """
 
     probability: Array  # P(v > 0, z > 1) = Q(h)/2 + T(h, a)
     first: Array  # E[x; v > 0, z > 1]
     second: Array  # E[x^2; v > 0, z > 1]
-    h: Array
-    q: Array
-    edge: Array
-    corner: Array
+    h: Array  # 1/sz
+    q: Array  # sqrt(1 - r^2)
+    edge: Array  # phi(h) Phi(a h)
+    corner: Array  # exp(-h^2/(2 q^2))/(2 pi)
 
 
 def slip_quadrant(sz: Array, r: Array) -> SlipQuadrant:
-    """Rosenbaum's truncated moments (1961, J. R. Stat. Soc. B 23), with Owen's T.
+    """Truncated moments of a bivariate Gaussian (Rosenbaum 1961, J. R. Stat. Soc. B 23).
 
-    The tail is summed from positive terms for ``r >= 0``: its relative accuracy survives
-    where slip becomes rare.
+    For ``r >= 0`` all terms of the probability, with Owen's function ``T``, are positive, so that its
+    relative error remains small if slip is rare.
     """
     h = 1 / sz
     q = np.sqrt((1 - r) * (1 + r))
@@ -73,26 +73,27 @@ def slip_quadrant(sz: Array, r: Array) -> SlipQuadrant:
 
 
 def absolute_moment(power: Array, std: Array) -> Array:
-    """``E |v|^power`` of a Gaussian rate: ``std^power 2^(power/2) Gamma((power + 1)/2) / sqrt(pi)``."""
+    """``E |v|^power = std^power 2^(power/2) Gamma((power + 1)/2)/sqrt(pi)`` of a Gaussian ``v``."""
     found: Array = std**power * 2 ** (power / 2) * gamma((power + 1) / 2) / np.sqrt(np.pi)
     return found
 
 
 def equivalent_dashpot(constant: Array, exponent: Array, std: Array) -> Array:
-    """The linear dashpot nearest to ``c |v|^a sign(v)`` in the mean square: ``c E|v|^(a+1) / E v^2``."""
+    """Linear dashpot with the least mean square error to ``c |v|^a sign(v)``: ``c E|v|^(a+1)/E v^2``."""
     return constant * absolute_moment(exponent + 1, std) / std**2
 
 
 def regress_slip(
     slip: Array, slip_jacobian: Array, covariance: Array, covariance_jacobian: Array
 ) -> tuple[Array, Array]:
-    """Least-squares ``(1 + c_e, k_e)`` of the slip rate ``v - G(v, z)`` on ``(v, z)``, with Jacobian.
+    """Regression coefficients ``(1 + c_e, k_e)`` of the slip rate ``v - G(v, z)`` on ``(v, z)``.
 
-    ``slip`` (2, n) is ``E[(v - G) v]`` and ``E[(v - G) z]``, ``covariance`` (3, n) ``Var v``, ``Var z``
-    and ``Cov(v, z)``; their Jacobians are by the latent moments.
+    ``slip`` (2, n) are ``E[(v - G) v]`` and ``E[(v - G) z]``, ``covariance`` (3, n) are ``Var v``,
+    ``Var z`` and ``Cov(v, z)``. The Jacobians, also that of the result, are by the latent moments.
     """
 
     def solve(by_v: Array, by_z: Array) -> Array:
+        """Solution of the normal equations with the right-hand sides ``by_v`` and ``by_z``."""
         return np.array([by_v * zz - by_z * vz, by_z * vv - by_v * vz]) / (vv * zz - vz * vz)
 
     vv, zz, vz = covariance

@@ -1,9 +1,9 @@
-"""Stationary covariances of linear systems of any size, with all their digits.
+"""Stationary covariances of linear systems ``x' = A x + b n(t)`` of any size, to nearly full precision.
 
-``x' = A x + b n(t)``. A solver of Bartels and Stewart (1972) loses the digits of what relaxes slowly:
-its error is that of the fastest motion. Two things keep them. The matrix is balanced first, so that slow
-states are small beside the others in rows and columns alike; and the solution is refined by its own
-residual, computed with the matrix as it stands, until it stands still.
+The method of Bartels and Stewart (1972) alone is inaccurate for slow states beside fast ones, since its
+error is relative to the largest rates of the matrix. Two measures restore the accuracy: the matrix is
+balanced first, and the solution is refined by its residual, computed with the balanced matrix, until it
+no longer changes.
 """
 
 from __future__ import annotations
@@ -15,21 +15,21 @@ import scipy.linalg
 
 from stochlin.kernels.basics.arrays import Array
 
-REFINEMENTS = 20
-STILL = 1e-14  # of a correlation: rounding
-WORSE = 0.5  # a correction that is not smaller than this share of the last one is rounding, too
-ACCURATE = 1e-8  # of a last correction, over the largest covariance: digits are lost beyond
+REFINEMENTS = 20  # largest number of refinements
+STILL = 1e-14  # correction of a correlation that is rounding error
+WORSE = 0.5  # ratio of a correction to the last one above which it is rounding error
+ACCURATE = 1e-8  # largest last correction over the largest covariance; above it the result is refused
 
 
 UNSTABLE = "the state matrix is not stable; allowed: eigenvalues with negative real parts"
 
 
 class UnsolvableError(ArithmeticError):
-    """There is no stationary covariance, or none that can be computed."""
+    """The system has no stationary covariance, or its covariance cannot be computed accurately."""
 
 
 class Lyapunov:
-    """``A X + X A' + R = 0`` for one stable matrix and any symmetric ``R``."""
+    """Solver of ``A X + X A' + R = 0`` for one stable matrix ``A`` and any symmetric ``R``."""
 
     def __init__(self, matrix: Array) -> None:
         if not np.isfinite(matrix).all():
@@ -37,14 +37,14 @@ class Lyapunov:
         _, (self.scale, _) = scipy.linalg.matrix_balance(matrix, permute=False, separate=True)
         self.matrix = matrix * self.scale / self.scale[:, None]
         try:
-            self.triangle, self.turn = scipy.linalg.schur(self.matrix)
+            self.triangle, self.vectors = scipy.linalg.schur(self.matrix)
         except scipy.linalg.LinAlgError as error:
             raise UnsolvableError("the eigenvalues of the state matrix are not found") from error
-        if np.diag(self.triangle).max() >= 0:  # the real parts: blocks have equal diagonals
+        if np.diag(self.triangle).max() >= 0:  # the diagonal has the real parts of the eigenvalues
             raise UnsolvableError(UNSTABLE)
 
     def covariance(self, noise: Array, intensity: float) -> Array:
-        """``X`` for ``R = intensity b b'``, refined."""
+        """Covariance ``X`` (n, n) for ``R = intensity b b'``, with ``b`` the column ``noise`` (n,)."""
         b = noise / self.scale
         drive = intensity * np.outer(b, b)
         x, before = np.zeros_like(drive), np.inf
@@ -66,43 +66,48 @@ class Lyapunov:
         return found
 
     def slope(self, column: Array, row: Array, covariance: Array) -> Array:
-        """Of the covariance, as the matrix gains a multiple of this product; seen by `schur_rows`."""
-        one = self.turn.T @ (column / self.scale)
-        two = self.turn.T @ (covariance @ row / self.scale)
+        """Derivative of the covariance by ``e`` if the matrix changes by ``e column row'``.
+
+        It is in the Schur basis, (n, n); `schur_rows` gives rows to multiply it with.
+        """
+        one = self.vectors.T @ (column / self.scale)
+        two = self.vectors.T @ (covariance @ row / self.scale)
         right = np.outer(one, two)
         return self._triangular(right + right.T)
 
     def schur_rows(self, rows: Array) -> Array:
-        """Rows (k, n) that see slopes as they see the covariance."""
-        return (rows * self.scale) @ self.turn
+        """Rows ``c`` (k, n) in the Schur basis, to be multiplied with a `slope`."""
+        return (rows * self.scale) @ self.vectors
 
     def spectral_moments(self, rows: Array, covariance: Array) -> tuple[Array, Array, Array]:
-        """``l0, l1, l2`` of ``c x`` for ``rows`` of ``c`` (k, n) that the noise does not enter at once.
+        """Spectral moments ``l0, l1, l2`` (k,) of the outputs ``c x``, for ``rows`` (k, n) of ``c``.
 
-        ``l_m = 2 Int_0^inf w^m S(w) dw`` with ``S(w) = Re c (i w - A)^-1 X c' / pi``, two-sided. ``l1 =
-        -(2/pi) Int_0^inf R'(t)/t dt`` of the correlation function ``R(t) = c e^(A t) X c'``: a sum over
-        eigenvalues of their logarithms, and with that of the matrix, which minds no equal ones,
-        ``(2/pi) c A log(-A) X c'``.
+        ``l_m = 2 Int_0^inf w^m S(w) dw`` with the two-sided PSD ``S(w) = Re c (i w - A)^-1 X c' / pi``.
+        The noise must not enter the outputs directly: ``c b = 0``. With the correlation function
+        ``R(t) = c e^(A t) X c'``, ``l1 = -(2/pi) Int_0^inf R'(t)/t dt = (2/pi) c A log(-A) X c'``. The
+        logarithm of the matrix also exists for equal eigenvalues.
         """
         c = rows * self.scale
         x = covariance / np.outer(self.scale, self.scale)
         rates = c @ self.matrix
         with_c = x @ c.T
-        with warnings.catch_warnings():  # of a last digit or two
+        with warnings.catch_warnings():  # scipy warns when only the last digits are lost
             warnings.filterwarnings("ignore", "logm result may be inaccurate", RuntimeWarning)
             logarithm = np.real(scipy.linalg.logm(-self.matrix))
         l1 = (2 / np.pi) * np.einsum("ki,ik->k", rates, logarithm @ with_c)
         return np.einsum("ki,ik->k", c, with_c), l1, np.einsum("ki,ij,kj->k", rates, x, rates)
 
     def transfer(self, rows: Array, noise: Array, frequency: Array) -> Array:
-        """``c (i w - A)^-1 b`` for ``rows`` of ``c`` (k, n) and circular frequencies (f,)."""
+        """Transfer functions ``c (i w - A)^-1 b`` (k, f) for ``rows`` (k, n) of ``c``, at ``w`` (f,)."""
         c, b, one = rows * self.scale, noise / self.scale, np.eye(noise.size)
         return np.stack([c @ np.linalg.solve(1j * w * one - self.matrix, b) for w in frequency], axis=1)
 
     def _solve(self, right: Array) -> Array:
-        x = self.turn @ self._triangular(self.turn.T @ right @ self.turn) @ self.turn.T
+        """``X`` of ``A X + X A' + right = 0`` with the balanced matrix, made symmetric."""
+        x = self.vectors @ self._triangular(self.vectors.T @ right @ self.vectors) @ self.vectors.T
         return 0.5 * (x + x.T)
 
     def _triangular(self, right: Array) -> Array:
+        """The same in the Schur basis, where the matrix is quasi-triangular."""
         found, factor, _ = scipy.linalg.lapack.dtrsyl(self.triangle, self.triangle, -right, tranb="T")
         return found / factor

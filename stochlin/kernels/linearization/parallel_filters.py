@@ -1,4 +1,4 @@
-"""Independent grounds that act together, as one filter of one white noise."""
+"""Independent grounds that act together, written as one filter of one white noise."""
 
 from __future__ import annotations
 
@@ -11,30 +11,31 @@ from scipy.linalg import block_diag
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.filters import Filter
 
-_ZERO = 1e-12  # of the largest: a coefficient that rounding alone has left
+_ZERO = 1e-12  # coefficients smaller than this share of the largest are rounding errors
 
 
 def in_parallel(filters: Sequence[Filter]) -> Filter:
-    """One filter of the intensity 1, whose PSD is the sum of those of ``filters``.
+    """One filter of intensity 1, whose PSD is the sum of those of ``filters``.
 
-    Gaussian motions are known by their PSD, so that one white noise through the spectral factor of the
-    sum does for several independent ones through filters of their own. The states are those of all
-    filters, driven by the same noise; what is sought is the output.
+    A stationary Gaussian motion is determined by its PSD. One white noise through a filter whose
+    transfer function is the spectral factor of the sum therefore replaces several independent noises
+    through filters of their own. The states are those of all filters, driven by the same noise; only
+    the output has to be found.
 
     Parameters
     ----------
     filters : sequence of Filter
-        In numbers, of one state at least each.
+        With numbers as coefficients, and at least one state each.
 
     Returns
     -------
     Filter
-        Its output has no zero with a positive real part.
+        Its transfer function has no zero with a positive real part.
 
     Raises
     ------
     ValueError
-        If a filter has no states: with white noise itself the sum is no such filter.
+        If a filter is white noise, without states.
     """
     parts = [one.arrays for one in filters]
     if not all(one.states for one in filters):
@@ -54,18 +55,22 @@ def in_parallel(filters: Sequence[Filter]) -> Filter:
 
 
 def _numerator(matrix: Array, noise: Array, output: Array, poles: Array) -> Array:
-    """Of ``output (s - matrix)^-1 noise`` over ``poles``, by its Markov parameters."""
+    """Numerator of ``output (s - matrix)^-1 noise`` over the polynomial ``poles``.
+
+    It is found from the Markov parameters ``output matrix^k noise``.
+    """
     size = len(noise)
     markov, moved = [], noise
     for _ in range(size):
         markov.append(output @ moved)
         moved = matrix @ moved
-    # poles(s) (m0/s + m1/s^2 + ...) has no negative powers: the coefficient of s^k
+    # The numerator is poles(s) (m0/s + m1/s^2 + ...) with the Markov parameters m; here the power s^k.
     found = np.array([poles[k + 1 :] @ np.array(markov)[: size - k] for k in range(size)])
     return np.where(np.abs(found) > _ZERO * np.abs(found).max(), found, 0.0)
 
 
 def _product(factors: Iterable[Array]) -> Array:
+    """Product of polynomials."""
     total: Array = np.ones(1)
     for factor in factors:
         total = polynomial.polymul(total, factor)
@@ -79,7 +84,7 @@ def _square(values: Array) -> Array:
 
 
 def _factor(square: Array) -> Array:
-    """``p(s)`` without zeros to the right, of ``p(s) p(-s)`` in ``s^2``."""
+    """Spectral factor: ``p(s)`` without zeros of positive real part, from ``p(s) p(-s)`` in ``s^2``."""
     used = np.flatnonzero(np.abs(square) > _ZERO * np.abs(square).max())
     low, high = used[0], used[-1]
     roots = -np.sqrt(polynomial.polyroots(square[low : high + 1]).astype(complex))
@@ -89,7 +94,7 @@ def _factor(square: Array) -> Array:
 
 
 def _output(matrix: Array, noise: Array, numerator: Array, denominator: Array) -> Array:
-    """Output row that gives this transfer function, from its values on the imaginary axis."""
+    """Output row of a filter with this transfer function, by least squares on the imaginary axis."""
     size = len(noise)
     s = 1j * np.geomspace(1e-2, 1e2, 8 * size)
     states = np.linalg.solve(

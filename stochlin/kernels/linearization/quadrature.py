@@ -1,10 +1,11 @@
-"""Gaussian expectations of any odd slip rate, by quadrature batched over cells.
+"""Gaussian expectations ``E[w v]`` and ``E[w z]`` of a slip rate ``w(v, z)``, by quadrature.
 
-Oddness halves the plane: ``E[w v] = 2 E[w v; v > 0]``. The outer integral over ``t = z/sz`` is
-Gauss-Legendre on panels between the kinks of the law. The inner one over ``x = v/sv > 0``
-given ``t`` is closed for a rate-independent law, ``w(v, z) = v w(1, z)``, and Gauss-Legendre
-otherwise. Derivatives by the moments come from the same integrals, through the score of
-the density, so that kinks in the law do no harm.
+The slip rate is an odd function, so that half of the plane is enough: ``E[w v] = 2 E[w v; v > 0]``. The
+outer integral, over ``t = z/sz``, is by Gauss-Legendre quadrature on panels between the kinks of the
+law. The inner one, over ``x = v/sv > 0`` for given ``t``, has a closed form for a rate-independent law,
+``w(v, z) = v w(1, z)``, and is by Gauss-Legendre quadrature otherwise. The derivatives by the moments
+are expectations of ``w`` times the score of the density (the derivative of its logarithm). The law
+itself is not differentiated, and may have kinks.
 """
 
 from __future__ import annotations
@@ -18,33 +19,35 @@ from scipy.special import ndtr
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.gaussian import SQRT_2PI
 
-REACH = 12.0  # standard deviations; the density beyond is below 1e-31
-CELLS = 64  # per block: nodes times cells stay in the cache
-GRADED = np.concatenate([[0.0], 4.0 ** np.arange(-6, 1)])  # panels that grow by a factor of four
+REACH = 12.0  # standard deviations that are integrated over; the density beyond is below 1e-31
+CELLS = 64  # cells computed together, so that their values at all nodes stay in the cache
+GRADED = np.concatenate([[0.0], 4.0 ** np.arange(-6, 1)])  # edges of panels growing by a factor of 4
 
 
 class SlipRate(NamedTuple):
-    """Slip rate ``w(v, z) = v - G(v, z)``, its kinks in ``z``, and whether it is linear in ``v > 0``.
+    """Slip rate ``w(v, z) = v - G(v, z)`` of a hysteresis law ``z' = G(v, z)``.
 
-    Both functions take the parameters of the law (m, ...) last, which broadcast against ``v`` and ``z``.
+    Both functions take the parameters of the law (m, ...) as last argument, which broadcast against
+    ``v`` and ``z``.
     """
 
-    function: Callable[[Array, Array, Array], Array]
-    kinks: Callable[[Array], Sequence[Array | float]]
-    rate_independent: bool
-    parameters: Array = np.empty((0, 1))  # (m, n): one column a cell
+    function: Callable[[Array, Array, Array], Array]  # w(v, z, parameters)
+    kinks: Callable[[Array], Sequence[Array | float]]  # values of z at which w has kinks
+    rate_independent: bool  # w is proportional to v for v > 0
+    parameters: Array = np.empty((0, 1))  # (m, n): one column for each cell
 
     def __call__(self, v: Array, z: Array) -> Array:
-        """The slip rate of the cells, the first dimension."""
+        """The slip rate for ``v`` and ``z`` whose first dimension is that of the cells."""
         return self.function(v, z, self.parameters.reshape(*self.parameters.shape, *(1,) * (z.ndim - 1)))
 
 
 def slip_expectations(
     law: SlipRate, latent: Array, parameters: Array, order: int
 ) -> tuple[Array, Array]:
-    """``(E[w v], E[w z])``, (2, n), and the Jacobian by ``latent`` (3, n): ``sv``, ``sz``, ``r``.
+    """``(E[w v], E[w z])`` (2, n), and the Jacobian (2, 3, n) by the moments ``latent`` (3, n).
 
-    ``order`` is the number of Gauss-Legendre nodes of each panel.
+    The moments are ``sv``, ``sz``, ``r`` of the Gaussian ``(v, z)``; ``parameters`` (m, n) are those of
+    the law, and ``order`` is the number of Gauss-Legendre nodes of each panel.
     """
     values = np.empty((2, latent.shape[1]))
     jacobian = np.empty((2, 3, latent.shape[1]))
@@ -57,7 +60,7 @@ def slip_expectations(
 
 
 def _moments(law: SlipRate, latent: Array, order: int) -> Array:
-    """``M[a, b] = 2 E[w x^a t^b; x > 0]``, shape (4, 4, n)."""
+    """``M[a, b] = 2 E[w x^a t^b; x > 0]`` for ``x = v/sv`` and ``t = z/sz``, shape (4, 4, n)."""
     sv, sz, r = (row[:, None] for row in latent)
     q = np.sqrt((1 - r) * (1 + r))
     t, weight = _panels(law.kinks(law.parameters[:, :, None]), sz, r, q, order)
@@ -70,7 +73,11 @@ def _moments(law: SlipRate, latent: Array, order: int) -> Array:
 def _panels(
     kinks: Sequence[Array | float], sz: Array, r: Array, q: Array, order: int
 ) -> tuple[Array, Array]:
-    """Nodes and weights in ``t``: panels between kinks and around the turn of ``E[v | z]`` at 0."""
+    """Nodes and weights in ``t``, on panels between kinks and around ``t = 0``.
+
+    At 0 the conditional mean of ``v`` changes sign, and the inner integral changes within
+    ``q/|r|``, the more rapidly the nearer the correlation is to 1.
+    """
     turn = np.minimum(6 * q / np.maximum(np.abs(r), 1e-3), REACH)
     edges = [np.full_like(sz, -REACH), -turn, 0 * sz, turn, np.full_like(sz, REACH)]
     edges += [np.clip(kink / sz, -REACH, REACH) for kink in kinks]
@@ -93,10 +100,10 @@ def _inner_closed(law: SlipRate, sv: Array, z: Array, mean: Array, q: Array, ord
 
 
 def _inner_quadrature(law: SlipRate, sv: Array, z: Array, mean: Array, q: Array, order: int) -> Array:
-    """``E[w x^a; x > 0 | t]`` by Gauss-Legendre over the part of ``x > 0`` that carries weight.
+    """``E[w x^a; x > 0 | t]`` by Gauss-Legendre quadrature, where the density is not negligible.
 
-    The panels are graded towards ``v = 0``, where rate-dependent laws turn, however slow that is
-    beside ``sv``.
+    The panels become smaller towards ``v = 0``, near which a rate-dependent law may change within a
+    small part of ``sv``.
     """
     nodes, weights = on_panels(GRADED, order // 2)
     low, high = np.maximum(mean - REACH * q, 0), np.maximum(mean, 0) + REACH * q
@@ -109,18 +116,19 @@ def _inner_quadrature(law: SlipRate, sv: Array, z: Array, mean: Array, q: Array,
 
 
 def on_panels(edges: Array, order: int) -> tuple[Array, Array]:
-    """Gauss-Legendre nodes, ``order`` on each of the panels between increasing edges, and weights."""
+    """Nodes and weights of Gauss-Legendre quadrature of this order on each panel between the edges."""
     nodes, weights = np.polynomial.legendre.leggauss(order)
     half = 0.5 * np.diff(edges)[:, None]
     return (edges[:-1, None] + half * (1 + nodes)).ravel(), (half * weights).ravel()
 
 
 def _assemble(m: Array, latent: Array) -> tuple[Array, Array]:
+    """The expectations and their Jacobian, as `slip_expectations` returns them, from `_moments`."""
     sv, sz, r = latent
     q2 = (1 - r) * (1 + r)
 
     def score(a: int, b: int) -> Array:
-        """``2 E[w x^a t^b s; x > 0]`` for the scores ``s`` by sv, sz and r."""
+        """``2 E[w x^a t^b s; x > 0]`` with the scores ``s`` by ``sv``, ``sz`` and ``r``."""
         xx, xt, tt = m[a + 2, b], m[a + 1, b + 1], m[a, b + 2]
         return np.array(
             [

@@ -1,29 +1,31 @@
-"""Covariance of linear(ized) structures under a modulated ground, from rest, over all cells at once.
+"""Covariance of linear and linearized structures over time, from rest under a modulated ground.
 
-``f(t) = m(t) o q`` with the filter's states ``q`` stationary and ``m`` the envelope. With
-``C = E[x q']``, ``X = E[x x']`` of one structure, ``X12 = E[x1 x2']`` of a pair, and ``b`` what a unit
-of ``f`` does to ``x``,
+The forcing is ``f(t) = m(t) o q``, with the stationary states ``q`` and the output row ``o`` of the
+ground filter ``q' = F q + noise``, and the envelope ``m``. ``P`` is the covariance of ``q``. The
+structures follow ``x' = A x + b f``. With ``C = E[x q']``, ``X = E[x x']`` of one structure and
+``X12 = E[x1 x2']`` of a pair,
 
     C'   = A C + C F' + m b (P o)'
     X'   = A X + X A' + m [b (C o)' + (C o) b']
     X12' = A1 X12 + X12 A2' + m [b1 (C2 o)' + (C1 o) b2'],
 
-on white noise ``2 pi S0 m^2 b b'`` in place of the brackets. ``A`` of a yielding structure follows
-``X``. A structure is a stack of storeys, an oscillator one of them. States are, storey by storey,
-``d/s``, ``d'/(s w)`` and ``y/s`` with its drift ``d`` and the slip ``y = d - uy z``, as in `covariance`,
-and a scale ``s`` of the storey's own: all of order one. Where structures have fewer storeys than others,
-the states that they lack stand still.
+On white noise ``2 pi S0 m^2 b b'`` replaces ``m`` times the brackets. ``A`` of a yielding structure
+depends on ``X`` through its coefficients. A structure has one or more storeys; an oscillator has one.
+The states are, storey by storey, ``d/s``, ``d'/(s w)`` and ``y/s``, with the storey drift ``d``, the
+slip ``y = d - uy z`` as in `covariance`, and a scale ``s`` for each storey that makes them of order
+one. In structures with fewer storeys than others the states of the missing storeys remain zero.
 
-Time is divided into panels. Within one, from its start at ``t = 0``, the transition matrix ``Phi`` of a
-structure, ``Phi' = A Phi``, reduces the equations to integrals over vectors:
+Time is divided into panels. Within a panel, with ``t`` from its start, the transition matrix ``Phi`` of
+a structure, ``Phi' = A Phi``, reduces the equations to integrals over vectors:
 
     beta = m Phi^-1 b,    D = C(0) + Int beta (exp(-F t) P o)' dt,    gamma = D exp(F' t) o
     C = Phi D exp(F' t),  X12 = Phi1 [X12(0) + Int (beta1 gamma2' + gamma1 beta2') dt] Phi2',
 
-with ``pi S0 beta`` for ``gamma`` on white noise, and integrals of polynomials through Lobatto's nodes.
-With elastic structures ``Phi = exp(A t)``. Otherwise ``A*`` holds the coefficients of an instant before,
-``Phi = exp(A* t) V`` with ``V' = exp(-A* t) (A - A*) Phi``, and the coefficients at all nodes of a panel
-are found together, in sweeps that converge as those of Picard do.
+with ``gamma = pi S0 beta`` on white noise. The integrals are those of polynomials through the
+Gauss-Lobatto nodes of the panel. For elastic structures ``Phi = exp(A t)``. For yielding ones ``A*`` has
+constant coefficients, those at an earlier time, and ``Phi = exp(A* t) V`` with
+``V' = exp(-A* t) (A - A*) Phi``. The coefficients at all nodes of a panel are found together by Picard
+iteration.
 """
 
 from __future__ import annotations
@@ -36,58 +38,59 @@ import numpy as np
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.collocation import exponentials, lobatto
 
-RTOL, ATOL = 1e-9, 1e-12  # of covariances in units of the elastic stationary response
-RTOL_YIELDING = 1e-7  # where the equations are themselves an approximation
-LEAST_Z = 0.04  # over yield; below, slip is rarer than 1e-130
-LARGEST_CORRELATION = 1 - 1e-12
-RESTING = np.array([1.0, 1.0, 0.0])  # (sv, sz, r) where nothing moves: what is found does not count
-NODES = lobatto(24)  # of a panel
-FIRST = 5.0  # rad of the fastest oscillation over the first panel
-SHORTER, LONGER = 0.4, 2.0  # the next panel over the last one, at least and at most
-MARGIN, WORTH_IT = 0.9, 1.25  # share of the length that would do; longer than that, it is changed
-WINDOW, MOST_PANELS = 100, 1e5  # panels between looks at their length; panels of a run
-SWEEPS, SETTLED = 15, 0.1  # of a panel; change by the last of them, in tolerances
-HELD = 0.3  # change of a coefficient, times the panel's length, beyond which others are held
-AT_ONCE = 64  # instants whose moments are taken together
-ROUNDING = 1e-9  # a relative variance of the difference below is none
+RTOL, ATOL = 1e-9, 1e-12  # tolerances of covariances, in units of the elastic stationary response
+RTOL_YIELDING = 1e-7  # with yielding structures, for which linearization is itself an approximation
+LEAST_Z = 0.04  # sz over the yield displacement below which slip is neglected (probability 1e-130)
+LARGEST_CORRELATION = 1 - 1e-12  # to which corr(v, z) is limited
+RESTING = np.array([1.0, 1.0, 0.0])  # (sv, sz, r) in place of those at rest, whose result is not used
+NODES = lobatto(24)  # nodes of a panel
+FIRST = 5.0  # length of the first panel, as phase of the fastest oscillation [rad]
+SHORTER, LONGER = 0.4, 2.0  # smallest and largest ratio of the lengths of successive panels
+MARGIN, WORTH_IT = 0.9, 1.25  # safety factor on the length; factor from which panels are lengthened
+WINDOW, MOST_PANELS = 100, 1e5  # panels between checks of the progress; largest number in a run
+SWEEPS, SETTLED = 15, 0.1  # Picard iterations of a panel; change by the last one, in tolerances
+HELD = 0.3  # change of a coefficient, times the panel's length, from which A* is computed anew
+AT_ONCE = 64  # times whose moments are computed together
+ROUNDING = 1e-9  # relative variance of the difference below which it is rounding error
 
 
 class Structures(NamedTuple):
-    """Of up to ``m`` storeys: ``d'' = -damping d' - stiffness d + coupling y``, and ``f`` in the first.
+    """Structures of up to ``m`` storeys, ``d'' = -damping d' - stiffness d + coupling y + f e_1``.
 
-    Storeys that a structure lacks have zeros, a scale of 1 and are elastic.
+    ``e_1`` is 1 in the first storey. Missing storeys of a structure have zeros, a scale of 1, and are
+    elastic.
     """
 
-    frequency: Array  # (n,) w [rad/s]
+    frequency: Array  # (n,) w [rad/s], the scale of velocities
     stiffness: Array  # (n, m, m) [1/s^2]
     damping: Array  # (n, m, m) [1/s]
     coupling: Array  # (n, m, m) [1/s^2], 0 where elastic
     yield_displacement: Array  # (n, m) [m], infinite where elastic
     scale: Array  # (n, m) [m]
-    seen: Array  # (n, h, m): by drifts, the displacements that are looked at
+    seen: Array  # (n, h, m): weights of the drifts in the ``h`` displacements of the results
 
 
 class Filters(NamedTuple):
-    """The ground filter of each structure, its states over their standard deviations."""
+    """The ground filter of each structure, with states over their standard deviations."""
 
-    matrix: Array  # (n, k, k)
-    output: Array  # (n, k) [m/s^2]
-    covariance: Array  # (n, k, k)
-    intensity: Array  # (n,) 2 pi S0 [m^2/s^3] where k = 0, for white noise
+    matrix: Array  # (n, k, k): F [1/s]
+    output: Array  # (n, k): o [m/s^2]
+    covariance: Array  # (n, k, k): P
+    intensity: Array  # (n,) 2 pi S0 [m^2/s^3] for white noise, which has k = 0
 
 
 class Own(NamedTuple):
-    """Second moments of each structure, and the coefficients that hold then."""
+    """Second moments and coefficients of the structures over time."""
 
-    displacement: Array  # variance [m^2], over (times, n h)
-    velocity: Array  # variance [m^2/s^2]
-    z: Array  # variance [m^2], of the storeys: over (times, n m)
-    slip: Array  # 1 + c_e
-    relaxation: Array  # k_e [1/s]
+    displacement: Array  # (times, n h) variance [m^2]
+    velocity: Array  # (times, n h) variance [m^2/s^2]
+    z: Array  # (times, n m) variance of uy z of the storeys [m^2]
+    slip: Array  # (times, n m) 1 + c_e
+    relaxation: Array  # (times, n m) k_e [1/s]
 
 
 class Difference(NamedTuple):
-    """Second moments of ``d = u_1 - u_2`` over (times, pairs h)."""
+    """Second moments of the differences ``d = u_1 - u_2`` over time, each (times, pairs h)."""
 
     d_d: Array  # [m^2]
     d_v: Array  # [m^2/s], E[d d']
@@ -96,7 +99,7 @@ class Difference(NamedTuple):
 
 
 class Covariances(NamedTuple):
-    """At an instant, or at the nodes of a panel, which then come first."""
+    """The covariances at a time, or at the nodes of a panel, which are then the first dimension."""
 
     soil: Array  # C (n, 3 m, k)
     own: Array  # X (n, 3 m, 3 m)
@@ -104,20 +107,20 @@ class Covariances(NamedTuple):
 
 
 class Frame(NamedTuple):
-    """What panels of one length share at their nodes while ``A*`` holds the same coefficients."""
+    """Matrix exponentials at the nodes, the same for all panels of one length with the same ``A*``."""
 
-    length: float  # [s]
-    held: Array  # 1 + c_e and k_e (2, n, m)
-    forward: Array  # exp(A* t) (q, n, 3 m, 3 m)
-    slips: Array  # of exp(-A* t) the columns of slip (q, n, 3 m, m)
-    push: Array  # exp(-A* t) b (q, n, 3 m)
-    soil: Array  # exp(-F t) P o (q, n, k)
-    output: Array  # exp(F' t) o (q, n, k)
-    filters: Array  # exp(F t) at the end (n, k, k)
+    length: float  # of the panel [s]
+    held: Array  # (2, n, m) 1 + c_e and k_e of A*
+    forward: Array  # (q, n, 3 m, 3 m) exp(A* t)
+    slips: Array  # (q, n, 3 m, m) columns of exp(-A* t) that belong to the slips
+    push: Array  # (q, n, 3 m) exp(-A* t) b
+    soil: Array  # (q, n, k) exp(-F t) P o
+    output: Array  # (q, n, k) exp(F' t) o
+    filters: Array  # (n, k, k) exp(F t) at the end of the panel
 
 
 class Path(NamedTuple):
-    """The structures at the nodes of a panel."""
+    """The matrices of the module's docstring for the structures at the nodes of a panel."""
 
     transition: Array  # Phi (q, n, 3 m, 3 m)
     push: Array  # beta (q, n, 3 m)
@@ -127,12 +130,12 @@ class Path(NamedTuple):
 
 
 Envelope = Callable[[Array], Array]
-# (sv, sz, r) of ductility, (3, ..., n), to (1 + c_e, k_e), (2, ..., n)
+# From the moments (sv, sz, r) in yield displacements, (3, ..., n), to (1 + c_e, k_e), (2, ..., n).
 Coefficients = Callable[[Array], Array]
 
 
 class Transient:
-    """The equations of all structures and pairs; ``closure`` is None where all are elastic."""
+    """The equations of all structures and pairs; ``closure`` is None if all structures are elastic."""
 
     def __init__(
         self,
@@ -154,7 +157,7 @@ class Transient:
         squares = [
             _diagonal(x[:, one, two]) for one, two in ((d, d), (d, y), (y, y), (v, d), (v, y), (v, v))
         ]
-        self.squares = np.stack(squares)  # (6, n, m): where X has what `z` hangs on
+        self.squares = np.stack(squares)  # (6, n, m): indices in X of the moments that give those of z
         self.of_yielding = self.squares[:, self.yields]
         self.unit = (s / structures.yield_displacement)[self.yields]
         self.frequency = np.broadcast_to(w[:, None], s.shape)[self.yields]
@@ -169,9 +172,10 @@ class Transient:
         self.matrix[:, v, y] = structures.coupling * ratio / rate
 
     def solve(self, times: Array, kinks: Sequence[float] = ()) -> tuple[Own, Difference]:
-        """From rest at 0; ``times`` increase from 0. At the envelope's kinks panels begin anew.
+        """Moments at increasing ``times`` from 0 on, from rest at 0.
 
-        Raises an ArithmeticError if panels become too short.
+        Panels end at ``kinks``, the times at which the envelope is not smooth. An ArithmeticError is
+        raised if panels become too short.
         """
         ends = (*sorted({kink for kink in kinks if 0 < kink < times[-1]}), times[-1])
         _, own, both = self._at_rest()
@@ -191,15 +195,19 @@ class Transient:
         )
 
     def _at_rest(self) -> Covariances:
+        """Covariances at rest, all zero."""
         return Covariances(*map(np.zeros, self.shapes))
 
     def _panels(self, ends: Sequence[float]) -> Iterator[tuple[float, float, Covariances]]:
-        """Start, end and covariances of panels, as long as nodes resolve them; some end at ``ends``."""
+        """Start, end and covariances of successive panels, which also end at each of ``ends``.
+
+        Their length is adapted to the tolerance, by the last terms of the Legendre series.
+        """
         structures = np.sqrt(np.abs(self.structures.stiffness).sum(axis=-1).max())
         fastest = max(structures, np.abs(self.filters.matrix).sum(axis=-1).max(initial=0))
         begin, length, now, frame = 0.0, FIRST / fastest, self._at_rest(), None
         for end in ends:
-            left, tried, mark = 0, 0, begin  # panels of this length, to the end
+            left, tried, mark = 0, 0, begin  # ``left``: number of panels of this length to the end
             while begin < end:
                 if not left:
                     left = int(np.ceil((end - begin) / length))
@@ -225,7 +233,7 @@ class Transient:
                     length, left = length * min(factor, LONGER), 0
 
     def _frame(self, length: float, own: Array, old: Frame | None) -> Frame:
-        """The old one if it will do, else one that holds the coefficients of ``own``."""
+        """The old frame if its length and coefficients are still valid, else a new one for ``own``."""
         held = self.coefficients(own)
         w, d, v, y = self.structures.frequency, *self.parts
         if old is not None and old.length == length:
@@ -243,15 +251,15 @@ class Transient:
             held,
             exponentials(a, times),
             np.ascontiguousarray(back[..., y]),
-            back[..., v.start] * self.push[:, None],  # the ground moves the first storey
+            back[..., v.start] * self.push[:, None],  # the ground accelerates the first storey
             (exponentials(-f.matrix, times) @ self.ground_push[..., None])[..., 0],
             (soil.swapaxes(-1, -2) @ f.output[..., None])[..., 0],
             soil[-1],
         )
 
-    @np.errstate(over="ignore", invalid="ignore")  # a panel that is too long is found out
+    @np.errstate(over="ignore", invalid="ignore")  # too long a panel may overflow, and is repeated
     def _path(self, frame: Frame, envelope: Array, now: Covariances) -> Path | None:
-        """The structures over a panel from ``now`` on; None if their coefficients do not settle."""
+        """The structures over a panel from ``now`` on; None if the iteration does not converge."""
         push = frame.push * envelope[:, None, None]
         path = self._at_nodes(frame, frame.forward, push, now)
         if self.closure is None:
@@ -261,7 +269,7 @@ class Transient:
             slip *= self.structures.frequency[:, None]
             by_drift, by_rate, by_slip = (path.transition[..., part, :] for part in self.parts)
             rates = slip[..., None] * by_rate + relaxation[..., None] * (by_drift - by_slip)
-            turn = NODES.integrate(frame.slips @ rates, frame.length)
+            turn = NODES.integrate(frame.slips @ rates, frame.length)  # V less the unit matrix
             turn += np.eye(turn.shape[-1])
             turned = np.linalg.solve(turn, push[..., None])[..., 0]
             before, path = path, self._at_nodes(frame, frame.forward @ turn, turned, now)
@@ -270,7 +278,7 @@ class Transient:
         return None
 
     def _at_nodes(self, frame: Frame, transition: Array, push: Array, now: Covariances) -> Path:
-        """With these transition matrices, and ``beta``."""
+        """The path with these transition matrices ``Phi`` and with ``push``, that is ``beta``."""
         soil = NODES.integrate(push[..., None] * frame.soil[..., None, :], frame.length) + now.soil
         pull = (soil @ frame.output[..., None])[..., 0]
         pull += 0.5 * self.filters.intensity[:, None] * push
@@ -279,12 +287,12 @@ class Transient:
         return Path(transition, push, pull, soil, transition @ own @ transition.swapaxes(-1, -2))
 
     def _over_tolerance(self, difference: Array, own: Array) -> float:
-        """The largest of all structures, each beside its largest covariance."""
+        """Largest difference over its tolerance, which is relative to each structure's covariances."""
         error, size = (np.abs(array).max(axis=(0, 2, 3)) for array in (difference, own))
         return float((error / (self.tolerance * size + ATOL)).max())
 
     def _covariances(self, frame: Frame, path: Path, now: Covariances) -> Covariances:
-        """At the nodes; those with the soil at the panel's end alone."""
+        """The covariances at the nodes; those with the ground's states only at the end of the panel."""
         one, two = self.pairs
         forced = path.push[:, one, :, None] * path.pull[:, two, None, :]
         forced += path.pull[:, one, :, None] * path.push[:, two, None, :]
@@ -295,7 +303,7 @@ class Transient:
 
     @np.errstate(under="ignore", invalid="ignore", divide="ignore")
     def coefficients(self, own: Array) -> Array:
-        """``1 + c_e`` and ``k_e`` (2, ..., n, m) that the closure finds for ``X`` (..., n, 3 m, 3 m)."""
+        """``1 + c_e`` and ``k_e`` (2, ..., n, m) by the closure, for ``X`` (..., n, 3 m, 3 m)."""
         values = np.zeros((2, *own.shape[:-2], self.structures.scale.shape[1]))
         if self.closure is None:
             return values
@@ -312,11 +320,12 @@ class Transient:
         return values
 
     def _moments(self, x: Array, both: Array) -> tuple[Own, Difference]:
-        """Of covariances at instants, which come first."""
+        """Moments from the covariances ``X`` and ``X12``, whose first dimension is time."""
         w, (one, two) = self.structures.frequency[:, None], self.pairs
         d, v, _ = self.parts
 
         def seen(left: Array, blocks: Array, right: Array) -> Array:
+            """Covariances of weighted sums of drifts, from blocks of covariances of the drifts."""
             return ((left @ blocks) * right).sum(axis=-1)
 
         own, first, second = self.seen, self.seen[one], self.seen[two]
@@ -328,6 +337,7 @@ class Transient:
         velocities = w[one] * w[two] * seen(first, both[..., v, v], second)
 
         def of_both(values: Array) -> Array:
+            """Sums of the values of both structures of each pair."""
             return values[:, one] + values[:, two]
 
         squares = of_both(u_u)
@@ -349,7 +359,10 @@ class Transient:
 
 
 def _check_pace(passed: float, length: float, begin: float, end: float) -> None:
-    """Raise an ArithmeticError if panels advance so little in a window that too many are left."""
+    """Raise an ArithmeticError if the panels are so short that too many remain.
+
+    ``passed`` is the time that the last `WINDOW` panels have covered [s].
+    """
     if (end - begin) * WINDOW > MOST_PANELS * passed:
         raise ArithmeticError(
             f"the covariance equations need steps of {length:.2g} s at {begin:.3g} s: a structure is so "

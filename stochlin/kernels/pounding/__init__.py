@@ -1,1 +1,1 @@
-"""A row of buildings through a recorded motion, event by event; force of a contact."""
+"""Response of a row of buildings to a recorded motion, with impacts; forces of contact elements."""

@@ -1,8 +1,8 @@
-"""Force of a contact element, its end of contact, and the jump of a stereomechanical impact; compiled.
+"""Force and end of contact of a contact element; velocities after a stereomechanical impact, eq. (13).
 
-``d = u1 - u2 - gap`` is the penetration [m], positive in contact, ``v = d'`` [m/s], and ``v0`` the
-approach velocity, ``v`` at the beginning of this contact. The force pushes structure 1 back and
-structure 2 forward; negative, it pulls.
+``d = u1 - u2 - gap`` is the penetration [m], positive in contact, ``v = d'`` its rate [m/s], and ``v0``
+the approach velocity, ``v`` at the beginning of this contact. A positive force pushes structure 1 to the
+left and structure 2 to the right; a negative force pulls them together.
 """
 
 from __future__ import annotations
@@ -16,36 +16,43 @@ from numba.extending import register_jitable
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import called_often, compiled, elementwise, entry
 
-OPEN, CLOSED, OPENING, PARTED, TOGETHER = range(5)  # branches of a contact
+# Branches of a contact: no contact; in contact; in contact and opening, if the dashpot acts only while
+# closing; compressed but without force; two floors that move together after a stereomechanical impact.
+OPEN, CLOSED, OPENING, PARTED, TOGETHER = range(5)
 
 
 class ForceLaw(NamedTuple):
-    """What the force of any element is made of: ``k d^n + c d^p v`` while ``d > 0``.
+    """Parameters of the force ``k d^n + c d^p v`` of a contact element while ``d > 0``.
 
-    Numbers, or arrays that broadcast.
+    The fields are numbers, or arrays that broadcast.
     """
 
     stiffness: Any = 1.0  # k [N/m^n]
     exponent: Any = 1.0  # n
     damping: Any = 0.0  # c [N s/m^(p+1)]; [-] if over_approach
     damping_exponent: Any = 0.0  # p
-    approach_only: bool = False  # the dashpot acts while v > 0
+    approach_only: bool = False  # the dashpot acts only while v > 0
     over_approach: bool = False  # the dashpot's force is ``k d^n c v/v0``
-    tension: bool = True  # else contact ends with the force: p = n - 1, unless in approach_only
+    # The element can pull. If it cannot, contact ends where the force is zero; this requires p = n - 1,
+    # unless approach_only is set.
+    tension: bool = True
 
 
 _FIELDS = [(name, type(value)) for name, value in ForceLaw()._asdict().items()]
-LAW = np.dtype((np.record, np.dtype(_FIELDS, align=True)))  # uncompiled, too, fields are attributes
+LAW = np.dtype((np.record, np.dtype(_FIELDS, align=True)))  # a record: fields are also attributes
 
 
 def law_table(laws: Iterable[ForceLaw]) -> Array:
-    """Laws of numbers, one a contact, as a `Row` takes them."""
+    """The force laws of all contacts as a structured array, the type of ``Row.element``."""
     return np.array([tuple(law) for law in laws], LAW)
 
 
 @called_often
 def branch_force(law, branch, d, v, v0):
-    """Force of an element on one of its branches, and its elastic part [N]; smooth beyond its ends."""
+    """Force of an element on a given branch, and its elastic part [N].
+
+    Both continue smoothly beyond the ends of the branch.
+    """
     if branch == OPEN:
         return 0.0, 0.0
     elastic = law.stiffness * d if law.exponent == 1.0 else law.stiffness * max(d, 0.0) ** law.exponent
@@ -53,7 +60,7 @@ def branch_force(law, branch, d, v, v0):
         return 0.0, elastic
     if branch == OPENING:
         return elastic, elastic
-    if law.over_approach:  # a contact that did not begin with an approach has no v0
+    if law.over_approach:  # v0 is 0 if the contact began without an approach velocity
         return (elastic * (1.0 + law.damping * v / v0) if v0 > 0.0 else elastic), elastic
     c = law.damping
     if law.damping_exponent != 0.0:
@@ -63,7 +70,7 @@ def branch_force(law, branch, d, v, v0):
 
 @compiled
 def has_fractional_power(law):
-    """Whether the force begins and ends as no polynomial does."""
+    """Whether the force has a power of ``d`` other than 1: it is then not smooth at ``d = 0``."""
     return law.exponent != 1.0 or law.damping_exponent != 0.0
 
 
@@ -78,29 +85,29 @@ def force(law, d, v, v0):
 
 @elementwise
 def forces(k, n, c, p, approach_only, over_approach, tension, d, v, v0):
-    """`force` over arrays that broadcast: the fields of a `ForceLaw`, then the motion."""
+    """`force` [N] for arrays that broadcast: fields of a `ForceLaw`, then ``d``, ``v`` and ``v0``."""
     return force(ForceLaw(k, n, c, p, approach_only, over_approach, tension), d, v, v0)
 
 
 @entry
 def separation_margin(law, d, v):
-    """What reaches zero, falling, when the contact ends [m].
+    """Quantity that falls to zero when the contact ends [m].
 
-    The penetration; without tension the force over ``k d^(n-1)``, which is there before: the faces part
-    while the element is still compressed.
+    It is the penetration for an element that can pull. Otherwise it is the force over ``k d^(n-1)``,
+    which is zero earlier: the faces then separate while the element is still compressed.
     """
     return d if law.tension or law.approach_only else d + law.damping * v / law.stiffness
 
 
 def stored_energy(law: Array, d: Array) -> Array:
-    """Energy [J] in the springs of elements, rows of a `law_table`, at penetrations (..., c)."""
+    """Elastic energy [J] of contact elements (c,), a `law_table`, at penetrations ``d`` (..., c) [m]."""
     k, n = law["stiffness"], law["exponent"]
     return k * np.maximum(d, 0.0) ** (n + 1) / (n + 1)
 
 
 @register_jitable
 def reduced_mass(mass_1: Any, mass_2: Any) -> Any:
-    """``m1 m2/(m1 + m2)`` [kg]; an infinite mass is a rigid wall. Scalars or arrays."""
+    """Reduced mass ``m1 m2/(m1 + m2)`` [kg]; an infinite mass is a rigid wall. Scalars or arrays."""
     return 1.0 / (1.0 / mass_1 + 1.0 / mass_2)
 
 
@@ -115,5 +122,5 @@ def velocities_after_impact(
 
 @register_jitable
 def impact_loss(mass_1: Any, mass_2: Any, restitution: Any) -> Any:
-    """Energy that this impact takes, over the square of ``u1' - u2'`` [kg]. Scalars or arrays."""
+    """Energy lost in a stereomechanical impact, over ``(u1' - u2')^2`` [kg]. Scalars or arrays."""
     return 0.5 * (1.0 - restitution) * (1.0 + restitution) * reduced_mass(mass_1, mass_2)

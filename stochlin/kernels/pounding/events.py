@@ -1,8 +1,9 @@
-"""Ends of branches within a step of buildings in a row: which comes first, and what follows; compiled.
+"""Events of buildings in a row: the first end of a branch within a time step, and the branch after it.
 
-A storey or a link yields and unloads, a link with slack is taut or loose, a dashpot with an exponent
-turns, a contact begins, turns and ends where a linear function of the state leaves an interval; two
-floors that move together part where the force between them vanishes.
+The events are: a storey or link yields or unloads; a link with slack becomes taut or loose; a dashpot
+with an exponent changes between its linear range and its power law; a contact begins, changes from
+closing to opening, or ends. Each is the time at which a linear function of the state (a `measure`)
+leaves an interval. Two floors that move together separate when the force between them becomes zero.
 """
 
 import numpy as np
@@ -53,18 +54,21 @@ from stochlin.kernels.pounding.steps import (
     work_within,
 )
 
-NOTHING = -1
+NOTHING = -1  # in place of the number of an event or measure: none
 INFINITE = np.inf
-THIRDS = 16  # the square of what is left, (2/3)^32, is the error of a peak
-GRAIN = 1e-11  # of the largest displacement: the noise of the polynomials
+THIRDS = 16  # steps of the search for a peak, whose relative error is then about (2/3)^32
+GRAIN = 1e-11  # rounding error of the interpolating polynomials, over the largest displacement
 
 
 @called_often
 def watched(row, branch, number):
-    """What ends a branch: a `measure`, of which storey, contact or link, its shift, and its interval.
+    """Condition of the event with this number on the present branches.
 
-    There are two of each storey, of each contact and of each link, its spring and its dashpot. What
-    floors that move together watch, their force, is not among it.
+    Returns a `measure` (NOTHING if there is no such event), the number of the storey, contact or link,
+    and the shift and both ends of the interval: the event is the exit of the measure less the shift
+    from the interval. Numbers 0 to ``2 n - 1`` are two conditions of each storey, the next ``2 c`` two
+    of each contact, the next ``l`` those of the springs of links and the last ``l`` those of their
+    dashpots. The force between floors that move together has no number here.
     """
     n, _, c, _ = sizes(row)
     if number < 2 * n:
@@ -78,6 +82,7 @@ def watched(row, branch, number):
 
 @called_often
 def _watched_storey(row, branch, i, first):
+    """The first or the second condition of storey ``i``, as `watched` returns it."""
     law, sign, limit = row.law[i], branch.storey[i], row.strength[i]
     watch = NOTHING, i, 0.0, 0.0, 0.0
     if first and law == BILINEAR and sign == 0:
@@ -91,6 +96,7 @@ def _watched_storey(row, branch, i, first):
 
 @called_often
 def _watched_contact(row, branch, j, first):
+    """The first or the second condition of contact ``j``, as `watched` returns it."""
     kept, gap = branch.contact[j], row.gap[j]
     watch = NOTHING, j, 0.0, 0.0, 0.0
     if first and kept == OPEN:
@@ -108,6 +114,7 @@ def _watched_contact(row, branch, j, first):
 
 @called_often
 def _watched_link(row, branch, j):
+    """The condition of the spring of link ``j``, as `watched` returns it."""
     law, sign, limit = row.tie_law[j], branch.tie[j], row.tie[j, LIMIT]
     watch = NOTHING, j, 0.0, 0.0, 0.0
     if law == SLACK:
@@ -121,6 +128,7 @@ def _watched_link(row, branch, j):
 
 @called_often
 def _watched_dashpot(row, branch, j):
+    """The condition of the dashpot of link ``j``, as `watched` returns it."""
     sign, slowest = branch.pace[j], creep_of(row, j)
     if row.tie[j, EXPONENT] == 1.0:
         return NOTHING, j, 0.0, 0.0, 0.0
@@ -131,12 +139,14 @@ def _watched_dashpot(row, branch, j):
 
 @called_often
 def _keeps_sign(what, i, shift, sign):
+    """The condition that the measure ``what`` less ``shift`` keeps the given sign."""
     return what, i, shift, 0.0 if sign > 0 else -INFINITE, INFINITE if sign > 0 else 0.0
 
 
 @compiled
 def _in_contact(branch):
-    for kept in branch.contact:  # noqa: SIM110  a generator would be an allocation
+    """Whether any contact is not open."""
+    for kept in branch.contact:  # noqa: SIM110  a generator would allocate memory
         if kept != OPEN:
             return True
     return False
@@ -144,7 +154,11 @@ def _in_contact(branch):
 
 @compiled
 def _storeys_stay(row, branch, h, x, space):
-    """Whether no storey can end its branch within the step: the test of `first_event`, at one go."""
+    """Whether no storey can end its branch within the step.
+
+    This is the estimate of `first_event` by values and rates at both ends, for all storeys at once.
+    False for Bouc-Wen storeys.
+    """
     n, new, begin, end = row.mass.size, space.new, space.stages[0], space.stages[STAGES]
     for i in range(n):
         law, below = row.law[i], row.below[i]
@@ -170,7 +184,7 @@ def _storeys_stay(row, branch, h, x, space):
 
 @compiled
 def _contacts_stay(row, branch, h, x, space):
-    """Whether no contact can begin within the step, nor end: the same, for contacts that are open."""
+    """Whether all contacts are open and stay so within the step, by the same estimate."""
     new, begin, end = space.new, space.stages[0], space.stages[STAGES]
     for j in range(row.gap.size):
         if branch.contact[j] != OPEN:
@@ -188,10 +202,11 @@ def _contacts_stay(row, branch, h, x, space):
 
 @compiled
 def first_event(row, branch, ground, slope, h, x, space):
-    """First end of a branch within a step that was taken.
+    """First event within an accepted step.
 
-    Returns its time over the step, its number, the side by which the interval is left, and whether the
-    polynomials of the step were found. In contact they always are, with the forces at the nodes.
+    Returns its time as a share of the step (1 if there is none), its number, the side by which the
+    measure leaves its interval (1 or -1), and whether the interpolating polynomials of the step have
+    been computed. While any contact is not open they always are, together with the forces at the nodes.
     """
     n, _, c, _ = sizes(row)
     total = 2 * (n + c + len(row.tied))
@@ -210,11 +225,12 @@ def first_event(row, branch, ground, slope, h, x, space):
             continue
         begin, end = measure(row, what, i, x) - shift, measure(row, what, i, space.new) - shift
         grain = GRAIN * greatest(space.reach[0])
-        if what == PENETRATION and upper == 0.0 and begin > -grain:  # floors that touch may yet part
+        # Floors that touch at the beginning may be about to separate.
+        if what == PENETRATION and upper == 0.0 and begin > -grain:
             upper = max(begin, 0.0) + grain
         rate = measure(row, what, i, space.stages[0])
         last_rate = measure(row, what, i, space.stages[STAGES])
-        # A step is too short for a function to stray farther than its steeper end would take it.
+        # Within a step a function changes by less than its larger rate at the two ends times ``h``.
         stray = h * max(abs(rate), abs(last_rate))
         if max(begin, end) + stray <= upper and min(begin, end) - stray >= lower:
             continue
@@ -236,9 +252,10 @@ def first_event(row, branch, ground, slope, h, x, space):
 
 @compiled
 def pass_event(row, branch, event, way, ground, time, x, space, table, used):
-    """Go from branch to branch at an event; returns how many lines of the table are used.
+    """Change the branch at an event with this number; returns the number of table lines in use.
 
-    There has to be room for MOST_BLOWS and two for each contact.
+    Numbers are those of `first_event`. ``way`` is the side by which the measure left its interval. The
+    table needs room for `MOST_BLOWS` further lines, and two for each contact.
     """
     n, _, c, _ = sizes(row)
     if event < 2 * n:
@@ -276,7 +293,7 @@ def pass_event(row, branch, event, way, ground, time, x, space, table, used):
 
 @compiled
 def _end_contact(row, branch, j, time, x, table):
-    """A contact opens; or its force ends, while the element is still compressed and may push again."""
+    """Open contact ``j``, or set it to PARTED if its force is zero but the element is compressed."""
     parted = branch.contact[j] == PARTED
     end_entry(row, branch, j, table[branch.entry[j], END] if parted else time, x, table)
     pulls = row.element[j].tension or row.element[j].approach_only
@@ -289,9 +306,10 @@ def _end_contact(row, branch, j, time, x, table):
 
 @compiled
 def watch_forces(branch, end, h, space, table, most):
-    """Take the largest forces, compressions, and work, up to the share ``end`` of a step into the table.
+    """Update forces, penetrations and work of impacts in the table by a step up to its share ``end``.
 
-    And in contact the largest accelerations (n,) at the places where forces are looked at.
+    While any contact is not open, the largest accelerations ``most`` (n,) are also updated, at the
+    nodes.
     """
     for q in range(int(end * (NODES - 1)) + 1 if _in_contact(branch) else 0):
         for i in range(most.size):
@@ -307,7 +325,7 @@ def watch_forces(branch, end, h, space, table, most):
         largest = max(table[line, LARGEST], space.nodes[here, j])
         force_polynomial(j, space)
         low, high = max(here - 1, 0) / (NODES - 1), min((here + 1) / (NODES - 1), end)
-        for _ in range(THIRDS):  # the interval in which the polynomial has its peak, by thirds
+        for _ in range(THIRDS):  # ternary search for the peak of the polynomial
             third = (high - low) / 3.0
             one, two = evaluate(space.line, low + third)[0], evaluate(space.line, high - third)[0]
             if one < two:
@@ -325,10 +343,10 @@ def watch_forces(branch, end, h, space, table, most):
 
 @compiled
 def watch_peaks(row, end, h, x, after, space, peaks, look):
-    """Take the share ``end`` of a step, up to ``after``, into ``peaks`` (2, n): highest, lowest.
+    """Update the highest and lowest displacements ``peaks`` (2, n) by a step from ``x`` to ``after``.
 
-    Without the polynomials of the step, tells whether they are needed for that; with them, ``look``,
-    uses them.
+    Returns whether a peak inside the step may be larger than those at its ends. If so, and if ``look``
+    is true, the peak is found by the interpolating polynomials, which have to be computed before.
     """
     n, needed = row.mass.size, False
     for i in range(n):
@@ -349,7 +367,7 @@ def watch_peaks(row, end, h, x, after, space, peaks, look):
 
 @called_often
 def watch_state(row, branch, ground, x, dx, most):
-    """Take a state and its rates into the largest accelerations, storey shears and forces of links."""
+    """Update largest accelerations, storey shears and link forces by a state and its rates ``dx``."""
     n = row.mass.size
     for i in range(n):
         below = x[row.below[i]] if row.below[i] >= 0 else 0.0

@@ -1,8 +1,9 @@
-"""Stereomechanical impacts of buildings in a row, and the table of all impacts; compiled.
+"""Stereomechanical impacts of buildings in a row, and the table of all impacts.
 
-An impact is a line of the table: when it began, which contact, its approach velocity, its largest force,
-when it ended, what the contact had dissipated before and after it, its work on the structure on its
-right, what it stored at its end, and how far it was compressed.
+Each impact has a line in the table, with these columns: time of its beginning [s], number of the
+contact, approach velocity [m/s], largest force [N], time of its end [s], energy dissipated in the
+contact before and after the impact [J], work of the impact on the structure on its right [J], elastic
+energy of the contact element at its end [J], and largest penetration [m].
 """
 
 import numpy as np
@@ -15,16 +16,16 @@ from stochlin.kernels.pounding.steps import greatest
 
 BEGIN, CONTACT, APPROACH, LARGEST, END, BEFORE, AFTER, HANDED, STORED, DEEPEST = range(10)
 COLUMNS = 10
-FIRST_LINES = 256
-TOUCH = 1e-12  # of the largest displacement: floors this close touch
-CALM = 1e-9  # of the largest velocity: floors that close no faster than this do not strike
-HOP = 1e-10  # of the largest displacement: floors that would rebound no farther move together
-MOST_BLOWS = 50  # at one time; then all floors that touch go on with one velocity
+FIRST_LINES = 256  # initial length of the table
+TOUCH = 1e-12  # distance at which floors touch, over the largest displacement
+CALM = 1e-9  # approach velocity that is no impact, over the largest velocity
+HOP = 1e-10  # rebound distance below which floors move together, over the largest displacement
+MOST_BLOWS = 50  # largest number of impacts at one time; then all floors that touch move together
 
 
 @compiled
 def begin_entry(row, branch, j, velocity, time, x, table, used):
-    """A new line of the table; returns how many are used."""
+    """Begin a line of the table for an impact at contact ``j``; returns the number of lines in use."""
     lost = x[_account(row, j)]
     line = table[used]
     line[BEGIN], line[CONTACT], line[APPROACH], line[LARGEST] = time, j, velocity, -np.inf
@@ -36,7 +37,7 @@ def begin_entry(row, branch, j, velocity, time, x, table, used):
 
 @compiled
 def end_entry(row, branch, j, time, x, table):
-    """Bring the line of a contact up to date."""
+    """Update the end of the present impact at contact ``j`` in its line of the table."""
     line = table[branch.entry[j]]
     line[END], line[AFTER] = time, x[_account(row, j)]
     if not row.jumps:
@@ -46,18 +47,20 @@ def end_entry(row, branch, j, time, x, table):
 
 @compiled
 def _account(row, j):
-    """Where the state has what a contact has dissipated."""
+    """Index of the energy dissipated in contact ``j`` in the state."""
     n, s, _, _ = sizes(row)
     return 3 * n + 3 * s + j
 
 
 @compiled
 def settle(row, branch, struck, ground, time, x, space, table, used):
-    """What follows when the floors of a contact strike each other, or move together no longer.
+    """Velocities and branches after a stereomechanical impact at contact ``struck``, or a separation.
 
-    Blows at all floors that touch, the fastest first, until none approaches; a light floor that is
-    caught between heavy ones would take very many. Floors then stay together which are pressed so hard
-    that they would hardly rebound: this is how chattering ends.
+    If its floors moved together, they separate. Otherwise eq. (13) is applied at all floors that touch,
+    the fastest approach first, until none approach any more. A light floor between heavy ones needs very
+    many such impacts; their number is limited by `MOST_BLOWS`. Floors that are pressed together so
+    strongly that they would hardly rebound then move together, which ends chattering. Returns the number
+    of lines of the table in use.
     """
     touch, calm = TOUCH * greatest(space.reach[0]), CALM * greatest(space.reach[1])
     if branch.contact[struck] == TOGETHER:
@@ -75,7 +78,7 @@ def settle(row, branch, struck, ground, time, x, space, table, used):
                 _let_go(row, branch, j, time, x, table)
             else:
                 _join(row, branch, j, x, table)
-    for _ in range(row.gap.size):  # one that is held can press the next
+    for _ in range(row.gap.size):  # floors that now move together can press on the next one
         held = False
         for j in range(row.gap.size):
             if branch.contact[j] == OPEN and (j == struck or _touches(row, branch, j, touch, x)):
@@ -88,7 +91,10 @@ def settle(row, branch, struck, ground, time, x, space, table, used):
 
 @compiled
 def _blows(row, branch, struck, touch, calm, time, x, table, used):
-    """Blows until no floors approach that touch, or too many; returns also which of both."""
+    """Impacts by eq. (13), until no floors that touch approach each other, at most `MOST_BLOWS`.
+
+    Returns the number of lines of the table in use, and whether the limit was reached.
+    """
     for _ in range(MOST_BLOWS):
         which, fastest = -1, calm
         for j in range(row.gap.size):
@@ -111,7 +117,7 @@ def _blows(row, branch, struck, touch, calm, time, x, table, used):
 
 @compiled
 def _press(row, branch, j, ground, time, calm, x, space, table, used):
-    """Hold two floors together that are pressed so hard that they would hardly rebound."""
+    """Let the floors of contact ``j`` move together if they would rebound by less than `HOP`."""
     n = row.mass.size
     rates_at_times(row, branch, ground, x, space.rate, space.force)
     pressed = space.rate[n + row.left[j]] - space.rate[n + row.right[j]]
@@ -123,19 +129,21 @@ def _press(row, branch, j, ground, time, calm, x, space, table, used):
         _join(row, branch, j, x, table)
     else:
         branch.entry[j] = -1
-        if abs(v) <= calm:  # side by side: rounding is not to make them strike again
+        if abs(v) <= calm:  # set the velocities equal, so that rounding causes no further impact
             _join(row, branch, j, x, table)
     return used
 
 
 @compiled
 def _touches(row, branch, j, touch, x):
+    """Whether the floors of contact ``j`` move together or are at most ``touch`` [m] apart."""
     distance = measure(row, PENETRATION, j, x) - row.gap[j]
     return branch.contact[j] == TOGETHER or distance >= -touch
 
 
 @compiled
 def _let_go(row, branch, j, time, x, table):
+    """Separate the floors of contact ``j`` and end its impact."""
     end_entry(row, branch, j, time, x, table)
     branch.contact[j] = OPEN
     branch.entry[j] = -1
@@ -143,7 +151,7 @@ def _let_go(row, branch, j, time, x, table):
 
 @compiled
 def _strike(row, j, e, x):
-    """One impact, eq. (13); its work on the right."""
+    """Apply one impact, eq. (13), to the velocities; returns its work on the right structure [J]."""
     n, one, two = row.mass.size, row.left[j], row.right[j]
     v1, v2, mass_1, mass_2 = x[n + one], x[n + two], row.mass[one], row.mass[two]
     x[n + one], x[n + two] = velocities_after_impact(v1, v2, mass_1, mass_2, e)
@@ -153,7 +161,7 @@ def _strike(row, j, e, x):
 
 @compiled
 def _join(row, branch, j, x, table):
-    """One velocity for all floors that move together with those of a contact; momentum is kept."""
+    """Give all floors that move together with those of contact ``j`` one velocity; momentum is kept."""
     n, c = row.mass.size, row.gap.size
     start, stop = j, j + 1
     while linked(row, branch, start):

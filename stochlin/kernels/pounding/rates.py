@@ -1,18 +1,19 @@
-"""Equations of motion of buildings in a row, on the branches that they are on; compiled.
+"""Equations of motion of buildings in a row, for given branches of all storeys, contacts and links.
 
-A building is a stack of floors on springs with dashpots, or one mass; the force of a storey is ``alpha k
-drift + (1 - alpha) k y``, where ``y = drift - slip`` [m] and the slip moves only with yielding.
-Neighbours meet at contacts, each between a floor of the left one and a floor of the right one, with the
-penetration ``d = u_left - u_right - gap``. Which branch a storey or a contact is on is told, so that
-the rates are smooth functions: they go on smoothly a little beyond the end of the branch too.
+A building is one mass, or floors on storey springs with dashpots. The force of a storey is
+``alpha k drift + (1 - alpha) k y``, where ``y = drift - slip`` [m] and the slip changes only while the
+storey yields. Neighbours meet at contacts. Each is between a floor of the left building and a floor of
+the right one, with the penetration ``d = u_left - u_right - gap``. If a floor meets a column of its
+neighbour, the displacement of the column is the weighted mean of the two floors at its ends.
 
-A floor that meets a column between two floors of its neighbour meets these two by their weights.
+Links are springs with dashpots between two floors, or between a floor and the ground. A spring may
+yield as storeys do, or have slack and only pull; the force of a dashpot may be a power of its velocity.
 
-Links are springs with dashpots between two floors, or a floor and the ground. The springs may yield as
-storeys do, or have slack and pull only; the dashpots may have an exponent. The state holds
-displacements, velocities and slips of all floors, the work that the ground, the dashpots and the
-yielding have done in each building, what each contact and each link has dissipated, and the slips of
-the links.
+The branches are given and stay fixed during a time step. The rates are therefore smooth functions of the
+state, which also continue smoothly beyond the end of a branch. The state consists of the displacements,
+velocities and slips of all floors; for each building the energy put in by the ground and the energies
+dissipated by the dashpots and by yielding; the energy dissipated in each contact and in each link; and
+the slips of the links.
 """
 
 from stochlin.kernels.basics.compiled import called_often, compiled
@@ -36,7 +37,11 @@ STRAIN, STRAIN_RATE, PENETRATION, CLOSING_RATE, MARGIN, STRETCH, STRETCH_RATE = 
 
 @compiled
 def _bouc_wen_rate(storey, side, shape, strength, y, rate):
-    """Rate of the slip: ``v |z|^n (beta sign(v z) + gamma)``."""
+    """Rate of the slip of a Bouc-Wen storey, ``v |z|^n (beta sign(v z) + gamma)`` [m/s].
+
+    ``z = y/strength``, ``v`` is the rate of the drift; ``storey`` and ``side`` are the signs of ``v``
+    and ``y`` on this branch.
+    """
     beta, gamma, exponent = shape
     z = side * y / strength
     if exponent != 1.0:
@@ -46,7 +51,10 @@ def _bouc_wen_rate(storey, side, shape, strength, y, rate):
 
 @called_often
 def _drags(damping, lo, v, drag):
-    """Forces of the dashpots of one building, four floors at a time: sums that do not wait."""
+    """Dashpot forces of one building [N]: damping matrix times velocities ``v``.
+
+    Four rows are summed at a time, so that the additions do not wait for one another.
+    """
     m, i = v.size, 0
     while i + 4 <= m:
         a, b, c, d = 0.0, 0.0, 0.0, 0.0
@@ -67,7 +75,7 @@ def _drags(damping, lo, v, drag):
 
 @called_often
 def _building(row, branch, b, ground, x, dx):
-    """Rates of one building standing alone."""
+    """Write the rates of building ``b``, without contacts and links, into ``dx``."""
     n, s = row.mass.size, row.first.size - 1
     lo, hi = row.first[b], row.first[b + 1]
     u, v, slips = x[lo:hi], x[n + lo : n + hi], x[2 * n + lo : 2 * n + hi]
@@ -98,7 +106,10 @@ def _building(row, branch, b, ground, x, dx):
 
 @called_often
 def rates(row, branch, ground, x, dx, force):
-    """Rates ``dx`` of the state ``x`` and forces (c,) of the contacts, for a ground acceleration."""
+    """Write the rates ``dx`` of the state ``x`` and the contact forces (c,) [N].
+
+    ``ground`` is the ground acceleration [m/s^2].
+    """
     n, s, c, _ = sizes(row)
     for b in range(s):
         _building(row, branch, b, ground, x, dx)
@@ -127,13 +138,13 @@ def rates(row, branch, ground, x, dx, force):
 
 @compiled
 def rates_at_times(row, branch, ground, x, dx, force):
-    """The same where it is not called in every stage: optimized only once."""
+    """The same as `rates`, but not inlined: for calls outside the Runge-Kutta stages."""
     rates(row, branch, ground, x, dx, force)
 
 
 @called_often
 def pull(row, branch, j, x):
-    """Force of a link [N], the power that it dissipates, and the rate of its slip."""
+    """Force of link ``j`` [N], the power that it dissipates [W], and the rate of its slip [m/s]."""
     law = row.tie_law[j]
     stretch, rate = _between(row, j, 0, x), _between(row, j, row.mass.size, x)
     drag, held, slipping = _drag(row, branch, j, rate), 0.0, 0.0
@@ -147,14 +158,18 @@ def pull(row, branch, j, x):
 
 @called_often
 def _between(row, j, offset, x):
-    """Stretch of a link, or with the offset of the velocities its rate."""
+    """Difference of the displacements at both ends of link ``j`` [m], which is called its stretch.
+
+    With ``offset`` 0 displacements are taken, with the offset of the velocities in the state the result
+    is the rate of the stretch.
+    """
     one, two = row.tied[j]
     return x[offset + one] - x[offset + two] if two >= 0 else x[offset + one]
 
 
 @called_often
 def _drag(row, branch, j, rate):
-    """Force of the dashpot of a link: ``c |v|^a sign(v)``, and where it creeps along the chord."""
+    """Dashpot force of link ``j`` [N]: ``c |v|^a sign(v)``, linear for ``|v|`` below `creep_of`."""
     c, a = row.tie[j, DASHPOT], row.tie[j, EXPONENT]
     if a == 1.0:
         return c * rate
@@ -163,21 +178,25 @@ def _drag(row, branch, j, rate):
         return c * slowest ** (a - 1.0) * rate
     if sign * rate > slowest:
         return sign * c * (sign * rate) ** a
-    return sign * c * slowest**a * (1.0 + a * (sign * rate / slowest - 1.0))  # goes on smoothly
+    # Beyond the end of this branch: the tangent, so that the force is smooth there.
+    return sign * c * slowest**a * (1.0 + a * (sign * rate / slowest - 1.0))
 
 
 @called_often
 def _apart(row, j, offset, x):
-    """Penetration of a contact without its gap, or with the offset of the velocities its rate."""
+    """Penetration of contact ``j`` plus its gap [m]; with the offset of the velocities, its rate."""
     one, two, low = x[offset + row.left[j]], x[offset + row.right[j]], x[offset + row.lower[j]]
     return row.weight[j, 0] * one + row.weight[j, 1] * two + row.weight[j, 2] * low
 
 
 @compiled
 def _hold_together(row, branch, dx, force):
-    """Forces with which floors that move together have one acceleration; tridiagonal along a level."""
+    """Contact forces that give floors moving together one acceleration, added to the rates ``dx``.
+
+    The forces along one level are the solution of a tridiagonal system.
+    """
     n, c = row.mass.size, row.gap.size
-    for j in range(c):  # elimination: the rest of each pivot's line is parked in ``force``
+    for j in range(c):  # elimination; ``force`` holds the right-hand sides over the pivots
         if branch.contact[j] == TOGETHER:
             one = row.left[j]
             free = dx[n + one] - dx[n + row.right[j]]
@@ -191,20 +210,20 @@ def _hold_together(row, branch, dx, force):
         if branch.contact[j] == TOGETHER:
             dx[n + row.left[j]] -= force[j] / row.mass[row.left[j]]
             dx[n + row.right[j]] += force[j] / row.mass[row.right[j]]
-    for j in range(c):  # equal to the last bit, so that rounding cannot part them
+    for j in range(c):  # set exactly equal, so that rounding does not separate the floors
         if branch.contact[j] == TOGETHER:
             dx[n + row.right[j]] = dx[n + row.left[j]]
 
 
 @compiled
 def linked(row, branch, j):
-    """Whether the floor on the left of contact ``j`` also moves together with its own left."""
+    """Whether the left floor of contact ``j`` also moves together with the floor to its own left."""
     return j > 0 and row.right[j - 1] == row.left[j] and branch.contact[j - 1] == TOGETHER
 
 
 @compiled
 def _pivot(row, branch, j):
-    """Pivot of contact ``j`` in the elimination, from the beginning of its chain."""
+    """Pivot of contact ``j`` in the elimination, from the first of the contacts that move together."""
     start = j
     while linked(row, branch, start):
         start -= 1
@@ -218,10 +237,12 @@ def _pivot(row, branch, j):
 
 @called_often
 def measure(row, what, i, x):
-    """Linear function of a state, or of its rates: of the storey, contact or link number ``i``.
+    """A linear function of the state ``x`` that belongs to the storey, contact or link number ``i``.
 
-    STRAIN is ``y``; PENETRATION leaves out the gap; MARGIN is what ends a contact; STRETCH is that of a
-    link less its slip.
+    STRAIN is ``y`` of a storey and STRAIN_RATE the rate of its drift. PENETRATION is that of a contact
+    plus the gap, CLOSING_RATE its rate, and MARGIN the quantity whose zero ends the contact
+    (`separation_margin`) plus the gap. STRETCH is the stretch of a link less its slip, STRETCH_RATE the
+    rate of the stretch. Applied to rates ``dx`` in place of ``x`` it gives time derivatives.
     """
     n = row.mass.size
     if what == STRAIN:
@@ -243,7 +264,11 @@ def measure(row, what, i, x):
 
 @compiled
 def start(row, branch, x):
-    """Branches at a state from which the motion begins: elastic; at rest at a gap of 0, together."""
+    """Set the branches for the state ``x`` at the beginning of the motion.
+
+    All springs are elastic. Floors that touch and do not move relative to each other move together if
+    the contacts are stereomechanical.
+    """
     n, _, c, _ = sizes(row)
     for i in range(n):
         if row.law[i] == BOUC_WEN:

@@ -1,8 +1,9 @@
-"""Buildings in a row through a motion, from event to event; compiled.
+"""Response of buildings in a row to a ground motion, with time steps that end at every event.
 
-The ground is linear between its samples, and steps end at each of them. Where a branch ends within a
-step, the polynomials of the step tell when; the step is cut there, and the next one begins on the next
-branch. Nothing depends on the times at which states are asked for.
+The ground acceleration is linear between its samples, and time steps end at each of them. An event is
+the end of a branch, for instance yielding or the beginning of a contact. If it falls into a step, its
+time follows from the interpolating polynomials. The step is cut off there, and the next one begins on
+the new branch. The time steps do not depend on the times at which states are requested.
 """
 
 from __future__ import annotations
@@ -42,35 +43,35 @@ from stochlin.kernels.pounding.steps import (
     state_within,
 )
 
-SAFETY, SHRINK, GROW, ORDER = 0.9, 0.2, 5.0, 8.0  # of the step control
-OUTSET = 1e-3  # of what the motion can do in one interval: nothing smaller is resolved
-FIRST = 0.1  # first step, of an interval of the record
-LEAST = 1e-12  # advance past an event, of an interval of the record
-STUCK = 1e-14  # steps below this share of an interval lead nowhere
-MOST_STEPS = 500_000  # of one interval of the record
-ON_CONTACT = 0.3  # first step in contact, of the contact's own time
-ON_HERTZ = 1e-4  # where the force begins with a fractional power
+SAFETY, SHRINK, GROW, ORDER = 0.9, 0.2, 5.0, 8.0  # constants of the step size control
+OUTSET = 1e-3  # initial scale of the error control, over the velocity dt max |a| of one interval
+FIRST = 0.1  # first time step, over the interval of the record
+LEAST = 1e-12  # smallest advance past an event, over the interval of the record
+STUCK = 1e-14  # smallest time step, over the interval of the record; a smaller one ends the run
+MOST_STEPS = 500_000  # largest number of trial steps in one interval of the record
+ON_CONTACT = 0.3  # first time step in contact, over the time scale of the contact
+ON_HERTZ = 1e-4  # the same for a force with a fractional power of the penetration
 
 
 class SampledMotion(NamedTuple):
-    """A ground motion, and when the state is asked for."""
+    """A ground motion, and the output times at which the state is requested."""
 
     acceleration: Array  # (samples,) [m/s^2]
-    dt: float
-    interval: Array  # (times,): number of the interval of the record, increasing
-    since: Array  # (times,) [s]: time since its beginning, from 0 to dt
+    dt: float  # [s]
+    interval: Array  # (times,): number of the interval of the record with the output time, increasing
+    since: Array  # (times,) [s]: time since the beginning of this interval, from 0 to dt
 
 
 class Most(NamedTuple):
-    """Largest absolute values at the ends of steps, and in contact at some places within."""
+    """Largest magnitudes at the ends of steps; accelerations in contact also at the nodes of steps."""
 
-    acceleration: Array  # (n,) [m/s^2]: absolute
-    shear: Array  # (n,) [N]: of the storeys
-    pull: Array  # (l,) [N]: of the links
+    acceleration: Array  # (n,) [m/s^2]: absolute accelerations of the floors
+    shear: Array  # (n,) [N]: storey shears
+    pull: Array  # (l,) [N]: forces of the links
 
 
 class Asked(NamedTuple):
-    """What is asked for: times as in `SampledMotion`, and room for what there is at them."""
+    """Output times as in `SampledMotion`, and the arrays of `Run` that are written at them."""
 
     interval: Array
     since: Array
@@ -81,23 +82,26 @@ class Asked(NamedTuple):
 
 
 class Run(NamedTuple):
-    """What became of a row of buildings."""
+    """Response of a row of buildings to one motion."""
 
-    states: Array  # (times, k)
-    forces: Array  # (times, c) [N]
-    accelerations: Array  # (times, n) [m/s^2]: absolute
-    peaks: Array  # (2, n) [m]: highest and lowest displacement
+    states: Array  # (times, k): states at the output times
+    forces: Array  # (times, c) [N]: contact forces
+    accelerations: Array  # (times, n) [m/s^2]: absolute accelerations of the floors
+    peaks: Array  # (2, n) [m]: highest and lowest displacement of each floor
     most: Most
-    impacts: Array  # (impacts, COLUMNS)
-    steps: int
-    completed: bool
-    time: float  # where it stopped [s]
-    last: Array  # (k,): and in what state
+    impacts: Array  # (impacts, COLUMNS): the table of `impacts`
+    steps: int  # number of trial steps
+    completed: bool  # the end of the motion was reached
+    time: float  # time reached [s]
+    last: Array  # (k,): state at this time
 
 
 @compiled
 def _advance(row, branch, ground, slope, h, x, space):
-    """Take a step, shorter and shorter until its error is allowed; its length, the next, the trials."""
+    """Compute one step, reduced until its error is within the tolerance.
+
+    Returns its length [s] (0 if no length succeeded), the length to try next and the number of trials.
+    """
     for trial in range(1, 60):
         error = attempt(row, branch, ground, slope, h, x, space)
         if error <= 1.0:
@@ -105,14 +109,17 @@ def _advance(row, branch, ground, slope, h, x, space):
             now = ground + slope * h
             rates(row, branch, now, space.new, space.stages[STAGES], space.force)
             return h, h * growth, trial
-        # A trial that overflowed has no error to learn from.
+        # After overflow the error is not finite and gives no estimate of the right length.
         h *= max(SHRINK, SAFETY * error ** (-1.0 / ORDER)) if error < np.inf else SHRINK
     return 0.0, h, trial
 
 
 @compiled
 def _watch(row, branch, ground, slope, h, end, x, after, known, space, asked, most, table):
-    """Take peaks and forces of the share ``end`` of a step; tells whether its polynomials are known."""
+    """Update peaks and largest forces by a step up to its share ``end``.
+
+    Returns whether the interpolating polynomials of the step have been computed.
+    """
     needed = watch_peaks(row, end, h, x, after, space, asked.peaks, known)
     if needed and not known:
         interpolate(row, branch, ground, slope, h, x, space)
@@ -124,7 +131,10 @@ def _watch(row, branch, ground, slope, h, end, x, after, known, space, asked, mo
 
 @compiled
 def _report(row, branch, ground, slope, h, tau, last, x, after, known, space, asked, at, done):
-    """Write the states asked for between ``tau`` and ``last`` of interval ``at``; how many are done."""
+    """Write the states at output times from ``tau`` to ``last`` [s] of interval ``at`` of the record.
+
+    Returns the number of output times that are done.
+    """
     while done < asked.since.size and asked.interval[done] == at and asked.since[done] <= last:
         state, t = asked.states[done], (asked.since[done] - tau) / h
         if asked.since[done] == last:
@@ -143,13 +153,14 @@ def _report(row, branch, ground, slope, h, tau, last, x, after, known, space, as
 
 @called_often
 def _keep_accelerations(row, ground, rate, out):
+    """Write the absolute accelerations of the floors to ``out`` (n,)."""
     for i in range(row.mass.size):
         out[i] = rate[row.mass.size + i] + ground
 
 
 @compiled
 def _first_in_contact(row, branch, j):
-    """First step in a contact, a share of its time between two free masses [s]."""
+    """First time step in contact ``j`` [s], a share of the time scale of contact of two free masses."""
     law = row.element[j]
     k, n, c = law.stiffness, law.exponent, 0.0 if law.over_approach else law.damping
     mass = row.meeting[j]
@@ -161,7 +172,11 @@ def _first_in_contact(row, branch, j):
 
 @compiled
 def _pass(row, branch, event, way, ground, time, planned, x, space, table, used):
-    """Go on to the next branch; returns the table, its length, and the step to plan with."""
+    """Change to the branch after an event.
+
+    Returns the table of impacts, extended if necessary, the number of its lines in use, and the length
+    of the next step.
+    """
     before = branch.contact.copy()
     if used + MOST_BLOWS + 2 * before.size > len(table):
         longer = np.empty((2 * len(table), COLUMNS))
@@ -178,7 +193,11 @@ def _pass(row, branch, event, way, ground, time, planned, x, space, table, used)
 
 @compiled
 def _interval(row, branch, begin, slope, dt, at, planned, x, space, asked, most, done, table, used):
-    """All steps of interval ``at`` of the record, over which the ground goes from ``begin``."""
+    """All steps in interval ``at`` of the record, with the ground acceleration ``begin + slope tau``.
+
+    Returns the time reached in the interval, the number of trial steps, the length of the next step, the
+    number of output times done, the table of impacts and the number of its lines in use.
+    """
     tau, count, after = 0.0, 0, space.after
     while tau < dt:
         ground, left = begin + slope * tau, dt - tau
@@ -220,7 +239,11 @@ def _interval(row, branch, begin, slope, dt, at, planned, x, space, asked, most,
 
 @entry
 def _run(row_, branch_, space_, asked_, most_, acceleration, dt, speed, x):
-    """The whole motion: the table of impacts, the steps, whether and how far it came."""
+    """The whole motion, from the state ``x``, which is changed to the last one.
+
+    Returns the table of impacts, the number of trial steps, whether the end was reached, and the time
+    reached.
+    """
     row, branch, space = borrow(row_), borrow(branch_), borrow(space_)
     asked, most = borrow(asked_), borrow(most_)
     start(row, branch, x)
@@ -257,10 +280,10 @@ def _run(row_, branch_, space_, asked_, most_, acceleration, dt, speed, x):
 
 
 def run(row: Row, motion: SampledMotion, start: Array | None = None) -> Run:
-    """A row of buildings through a motion, from rest or from the state ``start`` (k,).
+    """Response of a row of buildings to a motion, from rest or from the state ``start`` (k,).
 
-    A step that cannot be completed ends it: then ``completed`` is false, and ``time`` and ``last`` say
-    where.
+    If a time step cannot be completed the run ends: ``completed`` is then false, and ``time`` and
+    ``last`` give the time and the state reached.
     """
     if not np.isin(row.law, LAWS).all():
         raise ValueError(f"law = {row.law} has one that is not known; allowed: {list(LAWS)}")
@@ -279,7 +302,10 @@ def run(row: Row, motion: SampledMotion, start: Array | None = None) -> Run:
 
 
 def standing_alone(row: Row) -> Row:
-    """The same buildings, each standing alone: without contacts, with links within a building alone."""
+    """The same buildings without contacts and without links between buildings.
+
+    Links between two floors of one building, or between a floor and the ground, remain.
+    """
     of = np.searchsorted(row.first, row.tied, side="right")
     own = (row.tied[:, 1] < 0) | (of[:, 0] == of[:, 1])
     none, nothing = np.zeros(0, np.int64), np.zeros(0)

@@ -1,8 +1,8 @@
-"""Runge-Kutta steps of the 8th order by Dormand and Prince, polynomials within them; compiled.
+"""Runge-Kutta steps of order 8 by Dormand and Prince, and interpolating polynomials within them.
 
 Hairer, E., Norsett, S. P. and Wanner, G. (1993), Solving Ordinary Differential Equations I, section
-II.10: 12 stages, an error from rules of order 5 and 3, and with three more stages a polynomial of degree
-7 over the step.
+II.10: 12 stages, an error estimate from embedded formulas of orders 5 and 3, and with three more stages
+a polynomial of degree 7 over the step.
 """
 
 from __future__ import annotations
@@ -19,49 +19,51 @@ from stochlin.kernels.pounding.contact import OPEN, has_fractional_power
 from stochlin.kernels.pounding.rates import PENETRATION, measure, rates, rates_at_times
 from stochlin.kernels.pounding.rows import Row, sizes, sizes_of, slip_of
 
-# Contiguous, for numba's cache does not take constants that are not.
+# Contiguous arrays, since numba cannot cache code with other constant arrays.
 A, B, C, ERROR_5, ERROR_3, A_MORE, C_MORE, DENSE = (
     np.ascontiguousarray(getattr(DOP853, name))
     for name in ("A", "B", "C", "E5", "E3", "A_EXTRA", "C_EXTRA", "D")
 )
-STAGES, ALL = 12, 16
-SHAPES = 7  # 1 t, 2 t (1-t), 3 t^2 (1-t), 4 t^2 (1-t)^2, ... 7 t^4 (1-t)^3
-POWERS = np.zeros((SHAPES, SHAPES + 1))  # of t in these shapes
+STAGES, ALL = 12, 16  # stages of a step; with the rates at its end and three stages for interpolation
+SHAPES = 7  # shape functions of the interpolation: t, t (1-t), t^2 (1-t), t^2 (1-t)^2, ... t^4 (1-t)^3
+POWERS = np.zeros((SHAPES, SHAPES + 1))  # coefficients of the powers of t in these functions
 POWERS[0, 1] = 1.0
 for _m in range(1, SHAPES):
     _times_t = np.roll(POWERS[_m - 1], 1)
     POWERS[_m] = _times_t if _m % 2 == 0 else POWERS[_m - 1] - _times_t
-NODES = 8  # evenly over a step, where the forces of the contacts are looked at
+NODES = 8  # equally spaced times over a step at which contact forces are evaluated
 FROM_NODES = np.ascontiguousarray(np.linalg.inv(np.vander(np.linspace(0, 1, NODES), increasing=True)))
 
-TOLERANCE = 1e-10  # of a step, over the largest displacement, velocity and energy so far
-ROUGH = 1e-2  # of that in a contact whose force ends with a fractional power, as no polynomial does
-TINY = 1e-150  # for a building that was never moved; its inverse squared is still a number
-REACH = 3
+TOLERANCE = 1e-10  # error of a step over the largest displacement, velocity and energy so far
+ROUGH = 1e-2  # factor on the tolerance during contacts whose force has a fractional power of ``d``
+TINY = 1e-150  # in place of zero for a building that has not moved; 1/TINY^2 is still finite
+REACH = 3  # rows of the largest displacements, velocities and energy in `Space.reach`
 
 
 class Space(NamedTuple):
-    """Arrays that a run writes into; k the length of the state, c contacts."""
+    """Working space of a run: state of length ``k``, ``c`` contacts, ``n`` floors, ``s`` buildings."""
 
-    stages: Array  # (ALL, k): the first is the rates at the beginning, number STAGES those at the end
-    new: Array  # (k,): the state at the end
-    after: Array  # (k,): and where the step is cut
-    shapes: Array  # (SHAPES, k): the polynomials
-    state: Array  # (k,)
-    rate: Array  # (k,)
-    force: Array  # (c,)
-    nodes: Array  # (NODES, c): forces
-    depths: Array  # (NODES, c): compressions
-    powers: Array  # (NODES, c): of these forces on the right
-    shaken: Array  # (NODES, n): absolute accelerations, in contact
-    reach: Array  # (2 REACH, s): largest displacement and velocity of each building, energy; and again
-    line: Array  # (TERMS,)
-    lines: Array  # (4, TERMS)
-    marks: Array  # (2, MARKS)
+    stages: Array  # (ALL, k): rates at the stages; the first at the beginning, number STAGES at the end
+    new: Array  # (k,): state at the end of the step
+    after: Array  # (k,): state at the event that cuts the step short, or at its end
+    shapes: Array  # (SHAPES, k): coefficients of the shape functions of the interpolation
+    state: Array  # (k,): a state in between
+    rate: Array  # (k,): its rates
+    force: Array  # (c,) [N]: its contact forces
+    nodes: Array  # (NODES, c) [N]: contact forces at the nodes
+    depths: Array  # (NODES, c) [m]: penetrations
+    powers: Array  # (NODES, c) [W]: powers of the contact forces on the structures on the right
+    shaken: Array  # (NODES, n) [m/s^2]: absolute accelerations
+    # (2 REACH, s): largest displacements and velocities of each building so far, and the largest energy
+    # (in the first column); then the same including the step that is tried
+    reach: Array
+    line: Array  # (TERMS,): coefficients of one polynomial
+    lines: Array  # (4, TERMS): working space of `linear_branch.first_exit`
+    marks: Array  # (2, MARKS): the same
 
     @classmethod
     def of(cls, row: Row) -> Space:
-        """New ones for a run."""
+        """Working space for a run of this row, all zero."""
         n, s, c, k = sizes_of(row)
         shapes = (
             *((ALL, k), (k,), (k,), (SHAPES, k), (k,), (k,), (c,)),
@@ -73,13 +75,14 @@ class Space(NamedTuple):
 
 @compiled
 def copy(source, target):
-    """Copy entries of a state."""
+    """Copy an array into another, entry by entry."""
     for i in range(source.size):
         target[i] = source[i]
 
 
 @compiled
 def _combine(weights, count, stages, h, x, out):
+    """Write ``x + h sum(weights stages)``, over the first ``count`` stages, to ``out``."""
     copy(x, out)
     for j in range(count):
         w = h * weights[j]
@@ -90,10 +93,10 @@ def _combine(weights, count, stages, h, x, out):
 
 @compiled
 def attempt(row, branch, ground, slope, h, x, space):
-    """Take a step of ``h`` seconds from ``x``; returns its error over the tolerance.
+    """Compute a step of ``h`` seconds from ``x`` into ``space.new``.
 
-    The ground acceleration is ``ground`` at the beginning and has the slope ``slope``; the rates at the
-    beginning are there.
+    Returns its error over the tolerance. The ground acceleration is ``ground`` [m/s^2] at the beginning
+    and changes by ``slope`` [m/s^3]. The rates at the beginning have to be in ``space.stages[0]``.
     """
     for m in range(1, STAGES):
         _combine(A[m], m, space.stages, h, x, space.state)
@@ -109,7 +112,7 @@ def attempt(row, branch, ground, slope, h, x, space):
 
 @compiled
 def greatest(values):
-    """Of some that are not negative."""
+    """The largest of values that are not negative; 0 for none."""
     most = 0.0
     for value in values:
         most = max(most, value)
@@ -118,7 +121,7 @@ def greatest(values):
 
 @called_often
 def grow_reach(row, x, reach):
-    """Take a state into the largest displacement, velocity and energy."""
+    """Update the largest displacements, velocities and energy in ``reach`` by the state ``x``."""
     n, s, _, _ = sizes(row)
     kinetic = 0.0
     for b in range(s):
@@ -133,9 +136,9 @@ def grow_reach(row, x, reach):
 
 @compiled
 def _error(row, h, space):
-    """Error of the step over the tolerance: the root of the sum over the state, not of its mean."""
+    """Error of the step over the tolerance: root of the sum, not the mean, of squares over the state."""
     n, k = row.mass.size, slip_of(row, 0)
-    reach = space.reach[REACH:]  # that of this step, which may yet be refused
+    reach = space.reach[REACH:]  # including this step, which may still be rejected
     for i in range(REACH):
         copy(space.reach[i], reach[i])
     grow_reach(row, space.new, reach)
@@ -166,7 +169,10 @@ def _error(row, h, space):
 
 @compiled
 def interpolate(row, branch, ground, slope, h, x, space):
-    """Find the polynomials of the step that was taken; the rates at its end are there."""
+    """Compute the interpolating polynomials of an accepted step into ``space.shapes``.
+
+    The rates at its end have to be in ``space.stages[STAGES]``.
+    """
     stages, shapes = space.stages, space.shapes
     for m in range(3):
         _combine(A_MORE[m], STAGES + 1 + m, stages, h, x, space.state)
@@ -189,7 +195,7 @@ def interpolate(row, branch, ground, slope, h, x, space):
 
 @compiled
 def state_within(x, t, space, out):
-    """State at the share ``t`` of the step."""
+    """Write the interpolated state at the share ``t``, 0 to 1, of the step to ``out``."""
     for i in range(x.size):
         value = 0.0
         for m in range(SHAPES - 1, -1, -1):
@@ -199,7 +205,7 @@ def state_within(x, t, space, out):
 
 @compiled
 def polynomial(row, what, number, shift, x, space):
-    """Coefficients of a `measure` less ``shift`` over the step, in ``space.line``."""
+    """Write the polynomial of a `measure` less ``shift`` over the step to ``space.line``."""
     line = space.line
     line[:] = 0.0
     line[0] = measure(row, what, number, x) - shift
@@ -211,7 +217,7 @@ def polynomial(row, what, number, shift, x, space):
 
 @compiled
 def component_polynomial(i, sign, x, space):
-    """Coefficients of one entry of the state over the step, times ``sign``, in ``space.line``."""
+    """Write the polynomial of ``sign`` times entry ``i`` of the state to ``space.line``."""
     line = space.line
     line[:] = 0.0
     line[0] = sign * x[i]
@@ -222,7 +228,7 @@ def component_polynomial(i, sign, x, space):
 
 @compiled
 def find_node_forces(row, branch, ground, slope, h, x, space):
-    """Forces, compressions and powers of the contacts, and accelerations, evenly over the step."""
+    """Write the values at the nodes of the step to ``nodes``, ``depths``, ``powers`` and ``shaken``."""
     n = row.mass.size
     for q in range(NODES):
         t = q / (NODES - 1)
@@ -240,20 +246,20 @@ def find_node_forces(row, branch, ground, slope, h, x, space):
 
 @compiled
 def force_polynomial(contact, space):
-    """Coefficients of the force of a contact over the step, in ``space.line``."""
+    """Write the polynomial through the nodal forces of a contact to ``space.line``."""
     _through(space.nodes, contact, space.line)
 
 
 @compiled
 def depth_within(contact, t, space):
-    """Compression of a contact at the share ``t`` of the step."""
+    """Penetration of a contact at the share ``t`` of the step [m], interpolated between the nodes."""
     _through(space.depths, contact, space.line)
     return evaluate(space.line, t)[0]
 
 
 @compiled
 def work_within(contact, t, space):
-    """Work of a contact on its right up to the share ``t`` of the step, over its length [J/s]."""
+    """Work of a contact on the structure on its right up to the share ``t``, over ``h`` [J/s]."""
     _through(space.powers, contact, space.line)
     work = 0.0
     for p in range(NODES - 1, -1, -1):
@@ -263,7 +269,7 @@ def work_within(contact, t, space):
 
 @compiled
 def _through(nodes, contact, line):
-    """Coefficients of the polynomial through values at the nodes."""
+    """Write the polynomial through the values of a contact at the nodes to ``line``."""
     line[:] = 0.0
     for p in range(NODES):
         for q in range(NODES):

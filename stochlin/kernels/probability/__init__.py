@@ -1,1 +1,1 @@
-"""Level crossings, random phases, growth of the drift."""
+"""Probability of pounding: level crossings, random phases, and growth of the plastic drift."""

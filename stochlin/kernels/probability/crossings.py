@@ -1,17 +1,21 @@
-"""Crossings of a level by a Gaussian process that changes with time, and the time to the first.
+"""Crossings of a level by a nonstationary Gaussian process, and the rate of first crossings.
 
-``d`` has zero mean, variance ``s^2``, a rate ``d'`` of variance ``sv^2``, and ``kappa = corr(d, d')``;
-``h = g/s``. Both rates below are Rice's, ``p(level) E[rate^+]``, with a Gaussian rate at the level:
+The process ``d`` (the relative displacement) has zero mean, variance ``s^2``, a derivative ``d'`` of
+variance ``sv^2``, and ``kappa = corr(d, d')``; ``h = g/s`` for the level ``g`` (the gap). Two crossing
+rates follow from Rice's formula, the density at the level times the mean positive part of the derivative
+there, which is Gaussian:
 
-* of ``d`` through ``g``: density ``phi(h)/s``; the rate has mean ``kappa sv h`` and standard deviation
-  ``sqrt(1 - kappa^2) sv``;
-* of the envelope ``R`` of ``d`` and its companion ``c`` in quadrature: density ``(h/s) e^(-h^2/2)``;
-  since ``R' = (d d' + c c')/R``, its rate has the same mean, and standard deviation
-  ``sqrt(1 - kappa^2) delta sv``, with the bandwidth ``delta^2 = 1 - l1^2/[(1 - kappa^2) l0 l2]``.
+* for ``d`` through ``g``: the density is ``phi(h)/s``, and the derivative has the mean ``kappa sv h``
+and
+  the standard deviation ``sqrt(1 - kappa^2) sv``;
+* for the envelope ``R`` of ``d`` and its Hilbert transform ``c``: the density is ``(h/s) e^(-h^2/2)``.
+  Since ``R' = (d d' + c c')/R``, the derivative has the same mean, and the standard deviation
+  ``sqrt(1 - kappa^2) delta sv`` with the bandwidth ``delta^2 = 1 - l1^2/[(1 - kappa^2) l0 l2]``.
 
-At ``kappa = 0`` their ratio is ``sqrt(2 pi) delta h``, Vanmarcke's (1975, J. Appl. Mech. 42). His
-empirical ``delta^1.2`` was fitted to single oscillators; for the difference of two it is unsafe by up
-to 0.19 in the probability, ``delta`` itself by 0.05: so that is what stands here.
+For ``kappa = 0`` their ratio is ``sqrt(2 pi) delta h``, as in Vanmarcke (1975, J. Appl. Mech. 42). His
+empirical exponent, ``delta^1.2``, was fitted to single oscillators. For the difference of two
+oscillators it is unsafe by up to 0.19 in the probability, while ``delta`` itself is unsafe by up to
+0.05; ``delta`` is therefore used here.
 """
 
 from __future__ import annotations
@@ -25,7 +29,10 @@ SQRT_2PI = np.sqrt(2 * np.pi)
 
 
 def positive_part(mean: Array, deviation: Array) -> Array:
-    """``E[x^+]`` of a Gaussian ``x``; a deviation of 0 is exact, a negative mean does not cancel."""
+    """Mean positive part ``E[max(x, 0)]`` of a Gaussian ``x`` with this mean and standard deviation.
+
+    It is exact for a deviation of 0, and computed without cancellation for a negative mean.
+    """
     still = deviation <= 0
     t = mean / np.where(still, 1.0, deviation)
     with np.errstate(under="ignore", over="ignore"):
@@ -37,17 +44,19 @@ def positive_part(mean: Array, deviation: Array) -> Array:
 
 
 def exceeding(gap: Array, variance: Array) -> Array:
-    """``P(d > g) = 1 - Phi(h)``; 0 where nothing moves."""
+    """Probability ``P(d > g) = 1 - Phi(h)`` that the gap is exceeded at a time; 0 at rest."""
     with np.errstate(divide="ignore"):
         return ndtr(-gap / np.sqrt(np.maximum(variance, 0)))
 
 
 def hazards(gap: Array, d_d: Array, d_v: Array, v_v: Array, bandwidth: Array) -> tuple[Array, Array]:
-    """Rates [1/s] at which no pounding ends: by Poisson, and corrected for clumps as by Vanmarcke.
+    """Rates of first crossings of the gap [1/s]: by Poisson's assumption, and as by Vanmarcke.
 
-    That is ``nu``, the up-crossing rate, and ``nu [1 - exp(-nu_R/nu)]/(1 - e^(-h^2/2))``: of the clumps
-    that the envelope's crossings start, those that hold a crossing of ``d``, a rate while below. The
-    second moments of ``d`` and ``d'`` broadcast with the gap [m].
+    By Poisson's assumption the rate is that of up-crossings, ``nu``. The corrected rate is
+    ``nu [1 - exp(-nu_R/nu)]/(1 - e^(-h^2/2))``, with the crossing rate ``nu_R`` of the envelope. It
+    counts clumps of crossings, which an up-crossing of the envelope starts, if they contain a crossing
+    of ``d``; and it is conditional on an envelope below the gap. The second moments ``E[d^2]``,
+    ``E[d d']``, ``E[d'^2]`` of ``d`` and ``d'`` broadcast with the gap [m].
     """
     moving = (d_d > 0) & (v_v > 0)
     s, sv = np.sqrt(np.where(moving, d_d, 1.0)), np.sqrt(np.where(moving, v_v, 1.0))
@@ -66,6 +75,6 @@ def hazards(gap: Array, d_d: Array, d_v: Array, v_v: Array, bandwidth: Array) ->
 
 
 def accumulated(rate: Array, times: Array) -> Array:
-    """Integral of a rate (times, n) from the first time on, by the trapezoidal rule, (times, n)."""
+    """Integral (times, n) of a rate (times, n) from the first time on, by the trapezoidal rule."""
     steps = 0.5 * np.diff(times)[:, None] * (rate[1:] + rate[:-1])
     return np.concatenate([np.zeros_like(rate[:1]), np.cumsum(steps, axis=0)])

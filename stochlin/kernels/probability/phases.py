@@ -1,10 +1,11 @@
-"""Two oscillations of known radii and random phase: how often their difference exceeds a gap.
+"""Two oscillations with known radii and random phases: probability that their difference exceeds a gap.
 
-``u_i = r_i cos a_i``, ``a_1`` uniform and ``a_2 = a_1 + D`` with ``D`` independent of it and symmetric
-about 0. Then ``corr(u_1, u_2) = E cos D``: the correlation fixes one mean, and of all densities with
-this mean the one that assumes least (of largest entropy) is von Mises', ``e^(k cos D)/(2 pi I0(k))``
-with ``I1(k)/I0(k) = rho``. It is uniform at ``rho = 0``; at 1 or -1 ``D`` is 0 or ``pi`` for certain.
-Given ``D`` the difference is one oscillation of radius ``A = sqrt(r_1^2 + r_2^2 - 2 r_1 r_2 cos D)``.
+The displacements are ``u_i = r_i cos a_i``. The phase ``a_1`` is uniform, and ``a_2 = a_1 + D`` with a
+phase difference ``D`` that is independent of it and symmetric about 0. Then
+``corr(u_1, u_2) = E cos D``. Of all densities of ``D`` with this mean the one of largest entropy is von
+Mises', ``e^(k cos D)/(2 pi I0(k))`` with ``I1(k)/I0(k) = rho``. It is uniform for ``rho = 0``; for 1
+and -1, ``D`` is 0 and ``pi`` with certainty. For given ``D`` the difference ``u_1 - u_2`` is an
+oscillation of radius ``A = sqrt(r_1^2 + r_2^2 - 2 r_1 r_2 cos D)``.
 """
 
 from __future__ import annotations
@@ -16,16 +17,16 @@ from scipy.special import i0e, i1e
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.quadrature import on_panels
 
-CERTAIN = 1e-9  # 1 - |rho| below which the phase is certain
-PANELS, ORDER = 18, 10
-_GRADED = np.concatenate([[0.0], 0.3 ** np.arange(PANELS)[::-1]]) / 2  # towards 0, up to 1/2
+CERTAIN = 1e-9  # 1 - |rho| below which the phase difference counts as certain
+PANELS, ORDER = 18, 10  # panels of half of the range, and Gauss-Legendre nodes of each
+_GRADED = np.concatenate([[0.0], 0.3 ** np.arange(PANELS)[::-1]]) / 2  # edges from 0 to 1/2
 _EDGES = np.concatenate([_GRADED, 1 - _GRADED[-2::-1]])
-UNIT_NODES, UNIT_WEIGHTS = on_panels(_EDGES, ORDER)  # dense at both ends of (0, 1)
-CELLS = 2048  # at a time
+UNIT_NODES, UNIT_WEIGHTS = on_panels(_EDGES, ORDER)  # on (0, 1), dense at both ends
+CELLS = 2048  # cells computed together
 
 
 def concentration(rho: float) -> float:
-    """``k`` of the von Mises density with ``E cos D = rho``; infinite where the phase is certain."""
+    """Concentration ``k`` of the von Mises density with ``E cos D = rho``; infinite for rho of 1, -1."""
     if 1 - abs(rho) < CERTAIN:
         return float(np.copysign(np.inf, rho))
     if rho == 0:
@@ -37,7 +38,7 @@ def concentration(rho: float) -> float:
 
 
 def least_phase(radius_1: Array, radius_2: Array, gap: Array) -> Array:
-    """Phase difference in [0, pi] beyond which ``A > g``; infinite where no phase is enough."""
+    """Phase difference in [0, pi] beyond which ``A > g``; infinite if ``A`` never exceeds the gap."""
     with np.errstate(divide="ignore", invalid="ignore"):
         cosine = (radius_1**2 + radius_2**2 - gap**2) / (2 * radius_1 * radius_2)
     phase = np.arccos(np.clip(np.nan_to_num(cosine, nan=-2.0), -1, 1))
@@ -47,7 +48,7 @@ def least_phase(radius_1: Array, radius_2: Array, gap: Array) -> Array:
 
 
 def beyond_phase(phase: Array, k: float) -> Array:
-    """``P(|D| > phase)``."""
+    """Probability ``P(|D| > phase)`` for the concentration ``k``."""
     if np.isinf(k):
         return ((phase < np.pi) if k < 0 else (phase <= 0)).astype(float) * np.isfinite(phase)
     start = np.minimum(phase, np.pi).ravel()
@@ -60,9 +61,9 @@ def beyond_phase(phase: Array, k: float) -> Array:
 
 
 def exceeding(radius_1: Array, radius_2: Array, gap: Array, k: float) -> Array:
-    """``P(r_1 cos a_1 - r_2 cos a_2 > g)`` for a gap ``g > 0``; arrays of one shape.
+    """Probability ``P(r_1 cos a_1 - r_2 cos a_2 > g)`` for a gap ``g > 0``; the arrays broadcast.
 
-    ``(1/pi) arccos(g/A)`` over the phases that are large enough.
+    It is the mean of ``(1/pi) arccos(g/A)`` over the phase differences with ``A > g``.
     """
     if np.isinf(k):
         span = np.abs(radius_1 - radius_2) if k > 0 else radius_1 + radius_2
@@ -80,16 +81,16 @@ def exceeding(radius_1: Array, radius_2: Array, gap: Array, k: float) -> Array:
 
 
 def _share_above(gap: Array, span: Array) -> Array:
-    """Share of time that an oscillation of radius ``span`` is above the gap."""
+    """Share of time in which an oscillation of radius ``span`` is above the gap."""
     with np.errstate(divide="ignore"):
         return np.arccos(np.minimum(gap / span, 1.0)) / np.pi
 
 
 def _nodes(start: Array, k: float) -> tuple[Array, Array]:
-    """Phases from ``start`` to pi and their weights under the density of ``|D|``."""
+    """Nodes from ``start`` to pi, and weights, of integrals over the density of ``|D|``."""
     length = (np.pi - start)[:, None]
     d = start[:, None] + length * UNIT_NODES
-    # e^(k (cos D - 1)) or e^(k (cos D + 1)), by the half angle: nothing overflows
+    # e^(k (cos D - 1)) for k >= 0, otherwise e^(k (cos D + 1)), by the half angle and without overflow.
     exponent = -2 * k * np.sin(d / 2) ** 2 if k >= 0 else 2 * k * np.cos(d / 2) ** 2
     with np.errstate(under="ignore"):
         density = np.exp(exponent) / (np.pi * i0e(abs(k)))

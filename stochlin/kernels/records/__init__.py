@@ -1,1 +1,1 @@
-"""One oscillator through a recorded motion, exact."""
+"""Response of oscillators to recorded motions, without error of discretization in time."""

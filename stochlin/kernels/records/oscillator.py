@@ -1,9 +1,10 @@
-"""Exact response of linear and bilinear structures to a recorded ground acceleration; compiled.
+"""Exact response of linear and bilinear oscillators to a recorded ground acceleration.
 
-The ground is linear between its samples, each branch of a structure is a linear system, and changes
-of branch are located inside the step: there is no error of discretization. Each interval of the record
-is cut into sub-steps short enough that between them a cubic through values and rates finds peaks to
-a few 1e-4. Time is counted in sub-steps, velocities and accelerations accordingly.
+The ground acceleration is linear between its samples, the structure is linear on each of its branches,
+and changes of branch are located within a step: the response has no error of discretization. Each
+interval of the record is divided into sub-steps. They are so short that a cubic polynomial through the
+values and rates at both ends gives peaks with a relative error of a few 1e-4. The unit of time is the
+sub-step, also in velocities and accelerations.
 """
 
 from __future__ import annotations
@@ -24,38 +25,43 @@ from stochlin.kernels.basics.linear_branch import (
     transition,
 )
 
+# Columns of the peaks: largest u and largest -u [m]; largest velocity, absolute acceleration and energy
+# radius sqrt(u^2 + (u'/w)^2); u and y at the end; input, viscous and hysteretic energy per unit mass.
 HIGHEST, LOWEST, VELOCITY, ACCELERATION, RADIUS, LAST, LAST_Y, INPUT, VISCOUS, HYSTERETIC = range(10)
 PEAKS = 10
-STATE = 6  # of a history: u, u', y, and the three energies so far
-MOST_LEGS = 64  # of one sub-step; three reversals, each with two changes of branch, are many
-SMALLEST = 1e-12  # advance past a change of branch, in sub-steps
-# Gauss points of a stretch and their weights: energies to 1e-11 of what a sub-step adds.
+STATE = 6  # rows of a history: u, u', y, and the three energies so far
+MOST_LEGS = 64  # changes of branch in one sub-step; more than six are unusual
+SMALLEST = 1e-12  # smallest advance past a change of branch, in sub-steps
+# Gauss points and weights of the integrals of energy, with a relative error of 1e-11 in a sub-step.
 _X, _W = np.polynomial.legendre.leggauss(4)
 NODES, WEIGHTS = tuple(0.5 + 0.5 * _X), tuple(0.5 * _W)
 
 
 class Oscillator(NamedTuple):
-    """One structure in units of a sub-step; force ``post u + couple y``, ``y = uy z`` [m]."""
+    """One structure, with the sub-step ``h`` as unit of time.
+
+    The restoring force per unit mass is ``post u + couple y``, with ``y = uy z`` [m].
+    """
 
     damping: float  # 2 xi w h
     stiffness: float  # (w h)^2
     post: float  # alpha (w h)^2
     couple: float  # (1 - alpha) (w h)^2
-    uy: float
-    elastic: tuple[float, float, float, float, float, float]
-    plastic: tuple[float, float, float, float, float, float]
-    velocities: Array  # (2, NODES, 3): at the nodes, elastic and plastic, per velocity, push and slope
+    uy: float  # yield displacement [m]
+    elastic: tuple[float, float, float, float, float, float]  # `transition` of the elastic branch
+    plastic: tuple[float, float, float, float, float, float]  # that of the yielding branches
+    velocities: Array  # (2, NODES, 3): `velocities_at` of the elastic and the yielding branches
 
 
 @compiled
 def substeps(w, dt, per_radian):
-    """Sub-steps of an interval of the record, ``per_radian`` times as many as a branch needs."""
+    """Number of sub-steps of an interval of the record: ``per_radian`` times the smallest possible."""
     return max(1, int(np.ceil(w * dt * per_radian / LONGEST)))
 
 
 @compiled
 def oscillator(parameters, h, c):
-    """The structure whose ``parameters`` these are, for sub-steps of ``h`` seconds."""
+    """The structure with ``parameters`` (4,) as in `run`, for sub-steps of ``h`` seconds."""
     w, xi, alpha, uy = parameters
     damping, stiffness = 2 * xi * w * h, (w * h) ** 2
     velocities = np.empty((2, len(NODES), 3))
@@ -75,7 +81,10 @@ def oscillator(parameters, h, c):
 
 @compiled
 def velocities_at(damping, stiffness, c, out):
-    """Velocities at the nodes of a sub-step (NODES, 3), per unit of velocity, push and slope."""
+    """Write velocities at the Gauss points of a sub-step to ``out`` (NODES, 3).
+
+    They are per unit of velocity, push and slope at its beginning, as in `linear_branch.expand`.
+    """
     for unit in range(3):
         velocity, push = 1.0 if unit == 0 else 0.0, 1.0 if unit == 1 else 0.0
         expand(c, velocity, push, 1.0 - velocity - push, damping, stiffness)
@@ -85,10 +94,10 @@ def velocities_at(damping, stiffness, c, out):
 
 @compiled
 def _stride(o, u, v, y, side, ground, h, cuts, at, peaks, each, out):
-    """Sub-steps from number ``at`` up to one in which the branch may change, or to the end.
+    """Advance on one branch, from sub-step ``at`` to one in which the branch may change, or to the end.
 
-    ``side`` is 1 or -1 while yielding, 0 otherwise. Every ``each``-th state goes into ``out``, if that
-    has room.
+    ``side`` is the direction of yielding, 1 or -1, and 0 on the elastic branch. Every ``each``-th state
+    is written to ``out``, none if ``each`` is 0. Returns the number of the sub-step and the state.
     """
     stiffness = o.stiffness if side == 0 else o.post
     xv, xp, xs, vv, vp, vs = o.elastic if side == 0 else o.plastic
@@ -125,7 +134,7 @@ def _stride(o, u, v, y, side, ground, h, cuts, at, peaks, each, out):
 
 @compiled
 def _keep(state, u, v, y, h, peaks):
-    """A state (STATE,) of a history, in seconds."""
+    """Write a state of a history (STATE,), with time in seconds."""
     state[0], state[1], state[2] = u, v / h, y
     for n in range(3):
         state[3 + n] = peaks[INPUT + n] / (h * h)
@@ -133,10 +142,10 @@ def _keep(state, u, v, y, h, peaks):
 
 @compiled
 def _may_change(o, stiffness, v, a, y, v1, a1, y1, rise, side):
-    """Whether the branch might change within a sub-step with these states at its ends.
+    """Whether the branch may change within a sub-step with these states at its ends.
 
-    A function strays from its chord by at most an eighth of its largest second derivative; the
-    derivatives of the acceleration follow from the equation of motion, which is linear.
+    A function differs from its chord by at most an eighth of its largest second derivative. The
+    derivatives of the acceleration are bounded by the equation of motion, which is linear.
     """
     speed = max(abs(v), abs(v1))
     most = 1.08 * (max(abs(a), abs(a1)) + 0.125 * o.damping * (abs(rise) + stiffness * speed))
@@ -148,7 +157,10 @@ def _may_change(o, stiffness, v, a, y, v1, a1, y1, rise, side):
 
 @compiled
 def _legs(o, u, v, y, side, ground, rise, peaks, space):
-    """One sub-step, from change of branch to change of branch."""
+    """Advance by one sub-step, from one change of branch to the next.
+
+    Returns the state and the branch ``side`` at its end.
+    """
     c, row, rows, marks = space
     t, count = 0.0, 0
     while t < 1.0:
@@ -166,7 +178,7 @@ def _legs(o, u, v, y, side, ground, rise, peaks, space):
                 row[n] = side * (n + 1) * c[n + 1]
             row[TERMS - 1] = 0.0
             length, way = first_exit(row, 0.0, np.inf, 1.0 - t, rows, marks)
-        if way != 0:  # rounding must not let two branches hand over to each other without end
+        if way != 0:  # advance a little, so that rounding cannot cause endless changes of branch
             count += 1
             length = min(max(length, SMALLEST if 2 * count < MOST_LEGS else 2 / MOST_LEGS), 1.0 - t)
         change, v1 = evaluate(c, length)
@@ -190,7 +202,7 @@ def _legs(o, u, v, y, side, ground, rise, peaks, space):
 
 @compiled
 def _update(o, length, stiffness, u, v, a, ground, u1, v1, a1, ground1, peaks):
-    """Take the peaks of one stretch on one branch into account."""
+    """Update the peaks by a part of a sub-step on one branch, of this ``length``."""
     peaks[HIGHEST] = max(peaks[HIGHEST], top(length, u, v, u1, v1))
     peaks[LOWEST] = max(peaks[LOWEST], top(length, -u, -v, -u1, -v1))
     peaks[VELOCITY] = max(peaks[VELOCITY], top(length, v, a, v1, a1), top(length, -v, -a, -v1, -a1))
@@ -204,10 +216,11 @@ def _update(o, length, stiffness, u, v, a, ground, u1, v1, a1, ground1, peaks):
 
 @compiled
 def _turn_of_radius(o, length, u, v, a, u1, v1, a1):
-    """Square of the radius where it is stationary within a stretch, 0 for none.
+    """Square of the energy radius at a stationary point within a part of a sub-step, 0 for none.
 
-    The rate of ``u^2 + u'^2/w^2`` is ``2 u' (u + u''/w^2)``: where ``u'`` vanishes the radius is a peak
-    of the displacement; where the other factor does the square is flat, and its chord finds it.
+    The rate of ``u^2 + u'^2/w^2`` is ``2 u' (u + u''/w^2)``. Where ``u'`` is zero the radius is a peak
+    of the displacement, which is treated there. A zero of the other factor is found by linear
+    interpolation; since the square is stationary there, its error is of second order.
     """
     away, away1 = u * o.stiffness + a, u1 * o.stiffness + a1
     if away * away1 >= 0:
@@ -220,7 +233,7 @@ def _turn_of_radius(o, length, u, v, a, u1, v1, a1):
 
 @compiled
 def _cubic(s, length, value, rate, value1, rate1):
-    """The cubic through values and rates at both ends, at the share ``s`` of a stretch."""
+    """Cubic polynomial through the values and rates at both ends, at the share ``s`` of the length."""
     begin, end, rise = rate * length, rate1 * length, value1 - value
     square, cube = 3 * rise - 2 * begin - end, begin + end - 2 * rise
     return value + s * (begin + s * (square + s * cube))
@@ -228,7 +241,7 @@ def _cubic(s, length, value, rate, value1, rate1):
 
 @compiled
 def top(length, value, rate, value1, rate1):
-    """Largest value of the cubic through values and rates at both ends of a stretch."""
+    """Largest value of the cubic polynomial through the values and rates at both ends of a length."""
     largest = max(value, value1)
     if rate > 0 > rate1:
         begin, end, rise = rate * length, rate1 * length, value1 - value
@@ -240,17 +253,18 @@ def top(length, value, rate, value1, rate1):
 
 @compiled
 def workspace():
-    """Arrays that the steps of one thread write into."""
+    """Working space for the steps of one thread."""
     return np.empty(TERMS), np.empty(TERMS), np.empty((4, TERMS)), np.empty((2, MARKS))
 
 
 @compiled
 def run(parameters, ground, dt, cuts, peaks, each, out, space):
-    """One structure from rest over ``ground`` (samples,) [m/s^2], in ``cuts`` sub-steps an interval.
+    """Response of one structure from rest to ``ground`` (samples,) [m/s^2], with time step ``dt`` [s].
 
-    ``parameters`` (4,): w [rad/s], damping ratio, hardening ratio, yield displacement [m] or infinity.
-    ``peaks`` (PEAKS,) is filled; every ``each``-th state ``u, u', y`` and the energies per unit mass
-    that were put in and dissipated by then go into a column of ``out``, for ``each = 0`` none.
+    Each interval has ``cuts`` sub-steps. ``parameters`` (4,) are the circular frequency ``w`` [rad/s],
+    damping ratio, hardening ratio, and yield displacement [m] or infinity. The results are written to
+    ``peaks`` (PEAKS,). Every ``each``-th state (``u``, ``u'``, ``y``, and the input, viscous and
+    hysteretic energies per unit mass so far) is written to a column of ``out``, none if ``each`` is 0.
     """
     h = dt / cuts
     o = oscillator(parameters, h, space[0])

@@ -1,4 +1,4 @@
-"""Structures on records: peaks, gaps between two of them, histories; compiled, on all cores."""
+"""Response of oscillators and of pairs to records, on all cores: peaks and histories."""
 
 from __future__ import annotations
 
@@ -12,19 +12,20 @@ from stochlin.kernels.basics.compiled import entry
 from stochlin.kernels.basics.parallel import in_order
 from stochlin.kernels.records.oscillator import PEAKS, STATE, run, substeps, top, workspace
 
-PARTS = 16  # into which the structures of a record are dealt out to the cores
-PAIR = 2.0  # sub-steps of a pair per those that its stiffer structure alone would need
+PARTS = 16  # number of tasks into which the structures on a record are divided
+PAIR = 2.0  # number of sub-steps of a pair over that of its stiffer structure alone
 
 
 class SampledGround(NamedTuple):
-    """A record."""
+    """The samples of a ground motion, which is linear between them."""
 
-    acceleration: Array  # [m/s^2], finite
-    dt: float  # [s]
+    acceleration: Array  # (samples,) [m/s^2], finite
+    dt: float  # time step [s]
 
 
 @entry
 def _all_peaks(ground, dt, parameters, out):
+    """Write the peaks of all structures to ``out`` (n, PEAKS)."""
     space, nothing = workspace(), np.empty((STATE, 0))
     for i in range(parameters.shape[0]):
         cuts = substeps(parameters[i, 0], dt, 1.0)
@@ -33,6 +34,7 @@ def _all_peaks(ground, dt, parameters, out):
 
 @entry
 def _all_gaps(ground, dt, first, second, out):
+    """Write the results of `gaps_on_records` for one record to ``out`` (n, 2 PEAKS + 2)."""
     space = workspace()
     for i in range(first.shape[0]):
         cuts = substeps(max(first[i, 0], second[i, 0]), dt, PAIR)
@@ -45,7 +47,7 @@ def _all_gaps(ground, dt, first, second, out):
             d, d1 = one[0, s] - two[0, s], one[0, s + 1] - two[0, s + 1]
             rate, rate1 = one[1, s] - two[1, s], one[1, s + 1] - two[1, s + 1]
             apart = max(apart, top(dt / cuts, d, rate, d1, rate1))
-            weight = 1.0 if s + 1 < size - 1 else 0.5  # trapezoidal rule; it begins at rest
+            weight = 1.0 if s + 1 < size - 1 else 0.5  # trapezoidal rule; the first value is 0
             sum_11 += weight * one[0, s + 1] ** 2
             sum_22 += weight * two[0, s + 1] ** 2
             sum_12 += weight * one[0, s + 1] * two[0, s + 1]
@@ -55,25 +57,27 @@ def _all_gaps(ground, dt, first, second, out):
 
 @entry
 def _history(ground, dt, parameters, refine, out):
+    """Write the states of one structure, ``refine`` in each interval of the record, to ``out``."""
     each = substeps(parameters[0], dt / refine, 1.0)
     run(parameters, ground, dt, each * refine, np.empty(PEAKS), each, out, workspace())
 
 
 def peaks_on_records(grounds: Sequence[SampledGround], parameters: Array) -> Array:
-    """Peaks (records, n, PEAKS) of structures ``parameters`` (n, 4) on each ground."""
+    """Peaks (records, n, PEAKS) on each record of structures with ``parameters`` (n, 4) as in `run`."""
     return _spread(_all_peaks, PEAKS, grounds, parameters)
 
 
 def gaps_on_records(grounds: Sequence[SampledGround], first: Array, second: Array) -> Array:
-    """Pairs on each ground, (records, n, 2 PEAKS + 2): peaks of both, largest ``u1 - u2``, correlation.
+    """Response of pairs to each record, (records, n, 2 PEAKS + 2).
 
-    Both structures of a pair take the same sub-steps.
+    The columns are the peaks of both structures, the largest ``u1 - u2`` [m], and the correlation of the
+    two displacements over the record. Both structures of a pair take the same sub-steps.
     """
     return _spread(_all_gaps, 2 * PEAKS + 2, grounds, first, second)
 
 
 def history(ground: SampledGround, parameters: Array, refine: int) -> Array:
-    """States (STATE, samples) of one structure, ``refine`` to an interval."""
+    """States (STATE, times) of one structure, at ``refine`` times in each interval of the record."""
     out = np.empty((STATE, refine * (len(ground.acceleration) - 1) + 1))
     _history(*ground, parameters, refine, out)
     return out
@@ -82,12 +86,16 @@ def history(ground: SampledGround, parameters: Array, refine: int) -> Array:
 def _spread(
     fill: Callable[..., None], columns: int, grounds: Sequence[SampledGround], *structures: Array
 ) -> Array:
-    """The columns that ``fill`` finds; each part of the structures has short and long periods."""
+    """Results (records, n, columns) of ``fill`` for all records and structures, on all cores.
+
+    A task takes every `PARTS`-th structure, so that all tasks have short and long periods.
+    """
     count = len(structures[0])
     parts = max(1, min(count, PARTS))
     result = np.empty((len(grounds), count, columns))
 
     def task(number: int) -> None:
+        """One part of the structures on one record."""
         record, part = number // parts, slice(number % parts, None, parts)
         out = np.empty(result[record, part].shape)
         fill(*grounds[record], *(np.ascontiguousarray(rows[part]) for rows in structures), out)

@@ -1,1 +1,1 @@
-"""Random motions: normal numbers, time steps of every law, ensembles."""
+"""Nonlinear simulation: normal random numbers, time steps of all laws, ensembles of motions."""

@@ -1,9 +1,10 @@
-"""An ensemble of motions of one ground, with all structures riding on each of them.
+"""Ensembles of simulated motions of one ground, and the response of all structures to each of them.
 
-Motions come in groups of LANES; a group draws from a stream of its own, spawned from the seed by its
-number. Groups are independent tasks and are summed in their order: a seed gives the same answer
-whatever the number of threads. How strong the motions are among one another is drawn from yet another
-stream of the group: they are the same motions with and without this scatter.
+Motions are simulated in groups of `LANES`. Each group has a stream of random numbers of its own, spawned
+from the seed by the number of the group. Groups are independent tasks, whose results are summed in their
+order: a seed gives the same result for any number of threads. The random factors on the intensity of the
+motions (their scatter) come from a further stream of the group, so that the motions with and without
+scatter are the same but for these factors.
 """
 
 from __future__ import annotations
@@ -34,25 +35,29 @@ from stochlin.kernels.simulation.storey_stepping import (
     storey_block,
 )
 
-STRENGTHS = 1  # the stream of a group that these come from
-SAMPLES = 32  # of each block, unless a plan says otherwise: it then fits the second-level cache
+STRENGTHS = 1  # number of the stream, within that of a group, of the factors on the motions
+SAMPLES = 32  # default number of samples of a block, which then fits the second-level cache
 
 Block = Callable[..., None]
 
 
 class Oscillators(NamedTuple):
-    """Structures of one degree of freedom and of one law, each on its own."""
+    """Independent oscillators that have the same law."""
 
-    steps: Block  # as `bilinear_block`
-    parameters: Array  # (n, k)
+    steps: Block  # the time steps, called as `bilinear_block`
+    parameters: Array  # (n, k): parameters of each oscillator
 
     @property
     def size(self) -> int:
-        """Rows of the state, and displacements."""
+        """Number of rows of the state, and of displacements."""
         return len(self.parameters)
 
     def block(self, dt: float, group: int = 0) -> Block:
-        """Time steps of this length, of the forcing, the state, every how many and the output."""
+        """The function for blocks of time steps of length ``dt`` [s].
+
+        It takes the forcing, the state ``u``, ``v``, ``z``, the number of steps from sample to sample
+        and the output.
+        """
 
         def block(f: Array, u: Array, v: Array, z: Array, every: int, out: Array) -> None:
             self.steps(f, dt, self.parameters, u, v, z, every, out)
@@ -61,39 +66,41 @@ class Oscillators(NamedTuple):
 
 
 class Storeys(NamedTuple):
-    """Floors on storeys that act on one another: displacements of the floors, then of the links."""
+    """Buildings with storeys, and links; displacements are those of the floors, then of the links."""
 
     elements: Elements
-    law: Any  # a `law_of`
+    law: Any  # the result of `law_of`
 
     @property
     def size(self) -> int:
-        """As for `Oscillators`."""
+        """Number of rows of the state, and of displacements."""
         return self.elements.kind.size
 
     def block(self, dt: float, group: int = 0) -> Block:
-        """As for `Oscillators`."""
+        """The function for blocks of time steps, as in `Oscillators`."""
         return _storeys_by(steps_of(self.elements, dt), self.law)
 
 
 class SampledStoreys(NamedTuple):
-    """The same, with elements of their own in every motion."""
+    """The same as `Storeys`, with other properties of the elements in each motion."""
 
-    elements: Sequence[Elements]  # of the motions, group after group
-    law: Any
+    elements: Sequence[Elements]  # one for each motion, group after group
+    law: Any  # the result of `law_of`
 
     @property
     def size(self) -> int:
-        """As for `Oscillators`."""
+        """Number of rows of the state, and of displacements."""
         return self.elements[0].kind.size
 
     def block(self, dt: float, group: int = 0) -> Block:
-        """As for `Oscillators`."""
+        """The function for blocks of time steps of this group of motions, as in `Oscillators`."""
         own = self.elements[group * LANES : (group + 1) * LANES]
         return _storeys_by(sampled_steps(own, dt), self.law)
 
 
 def _storeys_by(steps: Steps, law: Any) -> Block:
+    """The function for blocks of these time steps, with the arguments of other blocks."""
+
     def block(f: Array, d: Array, v: Array, z: Array, every: int, out: Array) -> None:
         storey_block(f, steps, law, d, v, z, every, out)
 
@@ -101,13 +108,13 @@ def _storeys_by(steps: Steps, law: Any) -> Block:
 
 
 class SampledGround(NamedTuple):
-    """A ground of its own for every motion."""
+    """A ground with other properties in each motion."""
 
-    steps: Sequence[FilterSteps]  # of the motions, group after group
-    roots: Sequence[Array]
+    steps: Sequence[FilterSteps]  # one for each motion, group after group
+    roots: Sequence[Array]  # matrices (m, m) with root root' = covariance of the filter's states
 
     def of(self, group: int) -> tuple[FilterSteps, Array]:
-        """The grounds of a group, and the roots of their covariances (m, m, LANES)."""
+        """The steps of the grounds of a group, and the roots of their covariances (m, m, LANES)."""
         own = slice(group * LANES, (group + 1) * LANES)
         columns = zip(*self.steps[own], strict=True)
         lanes: list[Any] = [np.stack(column, axis=-1) for column in columns]
@@ -118,68 +125,71 @@ AnyGround = FilterSteps | SampledGround
 
 
 class Crowd(NamedTuple):
-    """All that rides on a motion, part after part."""
+    """All structures that are subjected to the same motions, in parts of one kind each."""
 
     parts: tuple[Oscillators | Storeys | SampledStoreys, ...]
 
     @property
     def size(self) -> int:
-        """Rows of the state, and displacements."""
+        """Number of rows of the state, and of displacements, of all parts."""
         return sum(part.size for part in self.parts)
 
 
 class View(NamedTuple):
-    """Linear functions of the displacements of a crowd."""
+    """Weighted sums of the displacements of a `Crowd`, whose statistics are wanted."""
 
-    row: Array  # (m, k): displacements that each takes
-    weight: Array  # (m, k): zero where it takes fewer
+    row: Array  # (m, k): numbers of the displacements in each sum
+    weight: Array  # (m, k): their weights; zero in sums of fewer displacements
 
     def of(self, out: Array) -> Array:
-        """Their values (samples, m, LANES)."""
+        """The sums (samples, m, LANES) of displacements ``out`` (samples, n, LANES)."""
         seen = np.empty((len(out), len(self.row), LANES))
         observe(out, self.row, self.weight, seen)
         return seen
 
 
 class Plan(NamedTuple):
-    """Steps of a run."""
+    """Number and length of the motions and time steps of a simulation."""
 
-    dt: float
-    every: int  # steps from sample to sample
-    burn_in: int  # blocks
-    recorded: int  # blocks
-    groups: int
+    dt: float  # time step [s]
+    every: int  # number of steps from sample to sample
+    burn_in: int  # number of blocks before the response is taken as stationary
+    recorded: int  # number of blocks whose samples are used
+    groups: int  # number of groups of motions
     seed: int
-    samples: int = SAMPLES  # of a block
-    first_group: int = 0  # number of the first stream
-    scatter: float = 0.0  # standard deviation of ln of a factor on each motion, of median 1
+    samples: int = SAMPLES  # number of samples in a block
+    first_group: int = 0  # number of the stream of the first group
+    scatter: float = 0.0  # standard deviation of the logarithm of a factor of median 1 on each motion
 
     @property
     def block(self) -> float:
-        """Seconds of a block."""
+        """Duration of a block [s]."""
         return self.dt * self.every * self.samples
 
 
 class Extremes(NamedTuple):
-    """Largest and smallest values of what is viewed over the length of each motion, 0 included."""
+    """Largest and smallest value of each sum of a `View` in each motion, including 0 at the start."""
 
     highest: Array  # (motions, m)
     lowest: Array  # (motions, m)
 
 
 class Sums(NamedTuple):
-    """Sums over motions of the second moments ``G`` (n, n) of each, and of their products."""
+    """Sums over motions of the second moments ``G`` (n, n) of each motion, and of their products.
 
-    moments: Array  # sum of G
-    squares: Array  # sum of G_ij^2
-    with_own: Array  # sum of G_ij G_ii
-    own: Array  # sum of G_ii G_jj
-    change: Array  # (n,): sum over motions of G_ii of the second half less the first
-    change_squares: Array  # (n,)
+    From these sums follow the standard errors of moments and correlations.
+    """
+
+    moments: Array  # (n, n): sum of G
+    squares: Array  # (n, n): sum of G_ij^2
+    with_own: Array  # (n, n): sum of G_ij G_ii
+    own: Array  # (n, n): sum of G_ii G_jj
+    change: Array  # (n,): sum of the increase of G_ii from the first to the second half of the motion
+    change_squares: Array  # (n,): sum of its square
 
 
 class Motion:
-    """State of one group of LANES motions and the structures on them."""
+    """A group of `LANES` motions: the state of the ground and of all structures."""
 
     def __init__(self, crowd: Crowd, ground: AnyGround, root: Array, plan: Plan, group: int) -> None:
         self.crowd, self.plan = crowd, plan
@@ -198,7 +208,10 @@ class Motion:
         self.blocks = [part.block(plan.dt, group) for part in crowd.parts]
 
     def block(self, envelope: Array | None = None) -> Array:
-        """Move on by one block; displacements (samples, n, LANES)."""
+        """Simulate the next block; returns displacements (samples, n, LANES).
+
+        ``envelope`` has a factor on the ground acceleration for each step.
+        """
         plan, out = self.plan, self.out
         fill_normal(self.random, self.xi)
         self.ground_block(self.xi, self.q, self.f)
@@ -215,7 +228,7 @@ class Motion:
 
 
 def strengths(plan: Plan, group: int) -> Array:
-    """The factors (LANES,) of the motions of a group."""
+    """Random factors (LANES,) on the ground accelerations of the motions of a group."""
     normal = np.empty((1, LANES))
     fill_normal(generator_state(plan.seed, group, LANES, STRENGTHS), normal)
     factors: Array = np.exp(plan.scatter * normal[0])
@@ -230,13 +243,14 @@ def stationary_sums(
     plan: Plan,
     progress: Progress | None,
 ) -> Sums:
-    """Run the ensemble and sum the second moments of what is viewed, or of all displacements.
+    """Sums of the second moments of the stationary response, of a ``view`` or of all displacements.
 
-    ``root root'`` is the filter's covariance.
+    ``root root'`` is the stationary covariance of the filter's states.
     """
 
-    @np.errstate(all="ignore")  # what overflows is judged by its status
+    @np.errstate(all="ignore")  # overflow gets a status of its own later
     def run(group: int) -> Sums:
+        """The sums over one group of motions."""
         motion = Motion(crowd, ground, root, plan, plan.first_group + group)
         for _ in range(plan.burn_in):
             motion.block()
@@ -251,7 +265,7 @@ def stationary_sums(
             moments.sum(axis=0),
             np.einsum("lij,lij->ij", moments, moments),
             np.einsum("lij,li->ij", moments, own),
-            np.einsum("li,lj->ij", own, own),  # whose sums, unlike those of BLAS, do not depend on n
+            np.einsum("li,lj->ij", own, own),  # unlike with BLAS, the rounding does not depend on n
             change.sum(axis=0),
             (change**2).sum(axis=0),
         )
@@ -266,6 +280,7 @@ def plastic_displacements(
     """``u - z`` of all structures after every ``stride``-th recorded block, (times, n, motions)."""
 
     def run(group: int) -> Array:
+        """The plastic displacements in one group of motions."""
         motion = Motion(crowd, ground, root, plan, plan.first_group + group)
         for _ in range(plan.burn_in):
             motion.block()
@@ -288,12 +303,13 @@ def finite_extremes(
     envelope: Array,
     progress: Progress | None,
 ) -> Extremes:
-    """Motions from rest under an envelope, which has a value a step.
+    """Extremes of a ``view`` in motions from rest under an ``envelope`` (steps,).
 
-    The plan takes every step; its burn-in and length are not used.
+    The plan has to sample every step; its numbers of blocks are not used.
     """
 
     def run(group: int) -> Extremes:
+        """The extremes in one group of motions."""
         motion = Motion(crowd, ground, root, plan, plan.first_group + group)
         size = (len(view.row), LANES)
         extremes = Extremes(np.zeros(size), np.zeros(size))
@@ -313,12 +329,13 @@ def ground_motions(
 ) -> Array:
     """Ground acceleration ``output q`` at the beginning of each step, (motions, steps).
 
-    The motions are those under which a crowd moves by this plan; white noise, which has no value at an
-    instant, is given by its mean over the step.
+    The motions are the same as in simulations of structures with this plan. White noise has no value at
+    a time; its mean over each step is given.
     """
     at_instants = ground._replace(row=output, direct=0.0) if output.size else ground
 
     def run(group: int) -> Array:
+        """The accelerations in one group of motions."""
         motion = Motion(Crowd(()), at_instants, root, plan, plan.first_group + group)
         history = np.empty((steps, LANES))
         for begin in range(0, steps, plan.samples):
@@ -331,7 +348,7 @@ def ground_motions(
 
 
 def _gram(motion: Motion, view: View | None, blocks: int) -> Array:
-    """Sums of ``x_i x_j`` over the samples of the blocks, (LANES, m, m)."""
+    """Sums (LANES, m, m) of ``x_i x_j`` over the samples of the next blocks."""
     size = motion.crowd.size if view is None else len(view.row)
     sums = np.zeros((size, size, LANES))
     for _ in range(blocks):

@@ -1,4 +1,4 @@
-"""Time steps of structures whose hysteresis law is given as a function; compiled for each law."""
+"""Time steps of structures whose hysteresis law is a given function, compiled for each law."""
 
 from __future__ import annotations
 
@@ -8,15 +8,17 @@ from typing import Any
 from stochlin.kernels.basics.compiled import compiled, not_kept
 from stochlin.kernels.simulation.stepping import LANES
 
-SECANT_STEPS = 12
-CLOSE = 1e-12
+SECANT_STEPS = 12  # largest number of steps of the secant method
+CLOSE = 1e-12  # tolerance of z
 
 
 def law_middle(law: Callable[..., Any]) -> Any:
-    """``z`` at the middle of a step and at its end, as `bouc_wen_middle`, for ``z' = law(v, z, own)``.
+    """The function that steps ``z' = law(v, z, own)``, in the same form as `bouc_wen_middle`.
 
-    Implicit midpoint rule by the secant method, which asks for no derivative; explicit midpoint rule
-    where a jump of the law leaves it without solution. Second order, first where the law jumps.
+    It follows the implicit midpoint rule, solved by the secant method, which needs no derivative of the
+    law. At a jump of the law the equation may have no solution, and the explicit midpoint rule is taken.
+    The error is of second order in the step, and of first order if the law jumps. ``own`` are the
+    parameters of the law.
     """
     rate: Any = compiled(law)
 
@@ -40,9 +42,10 @@ def law_middle(law: Callable[..., Any]) -> Any:
 
 
 def law_block(middle: Any) -> Callable[..., None]:
-    """The block of time steps, as `bilinear_block`, of the law with this `law_middle`.
+    """The function for a block of time steps of structures with the law of this `law_middle`.
 
-    Its parameters ``own`` stand after the first four of a structure.
+    It is called as `bilinear_block`. The parameters ``own`` of the law follow the first four parameters
+    of a structure.
     """
 
     @not_kept

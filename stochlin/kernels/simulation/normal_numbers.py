@@ -1,11 +1,11 @@
-"""Normal random numbers for LANES motions at once: each lane has a generator of its own; compiled.
+"""Normal random numbers for many motions at once, each with a generator of its own.
 
-xoshiro256+ (Blackman and Vigna 2021) gives 64 bits a lane and step; the four 16-bit fields are added
-up and an odd polynomial of the sum has the moments of the normal distribution up to the ninth, those
-of odd order by symmetry. No logarithm, no rejection: the loop over lanes runs in vector registers.
-Steps of white noise need no more: a weak scheme of second order asks for five moments, and what
-a structure answers to is a sum over many steps. The largest number is 5.04; the distribution
-function is nowhere off by more than 9e-4.
+The generator xoshiro256+ (Blackman and Vigna 2021) gives 64 bits for each motion (lane) and step. The
+sum of their four 16-bit fields is nearly normal; an odd polynomial of it has the moments of the normal
+distribution up to the ninth, those of odd order by symmetry. There is no logarithm and no rejection, so
+that the loop over lanes runs in vector registers. This is sufficient for steps of white noise: a weak
+scheme of second order requires five moments, and the response is a sum over many steps. The largest
+number is 5.04; the error of the distribution function is at most 9e-4.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ from stochlin.kernels.basics.compiled import entry
 
 State = npt.NDArray[np.uint64]
 
-# x P(x^2), x the sum in its own standard deviations: E of the powers 2, 4, 6, 8 is 1, 3, 15, 105.
+# Coefficients of P in x P(x^2), where x is the sum of the fields less its mean, over its standard
+# deviation. The moments of orders 2, 4, 6, 8 of x P(x^2) are 1, 3, 15, 105.
 POLYNOMIAL = (0.9554664534582995, 0.021272612064048006, -0.0034087076598092536, 0.00042516035818070537)
 _C0, _C1, _C2, _C3 = POLYNOMIAL
 _MIDDLE = 2.0 * 65535.0
@@ -27,7 +28,7 @@ _S16, _S17, _S19, _S32, _S45, _S48 = (np.uint64(n) for n in (16, 17, 19, 32, 45,
 
 
 def generator_state(seed: int, stream: int, lanes: int, *within: int) -> State:
-    """State (4, lanes) of the generators of one stream, or of one within it.
+    """Initial state (4, lanes) of the generators of a stream, or of a stream ``within`` it.
 
     All streams of a seed are independent.
     """
@@ -37,7 +38,7 @@ def generator_state(seed: int, stream: int, lanes: int, *within: int) -> State:
 
 @entry
 def fill_normal(state, out):
-    """Fill ``out`` (steps, lanes) with independent numbers of mean 0 and variance 1."""
+    """Fill ``out`` (steps, lanes) with independent normal numbers of mean 0 and variance 1."""
     s0, s1, s2, s3 = state[0], state[1], state[2], state[3]
     for step in range(out.shape[0]):
         for lane in range(out.shape[1]):

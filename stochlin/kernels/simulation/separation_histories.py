@@ -1,4 +1,4 @@
-"""Relative displacement of pairs of structures in simulated motions, instant by instant."""
+"""Relative displacements of pairs of structures over time, in simulated motions."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ from stochlin.kernels.simulation.stepping import LANES
 
 
 class Watched(NamedTuple):
-    """What is watched: pairs of structures at the heights at which they could meet, and gaps."""
+    """Pairs of structures, the heights at which they can meet, and the gaps to be checked."""
 
-    first: View  # (r,): displacements [m] of the left structures, height by height, pair by pair
-    second: View  # (r,)
-    start: Array  # (p,): the first height of each pair
+    first: View  # (r,): displacements of the left structures [m], at all heights of all pairs
+    second: View  # (r,): the same of the right structures
+    start: Array  # (p,): number of the first height of each pair
     gap: Array  # (c,) [m]
-    pair: Array  # (c,) the pair that the gap is between
+    pair: Array  # (c,): number of the pair that each gap is between
 
 
 class Histories(NamedTuple):
-    """Sums over motions at some instants, the start among them; the largest of each motion."""
+    """Sums over all motions at ``t`` times, the first at the start; and maxima of each motion."""
 
-    survivors: Array  # (t, c): motions in which the gap has not been reached yet
-    beyond: Array  # (t, c): motions that are beyond the gap at the instant
-    squares: Array  # (t, 3, r): of u_1, u_2 and u_1 - u_2 [m^2], pair by pair at all heights
-    fourths: Array  # (t, 3, r)
-    largest: Array  # (motions, r): max of u_1 - u_2 [m]
+    survivors: Array  # (t, c): number of motions in which the gap has not been exceeded so far
+    beyond: Array  # (t, c): number of motions in which the gap is exceeded at this time
+    squares: Array  # (t, 3, r): sums of squares of u_1, u_2 and u_1 - u_2 [m^2]
+    fourths: Array  # (t, 3, r): sums of their fourth powers [m^4]
+    largest: Array  # (motions, r): largest u_1 - u_2 of each motion [m]
 
 
 def separation_histories(
@@ -44,17 +44,19 @@ def separation_histories(
     watched: Watched,
     progress: Progress | None,
 ) -> Histories:
-    """Motions from rest under an envelope (steps,), looked at after so many steps (t,), 0 first.
+    """Simulate motions from rest under an ``envelope`` (steps,), and evaluate them at ``instants`` (t,).
 
-    Between steps displacements are interpolated.
+    The instants are numbers of steps since the start, of which the first is 0. They need not be whole:
+    displacements are interpolated linearly between steps.
     """
     rows = len(watched.first.row)
 
     def farthest(apart: Array) -> Array:
-        """Of each pair (LANES, p), over its heights."""
+        """Largest value (LANES, p) over the heights of each pair, of ``apart`` (LANES, r)."""
         return np.maximum.reduceat(apart, watched.start, axis=1)
 
     def run(group: int) -> Histories:
+        """The histories of one group of motions."""
         motion = Motion(crowd, ground, root, plan, plan.first_group + group)
         cells = watched.gap.size
         survivors = np.full((instants.size, cells), LANES)
@@ -66,7 +68,7 @@ def separation_histories(
             part = envelope[begin : begin + plan.samples]
             out = motion.block(np.concatenate([part, np.zeros(plan.samples - part.size)]))[: part.size]
             sides = np.stack([watched.first.of(out), watched.second.of(out)])
-            sides = np.concatenate([last, sides], axis=1)  # after none, one, ... of these steps
+            sides = np.concatenate([last, sides], axis=1)  # at the start, then after each step
             last, apart, passed = sides[:, -1:], sides[0] - sides[1], 0
             while number < instants.size and instants[number] <= begin + part.size:
                 here = instants[number] - begin
@@ -83,6 +85,7 @@ def separation_histories(
         return Histories(survivors, beyond, squares, fourths, largest)
 
     def join(total: Histories, part: Histories) -> Histories:
+        """Add the histories of a group to those of the groups before."""
         largest = np.concatenate([total.largest, part.largest])
         return Histories(*[*map(add, total[:-1], part[:-1]), largest])
 

@@ -1,12 +1,12 @@
-"""Time steps of many structures on one ground, for LANES independent motions at once; compiled.
+"""Time steps of many oscillators on one ground, for `LANES` independent motions at once.
 
 Ground filter, displacement and velocity follow the trapezoidal rule as one linear system. For linear
 structures its stationary covariance is *exact for any step*: with
 ``(I - dt A/2) x_new = (I + dt A/2) x + b dW`` the stationary ``X`` satisfies ``A X + X A' + b b' = 0``,
-the equation of the continuous system. An exact transition of the filter alone, under any rule for the
-structures, would not have this. For a structure under a given motion the rule is Newmark's of average
-acceleration. The bilinear law is an exact return map: an elastic trial, and where it passes yield the
-plastic equation instead, each linear and solved in closed form.
+the equation of the continuous system. With the exact transition of the filter in place of its
+trapezoidal rule this would not hold. For a structure under a given motion the rule is Newmark's with
+average acceleration. The bilinear law is stepped by an exact return map: an elastic trial step, and if
+it exceeds yield a plastic step in its place. Both are linear and solved in closed form.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ import numpy as np
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import called_often, compiled, entry, of_lane
 
-LANES = 32  # independent motions in the innermost loop: vector registers, first-level cache
-NEWTON_STEPS = 4  # for the implicit midpoint rule
+LANES = 32  # independent motions in the innermost loop, which fit vector registers and first-level cache
+NEWTON_STEPS = 4  # iterations of Newton's method for the implicit midpoint rule
 
 
 class FilterSteps(NamedTuple):
     """One step of a ground filter: ``q_new = transition q + gain xi``, forcing ``row q + direct xi``.
 
-    ``xi`` is a standard normal number a step; white noise has no state (m = 0). Where every lane has a
-    ground of its own, all arrays have a last axis of LANES.
+    ``xi`` is a standard normal number for each step; white noise has no states (m = 0). If every lane
+    has another ground, all arrays have a last axis of `LANES`.
     """
 
     transition: Array  # (m, m)
@@ -38,9 +38,9 @@ class FilterSteps(NamedTuple):
 
 
 def filter_steps(matrix: Array, noise: Array, output: Array, intensity: float, dt: float) -> FilterSteps:
-    """Trapezoidal rule of ``q' = matrix q + noise n(t)``; ``intensity`` is ``2 pi S0``.
+    """Trapezoidal rule for ``q' = matrix q + noise n(t)``, where ``intensity`` is ``2 pi S0``.
 
-    The forcing ``output q`` of a step is the mean of its values at both ends.
+    The forcing of a step is the mean of ``output q`` at both ends.
     """
     size = len(noise)
     if size == 0:
@@ -48,7 +48,8 @@ def filter_steps(matrix: Array, noise: Array, output: Array, intensity: float, d
         return FilterSteps(np.zeros((0, 0)), np.zeros(0), np.zeros(0), direct)
     left = np.linalg.inv(np.eye(size) - 0.5 * dt * matrix)
     transition = left @ (np.eye(size) + 0.5 * dt * matrix)
-    # A state that another one does not act on, by any way, stays so whatever rounding says.
+    # Where the matrix lets one state act on another neither directly nor through others, rounding
+    # errors of the inverse are removed.
     acts = np.linalg.matrix_power(np.eye(size) + (matrix != 0), size) > 0
     transition = np.where(acts, transition, 0.0)
     gain = left @ noise * np.sqrt(intensity * dt)
@@ -57,11 +58,12 @@ def filter_steps(matrix: Array, noise: Array, output: Array, intensity: float, d
 
 
 def ground_block(ground: FilterSteps) -> Callable[[Array, Array, Array], None]:
-    """Time steps of a ground, of the normal numbers, the state and the mean forcing of each step.
+    """The function that writes the mean forcing of each step to ``f`` and updates the filter's state.
 
-    States that do not act on one another, such as those of grounds in parallel, have steps of their own.
-    Those of one oscillator, and of two of which the first drives the second, are written out, which is
-    six to nine times as fast as the loop over the states.
+    It takes normal numbers ``xi`` (steps, LANES), the state ``q`` (m, LANES) and ``f`` (steps, LANES).
+    States that do not act on one another, such as those of grounds in parallel, are stepped separately.
+    Filters of one oscillator and of two in a cascade have functions without loops over states, which are
+    six to nine times as fast. The choice is made in Python, so that only what is used is compiled.
     """
     own = []
     for states in _independent(ground.transition):
@@ -82,7 +84,7 @@ def ground_block(ground: FilterSteps) -> Callable[[Array, Array, Array], None]:
 
 
 def _independent(transition: Array) -> list[slice]:
-    """Consecutive states (m, m) that do not act on the others."""
+    """Ranges of states that neither act on the states outside the range nor are acted on by them."""
     acts: Any = transition if transition.ndim == 2 else np.abs(transition).max(axis=2)
     ends = [k for k in range(1, len(acts) + 1) if not (acts[:k, k:].any() or acts[k:, :k].any())]
     return [slice(begin, end) for begin, end in pairwise([0, *ends])]
@@ -90,7 +92,7 @@ def _independent(transition: Array) -> list[slice]:
 
 @entry
 def _any_states(xi, q, transition, gain, row, f):
-    """Add the forcing of any number of states, for one ground or a ground a lane."""
+    """`ground_block` for any number of states, also with another ground in each lane; adds to ``f``."""
     moved = np.empty_like(q)
     for s in range(xi.shape[0]):
         number, force = xi[s], f[s]
@@ -110,6 +112,7 @@ def _any_states(xi, q, transition, gain, row, f):
 
 @entry
 def _one_oscillator(xi, q, transition, gain, row, f):
+    """`ground_block` for two states; adds to ``f``."""
     a00, a01, a10, a11 = transition[0, 0], transition[0, 1], transition[1, 0], transition[1, 1]
     g0, g1, r0, r1 = gain[0], gain[1], row[0], row[1]
     q0, q1 = q[0], q[1]
@@ -123,7 +126,7 @@ def _one_oscillator(xi, q, transition, gain, row, f):
 
 @entry
 def _two_oscillators(xi, q, transition, gain, row, f):
-    """The first drives the second and does not feel it: the upper right block is zero."""
+    """`ground_block` for two oscillators, of which the first drives the second; adds to ``f``."""
     a00, a01, a10, a11 = transition[0, 0], transition[0, 1], transition[1, 0], transition[1, 1]
     b00, b01, b10, b11 = transition[2, 0], transition[2, 1], transition[3, 0], transition[3, 1]
     c00, c01, c10, c11 = transition[2, 2], transition[2, 3], transition[3, 2], transition[3, 3]
@@ -142,11 +145,12 @@ def _two_oscillators(xi, q, transition, gain, row, f):
 
 @entry
 def bilinear_block(f, dt, parameters, u, v, z, every, out):
-    """Bilinear structures over the steps of ``f``.
+    """Steps of bilinear structures under the forcing ``f`` (steps, LANES).
 
-    ``out`` (samples, n, LANES) takes every ``every``-th displacement.
-    ``parameters`` (n, 4): damping ``2 xi w``, post-yield stiffness ``alpha w^2``, coupling
-    ``(1 - alpha) w^2``, and the factor that makes ``f`` the forcing of ``u``.
+    The state ``u``, ``v``, ``z`` (n, LANES) is displacement and velocity over the yield displacement and
+    the hysteretic displacement; it is updated. ``out`` (samples, n, LANES) gets the displacements after
+    every ``every``-th step. ``parameters`` (n, 4) are damping ``2 xi w``, post-yield stiffness
+    ``alpha w^2``, coupling ``(1 - alpha) w^2``, and the factor on ``f`` in the equation for ``u``.
     """
     half = 0.5 * dt
     for n in range(u.shape[0]):
@@ -185,11 +189,11 @@ def bilinear_block(f, dt, parameters, u, v, z, every, out):
 
 @compiled
 def bouc_wen_middle(hyst, start, slope, half, beta, gamma, exponent):
-    """``z`` at the middle of a step from ``hyst``, and what it is at the end.
+    """``z`` of the Bouc-Wen law at the middle of a step and at its end, from ``hyst`` at its beginning.
 
-    Implicit midpoint rule, by Newton's method; there the ductility rate is ``start - slope z``. Iterates
-    and results are kept to the interval that ``z`` cannot leave: no step is too long to be
-    stable.
+    It follows the implicit midpoint rule, solved by Newton's method; ``half`` is half of the time step,
+    and the velocity at the middle is ``start - slope z``. Iterates and results are limited to the range
+    of ``z`` of the law, so that steps of any length are stable.
     """
     limit = (beta + gamma) ** (-1.0 / exponent)
     z_mid = hyst
@@ -208,9 +212,9 @@ def bouc_wen_middle(hyst, start, slope, half, beta, gamma, exponent):
 
 @entry
 def bouc_wen_block(f, dt, parameters, u, v, z, every, out):
-    """Bouc-Wen structures likewise, see `bouc_wen_middle`.
+    """Steps of Bouc-Wen structures, with the arguments of `bilinear_block`; see `bouc_wen_middle`.
 
-    ``parameters`` (n, 7): as for the bilinear law, then ``beta``, ``gamma`` and the exponent.
+    ``parameters`` (n, 7) are those of the bilinear law, then ``beta``, ``gamma`` and the exponent.
     """
     half = 0.5 * dt
     for n in range(u.shape[0]):
@@ -240,8 +244,8 @@ def bouc_wen_block(f, dt, parameters, u, v, z, every, out):
 def add_products(out, total):
     """Add ``sum_samples u_i u_j`` of ``out`` (samples, n, LANES) to the lower triangles of ``total``.
 
-    Not left to BLAS, whose own threads get into the way of ours on matrices this small. Four samples at
-    a time, between which the sum need not be written.
+    BLAS is not used, since for such small matrices its threads compete with those of the groups. Four
+    samples are added at a time, to save writing the sum in between.
     """
     samples, n, _ = out.shape
     fours = samples - samples % 4
@@ -263,19 +267,21 @@ def add_products(out, total):
 
 @called_often
 def _weighted(one, weight, value):
+    """Write a weighted displacement (LANES,) to ``value``."""
     for lane in range(LANES):
         value[lane] = weight * one[lane]
 
 
 @called_often
 def _add_weighted(one, weight, value):
+    """Add a weighted displacement (LANES,) to ``value``."""
     for lane in range(LANES):
         value[lane] += weight * one[lane]
 
 
 @called_often
 def _value(displacements, row, weight, value):
-    """One linear function of the displacements (n, LANES) at one sample."""
+    """Write a weighted sum of the displacements (n, LANES) at one sample to ``value`` (LANES,)."""
     _weighted(displacements[row[0]], weight[0], value)
     for k in range(1, len(row)):
         if weight[k] != 0.0:
@@ -284,7 +290,7 @@ def _value(displacements, row, weight, value):
 
 @entry
 def observe(out, row, weight, seen):
-    """Linear functions ``seen`` (samples, m, LANES) of displacements: ``weight`` (m, k) of ``row``."""
+    """Write the sums of a `View` of the displacements ``out`` to ``seen`` (samples, m, LANES)."""
     for s in range(out.shape[0]):
         for i in range(len(row)):
             _value(out[s], row[i], weight[i], seen[s, i])
@@ -292,7 +298,7 @@ def observe(out, row, weight, seen):
 
 @called_often
 def _widen(a, b, c, d, weight, high, low):
-    """Extremes with four samples more; a comparison with NaN keeps the earlier value."""
+    """Update the extremes by four samples in their order; values that are NaN are left out."""
     for lane in range(LANES):
         x0, x1, x2, x3 = weight * a[lane], weight * b[lane], weight * c[lane], weight * d[lane]
         first = x1 if x1 > x0 else x0
@@ -307,9 +313,9 @@ def _widen(a, b, c, d, weight, high, low):
 
 @entry
 def keep_extremes(out, row, weight, highest, lowest):
-    """Update the extremes (m, LANES) of linear functions of displacements with those in ``out``.
+    """Update the extremes (m, LANES) of weighted sums of displacements by those in ``out``.
 
-    Four samples at a time, between which the extremes need not be written.
+    Four samples are compared at a time, so that the extremes are written a quarter as often.
     """
     four = np.empty((4, LANES))
     last = out.shape[0] - 1

@@ -1,19 +1,21 @@
-"""Time steps of floors on storeys, and of links between them, for LANES independent motions; compiled.
+"""Time steps of buildings with storeys and links between them, for `LANES` independent motions.
 
-The trapezoidal rule of `stepping`, for elements whose forces ``post d + couple z`` act on common floors.
-With ``p = dd - dz``, what an element slips in a step, the step is linear: drifts move by
+The rule is the trapezoidal one of `stepping`, for elements (storeys and links) whose forces
+``post d + couple z`` act on common floors. In one step the drift of an element increases by ``dd``, its
+hysteretic drift by ``dz``, and its slip by ``p = dd - dz``. For given slips the step is linear:
 
-    ``dd = P [d', s] + g f - P_s couple p / 2``
+    ``dd = P [d', s] + g f - P_s couple p/2``
 
-with the drift rates ``d'`` and the element forces ``s`` at its beginning. Each law then gives its ``p``,
-knowing how its own slip relieves it, and tells the others; passes go on until nothing slips any
-further. For the bilinear law this is the projected Gauss-Seidel method of a complementarity problem
-with a symmetric positive matrix, and converges.
+with the drift rates ``d'`` and the element forces ``s`` at the beginning of the step, the forcing ``f``,
+and the part ``P_s`` of ``P`` that belongs to ``s``. The law of each element gives its slip, if those of
+the others are known, and this is repeated over the elements, in passes, until no slip changes. For the
+bilinear law it is the projected Gauss-Seidel method for a complementarity problem with a symmetric
+positive matrix, and converges.
 
-A dashpot with an exponent, ``c |x|^a sign(x)`` at ``x = dd/dt``, is an element like these: a spring that
-is there for a step alone, and slips by as much as makes its mean force, ``couple (dd - p) / 2``, that of
-the dashpot. How stiff it is changes no answer, only the number of passes. Passes seek the least of a
-convex energy, one element after the other, and converge.
+A dashpot with an exponent, with the force ``c |x|^a sign(x)`` at the rate ``x = dd/dt``, is treated as a
+spring that exists during one step. It slips so much that its mean force, ``couple (dd - p)/2``, is that
+of the dashpot. Its stiffness has no effect on the result, only on the number of passes. The passes
+minimize a convex energy, element by element, and converge.
 """
 
 from __future__ import annotations
@@ -39,16 +41,16 @@ from stochlin.kernels.basics.compiled import (
 from stochlin.kernels.basics.lending import borrow
 from stochlin.kernels.simulation.stepping import LANES, bouc_wen_middle
 
-# OTHER and more: laws given as functions
+# Kinds of elements; numbers from OTHER on are laws given as functions.
 KINDS = LINEAR, BILINEAR, SLACK, BOUC_WEN, VISCOUS, OTHER = range(6)
-MOST_PASSES = 60
-MOST_VISCOUS = 600  # passes, where dashpots with an exponent hold many floors fast
-MOST_ROOTS = 60  # steps of Newton's method, of which four or five are the rule
-NEARLY = 1e-5  # of a root, away from which Newton's method is right to its square
-SOFT = 0.1  # of the stiffness with which floors resist a step: that of a dashpot's spring
-HARDLY = 1e-6  # of the largest drift of a step: less of it in a dashpot with an exponent may be rounding
-CLOSE = 1e-8  # of the strength of an element: where slips change by less, the next change is nothing
-LEAST_SLACK = 0.01  # [m] that counts as the strength of an element with less slack
+MOST_PASSES = 60  # largest number of passes of a step
+MOST_VISCOUS = 600  # the same with dashpots with an exponent, whose forces can tie many floors together
+MOST_ROOTS = 60  # largest number of steps of Newton's method, which mostly needs four or five
+NEARLY = 1e-5  # relative change of a root after which the error of Newton's method is about its square
+SOFT = 0.1  # stiffness of a dashpot's spring over that with which the floors resist a step
+HARDLY = 1e-6  # drift of a dashpot, over the largest drift of the step, that may be rounding error
+CLOSE = 1e-8  # change of a slip, over the strength of the element, at which the passes end
+LEAST_SLACK = 0.01  # [m]: smallest strength of an element with slack for this criterion
 _NUMBER = nb.float64
 LAW = _NUMBER(nb.int64, _NUMBER, _NUMBER, _NUMBER, _NUMBER, nb.types.Array(_NUMBER, 1, "C"))
 
@@ -56,20 +58,21 @@ LAW = _NUMBER(nb.int64, _NUMBER, _NUMBER, _NUMBER, _NUMBER, nb.types.Array(_NUMB
 class Elements(NamedTuple):
     """Storeys and links: the first ``n`` of the ``e`` elements are the storeys of the ``n`` floors.
 
-    A VISCOUS one has neither ``post`` nor ``couple``, and as its own ``c`` [N (s/m)^a] and ``a``.
+    A dashpot with an exponent (VISCOUS) has zeros in ``post`` and ``couple``, and as parameters ``own``
+    its constant ``c`` [N (s/m)^a] and its exponent ``a``.
     """
 
     mass: Array  # (n,) [kg]
     damping: Array  # (n, n) [N s/m]
-    drifts: Array  # (e, n): drift of each element of the displacements of the floors
-    post: Array  # (e,) [N/m]
-    couple: Array  # (e,) [N/m]
-    strength: Array  # (e,) [m], infinite for a linear element; the slack of one that has slack
-    kind: Array  # (e,)
+    drifts: Array  # (e, n): drifts of the elements as sums of displacements of the floors
+    post: Array  # (e,) [N/m]: post-yield stiffness
+    couple: Array  # (e,) [N/m]: elastic less post-yield stiffness
+    strength: Array  # (e,) [m]: yield drift, infinite for a linear element; slack of a SLACK one
+    kind: Array  # (e,): one of KINDS, or a larger number
     own: Array  # (e, k): parameters of the law
 
     def elastic(self) -> Array:
-        """The matrix (2 n, 2 n) of displacements and velocities while all elements hold."""
+        """State matrix (2 n, 2 n) of displacements and velocities while all elements are elastic."""
         n = self.mass.size
         stiffness = (self.drifts.T * (self.post + self.couple)) @ self.drifts
         below = np.hstack([-stiffness, -self.damping]) / self.mass[:, None]
@@ -77,26 +80,30 @@ class Elements(NamedTuple):
 
 
 class Steps(NamedTuple):
-    """Elements in steps of one length.
+    """The elements for time steps of one length, and the matrices of the module's docstring.
 
-    Where every lane has elements of its own, all arrays of numbers have a last axis of LANES.
+    If every lane has other elements, all arrays of real numbers have a last axis of `LANES`.
     """
 
-    dt: float
-    move: Array  # (e, n + e): of drift rates and forces of elements
-    push: Array  # (e,): of the forcing
-    relief: Array  # (e, e): of the slips
+    dt: float  # [s]
+    move: Array  # (e, n + e): P, the effect of drift rates and element forces on the increments dd
+    push: Array  # (e,): g, the effect of the forcing
+    relief: Array  # (e, e): the effect of the slips
     post: Array
-    couple: Array
+    couple: Array  # as in `Elements`; of dashpots with an exponent, that of their springs
     strength: Array
     kind: Array
     own: Array
-    lowest: Array  # (n,): whether it is the first storey of a structure
-    passes: int  # at most
+    lowest: Array  # (n,): whether the storey is the lowest of a structure
+    passes: int  # largest number of passes
 
 
 def steps_of(elements: Elements, dt: float) -> Steps:
-    """From ``(2 M/dt + C + dt/2 K) du = 2 M v - dt B' s + dt M 1 f + dt/2 B' couple p``."""
+    """The elements for time steps ``dt`` [s].
+
+    The increments ``du`` of the displacements follow from
+    ``(2 M/dt + C + dt/2 K) du = 2 M v - dt B' s + dt M 1 f + dt/2 B' couple p``, with ``B = drifts``.
+    """
     mass, b = np.diag(elements.mass), elements.drifts
     n = len(mass)
     floors = np.linalg.inv(b[:n])
@@ -125,7 +132,7 @@ def steps_of(elements: Elements, dt: float) -> Steps:
 
 
 def sampled_steps(elements: Sequence[Elements], dt: float) -> Steps:
-    """Of LANES elements that differ in their numbers alone, one set a lane."""
+    """Steps of `LANES` sets of elements that differ only in their properties, one for each lane."""
     each = [steps_of(one, dt) for one in elements]
     of_lanes = ("move", "push", "relief", "post", "couple", "strength", "own")
     columns: dict[str, Any] = {
@@ -136,9 +143,10 @@ def sampled_steps(elements: Sequence[Elements], dt: float) -> Steps:
 
 @cache
 def law_of(middles: tuple[Any, ...]) -> Any:
-    """One function for elements of these laws, each given by a `law_middle`: kinds OTHER and on.
+    """One function for elements with any of these laws, each given by its `law_middle`.
 
-    The kernel takes it as an address: it is not compiled anew for every law.
+    The laws are those of the kinds OTHER, OTHER + 1 and so on. The result is the address of a C
+    function, so that `storey_block` is not compiled again for other laws.
     """
     law = _unknown
     for number, middle in enumerate(middles):
@@ -152,10 +160,13 @@ def law_of(middles: tuple[Any, ...]) -> Any:
 
 @compiled
 def _unknown(kind, hyst, start, slope, half, own):
+    """The law of an unknown kind: NaN."""
     return np.nan
 
 
 def _either(number: int, middle: Any, others: Any) -> Any:
+    """The function that takes ``middle`` for the kind ``number``, and ``others`` for other kinds."""
+
     @compiled
     def chosen(kind, hyst, start, slope, half, own):
         if kind == number:
@@ -168,7 +179,7 @@ def _either(number: int, middle: Any, others: Any) -> Any:
 
 @called_often
 def multiply(matrix, i, rows, out):
-    """Add the products of row ``i`` of a matrix with the rows (m, LANES), four at a time."""
+    """Add row ``i`` of a matrix times ``rows`` (m, LANES) to ``out[i]``, four columns at a time."""
     m = matrix.shape[1]
     j = 0
     while j + 4 <= m:
@@ -185,7 +196,7 @@ def multiply(matrix, i, rows, out):
 
 
 def _own(own: Any, lane: int) -> Any:
-    """Parameters of the law of a lane."""
+    """Parameters of the law in a lane."""
     return own if own.ndim == 1 else own[:, lane].copy()
 
 
@@ -198,7 +209,7 @@ def _own_of_lane(own, lane):
 
 @compiled
 def _by_function(law, steps, i, z, change, slip, more):
-    """`_more_slip` of a law that is no return map."""
+    """`_more_slip` for the Bouc-Wen law and for laws given as functions."""
     kind, of_all, half = steps.kind[i], steps.own[i], 0.5 * steps.dt
     for lane in range(LANES):
         g, uy = of_lane(steps.relief[i, i], lane), of_lane(steps.strength[i], lane)
@@ -216,11 +227,12 @@ def _by_function(law, steps, i, z, change, slip, more):
 
 @compiled
 def _dashpot(steps, i, change, slip, more):
-    """`_more_slip` of a dashpot with an exponent.
+    """`_more_slip` for a dashpot with an exponent.
 
-    With ``x`` its rate, ``(1 - g) dt x + g y x^a = alone``, it slips ``dt x - y x^a``; solved for
-    the one of ``x`` and ``x^a`` of which the other is a power above 1. Newton's method goes down to the
-    root of this convex function from above.
+    Its rate ``x`` solves ``(1 - g) dt x + g y x^a = alone``, with ``y = 2 c/couple``, the relief ``g``
+    by its own slip, and the increment ``alone`` of the drift without slip. It slips by
+    ``dt x - y x^a``. The unknown is the one of ``x`` and ``x^a`` of which the other is a power of at
+    least 1; Newton's method then approaches the root of a convex function from above.
     """
     for lane in range(LANES):
         g, own = of_lane(steps.relief[i, i], lane), steps.own[i]
@@ -235,7 +247,7 @@ def _dashpot(steps, i, change, slip, more):
         alone = drift - g * before
         size = abs(alone)
         x = 0.0
-        if before != 0.0:  # as in the pass before, or in the step before
+        if before != 0.0:  # start from the root of the pass before, or of the step before
             x = abs(drift - before) / of_force if slow else abs(drift) / of_rate
         steep = x ** (power - 1.0)
         less = (first * x + second * x * steep - size) / (first + power * second * steep)
@@ -259,7 +271,7 @@ def _dashpot(steps, i, change, slip, more):
 
 @called_often
 def _more_slip(law, steps, i, d, z, change, slip, more):
-    """What element ``i`` slips beyond ``slip`` if the others stay as they are."""
+    """Write to ``more`` (LANES,) how much element ``i`` slips beyond ``slip``, for given other slips."""
     kind, relief, strength = steps.kind[i], steps.relief[i, i], steps.strength[i]
     if kind == BILINEAR:
         for lane in range(LANES):
@@ -283,6 +295,7 @@ def _more_slip(law, steps, i, d, z, change, slip, more):
 
 @called_often
 def _beyond(more, least):
+    """Whether the slip changes by more than ``least`` in any lane."""
     for lane in range(LANES):  # noqa: SIM110 - compiled
         if abs(more[lane]) > least:
             return True
@@ -291,7 +304,7 @@ def _beyond(more, least):
 
 @called_often
 def _largest(change, slip, relief, most):
-    """Drift of the lane that drifts most, if the element did not slip; at least ``most``."""
+    """Largest drift increment of any lane, if the element did not slip; at least ``most``."""
     for lane in range(LANES):
         most = max(most, abs(change[lane] - of_lane(relief, lane) * slip[lane]))
     return most
@@ -299,7 +312,10 @@ def _largest(change, slip, relief, most):
 
 @called_often
 def _slips(law, steps, d, z, change, slip, more):
-    """All slips of a step; ``change`` are the increments of the drifts that go with them."""
+    """Find the slips (e, LANES) of a step in passes over all elements.
+
+    ``change`` (e, LANES), the increments of the drifts, is updated with the slips.
+    """
     e = steps.kind.size
     widest = 0.0
     if steps.passes == MOST_VISCOUS:
@@ -331,7 +347,7 @@ def _slips(law, steps, d, z, change, slip, more):
 
 @called_often
 def _first_slips(steps, change, slip):
-    """None; of dashpots with an exponent those of the step before."""
+    """Set the slips at the start of the passes: zero; for dashpots with an exponent, the last ones."""
     for i in range(steps.kind.size):
         if steps.kind[i] != VISCOUS:
             for lane in range(LANES):
@@ -345,10 +361,11 @@ def _first_slips(steps, change, slip):
 
 @entry
 def storey_block(f, owned, law, d, v, z, every, out):
-    """Elements over the steps of ``f``; ``out`` (samples, e, LANES): floors, then links.
+    """Steps of the elements ``owned``, a `Steps`, under the forcing ``f`` (steps, LANES).
 
-    ``d``, ``v`` and ``z`` (e, LANES): drifts, their rates and hysteretic drifts [m]. ``law`` is a
-    `law_of`.
+    ``d``, ``v`` and ``z`` (e, LANES) are the drifts [m], their rates [m/s] and the hysteretic drifts
+    [m]; they are updated. ``out`` (samples, e, LANES) gets the displacements of the floors and the
+    drifts of the links after every ``every``-th step [m]. ``law`` is the result of `law_of`.
     """
     steps = borrow(owned)
     e, n = steps.kind.size, steps.lowest.size
@@ -374,7 +391,7 @@ def storey_block(f, owned, law, d, v, z, every, out):
             for lane in range(LANES):
                 d[i, lane] += change[i, lane]
                 v[i, lane] = twice * change[i, lane] - v[i, lane]
-            if steps.kind[i] != VISCOUS:  # whose spring ends with the step
+            if steps.kind[i] != VISCOUS:  # the spring of a dashpot exists for one step only
                 for lane in range(LANES):
                     z[i, lane] += change[i, lane] - slip[i, lane]
         if (s + 1) % every == 0:
@@ -384,7 +401,7 @@ def storey_block(f, owned, law, d, v, z, every, out):
 
 @called_often
 def _sample(lowest, d, total, out, sample):
-    """Write the displacements of the floors, which are the drifts below them, and those of the links."""
+    """Write the displacements of the floors, sums of the drifts below them, and the drifts of links."""
     for i in range(d.shape[0]):
         if i >= lowest.size or lowest[i]:
             for lane in range(LANES):

@@ -10,7 +10,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.models.parameters import Model
 from stochlin.registry import Registry
 
-_STEPS = 2000  # of the midpoint rule for the integral of the squared envelope
+_STEPS = 2000  # steps of the midpoint rule for the integral of the squared envelope
 ENVELOPES: Registry[type[Envelope]] = Registry("envelope", "stochlin.models.envelopes")
 
 
@@ -29,7 +29,7 @@ class Envelope(Model):
         raise NotImplementedError
 
     def kinks(self) -> tuple[float, ...]:
-        """Times [s] at which the slope jumps, in increasing order; an integration restarts there."""
+        """Times [s] at which the slope jumps, in increasing order; time integration restarts there."""
         return ()
 
 

@@ -1,4 +1,4 @@
-"""Hysteresis laws, one module each: sympy expression, closures in closed form, time steps."""
+"""Hysteresis laws, one module each: their sympy expression, closures and time steps."""
 
 from __future__ import annotations
 

@@ -152,7 +152,10 @@ class Bilinear(Structure):
     symbolic = staticmethod(symbolic)
 
     def has_one_solution(self) -> xr.DataArray:
-        """True everywhere: no second solution was found in many thousand random cells."""
+        """Whether linearization has at most one solution: true for all parameters.
+
+        This is not proved; no second solution was found in many thousand random cells.
+        """
         return xr.DataArray(True)
 
     def block(self) -> Block:
@@ -162,7 +165,7 @@ class Bilinear(Structure):
         return bilinear_block
 
     def in_storeys(self) -> Any:
-        """The constant of ``storey_stepping`` for this law, which is built in."""
+        """The kind of element of ``kernels.simulation.storey_stepping`` that has this law."""
         from stochlin.kernels.simulation.storey_stepping import BILINEAR
 
         return BILINEAR

@@ -134,9 +134,10 @@ class BoucWen(Structure):
     symbolic = staticmethod(symbolic)
 
     def has_one_solution(self) -> xr.DataArray:
-        """True where ``gamma <= beta``: no second solution was found in many thousand random cells.
+        """Whether linearization has at most one solution: true for ``gamma <= beta``.
 
-        For ``gamma > beta`` the structure also slips in unloading, and there may be three solutions.
+        This is not proved; no second solution was found in many thousand random cells. For
+        ``gamma > beta`` the structure also slips in unloading, and there may be three solutions.
         """
         values = self.arrays()
         return values["gamma"] <= values["beta"]
@@ -148,7 +149,7 @@ class BoucWen(Structure):
         return bouc_wen_block
 
     def in_storeys(self) -> Any:
-        """The constant of ``storey_stepping`` for this law, which is built in."""
+        """The kind of element of ``kernels.simulation.storey_stepping`` that has this law."""
         from stochlin.kernels.simulation.storey_stepping import BOUC_WEN
 
         return BOUC_WEN

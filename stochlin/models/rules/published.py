@@ -87,4 +87,5 @@ def look_up(registry: Registry[type[Rule]], name: object, parameter: str) -> typ
 
 
 def _plain(name: object) -> str:
+    """The name in lower case, without spaces, underscores and hyphens."""
     return re.sub(r"[\s_-]", "", str(name).lower())

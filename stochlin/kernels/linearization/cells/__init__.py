@@ -1,1 +1,1 @@
-"""Compiled loops over the cells of a table: grounds, and the steps to a fixed point."""
+"""Compiled loops over the cells of a table: grounds, fixed point iterations, drift."""

@@ -1,8 +1,11 @@
-"""Grounds of one or two oscillators in closed form: correlations with a structure, and their slopes.
+"""Covariances of a structure with ground filters of one or two oscillators, in closed form.
 
 The Sylvester equation ``A C + C F' + R = 0`` of a structure with a filter oscillator ``F`` is solved in
-the quotient ring ``R[s]/(s^2 + e s + w^2)``, whose elements ``a + b F`` are pairs of numbers. A slope by
-slip or relaxation solves the same equation, with what the state matrix gains for ``R``.
+the algebra of polynomials in ``F``: by its characteristic polynomial ``F^2 = -stiffness - e F``, so
+that every element ``a + b F`` is a pair of numbers. The derivative by a coefficient of ``A`` (slip or
+relaxation) solves the same equation, with the derivative of ``A`` times ``C`` in place of ``R``. Pairs
+of numbers such as ``u`` are covariances of one state of the structure with the two states of an
+oscillator.
 """
 
 import math
@@ -12,9 +15,9 @@ import numpy as np
 from stochlin.kernels.basics.compiled import called_often, entry
 from stochlin.kernels.linearization.cells.tiles import LANES, fill, load, read3, store, write3
 
-SYSTEM = 5  # rows of an equivalent system
-FORCINGS = 9  # rows of a forcing, its slopes by slip and those by relaxation
-NOTHING = 0.0, 0.0
+SYSTEM = 5  # rows of the coefficients of an equivalent system
+FORCINGS = 9  # rows of a forcing, and of its derivatives by slip and by relaxation
+NOTHING = 0.0, 0.0  # a pair of zeros
 
 
 @called_often
@@ -25,7 +28,7 @@ def _apply(oscillator, u):
 
 @called_often
 def _divide(oscillator, a, b, u):
-    """``(a + b F)^-1 u``, by the conjugate ``a - b e - b F``."""
+    """``(a + b F)^-1 u``, by the conjugate ``a - b e - b F``, with the damping ``e``."""
     stiffness, damping = oscillator
     norm = a * a - a * b * damping + b * b * stiffness
     fu = _apply(oscillator, u)
@@ -35,11 +38,11 @@ def _divide(oscillator, a, b, u):
 
 @called_often
 def _sylvester(system, oscillator, r_mu, r_v, r_y):
-    """Rows of ``C``."""
+    """Rows of ``C`` for ``mu``, ``mu'`` and ``y``, from the rows ``r_mu``, ``r_v``, ``r_y`` of ``R``."""
     w2, d, h, p, k = system
     stiffness, e = oscillator
     a2, a1, a0 = d + k, w2 + d * k - h * p, (w2 - h) * k
-    # D(-F) reduced by F^2 = -stiffness - e F
+    # D(-F) = constant + linear F, with the structure's characteristic polynomial D.
     constant = a0 - (e + a2) * stiffness
     linear = stiffness - e * e - a2 * e - a1
     moved = _apply(oscillator, r_mu)
@@ -58,7 +61,10 @@ def _sylvester(system, oscillator, r_mu, r_v, r_y):
 
 @called_often
 def _signal(oscillator, rows):
-    """What the oscillator transmits, with ``mu``, ``mu'`` and ``y``."""
+    """Covariances of ``mu``, ``mu'`` and ``y`` with ``stiffness x + damping x'`` of a filter oscillator.
+
+    ``rows`` are those with its states ``x`` and ``x'``.
+    """
     (mu, mu_rate), (v, v_rate), (y, y_rate) = rows
     stiffness, damping = oscillator
     return (
@@ -70,17 +76,22 @@ def _signal(oscillator, rows):
 
 @called_often
 def _less(one, other):
+    """Difference of two pairs of numbers."""
     return one[0] - other[0], one[1] - other[1]
 
 
 @called_often
 def _less3(one, other):
+    """Difference of two triples of numbers."""
     return one[0] - other[0], one[1] - other[1], one[2] - other[2]
 
 
 @called_often
 def _of_soil(system, soil, right):
-    """Rows with the soil, and their slopes; ``right`` is its correlation with the force."""
+    """Covariances with the soil oscillator, and their derivatives by slip and by relaxation.
+
+    ``right`` are the covariances of the soil's states with the ground acceleration.
+    """
     rows = _sylvester(system, soil, NOTHING, right, NOTHING)
     by_slip = _sylvester(system, soil, NOTHING, NOTHING, rows[1])
     by_relaxation = _sylvester(system, soil, NOTHING, NOTHING, _less(rows[0], rows[2]))
@@ -89,7 +100,10 @@ def _of_soil(system, soil, right):
 
 @called_often
 def _kanai_tajimi(system, ground):
-    """Under ``f = wg^2 xg + 2 xig wg xg'``, eqs. (11) and (12)."""
+    """Forcing, its derivatives and covariances on a Kanai-Tajimi ground, eqs. (11) and (12).
+
+    The ground acceleration is ``f = wg^2 xg + 2 xig wg xg'``.
+    """
     intensity, stiffness, damping = ground
     soil = stiffness, damping
     noise = math.pi * intensity / damping, math.pi * intensity
@@ -99,17 +113,22 @@ def _kanai_tajimi(system, ground):
 
 @called_often
 def _with_layer(system, layer, still, signal, gained):
-    """Rows with the high-pass oscillator, which the soil drives."""
+    """Covariances with the high-pass oscillator, which the acceleration of the soil drives.
+
+    ``signal`` are the covariances of the structure with this acceleration, ``still`` is that of the
+    ground acceleration with the oscillator's displacement, and ``gained`` is a further right-hand side.
+    """
     mu, v, y = signal
     return _sylvester(system, layer, (0.0, mu), (still, v), (gained[0], gained[1] + y))
 
 
 @called_often
 def _clough_penzien(system, ground):
-    """Under ``f = xf''``, the soil's signal less what the high-pass oscillator takes.
+    """Forcing, its derivatives and covariances on a Clough-Penzien ground.
 
-    That oscillator is itself a linear structure on the soil, and the cascade is block triangular: two
-    solutions of the same kind, one after the other.
+    The ground acceleration is ``f = xf'' = f_soil - wf^2 xf - 2 xif wf xf'``. The high-pass oscillator
+    ``xf`` is itself a linear structure on the soil. The equations are block triangular, and are solved
+    first for the soil and then for the high-pass oscillator.
     """
     intensity, stiffness, damping, layer_stiffness, layer_damping = ground
     soil, layer = (stiffness, damping), (layer_stiffness, layer_damping)
@@ -117,7 +136,7 @@ def _clough_penzien(system, ground):
     alone = layer_stiffness, layer_damping, 0.0, 0.0, math.sqrt(layer_stiffness)
     x, v, _ = _sylvester(alone, soil, NOTHING, noise, NOTHING)
     still = -(stiffness * v[0] + damping * v[1]) / layer_damping
-    # E[q f] with f = f_soil - stiffness xf - damping xf'
+    # The covariances of the soil's states q with f = f_soil - wf^2 xf - 2 xif wf xf'.
     right = (
         noise[0] - layer_stiffness * x[0] - layer_damping * v[0],
         noise[1] - layer_stiffness * x[1] - layer_damping * v[1],
@@ -136,11 +155,13 @@ def _clough_penzien(system, ground):
 
 @called_often
 def _system(tile, lane):
+    """The coefficients of the equivalent system of a lane."""
     return *read3(tile, 0, lane), tile[3 * LANES + lane], tile[4 * LANES + lane]
 
 
 @called_often
 def _write_rows(tile, row, lane, rows, wide):
+    """Write covariances with one oscillator, of ``wide`` states in the filter, into a tile."""
     (mu, mu_rate), (v, v_rate), (y, y_rate) = rows
     tile[row * LANES + lane] = mu
     tile[(row + 1) * LANES + lane] = mu_rate
@@ -152,9 +173,11 @@ def _write_rows(tile, row, lane, rows, wide):
 
 @entry
 def kanai_tajimi(rows, found):
-    """``found`` (FORCINGS + 6, n) from ``rows`` (8, n): the system, ``S0``, ``wg^2``, ``2 xig wg``.
+    """Write forcings and covariances of cells on Kanai-Tajimi grounds to ``found`` (FORCINGS + 6, n).
 
-    After the forcings come the correlations of ``mu``, ``mu'`` and ``y`` with the states.
+    ``rows`` (8, n) are the equivalent system, ``S0``, ``wg^2`` and ``2 xig wg``. After the forcings and
+    their derivatives ``found`` has the covariances of ``mu``, ``mu'`` and ``y`` with the filter's
+    states.
     """
     given, made = np.empty(rows.shape[0] * LANES), np.empty(found.shape[0] * LANES)
     fill(given, 1.0)
@@ -172,7 +195,10 @@ def kanai_tajimi(rows, found):
 
 @entry
 def clough_penzien(rows, found):
-    """The same (FORCINGS + 12, n), from (10, n): the soil, and ``wf^2`` and ``2 xif wf`` after it."""
+    """As `kanai_tajimi` for Clough-Penzien grounds, with ``found`` (FORCINGS + 12, n).
+
+    ``rows`` (10, n) also has ``wf^2`` and ``2 xif wf`` of the high-pass oscillator.
+    """
     given, made = np.empty(rows.shape[0] * LANES), np.empty(found.shape[0] * LANES)
     fill(given, 1.0)
     for start in range(0, rows.shape[1], LANES):

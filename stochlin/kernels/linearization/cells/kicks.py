@@ -1,6 +1,6 @@
-"""The kicks of a drift, for each cell: their variance by order, and what is remembered of half-cycles.
+"""The kicks of the drift, for each cell: variance of their sizes by order, and autocorrelations.
 
-`drift` has the equations, ``docs/drift.md`` where they come from.
+The equations, with the numbers of ``docs/drift.md``, are those of the module `drift`.
 """
 
 from __future__ import annotations
@@ -10,15 +10,17 @@ import numpy as np
 from stochlin.kernels.basics.compiled import compiled, entry
 from stochlin.kernels.linearization.cells.tiles import LANES, fill, load, store
 
-TERMS = 8  # of the series of a matrix exponential,
-SMALL = 0.125  # over a time so short against that of the fastest rate
+TERMS = 8  # of the Taylor series of a matrix exponential
+SMALL = 0.125  # largest time of the series, times the bound of the eigenvalues
 
 
 @entry
 def variance_by_order(sz, growth, excess, weight, found):
-    """Eq. (2): ``found`` (orders + 1, n), over the square of the mean, by quadrature over amplitudes.
+    """Write ``c_j^2`` of eq. (2) to ``found`` (orders + 1, n), by quadrature over amplitudes.
 
-    ``growth`` is ``exp(1/2 sz^2)``; the last row is what is beyond the orders.
+    It is the variance of the kick sizes by Laguerre order ``j``, over the square of their mean; the last
+    row has the rest. ``growth`` (n,) is ``exp(1/(2 sz^2))``; ``excess`` and ``weight`` are the nodes and
+    weights of the quadrature for an exponential density.
     """
     orders = found.shape[0] - 1
     std, threshold = np.empty(LANES), np.empty(LANES)
@@ -37,7 +39,7 @@ def variance_by_order(sz, growth, excess, weight, found):
         for node in range(excess.size):
             for lane in range(LANES):
                 energy[lane] = threshold[lane] + excess[node]
-                # sqrt(2 E) sz - 1 without subtraction
+                # The kick size a - 1 = sqrt(2 E) sz - 1, without cancellation.
                 size = 2 * std[lane] * std[lane] * excess[node]
                 size /= std[lane] * np.sqrt(2 * energy[lane]) + 1
                 weighted[lane] = weight[node] * size
@@ -55,7 +57,7 @@ def variance_by_order(sz, growth, excess, weight, found):
 
 @compiled
 def _add_polynomials(energy, weighted, polynomials, sums, orders):
-    """Those of Laguerre, weighted."""
+    """Add the weighted Laguerre polynomials of ``energy`` to ``sums``, by their recursion."""
     for lane in range(LANES):
         polynomials[lane], polynomials[LANES + lane] = 1.0, 1.0 - energy[lane]
         sums[lane] += weighted[lane]
@@ -71,9 +73,9 @@ def _add_polynomials(energy, weighted, polynomials, sums, orders):
 
 @entry
 def add_powers(memory, found):
-    """Eq. (3): ``sum over n of R_n^(2 j + 1)``, both ways in time, by order ``j``.
+    """Write ``S_j``, the sum of ``R_n^(2 j + 1)`` over all ``n``, eq. (3), to ``found`` (orders, n).
 
-    Powers of a correlation function are correlation functions: with Bartlett's window no sum is
+    A power of a correlation function is a correlation function, so that with Bartlett's window no sum is
     negative.
     """
     cycles, orders = memory.shape[0], found.shape[0]
@@ -99,10 +101,11 @@ def add_powers(memory, found):
 
 @entry
 def follow(matrix, time, turns, states, found):
-    """``z`` (cycles, n) after each ``time`` (n,) of free motion ``x' = A x`` from ``states`` (k, n).
+    """Write ``z`` at multiples of ``time`` (n,) in the free motion ``x' = A x`` to ``found``.
 
-    ``matrix`` is ``A`` (k * k, n), ``turns`` bounds its eigenvalues times ``time``. The displacement is
-    the first state and the slip the third.
+    The result is (cycles, n). The motion starts from ``states`` (k, n). ``matrix`` (k * k, n) is ``A``,
+    and ``turns`` (n,) a bound of its eigenvalues times ``time``. ``z`` is the first state, the
+    displacement, less the third, the slip.
     """
     size, cycles = states.shape[0], found.shape[0]
     part, step, other = (
@@ -141,7 +144,10 @@ def follow(matrix, time, turns, states, found):
 
 @compiled
 def _exponential(part, doublings, size, total, other):
-    """By series over a part of the time, then doubling, lane by lane as often as it takes."""
+    """Matrix exponential by scaling and squaring, with a number of squarings for each lane.
+
+    ``part`` is the scaled matrix, ``doublings`` the numbers of squarings, ``total`` the result.
+    """
     for i in range(size * size):
         one = 1.0 if i % (size + 1) == 0 else 0.0
         for lane in range(LANES):
@@ -166,6 +172,7 @@ def _exponential(part, doublings, size, total, other):
 
 @compiled
 def _multiply(left, right, size, product):
+    """Matrix product of each lane."""
     fill(product, 0.0)
     for i in range(size):
         for j in range(size):

@@ -1,4 +1,4 @@
-"""A function of one number by Chebyshev series, a series for each unit of its range."""
+"""A function of one variable by Chebyshev series, with one series for each unit of its range."""
 
 from stochlin.kernels.basics.compiled import entry
 from stochlin.kernels.linearization.cells.tiles import LANES
@@ -6,7 +6,11 @@ from stochlin.kernels.linearization.cells.tiles import LANES
 
 @entry
 def evaluate(x, begin, table, found):
-    """``found`` (n,) at ``x``, held at the ends; ``table`` (terms, panels) begins at ``begin``."""
+    """Write the function at ``x`` (n,) to ``found``, by Clenshaw's recursion.
+
+    ``table`` (terms, panels) has the coefficients of each series; the first panel starts at ``begin``.
+    Outside the range the value at its nearer end is taken.
+    """
     terms, panels = table.shape
     for start in range(0, x.size, LANES):
         for lane in range(start, min(start + LANES, x.size)):

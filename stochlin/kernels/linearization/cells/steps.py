@@ -1,4 +1,4 @@
-"""One step towards the fixed point, for each cell of a chunk; `fixed_point` tells what is sought."""
+"""One step of the iteration of `fixed_point`, for each cell of a chunk."""
 
 from __future__ import annotations
 
@@ -19,33 +19,36 @@ from stochlin.kernels.linearization.covariance import (
     stable,
 )
 
-RESPONSE = 10  # rows: Var v, Var z, Cov(v, z) and corr(v, z), and of the first three the slopes
-STATE = (
-    9  # rows: last valid iterate, its mismatch, the step from there, the pseudo-time step, whether done
-)
+# Rows of a response: Var v, Var z, Cov(v, z), corr(v, z), and the derivatives of the first three by slip
+# and by relaxation.
+RESPONSE = 10
+# Rows of the state of the iteration: last valid iterate (3), norm of its mismatch, step from it (3),
+# pseudo-time step, and 1 once it has converged.
+STATE = 9
 BASE, NORM, STEP, DELTA, DONE = 0, 3, 4, 7, 8
-RESPONDED = 27  # rows before the response, and all rows that are given
-GIVEN = RESPONDED + RESPONSE
-LARGEST_STEP = 1.0  # in log(sigma) and atanh(corr)
-LEAST_DELTA = 0.05
-LARGEST_MISMATCH = 1e-6  # of a converged cell, whatever its last step
+RESPONDED = 27  # number of the first row of the response in the input of `_advance`
+GIVEN = RESPONDED + RESPONSE  # rows of this input
+LARGEST_STEP = 1.0  # largest step in log(sigma) and atanh(corr)
+LEAST_DELTA = 0.05  # smallest pseudo-time step
+LARGEST_MISMATCH = 1e-6  # largest norm of the mismatch of a converged cell
 
 
 class Pace(NamedTuple):
-    """How boldly the relaxation is followed: the pseudo-time step ``delta`` and how it changes."""
+    """Control of the pseudo-time step: its first value and how it changes, see `next_delta`."""
 
-    first: float
-    restart: float  # where to begin again after a rise of the mismatch
-    shorter: float  # factors from one step to the next: after a rise,
-    longer: float  # after a fall, times the ratio of the mismatches,
-    longest: float  # and at most
+    first: float  # first pseudo-time step
+    restart: float  # upper bound after a rise of the mismatch
+    shorter: float  # factor after a rise of the mismatch
+    longer: float  # factor after a fall, besides the ratio of the mismatches
+    longest: float  # largest factor after a fall
 
 
 @entry
 def respond(system, forcings, found):
-    """``found`` (RESPONSE, n) of linear systems (SYSTEM, n) with `FORCINGS`; NaN where not stationary.
+    """Write the responses of linear systems (SYSTEM, n) to forcings (FORCINGS, n) to ``found``.
 
-    The moments do not tell: on coloured ground they may look like a covariance then.
+    The response (RESPONSE, n) is NaN for systems that are not stable. This is checked by the criterion
+    of Routh and Hurwitz, since on filtered ground the formulas can also give a valid covariance there.
     """
     given, made = np.empty((SYSTEM + FORCINGS) * LANES), np.empty(RESPONSE * LANES)
     fill(given, 1.0)
@@ -72,7 +75,10 @@ def respond(system, forcings, found):
 
 @called_often
 def _slope(system, own, forcing, slope, dp, dk):
-    """Of Var v, Var z and Cov(v, z), as `own_covariance` has them, by slip or by relaxation."""
+    """Derivatives of Var v, Var z and Cov(v, z) of `own_covariance` by slip or by relaxation.
+
+    ``slope`` is the derivative of the forcing; ``dp`` is 1 for that by slip, ``dk`` is 1 for relaxation.
+    """
     w2, d, h, p, k = system
     f_mu, f_v, f_y = slope
     c = 1 - p
@@ -86,10 +92,12 @@ def _slope(system, own, forcing, slope, dp, dk):
 def advance(
     unknowns, latent, mismatch, response, slopes, covariance, by_latent, state, pace, rtol, atol
 ):
-    """``state`` (STATE, n) after one evaluation: a new step, or a part of the old one.
+    """Update the ``state`` (STATE, n) of the iteration after one evaluation of the mismatch.
 
-    Unknowns, latent moments and mismatch are (3, n), ``response`` of `respond`. Of the closure are the
-    ``slopes`` of the coefficients (6, n), the covariance (3, n) and its derivatives (9, n).
+    Unknowns, latent moments and mismatch are (3, n), and ``response`` is that of `respond`. ``slopes``
+    (6, n) are the derivatives of the closure's coefficients, ``covariance`` (3, n) is that which the
+    closure assumes, and ``by_latent`` (9, n) are its derivatives. If an iterate has no stationary
+    response, a smaller step from the last valid one is tried.
     """
     given, here = np.empty(GIVEN * LANES), np.empty(STATE * LANES)
     for tile in (given, here):
@@ -107,6 +115,7 @@ def advance(
 
 @called_often
 def _advance(given, state, lane, pace, rtol, atol):
+    """`advance` for one lane; ``given`` has the rows of all inputs."""
     y, (sv, sz, r), off = read3(given, 0, lane), read3(given, 3, lane), read3(given, 6, lane)
     columns = _jacobian(given, lane, (sv, sz, 1 - r * r))
     norm = np.sqrt(off[0] * off[0] + off[1] * off[1] + off[2] * off[2])
@@ -118,7 +127,7 @@ def _advance(given, state, lane, pace, rtol, atol):
     now = norm if valid else np.inf
     delta = next_delta(state[DELTA * LANES + lane], before, now, pace)
     new = _newton_step(columns, off, 1 / delta)
-    # Not stationary: take back most of the step, or if there was none yet, start nearer to elastic.
+    # If not stationary: try a quarter of the step; before the first valid iterate, a more elastic start.
     old, untried = read3(state, STEP, lane), np.isinf(before)
     nearer = old[0], old[1] - 1.0, old[2] - 0.5 * y[2]
     base = read3(state, BASE, lane)
@@ -128,7 +137,7 @@ def _advance(given, state, lane, pace, rtol, atol):
         state[(BASE + n) * LANES + lane] = y[n] if valid else base[n]
     state[NORM * LANES + lane] = norm if valid else before
     state[DELTA * LANES + lane] = delta
-    # Judged by the undamped step: a damped one is also small where delta is.
+    # Convergence is judged by the Newton step, since a damped step is also small if delta is small.
     change = _newton_step(columns, off, 0.0)
     of_r = (1 - r * r) * rtol / (atol + rtol * abs(r))
     still = (abs(change[0]) <= rtol) & (abs(change[1]) <= rtol) & (abs(change[2]) * of_r <= rtol)
@@ -138,7 +147,10 @@ def _advance(given, state, lane, pace, rtol, atol):
 
 @called_often
 def _jacobian(given, lane, scale):
-    """Columns of the derivatives of the mismatch by the unknowns."""
+    """The three columns of the Jacobian of the mismatch by the unknowns.
+
+    ``scale`` are the derivatives of ``(sv, sz, r)`` by the unknowns.
+    """
     moments, (vv, zz, vz) = read3(given, RESPONDED, lane), read3(given, 9, lane)
     corr = given[(RESPONDED + 3) * LANES + lane]
     by_slip = slope_of_unknowns(moments[0], moments[1], corr, read3(given, RESPONDED + 4, lane))
@@ -153,6 +165,7 @@ def _jacobian(given, lane, scale):
 
 @called_often
 def _column(given, n, lane, by_slip, by_relaxation, assumed, scale):
+    """Column ``n`` of this Jacobian; ``assumed`` are the variances and correlation of the closure."""
     slip, relaxation = given[(12 + n) * LANES + lane], given[(15 + n) * LANES + lane]
     own = (
         given[(18 + n) * LANES + lane], given[(21 + n) * LANES + lane], given[(24 + n) * LANES + lane]
@@ -167,7 +180,7 @@ def _column(given, n, lane, by_slip, by_relaxation, assumed, scale):
 
 @called_often
 def _newton_step(columns, mismatch, damping):
-    """``(damping - J)^-1 F``, limited in length: a relaxation for much damping, Newton's without."""
+    """``(damping - J)^-1 F``, limited to `LARGEST_STEP`; Newton's step for ``damping = 0``."""
     (a, d, g), (b, e, h), (c, f, i) = columns
     matrix = (damping - a, -b, -c), (-d, damping - e, -f), (-g, -h, damping - i)
     one, two, three = solve_3x3(matrix, mismatch)
@@ -176,13 +189,13 @@ def _newton_step(columns, mismatch, damping):
 
 
 def slope_of_unknowns(vv: Any, zz: Any, r: Any, slope: Any) -> Any:
-    """Of ``(log sv, log sz, atanh r)`` at a covariance, as that moves by ``slope``."""
+    """Derivative of ``(log sv, log sz, atanh r)`` if ``(vv, zz, vz)`` changes by ``slope``."""
     of_v, of_z = 0.5 * slope[0] / vv, 0.5 * slope[1] / zz
     return of_v, of_z, (slope[2] / np.sqrt(vv * zz) - r * (of_v + of_z)) / (1 - r * r)
 
 
 def next_delta(delta: Any, before: Any, now: Any, pace: Pace) -> Any:
-    """Switched evolution relaxation: longer as the mismatch falls, short again when it rises."""
+    """Next pseudo-time step, by switched evolution relaxation: longer if the mismatch has fallen."""
     ratio = 1.0 if np.isinf(before) else before / now
     shorter = max(pace.shorter * min(delta, pace.restart), LEAST_DELTA)
     return shorter if ratio < 1 else delta * min(pace.longer * ratio, pace.longest)

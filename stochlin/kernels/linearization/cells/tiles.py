@@ -1,20 +1,20 @@
-"""Rows of a table, tile by tile: of a fixed number of lanes, so that loops over them are vector code."""
+"""Tables computed in tiles of `LANES` cells each, called lanes, by loops compiled to vector code."""
 
 from stochlin.kernels.basics.compiled import called_often
 
-LANES = 64  # the rows of a tile stay in the first-level cache
+LANES = 64  # cells of a tile, so that its rows stay in the first-level cache
 
 
 @called_often
 def fill(tile, value):
-    """The same value everywhere."""
+    """Set all entries of a tile to ``value``."""
     for at in range(tile.size):
         tile[at] = value
 
 
 @called_often
 def load(rows, start, tile, first):
-    """Columns from ``start`` of ``rows`` into a tile, from its row ``first`` on."""
+    """Copy columns of ``rows`` (m, n) from ``start`` on into a tile, from its row ``first`` on."""
     count = min(LANES, rows.shape[1] - start)
     for row in range(rows.shape[0]):
         for lane in range(count):
@@ -23,13 +23,13 @@ def load(rows, start, tile, first):
 
 @called_often
 def read3(tile, row, lane):
-    """Three rows of a lane."""
+    """Values of a lane in three rows of a tile, from ``row`` on."""
     return tile[row * LANES + lane], tile[(row + 1) * LANES + lane], tile[(row + 2) * LANES + lane]
 
 
 @called_often
 def write3(tile, row, lane, values):
-    """The reverse."""
+    """Write values of a lane to three rows of a tile, from ``row`` on."""
     tile[row * LANES + lane] = values[0]
     tile[(row + 1) * LANES + lane] = values[1]
     tile[(row + 2) * LANES + lane] = values[2]
@@ -37,7 +37,7 @@ def write3(tile, row, lane, values):
 
 @called_often
 def store(tile, first, rows, start):
-    """The reverse."""
+    """Copy rows of a tile, from ``first`` on, into columns of ``rows`` (m, n) from ``start`` on."""
     count = min(LANES, rows.shape[1] - start)
     for row in range(rows.shape[0]):
         for lane in range(count):

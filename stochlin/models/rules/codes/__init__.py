@@ -96,9 +96,10 @@ class CodeRule(Published):
         return self.of_site(site)
 
     def told(self, alone: bool) -> str:
-        """The assumptions in words, after the number of the rule if it is not the default.
+        """The assumptions of the rule in words, with its number before them if it is not the default.
 
-        For one building the statement on property lines comes first, and the one on floors is left out.
+        For one building (``alone``) they begin with the statement on property lines, and the one on
+        floors that align is left out.
         """
         stated = [
             f"{field.name} {getattr(self, field.name):g}"
@@ -220,4 +221,5 @@ def code_rule(name: str, value: float | None = None) -> CodeRule:
 
 
 def _lacks_number(rule: type[CodeRule]) -> bool:
+    """Whether the rule has a number without a default."""
     return any(field.default is MISSING for field in fields(rule))

@@ -104,4 +104,5 @@ def _beyond(ductility: Array, hardening: Array) -> Array:
 
 
 def _pieces(x: Array, early: Array, middle: Array, late: Array) -> Array:
+    """The value for ``x = mu - 1`` below 3, up to 5.5, and above."""
     return np.where(x < 3, early, np.where(x <= 5.5, middle, late))
