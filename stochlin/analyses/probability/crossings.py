@@ -28,7 +28,7 @@ class Chances(NamedTuple):
 
     now: Array  # probability that u_1 - u_2 exceeds the gap at the instant
     poisson: Array  # confidence of no pounding until the instant, for independent crossings
-    vanmarcke: Array  # the same for crossings in clumps
+    vanmarcke: Array  # confidence of no pounding until the instant, for crossings in clumps
 
 
 def chances(

@@ -100,7 +100,7 @@ def with_run_information(
 ) -> xr.Dataset:
     """Add title, references, version and the parameters that made the dataset.
 
-    The clock stays out of it: the same inputs give the same file.
+    It has no date and time, so that the same inputs give the same file.
     """
     dataset.attrs = {
         **dataset.attrs,
