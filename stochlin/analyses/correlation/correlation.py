@@ -89,9 +89,9 @@ def correlate(
     rule : str or EffectiveRule
         Rule for effective properties, one of `effective_rule_names` or a rule object.
     rtol, atol, max_iterations : float, float, int
-        Stop rule of the iteration, as in `linearize`; for linearization and effective properties.
+        As in `linearize`, for linearization and effective properties: stop rule of the iteration.
     paths, seed, steps_per_period, relaxation_times, progress
-        Options of the simulation, as in `simulate`. With dask arrays ``progress`` is not called.
+        As in `simulate`: options of the simulation. With dask arrays ``progress`` is not called.
 
     Returns
     -------
