@@ -18,7 +18,7 @@ from stochlin.analyses.correlation.storeys import floor_pairs
 from stochlin.analyses.correlation.variables import VARIABLES
 from stochlin.analyses.linearization.equivalent_systems import (
     check_closure,
-    elastic_together,
+    derived_together,
     solved_together,
 )
 from stochlin.analyses.linearization.tolerance import Tolerance
@@ -222,7 +222,7 @@ def _by_linearization(asked: Question) -> Answer:
 
 
 def _by_white_noise(asked: Question) -> Answer:
-    sides = elastic_together(asked.pair, asked.ground)
+    sides = derived_together(asked.pair, asked.ground)
     inputs = [s.cells()[name] for name in ("period", "damping") for s in asked.pair]
     return _shown(inputs, sides), "eq. (4)", {}
 

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.linearization.drift_map import with_correction
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, lone, valid_cells
@@ -82,18 +83,13 @@ def solve_structure(
     structure: Structure, ground: Ground, closure: str, tolerance: Tolerance
 ) -> xr.Dataset:
     """Dataset of a linearized structure: the variables `PUBLIC`, and those that a pair needs."""
-    return xr.Dataset(solved_cells(structure, ground, closure, tolerance))
-
-
-def solved_cells(structure: Structure, ground: Ground, closure: str, tolerance: Tolerance) -> Solved:
-    """Variables of `solve_structure` by name; those of a single cell are numbers without labels."""
-    return solved_together((structure,), ground, closure, tolerance)[0]
+    return xr.Dataset(solved_together((structure,), ground, closure, tolerance)[0])
 
 
 def solved_together(
     structures: Sequence[Structure], ground: Ground, closure: str, tolerance: Tolerance
 ) -> list[Solved]:
-    """`solved_cells` of each structure.
+    """Variables of `solve_structure` of each structure; those of a single cell are numbers.
 
     Single cells with the same law are solved in one call, which takes hardly longer than for one.
     """
@@ -104,41 +100,35 @@ def solved_together(
             "take fewer cells at a time, or arrays in chunks of dask",
             memory=(DRIFTING if closure == DRIFT else SOLVED) * count_cells(structure, ground),
         )
-    solved = _derived_together(structures, ground, closure, tolerance)
+    solved = derived_together(structures, ground, closure, tolerance)
     if closure != DRIFT:
         return solved
-    from stochlin.analyses.linearization.drift_map import (
-        with_correction,
-    )
-
     pairs = zip(structures, solved, strict=True)
     return [with_correction(structure, ground, one) for structure, one in pairs]
 
 
 def solve_elastic(structure: Structure, ground: Ground) -> xr.Dataset:
     """Dataset of the structure as elastic; ``yield_displacement`` is that of its strength."""
-    return solve_derived(structure, ground, None, None)
-
-
-def elastic_together(structures: Sequence[Structure], ground: Ground) -> list[Solved]:
-    """Variables of `solve_elastic` of each structure, as in `solved_together`."""
-    return _derived_together(structures, ground, None, None)
+    return xr.Dataset(derived_together((structure,), ground)[0])
 
 
 def solve_derived(
-    structure: Structure, ground: Ground, closure: str | None, tolerance: Tolerance | None
+    structure: Structure, ground: Ground, closure: str, tolerance: Tolerance
 ) -> xr.Dataset:
-    """As `solve_structure`, but without the corrections of the drift closure by simulation.
-
-    The structure stays elastic if ``closure`` is None.
-    """
-    return xr.Dataset(_derived_together((structure,), ground, closure, tolerance)[0])
+    """As `solve_structure`, but without the corrections of the drift closure by simulation."""
+    return xr.Dataset(derived_together((structure,), ground, closure, tolerance)[0])
 
 
-def _derived_together(
-    structures: Sequence[Structure], ground: Ground, closure: str | None, tolerance: Tolerance | None
+def derived_together(
+    structures: Sequence[Structure],
+    ground: Ground,
+    closure: str | None = None,
+    tolerance: Tolerance | None = None,
 ) -> list[Solved]:
-    """Variables of `solve_derived` of each structure, as in `solved_together`."""
+    """As `solved_together`, but without the corrections of the drift closure by simulation.
+
+    The structures stay elastic if ``closure`` is None.
+    """
     asked = [_asked(structure, ground, closure, tolerance) for structure in structures]
     solver = asked[0][0]
     alike = len(asked) > 1 and all(other == solver for other, _ in asked)

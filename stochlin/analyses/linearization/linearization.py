@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.linearization.bias_map import caution_of, caution_of_error, relative_bias
-from stochlin.analyses.linearization.equivalent_systems import PUBLIC, solved_cells
+from stochlin.analyses.linearization.equivalent_systems import PUBLIC, solved_together
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
@@ -118,7 +118,7 @@ def linearize(
     expect(structure, Structure, "structure")
     expect(ground, Ground, "ground")
     tolerance = Tolerance(rtol, atol, max_iterations)
-    solved = solved_cells(structure, ground, closure, tolerance)
+    (solved,) = solved_together((structure,), ground, closure, tolerance)
     found = {name: solved[name] for name in PUBLIC}
     found |= judged(structure, ground, closure, solved, tolerance)
     if closure == NARROW_BAND:
@@ -159,7 +159,7 @@ def judged(
         return {"bias": 0 * error, "caution": caution_of_error(error)}
     gaussian = solved
     if closure != "gaussian":
-        gaussian = solved_cells(structure, ground, "gaussian", tolerance)
+        (gaussian,) = solved_together((structure,), ground, "gaussian", tolerance)
     bias = relative_bias(structure, ground, solved, gaussian)
     return {"bias": bias, "caution": caution_of(bias)}
 
