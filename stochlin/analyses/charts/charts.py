@@ -66,6 +66,17 @@ class ChartSettings:
         Names of `stochlin.effective_rule_names`, or of unverified rules, for Figs. 3b and 4. The default
         is all verified rules for Fig. 3b, and for Fig. 4 that of the paper (Jeng et al., unverified) and
         that of Iwan.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a value is out of range or of the wrong kind, or a rule is unknown.
+
+    Examples
+    --------
+    >>> from stochlin.charts import ChartSettings
+    >>> ChartSettings(points=5).fine_points
+    9
     """
 
     damping: float = 0.05
@@ -159,6 +170,13 @@ def chart_functions(
     -------
     mapping
         Functions by the name of the chart, which is the name of its file without suffix.
+
+    Examples
+    --------
+    >>> from stochlin.charts import ChartSettings, chart_functions
+    >>> functions = chart_functions(ChartSettings(points=5))
+    >>> functions["fig3a"]().rho.dims
+    ('damping', 'period_ratio')
     """
     given: dict[str, Any] = {"settings": settings}
     recorded = record is not None and site is not None

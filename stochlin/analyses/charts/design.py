@@ -40,10 +40,22 @@ def _reduction_factors(settings: ChartSettings) -> xr.DataArray:
 def white_noise_chart(settings: ChartSettings) -> xr.Dataset:
     """Fig. 3a: eq. (4) over the period ratio, for several damping ratios.
 
+    Parameters
+    ----------
+    settings : ChartSettings
+        Parameters of the charts, of which ``points`` is used.
+
     Returns
     -------
     xarray.Dataset
-        ``rho`` over (``damping``, ``period_ratio``).
+        ``rho`` [-] over (``damping``, ``period_ratio``).
+
+    Examples
+    --------
+    >>> from stochlin.charts import ChartSettings, white_noise_chart
+    >>> chart = white_noise_chart(ChartSettings(points=5))
+    >>> bool((chart.rho.sel(period_ratio=1, method="nearest") > 0.999).all())
+    True
     """
     ratio = labels.axis(
         "period_ratio", "period ratio T1/T2", np.geomspace(0.25, 4, settings.fine_points)
@@ -61,6 +73,15 @@ def white_noise_chart(settings: ChartSettings) -> xr.Dataset:
 def period_ratio_chart(settings: ChartSettings, ground: Ground, frequency_ratio: float) -> xr.Dataset:
     """Fig. 4: rho over ``T1/T2`` for a fixed frequency ``w2 = frequency_ratio wg`` of structure 2.
 
+    Parameters
+    ----------
+    settings : ChartSettings
+        Parameters of the charts.
+    ground : KanaiTajimi or CloughPenzien
+        The ground, with scalar parameters.
+    frequency_ratio : float
+        Frequency of structure 2 over that of the ground [-].
+
     Returns
     -------
     xarray.Dataset
@@ -70,6 +91,15 @@ def period_ratio_chart(settings: ChartSettings, ground: Ground, frequency_ratio:
         properties for the peak ductilities ``ductility_peak_1`` and ``_2`` of the same reduction factor;
         and ``rho_simulated`` with ``rho_standard_error`` and ``rho_difference`` (linearized minus
         simulated), NaN between the simulated points.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> from stochlin.charts import ChartSettings, period_ratio_chart
+    >>> settings = ChartSettings(points=5, simulated_points=0)
+    >>> chart = period_ratio_chart(settings, sl.KanaiTajimi(2.0, 0.05), frequency_ratio=1.0)
+    >>> chart.rho.dims
+    ('reduction_factor', 'period_ratio')
     """
     ratio = labels.axis(
         "period_ratio", "period ratio T1/T2", np.geomspace(0.25, 4, settings.fine_points)
@@ -104,11 +134,27 @@ def period_ratio_chart(settings: ChartSettings, ground: Ground, frequency_ratio:
 def period_plane_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
     """Fig. 5a: rho over ``T1/Tg`` and ``T2/Tg``.
 
+    Parameters
+    ----------
+    settings : ChartSettings
+        Parameters of the charts.
+    ground : KanaiTajimi or CloughPenzien
+        The ground, with scalar parameters.
+
     Returns
     -------
     xarray.Dataset
         ``rho`` and ``status`` over (``period_ratio_1``, ``period_ratio_2``). A linearized chart also has
         ``rho_drift``, ``rho_simulated``, ``rho_standard_error`` and ``rho_difference``, as in Fig. 4.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> from stochlin.charts import ChartSettings, period_plane_chart
+    >>> settings = ChartSettings(points=5, simulated_points=0)
+    >>> chart = period_plane_chart(settings, sl.KanaiTajimi(2.0, 0.05))
+    >>> chart.rho.dims
+    ('period_ratio_1', 'period_ratio_2')
     """
     first, second = (
         Bilinear(
@@ -133,6 +179,13 @@ def period_plane_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
 def amplification_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
     """Fig. 5b: amplification ``D`` over ``T/Tg``, for several reduction factors.
 
+    Parameters
+    ----------
+    settings : ChartSettings
+        Parameters of the charts.
+    ground : KanaiTajimi or CloughPenzien
+        The ground, with scalar parameters.
+
     Returns
     -------
     xarray.Dataset
@@ -141,6 +194,15 @@ def amplification_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
         the drift closure, and by simulation, NaN between the simulated points,
         ``amplification_simulated`` of the standard deviations and ``amplification_of_peaks`` of the
         peaks in a finite motion, which the caption in the paper means, both with ``_standard_error``.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> from stochlin.charts import ChartSettings, amplification_chart
+    >>> settings = ChartSettings(points=3, paths=32, reduction_factors=(1.0,))
+    >>> chart = amplification_chart(settings, sl.KanaiTajimi(2.0, 0.05))
+    >>> chart.amplification_of_peaks.shape
+    (1, 3)
     """
     ratio = labels.axis("period_ratio", "T/Tg", np.geomspace(0.1, 4, settings.points))
     structure = Bilinear(

@@ -85,6 +85,25 @@ def portrait_chart(record: xr.DataArray, period: float, damping: float) -> xr.Da
         ``displacement``, ``velocity_over_frequency`` and ``radius`` [m] over ``time``;
         ``pseudo_energy_radius`` [m]; ``circle_displacement`` and ``circle_velocity_over_frequency`` [m]
         over ``angle`` [rad].
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the record, a period or a damping ratio is out of range or of the wrong kind.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eq. (1) and Fig. 1.
+
+    Examples
+    --------
+    >>> import numpy as np, xarray as xr
+    >>> time = np.arange(0, 10, 0.01)
+    >>> record = xr.DataArray(np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    >>> from stochlin.charts import portrait_chart
+    >>> chart = portrait_chart(record, period=1.0, damping=0.05)
+    >>> bool(chart.displacement.max() <= chart.pseudo_energy_radius)
+    True
     """
     peak = pseudo_energy_radius(record, period, damping).pseudo_energy_radius
     step = float(record["time"][1] - record["time"][0])
@@ -143,6 +162,21 @@ def energy_chart(
         ``reduction_factor`` and ``period`` [s]: the same energies at the end of the record, with the
         ending ``_at_end``, and ``pseudo_energy_radius`` [m]. Also ``significant_begin`` and
         ``significant_end`` [s], the times at which the record has 5 and 95 % of its energy.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the record, a period or a damping ratio is out of range or of the wrong kind.
+
+    Examples
+    --------
+    >>> import numpy as np, xarray as xr
+    >>> time = np.arange(0, 10, 0.01)
+    >>> record = xr.DataArray(np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    >>> from stochlin.charts import energy_chart
+    >>> chart = energy_chart(record, 1.0, 0.05, hardening=0.05, reduction_factor=4.0, points=5)
+    >>> bool((chart.hysteretic_energy_radius.sel(reduction_factor=1.0) == 0).all())
+    True
     """
     periods = _periods("period", "period", points)
     elastic = response_spectrum(record, periods, damping)
@@ -194,6 +228,21 @@ def per_spectrum_chart(records: Records, damping: float, points: int = 161) -> x
     xarray.Dataset
         ``pseudo_energy_radius`` and ``displacement_max`` [m] and ``status`` over ``period`` [s] and, for
         several records, ``record``.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the record, a period or a damping ratio is out of range or of the wrong kind.
+
+    Examples
+    --------
+    >>> import numpy as np, xarray as xr
+    >>> time = np.arange(0, 10, 0.01)
+    >>> record = xr.DataArray(np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    >>> from stochlin.charts import per_spectrum_chart
+    >>> chart = per_spectrum_chart(record, damping=0.05, points=5)
+    >>> bool((chart.pseudo_energy_radius >= chart.displacement_max).all())
+    True
     """
     chart = pseudo_energy_radius(records, _periods("period", "period", points), damping)
     return chart.assign_attrs(
@@ -222,6 +271,25 @@ def recorded_gap_chart(record: xr.DataArray, damping: float, points: int = 61) -
         record; ``critical_gap`` [m], eq. (3) with the pseudo energy radii and ``rho_white_noise`` [-] of
         eq. (4); ``srss`` [m], the root of the sum of the squares of both; ``rho`` [-], the correlation
         coefficient over the record; and ``status``.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the record, a period or a damping ratio is out of range or of the wrong kind.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eqs. (1), (3) and (4), Fig. 2.
+
+    Examples
+    --------
+    >>> import numpy as np, xarray as xr
+    >>> time = np.arange(0, 10, 0.01)
+    >>> record = xr.DataArray(np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    >>> from stochlin.charts import recorded_gap_chart
+    >>> chart = recorded_gap_chart(record, damping=0.05, points=5)
+    >>> float(abs(chart.separation.values.diagonal()).max())
+    0.0
     """
     periods = (_periods(f"period_{n}", f"period, structure {n}", points) for n in (1, 2))
     first, second = (Bilinear(period, damping) for period in periods)
@@ -257,6 +325,22 @@ def added_damping_chart(
         Over ``damped`` and ``added_damping`` [-]: ``critical_gap`` [m], eqs. (3) and (4) with the energy
         radii, and ``separation`` [m], the largest ``u_1 - u_2`` in the record, as for
         `stochlin.damping_for_gap`; with a gap also the other variables of that function.
+
+    Raises
+    ------
+    ValueError, TypeError
+        As in `stochlin.damping_for_gap`.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> import numpy as np, xarray as xr
+    >>> time = np.arange(0, 10, 0.01)
+    >>> record = xr.DataArray(np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    >>> from stochlin.charts import added_damping_chart
+    >>> chart = added_damping_chart(record, sl.Bilinear(0.7, 0.05), sl.Bilinear(1.0, 0.05))
+    >>> chart.critical_gap.dims
+    ('damped', 'added_damping')
     """
     if gap is None:
         chart = labels.label(damped_gaps(first, second, record, RhoEstimate()), SEPARATION)

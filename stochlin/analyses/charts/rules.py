@@ -47,6 +47,17 @@ def effective_rules_chart(
     ------
     ValueError, TypeError
         If a rule is unknown, or ``rules`` is empty or no list.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), Fig. 3b; Jeng, Kasai and Maison (1992), Earthquake Spectra 8.
+
+    Examples
+    --------
+    >>> from stochlin.charts import effective_rules_chart
+    >>> chart = effective_rules_chart(0.05, 0.05, ductility=4.0, points=5, rules=["iwan_1980", "secant"])
+    >>> chart.rule.values.tolist()
+    ['iwan_1980', 'secant']
     """
     chosen = chosen_rules(rules, effective_rule_names())
     ratio = labels.axis("period_ratio", "elastic period ratio T1/T2", np.geomspace(0.25, 4, points))

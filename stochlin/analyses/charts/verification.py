@@ -103,6 +103,13 @@ def verify_chart(name: str, settings: ChartSettings) -> xr.Dataset:
     ------
     ValueError
         If there is no such chart with a simulation.
+
+    Examples
+    --------
+    >>> from stochlin.charts import ChartSettings, verify_chart
+    >>> chart = verify_chart("fig5a_broad_band", ChartSettings(points=2, paths=32))
+    >>> int(chart.rho_simulated.notnull().sum())
+    4
     """
     intervals = settings.points - 1
     fine = intervals * -(-INTERVALS // intervals) + 1
