@@ -25,7 +25,7 @@ def test_a_name_goes_before_its_number_and_its_ends():
     found = told(["width", "width_1", "width_2", "width_lower", "width_best", "height"], own)
     assert found["width_1"] == "width, structure 1"
     assert found["width_2"] == "the other width"
-    assert found["width_lower"] == "lower end of its 95 % interval"
+    assert found["width_lower"] == "width, lower end of the 95 % interval"
     assert found["width_best"] is None
     assert found["height"] is None
 

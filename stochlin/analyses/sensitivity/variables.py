@@ -15,8 +15,8 @@ VARIABLES: Variables = {
     **SEPARATION,
     **OWN,
     **{
-        f"{name}_standard_error": (units, f"standard error of {name}")
-        for name, (units, _) in OWN.items()
+        f"{name}_standard_error": (units, f"standard error of the {about}")
+        for name, (units, about) in OWN.items()
     },
     "gap_of_medians": ("m", "gap with all inputs at their medians"),
     "gap_of_medians_standard_error": (

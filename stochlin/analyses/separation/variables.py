@@ -6,8 +6,6 @@ from stochlin.analyses.tables.labels import Variables
 VARIABLES: Variables = {
     **SIMULATION,
     "gap": ("m", "gap between the structures"),
-    "gap_lower": ("m", "lower end of the 95 % interval of the gap"),
-    "gap_upper": ("m", "upper end of the 95 % interval of the gap"),
     "gap_at_height": ("m", "gap between the structures at the height"),
     "governing_height": ("m", "height that governs the gap of the rule"),
     "error": ("1", "relative error of the gap of the rule against simulation"),
@@ -17,14 +15,6 @@ VARIABLES: Variables = {
     "required_gap": ("m", "required gap for the confidence"),
     "largest_reduction_factor": ("1", "largest reduction factor for which the gap is sufficient"),
     "least_reduction_factor": ("1", "smallest reduction factor for which the gap is sufficient"),
-    **{
-        f"{which}_reduction_factor_{end}": (
-            "1",
-            f"{end} end of the 95 % interval of {which}_reduction_factor",
-        )
-        for which in ("largest", "least")
-        for end in ("lower", "upper")
-    },
     "largest_intensity": ("m^2/s^3", "largest intensity S0 for which the gap is sufficient"),
     "critical_gap": ("m", "critical gap of eq. (3) with the energy radii"),
     "critical_gap_error": ("1", "relative error of the critical gap against the record"),

@@ -21,7 +21,7 @@ _MEANS: Variables = {
 VARIABLES: Variables = {
     **_MEANS,
     **{
-        f"{name}_standard_error": (units, f"standard error of: {about}")
+        f"{name}_standard_error": (units, f"standard error of the {about}")
         for name, (units, about) in _MEANS.items()
     },
 }

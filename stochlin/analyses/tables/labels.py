@@ -57,7 +57,7 @@ CURES = {
 # Unit and long name by the name of a variable. Every room has its own in ``variables.py``, since a name
 # may have different meanings in two rooms.
 Variables = Mapping[str, tuple[str, str]]
-ENDS = {"lower": "lower end of its 95 % interval", "upper": "upper end of its 95 % interval"}
+ENDS = {"lower": "lower end of the 95 % interval", "upper": "upper end of the 95 % interval"}
 
 
 def axis(name: str, long_name: str, values: Any, units: str = "1") -> xr.DataArray:
@@ -85,7 +85,7 @@ def label(dataset: xr.Dataset, variables: Variables) -> xr.Dataset:
             every[name].attrs.update(units=units, long_name=long_name)
         elif stem in variables and (end.isdigit() or end in ENDS):
             units, long_name = variables[stem]
-            told = ENDS.get(end, f"{long_name}, structure {end}")
+            told = f"{long_name}, {ENDS.get(end, f'structure {end}')}"
             every[name].attrs.update(units=units, long_name=told)
     return dataset
 
