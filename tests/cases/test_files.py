@@ -244,8 +244,8 @@ WRONG = {
     "few paths": ("paths = 2048", "paths = 10", "paths", ["100 or more"]),
     "half a path": ("paths = 2048", "paths = 2048.5", "paths", ["whole number"]),
     "half a storey": ("storeys = 8", "storeys = 8.5", "storeys", ["whole number"]),
-    "no words": ('name = "Annex"', 'name = " "', 'name = " "', ["some words"]),
-    "control sign": ('name = "Annex"', r'name = "A\u001b[2J"', 'name = "A', ["some words"]),
+    "no words": ('name = "Annex"', 'name = " "', 'name = " "', ["a text on one line"]),
+    "control sign": ('name = "Annex"', r'name = "A\u001b[2J"', 'name = "A', ["a text on one line"]),
     "unquoted unit": ('"0.6 s"', "0.6 s", "period = 0.6 s", ["no TOML", 'period = "0.6 s"']),
     "whole number beyond all": (
         'damping = "5 %"',

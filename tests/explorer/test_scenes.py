@@ -127,16 +127,16 @@ def test_strength_by_yield_displacement_stays_so_whatever_the_intensity(tmp_path
 
 def test_strength_the_other_way_is_the_same(tmp_path):
     scene = Scene()
-    name, value = scene.strength_in_other_words(2)
+    name, value = scene.equivalent_strength(2)
     assert name == "yield_displacement_2"
     other = dataclasses.replace(scene, strength_by_2=BY_DISPLACEMENT, yield_displacement_2=value)
     for one in (scene, other):
         found = sl.linearize(one.structure(2), scene.ground())
         assert float(found.yield_displacement) == pytest.approx(value, rel=1e-12)
-    assert other.strength_in_other_words(2) == ("reduction_factor_2", pytest.approx(4, rel=1e-12))
+    assert other.equivalent_strength(2) == ("reduction_factor_2", pytest.approx(4, rel=1e-12))
     # The strength by R goes with the square root of the intensity.
     stronger = dataclasses.replace(scene, intensity=4 * scene.intensity)
-    assert stronger.strength_in_other_words(2)[1] == pytest.approx(2 * value, rel=1e-12)
+    assert stronger.equivalent_strength(2)[1] == pytest.approx(2 * value, rel=1e-12)
 
 
 def test_uncertain_parameters_are_told(tmp_path):

@@ -314,7 +314,7 @@ def test_table_over_durations_with_cells_that_fail_alone():
     )
     assert table.peak_mean.attrs == {
         "units": "m",
-        "long_name": "mean of the largest displacement in one direction",
+        "long_name": "mean of the peak displacement in one direction",
     }
 
 

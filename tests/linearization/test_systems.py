@@ -400,7 +400,7 @@ def test_weight_that_eats_the_hardening_has_no_stationary_answer():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"links": [sl.Link(1e6, slack=0.01)]}, "links, number 1: slack = 0.01.*simulate it"),
+        ({"links": [sl.Link(1e6, slack=0.01)]}, "links, number 1: slack = 0.01.*use simulate"),
         ({"links": [sl.Link(1e6, floors=(5, 1))]}, "floors = .*structure 1 has 4"),
         ({"links": [sl.Link([1e6, 2e6])]}, "stiffness is an array"),
         ({"links": [None, None]}, "links: 2 given"),

@@ -334,7 +334,7 @@ class Nothing(sl.HsuBernard):
         ({"duration": None}, "duration is missing"),
         ({"duration": True}, "duration = True"),
         ({"envelope": Negative(5.0)}, "allowed: finite values from 0 on"),
-        ({"envelope": Nothing(5.0)}, "is 0 all through"),
+        ({"envelope": Nothing(5.0)}, "is 0 during the whole"),
         ({"envelope": 3}, "envelope = 3"),
         ({"confidence": 1.0}, "confidence = 1"),
         ({"confidence": 0}, "confidence = 0"),

@@ -137,7 +137,7 @@ def test_the_interval_of_a_gap_with_uncertain_periods_contains_it_as_often_as_it
 
 
 def test_a_stationary_response_is_of_one_structure():
-    with pytest.raises(ValueError, match="structure_1: period is not known exactly"):
+    with pytest.raises(ValueError, match="structure_1: period is uncertain"):
         sl.simulate([sl.Bilinear(sl.Uncertain(1.0, 0.2), 0.05)], GROUND)
 
 

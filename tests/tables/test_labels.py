@@ -25,14 +25,14 @@ def test_a_name_goes_before_its_number_and_its_ends():
     found = told(["width", "width_1", "width_2", "width_lower", "width_best", "height"], own)
     assert found["width_1"] == "width, structure 1"
     assert found["width_2"] == "the other width"
-    assert found["width_lower"] == "lower end of its 95 % interval"
+    assert found["width_lower"] == "width, lower end of the 95 % interval"
     assert found["width_best"] is None
     assert found["height"] is None
 
 
 def test_bias_of_a_pair_is_of_rho_and_of_each_structure_of_its_standard_deviation():
     pair, one = told(["bias", "bias_1"], OF_PAIRS), told(["bias"], OF_ONE)
-    assert pair["bias"] == "linearized rho less the simulated one"
+    assert pair["bias"] == "bias of rho: linearized minus simulated"
     assert pair["bias_1"] == f"{one['bias']}, structure 1"
     assert correlation(Scene()).bias.attrs["long_name"] == pair["bias"]
 
@@ -44,5 +44,5 @@ def test_the_flag_of_the_permanent_set_is_not_a_length():
         one, two, ground, 0.1, paths=0, duration=25.0, envelope=envelope
     ).permanent_set
     assert "units" not in flag.attrs
-    assert "envelope has fallen" in flag.attrs["long_name"]
+    assert "envelope finally below" in flag.attrs["long_name"]
     assert len(flag.attrs["flag_meanings"].split()) == len(flag.attrs["flag_values"])

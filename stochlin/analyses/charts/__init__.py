@@ -1,1 +1,1 @@
-"""The data of the figures of the paper."""
+"""Data of the charts: the figures of the paper, and those of a record and its site."""

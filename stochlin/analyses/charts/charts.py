@@ -1,4 +1,4 @@
-"""The charts by name: each registers the function that computes its data from what it asks for."""
+"""Registry of the charts by name, each with the function that computes its dataset."""
 
 from __future__ import annotations
 
@@ -18,51 +18,65 @@ from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.rules.effective_properties import EffectiveRule, effective_rule
 from stochlin.registry import Registry
 
-# A chart asks by the names of its parameters for the settings, for a ground (there is then one for each
-# ground, with its own ending), or for a record and the ground fitted to it, its site.
+# The names of the parameters of a chart function select its arguments: the settings; a ground, for
+# which there is one chart for each ground, with an ending of its name; a record; its site, the ground
+# fitted to it.
 CHARTS: Registry[Callable[..., xr.Dataset]] = Registry("chart", "stochlin.analyses.charts")
 GIVEN = {"settings", "ground", "record", "site"}
-NARROW_BAND_DAMPING = 0.05  # the paper's, for Figs. 4 and 5
+NARROW_BAND_DAMPING = 0.05  # that of the paper for Figs. 4 and 5
 BROAD_BAND_DAMPING = 0.6  # firm ground, Der Kiureghian & Neuenhofer 1992
 
 
 @dataclass(frozen=True)
 class ChartSettings:
-    """What the charts take as given where the paper is silent.
+    """Parameters of the charts, most of which the paper does not state.
 
     Parameters
     ----------
     damping, hardening : float
-        Of all structures [-].
+        Damping ratio and hardening ratio [-] of all structures.
     reduction_factors : tuple of float
-        One curve each in Figs. 4 and 5b.
+        Reduction factors [-] of the curves in Figs. 4 and 5b.
     plane_reduction_factor : float
-        ``R`` of Fig. 5a; the paper's is 4.
+        Reduction factor [-] in Fig. 5a; that of the paper is 4.
     ductility : float
-        Peak ductility of both structures in Fig. 3b [-].
+        Peak ductility [-] of both structures in Fig. 3b.
     ground_period : float
-        ``Tg`` [s] of the two model grounds.
+        Period ``Tg`` [s] of the two model grounds.
     structure_period : float, optional
-        Period [s] of the structure of Fig. 1, and of the first of two on which damping is added; without
-        it that of the ground fitted to the record.
+        Period [s] of the structure of Fig. 1, and of the first structure in the chart of added damping.
+        The default is the period of the ground fitted to the record.
     second_period : float, optional
-        Period [s] of the second of two on which damping is added; without it 0.7 of the first.
+        Period [s] of the second structure in the chart of added damping. The default is 0.7 times the
+        first one.
     gap : float, optional
-        Existing gap [m] between them.
+        Existing gap [m] in the chart of added damping.
     closure : str
-        As in `stochlin.linearize`.
+        Closure of the linearization, as in `stochlin.linearize`.
     points : int
-        Periods along an axis.
-    method : str
-        ``"linearization"`` or ``"simulation"``.
+        Number of periods along an axis.
+    method : {"linearization", "simulation"}
+        Method for the response of yielding structures.
     paths, seed : int
-        As in `stochlin.simulate`.
+        Number and seed of simulated motions, as in `stochlin.simulate`.
     simulated_points : int, optional
-        Periods at which each curve of Fig. 4, and Fig. 5a along each axis, are simulated besides; 0 for
-        none. Without it 21 of a curve and 41 along each axis of Fig. 5a.
+        Number of periods at which each curve of Fig. 4, and Fig. 5a along each axis, are also simulated;
+        0 for none. The default is 21 for a curve and 41 for an axis.
     rules : tuple of str, optional
-        Names of `stochlin.effective_rule_names`, the unverified among them, for Figs. 3b and 4. Without
-        them Fig. 3b shows the verified, Fig. 4 that of the paper (Jeng et al., unverified) and Iwan's.
+        Names of `stochlin.effective_rule_names`, or of unverified rules, for Figs. 3b and 4. The default
+        is all verified rules for Fig. 3b, and for Fig. 4 that of the paper (Jeng et al., unverified) and
+        that of Iwan.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a value is out of range or of the wrong kind, or a rule is unknown.
+
+    Examples
+    --------
+    >>> from stochlin.charts import ChartSettings
+    >>> ChartSettings(points=5).fine_points
+    9
     """
 
     damping: float = 0.05
@@ -84,13 +98,13 @@ class ChartSettings:
 
     @property
     def options(self) -> dict[str, Any]:
-        """Keywords of `stochlin.correlate` and `stochlin.amplification`."""
+        """Keyword arguments for `stochlin.correlate` and `stochlin.amplification`."""
         names = ("method", "closure", "paths", "seed")
         return {name: getattr(self, name) for name in names}
 
     @property
     def fine_points(self) -> int:
-        """Points of a single curve, which costs little: twice as close."""
+        """Number of points of a curve that is quickly computed, about twice ``points``."""
         return 2 * self.points - 1
 
     def __post_init__(self) -> None:
@@ -120,7 +134,7 @@ class ChartSettings:
 
 
 def check_points(points: int) -> None:
-    """Raise if they are too few for a curve."""
+    """Raise a ValueError if there are less than two points along an axis."""
     if points < 2:
         raise ValueError(f"points = {points}; allowed: at least 2")
 
@@ -128,7 +142,7 @@ def check_points(points: int) -> None:
 def chosen_rules(
     rules: Iterable[str | EffectiveRule] | None, usual: Sequence[str]
 ) -> list[EffectiveRule]:
-    """The effective rules that are given, each once; if none are, the usual ones."""
+    """Rules for effective properties, without repetitions; the ``usual`` ones if ``rules`` is None."""
     if isinstance(rules, str) or not isinstance(rules, Iterable | None):
         raise TypeError(f"rules = {brief(rules)}; allowed: a list of names of effective rules")
     names = usual if rules is None else list(rules)
@@ -141,18 +155,28 @@ def chosen_rules(
 def chart_functions(
     settings: ChartSettings, record: xr.DataArray | None = None, site: Ground | None = None
 ) -> Mapping[str, partial[xr.Dataset]]:
-    """The charts by name, each a call that computes its dataset.
+    """Charts by name, each as a function without arguments that computes its dataset.
 
     Parameters
     ----------
     settings : ChartSettings
-    record, site : optional
-        A record and the ground fitted to it: the charts are then those of the site.
+        Parameters of the charts.
+    record : xarray.DataArray, optional
+        Record [m/s^2] for the charts of a site.
+    site : Ground, optional
+        Ground fitted to the record. With both, the charts are those of the site.
 
     Returns
     -------
     mapping
-        File name without ending -> function without arguments.
+        Functions by the name of the chart, which is the name of its file without suffix.
+
+    Examples
+    --------
+    >>> from stochlin.charts import ChartSettings, chart_functions
+    >>> functions = chart_functions(ChartSettings(points=5))
+    >>> functions["fig3a"]().rho.dims
+    ('damping', 'period_ratio')
     """
     given: dict[str, Any] = {"settings": settings}
     recorded = record is not None and site is not None
@@ -176,7 +200,7 @@ def chart_functions(
 
 
 def _asked(name: str) -> set[str]:
-    """What a chart asks for: its parameters without a default."""
+    """Names of the required parameters of a chart function."""
     parameters = signature(CHARTS[name]).parameters.values()
     asked = {parameter.name for parameter in parameters if parameter.default is parameter.empty}
     if not asked <= GIVEN:
@@ -186,4 +210,5 @@ def _asked(name: str) -> set[str]:
 
 
 def _of_record(name: str) -> bool:
+    """Whether a chart needs a record or its site."""
     return not _asked(name).isdisjoint({"record", "site"})

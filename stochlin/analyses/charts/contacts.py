@@ -1,9 +1,9 @@
-"""The data of Figs. 6 to 8 of the paper: loops, histories and restitution of contact elements.
+"""Data of Figs. 6 to 8 of the paper: loops, histories and restitution of contact elements.
 
-Two free masses of reduced mass ``m`` meet at ``v0``. In the scales ``tau = (m v0^(1-n)/k)^(1/(n+1))`` of
-time, ``v0 tau`` of deformation and ``k (v0 tau)^n`` of force, neither stiffness nor mass nor velocity
-is left in the motion; for the linear elements ``tau = sqrt(m/k)``. They are solved in closed form,
-the others by a Runge-Kutta method of order 8.
+Two free bodies with the reduced mass ``m`` collide with the velocity ``v0``. With the scales
+``tau = (m v0^(1-n)/k)^(1/(n+1))`` of time, ``v0 tau`` of deformation and ``k (v0 tau)^n`` of force, the
+motion does not depend on stiffness, mass and velocity; for linear elements ``tau = sqrt(m/k)``. Linear
+elements are solved in closed form, the others by a Runge-Kutta method of order 8.
 """
 
 from __future__ import annotations
@@ -43,14 +43,14 @@ OWN = (
     "Eq. (15) of the paper is the curve of Kelvin alone. Hertz-damp has no damping ratio: the upper "
     "axis is its damping factor a."
 )
-LONGEST = 1e3  # contact times; the slowest to part need about 1/e
+LONGEST = 1e3  # longest contact time, times e and over tau; contacts with a small e last about 1/e
 
 
 Kind = TypeVar("Kind", bound=Element)
 
 
 class History(NamedTuple):
-    """A contact from its beginning to its end, in its scales."""
+    """A contact from its beginning to its end, in dimensionless quantities."""
 
     time: Array
     deformation: Array
@@ -58,26 +58,26 @@ class History(NamedTuple):
 
 
 def contact_loop_chart(restitution: float = 0.65, points: int = 201) -> xr.Dataset:
-    """Fig. 6: force over deformation of every element, the damped ones made for one restitution.
+    """Fig. 6: force over deformation of all contact elements, damped ones with equal restitution.
 
     Parameters
     ----------
     restitution : float
-        ``e`` [-] of the damped elements, in (0, 1].
+        Coefficient of restitution ``e`` [-] of the damped elements, in (0, 1].
     points : int
-        Of each loop, at least 2, evenly in time from the first touch to the end of contact.
+        Number of points of each loop, at least 2, at equal intervals of time during the contact.
 
     Returns
     -------
     xarray.Dataset
-        ``scaled_deformation``, ``scaled_force``, ``scaled_velocity`` and ``scaled_time`` [-] over
-        (``element``, ``point``); ``restitution``, ``contact_damping``, ``scaled_contact_time`` [-] over
-        ``element``. The area of a loop is the energy lost, ``(1 - e^2)/2``.
+        Over (``element``, ``point``): ``scaled_deformation``, ``scaled_force``, ``scaled_velocity`` and
+        ``scaled_time`` [-]. Over ``element``: ``restitution``, ``contact_damping`` and
+        ``scaled_contact_time`` [-]. The area of a loop is the energy loss ``(1 - e^2)/2``.
 
     Raises
     ------
     ValueError, TypeError
-        If the restitution is out of range or not a number, or points are too few.
+        If the restitution is out of range or not a number, or there are less than two points.
 
     Examples
     --------
@@ -95,20 +95,20 @@ def contact_loop_chart(restitution: float = 0.65, points: int = 201) -> xr.Datas
 
 
 def contact_history_chart(damping_ratio: float = 0.5, points: int = 201) -> xr.Dataset:
-    """Fig. 7: histories of deformation and force of the elements that have a damping ratio.
+    """Fig. 7: histories of deformation and force of the elements with a damping ratio.
 
     Parameters
     ----------
     damping_ratio : float
-        ``xi`` [-], in [0, 1): from 1 on the contact of the Kelvin element never ends. The paper's is
-        0.5.
+        Damping ratio ``xi`` [-], in [0, 1); from 1 on the contact of the Kelvin element never ends. That
+        of the paper is 0.5.
     points : int
-        Of each history, at least 2.
+        Number of points of each history, at least 2.
 
     Returns
     -------
     xarray.Dataset
-        As `contact_loop_chart` returns.
+        As for `contact_loop_chart`.
 
     Raises
     ------
@@ -131,26 +131,26 @@ def contact_history_chart(damping_ratio: float = 0.5, points: int = 201) -> xr.D
 
 
 def restitution_chart(largest: float = 1.0, points: int = 201) -> xr.Dataset:
-    """Fig. 8: coefficient of restitution over the damping of every damped element.
+    """Fig. 8: coefficient of restitution over the damping of all damped elements.
 
     Parameters
     ----------
     largest : float
-        Damping ratio [-] at the end of the axis, positive.
+        Largest damping ratio [-] of the axis, positive.
     points : int
-        Along the axis, at least 2.
+        Number of points along the axis, at least 2.
 
     Returns
     -------
     xarray.Dataset
         ``restitution`` [-] over (``element``, ``damping_ratio``), and ``restitution_hertz_damp`` [-]
-        over ``damping_factor``, the factor ``a`` of the Hertz-damp contact, which is no damping ratio:
-        its axis is twice as long.
+        over ``damping_factor``, the factor ``a`` of the Hertz-damp contact. It is not a damping ratio,
+        and goes up to twice ``largest``.
 
     Raises
     ------
     ValueError, TypeError
-        If the end of the axis is out of range or not a number, or points are too few.
+        If ``largest`` is out of range or not a number, or there are less than two points.
 
     Examples
     --------
@@ -183,7 +183,7 @@ def restitution_chart(largest: float = 1.0, points: int = 201) -> xr.Dataset:
 
 
 def _kinds(base: type[Kind]) -> list[type[Kind]]:
-    """All elements of a kind, in their order."""
+    """All registered contact elements of a kind."""
     return [kind for kind in CONTACTS.values() if issubclass(kind, base)]
 
 
@@ -227,7 +227,7 @@ def _histories(
 
 
 def _exponents(models: Sequence[Element]) -> str:
-    """The exponent ``n`` of each spring."""
+    """Text with the exponent ``n`` of the springs."""
     curved: dict[float, list[str]] = {}
     for model in models:
         if (exponent := model.force_law(1.0).exponent) != 1:
@@ -237,13 +237,13 @@ def _exponents(models: Sequence[Element]) -> str:
 
 
 def _force(model: Element, history: History) -> Array:
-    """The force within the contact: at its ends the dashpot acts, though the deformation is zero."""
+    """Contact force; at both ends it has the force of the dashpot, although the deformation is 0."""
     within = np.maximum(history.deformation, np.finfo(float).tiny)
     return kernel.forces(*model.force_law(1.0), within, history.velocity, 1.0)
 
 
 def _linear(model: LinearSpring | LinearDamped, points: int) -> History:
-    """Closed form: free motion with the damping, without it once one of approach only has turned."""
+    """Contact in closed form; elements damped in approach only are undamped after the turning point."""
     if isinstance(model, LinearSpring):
         return History(*_free_motion(np.linspace(0, model.contact_time(), points), 0.0))
     time = np.linspace(0, model.contact_time(model.damping), points)
@@ -251,7 +251,7 @@ def _linear(model: LinearSpring | LinearDamped, points: int) -> History:
     damped = History(*_free_motion(time, 0.5 * coefficient))
     if not model.law.approach_only:
         return damped
-    back = time - (time[-1] - np.pi / 2)  # since the deepest point, where d = e v0/w
+    back = time - (time[-1] - np.pi / 2)  # time since the turning point, where d = e v0/w
     turned = back > 0
     return History(
         time,
@@ -261,7 +261,7 @@ def _linear(model: LinearSpring | LinearDamped, points: int) -> History:
 
 
 def _free_motion(time: Array, xi: float) -> tuple[Array, Array, Array]:
-    """``y'' + 2 xi y' + y = 0`` from ``y = 0``, ``y' = 1``, for any damping ratio."""
+    """Solution of ``y'' + 2 xi y' + y = 0``, ``y = 0``, ``y' = 1`` at 0: time, ``y`` and ``y'``."""
     root = np.sqrt(complex(xi * xi - 1))
     swing = np.sinh(root * time) / root if root else time.astype(complex)
     decay = np.exp(-xi * time)
@@ -269,6 +269,7 @@ def _free_motion(time: Array, xi: float) -> tuple[Array, Array, Array]:
 
 
 def _integrated(model: Element, points: int) -> History:
+    """Contact by numerical integration up to the instant at which the bodies separate."""
     law = model.force_law(1.0)
 
     def rates(_: float, state: Array) -> tuple[float, float]:

@@ -1,8 +1,7 @@
-"""The data of the design charts: Figs. 3a, 4 and 5 of the paper, and the same for broad band.
+"""Data of the design charts: Figs. 3a, 4 and 5 of the paper, and the same on broad-band ground.
 
-The paper leaves out damping, hardening and the periods behind its ratios: they are chosen
-here, stated in every dataset, and can be set. Ratios are all that matters under a common
-scale of time, so that the ground period only sets the units.
+The paper does not state the damping, the hardening and the period of the ground. They are settings, and
+stated in each dataset. Only ratios of periods matter, so that the period of the ground is arbitrary.
 """
 
 from __future__ import annotations
@@ -24,12 +23,12 @@ from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import DRIFT
 
-# The motion of Fig. 5b in ground periods, in which its ratios are those of any ground of its kind; for a
-# ground of 2 s it lasts 30 s.
+# Motion of Fig. 5b, in periods of the ground, so that the amplification does not depend on the period:
+# its duration, the ends of the rise and of the strong part, and the decay. For 2 s it lasts 30 s.
 DURATION, RISE_END, STRONG_END, DECAY = 15.0, 2.0, 7.5, 0.7
-STD_INTERVALS, PEAK_INTERVALS = 8, 32  # between simulated periods
-STD_PATHS = 64  # of the standard deviations, whose runs are long
-SLOWEST_DRIFT = 2.0  # reduction factor; a structure that yields less drifts for hours of motion
+STD_INTERVALS, PEAK_INTERVALS = 8, 32  # intervals between simulated periods
+STD_PATHS = 64  # paths for standard deviations, whose simulations are long
+SLOWEST_DRIFT = 2.0  # smallest reduction factor whose standard deviation is simulated within minutes
 OF_PEAKS, OF_STD = "amplification_of_peaks", "amplification_simulated"
 
 
@@ -41,10 +40,22 @@ def _reduction_factors(settings: ChartSettings) -> xr.DataArray:
 def white_noise_chart(settings: ChartSettings) -> xr.Dataset:
     """Fig. 3a: eq. (4) over the period ratio, for several damping ratios.
 
+    Parameters
+    ----------
+    settings : ChartSettings
+        Parameters of the charts, of which ``points`` is used.
+
     Returns
     -------
     xarray.Dataset
-        ``rho`` over (``damping``, ``period_ratio``).
+        ``rho`` [-] over (``damping``, ``period_ratio``).
+
+    Examples
+    --------
+    >>> from stochlin.charts import ChartSettings, white_noise_chart
+    >>> chart = white_noise_chart(ChartSettings(points=5))
+    >>> bool((chart.rho.sel(period_ratio=1, method="nearest") > 0.999).all())
+    True
     """
     ratio = labels.axis(
         "period_ratio", "period ratio T1/T2", np.geomspace(0.25, 4, settings.fine_points)
@@ -60,17 +71,35 @@ def white_noise_chart(settings: ChartSettings) -> xr.Dataset:
 
 
 def period_ratio_chart(settings: ChartSettings, ground: Ground, frequency_ratio: float) -> xr.Dataset:
-    """Fig. 4: rho over ``T1/T2`` with structure 2 fixed at ``w2 = frequency_ratio wg``.
+    """Fig. 4: rho over ``T1/T2`` for a fixed frequency ``w2 = frequency_ratio wg`` of structure 2.
+
+    Parameters
+    ----------
+    settings : ChartSettings
+        Parameters of the charts.
+    ground : KanaiTajimi or CloughPenzien
+        The ground, with scalar parameters.
+    frequency_ratio : float
+        Frequency of structure 2 over that of the ground [-].
 
     Returns
     -------
     xarray.Dataset
-        ``rho`` and ``status`` over (``reduction_factor``, ``period_ratio``), ``rho_elastic`` (the same
-        ground) and ``rho_white_noise`` (eq. 4) over ``period_ratio``. Linearized, it also has the drift
-        closure's ``rho_drift``; ``rho_effective`` along ``rule``, eq. (4) at the peak ductilities
-        ``ductility_peak_1`` and ``_2`` of the same reduction factor; and ``rho_simulated`` with
-        ``rho_standard_error`` and ``rho_difference`` (linearized less simulated), NaN between
-        the simulated points.
+        ``rho`` and ``status`` over (``reduction_factor``, ``period_ratio``); ``rho_elastic``, on the
+        same ground, and ``rho_white_noise``, eq. (4), over ``period_ratio``. A linearized chart also has
+        ``rho_drift`` by the drift closure; ``rho_effective`` over ``rule``, eq. (4) with effective
+        properties for the peak ductilities ``ductility_peak_1`` and ``_2`` of the same reduction factor;
+        and ``rho_simulated`` with ``rho_standard_error`` and ``rho_difference`` (linearized minus
+        simulated), NaN between the simulated points.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> from stochlin.charts import ChartSettings, period_ratio_chart
+    >>> settings = ChartSettings(points=5, simulated_points=0)
+    >>> chart = period_ratio_chart(settings, sl.KanaiTajimi(2.0, 0.05), frequency_ratio=1.0)
+    >>> chart.rho.dims
+    ('reduction_factor', 'period_ratio')
     """
     ratio = labels.axis(
         "period_ratio", "period ratio T1/T2", np.geomspace(0.25, 4, settings.fine_points)
@@ -105,11 +134,27 @@ def period_ratio_chart(settings: ChartSettings, ground: Ground, frequency_ratio:
 def period_plane_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
     """Fig. 5a: rho over ``T1/Tg`` and ``T2/Tg``.
 
+    Parameters
+    ----------
+    settings : ChartSettings
+        Parameters of the charts.
+    ground : KanaiTajimi or CloughPenzien
+        The ground, with scalar parameters.
+
     Returns
     -------
     xarray.Dataset
-        ``rho`` and ``status`` over (``period_ratio_1``, ``period_ratio_2``). Linearized, it also has
-        ``rho_drift``, ``rho_simulated``, ``rho_standard_error`` and ``rho_difference``, as Fig. 4.
+        ``rho`` and ``status`` over (``period_ratio_1``, ``period_ratio_2``). A linearized chart also has
+        ``rho_drift``, ``rho_simulated``, ``rho_standard_error`` and ``rho_difference``, as in Fig. 4.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> from stochlin.charts import ChartSettings, period_plane_chart
+    >>> settings = ChartSettings(points=5, simulated_points=0)
+    >>> chart = period_plane_chart(settings, sl.KanaiTajimi(2.0, 0.05))
+    >>> chart.rho.dims
+    ('period_ratio_1', 'period_ratio_2')
     """
     first, second = (
         Bilinear(
@@ -134,14 +179,30 @@ def period_plane_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
 def amplification_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
     """Fig. 5b: amplification ``D`` over ``T/Tg``, for several reduction factors.
 
+    Parameters
+    ----------
+    settings : ChartSettings
+        Parameters of the charts.
+    ground : KanaiTajimi or CloughPenzien
+        The ground, with scalar parameters.
+
     Returns
     -------
     xarray.Dataset
-        ``amplification`` and ``status`` over (``reduction_factor``, ``period_ratio``), the ratio of the
-        standard deviations. Linearized, it also has ``amplification_drift``, of the drift closure, and
-        simulated, NaN between the simulated points, ``amplification_simulated`` of the standard
-        deviations and ``amplification_of_peaks`` of the maxima in a motion that ends, which is what the
-        paper's caption says, each with its ``_standard_error``.
+        ``amplification``, the ratio of the standard deviations, and ``status`` over
+        (``reduction_factor``, ``period_ratio``). A linearized chart also has ``amplification_drift`` by
+        the drift closure, and by simulation, NaN between the simulated points,
+        ``amplification_simulated`` of the standard deviations and ``amplification_of_peaks`` of the
+        peaks in a finite motion, which the caption in the paper means, both with ``_standard_error``.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> from stochlin.charts import ChartSettings, amplification_chart
+    >>> settings = ChartSettings(points=3, paths=32, reduction_factors=(1.0,))
+    >>> chart = amplification_chart(settings, sl.KanaiTajimi(2.0, 0.05))
+    >>> chart.amplification_of_peaks.shape
+    (1, 3)
     """
     ratio = labels.axis("period_ratio", "T/Tg", np.geomspace(0.1, 4, settings.points))
     structure = Bilinear(
@@ -162,7 +223,7 @@ def amplification_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
 def _with_simulated_amplification(
     chart: xr.Dataset, structure: Bilinear, ground: Ground, settings: ChartSettings
 ) -> xr.Dataset:
-    """The drift closure beside a linearized Fig. 5b, and simulation of both kinds at some periods."""
+    """A linearized Fig. 5b with the drift closure, and with simulated std. deviations and peaks."""
     period, last = ground_period(ground), chart.sizes["period_ratio"] - 1
     duration = DURATION * period
     shape = RISE_END * period, STRONG_END * period, DECAY / period
@@ -198,7 +259,7 @@ def _with_simulated_amplification(
 
 
 def _errors_of_amplification(chart: xr.Dataset) -> str:
-    """Standard errors of what is simulated, and how far the curves are from it."""
+    """Text with the standard errors of the simulations, and the errors of the curves against them."""
     simulated = {OF_PEAKS: "maxima", OF_STD: "std. deviations"}
     told = [
         f"{text} {100 * float((chart[f'{name}_standard_error'] / chart[name]).max()):.2g} %"
@@ -227,12 +288,12 @@ def _shown(table: xr.Dataset) -> list[str]:
 
 
 def ground_period(ground: Ground) -> float:
-    """``Tg`` [s]."""
+    """Period ``Tg`` of the ground [s]."""
     return float(ground.arrays()["period"])
 
 
 def ground_caption(ground: Ground) -> str:
-    """What a picture states of the ground."""
+    """Name and parameters of a ground, for the caption of a picture."""
     values = ground.arrays()
     period, damping = float(values["period"]), float(values["damping"])
     text = f"{ground.name} ground: Tg = {period:.3g} s, ξg = {damping:.3g}"
@@ -245,7 +306,7 @@ def ground_caption(ground: Ground) -> str:
 def _captioned(
     chart: xr.Dataset, picture: str, title: str, where: str, settings: ChartSettings, caution: str
 ) -> xr.Dataset:
-    """Add what the picture states; the caution is for linearized charts alone."""
+    """Chart with title and caption; a linearized chart also has the caution as its comment."""
     linearized = settings.method == "linearization"
     closure = settings.closure.replace("gaussian", "Gaussian").replace("_", " ")
     how = f"linearized, {closure} closure" if linearized else "simulated"

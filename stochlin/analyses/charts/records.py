@@ -1,7 +1,7 @@
-"""The data of charts of recorded motions: Figs. 1 and 2 of the paper, and the spectrum of the PER.
+"""Data of charts of recorded motions: Figs. 1 and 2 of the paper, and spectra of the energy radius.
 
-The paper states neither the damping of these figures nor the periods of Fig. 1: they are chosen by
-the caller and stated in the dataset.
+The paper does not state the damping of these figures and the period of Fig. 1. They are arguments, and
+stated in the dataset.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import Structure
 
-POINTS_PER_PERIOD = 32  # of a portrait, for a smooth curve
-CIRCLE = 181  # points
-PERIODS = (0.1, 5.0)  # s
+POINTS_PER_PERIOD = 32  # for a smooth phase portrait
+CIRCLE = 181  # points of the circle
+PERIODS = (0.1, 5.0)  # first and last period of an axis [s]
 ENERGIES = ("input", "viscous", "hysteretic")
-SECOND_PERIOD = 0.7  # over the first, where it is not given
-GAP_POINTS = 61  # at most, of Fig. 2: each cell follows the whole record
+SECOND_PERIOD = 0.7  # default period of the second structure, over that of the first
+GAP_POINTS = 61  # most points along an axis of Fig. 2, which needs the response to the record for each
 
 
 @CHARTS.register("site_spectrum", place=10)
@@ -70,14 +70,14 @@ def _added_damping(settings: ChartSettings, record: xr.DataArray, site: Ground) 
 
 
 def portrait_chart(record: xr.DataArray, period: float, damping: float) -> xr.Dataset:
-    """Fig. 1a: the trace of ``u`` against ``u'/w``, and the circle of the pseudo energy radius.
+    """Fig. 1a: phase portrait ``u'/w`` over ``u``, and the circle with the pseudo energy radius.
 
     Parameters
     ----------
     record : xarray.DataArray
-        As `stochlin.read_record` gives it.
+        Record [m/s^2], such as from `stochlin.read_record`.
     period, damping : float
-        Of the elastic structure, [s] and [-].
+        Period [s] and damping ratio [-] of the elastic structure.
 
     Returns
     -------
@@ -85,6 +85,25 @@ def portrait_chart(record: xr.DataArray, period: float, damping: float) -> xr.Da
         ``displacement``, ``velocity_over_frequency`` and ``radius`` [m] over ``time``;
         ``pseudo_energy_radius`` [m]; ``circle_displacement`` and ``circle_velocity_over_frequency`` [m]
         over ``angle`` [rad].
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the record, a period or a damping ratio is out of range or of the wrong kind.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eq. (1) and Fig. 1.
+
+    Examples
+    --------
+    >>> import numpy as np, xarray as xr
+    >>> time = np.arange(0, 10, 0.01)
+    >>> record = xr.DataArray(np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    >>> from stochlin.charts import portrait_chart
+    >>> chart = portrait_chart(record, period=1.0, damping=0.05)
+    >>> bool(chart.displacement.max() <= chart.pseudo_energy_radius)
+    True
     """
     peak = pseudo_energy_radius(record, period, damping).pseudo_energy_radius
     step = float(record["time"][1] - record["time"][0])
@@ -117,31 +136,47 @@ def energy_chart(
     reduction_factor: float,
     points: int = 161,
 ) -> xr.Dataset:
-    """Fig. 1b: the radius of the paper beside energies put in and dissipated, over time and period.
+    """Fig. 1b: energy radius, input energy and dissipated energies, over time and over the period.
 
-    An energy ``E`` per unit mass is drawn as the radius ``sqrt(2 E)/w`` of the elastic structure that
-    holds it. The pseudo energy radius is the largest displacement, or hardly more; the energies grow as
-    long as the shaking lasts.
+    An energy ``E`` per unit mass is shown as ``sqrt(2 E)/w``, the energy radius of an elastic structure
+    with this energy. The pseudo energy radius is equal to the peak displacement or hardly larger, while
+    the energies grow during the whole motion.
 
     Parameters
     ----------
     record : xarray.DataArray
-        As `stochlin.read_record` gives it.
+        Record [m/s^2], such as from `stochlin.read_record`.
     period, damping : float
-        Of the structures [s], [-]; the spectra are over other periods.
+        Period [s] of the structures of the histories, and damping ratio [-] of all structures.
     hardening, reduction_factor : float
-        Of the yielding structures [-]; the strength is that share of the elastic peak, at every period.
+        Hardening ratio [-] of the yielding structures, and ratio [-] of the peak of the elastic
+        displacement in the record to their yield displacement, at every period.
     points : int
-        Periods, from 0.1 to 5 s.
+        Number of periods of the spectra, from 0.1 to 5 s.
 
     Returns
     -------
     xarray.Dataset
-        Over ``reduction_factor``, 1 for elastic, and ``time`` [s]: ``radius``, ``input_energy_radius``,
-        ``viscous_energy_radius`` and ``hysteretic_energy_radius`` [m]; over ``reduction_factor`` and
-        ``period`` [s] their values at the end, ``_at_end``, and ``pseudo_energy_radius`` [m];
-        ``significant_begin`` and ``significant_end`` [s], between which the record has from 5 to 95 % of
-        its energy.
+        Over ``reduction_factor`` (1 for elastic structures) and ``time`` [s]: ``radius``,
+        ``input_energy_radius``, ``viscous_energy_radius`` and ``hysteretic_energy_radius`` [m]. Over
+        ``reduction_factor`` and ``period`` [s]: the same energies at the end of the record, with the
+        ending ``_at_end``, and ``pseudo_energy_radius`` [m]. Also ``significant_begin`` and
+        ``significant_end`` [s], the times at which the record has 5 and 95 % of its energy.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the record, a period or a damping ratio is out of range or of the wrong kind.
+
+    Examples
+    --------
+    >>> import numpy as np, xarray as xr
+    >>> time = np.arange(0, 10, 0.01)
+    >>> record = xr.DataArray(np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    >>> from stochlin.charts import energy_chart
+    >>> chart = energy_chart(record, 1.0, 0.05, hardening=0.05, reduction_factor=4.0, points=5)
+    >>> bool((chart.hysteretic_energy_radius.sel(reduction_factor=1.0) == 0).all())
+    True
     """
     periods = _periods("period", "period", points)
     elastic = response_spectrum(record, periods, damping)
@@ -177,22 +212,37 @@ def energy_chart(
 
 
 def per_spectrum_chart(records: Records, damping: float, points: int = 161) -> xr.Dataset:
-    """Pseudo energy radius and largest displacement of elastic structures over their period.
+    """Pseudo energy radius and peak displacement of elastic structures over their period.
 
     Parameters
     ----------
     records : xarray.DataArray, or list or mapping of them
-        As `stochlin.read_record` gives them.
+        Records [m/s^2], such as from `stochlin.read_record`.
     damping : float
         Damping ratio [-].
     points : int
-        Periods, from 0.1 to 5 s.
+        Number of periods, from 0.1 to 5 s.
 
     Returns
     -------
     xarray.Dataset
         ``pseudo_energy_radius`` and ``displacement_max`` [m] and ``status`` over ``period`` [s] and, for
         several records, ``record``.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the record, a period or a damping ratio is out of range or of the wrong kind.
+
+    Examples
+    --------
+    >>> import numpy as np, xarray as xr
+    >>> time = np.arange(0, 10, 0.01)
+    >>> record = xr.DataArray(np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    >>> from stochlin.charts import per_spectrum_chart
+    >>> chart = per_spectrum_chart(record, damping=0.05, points=5)
+    >>> bool((chart.pseudo_energy_radius >= chart.displacement_max).all())
+    True
     """
     chart = pseudo_energy_radius(records, _periods("period", "period", points), damping)
     return chart.assign_attrs(
@@ -203,23 +253,43 @@ def per_spectrum_chart(records: Records, damping: float, points: int = 161) -> x
 
 
 def recorded_gap_chart(record: xr.DataArray, damping: float, points: int = 61) -> xr.Dataset:
-    """Fig. 2: the critical gap over the periods of two elastic structures; the paper's is for Taft.
+    """Fig. 2: critical gap over the periods of two elastic structures; in the paper for the Taft record.
 
     Parameters
     ----------
     record : xarray.DataArray
-        As `stochlin.read_record` gives it.
+        Record [m/s^2], such as from `stochlin.read_record`.
     damping : float
-        Damping ratio of both structures [-].
+        Damping ratio [-] of both structures.
     points : int
-        Periods along each axis, from 0.1 to 5 s.
+        Number of periods along each axis, from 0.1 to 5 s.
 
     Returns
     -------
     xarray.Dataset
-        Over ``period_1`` and ``period_2`` [s]: ``separation`` [m], the gap that the record takes;
-        ``critical_gap`` [m], eq. (3) with the pseudo energy radii and ``rho_white_noise``, eq. (4);
-        ``srss`` [m]; ``rho`` of the record; ``status``.
+        Over ``period_1`` and ``period_2`` [s]: ``separation`` [m], the largest ``u_1 - u_2`` in the
+        record; ``critical_gap`` [m], eq. (3) with the pseudo energy radii and ``rho_white_noise`` [-] of
+        eq. (4); ``srss`` [m], the root of the sum of the squares of both; ``rho`` [-], the correlation
+        coefficient over the record; and ``status``.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the record, a period or a damping ratio is out of range or of the wrong kind.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eqs. (1), (3) and (4), Fig. 2.
+
+    Examples
+    --------
+    >>> import numpy as np, xarray as xr
+    >>> time = np.arange(0, 10, 0.01)
+    >>> record = xr.DataArray(np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    >>> from stochlin.charts import recorded_gap_chart
+    >>> chart = recorded_gap_chart(record, damping=0.05, points=5)
+    >>> float(abs(chart.separation.values.diagonal()).max())
+    0.0
     """
     periods = (_periods(f"period_{n}", f"period, structure {n}", points) for n in (1, 2))
     first, second = (Bilinear(period, damping) for period in periods)
@@ -243,18 +313,34 @@ def added_damping_chart(
     Parameters
     ----------
     record : xarray.DataArray
-        As `stochlin.read_record` gives it.
+        Record [m/s^2], such as from `stochlin.read_record`.
     first, second : Structure
-        As in `stochlin.damping_for_gap`.
+        The structures, as in `stochlin.damping_for_gap`.
     gap : float, optional
-        The existing gap [m]: the chart then has the least damping for it.
+        Existing gap [m], for which the chart then has the least added damping.
 
     Returns
     -------
     xarray.Dataset
-        Over ``damped`` and ``added_damping``: ``critical_gap`` [m], eqs. (3) and (4) with the energy
-        radii, and ``separation`` [m], what the record takes, as `stochlin.damping_for_gap` has them;
-        with a gap also all else that it returns.
+        Over ``damped`` and ``added_damping`` [-]: ``critical_gap`` [m], eqs. (3) and (4) with the energy
+        radii, and ``separation`` [m], the largest ``u_1 - u_2`` in the record, as for
+        `stochlin.damping_for_gap`; with a gap also the other variables of that function.
+
+    Raises
+    ------
+    ValueError, TypeError
+        As in `stochlin.damping_for_gap`.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> import numpy as np, xarray as xr
+    >>> time = np.arange(0, 10, 0.01)
+    >>> record = xr.DataArray(np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    >>> from stochlin.charts import added_damping_chart
+    >>> chart = added_damping_chart(record, sl.Bilinear(0.7, 0.05), sl.Bilinear(1.0, 0.05))
+    >>> chart.critical_gap.dims
+    ('damped', 'added_damping')
     """
     if gap is None:
         chart = labels.label(damped_gaps(first, second, record, RhoEstimate()), SEPARATION)

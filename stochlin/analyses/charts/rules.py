@@ -1,4 +1,4 @@
-"""The data of Fig. 3b: eq. (4) for yielding structures, by the rules for effective properties."""
+"""Data of Fig. 3b: eq. (4) for yielding structures, with rules for effective properties."""
 
 from __future__ import annotations
 
@@ -21,32 +21,43 @@ def effective_rules_chart(
     points: int = 321,
     rules: Sequence[str | EffectiveRule] | None = None,
 ) -> xr.Dataset:
-    """Fig. 3b: eq. (4) with effective periods and dampings, one curve a rule.
+    """Fig. 3b: eq. (4) with effective periods and damping ratios, one curve for each rule.
 
-    The paper's own rule is that of Jeng, Kasai and Maison (1992). Its constants could not be verified:
-    it is drawn where ``rules`` names it, and says so. Nor does the paper state damping, hardening and
-    ductility.
+    The rule of the paper is that of Jeng, Kasai and Maison (1992). Its constants could not be verified;
+    it is shown, and marked as unverified, only if ``rules`` contains it. The paper does not state
+    damping, hardening and ductility.
 
     Parameters
     ----------
     damping, hardening, ductility : float
-        Of both structures [-]; the ductility is that of the peak.
+        Damping ratio, hardening ratio and peak ductility [-] of both structures.
     points : int
-        Period ratios, from 1/4 to 4.
-    rules : list of str, optional
-        Names of `stochlin.effective_rule_names`, the unverified among them, or rules; without it those
-        that are verified.
+        Number of period ratios, from 1/4 to 4.
+    rules : list of str or EffectiveRule, optional
+        Names of `stochlin.effective_rule_names` or of unverified rules, or rule objects. The default is
+        all verified rules.
 
     Returns
     -------
     xarray.Dataset
-        ``rho`` over (``rule``, ``period_ratio``), the ratio of the elastic periods; along ``rule`` the
-        coordinates ``reference`` and ``mark``.
+        ``rho`` [-] over ``rule`` and ``period_ratio``, the ratio of the elastic periods. The coordinates
+        ``reference`` and ``mark`` over ``rule`` state the source of a rule and how it was checked.
 
     Raises
     ------
-    ValueError
-        If a rule is unknown, or there is none.
+    ValueError, TypeError
+        If a rule is unknown, or ``rules`` is empty or no list.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), Fig. 3b; Jeng, Kasai and Maison (1992), Earthquake Spectra 8.
+
+    Examples
+    --------
+    >>> from stochlin.charts import effective_rules_chart
+    >>> chart = effective_rules_chart(0.05, 0.05, ductility=4.0, points=5, rules=["iwan_1980", "secant"])
+    >>> chart.rule.values.tolist()
+    ['iwan_1980', 'secant']
     """
     chosen = chosen_rules(rules, effective_rule_names())
     ratio = labels.axis("period_ratio", "elastic period ratio T1/T2", np.geomspace(0.25, 4, points))
@@ -61,8 +72,8 @@ def effective_rules_chart(
         f"{ductility:g} of both; ratio of the elastic periods",
         comment=" ".join(
             [
-                "Estimates: the ground is not in them. Against simulation they err by tens of per cent "
-                "of the separation, both ways.",
+                "Estimates, which do not depend on the ground. Compared with nonlinear simulation, "
+                "separations by them are off by tens of per cent in both directions.",
                 *doubts,
             ]
         ),
@@ -72,9 +83,11 @@ def effective_rules_chart(
 
 
 def along_rules(tables: Sequence[xr.Dataset], rules: Sequence[EffectiveRule]) -> xr.Dataset:
-    """Tables of one rule each, one after the other, with the source of each rule and its mark."""
+    """Tables of single rules joined over ``rule``, with the source and the mark of each rule."""
     names = [rule.name for rule in rules]
-    axis = xr.DataArray(names, dims="rule", name="rule", attrs={"long_name": "effective properties"})
+    axis = xr.DataArray(
+        names, dims="rule", name="rule", attrs={"long_name": "rule for effective properties"}
+    )
     table = xr.concat(tables, dim=axis, combine_attrs="drop_conflicts")
     for name, text in (("reference", "source of the rule"), ("mark", "how the rule was checked")):
         found = [getattr(rule, name) for rule in rules]

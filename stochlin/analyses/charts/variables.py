@@ -1,4 +1,4 @@
-"""What contact elements do, and the trace of a record."""
+"""Variables of the charts, with unit and long name."""
 
 from stochlin.analyses.records.variables import VARIABLES as RECORDS
 from stochlin.analyses.tables.labels import Variables
@@ -7,24 +7,27 @@ VARIABLES: Variables = {
     **RECORDS,
     "amplification_drift": ("1", "amplification of the standard deviation by the drift closure"),
     "amplification_simulated": ("1", "amplification of the standard deviation, simulated"),
-    "amplification_simulated_standard_error": ("1", "standard error of amplification_simulated"),
-    "amplification_of_peaks": ("1", "amplification of the maximum, simulated"),
-    "amplification_of_peaks_standard_error": ("1", "standard error of amplification_of_peaks"),
+    "amplification_simulated_standard_error": ("1", "standard error of the simulated amplification"),
+    "amplification_of_peaks": ("1", "amplification of the mean peak, simulated"),
+    "amplification_of_peaks_standard_error": (
+        "1",
+        "standard error of the amplification of the mean peak",
+    ),
     "rho_drift": ("1", "correlation coefficient of the displacements by the drift closure"),
     "rho_effective": ("1", "correlation coefficient by eq. (4) with effective properties"),
     "rho_simulated": ("1", "correlation coefficient, simulated"),
-    "rho_difference": ("1", "correlation coefficient, linearized less simulated"),
+    "rho_difference": ("1", "correlation coefficient, linearized minus simulated"),
     "velocity_over_frequency": ("m", "velocity over circular frequency"),
     **{
-        f"{kind}_energy_radius{end}": ("m", f"radius sqrt(2 E)/w of the {kind} energy{when}")
+        f"{kind}_energy_radius{end}": ("m", f"radius of the {kind} energy{when}")
         for kind in ("input", "viscous", "hysteretic")
         for end, when in (("", " so far"), ("_at_end", " at the end"))
     },
-    "significant_begin": ("s", "when 5 % of the record's energy have come"),
-    "significant_end": ("s", "when 95 % of the record's energy have come"),
+    "significant_begin": ("s", "time of 5 % of the energy of the record"),
+    "significant_end": ("s", "time of 95 % of the energy of the record"),
     "restitution": ("1", "coefficient of restitution"),
     "restitution_hertz_damp": ("1", "coefficient of restitution of the Hertz-damp contact"),
-    "contact_damping": ("1", "damping of the contact, as its element takes it"),
+    "contact_damping": ("1", "damping parameter of the contact element"),
     "scaled_contact_time": ("1", "contact time over (m v0^(1-n)/k)^(1/(n+1))"),
     "scaled_time": ("1", "time over (m v0^(1-n)/k)^(1/(n+1))"),
     "scaled_deformation": ("1", "deformation d over (m v0^2/k)^(1/(n+1))"),

@@ -1,4 +1,4 @@
-"""What stands beside a linearized design chart: the drift closure, effective rules, and simulation."""
+"""Linearized design charts together with the drift closure, effective rules and simulation."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from stochlin.models.grounds import Ground
 from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
 from stochlin.models.structures import DRIFT, Structure
 
-USUAL_RULES = ("jeng_kasai_maison_1992_unverified", "iwan_1980")  # the paper's own, and one to trust
-INTERVALS = 120  # of curves beside simulated points, at least
+USUAL_RULES = ("jeng_kasai_maison_1992_unverified", "iwan_1980")  # that of the paper, and a verified one
+INTERVALS = 120  # least number of intervals of curves beside simulated points
 Pair = tuple[Structure, Structure]
 Place = dict[str, slice]  # cells of a chart
 
 
 def with_rules(chart: xr.Dataset, pair: Pair, ground: Ground, settings: ChartSettings) -> xr.Dataset:
-    """A chart of ``rho`` with ``rho_effective`` along ``rule``, and the ductilities it is for.
+    """A chart of ``rho`` with ``rho_effective`` over ``rule``, and with its peak ductilities.
 
-    They belong to the same ``R``: the peak factor of its definition times the standard deviation of
-    the ductility, which the drift closure has without the loss of linearization.
+    The peak ductilities are those for the reduction factor of the chart: the peak factor times the
+    standard deviation of the ductility by the drift closure, whose bias is small.
     """
     rules = chosen_rules(settings.rules, USUAL_RULES)
     tables = [correlate(*pair, ground, "effective", closure=DRIFT, rule=rule) for rule in rules]
@@ -51,11 +51,11 @@ def with_rules(chart: xr.Dataset, pair: Pair, ground: Ground, settings: ChartSet
 def with_truth(
     chart: xr.Dataset, pair: Pair, ground: Ground, settings: ChartSettings, usual_points: int
 ) -> xr.Dataset:
-    """A chart of ``rho`` with the drift closure beside it and, at some points, simulation.
+    """A chart of ``rho`` with the drift closure and, at some points, nonlinear simulation.
 
-    The settings say at how many along an axis, or ``usual_points`` are. ``rho_simulated``,
-    ``rho_standard_error`` and ``rho_difference`` are NaN between those points. What would last too long
-    to simulate is left out, and said.
+    The number of simulated points along an axis is that of the settings or else ``usual_points``;
+    ``rho_simulated``, ``rho_standard_error`` and ``rho_difference`` are NaN between them. Simulations
+    that would take too long are left out, which the comment states.
     """
     if settings.closure != DRIFT:
         drift = correlate(*pair, ground, closure=DRIFT).rho
@@ -71,7 +71,7 @@ def with_truth(
 
 
 def beside(chart: xr.Dataset, simulated: xr.Dataset, shown: str, paths: int) -> xr.Dataset:
-    """A chart with what was simulated of ``shown``, its standard error, and the difference."""
+    """A chart with the simulated variable ``shown``, its standard error, and the difference from it."""
     error = f"{shown}_standard_error"
     chart[f"{shown}_simulated"] = simulated[shown].assign_attrs(chart[shown].attrs)
     chart[error] = simulated[error]
@@ -83,25 +83,33 @@ def beside(chart: xr.Dataset, simulated: xr.Dataset, shown: str, paths: int) -> 
 
 
 def verify_chart(name: str, settings: ChartSettings) -> xr.Dataset:
-    """A chart by linearization, by simulation at ``settings.points`` of each axis, and their difference.
+    """A chart by linearization and by nonlinear simulation, with the difference of both.
 
     Parameters
     ----------
     name : str
-        Of a chart with yielding structures, as `chart_functions` lists them.
+        Name of a chart with yielding structures, from `chart_functions`.
     settings : ChartSettings
+        Parameters of the chart; ``points`` is the number of simulated points along an axis.
 
     Returns
     -------
     xarray.Dataset
-        The chart, whose curves are finer than the simulated points, ``rho_simulated``,
-        ``rho_standard_error`` and ``rho_difference`` (linearized less simulated), NaN between those
-        points; likewise for ``amplification``.
+        The linearized chart with more points than are simulated, and ``rho_simulated``,
+        ``rho_standard_error`` and ``rho_difference`` (linearized minus simulated), which are NaN between
+        the simulated points; likewise for ``amplification``.
 
     Raises
     ------
     ValueError
-        If there is nothing to simulate under this name.
+        If there is no such chart with a simulation.
+
+    Examples
+    --------
+    >>> from stochlin.charts import ChartSettings, verify_chart
+    >>> chart = verify_chart("fig5a_broad_band", ChartSettings(points=2, paths=32))
+    >>> int(chart.rho_simulated.notnull().sum())
+    4
     """
     intervals = settings.points - 1
     fine = intervals * -(-INTERVALS // intervals) + 1
@@ -117,7 +125,7 @@ def verify_chart(name: str, settings: ChartSettings) -> xr.Dataset:
 
 
 def _verified(name: str, settings: ChartSettings) -> xr.Dataset:
-    """A chart that brings no simulation of its own, beside the same chart simulated."""
+    """A linearized chart together with the same chart by simulation."""
     chart, simulated = (
         chart_functions(replace(settings, method=method))[name]()
         for method in ("linearization", "simulation")
@@ -126,7 +134,8 @@ def _verified(name: str, settings: ChartSettings) -> xr.Dataset:
     kind = simulated.attrs["chart"]
     if shown is None or kind not in ("curves", "plane"):
         raise ValueError(
-            f"NAME = {brief(name)} is no chart of curves or of a plane with a simulation to it"
+            f"NAME = {brief(name)} cannot be verified; allowed: charts of curves or a plane with a "
+            "simulation"
         )
     return beside(chart, simulated, shown, simulated.attrs["paths"])
 
@@ -134,7 +143,10 @@ def _verified(name: str, settings: ChartSettings) -> xr.Dataset:
 def _simulated(
     rho: xr.DataArray, pair: Pair, ground: Ground, settings: ChartSettings, count: int
 ) -> tuple[xr.Dataset, list[str]]:
-    """``rho`` and its error by simulation, NaN between so many points, and what is left out."""
+    """Simulated ``rho`` and its standard error at ``count`` points of an axis, and refused runs.
+
+    The values are NaN between these points.
+    """
     names = ("rho", "rho_standard_error")
     table = xr.Dataset({name: xr.full_like(rho, np.nan) for name in names})
     refused: dict[str, str] = {}
@@ -144,7 +156,7 @@ def _simulated(
             found = correlate(
                 first, second, ground, "simulation", paths=settings.paths, seed=settings.seed
             )
-        except ValueError as error:  # all else has been checked before: it would take too long
+        except ValueError as error:  # the arguments were checked before, so that it would take too long
             strength = rho.isel(place).coords.get("reduction_factor", [])
             where = "".join(f" at R = {factor:g}" for factor in np.asarray(strength))
             refused[where] = f"Not all is simulated{where}: {str(error).split(';')[0]}."
@@ -156,10 +168,10 @@ def _simulated(
 
 
 def _runs(rho: xr.DataArray, count: int) -> Iterator[Place]:
-    """Cells that are simulated together, for no slow or stiff structure to hold up all others.
+    """Groups of cells that are simulated together.
 
-    One reduction factor each, and of a curve its two halves: the longest memory of a run decides how
-    long it is, the shortest period its step.
+    The longest memory of a group determines the duration of its simulation, and the shortest period its
+    time step. Each reduction factor and each half of a curve is therefore a group.
     """
     axes = []
     for dim in map(str, rho.dims):
@@ -178,7 +190,7 @@ def _runs(rho: xr.DataArray, count: int) -> Iterator[Place]:
 
 
 def _errors(chart: xr.Dataset) -> str:
-    """How far all that is drawn is from simulation."""
+    """Text with the errors of all curves, compared with simulation."""
     curves = {"linearized": chart.rho}
     if "rho_drift" in chart:
         curves["drift closure"] = chart.rho_drift

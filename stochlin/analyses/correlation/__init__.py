@@ -1,1 +1,1 @@
-"""Two structures together: rho by every method."""
+"""Correlation of the displacements of two structures, by every method, and related ratios."""

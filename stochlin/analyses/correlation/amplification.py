@@ -1,4 +1,4 @@
-"""Amplification D: what yielding does to the displacement (Fig. 5b)."""
+"""Amplification factor D of the displacement by yielding (Fig. 5b)."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ from stochlin.models.systems import STRUCTURES, AnyStructure
 LINEARIZATION, SIMULATION = "linearization", "simulation"
 STD, PEAK = "std", "peak"
 OF_PEAKS = {
-    "amplification": ("1", "mean largest inelastic over mean largest elastic displacement"),
+    "amplification": ("1", "ratio of inelastic to elastic mean peak displacement"),
 }
 
 
@@ -55,60 +55,70 @@ def amplification(
     paths: int = 256,
     seed: int = 0,
 ) -> xr.Dataset:
-    """Amplification factor ``D``: inelastic over elastic displacement.
+    """Amplification factor ``D``: inelastic displacement over elastic displacement.
 
-    The paper's Fig. 5b takes it between maxima. They need a motion that ends: with ``of="peak"`` both
-    are simulated on the same motions. ``of="std"`` is the ratio of the standard deviations of the
-    stationary response, which is that of the maxima if one peak factor holds for both.
+    In the paper's Fig. 5b it is the ratio of peak displacements. These are defined in a motion of finite
+    duration: with ``of="peak"``, the structure and its elastic counterpart are simulated under the same
+    motions. With ``of="std"``, it is the ratio of the standard deviations of the stationary response,
+    which is equal to the ratio of the peaks if both have the same peak factor.
 
     Parameters
     ----------
     structure : Bilinear, BoucWen or Hysteretic; for peaks also ShearBuilding
+        The structure; its elastic counterpart has the same parameters and does not yield.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
-    of : str
-        ``"std"`` or ``"peak"``.
-    method : str, optional
-        ``"linearization"``, which is usual, or ``"simulation"``, which alone is for peaks.
+        The ground; its parameters and those of the structure broadcast by dimension name.
+    of : {"std", "peak"}
+        Displacements that are compared: standard deviations or mean peaks.
+    method : {"linearization", "simulation"}, optional
+        Method for the inelastic response. The default is linearization for standard deviations and
+        simulation for peaks, for which linearization is not available.
     closure : str, optional
-        As in `linearize`. Usual is ``"drift"`` for bilinear structures on Kanai-Tajimi, Clough-Penzien
-        and white ground, and ``"gaussian"`` where that does not hold; the attribute ``closure`` says
-        which.
+        Closure of the linearization, as in `linearize`. The default is ``"drift"`` for bilinear
+        structures on Kanai-Tajimi ground, Clough-Penzien ground and white noise, and ``"gaussian"``
+        otherwise; the attribute ``closure`` states the one that was used.
     duration : float, optional
-        Length of the motions [s], at least a period: for peaks, which need it.
+        Duration of the motions [s], at least one period. Required for peaks and only allowed there.
     envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
-        Of the motions, for peaks; without it they are stationary from their start.
+        Envelope of the motions for peaks; without it they are stationary from their start.
     paths, seed : int
-        As in `simulate`.
+        Number and seed of the simulated motions, as in `simulate`.
 
     Returns
     -------
     xarray.Dataset
-        Over the dimensions of the parameters: ``amplification`` [-], ``displacement_std`` [m],
-        ``ductility_std`` [-], ``status``; linearization adds ``bias``, the relative error of all three
-        from a map of simulations, and ``caution`` where it exceeds 10 % or is unknown, both as in
-        `linearize`, simulation ``amplification_standard_error``. Of peaks:
-        ``amplification``, the mean of ``max |u|`` over that of the elastic structure on the same
-        motions, and its standard error; ``peak_mean`` and ``elastic_peak_mean`` [m] with standard
-        errors; ``ductility`` [-], ``peak_mean`` over the yield displacement; ``status``,
-        ``elastic_limit`` where no motion makes the structure yield. Of a building with storeys all of
-        that over ``floor``, ``ductility`` over ``element``, and over that also ``drift_amplification``
-        [-], of the largest drifts, with its standard error.
+        For standard deviations, over the dimensions of the parameters: ``amplification`` [-],
+        ``displacement_std`` [m] and ``ductility_std`` [-] of the inelastic structure, and ``status``.
+        Linearization adds ``bias`` [-], the relative error of these three from a map of simulations, and
+        ``caution``, a flag that is set where the bias exceeds 10 % or is unknown, both as in
+        `linearize`. Simulation adds ``amplification_standard_error`` [-].
+
+        For peaks: ``amplification`` [-], the mean of ``max |u|`` of the structure over that of its
+        elastic counterpart, with its standard error; ``peak_mean`` and ``elastic_peak_mean`` [m] with
+        standard errors; ``ductility`` [-], ``peak_mean`` over the yield displacement; and ``status``,
+        which is ``elastic_limit`` where the structure yields in none of the motions. For a building with
+        storeys these variables are over ``floor``, except ``ductility``, which is over ``element``, and
+        ``drift_amplification`` [-], the ratio of the mean peak storey drifts over ``element``, is added
+        with its standard error.
 
     Raises
     ------
     ValueError, ArithmeticError
-        As in `linearize` and `simulate`; for peaks without a duration or by another method, and for a
-        duration or an envelope without peaks.
+        As in `linearize` and `simulate`; also if peaks are asked for without a duration or by
+        linearization, or if a duration or an envelope is given for standard deviations.
 
     Notes
     -----
-    Linearized, it is as good as the standard deviation: with the drift closure off by 1.4 % in the mean,
-    with the Gaussian closure too small where structures yield, for stiff ones on a lake bed by a factor
-    of ten and more; see `linearize`. A stationary response lasts for
-    ever, and the plastic drift of a structure that yields seldom has all of that time to grow: the ratio
-    of the standard deviations is then far above that of the peaks of a motion of usual length. The
-    standard error of the ratio of the peaks is that of the mean of ``(peak - D elastic_peak)``, which is
-    small because both are of the same motion.
+    By linearization, the relative error of ``D`` is that of the standard deviation: 1.4 % on average
+    with the drift closure; with the Gaussian closure ``D`` of yielding structures is too small, for
+    stiff structures on a lake bed by a factor of ten and more (see `linearize`).
+
+    The plastic drift of a structure that yields seldom grows very slowly. In a stationary response it is
+    fully developed, so that the ratio of the standard deviations is then much larger than the ratio of
+    the peaks in a motion of usual duration.
+
+    The standard error of the ratio of peaks is that of the mean of ``peak - D elastic_peak``, divided by
+    the mean elastic peak. It is small because both peaks of a pair are from the same motion.
 
     References
     ----------
@@ -137,10 +147,10 @@ def amplification(
         return _of_peaks(structure, ground, method, duration, envelope, paths, seed)
     if duration is not None or envelope is not None:
         raise ValueError(
-            "duration and envelope are of finite motions, a standard deviation is of the stationary "
-            "response; leave them out, or ask for of='peak'"
+            "duration and envelope belong to finite motions, and standard deviations are those of the "
+            "stationary response; leave them out, or ask for of='peak'"
         )
-    assert isinstance(structure, Structure)  # of one floor, as expected above
+    assert isinstance(structure, Structure)  # checked by ``expect`` above
     elastic = solve_elastic(structure, ground).displacement_std
     method = method or LINEARIZATION
     closure = usual_closure(structure, ground) if closure is None else closure
@@ -182,11 +192,11 @@ def _of_peaks(
     paths: int,
     seed: int,
 ) -> xr.Dataset:
-    """What `amplification` returns of peaks."""
+    """The dataset that `amplification` returns for peaks."""
     if method == LINEARIZATION:
         raise ValueError(
-            f"method = {method!r} gives no peaks; allowed for of='peak': {SIMULATION}; of the "
-            "linearized structure they are peak_response's"
+            f"method = {method!r} is not available for of='peak'; allowed: {SIMULATION}; peak_response "
+            "gives the peaks of the linearized structure"
         )
     seconds = check_duration(duration, {"structure": structure})
     check_motion(seconds, envelope, 0.0, [0.5], {"structure": structure})
@@ -219,7 +229,7 @@ def _on_one_ground(
     seed: int,
     grounds: int,
 ) -> xr.Dataset:
-    """Peaks of the structure and of the elastic one, all cells of both on the same motions."""
+    """Amplification of the peaks of single-storey structures, all cells under the same motions."""
     elastic = replace(structure, yield_displacement=None, reduction_factor=None)
     sides = [cells_of(one, ground, stationary=False) for one in (structure, elastic)]
     cells = join_cells([one for one, _ in sides])
@@ -244,7 +254,7 @@ def _on_one_ground(
 
 
 def _of_storeys(building: ShearBuilding, ground: Ground, **motion: Any) -> xr.Dataset:
-    """Peaks of the floors and drifts of a building and of the elastic one, on the same motions."""
+    """Amplification of peak displacements and drifts of a building with storeys."""
     motions = simulate([building, replace(building, yield_drifts=None)], ground, **motion)
     n = building.storeys
     own = motions.isel({FLOOR: slice(None, n), ELEMENT: slice(None, n)})
@@ -255,7 +265,7 @@ def _of_storeys(building: ShearBuilding, ground: Ground, **motion: Any) -> xr.Da
     columns = {name: (FLOOR, values) for name, values in peaks.items()}
     for end in ("", "_standard_error"):
         columns[f"drift_amplification{end}"] = (ELEMENT, drifts[f"amplification{end}"])
-    # Ductilities are means of the drifts over those at yield, which are the same in every motion.
+    # The yield drift is the mean peak drift over the ductility; compared without a division.
     stayed = bool((own.peak_drift * own.ductility <= own.peak_drift_mean).all())
     table = xr.Dataset(columns, coords=own[["peak_mean", "ductility"]].coords)
     status = np.int8(labels.ELASTIC_LIMIT if stayed else labels.CONVERGED)
@@ -264,7 +274,7 @@ def _of_storeys(building: ShearBuilding, ground: Ground, **motion: Any) -> xr.Da
 
 
 def _ratios(inelastic: Array, elastic: Array) -> dict[str, Array]:
-    """Means of peaks (motions, n), their ratio, and the errors of all; of the ratio by pairs."""
+    """Means of peaks (motions, n), their ratio, and standard errors; that of the ratio from pairs."""
     scale = np.sqrt(len(inelastic))
     mean, other = inelastic.mean(axis=0), elastic.mean(axis=0)
     ratio = mean / other

@@ -1,4 +1,4 @@
-"""Correlation of two structures on one ground: eq. (4), and linearized structures."""
+"""Correlation of the displacements of two structures on one ground, by every method."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from stochlin.analyses.correlation.storeys import floor_pairs
 from stochlin.analyses.correlation.variables import VARIABLES
 from stochlin.analyses.linearization.equivalent_systems import (
     check_closure,
-    elastic_together,
+    derived_together,
     solved_together,
 )
 from stochlin.analyses.linearization.tolerance import Tolerance
@@ -62,72 +62,85 @@ def correlate(
 ) -> xr.Dataset:
     """Correlation coefficient of the displacements of two structures.
 
-    Each structure is solved on its own dimensions; the pair is one linear step a cell. A
-    table over ``N1 x N2`` structures costs ``N1 + N2`` fixed points.
+    By linearization, each structure is solved over its own dimensions, and the correlation of a pair
+    then follows from one linear equation. A table of ``N1 x N2`` pairs needs ``N1 + N2`` iterative
+    solutions.
 
-    Where dask holds one of the arrays the table is lazy, in the same chunks and with the same numbers.
-    By simulation the steps and the length of the motions are found beforehand, from all structures.
+    If a parameter is a dask array, the table is lazy, with the same chunks, and has the same numbers. By
+    simulation, the time step and the duration of the motions are then determined beforehand for all
+    structures of the table.
 
     Parameters
     ----------
     first, second : Bilinear, BoucWen, Hysteretic or ShearBuilding
+        The two structures.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
-        All parameters broadcast by dimension name.
-    method : str
-        ``"linearization"``; ``"white_noise"``: eq. (4) with the elastic periods and dampings,
-        whatever the ground, beside the elastic responses on this ground; ``"effective"``: eq. (4)
-        with the effective periods and dampings of ``rule`` at the linearized peak ductility;
-        ``"simulation"``: nonlinear, all structures under the same motions, with standard errors.
+        The ground; all parameters broadcast by dimension name.
+    method : {"linearization", "white_noise", "effective", "simulation"}
+        ``"linearization"``: statistical linearization. ``"white_noise"``: eq. (4) with the elastic
+        periods and damping ratios, whatever the ground; the standard deviations are those of the elastic
+        responses to this ground. ``"effective"``: eq. (4) with the effective periods and damping ratios
+        of ``rule`` at the linearized peak ductilities. ``"simulation"``: nonlinear simulation of all
+        structures under the same motions, with standard errors.
     closure : str
-        As in `linearize`; for linearization and effective properties. With ``"drift"`` both drifts are
-        correlated too, by ``docs/drift.md``; on Kanai-Tajimi ground by what simulated references
-        tell of both structures.
-    rule : str
-        One of `effective_rule_names`, or a rule; for effective properties.
-    rtol, atol, max_iterations
-        As in `linearize`; for linearization and effective properties.
+        Closure of the linearization, as in `linearize`; for linearization and effective properties. With
+        ``"drift"`` the correlation includes that of the plastic drifts, derived in ``docs/drift.md``
+        and, on Kanai-Tajimi ground, corrected by a map of simulations.
+    rule : str or EffectiveRule
+        Rule for effective properties, one of `effective_rule_names` or a rule object.
+    rtol, atol, max_iterations : float, float, int
+        As in `linearize`, for linearization and effective properties: stop rule of the iteration.
     paths, seed, steps_per_period, relaxation_times, progress
-        As in `simulate`; for simulation. In chunks of dask ``progress`` is not called.
+        As in `simulate`: options of the simulation. With dask arrays ``progress`` is not called.
 
     Returns
     -------
     xarray.Dataset
         Over the dimensions of the parameters: ``rho`` [-], ``displacement_std_1`` and ``_2`` [m],
-        ``ductility_std_1`` and ``_2`` [-], ``yield_displacement_1`` and ``_2`` [m], ``status`` (the
-        worse of the two structures'). Linearization adds ``bias``, by which ``rho`` is too large,
-        ``bias_1`` and ``bias_2``, the relative error of the standard deviations, and ``caution``
-        where one exceeds 0.1 or is unknown; these are interpolated in a map that knows bilinear
-        structures, and ``rho`` where both have equal damping, hardening and strength ratio. The
-        closure ``"drift"`` adds ``rho_error``, the mean error of ``rho`` over simulated pairs of the
-        region, NaN where none were simulated; in ``caution`` it stands in for an unknown ``bias``.
-        Every method: ``relative_displacement_std`` [m], of ``u_1 - u_2``, with a bias and a caution of
-        its own, ``relative_displacement_bias`` (NaN where unknown) and
-        ``relative_displacement_caution``; the closure ``"drift"`` adds
-        ``relative_displacement_error``, its expected relative error.
-        ``"effective"`` adds ``period_eq_1`` and ``_2`` [s], ``damping_eq_1`` and ``_2`` [-], and
-        ``ductility_peak_1`` and ``_2`` [-]: the structure's ``peak_factor`` times its
-        ``ductility_std``. Simulation adds ``rho_standard_error``,
-        ``displacement_std_standard_error_1`` and ``_2`` [m], and ``drift_1`` and ``_2``; where a
-        drift exceeds 5 the run was too short to be stationary, and the cell is ``not_converged``.
-        With a building with storeys, by linearization or simulation: ``rho`` of all floors of the
-        first, over ``floor``, with those of the second, over ``floor_2``, standard deviations over
-        one of them, ductilities of the storeys below; by linearization also
-        ``relative_displacement_std`` [m].
+        ``ductility_std_1`` and ``_2`` [-], ``yield_displacement_1`` and ``_2`` [m], and ``status`` (the
+        worse one of the two structures). Every method also gives ``relative_displacement_std`` [m], the
+        standard deviation of ``u_1 - u_2``, its relative bias ``relative_displacement_bias`` [-] (NaN
+        where unknown) and the flag ``relative_displacement_caution``.
+
+        Linearization adds ``bias`` [-], by which ``rho`` is too large; ``bias_1`` and ``bias_2`` [-],
+        the relative errors of the standard deviations; and the flag ``caution``, set where one of the
+        three exceeds 0.1 or is unknown. They are interpolated in a map of simulations of bilinear
+        structures; the bias of ``rho`` is known if both have equal damping, hardening and strength
+        ratio.
+        The closure ``"drift"`` adds ``rho_error`` [-], the mean absolute error of ``rho`` over simulated
+        pairs of the region (NaN where none were simulated), which replaces an unknown ``bias`` in
+        ``caution``, and ``relative_displacement_error`` [-], the expected relative error of
+        ``relative_displacement_std``.
+
+        Effective properties add ``period_eq_1`` and ``_2`` [s], ``damping_eq_1`` and ``_2`` [-], and the
+        peak ductilities ``ductility_peak_1`` and ``_2`` [-], which are ``peak_factor`` times
+        ``ductility_std``.
+
+        Simulation adds ``rho_standard_error`` [-], ``displacement_std_standard_error_1`` and ``_2`` [m],
+        and ``drift_1`` and ``_2`` [-], the change of the variance during the run in standard errors. If
+        it exceeds 5, the run was too short to be stationary, and the cell is ``not_converged``.
+
+        If one structure is a building with storeys (linearization and simulation only), ``rho`` and
+        ``relative_displacement_std`` are over ``floor``, the floors of the first structure, and
+        ``floor_2``, those of the second. Standard deviations and ductilities of a structure are over its
+        own floors; a ductility is that of the storey below the floor.
 
     Raises
     ------
-    ValueError
-        If the method, the closure or the rule is unknown, or dimensions do not fit together.
+    ValueError, TypeError
+        If the method, the closure or the rule is unknown, an argument is of the wrong kind or out of
+        range, dimensions do not fit together, or the table would not fit into memory.
     ArithmeticError
-        If a single case fails; in a table its cell is NaN and says why.
+        If a single case fails; in a table the cell is NaN and its status gives the reason.
 
     Notes
     -----
-    For yielding structures linearized ``rho`` is off by 0.05 to 0.2 where yielding is moderate,
-    mostly too large, and by up to 1.3 for structures much stiffer than a narrow-band ground; the
-    standard deviations are too small: a separation computed from both is unsafe by a third to a
-    half. Simulation takes seconds. Correlation can be negative, where the ground period lies
-    between those of the structures.
+    The linearized ``rho`` of yielding structures is off by 0.05 to 0.2, mostly too large, where yielding
+    is moderate, and by up to 1.3 for structures much stiffer than a narrow-band ground. The linearized
+    standard deviations are too small. A separation computed from both is therefore unsafe by a third to
+    a half. Nonlinear simulation, which takes seconds, does not have these errors.
+
+    The correlation can be negative if the period of the ground is between those of the structures.
 
     References
     ----------
@@ -178,22 +191,22 @@ def correlate(
 
 
 class Question(NamedTuple):
-    """What `correlate` is asked: each method takes of it what it needs."""
+    """Arguments of `correlate` that its methods share; a method may ignore some of them."""
 
     pair: tuple[Structure, Structure]
     ground: Ground
     closure: str
     tolerance: Tolerance
     rule: str | EffectiveRule
-    settings: Callable[[], SimulationSettings]  # called by a method that simulates: it checks them
+    settings: Callable[[], SimulationSettings]  # a call checks them; only simulation makes it
 
     @property
     def yields(self) -> bool:
-        """Whether one of them can yield."""
+        """Whether at least one of the structures can yield."""
         return any(structure.yields for structure in self.pair)
 
 
-# What was found, how it was made, for its history, and what the attributes say besides.
+# Variables of the dataset, arguments for its history, and further attributes.
 Answer = tuple[dict[str, Cells], str, dict[str, Any]]
 
 
@@ -209,7 +222,7 @@ def _by_linearization(asked: Question) -> Answer:
 
 
 def _by_white_noise(asked: Question) -> Answer:
-    sides = elastic_together(asked.pair, asked.ground)
+    sides = derived_together(asked.pair, asked.ground)
     inputs = [s.cells()[name] for name in ("period", "damping") for s in asked.pair]
     return _shown(inputs, sides), "eq. (4)", {}
 
@@ -228,10 +241,11 @@ def _by_simulation(asked: Question) -> Answer:
     settings = asked.settings()
     table = simulate_pairs(*asked.pair, asked.ground, settings)
     found: dict[str, Cells] = {str(name): array for name, array in table.data_vars.items()}
-    return found, settings.told, table.attrs
+    return found, settings.history, table.attrs
 
 
-DRIFTING, WHITE_NOISE = 100, 30  # bytes that a cell takes, roughly
+# Approximate memory [bytes] for each cell of a table, by method; DRIFTING is for the drift closure.
+DRIFTING, WHITE_NOISE = 100, 30
 BYTES = {"linearization": 40, "white_noise": WHITE_NOISE, "effective": 40, "simulation": 80}
 METHODS: Mapping[str, Callable[[Question], Answer]] = {
     "linearization": _by_linearization,
@@ -242,14 +256,14 @@ METHODS: Mapping[str, Callable[[Question], Answer]] = {
 
 
 def _shown(inputs: list[Cells], sides: list[Solved]) -> dict[str, Cells]:
-    """Eq. (4) of these beside the two responses, blank where one of them failed."""
+    """Correlation by eq. (4) of ``inputs``, and the responses of both structures; NaN for failures."""
     of_sides = (side["status"] for side in sides)
     rho, status = cellwise_pair(_judged_eq_4, *of_sides, *inputs, kinds=(float, np.int8))
     shown = {f"{name}_{n}": side[name] for name in SHOWN for n, side in enumerate(sides, start=1)}
     return {"rho": rho, **shown, "status": status}
 
 
-@np.errstate(invalid="ignore", divide="ignore")  # invalid cells are blanked by their status
+@np.errstate(invalid="ignore", divide="ignore")  # invalid cells become NaN by their status
 def _judged_eq_4(*inputs: Array) -> tuple[Array, ...]:
     def piece(status_1: Array, status_2: Array, *pair: Array) -> tuple[Array, Array]:
         rho, status = white_noise_correlation(*pair), np.maximum(status_1, status_2)
@@ -263,14 +277,14 @@ def _judged_eq_4(*inputs: Array) -> tuple[Array, ...]:
 def rho_white_noise(
     period_1: Parameter, period_2: Parameter, damping_1: Parameter, damping_2: Parameter
 ) -> xr.Dataset:
-    """Correlation coefficient of two linear oscillators under one white noise, eq. (4).
+    """Correlation coefficient of the displacements of two linear oscillators under white noise, eq. (4).
 
-    The paper calls it approximate; it is exact for stationary response to white noise.
+    The paper calls the equation approximate; it is exact for the stationary response to one white noise.
 
     Parameters
     ----------
     period_1, period_2 : float or array
-        Periods [s], positive; they broadcast by dimension name.
+        Periods [s], positive; all parameters broadcast by dimension name.
     damping_1, damping_2 : float or array
         Damping ratios [-], in (0, 1).
 
@@ -311,7 +325,7 @@ def rho_white_noise(
     )
 
 
-@np.errstate(invalid="ignore", divide="ignore")  # invalid cells are blanked
+@np.errstate(invalid="ignore", divide="ignore")  # invalid cells become NaN
 def _eq_4_where_valid(*inputs: Array) -> Array:
     def piece(valid: Array, *pair: Array) -> Array:
         return np.where(valid, white_noise_correlation(*pair), np.nan)

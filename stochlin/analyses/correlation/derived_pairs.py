@@ -1,6 +1,6 @@
-"""Correlation of two drifting structures as ``docs/drift.md`` derives it, eq. (8), without a map.
+"""Correlation of two structures with plastic drift, eq. (8) of ``docs/drift.md``, without a map.
 
-Not compiled: temporaries are kept small by working in slabs.
+The formulas are evaluated in slabs of cells, so that intermediate arrays stay small.
 """
 
 from __future__ import annotations
@@ -20,18 +20,18 @@ OF_A_SIDE = ("drift_std", "drift_rate", *INTERNAL, *SHARES)
 
 
 def derived_correlation(first: Solved, second: Solved) -> Any:
-    """``rho`` of two structures that `solve_structure` or `solve_derived` has found drifts for."""
+    """``rho`` of two structures that were solved with the drift closure."""
     (rho,) = cellwise(_correlation, *(side[name] for side in (first, second) for name in OF_A_SIDE))
     return rho
 
 
-@np.errstate(all="ignore")  # what comes of extreme input is judged by its status
+@np.errstate(all="ignore")  # cells with extreme parameters become NaN, with a status
 def _correlation(*inputs: Array) -> Array:
     return in_slabs(pieces_of_rho, *inputs)[0]
 
 
 def pieces_of_rho(*parts: Array) -> Array:
-    """``rho`` of cells, from `OF_A_SIDE` of the first structures and of the second."""
+    """``rho`` of pairs; ``parts`` are the arrays `OF_A_SIDE` of the first, then of the second."""
     half, end = len(parts) // 2, len(INTERNAL)
     (slow_1, rate_1, *one), (slow_2, rate_2, *other) = parts[:half], parts[half:]
     first, second = (system_and_forcing(side[:end]) for side in (one, other))

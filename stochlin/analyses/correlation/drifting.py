@@ -1,4 +1,4 @@
-"""Pairs under the drift closure: the derived correlation, and what simulated references tell of it."""
+"""Correlation of pairs by the drift closure: derived, then corrected by a map of simulations."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ from stochlin.models.structures import DRIFT, Structure
 def drifting_pairs(
     first: Structure, second: Structure, ground: Ground, tolerance: Tolerance
 ) -> dict[str, Cells]:
-    """As `linearized_pairs`; the bias refers to the simulated values in the map of the Gaussian closure.
+    """Table of pairs by the drift closure, with the variables of `linearized_pairs` and their errors.
 
-    Where that is not known the expected error takes its place in the caution. The difference of the
-    displacements has an expected error of its own.
+    The simulated ``rho`` that the bias refers to is the Gaussian ``rho`` less its bias in the map. If it
+    is not in the map, the caution follows from the expected error of ``rho`` instead.
     """
     table = linearized_pairs(first, second, ground, "gaussian", tolerance)
     truth = table["rho"] - table["bias"]
@@ -45,7 +45,7 @@ def drifting_pairs(
     expected = expected_rho_error(first, second, ground, sides)
     of_rho = (raw, *(side["status"] for side in sides), truth, expected)
     *judged, unsure = cellwise(_judged_rho, *of_rho, kinds=JUDGED)
-    del raw, truth, expected, of_rho  # a column of the table each
+    del raw, truth, expected, of_rho  # each is as large as the whole table
     table |= zip(("rho", "status", "bias", "rho_error"), judged, strict=True)
     worst = caution_of(unsure)
     for number, side in enumerate(sides, start=1):
@@ -70,7 +70,7 @@ def _judged_rho(*inputs: Array) -> tuple[Array, ...]:
 def _judged_piece(
     raw: Array, status_1: Array, status_2: Array, truth: Array, expected: Array
 ) -> tuple[Array, ...]:
-    """``rho``, status, bias, expected error, and of these two the one that a caution goes by."""
+    """``rho``, status, bias, expected error, and the bias or else the error, for the caution."""
     status = np.maximum(status_1, status_2)
     rho = np.where(status < labels.NOT_CONVERGED, np.clip(raw, -1, 1), np.nan)
     bias, error = rho - truth, np.where(np.isnan(rho), np.nan, expected)
@@ -82,7 +82,7 @@ def _difference_error(*arrays: Array) -> tuple[Array, ...]:
 
 
 def _difference_piece(*arrays: Array) -> tuple[Array, Array]:
-    """`relative_error` where ``rho_error``, the last of the arrays, is known; none of elastic pairs."""
+    """`relative_error` of pairs; NaN where ``rho_error``, the last array, is NaN, and 0 if elastic."""
     *of_pair, rho_error = arrays
     error, bias = relative_error(*of_pair)
     error = np.where(np.isnan(rho_error), np.nan, error)
@@ -96,7 +96,7 @@ def correlation_with_drift(
     ground: Ground,
     tolerance: Tolerance,
 ) -> Cells:
-    """``rho`` of structures solved with the drift closure, eqs. (11) and (13) of ``docs/drift.md``."""
+    """``rho`` by the drift closure, corrected by eqs. (11) and (13) of ``docs/drift.md``."""
     return _rho_and_doubt(structures, sides, ground, tolerance)[0]
 
 
@@ -106,14 +106,14 @@ def _rho_and_doubt(
     ground: Ground,
     tolerance: Tolerance,
 ) -> tuple[Cells, ...]:
-    """``rho``, the expected relative error of ``1 - rho``, and the share of nearness in it."""
+    """``rho``, expected relative error of ``1 - rho``, and weight of eq. (13) for nearly equal pairs."""
     inputs = [[side[name] for name in OF_A_SIDE] for side in sides]
     known = insights(structures, sides, ground, tolerance)
     arrays = (*inputs[0], *known[0], *inputs[1], *known[1])
     return cellwise(_cells, *arrays, kinds=(float,) * 3)
 
 
-@np.errstate(all="ignore")  # what comes of extreme input is judged by its status
+@np.errstate(all="ignore")  # cells with extreme parameters become NaN, with a status
 def _cells(*inputs: Array) -> tuple[Array, ...]:
     def piece(*parts: Array) -> tuple[Array, ...]:
         half, own = len(parts) // 2, len(OF_A_SIDE)

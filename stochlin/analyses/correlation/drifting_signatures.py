@@ -1,9 +1,10 @@
-"""Signatures of drifting structures: how they move together with references that were simulated.
+"""Signatures of structures with plastic drift, from their correlations with reference structures.
 
-Two structures drift together as far as they slip at the same moments, and that cannot be seen from
-either of their covariances. It can be tabulated structure by structure all the same: by the
-correlations with a few reference structures on the same ground. The derived signature comes from
-the derived correlations, and its correction from the map of simulations.
+The plastic drifts of two structures are correlated if both slip at the same instants, which does not
+follow from their covariances. A table over all pairs would have too many parameters. The signature of a
+structure, eq. (9) of ``docs/drift.md``, describes it by its correlations with a few reference structures
+on the same ground, so that each structure can be tabulated alone. The signature is derived with the
+drift closure, and its correction is interpolated in a map of simulations.
 """
 
 from __future__ import annotations
@@ -37,16 +38,17 @@ from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import DRIFT, Structure
 
 OTHER = "other_reference"
-OF_NEARNESS = AXES + ENTRIES + 1
-KNOWN_NEARNESS = (0.5, 0.5)  # R/p from which, and hardening up to which the map has it; elastic: none
-# Periods of the ground from which on the broadest Kanai-Tajimi ground is white for a structure.
+OF_NEARNESS = AXES + ENTRIES + 1  # number of arrays of a `Nearness`
+# The map of `Nearness` has R/p from the first value up, and hardening up to the second.
+KNOWN_NEARNESS = (0.5, 0.5)
+# T/Tg for which a Kanai-Tajimi ground of damping 1 acts on the structure like white noise.
 AS_ON_WHITE_NOISE = 5.0
-GROUNDS = 64  # of numbers, whose references are kept
-PEAK_FACTOR = 3.0  # of the references, by which a reduction factor is told from R/p
+GROUNDS = 64  # number of grounds with scalar parameters whose solved references are kept
+PEAK_FACTOR = 3.0  # p of the references, with which R follows from R/p
 
 
 def references(ground: Ground) -> Bilinear:
-    """The reference structures of the map, over ``drift_reference`` and the dimensions of the ground."""
+    """Reference structures of the map, over ``drift_reference`` and the dimensions of the ground."""
     table = drift_map()
     return Bilinear(
         table.reference_period * ground.arrays()["period"],
@@ -58,9 +60,10 @@ def references(ground: Ground) -> Bilinear:
 
 
 def derived_signatures(solved: Sequence[Solved], known: Solved, gram: xr.DataArray | Array) -> list[Any]:
-    """Signatures of structures over the references, all with the drifts of `solve_derived`.
+    """Signatures, eq. (9), of structures over ``drift_reference``, one for each of ``solved``.
 
-    ``gram`` has the correlations of the references.
+    ``known`` are the references; both are solved by `solve_derived`. ``gram`` holds the correlations of
+    the references with one another.
     """
     core = ([REFERENCE], [REFERENCE, OTHER])
     joint = [derived_correlation(side, known) for side in solved]
@@ -82,13 +85,13 @@ _solved_once = lru_cache(maxsize=GROUNDS)(_solved_references)
 
 @lru_cache(maxsize=GROUNDS)
 def _plain_references(ground: Ground, tolerance: Tolerance) -> tuple[Solved, Array]:
-    """The same without labels, for lone cells."""
+    """`_solved_references` as numbers without labels, for single cells."""
     known, gram = _solved_once(ground, tolerance)
     return {name: array.values for name, array in known.items()}, gram.values
 
 
 def _signature(joint: Array, gram: Array) -> Array:
-    """Of cells whose ground could be solved; NaN elsewhere."""
+    """Signatures of cells; NaN where the references could not be solved on the ground."""
     good = np.asarray(np.isfinite(gram).all(axis=(-2, -1)))
     safe = np.where(good[..., None, None], gram, np.eye(gram.shape[-1]))
     return np.where(good[..., None], signature(joint, safe), np.nan)
@@ -100,9 +103,10 @@ def insights(
     ground: Ground,
     tolerance: Tolerance,
 ) -> list[list[Cells]]:
-    """Arrays of what the map knows of both structures, flat; none where it does not know the ground.
+    """Arrays of the `Insight`, then of the `Nearness`, of each structure.
 
-    Those of the `Insight`, and then those of the `Nearness`.
+    The lists are empty if the map does not have this kind of ground, or if both structures are elastic.
+    On white noise there is no `Insight`.
     """
     if type(ground) not in CORRECTED_GROUNDS or not any(structure.yields for structure in structures):
         return [[], []]
@@ -128,12 +132,12 @@ def insights(
 
 
 def _like(point: list[Cells], period: Cells) -> list[Cells]:
-    """Arrays of the `Nearness`; periods are compared with one another only."""
+    """Arrays of the `Nearness`; ``period`` in any unit, since only ratios of periods enter."""
     arrays = (period, *point[:3], *hold_at_ends(NEARNESS, point))
     return list(cellwise(_nearness, *arrays, kinds=(float,) * OF_NEARNESS))
 
 
-@np.errstate(divide="ignore", invalid="ignore")  # elastic: log 0, and not trusted
+@np.errstate(divide="ignore", invalid="ignore")  # elastic structures have log 0, and trust 0
 def _nearness(*arrays: Array) -> tuple[Array, ...]:
     strength, hardening = arrays[1:3]
     place = [np.log(value) for value in arrays[:AXES]]
@@ -143,7 +147,7 @@ def _nearness(*arrays: Array) -> tuple[Array, ...]:
     return tuple(np.broadcast_arrays(*place, *arrays[AXES:], trust))
 
 
-@np.errstate(invalid="ignore")  # cells that are not solved are NaN
+@np.errstate(invalid="ignore")  # failed cells are NaN
 def _insight(own: Array, *correction: Array) -> tuple[Array, ...]:
     together = np.broadcast_arrays(*np.moveaxis(own, -1, 0), *correction)
     found = insight(*np.array(together).reshape(2, len(correction), *together[0].shape))
@@ -151,7 +155,7 @@ def _insight(own: Array, *correction: Array) -> tuple[Array, ...]:
 
 
 def insight_of(arrays: tuple[Array, ...] | list[Array]) -> tuple[Insight | None, Nearness]:
-    """From arrays as `insights` lists them."""
+    """The `Insight`, None on white noise, and the `Nearness` from one list that `insights` returns."""
     seen, like = arrays[:-OF_NEARNESS], arrays[-OF_NEARNESS:]
     nearness = Nearness(np.stack(like[:AXES]), np.stack(like[AXES:-1]), like[-1])
     if not seen:

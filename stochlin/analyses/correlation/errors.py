@@ -1,9 +1,10 @@
-"""How far pairs are off: ``rho`` of the drift closure where it was checked, and the difference.
+"""Expected errors of pairs: of ``rho`` by the drift closure, and of the deviation of ``u_1 - u_2``.
 
-Mean absolute errors of ``rho`` over 2750 random pairs of unequal bilinear structures, each simulated,
-drawn as `benchmarks/drift.py` draws them, with another seed; rounded to 0.01. The expected error of the
-standard deviation of the difference comes from those of both structures and from how much the steps
-from the derivation to the simulated map move ``1 - rho``; ``docs/drift.md`` says how it was calibrated.
+The expected errors of ``rho`` are mean absolute errors over 2750 random pairs of unequal bilinear
+structures, drawn as in `benchmarks/drift.py` with another seed and simulated; rounded to 0.01. The
+expected error of the standard deviation of ``u_1 - u_2`` follows from the errors of both structures and
+of ``1 - rho``; the latter is larger where the map of simulations corrects ``1 - rho`` more.
+``docs/drift.md`` has the calibration.
 """
 
 from __future__ import annotations
@@ -22,31 +23,37 @@ from stochlin.kernels.correlation.differences import NONE_LEFT, differences
 from stochlin.models.grounds import CloughPenzien, Ground, KanaiTajimi, WhiteNoise
 from stochlin.models.structures import Structure
 
-PERIODS, GROUND_DAMPINGS = (0.2, 0.5, 0.9, 5.0), (0.03, 0.1, 0.3, 1.0)  # of the shorter T/Tg; of xig
-# By PERIODS, and within each by GROUND_DAMPINGS; on Clough-Penzien ground over 9115 pairs.
+# Bounds of the regions: the shorter T/Tg of the pair, and the damping ratio of the ground.
+PERIODS, GROUND_DAMPINGS = (0.2, 0.5, 0.9, 5.0), (0.03, 0.1, 0.3, 1.0)
+# Mean errors of rho by PERIODS, and within each by GROUND_DAMPINGS; Clough-Penzien from 9115 pairs.
 ERRORS = {
     KanaiTajimi: np.array([0.04, 0.03, 0.02, 0.03, 0.02, 0.02, 0.02, 0.02, 0.02]),
     CloughPenzien: np.array([0.05, 0.04, 0.03, 0.04, 0.02, 0.02, 0.04, 0.03, 0.03]),
 }
 ON_WHITE_NOISE = np.full(1, 0.03)
-RATIO = 3.0  # of the periods
+RATIO = 3.0  # largest ratio of the periods of a simulated pair
 ROUNDING = 1e-9
-DIFFERENCE = "relative_displacement"  # of the names of variables
-# Expected relative error of 1 - rho: it grows with rho, and with what the signatures change in its
-# logarithm; of nearly equal structures at R/p = 1, larger for weaker motions, and with what their forms
-# change.
+DIFFERENCE = "relative_displacement"  # start of the names of variables
+# Expected relative error of 1 - rho, in general: it is proportional to rho, and to the correction of
+# log(1 - rho) by the signatures.
 BY_RHO, BY_SIGNATURES = 0.14, 0.25
-SAFE_SIDE = 0.06  # by which the difference of nearly equal structures is too large in the mean
+# The same for nearly equal structures, corrected by eq. (13) of docs/drift.md: its value at R/p = 1, the
+# exponent with which it grows for smaller R/p, and its ratio to the correction of log(1 - rho).
 OF_NEAR, BY_WEAKNESS, BY_NEARNESS = 0.06, 0.75, 0.15
-# R/p and hardening towards which the forms are those of the next hardening, and twice as uncertain.
+SAFE_SIDE = 0.06  # relative bias, on the safe side, of u_1 - u_2 of nearly equal structures by eq. (13)
+# Ranges of R/p and of hardening over which the error of nearly equal structures doubles: the map has no
+# values there and uses those of the next larger hardening.
 WEAK, SOFT = (0.8, 0.5), (0.05, 0.02)
-BY_DAMPING, USUAL_DAMPING = 0.35, np.log(0.03)  # larger for less damping
+BY_DAMPING, USUAL_DAMPING = 0.35, np.log(0.03)  # exponent with which the error grows for less damping
 
 
 def expected_rho_error(
     first: Structure, second: Structure, ground: Ground, sides: Sequence[Solved]
 ) -> Cells:
-    """Mean error of ``rho`` in the region of each pair; 0 if both are elastic, NaN where not checked."""
+    """Mean absolute error of ``rho`` in the region of each pair.
+
+    It is 0 if both structures are elastic, and NaN where no pairs were simulated.
+    """
     white = isinstance(ground, WhiteNoise)
     values = ON_WHITE_NOISE if white else ERRORS.get(type(ground), np.full(9, np.nan))
     arrays: list[Cells] = []
@@ -61,7 +68,7 @@ def expected_rho_error(
     return error
 
 
-@np.errstate(invalid="ignore")  # invalid cells are in no region
+@np.errstate(invalid="ignore")  # invalid cells have no region
 def _region(inside: Array, *soil: Array) -> Array:
     """Number of a structure's region by damping and period of the ground, -1 outside."""
     if not soil:
@@ -81,7 +88,8 @@ def _error(
     region_1: Array, period_1: Array, elastic_1: Array, region_2: Array, period_2: Array,
     elastic_2: Array, *, values: Array,
 ) -> Array:  # fmt: skip
-    # Both have the ground's column: the lower number is that of the shorter period, or outside.
+    # Both structures share the damping of the ground, so that the smaller number is that of the shorter
+    # period, or -1 if one of them is outside.
     region = np.minimum(region_1, region_2)
     near = np.abs(np.log(period_1 / period_2)) <= np.log(RATIO) + ROUNDING
     error = np.append(values, np.nan)[np.where(near, region, -1)]
@@ -93,7 +101,7 @@ def _band(value: Array, edges: tuple[float, ...]) -> Array:
 
 
 def corrected(derived: Array, informed: Array) -> Array:
-    """By how much the signatures have moved the logarithm of ``1 - rho``."""
+    """Correction of ``log(1 - rho)`` by the signatures, from the derived and the corrected ``rho``."""
     moved = np.log((1 - derived) / (1 - informed))
     return np.asarray(np.where(np.isfinite(moved), moved, 0.0))
 
@@ -109,8 +117,10 @@ def doubt_of(
 ) -> Array:
     """Expected relative error of ``1 - rho``.
 
-    ``moved`` by the signatures, ``share`` of the forms of nearly equal structures, and ``apart`` by
-    these; ``strength``, ``hardening`` and ``damping`` are logarithms of the mean R/p and of ratios.
+    ``moved`` and ``apart`` are the corrections of ``log(1 - rho)`` by the signatures, eq. (11), and by
+    eq. (13) for nearly equal structures, and ``share`` is the weight of the latter. ``strength``,
+    ``hardening`` and ``damping`` are means over both structures of the logarithms of R/p, of the
+    hardening ratio and of the damping ratio.
     """
     near = np.where(share > 0, share * OF_NEAR * np.exp(-BY_WEAKNESS * strength), 0.0)
     left_out = _towards(strength, WEAK) * _towards(hardening, SOFT)
@@ -121,12 +131,12 @@ def doubt_of(
 
 
 def _towards(logarithm: Array | float, ends: tuple[float, float]) -> Array:
-    """How far on the way between two values, 0 to 1."""
+    """Position between two values on a logarithmic scale, 0 at the first and 1 at the second."""
     begin, end = np.log(ends)
     return np.clip((logarithm - begin) / (end - begin), 0, 1)
 
 
-@np.errstate(divide="ignore", invalid="ignore")  # equal structures have no difference; invalid cells
+@np.errstate(divide="ignore", invalid="ignore")  # equal structures give 0/0, invalid cells are NaN
 def relative_error(
     std_1: Array,
     error_1: Array,
@@ -136,9 +146,11 @@ def relative_error(
     doubt: Array,
     share: Array | float = 0.0,
 ) -> tuple[Array, Array]:
-    """Expected relative error of the standard deviation of the difference, and its bias.
+    """Expected relative error of the standard deviation of ``u_1 - u_2``, and its relative bias.
 
-    ``share`` is that of the forms of nearly equal structures, which are on the safe side.
+    It combines the relative errors of both standard deviations and of ``1 - rho`` (``doubt``) as if they
+    were independent. ``share`` is the weight of eq. (13) for nearly equal structures, which is biased to
+    the safe side.
     """
     joint = std_1 * std_2 * _left(rho)
     square = (std_1 - std_2) ** 2 + 2 * joint
@@ -150,10 +162,10 @@ def relative_error(
 
 
 def difference(table: Solved) -> dict[str, Cells]:
-    """The standard deviation of the difference of both displacements, its bias and its caution.
+    """Standard deviation of ``u_1 - u_2`` of a table of pairs, with its bias and its caution.
 
-    By what the table says of both structures and ``rho``: their standard errors, or their biases;
-    nothing is known without. The drift closure has told the bias and the caution itself.
+    Bias and caution follow from the standard errors in the table, or else from its biases; without
+    either they are unknown. A table of the drift closure already has them.
     """
     names = ("displacement_std_1", "displacement_std_2", "rho")
     values = [table[name] for name in names]
@@ -169,7 +181,7 @@ def difference(table: Solved) -> dict[str, Cells]:
         biases = [table.get(name, np.nan) for name in ("bias_1", "bias_2", "bias")]
         kinds, threads = (float, float, np.int8), not is_lazy(*values, *biases)
         std, bias, flag = cellwise(_differences, *values, *biases, kinds=kinds, threads=threads)
-        std = table.get(f"{DIFFERENCE}_std", std)  # storeys have their own
+        std = table.get(f"{DIFFERENCE}_std", std)  # a building with storeys has it already
     return {f"{DIFFERENCE}_std": std, f"{DIFFERENCE}_bias": bias, f"{DIFFERENCE}_caution": flag}
 
 
@@ -182,10 +194,10 @@ def _difference_piece(std_1: Array, std_2: Array, rho: Array) -> Array:
 
 
 def _left(rho: Array) -> Array:
-    """``1 - rho``, 0 where that is rounding."""
+    """``1 - rho``, and 0 where it is as small as rounding errors."""
     return np.where(1 - rho < NONE_LEFT, 0.0, 1 - rho)
 
 
-@np.errstate(all="ignore")  # cells that are not solved
+@np.errstate(all="ignore")  # failed cells are NaN
 def _differences(*inputs: Array, threads: bool) -> tuple[Array, ...]:
     return differences(*inputs, threads=threads)

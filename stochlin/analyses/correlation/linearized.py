@@ -1,7 +1,7 @@
-"""The linearized table: every cell from the two structures that meet in it, compiled.
+"""Table of pairs by statistical linearization, with the errors of its correlations.
 
-The structures are solved on their own dimensions; a cell is then one linear step and a look at the map
-of the bias. Arrays that dask holds stay with it, chunk by chunk.
+Each structure is solved over its own dimensions. The covariance of a pair then follows from one linear
+equation, and its bias by interpolation in a map; both are compiled. Dask arrays stay lazy.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ KINDS = (float, np.int8, float, np.int8)  # of rho, status, bias, caution
 def linearized_pairs(
     first: Structure, second: Structure, ground: Ground, closure: str, tolerance: Tolerance
 ) -> dict[str, Cells]:
-    """``rho``, its bias and what `correlate` shows of both structures."""
+    """Variables of `correlate` by linearization, except those of ``u_1 - u_2``."""
     pair = (first, second)
     sides = solved_together(pair, ground, closure, tolerance)
     gaussian = sides
@@ -55,7 +55,11 @@ def pairs_of_solved(
     sides: Sequence[Solved],
     gaussians: Sequence[Solved],
 ) -> dict[str, Cells]:
-    """The same from both solved structures; ``gaussians`` are ``sides`` where that is the closure."""
+    """As `linearized_pairs`, from solved structures.
+
+    ``sides`` are solved with any closure, ``gaussians`` with the Gaussian one, to which the map of the
+    bias belongs. For the Gaussian closure both are the same object.
+    """
     other_closure = sides is not gaussians
     inputs: list[Cells] = []
     biases: dict[str, Cells] = {}
@@ -73,15 +77,15 @@ def pairs_of_solved(
         kinds=KINDS,
         grid=rho_bias_map(*pair, ground),
         other_closure=other_closure,
-        threads=not is_lazy(*inputs),  # dask has its own
+        threads=not is_lazy(*inputs),  # dask has threads of its own
     )
     shown = {f"{name}_{n}": side[name] for name in SHOWN for n, side in enumerate(sides, start=1)}
     return {"rho": rho, **shown, "status": status, "bias": bias, **biases, "caution": caution}
 
 
-@np.errstate(all="ignore")  # what comes of extreme input is judged by its status
+@np.errstate(all="ignore")  # cells with extreme parameters get a status
 def _cells(*inputs: Array, grid: Grid | None, other_closure: bool, threads: bool) -> tuple[Array, ...]:
-    """All cells from the arrays of the first side and of the second, which broadcast."""
+    """Arrays of all pairs; ``inputs`` are those of the first structure, then of the second."""
     shape = np.broadcast_shapes(*(array.shape for array in inputs))
     half = len(inputs) // 2
     first, second = (_side(part, len(shape), other_closure) for part in (inputs[:half], inputs[half:]))
@@ -90,6 +94,7 @@ def _cells(*inputs: Array, grid: Grid | None, other_closure: bool, threads: bool
 
 
 def _side(arrays: tuple[Array, ...], dimensions: int, other_closure: bool) -> Side:
+    """One structure of the pairs in the form of the compiled loop; ``dimensions`` of the table."""
     *systems, status, caution, elastic = in_one_shape(*arrays)
     shape, count = status.shape, len(SYSTEM)
 

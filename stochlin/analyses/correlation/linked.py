@@ -1,4 +1,4 @@
-"""Two linked structures: they act on one another, so that the full augmented system is solved."""
+"""Correlation of two linked structures, by linearization of the coupled system."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from stochlin.models.structures import Structure
 from stochlin.models.systems import check_mass
 
 OF_BOTH = ("rho", "relative_displacement_std", "link_force_std")
-OF_DASHPOT = "equivalent_damping_constant"  # of one with an exponent
+OF_DASHPOT = "equivalent_damping_constant"  # only for a dashpot with an exponent
 OF_ONE = ("displacement_std", "velocity_std", "ductility_std", "c_eq", "k_eq")
 
 
@@ -33,41 +33,44 @@ def correlate_linked(
 ) -> xr.Dataset:
     """Response and correlation of two linked structures by statistical linearization.
 
-    The coefficients of both structures and the covariance of the augmented system, whose matrix has the
-    link in it, are found together. `linearize_system` does so for buildings with storeys, and for more
-    than two.
+    Linked structures act on each other. The equivalent coefficients of both are therefore iterated
+    together with the covariance of the coupled system, which includes the link. Use `linearize_system`
+    for buildings with storeys or more than two structures.
 
     Parameters
     ----------
     first, second : Bilinear, BoucWen or Hysteretic
-        With a mass. Strength by ``reduction_factor`` refers to the structure standing alone.
+        The structures, with a mass [kg]. A ``reduction_factor`` refers to the elastic response of the
+        structure without the link.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
+        The ground.
     link : Link
-        All parameters but the masses broadcast by dimension name. It may yield, have a dashpot with an
-        exponent or be a device in one of both, not have slack.
-    closure : str
-        ``"gaussian"`` or ``"clipped"``, as in `linearize`.
+        The link. It may yield, have a dashpot with an exponent, or be a device within one of the
+        structures, but have no slack. All parameters but the masses broadcast by dimension name.
+    closure : {"gaussian", "clipped"}
+        Closure of the linearization, as in `linearize`.
 
     Returns
     -------
     xarray.Dataset
-        Over the dimensions of the parameters: ``rho`` [-], ``displacement_std_1`` and ``_2`` [m],
-        ``relative_displacement_std`` [m]: of ``u_1 - u_2``, ``velocity_std_1`` and ``_2`` [m/s],
-        ``ductility_std_1`` and ``_2`` [-], ``link_force_std`` [N], ``c_eq_1``, ``c_eq_2`` [-],
-        ``k_eq_1``, ``k_eq_2`` [1/s], ``status``; of a link with an exponent also
-        ``equivalent_damping_constant`` [N s/m].
+        Over the dimensions of the parameters: the correlation coefficient ``rho`` [-]; the standard
+        deviations ``displacement_std_1`` and ``_2`` [m], ``relative_displacement_std`` [m] of
+        ``u_1 - u_2``, ``velocity_std_1`` and ``_2`` [m/s], ``ductility_std_1`` and ``_2`` [-] and
+        ``link_force_std`` [N]; the equivalent coefficients ``c_eq_1`` and ``_2`` [-] and ``k_eq_1`` and
+        ``_2`` [1/s] of eqs. (9) and (10); and ``status``. If the dashpot of the link has an exponent,
+        also ``equivalent_damping_constant`` [N s/m].
 
     Raises
     ------
     ValueError, TypeError
         If a mass is missing, a structure has storeys, the link has slack, or the closure is unknown.
     ArithmeticError
-        If a single case is not solved; in a table its cell is NaN.
+        If a single case fails; in a table the cell is NaN and its status gives the reason.
 
     Notes
     -----
-    Where structures yield, linearization has the same error as without a link. `simulate` with ``link``
-    does not have this error.
+    For yielding structures, linearization has the same errors as without a link; nonlinear simulation,
+    `simulate` with ``link``, does not have them.
 
     References
     ----------
@@ -95,8 +98,8 @@ def correlate_linked(
         check_mass(structure, role)
     if link.slack is not None:
         raise ValueError(
-            "link: slack is given; allowed: none, since it pulls one way, and linearization wants "
-            "forces that are zero in the mean; simulate it"
+            "link: slack is given; allowed: none, since a link with slack only pulls, and linearization "
+            "requires forces with zero mean; use simulate"
         )
     check_laws((first, second), closure)
 
@@ -106,7 +109,7 @@ def correlate_linked(
     def of_cell(first: Structure, second: Structure, ground: Ground, link: Link) -> xr.Dataset:
         try:
             equations = equations_of((first, second), ground, [link])
-        except ArithmeticError:  # a strength that refers to what cannot be computed
+        except ArithmeticError:  # the elastic response that defines a strength cannot be computed
             return xr.Dataset({**failed, "status": np.int8(labels.NOT_PHYSICAL)})
         solution = Loop(equations, closure, USUAL).solve()
         if solution.status >= labels.NOT_CONVERGED:

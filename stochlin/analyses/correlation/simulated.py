@@ -1,4 +1,4 @@
-"""The pairs of two structures by simulation, in the same table as the other methods."""
+"""Table of pairs by nonlinear simulation, with the variables of the other methods."""
 
 from __future__ import annotations
 
@@ -39,13 +39,14 @@ VARIABLES = {"rho": BOTH, "rho_standard_error": BOTH} | {
     f"{name}_{number}": number
     for number in (1, 2)
     for name in (*OF_A_SIDE, "yield_displacement", "drift")
-}  # of the table, and over whose dimensions
-PLANNED = "dt", "burn_in", "recorded"  # of a plan, what depends on all structures together
+}  # variables of the table, and the structure whose dimensions they have
+# Entries of the plan of a run that depend on all structures of the table.
+PLANNED = "dt", "burn_in", "recorded"
 
 
 @dataclass(frozen=True)
 class SimulationSettings:
-    """How to simulate: arguments of `simulate`, which describes them."""
+    """Options of a stationary simulation, checked; `simulate` describes them."""
 
     paths: int
     seed: int
@@ -57,18 +58,18 @@ class SimulationSettings:
         check_settings(self.paths, self.seed, self.steps_per_period, self.relaxation_times)
 
     @property
-    def told(self) -> str:
-        """What the history of a result says of them."""
+    def history(self) -> str:
+        """The options that the history of a dataset states."""
         return f"paths={self.paths}, seed={self.seed}"
 
 
 def simulate_pairs(
     first: Structure, second: Structure, ground: Ground, settings: SimulationSettings
 ) -> xr.Dataset:
-    """Table of ``rho``, standard deviations and their errors; one ensemble a ground.
+    """Table of ``rho``, standard deviations and their standard errors; one ensemble for each ground.
 
-    Where dask holds one of the arrays the table is lazy, and a chunk simulates its own structures: under
-    the motions of the whole table, in its steps and over its length, which are found beforehand.
+    With dask arrays the table is lazy, and each chunk simulates its own structures. The time step and
+    the duration are found beforehand for the whole table, so that all chunks have the same motions.
     """
     models: dict[str, Model] = {"first": first, "second": second, "ground": ground}
     if not is_lazy(*(array for model in models.values() for array in model.arrays().values())):
@@ -91,9 +92,9 @@ def simulate_pairs(
 def over_grounds(
     function: Callable[..., xr.Dataset], structures: Sequence[Structure | xr.Dataset], ground: Ground
 ) -> xr.Dataset:
-    """``function`` of the structures and one ground, for every ground of a table of them.
+    """Results of ``function(*structures, ground)`` for each ground of an array, put together.
 
-    Beside the structures there may be a dataset over the dimensions of the ground.
+    ``structures`` may include datasets; their part for the same ground is passed on.
     """
     sizes = {dim: n for array in ground.arrays().values() for dim, n in array.sizes.items() if n > 1}
     if not sizes:
@@ -115,7 +116,7 @@ def over_grounds(
 
 
 class _Pairs(NamedTuple):
-    """The cells of both structures on one ground in a row, and where each of them is there."""
+    """Cells of both structures on one ground in one row, with the position of each cell in it."""
 
     cells: SimulationCells
     places: tuple[xr.DataArray, xr.DataArray]
@@ -148,7 +149,7 @@ def _on_one_ground(
 def _lengths(
     first: Structure, second: Structure, ground: Ground, settings: SimulationSettings
 ) -> xr.Dataset:
-    """The steps of a run with all structures, and how long it is."""
+    """Time step and numbers of steps of a run with all structures of the table."""
     run = _Pairs.of(first, second, ground).run(ground, settings, moments=False)
     run = with_length(run, settings.relaxation_times, measured_alone=True)
     lengths: dict[str, float] = {name: getattr(run.plan, name) for name in PLANNED}
@@ -169,7 +170,7 @@ def _by_lengths(
     ground: Ground,
     settings: SimulationSettings,
 ) -> xr.Dataset:
-    """Those structures of a table that are in a chunk, in steps and over a length that are given."""
+    """Table of the structures of one chunk, with the time step and duration of the whole table."""
     pairs = _Pairs.of(first, second, ground)
     valid = pairs.cells.valid
     if not valid.any():

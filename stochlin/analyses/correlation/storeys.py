@@ -1,4 +1,4 @@
-"""Correlation of the floors of two structures, at least one of them a building with storeys."""
+"""Correlation of the floors of two structures, of which one or both are buildings with storeys."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def floor_pairs(
     tolerance: Tolerance,
     settings: Callable[[], SimulationSettings],
 ) -> tuple[xr.Dataset, str]:
-    """What `correlate` says of all pairs of floors, and how it was made."""
+    """Dataset of `correlate` over all pairs of floors, and the options that its history states."""
     if method == LINEARIZATION:
         limits = {"rtol": tolerance.rtol, "max_iterations": tolerance.max_iterations}
         table = linearize_system(pair, ground, closure=closure, **limits)  # type: ignore[arg-type]
@@ -35,14 +35,14 @@ def floor_pairs(
     if method != SIMULATION:
         raise ValueError(
             f"method = {method!r} is only available for oscillators; allowed for buildings with "
-            "storeys: linearization, simulation; or give their oscillator()"
+            "storeys: linearization, simulation; or give the building's oscillator()"
         )
     wanted = settings()
-    return _between(simulate(pair, ground, **vars(wanted))), wanted.told
+    return _between(simulate(pair, ground, **vars(wanted))), wanted.history
 
 
 def _between(table: xr.Dataset) -> xr.Dataset:
-    """Floors of the first over ``floor``, those of the second over ``floor_2``."""
+    """Part of a table of a system: floors of structure 1 over ``floor``, of 2 over ``floor_2``."""
     owner = table.floor_structure.values
     sides = [np.flatnonzero(owner == n) for n in (1, 2)]
     dims = (FLOOR, f"{FLOOR}_2")

@@ -1,1 +1,1 @@
-"""A scene of the explorer: its numbers, its formulas, its simulations."""
+"""Scenes of the explorer: their parameters, results by formula and results by simulation."""

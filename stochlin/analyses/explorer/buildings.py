@@ -1,4 +1,4 @@
-"""The storeys of a file's building in a scene: plain numbers, by which scenes are told apart."""
+"""Storeys of a building from a case file, as plain numbers of a scene, which can be compared."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ Column = float | tuple[float, ...]
 
 
 class StoreysOfFile(NamedTuple):
-    """What the file says of each storey, and of all of them; what sliders change of it is elsewhere."""
+    """Parameters of the storeys from a case file; those that sliders change are in the scene."""
 
-    period: float  # of the first mode, without the effect of the weight [s]
-    columns: tuple[tuple[str, Column], ...]  # of `OF_STOREYS` those that are given
+    period: float  # period of the first mode without P-delta effects [s]
+    columns: tuple[tuple[str, Column], ...]  # those of `OF_STOREYS` that are given
     law: str
     law_parameters: tuple[tuple[str, Column], ...]
     p_delta: bool
 
     @classmethod
     def of(cls, building: ShearBuilding) -> Self:
-        """Those of a building."""
+        """Parameters of the storeys of a building."""
         given = {name: getattr(building, name) for name in OF_STOREYS}
         own = building.law_parameters or {}
         return cls(
@@ -40,16 +40,16 @@ class StoreysOfFile(NamedTuple):
 
     @property
     def given(self) -> dict[str, Column]:
-        """The columns by their names."""
+        """Parameters of the storeys by name."""
         return dict(self.columns)
 
     def building(
         self, period: float, damping: float, hardening: float | None, strength_factor: float
     ) -> ShearBuilding:
-        """With all stiffnesses in one proportion, that of this period, and so the shears at yield.
+        """Building with stiffnesses scaled to a period, and with scaled yield shears.
 
-        These are the file's times the factor, whatever the period: the drifts at yield follow. Elastic
-        without hardening.
+        The yield shears are those of the file times ``strength_factor`` for any period, and the yield
+        drifts follow from them. Without hardening the building is elastic.
         """
         values: dict[str, Any] = self.given
         stiffer = (self.period / period) ** 2
@@ -68,7 +68,7 @@ class StoreysOfFile(NamedTuple):
 
 
 def storeys_table(building: ShearBuilding) -> xr.Dataset:
-    """What it has of each storey."""
+    """Dataset with the parameters of the storeys of a building."""
     given, table = building.arrays(), xr.Dataset()
     for name in OF_STOREYS:
         if name in given:

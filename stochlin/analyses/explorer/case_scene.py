@@ -1,4 +1,4 @@
-"""The scene of a case file, from a folder or as a browser sends it."""
+"""Scene of a case file, from a folder or uploaded by a browser."""
 
 from __future__ import annotations
 
@@ -42,9 +42,10 @@ MEDIAN = "gaps by rules without simulation are those of the median strength"
 
 
 def open_case(files: Mapping[str, bytes]) -> tuple[Scene, list[str]]:
-    """The scene of the one case file among these, by their names, with the files that it names.
+    """Scene of a case file, and remarks on what of the file it does not contain.
 
-    Nothing else is read. Errors are those of `read_case`; doubts are among the sentences.
+    ``files`` are the contents of the case file and of the files that it names, by name; no other files
+    are read. Raises the errors of `read_case`; its warnings are among the remarks.
     """
     cases = [name for name in files if name.endswith(".toml")]
     if len(cases) != 1:
@@ -67,14 +68,14 @@ def open_case(files: Mapping[str, bytes]) -> tuple[Scene, list[str]]:
 
 
 def _without(folder: str, error: Exception) -> str:
-    """What the error says, without the folder, which its reader does not know."""
+    """Message of an error without the path of the temporary folder."""
     told = str(error).replace(f"{folder}{os.sep}", "")
     absent = isinstance(error.__cause__, FileNotFoundError)
     return f"{told}; choose the case file together with the files that it names" if absent else told
 
 
 def _check_inside(site: Section, path: Path) -> None:
-    """Raise for a file that is not one of those chosen; put those of other folders where they belong."""
+    """Raise if the case names files outside its folder; move uploaded files to their subfolders."""
     for text in [*_texts(site.values), *_of_tables(path.parent)]:
         parts = PurePosixPath(text.replace("\\", "/"))
         if parts.is_absolute() or ".." in parts.parts or PureWindowsPath(text).drive:
@@ -89,6 +90,7 @@ def _check_inside(site: Section, path: Path) -> None:
 
 
 def _texts(values: Any) -> Iterator[str]:
+    """All texts in nested tables and lists."""
     if isinstance(values, str):
         yield values
     elif isinstance(values, (dict, list)):
@@ -97,7 +99,7 @@ def _texts(values: Any) -> Iterator[str]:
 
 
 def _of_tables(folder: Path) -> Iterator[str]:
-    """The files that tables of records name."""
+    """Names of the files in tables of records."""
     for table in folder.glob("*.csv"):
         with table.open(encoding="utf-8-sig", errors="replace", newline="") as lines:
             rows = csv.DictReader(lines, skipinitialspace=True)
@@ -106,9 +108,9 @@ def _of_tables(folder: Path) -> Iterator[str]:
 
 
 def scene_of(case: Case) -> tuple[Scene, list[str]]:
-    """The scene of a case file, and in sentences what of the file it cannot hold.
+    """Scene of a case, and remarks on what of the file it does not contain.
 
-    A ValueError if a number lies beyond what the explorer takes.
+    Raises a ValueError if a number is out of the range of the explorer.
     """
     whole, notes = read_sections(case.inputs[0]), []
     site = whole.section("site")
@@ -120,7 +122,7 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
             f"The ground is fitted to {next(iter(case.records))}. The page keeps the fitted parameters."
         )
     values: dict[str, Any] = {name: given[own] for name, own in names.items() if own in given}
-    if of_site not in GROUNDS:  # a named one has its intensity alone
+    if of_site not in GROUNDS:  # a named ground has the parameter intensity only
         values = {"intensity": given["intensity"]} if of_site else {}
     values["ground_of_file"] = case.ground if of_site == PARALLEL else None
     values |= {"site": of_site} | spectrum_of(case, _scale(case, site))
@@ -152,7 +154,7 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
 
 
 def _motion(case: Case) -> dict[str, Any]:
-    """Envelope, gap and the rest that is of no building."""
+    """Parameters of the scene for the motion, the gap and the options of the case."""
     names = ("title", "confidence", "duration", "scatter", "floors_align", "zone", "unverified")
     values: dict[str, Any] = {name: getattr(case, name) for name in (*names, "paths", "seed")}
     values["envelope"] = NONE
@@ -163,7 +165,7 @@ def _motion(case: Case) -> dict[str, Any]:
 
 
 def _scale(case: Case, site: Section) -> float:
-    """How many times as strong the spectrum of the case is as its file has it."""
+    """Factor on the spectrum of the file in the case."""
     if case.spectrum is None or "code" in case.spectrum.attrs:
         return 1.0
     values = {key: value for key, value in site.values.items() if key != "scale"}
@@ -172,7 +174,7 @@ def _scale(case: Case, site: Section) -> float:
 
 
 def _as_measured(scene: Scene, site: Section) -> Scene:
-    """With the strength given as in the file, where that is by a mean acceleration of the motions."""
+    """The scene, with its intensity given by a mean acceleration of the motions if the file does so."""
     key, measure = ("pga", PGA) if "pga" in site else ("sa", SA)
     if key not in site or SPECTRUM in site:
         return scene
@@ -184,11 +186,12 @@ def _as_measured(scene: Scene, site: Section) -> Scene:
 
 
 def _kind_of(case: Case) -> str:
+    """Name of the kind of ground of a case."""
     return next((name for name, kind in GROUNDS.items() if type(case.ground) is kind), PARALLEL)
 
 
 def _shown(case: Case, building: Building | StoreyBuilding) -> tuple[dict[str, Any], list[str]]:
-    """The numbers of a building by the controls that show them, and what they do not hold of it."""
+    """Parameters of the scene for a building, and remarks on what they do not contain."""
     notes = []
     if isinstance(building, StoreyBuilding):
         shown = _shown_storeys(case, building)
@@ -203,6 +206,7 @@ def _shown(case: Case, building: Building | StoreyBuilding) -> tuple[dict[str, A
 
 
 def _shown_oscillator(case: Case, building: Building) -> dict[str, Any]:
+    """Parameters of the scene for a building without storeys."""
     structure = building.structure
     if not isinstance(structure, Bilinear):
         raise ValueError(
@@ -213,7 +217,9 @@ def _shown_oscillator(case: Case, building: Building) -> dict[str, Any]:
     shown = {name: value for name, value in shown.items() if name not in ("peak_factor", "mass")}
     if building.strength == "yield_displacement":
         shown["strength_by"] = BY_DISPLACEMENT
-    if building.storeys and building.storeys <= MOST_STOREYS:  # to start from, described by them
+    if (
+        building.storeys and building.storeys <= MOST_STOREYS
+    ):  # initial values for a description by storeys
         shown["storey_count"] = building.storeys
         if building.storey_height and STOREY_HEIGHT.contains(building.storey_height):
             shown["storey_height"] = building.storey_height
@@ -221,7 +227,7 @@ def _shown_oscillator(case: Case, building: Building) -> dict[str, Any]:
 
 
 def _shown_storeys(case: Case, building: StoreyBuilding) -> dict[str, Any]:
-    """The numbers of a regular one, if they say all, or what changes the storeys of the file."""
+    """Parameters of the scene for a building with storeys, regular or as in the file."""
     if building.storeys > MOST_STOREYS:
         raise ValueError(
             f"{case.file}: {building.name} has {building.storeys} storeys; allowed in the explorer: 1 "
@@ -238,7 +244,7 @@ def _shown_storeys(case: Case, building: StoreyBuilding) -> dict[str, Any]:
 
 
 def _storeys_of(building: Building | StoreyBuilding) -> StoreysOfFile | None:
-    """Those that only the file can describe."""
+    """Storeys of a building that is not regular; None for other buildings."""
     if isinstance(building, Building):
         return None
     told = building.regular
@@ -247,6 +253,7 @@ def _storeys_of(building: Building | StoreyBuilding) -> StoreysOfFile | None:
 
 
 def _plainly_regular(told: Mapping[str, Any]) -> bool:
+    """Whether the parameters of the scene describe a regular building completely."""
     return (
         np.ndim(told["storey_height"]) == 0
         and told["law"] == "bilinear"

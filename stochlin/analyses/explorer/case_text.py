@@ -1,4 +1,4 @@
-"""The text of a case file from a scene: what `read_case` reads."""
+"""Text of a case file from a scene, for `read_case`."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ HEAD = """\
 # --example' explains every line.
 """
 SPECTRUM_FILE = ("spectrum", "units", "damping", "column", "period_column")
-PARTS = ("contact", "measures", "mitigation")  # tables of a file of which no control shows anything
+PARTS = ("contact", "measures", "mitigation")  # tables of a file without controls in the explorer
 BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
 def case_text(scene: Scene) -> str:
-    """Text of the case file that describes a scene, every number to its last digit.
+    """Text of the case file of a scene, with all digits of its numbers.
 
-    What no control shows is as in the scene's own file, but for what `left_out` names.
+    Parts of the original case file without controls are copied, except those of `left_out`.
 
     Examples
     --------
@@ -50,7 +50,9 @@ def case_text(scene: Scene) -> str:
     >>> case_text(Scene(site="soft")).splitlines()[5:7]
     ['ground = "soft"', 'intensity = "0.01 m^2/s^3"']
     """
-    site = GROUNDS.get(scene.site, GROUNDS["white_noise"])  # any other has its intensity alone
+    site = GROUNDS.get(
+        scene.site, GROUNDS["white_noise"]
+    )  # a named ground has the parameter intensity only
     lines = [f"title = {_written(scene.title)}", "", "[site]"]
     ground = scene.ground()
     if scene.shape is not None:
@@ -88,7 +90,7 @@ def case_text(scene: Scene) -> str:
 
 
 def left_out(scene: Scene) -> list[str]:
-    """In sentences, what of the scene's own file does not go with its values any more."""
+    """Remarks on parts of the original case file that do not fit the values of the scene any more."""
     told = []
     if unfit := _unfit(scene):
         told.append(f"The measures of the file are left out; they do not fit the buildings: {unfit}.")
@@ -100,7 +102,7 @@ def left_out(scene: Scene) -> list[str]:
 
 
 def files_named(scene: Scene) -> list[str]:
-    """The files that its case file refers to, from the folder of its own."""
+    """Names of the files to which the case file of a scene refers, relative to the original one."""
     site = _said(scene, "site")
     names = [one["path"] for one in site.get("records", [])]
     if scene.site == OF_FILE:
@@ -113,7 +115,7 @@ def files_named(scene: Scene) -> list[str]:
 
 
 def _said(scene: Scene, *place: str) -> Mapping[str, Any]:
-    """A table of the scene's own file; empty where there is none."""
+    """A table of the original case file of a scene; empty if there is none."""
     values: Mapping[str, Any] = scene.case_file.values if scene.case_file else {}
     for key in place:
         values = values.get(key, {})
@@ -121,18 +123,19 @@ def _said(scene: Scene, *place: str) -> Mapping[str, Any]:
 
 
 def _scaled_to_nothing(scene: Scene) -> bool:
+    """Whether the suite of records is scaled to a spectrum, although the site has none."""
     return scene.shape is None and SCALE_TO in _said(scene, "site", SUITE)
 
 
 def _unfit(scene: Scene) -> str:
-    """Why the measures of the file do not go with the buildings of the scene; empty if they do."""
+    """Reason why the measures of the file do not fit the buildings of the scene; empty if they do."""
     if scene.case_file is None:
         return ""
     text = "\n".join(line for number in (1, 2) for line in _building(scene, number))
     values = tomllib.loads(text) | {"measures": _said(scene, "measures")}
     whole = Section(scene.case_file.file.name, (), values, {})
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DoubtfulInput)  # it was said when the file was read
+        warnings.simplefilter("ignore", DoubtfulInput)  # the warning was shown when the file was read
         try:
             read_measures(whole, read_buildings(whole, scene.ground()))
         except ValueError as error:
@@ -141,7 +144,7 @@ def _unfit(scene: Scene) -> str:
 
 
 def _of_site(scene: Scene) -> list[str]:
-    """Records and hazard of the file."""
+    """Lines of the records and the hazard of the original case file."""
     said, lines = _said(scene, "site"), []
     for record in said.get("records", []):
         lines += ["", "[[site.records]]", *_pairs(record)]
@@ -151,7 +154,7 @@ def _of_site(scene: Scene) -> list[str]:
 
 
 def _remark(scene: Scene) -> list[str]:
-    """What the intensity was found for."""
+    """Comment line with the mean acceleration that the intensity was found for."""
     if scene.measure == S0:
         return []
     at = "" if scene.measure == PGA else f" at {scene.sa_period:.4g} s"
@@ -159,7 +162,7 @@ def _remark(scene: Scene) -> list[str]:
 
 
 def _of_spectrum(scene: Scene) -> list[str]:
-    """What says the spectrum, and of how many filters its ground is."""
+    """Lines of the design spectrum, with the number of filters of its ground."""
     ground = scene.ground()
     filters = f"filters = {len(ground.grounds) if isinstance(ground, ParallelGround) else 1}"
     if scene.site == OF_FILE:
@@ -182,6 +185,7 @@ def _of_spectrum(scene: Scene) -> list[str]:
 
 
 def _building(scene: Scene, number: int) -> list[str]:
+    """Lines of building 1 or 2."""
     structure = scene.structure(number)
     lines = [f"[building_{number}]", f"name = {_written(scene.names[number - 1])}"]
     if isinstance(structure, Structure):
@@ -214,32 +218,32 @@ def _regular(scene: Scene, number: int, structure: ShearBuilding) -> list[str]:
 
 
 def _given(structure: AnyStructure | Ground, names: Iterable[str]) -> dict[str, Any]:
-    """Those parameters that are set."""
+    """Parameters that are not None, by name."""
     return {name: value for name in names if (value := getattr(structure, name)) is not None}
 
 
 def _numbers(kind: type[Model], values: dict[str, Any]) -> list[str]:
-    """Lines of a model's parameters, with the units that it declares."""
+    """Lines of the parameters of a model, with their units."""
     return [f"{name} = {_quantity(value, kind.units(name))}" for name, value in values.items()]
 
 
 def _quantity(value: Any, unit: str = "1") -> str:
-    """A number, or a list of them, with a unit if it has one."""
+    """Text of a number or a list of numbers, with the unit unless it is 1."""
     if np.ndim(value):
         return f"[{', '.join(_quantity(one, unit) for one in np.asarray(value).tolist())}]"
     return f"{value!r}" if unit == "1" else f'"{value!r} {unit}"'
 
 
 def _table(name: str, values: Mapping[str, Any]) -> list[str]:
-    """A table of the file as it is there; nothing of an empty one."""
+    """Lines of a table of the original case file; none for an empty table."""
     inner = {key: value for key, value in values.items() if isinstance(value, dict)}
-    if inner and len(inner) == len(values):  # a table of tables, as that of the measures
+    if inner and len(inner) == len(values):  # a table of tables, such as that of the measures
         return [line for key, value in inner.items() for line in _table(f"{name}.{_key(key)}", value)]
     return ["", f"[{name}]", *_pairs(values)] if values else []
 
 
 def _pairs(values: Mapping[str, Any], names: Iterable[str] | None = None) -> list[str]:
-    """Lines of what the file says, of all or of these names."""
+    """Lines of the entries of a table, all or those with the given names."""
     chosen = values if names is None else [name for name in names if name in values]
     return [f"{_key(name)} = {_written(values[name])}" for name in chosen]
 
@@ -249,7 +253,7 @@ def _key(name: str) -> str:
 
 
 def _written(value: Any) -> str:
-    """As TOML has it; texts and truth values are those of JSON."""
+    """Text of a value in TOML; texts and truth values are written as in JSON."""
     if isinstance(value, dict):
         return f"{{ {', '.join(_pairs(value))} }}"
     if isinstance(value, list):

@@ -1,7 +1,7 @@
-"""The formulas of the explorer for a scene: spectra, correlation, gaps by rule, probability.
+"""Results of a scene by formula: spectra, correlation, gaps by rule, probability of pounding.
 
-Where linearization fails, each raises an ArithmeticError. With storeys the probability is simulated,
-and the correlation takes its time.
+All raise an ArithmeticError if linearization fails. With storeys the probability is simulated, and the
+correlation takes some time.
 """
 
 from __future__ import annotations
@@ -43,10 +43,10 @@ from stochlin.models.parameters import Model
 from stochlin.models.structures import DRIFT, Structure
 
 FREQUENCIES = 301
-FEW_PATHS = 512  # of a simulation that follows a slider
+FEW_PATHS = 512  # paths of a simulation that is repeated while a slider moves
 _EVEN = np.linspace(-1, 1, 49)
-RATIOS = 4.0 ** (np.sign(_EVEN) * np.abs(_EVEN) ** 1.5)  # of T2 to T1, closer around 1
-RATIOS_OF_STOREYS = RATIOS[::2]  # each of them takes its time
+RATIOS = 4.0 ** (np.sign(_EVEN) * np.abs(_EVEN) ** 1.5)  # T2/T1, denser around 1
+RATIOS_OF_STOREYS = RATIOS[::2]  # fewer, since each of them takes some time
 RHO = {
     "rho_white_noise": "eq. (4)",
     "rho_linearized": "linearization, Gaussian closure",
@@ -57,19 +57,19 @@ DRIFTED_PEAKS = "peaks by standard deviations of the drift closure and peak fact
 
 
 class _SolvedScene(NamedTuple):
-    """Both buildings as solved, the second with every period, and where its own is."""
+    """Linearized buildings of a scene; the second one over ``period_ratio``."""
 
     structures: tuple[Structure, Structure]
     gaussian: tuple[xr.Dataset, xr.Dataset]
     drift: tuple[xr.Dataset, xr.Dataset]
-    own: int
+    own: int  # index of the period ratio of the scene
 
     def single(self, sides: tuple[xr.Dataset, xr.Dataset]) -> list[xr.Dataset]:
-        """Both with their own periods."""
+        """Both buildings with the periods of the scene."""
         return [sides[0], sides[1].isel(period_ratio=self.own, drop=True)]
 
 
-@lru_cache(maxsize=8)  # three views of one scene share it
+@lru_cache(maxsize=8)  # three results of a scene use it
 def _solved(scene: Scene) -> _SolvedScene:
     ratio = scene.period_2 / scene.period_1
     ratios = np.union1d(RATIOS, ratio)
@@ -88,16 +88,16 @@ def _solved(scene: Scene) -> _SolvedScene:
 
 
 def spectra(scene: Scene) -> xr.Dataset:
-    """Spectra of the ground and of both buildings' displacements, linearized.
+    """Power spectral densities of the ground and of the linearized displacements of both buildings.
 
-    Over ``frequency`` [rad/s], with the coordinate ``period`` [s]: ``psd_ground`` [m^2/s^3] and
-    ``displacement_psd_1`` and ``_2`` [m^2 s], two-sided; with storeys at the lower roof, whose height is
-    the attribute ``height_m``.
+    Over ``frequency`` [rad/s], with the coordinate ``period`` [s]: the two-sided densities
+    ``psd_ground`` [m^2/s^3] and ``displacement_psd_1`` and ``_2`` [m^2 s]. With storeys they are those
+    at the lower roof, whose height is the attribute ``height_m``.
     """
     ground = scene.ground()
     periods = [scene.period_1, scene.period_2, *periods_of(ground)]
     low, high = min(periods) / AROUND, max(periods) * AROUND
-    # The periods themselves belong to the grid: a resonance is narrow.
+    # The periods themselves are points of the grid, because resonances are narrow.
     period = np.unique(np.concatenate([np.geomspace(low, high, FREQUENCIES), periods]))[::-1]
     frequency = 2 * np.pi / period
     density = ground.psd(frequency)
@@ -126,13 +126,14 @@ def _displacement_densities(pair: _SolvedScene, ground: Array, frequency: Array)
 
 
 def correlation(scene: Scene, progress: Progress | None = None) -> xr.Dataset:
-    """Correlation over the ratio of the periods, that of building 1 fixed: eq. (4) and linearization.
+    """Correlation over the ratio of the periods, by eq. (4) and by linearization.
 
-    Over ``period_ratio`` [-], ``T2/T1``, that of the scene among the values, which is also an
-    attribute. Of oscillators: ``rho_white_noise`` [-], eq. (4), ``rho_linearized`` [-] (Gaussian
-    closure) and ``rho_drift`` [-]; ``bias``, ``bias_1`` and ``bias_2`` of the Gaussian closure and its
-    flag ``caution``. With storeys ``rho_white_noise`` of the first modes and ``rho_linearized`` at the
-    lower roof, all stiffnesses of building 2 in one proportion. ``progress`` is told of storeys only.
+    It is over ``period_ratio`` [-], ``T2/T1`` for a fixed period of building 1. The ratio of the scene
+    is one of its values, and an attribute. For oscillators the dataset has ``rho_white_noise`` [-],
+    eq. (4); ``rho_linearized`` [-] by the Gaussian closure; ``rho_drift`` [-] by the drift closure; and
+    ``bias``, ``bias_1``, ``bias_2`` and ``caution`` of the Gaussian closure. With storeys it has
+    ``rho_white_noise`` of the first modes and ``rho_linearized`` at the lower roof, for scaled
+    stiffnesses of building 2. ``progress`` is only called with storeys.
     """
     if not scene.has_storeys:
         return _of_oscillators(scene)
@@ -158,7 +159,7 @@ def _of_oscillators(scene: Scene) -> xr.Dataset:
 
 
 def _of_ratios(scene: Scene, table: xr.Dataset) -> xr.Dataset:
-    """With labels, and a caution where linearization asks for one."""
+    """A table over the period ratio with labels, and a caution as its comment if a building yields."""
     for name, text in RHO.items():
         if name in table:
             table[name].attrs = {"units": "1", "long_name": f"correlation coefficient, {text}"}
@@ -169,12 +170,13 @@ def _of_ratios(scene: Scene, table: xr.Dataset) -> xr.Dataset:
 
 
 def gap_rules(scene: Scene) -> xr.Dataset:
-    """The gap by the rules that need no simulation.
+    """Gaps by the rules that need no simulation.
 
-    Peaks are standard deviations of the drift closure times peak factors of linearization; those of
-    linearization alone only in ``eq_3_linearized`` and ``linearization``; of all rules with storeys,
-    which have no drift closure. Over ``rule``: ``gap`` [m], NaN where the rule has none, and ``rho``
-    [-]; the coordinates of `separation`; with storeys ``gap_at_height`` [m] over ``height``, too.
+    The peaks are standard deviations by the drift closure times peak factors by linearization. The rules
+    ``eq_3_linearized`` and ``linearization``, and all rules with storeys, for which there is no drift
+    closure, use the Gaussian closure alone. Over ``rule``: ``gap`` [m], NaN if a rule has none, and
+    ``rho`` [-], with the coordinates of `separation`; with storeys also ``gap_at_height`` [m] over
+    ``height``.
     """
     seconds = strong_seconds(scene.duration, scene.motion_envelope())
     if scene.has_storeys:
@@ -185,7 +187,7 @@ def gap_rules(scene: Scene) -> xr.Dataset:
 
 
 def _rules(scene: Scene, seconds: float) -> list[Rule]:
-    """Of oscillators."""
+    """Rules for two oscillators; ``seconds`` is the duration of strong shaking."""
     ground, pair = scene.ground(), _solved(scene)
     solved, drifting = pair.single(pair.gaussian), pair.single(pair.drift)
     moments = [response_moments(side, ground) for side in solved]
@@ -216,7 +218,7 @@ def _rules(scene: Scene, seconds: float) -> list[Rule]:
 def _of_rules(
     scene: Scene, rules: list[Rule], peaks: str, by_height: xr.Dataset | None = None
 ) -> xr.Dataset:
-    """One dataset of all of them, fed with these peaks."""
+    """Dataset of the gaps by all rules; ``peaks`` names the method for the peaks."""
     columns = {name: ("rule", [getattr(rule, name) for rule in rules]) for name in TEXTS}
     table = xr.Dataset(
         {name: ("rule", [getattr(rule, name) for rule in rules]) for name in ("gap", "rho")},
@@ -233,10 +235,7 @@ def _of_rules(
 
 
 def probability(scene: Scene, progress: Progress | None = None) -> xr.Dataset:
-    """Probability of no pounding over time, as `pounding_probability` has it.
-
-    By formula without simulation; with storeys, of which there is none, by a simulation of few motions.
-    """
+    """Dataset of `pounding_probability`: by formula, or with storeys by few simulated motions."""
     paths = min(FEW_PATHS, scene.paths) if scene.has_storeys else 0
     first, second = scene.structures()
     motions = scene.motion() | {"paths": paths, "seed": scene.seed, "progress": progress}
@@ -244,9 +243,9 @@ def probability(scene: Scene, progress: Progress | None = None) -> xr.Dataset:
 
 
 def recorded(scene: Scene) -> xr.Dataset:
-    """The gap of each record of the file, as `recorded_gap` has it, and that there is as an attribute.
+    """Dataset of `recorded_gap` for the records of the file, with the existing gap as an attribute.
 
-    Strengths that hang on the ground are those of the scene's.
+    Reduction factors refer to the ground of the scene.
     """
     if not scene.records:
         raise ValueError("the scene has no record; allowed: a case file with [[site.records]]")
@@ -256,13 +255,13 @@ def recorded(scene: Scene) -> xr.Dataset:
 
 
 def swept(scene: Scene, ratios: Array) -> Structure:
-    """Building 2 with every ratio of its period to that of building 1."""
+    """Building 2 over ``period_ratio``, the ratios of its period to that of building 1."""
     ratio = labels.axis("period_ratio", "ratio of the periods, T2/T1", ratios)
     return scene.oscillator(2, period=scene.period_1 * ratio)
 
 
 def models_of(scene: Scene) -> dict[str, Model]:
-    """What a scene is of, by the words of run information."""
+    """Models of a scene by their names in the attributes of a dataset."""
     first, second = scene.structures()
     envelope = scene.motion_envelope()
     models = {"first": first, "second": second, "ground": scene.ground()}

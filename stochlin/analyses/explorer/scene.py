@@ -1,4 +1,4 @@
-"""A scene: ground, two buildings, gap and motion by single numbers, from sliders or a case file."""
+"""Scene of the explorer: parameters of ground, buildings, gap and motion, from controls or a file."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ SHAPES = (*ENVELOPES, NONE)
 # How the strength of an oscillator is given, and the number that then gives it.
 STRENGTHS = {"reduction factor R": "reduction_factor", "yield displacement": "yield_displacement"}
 BY_FACTOR, BY_DISPLACEMENT = STRENGTHS
-# So that no entry asks for work of hours.
+# Limits that keep the computing time below hours.
 MOST_PATHS, MOST_STOREYS = 20_000, 60
 PERIOD = Range(0.02, 20.0, True, True)
 FACTOR = Range(upper=100.0, include_upper=True)
@@ -76,7 +76,7 @@ SOIL = KanaiTajimi.allowed("damping")
 
 
 def _with_all_parameters(scene: type[Scene]) -> type[Scene]:
-    """A number for every parameter of grounds and envelopes that the scene has none for."""
+    """The class with a parameter for each parameter of grounds and envelopes that it lacks."""
     known, missing = {field.name for field in dataclasses.fields(scene)}, {}
     for kind in (*GROUNDS.values(), *ENVELOPES.values()):
         for name, own in names_of(kind).items():
@@ -93,7 +93,7 @@ def _with_all_parameters(scene: type[Scene]) -> type[Scene]:
 
 
 def names_of(kind: type[Model] | None) -> dict[str, str]:
-    """A scene's names of the parameters of a ground or envelope, and their own."""
+    """Names of the parameters of a ground or envelope in a scene, with their own names as values."""
     if kind is not None and issubclass(kind, Ground):
         return kind.beside_structures()
     return {name: name for name in kind.parameter_names()} if kind else {}
@@ -101,7 +101,7 @@ def names_of(kind: type[Model] | None) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class CaseFile:
-    """The case file of a scene: what it says, and its recorded motions. Scenes know it by its place."""
+    """Original case file of a scene, with its tables and recorded motions; compared by its path."""
 
     file: Path
     motions: Mapping[str, xr.DataArray] = field(compare=False, repr=False)
@@ -111,14 +111,14 @@ class CaseFile:
 @_with_all_parameters
 @dataclass(frozen=True, kw_only=True)
 class Scene(Model):
-    """Ground, two buildings, gap and motion: what the explorer's controls hold, in SI.
+    """Parameters of the controls of the explorer, in SI units.
 
-    Of ground, envelope and a building only the parameters of the chosen ``site``, ``envelope`` and
-    ``description`` count; the others wait for another choice. ``ground_of_file`` is that of the site
-    ``"parallel"``, ``spectrum_of_file`` that of the site ``"spectrum of the file"``. What no control
-    shows is kept for the case file: ``scatter``; ``storeys`` and ``heights`` of oscillators;
-    ``floor_masses`` [kg] of regular buildings, on which nothing that is shown depends; ``numbers`` of
-    code rules; and in ``case_file`` all else that the file says.
+    Only the parameters of the chosen ``site``, ``envelope`` and ``description`` of a building are used;
+    the others are kept for another choice. ``ground_of_file`` belongs to the site ``"parallel"``, and
+    ``spectrum_of_file`` to the site ``"spectrum of the file"``. Parameters without a control are kept
+    for the case file: ``scatter``; ``storeys`` and ``heights`` of oscillators; ``floor_masses`` [kg] of
+    regular buildings, which do not change any result; ``numbers`` of code rules; and ``case_file`` with
+    the rest of the file.
     """
 
     site: str = "firm"
@@ -223,21 +223,21 @@ class Scene(Model):
         check_duration(self.duration, {"building 1": one, "building 2": two})
 
     def ways_to_describe(self, number: int) -> tuple[str, ...]:
-        """The ways to describe building 1 or 2; the file's storeys are one where there are some."""
+        """Possible descriptions of building 1 or 2; storeys of the file only if it has some."""
         return DESCRIPTIONS if self.storeys_of_file[number - 1] else DESCRIPTIONS[:-1]
 
     def sites(self) -> tuple[str, ...]:
-        """The kinds of ground, with the parallel filters or the spectrum of the file if it has some."""
+        """Possible sites; those with a ground or spectrum of the file only if it has one."""
         of_file = {PARALLEL: self.ground_of_file, OF_SPECTRUM_FILE: self.spectrum_of_file}
         return (*SITES, *(name for name, given in of_file.items() if given))
 
     @property
     def records(self) -> Mapping[str, xr.DataArray]:
-        """The recorded motions of the file."""
+        """Recorded motions of the case file by name."""
         return self.case_file.motions if self.case_file else {}
 
     def ground(self) -> Ground:
-        """The ground of the site, as strong as is asked; a ValueError unless it is settled."""
+        """Ground of the scene with its intensity; raises a ValueError unless it is `settled`."""
         return self._ground
 
     @cached_property
@@ -262,13 +262,16 @@ class Scene(Model):
 
     @property
     def strength(self) -> float:
-        """What says how strong motions are, where that is no intensity: [m/s^2], or a scale."""
+        """Mean acceleration or parameter of a spectrum [m/s^2], or factor on a spectrum of the file.
+
+        It determines the intensity of the ground unless this is given itself.
+        """
         by_measure = "pga" if self.measure == PGA else "sa"
         return float(getattr(self, NAMES.get(self.site, (by_measure,))[0]))
 
     @property
     def shape(self) -> Shape | None:
-        """The spectrum that motions are to have, if they are."""
+        """Shape of the spectrum to which the ground is fitted; None for other sites."""
         if self.site not in SPECTRA:
             return None
         kind = kind_of(self.site, vars(self))
@@ -276,13 +279,13 @@ class Scene(Model):
 
     @property
     def motions(self) -> Motions:
-        """Those of which is asked how strong they are."""
+        """Motions of unit intensity, whose mean acceleration determines the intensity."""
         period = self.sa_period if self.measure == SA else None
         return Motions(self._of_intensity(1.0), self.duration, self.motion_envelope(), period)
 
     @cached_property
     def settled(self) -> bool:
-        """Whether the ground is known; if not, `settle` seeks it."""
+        """Whether the ground is known; otherwise `settle` determines it."""
         if self.shape is not None:
             return self.fitted is not None and self.fitted.shape == self.shape
         return self.measure == S0 or (
@@ -290,7 +293,7 @@ class Scene(Model):
         )
 
     def settle(self, progress: Progress | None = None) -> Scene:
-        """The same scene with its ground: fitted, or measured, by simulation in a few seconds."""
+        """The scene with a known ground, fitted or scaled by simulations of a few seconds."""
         if self.settled:
             return self
         if self.shape is not None:
@@ -298,21 +301,23 @@ class Scene(Model):
         return dataclasses.replace(self, measured=self.motions.measured(self.seed, progress))
 
     def site_parameters(self) -> dict[str, float]:
-        """What the case file says of the ground beside its name."""
-        kind = GROUNDS[self.site if self.site in GROUNDS else "white_noise"]  # a name has its strength
+        """Parameters of the ground by their names in a case file."""
+        kind = GROUNDS[
+            self.site if self.site in GROUNDS else "white_noise"
+        ]  # a named ground has the parameter intensity only
         return {own: getattr(self, name) for name, own in names_of(kind).items()}
 
     def structures(self) -> tuple[AnyStructure, AnyStructure]:
-        """Both buildings, the left one first."""
+        """Both buildings; the first one is on the left."""
         return self.structure(1), self.structure(2)
 
     @property
     def has_storeys(self) -> bool:
-        """Whether one of both is described by them."""
+        """Whether at least one building is described by storeys."""
         return (self.description_1, self.description_2) != (OSCILLATOR, OSCILLATOR)
 
     def structure(self, number: int, period: float | None = None) -> AnyStructure:
-        """Building 1 or 2, with another period if one is given."""
+        """Building 1 or 2; a ``period`` replaces that of the scene."""
         described = getattr(self, f"description_{number}")
         if described == OSCILLATOR:
             return self.oscillator(number, **({} if period is None else {"period": period}))
@@ -334,14 +339,17 @@ class Scene(Model):
         )
 
     def oscillator(self, number: int, **changed: Any) -> Bilinear:
-        """Building 1 or 2, which is one, with other parameters where they are given."""
+        """Building 1 or 2 as an oscillator; ``changed`` parameters replace those of the scene."""
         names = ["period", "damping"]
         if getattr(self, f"yields_{number}"):
             names += ["hardening", STRENGTHS[getattr(self, f"strength_by_{number}")]]
         return Bilinear(**self._of(number, *names) | changed)
 
-    def strength_in_other_words(self, number: int) -> tuple[str, float]:
-        """Name and value of the number that gives oscillator 1 or 2 the same strength the other way."""
+    def equivalent_strength(self, number: int) -> tuple[str, float]:
+        """Name and value of the parameter that gives oscillator 1 or 2 the same strength.
+
+        It is the yield displacement if the strength is given as a reduction factor, and vice versa.
+        """
         structure, ground = self.oscillator(number), self.ground()
         if structure.reduction_factor is None:
             name, found = "reduction_factor", reduction_factor(structure, ground).reduction_factor
@@ -355,7 +363,7 @@ class Scene(Model):
 
     @property
     def slabs_on_columns(self) -> tuple[SlabOnColumn, ...]:
-        """Where a floor of one building meets the other between two floors, from the ground up."""
+        """Slabs of one building at the height of columns of the other, from the ground up."""
         both = zip(self.names, self.structures(), strict=True)
         return slabs_of_row(
             [
@@ -365,16 +373,16 @@ class Scene(Model):
         )
 
     def motion_envelope(self) -> Envelope | None:
-        """The envelope, None where shaking has none."""
+        """Envelope of the motions; None for stationary motions."""
         kind = ENVELOPES.get(self.envelope)
         return kind(**self.envelope_parameters()) if kind else None
 
     def envelope_parameters(self) -> dict[str, float]:
-        """What the case file says of the envelope beside its name."""
+        """Parameters of the envelope by name."""
         return {name: getattr(self, name) for name in names_of(ENVELOPES.get(self.envelope))}
 
     def motion(self) -> dict[str, Any]:
-        """Duration, envelope and confidence, as the verbs take them."""
+        """Duration, envelope, confidence and scatter, as keyword arguments of the analyses."""
         return {
             "duration": self.duration,
             "envelope": self.motion_envelope(),
@@ -383,7 +391,7 @@ class Scene(Model):
         }
 
     def for_codes(self) -> dict[str, Any]:
-        """What building codes ask for beside the peaks; storeys say their heights themselves."""
+        """Arguments for rules of building codes; heights only of buildings without storeys."""
         heights = [
             None if isinstance(structure, ShearBuilding) else height
             for structure, height in zip(self.structures(), self.heights, strict=True)

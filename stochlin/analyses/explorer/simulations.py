@@ -1,4 +1,4 @@
-"""Simulations of a scene, and one dataset of all that the explorer shows of it."""
+"""Results of a scene by simulation, and one dataset with all results of a scene."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ RATIO_PATHS = 256  # correlations need fewer motions than quantiles
 
 
 def simulations(scene: Scene, progress: Progress | None = None) -> dict[str, xr.Dataset]:
-    """The same results by nonlinear simulation.
+    """Results of a scene by nonlinear simulation.
 
-    ``correlation`` over the ratio of periods, as `correlate`, with storeys at the scene's own ratio, at
-    the lower roof; ``gaps``, as `separation`; ``probability``, as `pounding_probability`. ``progress``
-    is called with the share that is done, and may stop the work by raising. What would not fit into
-    memory, or take hours, raises a ValueError.
+    ``correlation`` is the dataset of `correlate` over the ratio of periods, with storeys only for the
+    ratio of the scene and at the lower roof; ``gaps`` that of `separation`; ``probability`` that of
+    `pounding_probability`. ``progress`` is called with the share that is done, and may stop the
+    simulation by an exception. Raises a ValueError if the work would take too much memory or time.
     """
 
     def part(number: int) -> Progress:
@@ -48,7 +48,7 @@ def simulations(scene: Scene, progress: Progress | None = None) -> dict[str, xr.
 
 
 def _correlation(scene: Scene, progress: Progress) -> dict[str, xr.Dataset]:
-    """None where a storey yields without a stationary answer, which gaps do without."""
+    """Simulated correlation; empty if a yielding storey has no stationary response."""
     if scene.has_storeys:
         try:
             return {"correlation": simulated_correlation(scene, progress)}
@@ -62,10 +62,10 @@ def _correlation(scene: Scene, progress: Progress) -> dict[str, xr.Dataset]:
 
 
 def merge_tables(scene: Scene, tables: Mapping[str, xr.Dataset]) -> xr.Dataset:
-    """One dataset of all that is shown, for a file, from datasets by the name of what they show.
+    """One dataset for a file, from all datasets of a scene by name.
 
-    Variables, coordinates and dimensions have the name of their table before their own; what describes
-    the storeys of a building, ``building_1`` or ``building_2``.
+    The names of variables, coordinates and dimensions start with that of their table. The parameters of
+    storeys start with ``building_1`` or ``building_2``.
     """
     whole = xr.Dataset()
     storeys = {

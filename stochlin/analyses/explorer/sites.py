@@ -1,4 +1,4 @@
-"""What of a scene's ground takes its time: the fit to a spectrum, and how strong motions are."""
+"""Fit of the ground of a scene to a spectrum, and mean accelerations of its motions, by simulation."""
 
 from __future__ import annotations
 
@@ -26,56 +26,56 @@ SOILS, TYPES = tuple("ABCDE"), ("1", "2")
 S0, PGA, SA = "intensity S₀", "peak ground acceleration", "spectral acceleration"
 MEASURES = (S0, PGA, SA)
 G = METRES["g"]
-# Strength of the spectra that are fitted: the intensity of the ground goes with its square.
+# Values of ag, sds or the scale for which spectra are fitted; the intensity grows with their square.
 UNITS = dict.fromkeys(CODES, 0.3 * G) | {OF_FILE: 1.0}
-PATHS = 1024  # of motions of which the mean peak is taken: a standard error of half a per cent
+PATHS = 1024  # motions for a mean peak acceleration, with a standard error of half a per cent
 
 
 class SpectrumOfFile(NamedTuple):
-    """The spectrum that a file gives by its ordinates: plain numbers, by which scenes are told apart."""
+    """Spectrum with ordinates from a file, as plain numbers of a scene, which can be compared."""
 
     periods: tuple[float, ...]  # [s]
-    accelerations: tuple[float, ...]  # [m/s^2], of the scale 1
+    accelerations: tuple[float, ...]  # [m/s^2], for the scale 1
     damping: float
     source: str
 
     @classmethod
     def of(cls, spectrum: xr.DataArray, scale: float) -> Self:
-        """That of a spectrum which is so many times as strong as the file has it."""
+        """From a spectrum that is ``scale`` times that of the file."""
         periods, values = spectrum.period.values, spectrum.values / scale
         attrs = spectrum.attrs
         return cls(tuple(periods.tolist()), tuple(values.tolist()), attrs["damping"], attrs["source"])
 
 
 class Shape(NamedTuple):
-    """A spectrum but for its strength, and the motions that are to have it."""
+    """Shape of a spectrum without its strength, with the duration and envelope of its motions."""
 
     name: str
-    kind: Any  # soil, type and damping; or sd1 over sds and tl; or that of the file
+    kind: Any  # (soil, type, damping), (sd1/sds, tl), or a `SpectrumOfFile`
     duration: float
     envelope: Envelope | None
 
     def spectrum(self, strength: float) -> xr.DataArray:
-        """Of this ``ag`` or ``sds`` [m/s^2], or of this scale."""
+        """Spectrum for ``strength``, which is ``ag`` or ``sds`` [m/s^2] or the scale."""
         return _SPECTRA[self.name](strength, *self.kind)
 
     def fitted(self, progress: Progress | None = None) -> Fitted:
-        """The ground whose motions have it."""
+        """Ground whose motions have this spectrum in the mean."""
         motion: Any = {"duration": self.duration, "envelope": self.envelope, "progress": progress}
         unit = UNITS[self.name]
         return Fitted(self, unit, fit_ground(self.spectrum(unit), **motion))
 
 
 class Fitted(NamedTuple):
-    """The ground that delivers a spectrum of some strength."""
+    """Ground fitted to a spectrum."""
 
     shape: Shape
-    strength: float  # ag or sds [m/s^2], or the scale
+    strength: float  # ag or sds [m/s^2] or the scale
     ground: Ground
 
 
 class Motions(NamedTuple):
-    """Motions on a ground, and the period at which their strength is measured; None: by their peaks."""
+    """Motions on a ground, and the period of their mean spectral acceleration; None: mean peak."""
 
     ground: Ground
     duration: float
@@ -83,7 +83,7 @@ class Motions(NamedTuple):
     period: float | None
 
     def measured(self, seed: int, progress: Progress | None = None) -> Measured:
-        """How strong they are in the mean, by simulation."""
+        """Mean acceleration of the motions by simulation."""
         if self.period is None and not np.isfinite(rms_acceleration(self.ground)):
             raise ValueError(
                 "white noise has no peak acceleration, since it grows with smaller time steps; "
@@ -97,14 +97,14 @@ class Motions(NamedTuple):
 
 
 class Measured(NamedTuple):
-    """How strong motions are in the mean [m/s^2]."""
+    """Mean peak or spectral acceleration of motions [m/s^2]."""
 
     motions: Motions
     acceleration: float
 
 
 def kind_of(name: str, said: Mapping[str, Any]) -> Any:
-    """What says the shape of a spectrum, by the names of a scene."""
+    """The ``kind`` of a `Shape`, from the parameters of a scene."""
     if name == OF_FILE:
         return said["spectrum_of_file"]
     if name == EUROCODE_8:
@@ -113,9 +113,9 @@ def kind_of(name: str, said: Mapping[str, Any]) -> Any:
 
 
 def spectrum_of(case: Case, scale: float) -> dict[str, Any]:
-    """What a scene holds of the spectrum of a case and the ground fitted to it; nothing without one.
+    """Parameters of a scene for the spectrum of a case and its fitted ground; empty without one.
 
-    ``scale`` is how many times as strong a spectrum is as its file has it.
+    ``scale`` is the factor on a spectrum from a file.
     """
     wanted = case.spectrum
     if wanted is None:
@@ -152,7 +152,7 @@ _SPECTRA: Mapping[str, Callable[..., xr.DataArray]] = {
     ASCE_7: _asce_7,
     OF_FILE: _of_file,
 }
-# By the names of a scene, what says how strong it is first.
+# Parameters of a scene for each spectrum; the first one is its strength.
 NAMES = {
     EUROCODE_8: ("ag", "soil", "spectrum_type"),
     ASCE_7: ("sds", "sd1", "tl"),

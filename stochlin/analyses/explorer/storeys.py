@@ -1,7 +1,4 @@
-"""What the explorer shows of a scene in which a building has storeys.
-
-All by linearization, but for the correlation that is simulated.
-"""
+"""Results of a scene with storeys, by linearization, and its simulated correlation."""
 
 from __future__ import annotations
 
@@ -44,16 +41,16 @@ LINEARIZED_PEAKS = "peaks of linearization, storey by storey"
 
 
 class Motion(NamedTuple):
-    """Both structures, linearized, and their displacements where they can meet."""
+    """Linearized response of both structures, and their displacements at the heights of contact."""
 
     motion: Solved
     heights: Array  # [m], from the ground up to the lower roof
-    one: Array  # weights of all floors (heights, floors)
-    two: Array
+    one: Array  # (heights, floors) factors that give displacements from those of all floors
+    two: Array  # (heights, floors)
 
 
 class Alone(NamedTuple):
-    """A structure by itself, linearized: a neighbour that no link ties to it changes nothing of it."""
+    """Linearized structure alone; without links it does not depend on its neighbour."""
 
     structure: AnyStructure
     solution: Solution
@@ -61,8 +58,8 @@ class Alone(NamedTuple):
 
 @lru_cache(maxsize=8)
 def in_motion(scene: Scene) -> Motion:
-    """Both with their own periods."""
-    equations_of(scene.structures(), scene.ground(), ())  # says which storey has nothing stationary
+    """Response of both structures with the periods of the scene."""
+    equations_of(scene.structures(), scene.ground(), ())  # raises if a storey has no stationary response
     return _together(scene, _alone(scene, scene.structure(1)), _alone(scene, scene.structure(2)))
 
 
@@ -87,25 +84,25 @@ def _weights(equations: Equations, number: int, heights: Array) -> Array:
 
 
 def displacement_densities(scene: Scene, frequency: Array) -> tuple[Array, Array, float]:
-    """Two-sided PSD [m^2 s] of both at the lower roof, and its height [m]."""
+    """Two-sided PSD [m^2 s] of both displacements at the lower roof, and its height [m]."""
     motion, heights, one, two = in_motion(scene)
     of_one, of_two = motion.spectral_density(np.stack([one[-1], two[-1]]), frequency)
     return of_one, of_two, float(heights[-1])
 
 
 def correlation(scene: Scene, ratios: Array, progress: Progress | None) -> xr.Dataset:
-    """Over the ratio of the first periods, all stiffnesses of building 2 in one proportion.
+    """Correlation over the ratio of the first periods, for scaled stiffnesses of building 2.
 
-    `rho_linearized` at the lower roof and `rho_white_noise` of the first modes.
+    The variables are ``rho_linearized`` at the lower roof and ``rho_white_noise`` of the first modes.
     """
-    _ = in_motion(scene)  # raises if these very values have no answer
+    _ = in_motion(scene)  # raises if the scene itself has no stationary response
     first, found = _alone(scene, scene.structure(1)), []
     for done, ratio in enumerate(ratios, start=1):
         try:
             second = _alone(scene, scene.structure(2, scene.period_1 * float(ratio)))
             motion, _, one, two = _together(scene, first, second)
             found.append(float(correlation_of(motion, one[-1:], two[-1:])[0]))
-        except (ArithmeticError, ValueError):  # the weight above may take all stiffness, too
+        except (ArithmeticError, ValueError):  # also if P-delta effects take all stiffness
             found.append(np.nan)
         if progress is not None:
             progress(done / len(ratios))
@@ -123,12 +120,12 @@ def correlation(scene: Scene, ratios: Array, progress: Progress | None) -> xr.Da
 
 
 def _of_first_modes(scene: Scene, period_2: Parameter) -> xr.DataArray:
-    """By eq. (4)."""
+    """Correlation of the first modes by eq. (4)."""
     return rho_white_noise(scene.period_1, period_2, scene.damping_1, scene.damping_2).rho
 
 
 def rules(scene: Scene, seconds: float) -> tuple[list[Rule], Array]:
-    """The rules that need no simulation, with peaks of linearization; heights [m]."""
+    """Rules that need no simulation, with peaks by linearization, and the heights of contact [m]."""
     motion, heights, one, two = in_motion(scene)
     count, dims = len(heights), ("building", "height")
     moments = motion.spectral_moments(np.concatenate([one, two, one - two]))
@@ -147,7 +144,7 @@ def rules(scene: Scene, seconds: float) -> tuple[list[Rule], Array]:
 
 
 def peaks_of(scene: Scene, moments: tuple[xr.DataArray, ...], seconds: float) -> Array:
-    """Largest displacements [m] that a Gaussian motion does not exceed with the scene's confidence."""
+    """Peak displacements [m] that Gaussian responses do not exceed with the confidence of the scene."""
     peaks: Array = peak_quantile(moments, seconds, scene.confidence, 2).to_numpy()
     if not np.isfinite(peaks).all():
         raise ValueError(
@@ -158,9 +155,9 @@ def peaks_of(scene: Scene, moments: tuple[xr.DataArray, ...], seconds: float) ->
 
 
 def simulated_correlation(scene: Scene, progress: Progress | None) -> xr.Dataset:
-    """At the lower roof, of these very values: each other ratio would take as long.
+    """Simulated correlation at the lower roof, only for the period ratio of the scene.
 
-    Between two floors the standard error is taken between theirs.
+    Between two floors, the standard error is interpolated.
     """
     _, heights, one, two = in_motion(scene)
     motions = stationary_motions(

@@ -1,1 +1,1 @@
-"""One structure on one ground, linearized: stationary, over time, peaks, strength, its known bias."""
+"""Statistical linearization of one structure: response, peaks, strength, and its bias by simulation."""

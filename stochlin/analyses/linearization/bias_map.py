@@ -1,8 +1,9 @@
-"""How far linearization is off: a map computed by simulation, interpolated, never extrapolated.
+"""Bias of statistical linearization, interpolated in a map of nonlinear simulations.
 
-The map holds the bias of the Gaussian closure for bilinear structures on Kanai-Tajimi ground and on
-white noise; ``make bias`` computes it anew. Between its points it is linear in the logarithms of
-its parameters. Of ``rho`` it knows pairs of equal damping, hardening and strength ratio.
+The map has the relative bias of the standard deviation and the bias of ``rho`` by the Gaussian closure,
+for bilinear structures on Kanai-Tajimi ground and on white noise. The bias of ``rho`` is that of pairs
+with equal damping, hardening and strength ratio. The map is interpolated linearly in the logarithms of
+its parameters and is not extrapolated. ``make bias`` computes it.
 """
 
 from __future__ import annotations
@@ -27,12 +28,12 @@ FILE = "bias_map.nc"
 SHARED = ("elastic_ductility_std", "hardening", "damping")
 STD = "displacement_std"
 KNOWN_GROUNDS = (KanaiTajimi, WhiteNoise)
-EXPECTED = 0.05  # error from which on one of more than OFF is not rare
+EXPECTED = 0.05  # expected error above which an error of more than OFF is not rare
 
 
 @cache
 def bias_map() -> xr.Dataset:
-    """The map that comes with the package, with its grids, errors and how it was made."""
+    """The map of the package; its attributes describe how it was computed."""
     with files("stochlin.analyses.linearization").joinpath(FILE).open("rb") as stream:
         return xr.load_dataset(stream, engine="scipy")
 
@@ -46,13 +47,13 @@ def _grid(name: str) -> Grid:
 
 
 def map_name(ground: Ground) -> str:
-    """The map's variable for the standard deviation on this ground."""
+    """Name of the variable of the map with the bias of the standard deviation on this ground."""
     white = isinstance(ground, WhiteNoise)
     return "displacement_std_bias_white_noise" if white else "displacement_std_bias"
 
 
 def point_of(structure: Structure, ground: Ground, solved: Solved) -> list[Cells]:
-    """Where a solved structure is in `map_name`, axis by axis."""
+    """Coordinates of a solved structure along the axes of the variable `map_name`."""
     point = [solved[SHARED[0]], *(_property(structure, name) for name in SHARED[1:])]
     if isinstance(ground, WhiteNoise):
         return point
@@ -61,9 +62,10 @@ def point_of(structure: Structure, ground: Ground, solved: Solved) -> list[Cells
 
 
 def relative_bias(structure: Structure, ground: Ground, solved: Solved, gaussian: Solved) -> Cells:
-    """Relative bias of the ``displacement_std`` solved under any closure; 0 if elastic, NaN if unknown.
+    """Relative bias of ``displacement_std`` by any closure; 0 if elastic, NaN if unknown.
 
-    It follows from that of the Gaussian closure.
+    ``solved`` is by that closure and ``gaussian`` by the Gaussian one, whose bias is in the map. For the
+    Gaussian closure both are the same object.
     """
     known = type(ground) in KNOWN_GROUNDS and isinstance(structure, Bilinear)
     point = point_of(structure, ground, gaussian) if known else []
@@ -80,7 +82,7 @@ def _relative_bias(
 
 
 def rho_bias_map(first: Structure, second: Structure, ground: Ground) -> Grid | None:
-    """What the map knows of ``rho`` on this ground, by the axes of `place_in_map`; None: nothing."""
+    """Bias of ``rho`` over the coordinates of `place_in_map`; None if the map does not have the pair."""
     known = type(ground) in KNOWN_GROUNDS
     if not known or not (isinstance(first, Bilinear) and isinstance(second, Bilinear)):
         return None
@@ -88,7 +90,7 @@ def rho_bias_map(first: Structure, second: Structure, ground: Ground) -> Grid | 
 
 
 def place_in_map(structure: Structure, ground: Ground, solved: Solved) -> list[Cells]:
-    """Coordinates of a structure in `rho_bias_map`; 1 where the ground has no such property."""
+    """Coordinates of a structure in `rho_bias_map`; white noise has the damping and period 1."""
     one: dict[str, Cells] = {"damping": 1.0, "period": 1.0}
     soil = one if isinstance(ground, WhiteNoise) else one | ground.cells()
     return [
@@ -106,18 +108,18 @@ def _rho_grid(white_noise: bool) -> Grid:
         return _grid("rho_bias")
     table = bias_map()["rho_bias_white_noise"]
     *shared, ratio = (np.log(table[dim].values.astype(float)) for dim in table.dims)
-    everywhere = np.array([-1e3, 1e3])  # the ground is the same for all dampings and periods
+    everywhere = np.array([-1e3, 1e3])  # white noise: the bias does not depend on these axes
     values = np.broadcast_to(table.values[..., None, None, :], (*table.shape[:-1], 2, 2, ratio.size))
     return Grid.of([*shared, everywhere, everywhere, ratio], values)
 
 
 def caution_of(bias: Cells) -> Cells:
-    """Flag (int8) of a bias: 0 small, 1 large, 2 unknown."""
+    """Flag (int8) of a bias: 0 up to `OFF`, 1 above, 2 unknown."""
     return cellwise(_caution, bias, kinds=(np.int8,), most=OFF)[0]
 
 
 def caution_of_error(error: Cells) -> Cells:
-    """Flag of an expected error: 0 where more than `OFF` is rare, 1 where it is not, 2 unknown."""
+    """Flag (int8) of an expected error: 0 up to `EXPECTED`, 1 above, 2 unknown."""
     return cellwise(_caution, error, kinds=(np.int8,), most=EXPECTED)[0]
 
 
@@ -135,7 +137,7 @@ def _at_point(*point: Array, name: str) -> Array:
 
 
 def between_points(grid: Grid, place: Sequence[Array] | Array) -> Array:
-    """The value of a map at this place, axis by axis, in arrays of one shape; NaN outside."""
+    """Interpolated values of a map; ``place`` has an array for each axis. NaN outside the map."""
     points = np.asarray(place)
     out = np.empty(points.shape[1:])
     interpolate(*grid, points.reshape(len(points), -1), out.reshape(-1))

@@ -1,11 +1,12 @@
-"""What simulation adds to the drift closure: a map of corrections, interpolated, held at its ends.
+"""Corrections of the drift closure, interpolated in a map of nonlinear simulations.
 
-The closure is derived; how far it is off is known where structures were simulated. The map holds the
-exact over the derived standard deviation, finer where the ground is slower than the structure, the
-simulated less the derived signature, and how fast nearly equal structures part (see
-`drifting_signatures`). Beyond its ends the map is held, but for weak motions and for hardening 1: where
-the yield displacement is seven standard deviations away nothing yields and nothing is off. Between its
-points it is the less sure the more they differ: ``displacement_error``. ``make bias`` computes it anew.
+The drift closure is derived, and the map has its errors: the logarithm of the ratio of the simulated to
+the derived standard deviation, with additional points where the period of the ground exceeds that of the
+structure; the difference of the simulated and the derived signature; and the quadratic forms of nearly
+equal structures (see `drifting_signatures`). Outside the map, its values at the boundary are used. Two
+boundaries are exact: corrections are 0 for hardening 1, and where the yield displacement is seven
+standard deviations of the elastic displacement, so that nothing yields. Between its points, the
+uncertainty ``displacement_error`` grows with their differences. ``make bias`` computes the map.
 """
 
 from __future__ import annotations
@@ -25,37 +26,41 @@ from stochlin.models.grounds import CloughPenzien, Ground, WhiteNoise
 from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
 
 FILE = "drift_map.nc"
-# A Clough-Penzien ground is corrected as its soil would be alone.
+# The correction on Clough-Penzien ground is that of its soil filter alone, a Kanai-Tajimi ground.
 CORRECTED_GROUNDS = (*KNOWN_GROUNDS, CloughPenzien)
 ELASTIC = 0.15  # R/p below which no drift grows within a million periods
 DISPLACEMENT, DISPLACEMENT_WHITE = "displacement_correction", "displacement_correction_white_noise"
 REFINEMENT = "displacement_refinement"
 SIGNATURE, REFERENCE = "signature_correction", "drift_reference"
 NEARNESS, ENTRY = "nearness", "nearness_entry"
-COLUMNS = (REFERENCE, ENTRY)  # what a variable of the map has many of, each a map of its own
-# Where structures were simulated: R/p, hardening, damping, and of the ground; T/Tg.
+COLUMNS = (REFERENCE, ENTRY)  # dimensions that are no parameters: each entry is a map of its own
+# Ranges that were simulated: R/p, hardening, damping ratio; damping ratio of the ground, T/Tg.
 STRENGTH, HARDENING, DAMPING = (0.0, 4.0), (0.02, 1.0), (0.01, 0.1)
 GROUND_DAMPING, PERIOD = (0.03, 1.0), (0.1, 10.0)
-# Of a Clough-Penzien ground: period of the high-pass oscillator over that of the soil, and its damping.
+# Clough-Penzien ground: period of the high-pass oscillator over that of the soil, and its damping.
 HIGH_PASS = ("period", "high_pass_period", "high_pass_damping")
 HIGH_PASS_PERIOD, HIGH_PASS_DAMPING = (2.0, 25.0), (0.2, 1.3)
-BEYOND = 2.0  # of the high-pass period, from which on T/sqrt(alpha) loses more than the map knows
-# Expected relative error of a standard deviation: of any, and by how much the map differs around it.
+# Largest ratio of the period after yield, T/sqrt(alpha), to that of the high-pass oscillator. Beyond it,
+# corrected standard deviations are too large by 10 % and more.
+BEYOND = 2.0
+# Expected relative error of a standard deviation: its least value, that on Clough-Penzien ground, and
+# its ratio to the scatter of the surrounding points of the map.
 LEAST, LEAST_CLOUGH_PENZIEN, BY_SPREAD = 0.01, 0.03, 0.45
 ROUNDING = 1e-9
 
 
 @cache
 def drift_map() -> xr.Dataset:
-    """The map that comes with the package, with its grids and how it was made."""
+    """The map of the package; its attributes describe how it was computed."""
     with files("stochlin.analyses.linearization").joinpath(FILE).open("rb") as stream:
         return xr.load_dataset(stream, engine="scipy")
 
 
 def with_correction(structure: Structure, ground: Ground, derived: Solved) -> Solved:
-    """What is derived with its displacements corrected, where the map knows the kind of ground.
+    """A structure solved by the drift closure, with displacements corrected by the map.
 
-    ``displacement_error`` is what is expected to be left, NaN where nothing was simulated.
+    The result has ``displacement_error``, the expected relative error after the correction; it is NaN
+    outside the simulated ranges. On a kind of ground that the map does not have, nothing is corrected.
     """
     shown = ("displacement_std", "ductility_std")
     arrays = [derived[name] for name in (*shown, "yield_displacement")]
@@ -73,7 +78,10 @@ def with_correction(structure: Structure, ground: Ground, derived: Solved) -> So
 def _corrected(
     std: Array, ductility: Array, uy: Array, inside: Array, *point: Array, name: str, least: float
 ) -> tuple[Array, ...]:
-    """The displacements, corrected at this point if the map knows it, and the error that is left."""
+    """Corrected standard deviation [m] and ductility, and the expected relative error that remains.
+
+    Without a ``point`` nothing is corrected.
+    """
     elastic = np.isinf(uy)
     if not point:
         return std, ductility, np.where(elastic, 0.0, np.nan)
@@ -84,7 +92,7 @@ def _corrected(
 
 
 def checked(ground: Ground, point: Sequence[Cells]) -> Cells:
-    """Whether structures at this point were simulated on such ground."""
+    """Whether points of `point_of` are within the simulated ranges."""
     soil = ground.cells()
     high_pass = [soil[name] for name in HIGH_PASS] if isinstance(ground, CloughPenzien) else []
     return cellwise(_checked, *point, *high_pass, kinds=(bool,))[0]
@@ -105,18 +113,18 @@ def _checked(strength: Array, hardening: Array, damping: Array, *others: Array) 
 
 
 def within(value: Array, ends: tuple[float, float]) -> Array:
-    """Whether a value is between these, but for rounding."""
+    """Whether values lie within a range, apart from rounding errors."""
     return (value >= ends[0] * (1 - ROUNDING)) & (value <= ends[1] * (1 + ROUNDING))
 
 
 def usual_closure(structure: Structure, ground: Ground) -> str:
-    """The drift closure where it holds and is corrected, elsewhere the Gaussian one."""
+    """Default closure: drift for yielding bilinear structures on grounds of the map, else Gaussian."""
     known = DRIFT in structure.closure_names() and type(ground) in CORRECTED_GROUNDS
     return DRIFT if known and structure.yields else GAUSSIAN
 
 
 def hold_at_ends(name: str, point: Sequence[Cells]) -> tuple[Cells, ...]:
-    """The values of a variable of the map, one a reference, at a point of `point_of`."""
+    """Values of a variable of the map at points of `point_of`, an array for each of its entries."""
     return cellwise(_held, *point, name=name, kinds=(float,) * len(_grids(name)))
 
 
@@ -137,7 +145,7 @@ def _grids(name: str) -> tuple[Grid, ...]:
 
 
 def _refined(coarse: xr.DataArray, refinement: xr.DataArray) -> xr.DataArray:
-    """The coarse map on the points of both, and what the finer one adds, nothing beyond its ends."""
+    """The coarse map interpolated to the points of both maps, plus ``refinement`` at its own points."""
     inner, outer = (
         [array[dim].values.round(12) for dim in array.dims] for array in (refinement, coarse)
     )
@@ -150,7 +158,7 @@ def _refined(coarse: xr.DataArray, refinement: xr.DataArray) -> xr.DataArray:
     return xr.DataArray(values, dims=coarse.dims, coords=dict(zip(coarse.dims, points, strict=True)))
 
 
-@np.errstate(divide="ignore", invalid="ignore")  # elastic: log 0; invalid cells are NaN and stay so
+@np.errstate(divide="ignore", invalid="ignore")  # elastic structures have log 0; invalid cells are NaN
 def _held(*point: Array, name: str) -> Array | tuple[Array, ...]:
     grids = _grids(name)
     inside = _inside(grids[0], point)
@@ -160,7 +168,7 @@ def _held(*point: Array, name: str) -> Array | tuple[Array, ...]:
 
 @np.errstate(divide="ignore", invalid="ignore")
 def _held_with_spread(*point: Array, name: str) -> tuple[Array, Array]:
-    """A value of the map, and the standard deviation of the points around by their weights in it."""
+    """Interpolated values, and the weighted standard deviations of the surrounding points."""
     (grid,) = _grids(name)
     inside = _inside(grid, point)
     value = between_points(grid, inside)

@@ -1,6 +1,6 @@
-"""Every structure on its own: the linear system equivalent to it, and its response.
+"""Equivalent linear system of each structure on its ground, and its stationary response.
 
-`linearize` shows the response, `correlate` combines the systems of two structures.
+`linearize` returns the response; `correlate` combines the equivalent systems of two structures.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.linearization.drift_map import with_correction
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, lone, valid_cells
@@ -32,20 +33,20 @@ from stochlin.messages import brief, sentence
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import DRIFT, NARROW_BAND, Structure
 
-SOLVED, DRIFTING = 700, 10_000  # bytes that a cell takes, roughly, and with the drift closure
-AT_ONCE = 1 << 15  # cells, of which what is found on the way is kept
+SOLVED, DRIFTING = 700, 10_000  # approximate memory [bytes] for each cell; with the drift closure
+AT_ONCE = 1 << 15  # cells that are solved together, which limits the memory for intermediate results
 ROUNDING = 1e-9  # by which a correlation may exceed 1
-# Below this slip and relaxation (over w) the third state changes nothing in double precision.
+# Slip 1 + c_eq and relaxation k_eq/w below which z has no effect on the response in double precision.
 ELASTIC = 1e-18
 INTERNAL = (
     *(f"system_{n}" for n in EquivalentSystem._fields),
     *(f"forcing_{n}" for n in Forcing._fields),
 )
-# Of the drift closure only: the drift as a pair needs it.
+# Variables of the drift closure, from which the correlation of two drifts follows.
 SHARES = tuple(f"drift_share_{j}" for j in range(1, ORDERS + 2))
 OF_DRIFT = ("drift_std", "drift_rate", *SHARES)
-STRONG = 1e3  # of that, from which a cell is lost because shaking is too strong
-STRENGTH_RATIO = "elastic_ductility_std"  # of the elastic structure's displacement to uy: R/p
+STRENGTH_RATIO = "elastic_ductility_std"  # R/p: standard deviation of the elastic displacement over uy
+STRONG = 1e3  # R/p above which a cell that does not converge has the status of too strong shaking
 PUBLIC = (
     "displacement_std",
     "velocity_std",
@@ -59,18 +60,18 @@ PUBLIC = (
     "residual",
     "status",
 )
-KINDS = {"iterations": np.int32, "status": np.int8}  # the others are floats
-BLANK = {"iterations": 0, "status": labels.INVALID_INPUT}  # of cells out of range; NaN else
+KINDS = {"iterations": np.int32, "status": np.int8}  # types of variables; the others are float
+BLANK = {"iterations": 0, "status": labels.INVALID_INPUT}  # values of invalid cells; the others are NaN
 
 
 def system_and_forcing(arrays: Sequence[Array]) -> tuple[EquivalentSystem, Forcing]:
-    """From arrays in the order of `INTERNAL`."""
+    """Equivalent system and forcing, from arrays in the order of `INTERNAL`."""
     count = len(EquivalentSystem._fields)
     return EquivalentSystem(*arrays[:count]), Forcing(*arrays[count:])
 
 
 def check_closure(structure: Structure, closure: str) -> None:
-    """Raise a ValueError unless the law of the structure has this closure."""
+    """Raise a ValueError if the law of the structure does not have this closure."""
     if not isinstance(closure, str) or closure not in structure.closure_names():
         raise ValueError(
             f"closure = {brief(closure)} is not available for {type(structure).__name__}; allowed: "
@@ -81,19 +82,17 @@ def check_closure(structure: Structure, closure: str) -> None:
 def solve_structure(
     structure: Structure, ground: Ground, closure: str, tolerance: Tolerance
 ) -> xr.Dataset:
-    """What `linearize` returns, and the equivalent system and forcing that a pair needs."""
-    return xr.Dataset(solved_cells(structure, ground, closure, tolerance))
-
-
-def solved_cells(structure: Structure, ground: Ground, closure: str, tolerance: Tolerance) -> Solved:
-    """The same by name, of a lone cell in numbers."""
-    return solved_together((structure,), ground, closure, tolerance)[0]
+    """Dataset of a linearized structure: the variables `PUBLIC`, and those that a pair needs."""
+    return xr.Dataset(solved_together((structure,), ground, closure, tolerance)[0])
 
 
 def solved_together(
     structures: Sequence[Structure], ground: Ground, closure: str, tolerance: Tolerance
 ) -> list[Solved]:
-    """The same of each; lone cells of one kind are solved in one call, whose cost is hardly theirs."""
+    """Variables of `solve_structure` of each structure; those of a single cell are numbers.
+
+    Single cells with the same law are solved in one call, which takes hardly longer than for one.
+    """
     for structure in structures:
         check_closure(structure, closure)
         check_work(
@@ -101,38 +100,35 @@ def solved_together(
             "take fewer cells at a time, or arrays in chunks of dask",
             memory=(DRIFTING if closure == DRIFT else SOLVED) * count_cells(structure, ground),
         )
-    solved = _derived_together(structures, ground, closure, tolerance)
+    solved = derived_together(structures, ground, closure, tolerance)
     if closure != DRIFT:
         return solved
-    from stochlin.analyses.linearization.drift_map import (
-        with_correction,  # it solves the grid of its map
-    )
-
     pairs = zip(structures, solved, strict=True)
     return [with_correction(structure, ground, one) for structure, one in pairs]
 
 
 def solve_elastic(structure: Structure, ground: Ground) -> xr.Dataset:
-    """The same for the structure if it stayed elastic, whatever its strength."""
-    return solve_derived(structure, ground, None, None)
-
-
-def elastic_together(structures: Sequence[Structure], ground: Ground) -> list[Solved]:
-    """The same of each by name, as in `solved_together`."""
-    return _derived_together(structures, ground, None, None)
+    """Dataset of the structure as elastic; ``yield_displacement`` is that of its strength."""
+    return xr.Dataset(derived_together((structure,), ground)[0])
 
 
 def solve_derived(
-    structure: Structure, ground: Ground, closure: str | None, tolerance: Tolerance | None
+    structure: Structure, ground: Ground, closure: str, tolerance: Tolerance
 ) -> xr.Dataset:
-    """The same as its equations have it, without what simulation adds to the drift closure."""
-    return xr.Dataset(_derived_together((structure,), ground, closure, tolerance)[0])
+    """As `solve_structure`, but without the corrections of the drift closure by simulation."""
+    return xr.Dataset(derived_together((structure,), ground, closure, tolerance)[0])
 
 
-def _derived_together(
-    structures: Sequence[Structure], ground: Ground, closure: str | None, tolerance: Tolerance | None
+def derived_together(
+    structures: Sequence[Structure],
+    ground: Ground,
+    closure: str | None = None,
+    tolerance: Tolerance | None = None,
 ) -> list[Solved]:
-    """As `solved_together`."""
+    """As `solved_together`, but without the corrections of the drift closure by simulation.
+
+    The structures stay elastic if ``closure`` is None.
+    """
     asked = [_asked(structure, ground, closure, tolerance) for structure in structures]
     solver = asked[0][0]
     alike = len(asked) > 1 and all(other == solver for other, _ in asked)
@@ -147,7 +143,7 @@ def _derived_together(
 def _asked(
     structure: Structure, ground: Ground, closure: str | None, tolerance: Tolerance | None
 ) -> tuple[_Solver, list[Cells]]:
-    """How to solve, and what."""
+    """Solver of a structure on its ground, and the arrays that it takes."""
     values, soil, law = structure.cells(), ground.cells(), structure.own_parameters()
     elastic = closure is None or not structure.yields
     solver = _Solver(
@@ -190,22 +186,22 @@ def _solved_cells(solver: _Solver, inputs: Sequence[Cells]) -> Solved:
 
 
 class _Solver(NamedTuple):
-    """The array side of `solve_structure`: flattens, leaves out invalid cells, fills NaN."""
+    """Solution of all cells from arrays: they are flattened, and invalid cells are NaN."""
 
-    laws: int  # parameters of the law
-    by_factor: bool  # whether strength is a reduction factor
+    laws: int  # number of parameters of the law
+    by_factor: bool  # whether the strength is given as a reduction factor
     filter_of: Callable[[Iterable[Array]], Filter]
-    intensity: int  # row of the ground parameters
+    intensity: int  # row of the intensity among the parameters of the ground
     closure: str | None  # None: elastic
     law: Closure | None
     tolerance: Tolerance | None
-    drifts: bool  # with zeros where elastic
+    drifts: bool  # whether there are variables of the drift; those of elastic structures are 0
 
     @property
     def names(self) -> tuple[str, ...]:
         return (*PUBLIC, *INTERNAL, STRENGTH_RATIO, *(OF_DRIFT if self.drifts else ()))
 
-    @np.errstate(all="ignore")  # what comes of extreme input is judged by its status
+    @np.errstate(all="ignore")  # cells with extreme parameters get a status
     def solve(self, *inputs: Array) -> tuple[Array, ...]:
         kinds = [KINDS.get(name, float) for name in self.names]
         return in_slabs(self._solve_some, *inputs, kinds=kinds, cells=AT_ONCE)
@@ -228,7 +224,7 @@ class _Solver(NamedTuple):
         return tuple(outputs)
 
     def forcing(self, system: EquivalentSystem, ground: Array) -> Forcing:
-        """Of the structures on the ground of these parameters."""
+        """Covariance of the structures with the forcing by the ground, whose parameters are rows."""
         return self.filter_of(ground).forcing(system)
 
     def _solve_valid(self, columns: Array) -> dict[str, Array]:
@@ -238,12 +234,12 @@ class _Solver(NamedTuple):
         elastic = linear_system(w, damping)
         own = own_covariance(elastic, self.forcing(elastic, ground))
         uy = peak_factor * np.sqrt(own.mu_mu) / strength if self.by_factor else strength
-        # Without rounding where it is given: equal structures are then seen to be equal.
+        # A given reduction factor is used as it is, so that equal structures have exactly equal ratios.
         ratio = strength / peak_factor if self.by_factor else np.sqrt(own.mu_mu) / uy
         if self.closure is None or self.tolerance is None:
             return self._report(_Solution.elastic(elastic), ground, uy, ratio)
         scaled = ground.copy()
-        scaled[self.intensity] /= uy**2  # the forcing of ductility, f / uy
+        scaled[self.intensity] /= uy**2  # the equation of motion is that of the ductility u/uy
         start = np.sqrt(np.array([own.mu_mu, own.v_v])) / uy
         solve = self._amplitude_average if self.closure == NARROW_BAND else self._fixed_point
         batch = _Batch(w, damping, hardening, law, one_solution > 0, scaled, start)
@@ -280,7 +276,7 @@ class _Solver(NamedTuple):
         return _Solution(*average, np.zeros(w.size, bool), None)
 
     def _drift(self, solution: _Solution, ground: Array, uy: Array) -> dict[str, Array]:
-        """`OF_DRIFT`; nothing where the structure stays elastic."""
+        """Variables `OF_DRIFT`, in m and 1/s; an elastic structure has no drift."""
         nothing = dict.fromkeys(OF_DRIFT, np.zeros_like(uy)) | {"drift_rate": np.ones_like(uy)}
         if solution.latent is None:
             return nothing
@@ -336,24 +332,26 @@ class _Solver(NamedTuple):
 
 
 class _Batch(NamedTuple):
-    """Yielding structures, in units of their yield displacement."""
+    """Yielding structures, with displacements in units of the yield displacement."""
 
-    w: Array
+    w: Array  # (n,) [rad/s]
     damping: Array
     hardening: Array
     law: Array  # (m, n)
     one_solution: Array
-    ground: Array  # (k, n)
-    start: Array  # (2, n): elastic standard deviations of mu and mu'
+    ground: Array  # (k, n) parameters of the ground
+    start: Array  # (2, n) standard deviations of u/uy and its rate, of the elastic structure
 
 
 class _Solution(NamedTuple):
+    """Equivalent systems of yielding structures, and how their iteration ended."""
+
     system: EquivalentSystem
     iterations: Array
     residual: Array
     converged: Array
-    still: Array  # no slip at all: the 4-state elastic model holds
-    latent: Array | None  # (3, n) moments of the Gaussian behind the closure
+    still: Array  # whether there is no slip, so that the elastic system is used
+    latent: Array | None  # (3, n) std and correlation of the Gaussian variables (v, z~) of the closure
 
     @classmethod
     def elastic(cls, system: EquivalentSystem) -> _Solution:

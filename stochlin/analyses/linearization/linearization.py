@@ -1,4 +1,4 @@
-"""Statistical linearization of one structure on one ground: eqs. (5) to (12)."""
+"""Statistical linearization of one structure on one ground, eqs. (5) to (12)."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.linearization.bias_map import caution_of, caution_of_error, relative_bias
-from stochlin.analyses.linearization.equivalent_systems import PUBLIC, solved_cells
+from stochlin.analyses.linearization.equivalent_systems import PUBLIC, solved_together
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
@@ -28,73 +28,80 @@ def linearize(
 ) -> xr.Dataset:
     """Stationary response of a hysteretic structure by statistical linearization.
 
-    The covariance of the linear system with coefficients ``(c_e, k_e)`` and the coefficients
-    that the closure finds for this covariance are iterated, by a damped Newton's method, until they
-    agree. Where a law may have several solutions (Bouc-Wen with ``gamma > beta``, laws in symbols), the
-    one that grows out of the elastic response is followed from weak shaking on. Unstable systems are no
-    solutions.
+    The hysteresis law is replaced by ``z' = -c_eq v - k_eq z``, with ``v`` the velocity and ``z`` the
+    hysteretic displacement. The coefficients follow by the closure from the covariance of the response,
+    and the covariance is that of the linear system with these coefficients; a damped Newton's method
+    finds both. Where a law may have several solutions (Bouc-Wen with ``gamma > beta``, laws in symbols),
+    the intensity is raised step by step from a value at which the response is elastic, and the solution
+    is followed. Only stable systems count as solutions.
 
     Parameters
     ----------
     structure : Bilinear, BoucWen or Hysteretic
+        The structure.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
-        Parameters of both broadcast by dimension name.
-    closure : str
-        ``"gaussian"``: ``(v, z)`` jointly Gaussian, eqs. (9) and (10). ``"clipped"``: ``z`` is a
-        Gaussian clipped at +-1 (bilinear). ``"drift"``: the clipped closure, and the slow drift of
-        the plastic displacement that it loses (bilinear); see the notes. ``"narrow_band"``: Caughey's
-        amplitude averaging (bilinear), which has no ``z``: its variables are NaN, and ``period_eq``
-        [s] and ``damping_eq`` are added.
+        The ground; its parameters and those of the structure broadcast by dimension name.
+    closure : {"gaussian", "clipped", "drift", "narrow_band"}
+        Assumed distribution of the response. ``"gaussian"``: ``(v, z)`` jointly Gaussian, eqs. (9) and
+        (10); the others are only for bilinear structures. ``"clipped"``: ``z`` is a Gaussian variable
+        clipped at -1 and 1. ``"drift"``: the clipped closure plus the slow drift of the plastic
+        displacement, see the notes. ``"narrow_band"``: Caughey's amplitude averaging. It has no ``z``,
+        whose variables are NaN; ``period_eq`` [s] and ``damping_eq`` [-] are added.
     rtol, atol : float
-        A cell is done when ``|dy| <= atol + rtol |y|`` for ``y`` the moments ``sigma_v``, ``sigma_z``
-        (``rtol`` alone) and their correlation.
+        The iteration of a cell stops when ``|dy| <= atol + rtol |y|`` for each ``y``: the standard
+        deviations of ``v`` and ``z`` (for these ``rtol`` alone) and their correlation.
     max_iterations : int
-        Steps of a search, and levels of shaking where the solution is followed. Cells that need more
-        are NaN with status ``not_converged``, or ``shaking_too_strong`` where the elastic displacement
-        is more than a thousand times that at yield.
+        Largest number of iterations, and of steps in intensity where the solution is followed. Cells
+        that need more are NaN with the status ``not_converged``, or ``shaking_too_strong`` if the
+        elastic standard deviation is more than a thousand times the yield displacement.
 
     Returns
     -------
     xarray.Dataset
-        Over the dimensions of the parameters: ``displacement_std`` [m], ``velocity_std`` [m/s],
-        ``ductility_std``, ``z_std``, ``velocity_z_corr``, ``c_eq``, ``k_eq`` [1/s],
-        ``yield_displacement`` [m], ``iterations``, ``residual``, ``status`` (CF flags). An elastic
-        structure has infinite ``yield_displacement`` and status ``elastic_limit``. ``bias``:
-        the relative error of ``displacement_std``, from a map of simulations, and ``caution`` where
-        it exceeds 10 % or is unknown. ``"drift"`` adds ``drift_std`` [m], the drift's part of the
-        displacement, and ``drift_time`` [s], its relaxation time, NaN without a drift: a motion from
-        rest that has lasted ``t`` has ``1 - exp(-2 t/drift_time)`` of its variance. Its ``bias`` is 0
-        where it is known, since it is corrected; ``displacement_error`` is the expected relative error
-        of what is left, and ``caution`` is set where that exceeds 5 % or is unknown.
+        Over the dimensions of the parameters: the standard deviations ``displacement_std`` [m],
+        ``velocity_std`` [m/s], ``ductility_std`` [-] and ``z_std`` [-], the correlation
+        ``velocity_z_corr`` [-] of ``v`` and ``z``, the coefficients ``c_eq`` [-] and ``k_eq`` [1/s],
+        ``yield_displacement`` [m] (infinite if elastic), ``iterations``, ``residual`` [-], and
+        ``status`` (CF flags; ``elastic_limit`` if elastic); ``bias`` [-], the relative error of
+        ``displacement_std`` from a map of simulations; and ``caution``, a flag that is set where the
+        bias exceeds 10 % or is unknown.
+
+        The closure ``"drift"`` adds ``drift_std`` [m], the standard deviation of the displacement by
+        the drift alone, and ``drift_time`` [s], its relaxation time (NaN without a drift): a motion of
+        duration ``t`` from rest reaches the share ``1 - exp(-2 t/drift_time)`` of its variance. The
+        known bias is already corrected, so that ``bias`` is 0; ``displacement_error`` [-] is the
+        expected relative error that remains, and ``caution`` is set where it exceeds 5 % or is unknown.
 
     Raises
     ------
-    ValueError
-        If the closure is not one of this law, or dimensions do not fit together.
+    ValueError, TypeError
+        If the law does not have the closure, an argument is of the wrong kind or out of range,
+        dimensions do not fit together, or the table would not fit into memory.
     ArithmeticError
-        If a single case fails; in a table its cell is NaN and says why.
+        If a single case fails; in a table the cell is NaN and its status gives the reason.
 
     Notes
     -----
-    Linearization *underestimates*: compared with nonlinear simulation ``displacement_std`` is 22 to 46 %
-    too small for hardening up to 0.05, 8 to 29 % at 0.2, and up to thirty times too small for
-    structures much stiffer than a narrow-band ground. `correlate` by simulation is free of this error.
+    Linearization underestimates displacements. Compared with nonlinear simulation, ``displacement_std``
+    is too small by 22 to 46 % for hardening ratios up to 0.05 and by 8 to 29 % for 0.2, and by a factor
+    of up to thirty for structures much stiffer than a narrow-band ground. `correlate` by simulation does
+    not have this error.
 
-    The drift closure adds to the clipped closure's variance that of the drift, a random walk in
-    kicks which the hardening draws back; ``docs/drift.md`` derives it. On Kanai-Tajimi ground, on
-    Clough-Penzien ground as on its soil, and on white noise ``displacement_std`` and
-    ``ductility_std`` are then multiplied by what the map of simulations still finds missing, held
-    at its ends beyond it. ``displacement_error`` grows with the differences between the points of the
-    map around, which are large near the resonance after yield, ``T = sqrt(hardening) Tg``, of stiff
-    structures. ``velocity_std``, ``z_std``, ``velocity_z_corr``, ``c_eq`` and ``k_eq`` are those of the
-    clipped closure: they describe the response without the drift.
-    Over 500 random pairs on such ground ``displacement_std`` was off by 1.4 % in the mean and by more
-    than 5 % in one case of twenty; as derived, without the map, by 6 and 23 %, mostly where T < Tg/2.
+    The drift closure adds the variance of the plastic drift to that of the clipped closure. The drift is
+    a random walk in steps, one for each excursion into yielding, on which only the hardening acts as a
+    restoring force; ``docs/drift.md`` derives it. ``displacement_std`` and ``ductility_std`` are then
+    multiplied by a correction from a map of simulations on Kanai-Tajimi ground and white noise; on
+    Clough-Penzien ground it is that of the soil, and outside the map that of its boundary.
+    ``displacement_error`` grows with the differences of neighbouring points of the map, which are large
+    for stiff structures near the resonance after yield, ``T = sqrt(hardening) Tg``. ``velocity_std``,
+    ``z_std``, ``velocity_z_corr``, ``c_eq`` and ``k_eq`` are those of the clipped closure, without the
+    drift. In 500 random pairs on such grounds ``displacement_std`` was off by 1.4 % on average and by
+    more than 5 % in one case of twenty; without the map by 6 and 23 %, mostly for T < Tg/2.
 
     References
     ----------
     Roberts, J. B. and Spanos, P. D. (1990). Random vibration and statistical linearization.
-    Karnopp, D. and Scharton, T. D. (1966), J. Acoust. Soc. Am. 39: yielding in kicks.
+    Karnopp, D. and Scharton, T. D. (1966), J. Acoust. Soc. Am. 39: plastic drift as a random walk.
 
     Examples
     --------
@@ -103,7 +110,7 @@ def linearize(
     >>> round(float(sl.linearize(building, sl.WhiteNoise(0.1 / np.pi)).ductility_std), 6)
     0.870745
 
-    Simulated: 1.346.
+    By nonlinear simulation it is 1.346. The drift closure gives:
 
     >>> round(float(sl.linearize(building, sl.WhiteNoise(0.1 / np.pi), "drift").ductility_std), 2)
     1.35
@@ -111,7 +118,7 @@ def linearize(
     expect(structure, Structure, "structure")
     expect(ground, Ground, "ground")
     tolerance = Tolerance(rtol, atol, max_iterations)
-    solved = solved_cells(structure, ground, closure, tolerance)
+    (solved,) = solved_together((structure,), ground, closure, tolerance)
     found = {name: solved[name] for name in PUBLIC}
     found |= judged(structure, ground, closure, solved, tolerance)
     if closure == NARROW_BAND:
@@ -139,24 +146,24 @@ def _drift_time(std: Array, rate: Array) -> Array:
 
 
 def known_error(solved: Solved) -> Cells:
-    """What is expected to be left of the drift closure's error; NaN where nothing is solved."""
+    """Expected relative error of ``displacement_std`` by the drift closure; NaN for failed cells."""
     return where_valid(solved["displacement_error"], ~np.isnan(solved["displacement_std"]))
 
 
 def judged(
     structure: Structure, ground: Ground, closure: str, solved: Solved, tolerance: Tolerance
 ) -> dict[str, Cells]:
-    """``bias`` and ``caution`` of a structure that is solved with this closure."""
+    """Variables ``bias`` and ``caution`` of a structure that was solved with this closure."""
     if closure == DRIFT:
         error = known_error(solved)
         return {"bias": 0 * error, "caution": caution_of_error(error)}
     gaussian = solved
     if closure != "gaussian":
-        gaussian = solved_cells(structure, ground, "gaussian", tolerance)
+        (gaussian,) = solved_together((structure,), ground, "gaussian", tolerance)
     bias = relative_bias(structure, ground, solved, gaussian)
     return {"bias": bias, "caution": caution_of(bias)}
 
 
 def caution_in_words(closure: str) -> str:
-    """What is said of yielding structures beside their answer."""
+    """Comment on the accuracy of the closure for yielding structures."""
     return labels.CAUTION_DRIFT if closure == DRIFT else labels.CAUTION_SIGMA

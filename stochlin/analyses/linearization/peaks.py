@@ -31,12 +31,13 @@ from stochlin.models.parameters import Parameter, expect
 from stochlin.models.rules.peak_factors import PeakFactor, StationaryMotion, peak_factor_model
 from stochlin.models.structures import DRIFT, Structure
 
-STIFF = 0.5  # period over that of the ground, below which peaks of yielding structures are too small
-PACE = {2: 1.0, 1: 0.25}  # at which the drift grows into peaks, by sides
+STIFF = 0.5  # T/Tg below which peaks of yielding structures are too small
+# Rate at which the variance of the drift grows in the peaks, over 1/drift_time, by number of sides.
+PACE = {2: 1.0, 1: 0.25}
 ONE_SIDED = {
-    "peak_mean": ("m", "mean of the largest displacement in one direction"),
-    "peak_std": ("m", "standard deviation of the largest displacement in one direction"),
-    "peak_factor": ("1", "mean largest displacement in one direction over the standard deviation"),
+    "peak_mean": ("m", "mean of the peak displacement in one direction"),
+    "peak_std": ("m", "standard deviation of the peak displacement in one direction"),
+    "peak_factor": ("1", "peak factor in one direction"),
 }
 
 
@@ -51,58 +52,65 @@ def peak_response(
 ) -> xr.Dataset:
     """Peak displacement of a structure in a stationary motion of a given duration.
 
-    The structure is linearized; its response is taken as Gaussian, and as stationary from the
-    first instant on, but for the plastic drift, which grows from rest.
+    The structure is linearized. Its response is taken as Gaussian and as stationary from the start of
+    the motion, except for the plastic drift, which starts from rest.
 
     Parameters
     ----------
     structure : Bilinear, BoucWen or Hysteretic
+        The structure.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
+        The ground.
     duration : float or array
         Duration of the motion [s], positive; all parameters broadcast by dimension name.
     model : str
-        ``"davenport"``, ``"der_kiureghian"`` or ``"vanmarcke"``, as `peak_factor_model` knows them.
+        Model of the peak factor: ``"davenport"``, ``"der_kiureghian"`` or ``"vanmarcke"``, see
+        `peak_factor_model`.
     closure : str, optional
-        As in `linearize`. Usual is ``"drift"`` for bilinear structures on Kanai-Tajimi, Clough-Penzien
-        and white ground, and ``"gaussian"`` where that does not hold; the attribute ``closure`` says
-        which.
-    sides : int
-        2: the largest absolute displacement; 1: the largest displacement in one direction, which is
-        what pounding on one side needs.
+        Closure of the linearization, as in `linearize`. The default is ``"drift"`` for bilinear
+        structures on Kanai-Tajimi ground, Clough-Penzien ground and white noise, and ``"gaussian"``
+        otherwise; the attribute ``closure`` states the one that was used.
+    sides : {2, 1}
+        2 for the largest absolute displacement; 1 for the largest displacement in one direction, as for
+        pounding on one side.
 
     Returns
     -------
     xarray.Dataset
-        Over the dimensions of the parameters: ``peak_mean`` and ``peak_std`` [m], ``peak_factor``
-        [-]: mean peak over ``displacement_std`` [m], ``crossings`` [-]: mean number of zero
-        crossings, both ways, in the duration, ``bandwidth`` [-]: ``sqrt(1 - l1^2/(l0 l2))``,
-        ``status``. ``bias``: the relative error of ``displacement_std``, which is that of a motion
-        without end, as in `linearize`; ``caution``: that of ``bias``, and at least 1 where the peak of
-        a yielding structure is off by more, as the notes say.
+        Over the dimensions of the parameters: ``peak_mean`` and ``peak_std`` [m], the mean and the
+        standard deviation of the peak; ``peak_factor`` [-], ``peak_mean`` over ``displacement_std`` [m];
+        ``crossings`` [-], the mean number of zero crossings, upwards and downwards, in the duration;
+        ``bandwidth`` [-], ``sqrt(1 - l1^2/(l0 l2))`` with the spectral moments ``l0``, ``l1``, ``l2``;
+        ``status``; ``bias`` [-], the relative error of the stationary ``displacement_std``, as in
+        `linearize`; and the flag ``caution``, which is that of the bias, and at least 1 for yielding
+        structures with T < Tg/2, whose peaks are less accurate (see the notes).
 
     Raises
     ------
     ValueError, TypeError
-        If a model, closure or number of sides is unknown, a scalar is out of range, or a single
-        case lies outside the domain of the peak factor: a motion too short to hold a peak.
+        If a model, closure or number of sides is unknown, a scalar is out of range, or the motion of a
+        single case is too short for the peak factor; in a table the cell is NaN.
     ArithmeticError
         As in `linearize`.
 
     Notes
     -----
-    On elastic oscillators with 20 to 100 cycles the mean peak errs, against simulation, by -1 to +4 %
-    (Vanmarcke), -1 to +5 % (Der Kiureghian), +4 to +20 % (Davenport); one-sided, by 0 to +5, +2 to +8
-    and +3 to +15 %.
+    For elastic oscillators with 20 to 100 cycles, the error of the mean peak, compared with simulation,
+    is -1 to +4 % (Vanmarcke), -1 to +5 % (Der Kiureghian) and +4 to +20 % (Davenport); in one direction
+    it is 0 to +5 %, +2 to +8 % and +3 to +15 %.
 
-    Where structures yield, the drift closure's slow drift adds to the variance of the displacement and
-    nothing to its rates. It has the mean over the motion of a variance that grows as ``1 -
-    exp(-t/drift_time)``; for one direction four times as slowly, by trial against simulation: a drift
-    the other way brings no peak. Against simulated motions from rest (576 random structures, R 1 to 9,
-    alpha 0.02 to 0.3, T 0.2 to 3 s, 10 to 60 s of motion) the mean peak errs by -2 % in the mean,
-    between -32 and +15 % in nine cases of ten; with ``caution`` 0 by +4 %, -14 and +17 %, and it is too
-    small by more than 10 % in one case of twelve, by more than 20 % in one of 150; with ``caution`` 1,
-    mostly of structures with T < Tg/2, by -18 %. Of the Gaussian closure it errs by -25 %, between -76
-    and +5 %. One-sided means are larger by 2 to 4 %. ``peak_std`` is a quarter too small.
+    With the drift closure, the slow plastic drift adds to the variance of the displacement, but not to
+    that of the velocity. Its variance grows from rest as ``1 - exp(-t/drift_time)``, and its mean over
+    the motion is used; for peaks in one direction it grows four times as slowly, because a drift in the
+    other direction leads to no peak (a factor fitted to simulations).
+
+    Compared with nonlinear simulation from rest (576 random structures, R 1 to 9, hardening 0.02 to 0.3,
+    T 0.2 to 3 s, durations 10 to 60 s), the error of the mean peak is -2 % on average, and between -32
+    and +15 % in nine cases of ten. With ``caution`` 0 these values are +4 %, -14 % and +17 %; the mean
+    peak is too small by more than 10 % in one case of twelve and by more than 20 % in one of 150. With
+    ``caution`` 1, mostly for T < Tg/2, the error is -18 % on average. With the Gaussian closure it is
+    -25 %, and between -76 and +5 % in nine cases of ten. In one direction the errors are 2 to 4 %
+    higher. ``peak_std`` is too small by a quarter.
 
     References
     ----------
@@ -171,18 +179,18 @@ def _with_drift(
     duration: xr.DataArray,
     sides: int,
 ) -> tuple[xr.DataArray, ...]:
-    """Spectral moments with the drift as it is in the mean over a motion from rest."""
+    """Spectral moments with the mean variance of the drift over a motion from rest added."""
     whole = solved.displacement_std**2
     passed = PACE[sides] * solved.drift_rate * duration
     grown = 1 + np.expm1(-passed) / passed
-    fast = (whole / l0).clip(max=1.0)  # where simulation finds less than the derived moments have
+    fast = (whole / l0).clip(max=1.0)  # below 1 if the map corrects the variance to less than l0
     return fast * l0 + grown * (whole - l0).clip(0), fast * l1, fast * l2
 
 
 def _caution(
     structure: Structure, ground: Ground, solved: xr.Dataset, judged: xr.DataArray
 ) -> xr.DataArray:
-    """Of the peak: that of the standard deviation, and 1 for what yields and is stiff on its ground."""
+    """Caution of the peak: that of the standard deviation, at least 1 for yielding with T < Tg/2."""
     soil = ground.arrays().get("period", xr.DataArray(0.0))
     stiff = (structure.arrays()["period"] < STIFF * soil) & np.isfinite(solved.yield_displacement)
     caution = np.maximum(judged, stiff.astype(np.int8))
@@ -198,7 +206,8 @@ def peak_table(
     sides: int,
 ) -> xr.Dataset:
     """Peak of a Gaussian displacement with these spectral moments [m^2, m^2/s, m^2/s^2]."""
-    moving = (l0 > 0) & (l2 > 0)  # rounding may leave less of the difference of equal structures
+    # The moments of u_1 - u_2 of equal structures are 0, or negative by rounding errors.
+    moving = (l0 > 0) & (l2 > 0)
     crossings = duration * np.sqrt(l2.where(moving) / l0) / np.pi
     bandwidth = xr.apply_ufunc(np.sqrt, (1 - l1**2 / (l0 * l2).where(moving)).clip(0))
     factors = [
@@ -217,19 +226,19 @@ def peak_table(
 
 
 def response_moments(solved: xr.Dataset, ground: Ground) -> tuple[xr.DataArray, ...]:
-    """Spectral moments of the displacement [m]; ``solved`` as `solve_structure` returns it."""
+    """Spectral moments [m^2, m^2/s, m^2/s^2] of the displacement of a structure by `solve_structure`."""
     return _moments(displacement_moments, ground, solved)
 
 
 def relative_moments(first: xr.Dataset, second: xr.Dataset, ground: Ground) -> tuple[xr.DataArray, ...]:
-    """Spectral moments of ``u_1 - u_2`` [m]; arguments as in `response_moments`."""
+    """Spectral moments [m^2, m^2/s, m^2/s^2] of ``u_1 - u_2`` of structures by `solve_structure`."""
     return _moments(difference_moments, ground, first, second)
 
 
 def _moments(
     function: Callable[..., SpectralMoments], ground: Ground, *sides: xr.Dataset
 ) -> tuple[xr.DataArray, ...]:
-    """Cells in one row for the kernel; a cell without a response stays NaN."""
+    """Spectral moments by a kernel, which takes the cells in one row; failed cells stay NaN."""
 
     @np.errstate(invalid="ignore", divide="ignore")
     def flat(*arrays: Array) -> tuple[Array, ...]:

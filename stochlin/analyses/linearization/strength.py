@@ -1,4 +1,4 @@
-"""Strength of a structure: the reduction factor that it has, and the one for a given ductility."""
+"""Reduction factor of a structure, and the strength for a given ductility."""
 
 from __future__ import annotations
 
@@ -29,14 +29,16 @@ from stochlin.models.structures import Structure
 from stochlin.models.systems import AnyStructure
 
 TOLERANCE = Tolerance(1e-12, 1e-13, 200)
-REACHED = 1e-6  # relative; where ductility jumps with R, a search ends at the jump
+# Largest relative error of the ductility that is found. Where the ductility jumps with R, a search ends
+# at the jump, with a larger error.
+REACHED = 1e-6
 CELL = "cell"
 SHOWN = ("displacement_std", "ductility_std", "yield_displacement")
 
 
 @dataclass(frozen=True)
 class DuctilityTarget(Model):
-    """The mean peak ductility that is wanted."""
+    """Given mean peak ductility."""
 
     of_arguments = True
 
@@ -53,30 +55,33 @@ def strength_for_ductility(
 ) -> xr.Dataset:
     """Strength for a given mean peak ductility.
 
-    Solves ``p ductility_std = ductility`` for the reduction factor, ``ductility_std`` linearized.
+    The reduction factor ``R`` is the solution of ``p ductility_std = ductility``, with ``ductility_std``
+    by linearization.
 
     Parameters
     ----------
     structure : Bilinear, BoucWen or Hysteretic
-        With its hardening; a strength, if it has one, is not used.
+        The structure with its hardening; a strength that it may have is not used.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
+        The ground.
     ductility : float or array
-        Wanted mean peak ductility [-], positive; all parameters broadcast by dimension name.
+        Mean peak ductility [-], positive; all parameters broadcast by dimension name.
     peak_factor : float or array, optional
-        ``p`` [-], of the peak and in the definition of ``R`` alike; that of the structure unless given.
+        Peak factor ``p`` [-] of the ductility and in the definition of ``R``. The default is that of the
+        structure.
     closure : str, optional
-        As in `linearize`. Usual is ``"drift"`` for bilinear structures on Kanai-Tajimi, Clough-Penzien
-        and white ground, and ``"gaussian"`` where that does not hold; the attribute ``closure`` says
-        which.
+        Closure of the linearization, as in `linearize`. The default is ``"drift"`` for bilinear
+        structures on Kanai-Tajimi ground, Clough-Penzien ground and white noise, and ``"gaussian"``
+        otherwise; the attribute ``closure`` states the one that was used.
 
     Returns
     -------
     xarray.Dataset
-        Over the dimensions of the parameters: ``reduction_factor`` [-] and ``yield_displacement``
-        [m], ``displacement_std`` [m], ``ductility_std`` and ``ductility_peak`` [-] at that
-        strength, ``status``. A cell whose search fails is NaN with status ``not_converged``. ``bias``:
-        the relative error of these displacements and ductilities, from a map of simulations, and
-        ``caution`` where it exceeds 10 % or is unknown, both as in `linearize`.
+        Over the dimensions of the parameters: ``reduction_factor`` [-] and ``yield_displacement`` [m];
+        ``displacement_std`` [m], ``ductility_std`` [-] and ``ductility_peak`` [-] of a structure with
+        this strength; ``status``, which is ``not_converged`` where the search fails; ``bias`` [-], the
+        relative error of these displacements and ductilities from a map of simulations; and the flag
+        ``caution``, set where the bias exceeds 10 % or is unknown, both as in `linearize`.
 
     Raises
     ------
@@ -88,20 +93,23 @@ def strength_for_ductility(
 
     Notes
     -----
-    Ductility is about ``R`` when elastic and ``R`` times a constant when soft. It grew with ``R``
-    without exception over 400 random structures and grounds (T/Tg 0.05 to 10, xi 0.005 to 0.2, alpha
-    0.001 to 1, xig 0.01 to 0.9; ``R`` 0.01 to 1e5, 141 values), with each closure of the bilinear law
-    but ``"drift"``, so that a bracket is always found and holds one root. With ``"drift"`` it fell by up
-    to 10 % for 2 of 60 structures near the resonance of a narrow band, where several strengths have the
-    ductility and one of them is found. And it may *jump*: with ``"narrow_band"``, for stiff
-    structures on a lake bed, from 3 to 20 and more within a millionth of ``R``, and no strength gives
-    a ductility between. Such a target fails, as does one that needs an ``R`` at which the fixed point
-    does not converge (some above 10 000; with ``"clipped"``, some near its own jumps).
+    The ductility is about ``R`` for small ``R``, and proportional to ``R`` for large ``R``. In 400
+    random cases (T/Tg 0.05 to 10, damping 0.005 to 0.2, hardening 0.001 to 1, ground damping 0.01 to
+    0.9; 141 values of ``R`` from 0.01 to 1e5), it always increased with ``R``, with every closure of the
+    bilinear law except ``"drift"``, so that there is exactly one solution. With ``"drift"`` it decreased
+    by up to 10 % for 2 of 60 structures near the resonance of a narrow-band ground; there, several
+    strengths have the same ductility, and one of them is found.
 
-    The strength is as good as the ductility: with the drift closure off by 1.4 % in the mean, as in
-    `linearize`; with the Gaussian closure too small, and so is the strength. Asked for a ductility of 4,
-    a structure of 0.6 s (xi and alpha 0.05) has by simulation 4.0 on firm ground (Tg = 0.42 s, xig =
-    0.6) and on a lake bed (2 s, 0.05); with the Gaussian closure 6.2 and 20.
+    With ``"narrow_band"``, the ductility of stiff structures on a lake bed can jump from 3 to 20 and
+    more within a millionth of ``R``, and no strength has a ductility in between. Such a search fails. It
+    also fails if the linearization does not converge for the required ``R`` (some above 10 000; with
+    ``"clipped"`` also some near jumps).
+
+    The strength has the error of the linearized ductility: 1.4 % on average with the drift closure, as
+    in `linearize`. The Gaussian closure underestimates the ductility, so that its strength is too small.
+    A structure with a period of 0.6 s (damping and hardening 0.05) and the strength for a ductility of 4
+    has by nonlinear simulation a ductility of 4.0 on firm ground (0.42 s, damping 0.6) and on a lake bed
+    (2 s, 0.05); with its strength by the Gaussian closure 6.2 and 20.
 
     References
     ----------
@@ -122,8 +130,8 @@ def strength_for_ductility(
         check_closure(structure, closure)
     if structure.hardening is None:
         raise ValueError(
-            f"{type(structure).__name__}: hardening is not given; a structure that is to yield needs "
-            "its hardening ratio"
+            f"{type(structure).__name__}: hardening is not given; a structure that yields needs its "
+            "hardening ratio"
         )
     factor = structure.peak_factor if peak_factor is None else peak_factor
     strong = replace(structure, yield_displacement=None, reduction_factor=1.0, peak_factor=factor)
@@ -161,18 +169,20 @@ def strength_for_ductility(
 def reduction_factor(structure: Structure, ground: Ground) -> xr.Dataset:
     """Reduction factor ``R = p sigma_el / uy`` of a structure on a ground.
 
-    The other way, from ``R`` to the yield displacement, is in the result of `linearize`.
+    Here ``p`` is the peak factor of the structure, ``sigma_el`` the standard deviation of its elastic
+    displacement and ``uy`` its yield displacement. `linearize` gives the yield displacement for ``R``.
 
     Parameters
     ----------
     structure : Bilinear, BoucWen or Hysteretic
-        With a strength, by either of its two names.
+        The structure with a strength, as ``yield_displacement`` or ``reduction_factor``.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
+        The ground; its parameters and those of the structure broadcast by dimension name.
 
     Returns
     -------
     xarray.Dataset
-        Over the dimensions of the parameters: ``reduction_factor`` [-], ``yield_displacement`` [m],
+        Over the dimensions of the parameters: ``reduction_factor`` [-], ``yield_displacement`` [m] and
         ``status``.
 
     Raises
@@ -226,7 +236,7 @@ def _search(structure: Structure, ground: Ground, target: DuctilityTarget, closu
         (role, name): array
         for role, model in models.items()
         for name, array in model.arrays().items()
-        if name != "mass"  # a number that strength does not depend on
+        if name != "mass"  # the strength does not depend on it
     }
     try:
         arrays = xr.broadcast(*xr.align(*named.values(), join="exact", copy=False))
@@ -242,7 +252,7 @@ def _search(structure: Structure, ground: Ground, target: DuctilityTarget, closu
     wanted = flat["target", "ductility"]
 
     def excess(log_r: Array, index: Array) -> Array:
-        """Logarithm of peak ductility over the wanted one, for some of the cells."""
+        """Logarithm of the ratio of the peak ductility to its target, for the cells of ``index``."""
         cells = index.astype(int)
 
         def some(role: str) -> dict[str, Any]:
@@ -258,7 +268,7 @@ def _search(structure: Structure, ground: Ground, target: DuctilityTarget, closu
 
     if wanted.size:
         index = np.arange(wanted.size, dtype=float)
-        start = np.log(wanted)  # elastic, ductility is R
+        start = np.log(wanted)  # the solution if the structure stays elastic
         around = elementwise.bracket_root(excess, start - 0.4, start + 0.4, args=(index,), maxiter=30)
         root = elementwise.find_root(excess, around.bracket, args=(index,), maxiter=60)
         result[valid] = np.where(root.success, np.exp(root.x), np.nan)
@@ -266,19 +276,19 @@ def _search(structure: Structure, ground: Ground, target: DuctilityTarget, closu
 
 
 def solved_reduction_factor(structure: Structure, solved: xr.Dataset) -> float:
-    """The reduction factor of one cell, from what `solve_structure` returns; NaN if elastic."""
+    """Reduction factor of a single structure from its dataset by `solve_structure`; NaN if elastic."""
     factor = float(structure.arrays()["peak_factor"] * solved[STRENGTH_RATIO])
     return factor if structure.yields else np.nan
 
 
 def strength_in_metres(structure: AnyStructure, ground: Ground) -> Any:
-    """The structure with its strength as a yield displacement, whatever defined it on this ground."""
+    """The structure with its strength as a yield displacement [m] instead of a reduction factor."""
     if isinstance(structure, ShearBuilding) or structure.reduction_factor is None:
         return structure
     uy = solve_elastic(structure, ground).yield_displacement
     if not uy.ndim and not 0 < float(uy) < np.inf:
         raise ArithmeticError(
-            f"the elastic response of {structure.describe()} to {ground.describe()}, which its "
-            "reduction_factor refers to, is beyond what can be computed; give less extreme parameters"
+            f"the elastic response of {structure.describe()} to {ground.describe()}, to which its "
+            "reduction_factor refers, cannot be computed in floating point; give less extreme parameters"
         )
     return replace(structure, reduction_factor=None, yield_displacement=uy)

@@ -1,4 +1,4 @@
-"""When a fixed point counts as found."""
+"""Stop rule of the iterations of statistical linearization."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from stochlin.messages import brief
 
 @dataclass(frozen=True)
 class Tolerance:
-    """Stop rule of the fixed point, as `linearize` describes it."""
+    """Stop rule of an iteration, checked; `linearize` describes its parameters."""
 
     rtol: float
     atol: float

@@ -1,4 +1,4 @@
-"""Transient linearization of one structure under a modulated ground."""
+"""Transient linearization of one structure in a motion of finite duration."""
 
 from __future__ import annotations
 
@@ -35,43 +35,47 @@ def transient_response(
     envelope: Envelope | None = None,
     points: int = POINTS,
 ) -> xr.Dataset:
-    """Standard deviations of a structure over time, from rest, by transient linearization.
+    """Standard deviations of the response of a structure over time, by transient linearization.
 
-    The coefficients of eqs. (9) and (10) follow the covariance, which obeys
-    ``X' = A X + X A' + B C' + C B'`` with the envelope in ``B``.
+    The structure is at rest at first. The coefficients of eqs. (9) and (10) by the Gaussian closure
+    change with the covariance ``X`` of the response. It obeys ``X' = A X + X A' + B C' + C B'``, with
+    the state matrix ``A`` of the structure, the covariance ``C`` of structure and ground, and the input
+    matrix ``B``, which is proportional to the envelope.
 
     Parameters
     ----------
     structure : Bilinear, BoucWen or Hysteretic
+        The structure.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
-        Parameters of both broadcast by dimension name.
+        The ground; its parameters and those of the structure broadcast by dimension name.
     duration : float
-        Length of the motion [s], at least a period.
+        Duration of the motion [s], at least one period.
     envelope : AminAng, ShinozukaSato, GammaEnvelope or HsuBernard, optional
-        Of the motion; without it the ground starts at once.
+        Envelope of the motion; without it the ground motion is stationary from its start.
     points : int
-        Instants of the result.
+        Number of instants of the result.
 
     Returns
     -------
     xarray.Dataset
         Over ``time`` [s] and the dimensions of the parameters: ``displacement_std`` [m],
-        ``velocity_std`` [m/s], ``z_std`` [-] (elastic: 0), ``c_eq``, ``k_eq`` [1/s]; over ``time``
-        ``envelope`` [-] and ``permanent_set``, a flag once shaking is no longer strong;
-        ``yield_displacement`` [m] and ``status``.
+        ``velocity_std`` [m/s], ``z_std`` [-] (0 if elastic), ``c_eq`` [-] and ``k_eq`` [1/s]. Over
+        ``time``: ``envelope`` [-], and ``permanent_set``, a flag that is 1 after the strong shaking.
+        Over the dimensions of the parameters: ``yield_displacement`` [m] and ``status``.
 
     Raises
     ------
     ValueError, TypeError
-        If a number is out of range, the envelope is negative or nothing within the duration, or the
-        duration is shorter than a period.
+        If a number is out of range, the envelope has negative values or is zero within the whole
+        duration, or the duration is shorter than a period.
     ArithmeticError
-        If a single case fails.
+        If a single case fails; in a table the cell is NaN and its status gives the reason.
 
     Notes
     -----
-    Exact for linear structures (to 1e-9). Gaussian closure. Once strong shaking ends, for good below
-    half of the envelope's maximum, the permanent set is lost: the linearized structure returns.
+    For linear structures the result is exact to 1e-9. Strong shaking ends when the envelope falls below
+    half of its maximum for the last time. From then on the result does not have the permanent
+    displacement of yielding structures, because the linearized structure returns to zero.
 
     References
     ----------

@@ -1,4 +1,4 @@
-"""From models to the equations of transient linearization: cells, pairs of them, and instants."""
+"""Equations of transient linearization from models: structures, their pairs, and instants."""
 
 from __future__ import annotations
 
@@ -37,54 +37,55 @@ from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
 from stochlin.models.systems import AnyStructure, Stack, System, stack_of
 
-STEPS_PER_PERIOD = 16  # of the shortest period, for integrals over time
-STRONG = 0.5  # of the envelope's largest value: shaking is strong until it falls below for good
-SCANNED = 4096  # instants at which an envelope is looked at
-COLUMNS = 8  # numbers that are held of each structure and pair at an instant
-INSTANT = 1e-4  # [s] of integration, roughly
-RATES = 20  # nodes times sweeps, roughly, for each radian of the fastest mode
-PRODUCT = 8e-11  # [s] of each, for the states of a structure cubed
+STEPS_PER_PERIOD = 16  # instants in the shortest period, for integrals over time
+STRONG = 0.5  # share of the envelope's maximum below which shaking is no longer strong
+SCANNED = 4096  # instants at which an envelope is evaluated for checks
+COLUMNS = 8  # numbers that are stored for each structure or pair at an instant
+# Estimate of the computing time: [s] for each instant; evaluations for each radian of the fastest mode;
+# [s] for each evaluation and cube of the number of states of a structure.
+INSTANT, RATES, PRODUCT = 1e-4, 20, 8e-11
 POINTS = 101  # instants of a result
 TIME = "time"
-LACKING = {"yield_displacement": np.inf, "scale": 1.0}  # of storeys that others have; else 0
+# Values for the storeys that a structure has less than the highest one; the others are 0.
+LACKING = {"yield_displacement": np.inf, "scale": 1.0}
 
 
 class Oscillators(NamedTuple):
-    """Structures in a row, (n,)."""
+    """Parameters of structures of one floor, with shape (n,)."""
 
-    period: Array
+    period: Array  # [s]
     damping: Array
     hardening: Array
-    yield_displacement: Array  # infinite where elastic
-    elastic_std: Array  # of the displacement, were it elastic [m]
+    yield_displacement: Array  # [m], infinite if elastic
+    elastic_std: Array  # standard deviation of the elastic displacement [m]
 
 
 class Storeys(NamedTuple):
-    """A building with storeys, on each of its grounds (n,)."""
+    """A building with m storeys on n grounds."""
 
     stack: Stack
-    period: Array  # (n,), the same for all
-    elastic_std: Array  # (n, m) of the drifts, were it elastic [m]
+    period: Array  # (n,) [s], all equal
+    elastic_std: Array  # (n, m) standard deviations of the elastic drifts [m]
 
 
 class Side(NamedTuple):
-    """One structure: its cells in a row, and where each is."""
+    """One of the structures, with its valid cells in a row."""
 
     structure: AnyStructure
     cells: Oscillators | Storeys
-    law: Array  # (k, n m): of all storeys, cell by cell
-    ground: Mapping[str, Array]  # its parameters, (n,) each
+    law: Array  # (k, n m) parameters of the law for all storeys, cell by cell
+    ground: Mapping[str, Array]  # parameters of the ground, (n,) each
     status: xr.DataArray
-    position: xr.DataArray  # of each cell in the row of all sides, -1 where invalid
-    seen: Array  # (h, m): displacements that are looked at, by those of the floors
+    position: xr.DataArray  # number of each cell in the row of all structures, -1 if invalid
+    seen: Array  # (h, m) factors that give the displacements of the result from those of the floors
 
     @property
     def has_storeys(self) -> bool:
-        """Whether it is a building."""
+        """Whether the structure is a building with storeys."""
         return isinstance(self.cells, Storeys)
 
     def stack(self, cell: int) -> Stack:
-        """The structure of a cell, of a mass of 1 kg if it is an oscillator."""
+        """Storeys of the structure of one cell; an oscillator is one storey with a mass of 1 kg."""
         if isinstance(self.cells, Storeys):
             return self.cells.stack
         period, damping, hardening, uy, _ = (column[cell : cell + 1] for column in self.cells)
@@ -106,17 +107,17 @@ class Course(NamedTuple):
 
     envelope: Envelope | None
     duration: float
-    times: Array  # for integrals
+    times: Array  # [s], for integrals over time
     shown: Array  # indices of the instants of the result
-    strong_end: float  # [s]
+    strong_end: float  # end of the strong shaking [s]
 
     def values(self, times: Array) -> Array:
-        """The envelope at instants [s]."""
+        """Values of the envelope at times [s]."""
         return envelope_at(self.envelope, times)
 
 
 class Moments(NamedTuple):
-    """Moments of all cells that are valid, over the instants for integrals."""
+    """Second moments of all valid cells at the instants of the course."""
 
     own: Own
     difference: Difference
@@ -125,7 +126,7 @@ class Moments(NamedTuple):
 
 
 def check_course(duration: float | None, envelope: Envelope | None) -> float:
-    """The duration; raises for what is no finite motion. To be called before any work."""
+    """The duration [s], checked together with the envelope."""
     seconds = check_duration(duration)
     if envelope is None:
         return seconds
@@ -138,25 +139,25 @@ def check_course(duration: float | None, envelope: Envelope | None) -> float:
         )
     if not values.max() > 0:
         raise ValueError(
-            f"envelope = {envelope.describe()} is 0 all through duration = {seconds:g}; allowed: some "
-            "motion within the duration"
+            f"envelope = {envelope.describe()} is 0 during the whole duration = {seconds:g}; allowed: "
+            "positive values within the duration"
         )
     return seconds
 
 
 def check_names(roles: str, dims: Collection[Hashable], own: Sequence[str]) -> None:
-    """Raise a ValueError if a dimension has the name of one that the result has of its own."""
+    """Raise a ValueError if a dimension has the name of one that the result adds."""
     for name in own:
         if name in dims:
             raise ValueError(
-                f"{roles}: a dimension is named {name!r}, as one of the result is; give it another name"
+                f"{roles}: a dimension is named {name!r}, which the result adds; give it another name"
             )
 
 
 def side_of(structure: AnyStructure, ground: Ground, duration: float, role: str, first: int) -> Side:
-    """The cells of a structure, numbered from ``first``; those longer than the motion are invalid.
+    """Valid cells of a structure, numbered from ``first``; the displacement of a building is its roof's.
 
-    Of a building its roof is looked at.
+    Cells with a period longer than the motion are invalid.
     """
     check_duration(duration, {role: structure})
     if isinstance(structure, ShearBuilding):
@@ -193,6 +194,7 @@ def side_of(structure: AnyStructure, ground: Ground, duration: float, role: str,
 
 
 def _building(structure: ShearBuilding, ground: Ground, role: str, first: int) -> Side:
+    """`side_of` for a building with storeys."""
     valid = ground.valid()
     position = numbered(valid, first)
     below = {name: of_cells(array, position).astype(float) for name, array in ground.arrays().items()}
@@ -225,40 +227,40 @@ def _building(structure: ShearBuilding, ground: Ground, role: str, first: int) -
 
 
 def ground_of(ground: Ground, values: Mapping[str, Array], cell: int) -> Ground:
-    """The ground of one cell."""
+    """Ground of one cell, from the parameters of all cells."""
     own: dict[str, Any] = {name: float(row[cell]) for name, row in values.items()}
     return replace(ground, **own)
 
 
 def numbered(valid: xr.DataArray, first: int = 0) -> xr.DataArray:
-    """Numbers of the cells that are valid, in their order; -1 where they are not."""
+    """Consecutive numbers of the valid cells from ``first`` on, and -1 for the others."""
     flat = valid.to_numpy().ravel()
     number = np.where(flat, first + np.cumsum(flat) - 1, -1)
     return xr.DataArray(number.reshape(valid.shape), dims=valid.dims, coords=valid.coords)
 
 
 def of_cells(array: xr.DataArray, at: xr.DataArray) -> Array:
-    """The values of the cells that have a number in ``at``, in their order."""
+    """Values of the cells with a number in ``at``, in the order of the cells."""
     return row_of(array, at)[at.to_numpy().ravel() >= 0]
 
 
 def oscillators_of(sides: Sequence[Side]) -> Oscillators:
-    """The structures of all sides in one row; none of them has storeys."""
+    """Structures of all sides in one row; none of them is a building with storeys."""
     return Oscillators(*map(np.concatenate, zip(*(side.cells for side in sides), strict=True)))
 
 
 def shortest_period(sides: Sequence[Side]) -> float:
-    """Of all cells, of buildings that of their first mode [s]."""
+    """Shortest period of all cells [s]; that of a building is its first one."""
     return float(np.concatenate([side.cells.period for side in sides]).min())
 
 
 def grounds_of(sides: Sequence[Side]) -> dict[str, Array]:
-    """The parameters of their grounds."""
+    """Parameters of the grounds of all cells, in one row."""
     return {name: np.concatenate([side.ground[name] for side in sides]) for name in sides[0].ground}
 
 
 def course_of(envelope: Envelope | None, duration: float, shortest: float, points: int) -> Course:
-    """Instants so dense that integrals over time are right for the shortest period."""
+    """Instants of a motion, close enough for integrals over time with the shortest period."""
     stretches = points - 1
     instants = duration * STEPS_PER_PERIOD / shortest
     check_work(
@@ -278,7 +280,10 @@ def course_of(envelope: Envelope | None, duration: float, shortest: float, point
 
 
 def solve_course(sides: Sequence[Side], ground: Ground, pairs: Array, course: Course) -> Moments:
-    """Second moments of all structures and pairs (2, p) of them, from rest."""
+    """Second moments of all structures and of pairs of them, which are at rest at first.
+
+    ``pairs`` (2, p) has the numbers of their cells.
+    """
     structures = _structures(sides)
     fastest = np.sqrt(np.abs(structures.stiffness).sum(axis=-1).max())
     n, m = structures.scale.shape
@@ -296,10 +301,10 @@ def solve_course(sides: Sequence[Side], ground: Ground, pairs: Array, course: Co
 
 
 def over_time(table: xr.Dataset, course: Course) -> xr.Dataset:
-    """The table with its instants, the envelope there, and whether strong shaking is over."""
+    """The table with the times, the envelope, and a flag for the end of the strong shaking."""
     time = labels.axis(TIME, "time", course.times[course.shown], "s")
     flag = {
-        "long_name": f"whether the envelope has fallen for good below {STRONG:g} of its largest value",
+        "long_name": f"envelope finally below {STRONG:g} of its maximum",
         "flag_values": np.arange(2, dtype=np.int8),
         "flag_meanings": "strong_shaking permanent_set_not_represented",
     }
@@ -318,7 +323,7 @@ def over_time(table: xr.Dataset, course: Course) -> xr.Dataset:
 
 
 def _structures(sides: Sequence[Side]) -> Structures:
-    """All cells of all sides, as wide as the one with most storeys."""
+    """Equations of all cells, with the number of storeys of the highest building."""
     parts = [
         _storeys(side.cells, side.seen) if isinstance(side.cells, Storeys) else _oscillators(side.cells)
         for side in sides
@@ -331,7 +336,7 @@ def _structures(sides: Sequence[Side]) -> Structures:
 
 
 def _widened(name: str, array: Array, storeys: int) -> Array:
-    """With the storeys that a structure lacks."""
+    """An array of `Structures` extended to a larger number of storeys."""
     lead = 2 if name == "seen" else 1
     wider = [(0, 0) if axis < lead else (0, storeys - n) for axis, n in enumerate(array.shape)]
     return np.pad(array, wider, constant_values=LACKING.get(name, 0.0))
@@ -347,7 +352,7 @@ def _oscillators(cells: Oscillators) -> Structures:
 
 
 def _storeys(cells: Storeys, seen: Array) -> Structures:
-    """Of the drifts: floors ``M u'' = -C u' - T' (k d - h y) + M 1 f`` by ``d = T u``."""
+    """Equations of the drifts ``d = T u``, from ``M u'' = -C u' - T' (k d - h y) + M 1 f``."""
     stack, period, scale = cells
     drifts = System((stack,), ()).extensions
     floors = np.linalg.inv(drifts)
@@ -368,7 +373,7 @@ def _storeys(cells: Storeys, seen: Array) -> Structures:
 
 
 def _coefficients(sides: Sequence[Side]) -> Coefficients:
-    """Equivalent coefficients of all storeys that yield, by the closures of their laws."""
+    """Function for the equivalent coefficients of all yielding storeys by their laws."""
     yielding = [side for side in sides if side.structure.yields]
 
     def closure_of(side: Side) -> Closure:
@@ -397,7 +402,7 @@ def _coefficients(sides: Sequence[Side]) -> Coefficients:
 
 
 def _filters(ground: Ground, values: Mapping[str, Array]) -> Filters:
-    """Ground filters of the cells, those alike found once."""
+    """Ground filters of the cells; equal filters are computed once."""
     intensity = 2 * np.pi * values["intensity"]
     shape = {name: row for name, row in values.items() if name != "intensity"}
     table = np.stack([np.zeros_like(intensity), *shape.values()])
@@ -414,7 +419,7 @@ def _filters(ground: Ground, values: Mapping[str, Array]) -> Filters:
 
 
 def _in_standard_deviations(unit: Matrices) -> tuple[Array, Array, Array]:
-    """Matrix, output and covariance of a filter under a unit of noise, its states over their std."""
+    """Matrix, output and covariance of a filter under unit white noise, with states of unit variance."""
     matrix, noise, output = unit
     if not noise.size:
         return matrix, output, matrix
@@ -424,7 +429,7 @@ def _in_standard_deviations(unit: Matrices) -> tuple[Array, Array, Array]:
 
 
 def spread_over(values: Array, at: xr.DataArray) -> xr.DataArray:
-    """Values (..., numbers) laid out where ``at`` has their numbers, after ``time`` if that is there."""
+    """Array with the dimensions of ``at`` from values of numbered cells, (n,) or (time, n)."""
     place = at.to_numpy().ravel()
     filled = np.full((*values.shape[:-1], place.size), np.nan)
     filled[..., place >= 0] = values[..., place[place >= 0]]

@@ -1,1 +1,1 @@
-"""How likely they hit: over time, by record, over intensity and gap."""
+"""Probability of pounding: over time, in a record, and over intensity and gap."""

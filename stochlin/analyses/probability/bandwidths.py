@@ -1,4 +1,4 @@
-"""Bandwidth of the relative displacement of two structures in a finite motion, instant by instant."""
+"""Bandwidth of the relative displacement of two structures over time in a finite motion."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ from stochlin.kernels.linearization.spectral_moments import SpectralMoments, dif
 from stochlin.models.grounds import Ground
 from stochlin.models.systems import System
 
-INSTANTS = 13  # at which the bandwidth of yielding structures is found
-NO_SLIP = 1e-12  # coefficients below are those of an elastic structure
+INSTANTS = 13  # instants at which the bandwidth of yielding structures is computed
+NO_SLIP = 1e-12  # equivalent coefficients below which a structure counts as elastic
 
 
 def bandwidths(moments: Moments, pairs: Array, ground: Ground) -> Array:
-    """Bandwidth of ``u_1 - u_2`` over (times, pairs h).
+    """Bandwidth [-] of ``u_1 - u_2`` over (times, pairs h), with h heights.
 
-    That of the stationary response of the systems that hold at the instant: their spectrum forms
-    within a few periods.
+    At each instant it is that of the stationary response of the equivalent linear systems at this
+    instant, since their spectrum develops within a few periods.
     """
     times, own = moments.course.times, moments.own
     elastic = not own.relaxation.any() and not own.slip.any()
@@ -41,7 +41,7 @@ def bandwidths(moments: Moments, pairs: Array, ground: Ground) -> Array:
         with np.errstate(invalid="ignore", divide="ignore"):
             l0, l1, l2 = spectrum(own.slip[instant], own.relaxation[instant])
             narrow = 1 - l1**2 / (l0 * l2)
-        # Structures that move as one have no bandwidth of their difference: independent crossings.
+        # NaN, for structures that move together, becomes 1: crossings are then independent.
         found.append(np.sqrt(np.clip(np.nan_to_num(narrow, nan=1.0), 0, 1)))
     at = times[chosen]
     if at.size == 1:
@@ -52,11 +52,12 @@ def bandwidths(moments: Moments, pairs: Array, ground: Ground) -> Array:
     return (1 - share) * table[place] + share * table[place + 1]
 
 
-Spectrum = Callable[[Array, Array], SpectralMoments]  # of the differences, by slip and relaxation
+# Spectral moments of u_1 - u_2 as a function of the coefficients 1 + c_eq and k_eq.
+Spectrum = Callable[[Array, Array], SpectralMoments]
 
 
 def _of_oscillators(moments: Moments, pairs: Array, ground: Ground) -> Spectrum:
-    """In closed form, all pairs at once."""
+    """Spectral moments of all pairs of oscillators at once, in closed form."""
     period, damping, hardening, uy, _ = oscillators_of(moments.sides)
     below = ground.filter(grounds_of(moments.sides))
     below_pair = below.at(pairs[0])
@@ -79,7 +80,7 @@ def _of_oscillators(moments: Moments, pairs: Array, ground: Ground) -> Spectrum:
 
 
 def _of_storeys(moments: Moments, pairs: Array, ground: Ground) -> Spectrum:
-    """Pair by pair, at all heights; nothing where the weight leaves no stationary motion."""
+    """Spectral moments of pairs with storeys, at all heights; NaN without a stationary response."""
     one, two = moments.sides
     seen, cells = np.hstack([one.seen, -two.seen]), one.cells.period.size
     widest = max(one.seen.shape[1], two.seen.shape[1])

@@ -1,4 +1,4 @@
-"""Two structures in a finite earthquake: every cell of their table, by formula and by simulation."""
+"""Table of probabilities of pounding for two structures in finite motions, by formula and simulation."""
 
 from __future__ import annotations
 
@@ -52,20 +52,23 @@ AT_HEIGHT = (
     "required_gap_simulated",
     "rho",
 )
-SAMPLES = "separation_samples"  # for a fragility, of which they are the data
+SAMPLES = "separation_samples"  # variable from which a fragility is fitted
 
 
 class PairTable(NamedTuple):
-    """Cells, moments, and where each pair and gap is; with storeys, at all heights where they meet."""
+    """Second moments of p pairs in k strengths of the motion, and the positions of pairs and gaps.
+
+    With storeys there are h heights of contact, and a pair is counted at each of them.
+    """
 
     weights: Array  # (k,) of the strengths of the motion
-    every_pair: xr.DataArray  # number of the pair at a strength: those of one come after another's
-    structures_of_pair: Array  # (2, k p): numbers of both
+    every_pair: xr.DataArray  # number of each pair and strength, strength by strength
+    structures_of_pair: Array  # (2, k p) numbers of both structures
     moments: Moments
-    pair_number: xr.DataArray  # number of the pair, -1 where invalid; h of them with storeys, by height
-    cell_number: xr.DataArray  # number of the (pair, height, gap), likewise
-    gap: Array  # (c,)
-    pair_of_cell: Array  # (c,), with its height
+    pair_number: xr.DataArray  # number of each pair and height, -1 where invalid
+    cell_number: xr.DataArray  # number of each pair, height and gap, -1 where invalid
+    gap: Array  # (c,) [m]
+    pair_of_cell: Array  # (c,) number of the pair and height
     status: xr.DataArray
 
     @classmethod
@@ -80,7 +83,7 @@ class PairTable(NamedTuple):
         points: int,
         weights: Array = ALONE,
     ) -> PairTable:
-        """Check, number and solve the cells; with several weights the ground has a `STRENGTH`."""
+        """Table of checked and solved pairs; with several weights the ground is over `STRENGTH`."""
         one = side_of(first, ground, duration, "first", 0)
         two = side_of(second, ground, duration, "second", one.cells.period.size)
         gap = distance.arrays()["gap"]
@@ -124,7 +127,7 @@ class PairTable(NamedTuple):
 
 
 def _where_they_meet(one: Side, two: Side) -> tuple[tuple[Side, Side], xr.DataArray]:
-    """Both with the displacements at the heights where they meet, and numbers of these."""
+    """Both structures with displacements at the heights of contact, and numbers of the heights."""
     if not (one.has_storeys or two.has_storeys):
         return (one, two), xr.DataArray(0)
     stacks = one.stack(0), two.stack(0)
@@ -139,13 +142,13 @@ def _where_they_meet(one: Side, two: Side) -> tuple[tuple[Side, Side], xr.DataAr
 
 
 def height_numbers(heights: ArrayLike) -> xr.DataArray:
-    """Numbers along ``height`` [m]."""
+    """Numbers of heights, over the dimension ``height`` [m]."""
     axis = labels.axis(HEIGHT, "height above the ground", np.asarray(heights), "m")
     return axis.copy(data=np.arange(axis.size))
 
 
 def by_formula(pairs: PairTable, ground: Ground, confidence: float) -> xr.Dataset:
-    """What linearization says, and what it says with the drift put back."""
+    """Variables of the table by linearization, and with its known bias corrected."""
     moments, course = pairs.moments, pairs.moments.course
     bandwidth = bandwidths(moments, pairs.structures_of_pair, ground)
     own, both = moments.own.displacement, moments.difference
@@ -179,13 +182,16 @@ def by_formula(pairs: PairTable, ground: Ground, confidence: float) -> xr.Datase
 
 
 def _mean(moments: Array, weights: Array) -> Array:
-    """Moments (times, k p) over the strengths of the motion."""
+    """Mean (times, p) of moments (times, k p) over the strengths of the motion."""
     mean: Array = np.einsum("k,tkp->tp", weights, moments.reshape(len(moments), weights.size, -1))
     return mean
 
 
 def over_heights(table: xr.Dataset) -> xr.Dataset:
-    """Of all heights the worst, of moments those at the highest, and some of both by height."""
+    """Table of all heights together: the worst probabilities, and the moments at the highest one.
+
+    Variables of `AT_HEIGHT` are also kept at each height.
+    """
     whole = xr.Dataset()
     for name, array in table.items():
         kind = str(name).partition("_")[0]
@@ -203,7 +209,7 @@ def over_heights(table: xr.Dataset) -> xr.Dataset:
 
 
 def _bounds(table: xr.Dataset) -> xr.Dataset:
-    """What the formulas of single heights say of all at once, and which height is the worst."""
+    """Table of all heights together, with Boole's bound of the confidence and the governing height."""
     missed = (1 - table.confidence_of_no_pounding).sum(HEIGHT, skipna=False)
     governing = table.required_gap.fillna(-1.0).idxmax(HEIGHT)
     return over_heights(table).assign(
@@ -219,7 +225,7 @@ def by_simulation(
     draws: Draws,
     progress: Progress | None,
 ) -> xr.Dataset:
-    """What simulated motions say, with errors; the table is that of one strength of the motion."""
+    """Variables of the table by simulation, with errors; ``pairs`` has one strength of the motion."""
     cells, moments = (pairs.gap, pairs.pair_of_cell), pairs.moments
     found = simulate_course(
         moments.sides, pairs.structures_of_pair, cells, ground, moments.course, draws, progress
@@ -230,9 +236,10 @@ def by_simulation(
 def simulated_table(
     found: Histories, cell: xr.DataArray, pair: xr.DataArray, confidence: float, seed: int
 ) -> xr.Dataset:
-    """Probabilities and standard deviations; numbers of gaps and pairs say where they are in a table.
+    """Simulated probabilities and standard deviations, with errors.
 
-    With several heights the pairs are those of one pair, by height.
+    ``cell`` and ``pair`` have the numbers of gaps and pairs. With several heights, the pairs are one
+    pair at each height.
     """
     n = len(found.largest)
     alive = found.survivors
@@ -264,7 +271,7 @@ def simulated_table(
 
 
 def _simulated_gaps(largest: Array, pair: xr.DataArray, confidence: float) -> dict[str, xr.DataArray]:
-    """The gap that keeps the confidence, of samples (motions, pairs), and its 95 % interval."""
+    """Gap [m] for the confidence, from samples (motions, pairs), and its 95 % interval."""
     gaps = quantile_intervals(largest, np.array([confidence]))
     return {
         f"required_gap_simulated{ending}": spread_over(values, pair)
@@ -273,11 +280,11 @@ def _simulated_gaps(largest: Array, pair: xr.DataArray, confidence: float) -> di
 
 
 def _drift(pairs: PairTable, ground: Ground) -> tuple[Array, Array]:
-    """Variances of the drift; NaN where the map of the bias does not reach."""
+    """Variances [m^2] of the plastic drifts and of their difference; NaN outside the map of the bias."""
     own, both, sides, course = pairs.moments
     first, second = (side.structure for side in sides)
     if not (isinstance(first, Structure) and isinstance(second, Structure)):
-        unknown = np.nan if first.yields or second.yields else 0.0  # the map is one of oscillators
+        unknown = np.nan if first.yields or second.yields else 0.0  # the map has oscillators only
         return np.full_like(own.displacement, unknown), np.full_like(both.d_d, unknown)
     solved = zip((linearize(first, ground), linearize(second, ground)), sides, strict=True)
     biases = [of_cells(table.bias, side.position) for table, side in solved]

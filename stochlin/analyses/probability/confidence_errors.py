@@ -1,7 +1,8 @@
-"""Where the formulas' confidence of no pounding can be relied on, by region.
+"""Regions in which the confidence of no pounding by formula is accurate.
 
-Found on half of 840 random pairs, 762 of them yielding, in finite motions, simulated at four gaps each,
-and tested on the other half by `benchmarks/probability.py`, which prints the errors.
+They were chosen on half of 840 random pairs, 762 of them yielding, in finite motions with four gaps
+each, by comparison with simulation. `benchmarks/probability.py` tests them on the other half and prints
+the errors.
 """
 
 from __future__ import annotations
@@ -17,22 +18,24 @@ from stochlin.models.structures import Structure
 from stochlin.models.systems import AnyStructure
 
 MEANINGS = ("too_large_by_0.1_at_most", "may_be_larger_than_that", "outside_of_what_was_checked")
-# What was checked: R/p, hardening and damping of structures that yield, periods over one another.
+# Ranges of the checked pairs: R/p, hardening and damping of yielding structures, ratio of the periods.
 STRENGTH, HARDENING, DAMPING, RATIO = (0.0, 3.0), (0.02, 0.3), (0.02, 0.1), 3.0
-STIFF = 0.5  # shorter period over that of the ground, below which no formula is relied on
-WEAK_YIELDING, MODERATE, APART = 0.5, 4.0 / 3, 1.5  # R/p, R/p and ratio of the periods
-SAFE, NEAR = 0.85, 0.05  # a confidence that is corrected, and how much more the formula may say
+STIFF = 0.5  # ratio of the shorter period to that of the ground below which no formula is accurate
+WEAK_YIELDING, MODERATE = 0.5, 4.0 / 3  # largest R/p: weak yielding, moderate yielding
+APART = 1.5  # smallest ratio of periods that are well separated
+# Smallest corrected confidence that is accurate, and largest difference of the formula from it.
+SAFE, NEAR = 0.85, 0.05
 ROUNDING = 1e-9
 
 
 def cautions(
     first: AnyStructure, second: AnyStructure, ground: Ground, table: xr.Dataset, scatter: float
 ) -> dict[str, xr.DataArray]:
-    """Flags of the confidence at the end of the motion, and of the corrected one, of every cell.
+    """Flags of the confidence by formula at the end of the motion, and of the corrected one.
 
-    The formula is relied on for pairs that stay elastic, that hardly yield, and where the correction is
-    relied on and changes little. The correction is relied on where it says that the gap will do, and for
-    pairs that yield moderately and have periods apart.
+    The formula is accurate for elastic pairs, for weak yielding, and where an accurate correction
+    changes it little. The correction is accurate for a large confidence, and for moderate yielding with
+    well separated periods.
     """
     plain, corrected = (
         table[f"confidence_of_no_pounding{ending}"].isel(time=-1, drop=True)
@@ -65,11 +68,12 @@ def cautions(
 
 
 def _strength(structure: Structure, ground: Ground) -> xr.DataArray:
-    """R/p, 0 where it stays elastic."""
+    """R/p of a structure, and 0 if it is elastic."""
     return solve_elastic(structure, ground)[STRENGTH_RATIO] if structure.yields else xr.DataArray(0.0)
 
 
 def _checked(pair: tuple[Structure, Structure], ground: Ground, scatter: float) -> xr.DataArray:
+    """Whether the kinds and parameters of a pair are within the checked ranges."""
     inside = xr.DataArray(type(ground) in CORRECTED_GROUNDS and not scatter)
     for one in pair:
         if one.yields:
@@ -81,11 +85,11 @@ def _checked(pair: tuple[Structure, Structure], ground: Ground, scatter: float) 
 
 
 def _flag(like: xr.DataArray, value: xr.DataArray) -> xr.DataArray:
-    """The flag where ``like`` is known, over its dimensions, with its coordinates as they are."""
+    """Flag over the dimensions and coordinates of ``like``, and 2 where ``like`` is NaN."""
     shown = value.broadcast_like(like).where(like.notnull(), 2).transpose(*like.dims)
     flag = like.copy(data=shown.values.astype(np.int8))
     flag.attrs = {
-        "long_name": "whether the confidence at the end of the motion can be relied on",
+        "long_name": "caution flag of the confidence at the end of the motion",
         "flag_values": np.arange(len(MEANINGS), dtype=np.int8),
         "flag_meanings": " ".join(MEANINGS),
     }

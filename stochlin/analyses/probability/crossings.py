@@ -1,4 +1,4 @@
-"""Probabilities of pounding from the moments of a finite motion, cell by cell."""
+"""Probabilities of pounding by crossing theory, from the second moments over a finite motion."""
 
 from __future__ import annotations
 
@@ -14,20 +14,21 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.transient import Difference
 from stochlin.kernels.probability.crossings import accumulated, exceeding, hazards
 
-AT_ONCE = 400_000  # cells times instants
-WIDEST, NARROWEST = 14.0, 1e-3  # gaps searched, over the largest standard deviation
-CLOSE = 1e-5  # relative, of the gap that is searched
-LEAST_LEVEL = 1e-6  # of the gap: what is left of it where the drift alone takes it up
-_NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(5)  # of the drift; 31 change 0.04 at most
+AT_ONCE = 400_000  # cells times instants that are computed at once
+WIDEST, NARROWEST = 14.0, 1e-3  # bounds of a gap in a search, over the largest standard deviation
+CLOSE = 1e-5  # relative tolerance of the search
+LEAST_LEVEL = 1e-6  # least share of the gap that remains if the drift alone closes it
+# Gauss-Hermite quadrature over the drift; with 31 nodes probabilities change by 0.04 at most.
+_NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(5)
 _WEIGHTS = _WEIGHTS / _WEIGHTS.sum()
 
 
 class Chances(NamedTuple):
-    """Over (instants of the result, cells)."""
+    """Probabilities over (instants of the result, cells)."""
 
-    now: Array  # probability of being beyond the gap
-    poisson: Array  # confidence of no pounding so far
-    vanmarcke: Array
+    now: Array  # probability that u_1 - u_2 exceeds the gap at the instant
+    poisson: Array  # confidence of no pounding until the instant, for independent crossings
+    vanmarcke: Array  # confidence of no pounding until the instant, for crossings in clumps
 
 
 def chances(
@@ -39,13 +40,30 @@ def chances(
     course: Course,
     weights: Array = ALONE,
 ) -> Chances:
-    """Probabilities for gaps (c,) [m] and the pair of each.
+    """Probabilities of exceeding gaps, and of no pounding.
 
-    ``drift`` (times, pairs) is the variance [m^2] of a slow part that ``both`` lacks. Within one motion
-    it is one Gaussian number times its growing standard deviation: it moves the gap, and the
-    probabilities of no pounding are averaged over it. With several ``weights``, which add up to 1, the
-    moments are those of as many strengths of the motion, all pairs of one after those of the other, and
-    the probabilities are averaged over these, too.
+    Parameters
+    ----------
+    both : Difference
+        Second moments of ``u_1 - u_2`` (times, k p), for p pairs and k strengths of the motion, strength
+        by strength.
+    bandwidth : Array
+        Bandwidth (times, k p) [-] of ``u_1 - u_2``.
+    drift : Array
+        Variance (times, k p) [m^2] of the difference of the plastic drifts, which ``both`` lacks. In a
+        motion, this slow part is its growing standard deviation times one Gaussian random number. It
+        reduces the gap, and the probabilities of no pounding are averaged over it.
+    gap, pair : Array
+        Gaps (c,) [m] and the number of the pair (c,) of each.
+    course : Course
+        Instants of the motion.
+    weights : Array
+        Weights (k,) of the strengths of the motion, with the sum 1, for the mean probabilities.
+
+    Returns
+    -------
+    Chances
+        Probabilities (instants of the result, c).
     """
     shape = (course.shown.size, gap.size)
     result = Chances(*np.zeros((3, *shape)))
@@ -79,7 +97,10 @@ def gap_for(
     course: Course,
     weights: Array = ALONE,
 ) -> Array:
-    """Gap (p,) [m] that keeps the confidence to the end, crossings in clumps; 0 where nothing moves."""
+    """Gap (p,) [m] for a confidence of no pounding in the motion; 0 without relative displacement.
+
+    The crossings come in clumps. The other arguments are those of `chances`.
+    """
     known = np.isfinite(drift).all(axis=0).reshape(weights.size, -1).all(axis=0)
     largest = np.sqrt(np.max(both.d_d + np.nan_to_num(drift), axis=0)).reshape(weights.size, -1)
     least, widest = largest.min(axis=0), largest.max(axis=0)

@@ -1,4 +1,4 @@
-"""Fragility: the probability of pounding against the intensity of the motion and the gap."""
+"""Fragility: probability of pounding over the intensity of the motion and the gap."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from stochlin.models.parameters import Parameter, expect
 from stochlin.models.structures import Gap
 from stochlin.models.systems import STRUCTURES, AnyStructure
 
-POINTS = 11  # instants at which a simulation is looked at; only the last is reported
+POINTS = 11  # instants of a calculation, of which only the last one is reported
 OPPOSITE = {
     "_simulated_lower": "_simulated_upper",
     "_simulated_upper": "_simulated_lower",
@@ -47,17 +47,17 @@ def pounding_fragility(
     seed: int = 0,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Probability of pounding over intensity and gap, of two given buildings.
+    """Probability of pounding of two given buildings over the intensity of the motion and the gap.
 
-    The buildings stay what they are: a ``reduction_factor`` refers to ``ground`` as given, and the
-    strength in metres that it means there is kept at all intensities.
+    The strengths of the buildings do not change with the intensity: a ``reduction_factor`` refers to
+    ``ground`` as given, and its yield displacement is kept at all intensities.
 
     Parameters
     ----------
     first, second : Bilinear, BoucWen, Hysteretic or ShearBuilding
-        Of a building at the worst height, as in `pounding_probability`.
+        The structures, as in `pounding_probability`.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
-        With the intensity at which the strengths are defined.
+        The ground, with the intensity to which reduction factors refer.
     gap : float or array
         Gaps [m]; a plain array gets the dimension ``gap``.
     intensity : float or array
@@ -68,28 +68,32 @@ def pounding_fragility(
     Returns
     -------
     xarray.Dataset
-        Over ``intensity`` and ``gap``: ``pounding_probability`` [-] in the whole motion, crossings in
-        clumps; ``_poisson``; ``_corrected``; ``_simulated`` with a 95 % interval, ``_lower`` and
-        ``_upper``; with a building ``_at_height`` and ``_at_most``, which the formulas of all heights
-        allow for them together; ``caution`` and ``caution_corrected``, as in `pounding_probability`.
-        Over ``intensity``: ``required_gap`` [m], ``_corrected`` and ``_simulated``; ``status``. Over
-        ``gap``, of the simulated motions: the lognormal fragility of most likelihood,
+        Over ``intensity`` and ``gap``: ``pounding_probability`` [-], the probability of pounding in the
+        motion by formula with crossings in clumps, and with the endings ``_poisson`` for independent
+        crossings, ``_corrected`` for the known bias, ``_simulated`` with a 95 % interval ``_lower`` and
+        ``_upper``, and for buildings with storeys ``_at_height`` and ``_at_most``, Boole's upper bound
+        for all heights together; ``caution`` and ``caution_corrected``, as in `pounding_probability`.
+
+        Over ``intensity``: ``required_gap`` [m], also ``_corrected`` and ``_simulated``, and ``status``.
+
+        Over ``gap``: the lognormal fragility by maximum likelihood from the simulated motions, with
         ``fragility_median`` [m^2/s^3] and ``fragility_dispersion`` [-], the standard deviation of the
-        logarithm of ``S0``, with standard errors; NaN where ``fragility_status`` says why: fewer than
-        two motions pound, all of them do at the lowest intensity already, there is but one intensity,
-        or the cell is not valid.
+        logarithm of ``S0``, both with standard errors. They are NaN, with the reason in
+        ``fragility_status``, if fewer than two motions lead to pounding, if all of them do at the lowest
+        intensity, for a single intensity, and for invalid cells.
 
     Raises
     ------
     ValueError, TypeError, ArithmeticError
-        As `pounding_probability`.
+        As in `pounding_probability`.
 
     Notes
     -----
-    Each motion tells at which intensity it makes them pound, interpolated as in `pounding_risk`; of one
-    that never does it is known that it takes more than the largest (censored). Below the lowest
-    intensity separations go on with the root of ``S0``, as those of elastic structures do: let the
-    intensities begin where hardly any motion makes them pound.
+    The fragility is fitted to the lowest intensity of pounding in each simulated motion, interpolated as
+    in `pounding_risk`. For a motion without pounding, this intensity is known to be above the highest
+    one (censored data). Below the lowest intensity separations are taken as proportional to the root of
+    ``S0``, as for elastic structures; the lowest intensity should therefore lead to pounding in hardly
+    any motion.
 
     References
     ----------
@@ -151,7 +155,7 @@ def pounding_fragility(
 
 
 def _lognormal(samples: xr.DataArray, gap: Any, intensity: Any) -> dict[str, xr.DataArray]:
-    """A lognormal fragility of every gap, from the intensity at which each motion makes them pound."""
+    """Lognormal fragility for each gap, from the lowest intensity of pounding in each motion."""
     gap, intensity = xr.DataArray(gap), xr.DataArray(intensity)
     along = intensity.dims if intensity.ndim == 1 and intensity.dims[0] not in gap.dims else ()
     if not along:
@@ -177,7 +181,7 @@ def _lognormal(samples: xr.DataArray, gap: Any, intensity: Any) -> dict[str, xr.
 
 
 def _named(value: Any, name: str, units: str, long_name: str) -> Any:
-    """A plain array as an axis of its own."""
+    """A plain array, over the dimension ``case``, as an array over the dimension ``name``."""
     if not isinstance(value, xr.DataArray) or value.dims != ("case",) or "case" in value.coords:
         return value
     return labels.axis(name, long_name, value.to_numpy(), units)

@@ -1,4 +1,4 @@
-"""Pounding in a recorded motion: the radii are known, the phase between the structures is not."""
+"""Probability of pounding in a recorded motion, with energy radii from it and a random phase."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from stochlin.models.parameters import expect
 from stochlin.models.structures import Gap, Structure
 
 POINTS_PER_PERIOD = 16
-CLOSE = 1e-6  # relative, of the gap that is searched
+CLOSE = 1e-6  # relative tolerance of the search for a gap
 
 
 def hybrid_pounding(
@@ -33,14 +33,15 @@ def hybrid_pounding(
     record: xr.DataArray | None,
     confidence: float,
 ) -> xr.Dataset:
-    """`pounding_probability` by the hybrid method.
+    """Dataset of `pounding_probability` by the hybrid method.
 
-    Given the phase difference ``D``, the difference of the two reaches ``A(t, D)`` once a cycle, which
-    grows with ``D`` in [0, pi]. With one ``D`` for all of the record, pounding so far means that ``D``
-    exceeds the least phase that was enough at any instant so far.
+    For a phase difference ``D`` in [0, pi] of the two structures, ``u_1 - u_2`` reaches an amplitude
+    ``A(t, D)`` once in each cycle, which increases with ``D``. If ``D`` is the same during the whole
+    record, there was pounding if ``D`` exceeds the smallest phase difference that leads to pounding at
+    some instant until then.
     """
     if record is None:
-        raise ValueError("record is missing; method='hybrid' needs one, as read_record gives it")
+        raise ValueError("record is missing; method='hybrid' needs one, such as from read_record")
     for role, structure in (("first", first), ("second", second)):
         expect(structure, Bilinear, role)
         check_scalars(structure, role, SCALARS)
@@ -82,7 +83,7 @@ def hybrid_pounding(
     table = labels.label(table.drop_attrs(deep=False), VARIABLES).assign_attrs(
         confidence=confidence,
         record=str(record.attrs.get("source", "record")),
-        phase="von Mises, of mean cosine rho",
+        phase="von Mises distribution, mean cosine rho",
     )
     return labels.with_run_information(
         table,
@@ -93,7 +94,7 @@ def hybrid_pounding(
 
 
 def _rideable(structure: Structure, ground: Ground, role: str) -> Bilinear:
-    """The structure with its strength in metres, which a record can be put under."""
+    """The structure with its strength in metres, checked for the response to a record."""
     structure = strength_in_metres(structure, ground)
     check_structure(structure, role)
     assert isinstance(structure, Bilinear)
@@ -101,19 +102,22 @@ def _rideable(structure: Structure, ground: Ground, role: str) -> Bilinear:
 
 
 def _of_gap(one: Array, two: Array, gap: float, k: float, cycles: Array) -> tuple[Array, Array, Array]:
-    """Over time: probability at the instant; of no pounding so far, with one phase, and fresh ones."""
+    """Probability of exceeding a gap at each instant, and of no pounding until then.
+
+    The latter is for one phase during the whole record, and for a new phase in each cycle.
+    """
     level = np.full_like(one, gap)
     phase = least_phase(one, two, level)
     reached = beyond_phase(phase, k)
     with np.errstate(divide="ignore"):
         fresh = np.exp(np.cumsum(cycles * np.log1p(-reached)))
     safe = 1 - beyond_phase(np.minimum.accumulate(phase), k)
-    # Radii that are large for less than a cycle still see a phase.
+    # Radii that are large for less than one cycle still have one phase, so that ``safe`` is a bound.
     return exceeding(one, two, level, k), safe, np.minimum(fresh, safe)
 
 
 def _required(one: Array, two: Array, k: float, confidence: float) -> float:
-    """Gap that keeps the confidence over the record, with one phase; by bisection."""
+    """Gap [m] for a confidence over the record with one phase, by bisection."""
     low, high = 0.0, float((one + two).max())
     while high - low > CLOSE * high:
         middle = 0.5 * (low + high)

@@ -1,4 +1,4 @@
-"""Probability of pounding in a finite earthquake: formula, correction and simulation side by side."""
+"""Probability of pounding in a finite motion, by formula, by corrected formula and by simulation."""
 
 from __future__ import annotations
 
@@ -55,65 +55,71 @@ def pounding_probability(
     seed: int = 0,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Probability that two structures pound in a motion of finite length, over time.
+    """Probability that two structures pound in a motion of finite duration, over time.
 
-    ``first`` stands on the left; they pound when ``u_1 - u_2`` exceeds the gap.
+    The structure ``first`` is on the left; there is pounding when ``u_1 - u_2`` exceeds the gap.
 
     Parameters
     ----------
     first, second : Bilinear, BoucWen, Hysteretic or ShearBuilding
-        All parameters of oscillators broadcast by dimension name. With a building the gap is kept at
-        all heights at once; see the notes.
+        The structures. All parameters of oscillators broadcast by dimension name. With a building with
+        storeys the gap is checked at all heights; see the notes.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
-        Stationary, before it is modulated. For ``"hybrid"`` it may be None: it is then fitted to the
-        record.
+        The ground before modulation. With ``"hybrid"`` it may be None; it is then fitted to the record.
     gap : float or array
         Gap [m], positive.
     envelope : AminAng, ShinozukaSato, GammaEnvelope or HsuBernard, optional
-        ``m(t)``, which multiplies the ground; without it the ground starts at once.
+        Envelope of the motion; without it the ground motion is stationary from its start.
     duration : float
-        Length of the motion [s], at least a period of the structures. Not for ``"hybrid"``.
-    method : str
-        ``"evolutionary"``: modulated ground, Gaussian response by transient linearization.
-        ``"hybrid"``: radii of eq. (1) from ``record``, the phase between the structures random.
-    record : xarray.DataArray
-        For ``"hybrid"``: ground acceleration [m/s^2] over ``time``, as `read_record` gives it.
+        Duration of the motion [s], at least one period of the structures. Not for ``"hybrid"``.
+    method : {"evolutionary", "hybrid"}
+        ``"evolutionary"``: modulated ground motion, and Gaussian response by transient linearization.
+        ``"hybrid"``: energy radii, eq. (1), of both structures in ``record``, and a random phase between
+        them.
+    record : xarray.DataArray, optional
+        Ground acceleration [m/s^2] over ``time`` [s] for ``"hybrid"``, such as from `read_record`.
     confidence : float
-        Probability of no pounding, for ``required_gap``; between 0 and 1.
+        Probability of no pounding for ``required_gap``, between 0 and 1.
     scatter : float
-        As in `simulate`. Formulas are averaged over it, structures keeping the strength in metres that
-        they have in ``ground``; ``_corrected`` is NaN unless the map of the bias reaches all strengths
-        of the motion. Not for ``"hybrid"``.
+        Standard deviation [-] of the logarithm of a random factor on each motion, as in `simulate`.
+        Formulas are averaged over it, and structures keep the yield displacement that they have for
+        ``ground``. ``_corrected`` is NaN unless the map of the bias covers all strengths of the motion.
+        Not for ``"hybrid"``.
     points : int
-        Instants of the result.
+        Number of instants of the result.
     paths, seed : int
-        Of the simulation beside the formulas, as in `simulate`; with ``paths=0`` there is none, and
-        nothing but ``caution`` says how far the formulas are off. In a simulation only the intensity of
-        the ground may be an array.
+        Number and seed of the motions of the simulation, as in `simulate`. With ``paths=0`` there is no
+        simulation, and the accuracy of the formulas is known from ``caution`` only. With a simulation
+        only the intensity of the ground may be an array.
     progress : callable, optional
         Called with the share of the simulation that is done.
 
     Returns
     -------
     xarray.Dataset
-        Over ``time`` [s], from rest at 0: ``instantaneous_probability`` [-], ``1 - Phi(gap/s)``, and
-        ``confidence_of_no_pounding`` [-], ``exp(-Int)`` of the rate of first crossings, which come in
-        clumps (Vanmarcke); ``_poisson``: of all crossings; ``_corrected``: with the drift of yielding
-        structures that linearization loses, as far as the map of its bias reaches (NaN elsewhere);
-        ``_simulated`` with a 95 % interval, ``_lower``, ``_upper``. ``displacement_std_1``, ``_2`` and
-        ``difference_std`` [m] likewise, and ``rho``, NaN at rest. ``envelope`` [-]. ``permanent_set``: a
-        flag once shaking is no longer strong. Without ``time``: ``required_gap`` [m], ``_corrected`` and
-        ``_simulated``; ``status``; ``caution``: a flag of the confidence by formula at the end of the
-        motion, 0 where it is too large by 0.1 at most, 1 where it may be by more, 2 outside of what was
-        checked, and ``caution_corrected``. The variables of ``"hybrid"`` are in the notes.
+        Over ``time`` [s], from rest at 0: ``instantaneous_probability`` [-], the probability
+        ``1 - Phi(gap/s)`` that ``u_1 - u_2`` with the standard deviation ``s`` exceeds the gap, and
+        ``confidence_of_no_pounding`` [-], the probability of no pounding so far, with crossings in
+        clumps (Vanmarcke). Further versions of it have the endings ``_poisson``, for independent
+        crossings; ``_corrected``, with the plastic drift that linearization omits, from the map of its
+        bias (NaN outside the map); and ``_simulated``, with a 95 % interval ``_lower`` and ``_upper``.
+        The standard deviations ``displacement_std_1`` and ``_2`` and ``difference_std`` [m] also have
+        ``_corrected`` and ``_simulated`` versions. Also ``rho`` [-], NaN at rest; ``envelope`` [-]; and
+        ``permanent_set``, a flag that is 1 after the strong shaking.
+
+        Without ``time``: ``required_gap`` [m], also ``_corrected`` and ``_simulated``; ``status``; and
+        ``caution``, a flag of the confidence by formula at the end of the motion: 0 if it is too large
+        by 0.1 at most, 1 if it may be too large by more, 2 outside the checked ranges. Likewise
+        ``caution_corrected``. The variables of ``"hybrid"`` are in the notes.
 
     Raises
     ------
     ValueError, TypeError
-        If a number is out of range, the envelope is negative or nothing within the duration, the
-        duration is shorter than a period, or arguments do not go with the method.
+        If an argument is out of range or of the wrong kind, the envelope has negative values or is zero
+        within the whole duration, the duration is shorter than a period, or arguments do not belong to
+        the method.
     ArithmeticError
-        If a single case fails.
+        If a single case fails; in a table the cell is NaN and its status gives the reason.
 
     Notes
     -----
@@ -121,21 +127,21 @@ def pounding_probability(
     alone: compared with simulation, -0.15 to +0.06 (Poisson: -0.32 to 0), largest for small gaps, for
     structures of very different periods and for light damping. The 90 % gap has an error of -4 to +4 %.
 
-    Two buildings meet at the floor levels of both, up to the lower roof; between two levels the
-    displacement is not larger. The variables ``_at_height`` (confidence, instantaneous probability,
+    Two buildings are checked at the floor levels of both, up to the lower roof, because displacements
+    are linear between floors. The variables ``_at_height`` (confidence, instantaneous probability,
     ``difference_std``, ``required_gap`` and ``rho``) are the results at each height by itself. The
     confidence without this ending is that of the worst height, and the confidence at all heights
-    together is not larger. ``confidence_of_no_pounding_at_least`` is a lower limit of it by Boole's
-    inequality, which adds the probabilities of all heights and holds however the heights depend on one
-    another. Likewise, ``required_gap`` is the gap at ``governing_height``, and the buildings need at
-    least this gap. The simulated results hold for all heights at once. ``displacement_std``,
-    ``difference_std`` and ``rho`` are those at the highest level. The map of the bias does not cover
-    storeys: ``_corrected`` is NaN where they yield.
+    together is not larger. ``confidence_of_no_pounding_at_least`` is a lower bound of the latter by
+    Boole's inequality, which adds the probabilities of pounding at all heights and holds for any
+    dependence between them. Likewise, ``required_gap`` is the gap at ``governing_height``, and the
+    buildings need at least this gap. The simulated results hold for all heights together.
+    ``displacement_std``, ``difference_std`` and ``rho`` are those at the highest level. The map of the
+    bias does not cover storeys: ``_corrected`` is NaN if they yield.
 
-    Where structures yield, linearization loses the plastic drift, and the permanent set after strong
-    shaking. It was compared with simulation for 762 random yielding pairs (R 1 to 9, hardening 0.02 to
-    0.3, white noise, Kanai-Tajimi and named grounds, 8 to 40 s). The confidence by formula was too
-    large by more than 0.1 in 24 % of the cases, and by up to 0.97. The corrected confidence, where it
+    For yielding structures, linearization omits the plastic drift and the permanent displacement after
+    strong shaking. It was compared with simulation for 762 random yielding pairs (R 1 to 9, hardening
+    0.02 to 0.3, white noise, Kanai-Tajimi and named grounds, 8 to 40 s). The confidence by formula was
+    too large by more than 0.1 in 24 % of the cases, and by up to 0.97. The corrected confidence, if it
     is known, was too large by more than 0.1 in 13 % of the cases, and by up to 0.78. The conditions for
     the flags were chosen on half of the pairs, and the following results come from the other half:
 
@@ -148,16 +154,16 @@ def pounding_probability(
       Tg/2 and either the confidence is 0.85 or more, or R is up to 4 and one period is at least 1.5
       times the other.
 
-    The simulated confidence has its interval everywhere, and takes a second or two with the usual
+    The simulated confidence always has an interval, and takes a second or two with the default
     ``paths``.
 
     The hybrid method returns, over the time of the record: ``radius_1`` and ``radius_2`` [m], the
     energy radii of both structures; ``recorded_difference`` [m], ``u_1 - u_2`` in the record;
     ``instantaneous_probability``; ``confidence_of_no_pounding``, with one phase for all of the record;
     and ``confidence_of_no_pounding_fresh_phase``, with a new phase in every cycle. Without time it
-    returns ``rho``, ``separation`` [m], the gap that the record itself needs, and ``required_gap`` [m].
-    The confidence is 0 from the instant at which the radii differ by more than the gap, since one
-    structure then closes the gap whatever the phase.
+    returns ``rho``, ``separation`` [m], the largest ``u_1 - u_2`` in the record, and ``required_gap``
+    [m]. The confidence is 0 from the instant at which the radii differ by more than the gap, since one
+    structure then closes the gap for any phase.
 
     References
     ----------
@@ -209,7 +215,7 @@ def with_samples(
     seed: int,
     progress: Progress | None,
 ) -> xr.Dataset:
-    """What `pounding_probability` returns, and the largest separation of each simulated motion."""
+    """Dataset of `pounding_probability`, with the peak of ``u_1 - u_2`` in each simulated motion."""
     if not isinstance(method, str) or method not in METHODS:
         raise ValueError(f"method = {brief(method)}; allowed: {', '.join(METHODS)}")
     described: dict[str, Any] = {"first": first, "second": second, "ground": ground}
@@ -225,7 +231,7 @@ def with_samples(
             raise ValueError("envelope and duration do not go with method='hybrid': the record has both")
         if scatter:
             raise ValueError(
-                f"scatter = {scatter:g} does not go with method='hybrid': a record has one strength"
+                f"scatter = {scatter:g} does not go with method='hybrid': a record has one intensity"
             )
         left, right = (_oscillator(*pair) for pair in (("first", first), ("second", second)))
         return hybrid_pounding(left, right, ground, distance, record, confidence)
@@ -276,7 +282,10 @@ def _simulated(
     draws: Draws,
     progress: Progress | None,
 ) -> xr.Dataset:
-    """Oscillators on the same motions; with storeys, or with samples, pair by pair."""
+    """Simulated part of the table: all oscillators under the same motions, or pair by pair.
+
+    Pairs with storeys and pairs with uncertain parameters are simulated one by one.
+    """
     first, second, ground = described.values()
     drawn = draw([first, second], ground, draws.paths, draws.seed)
     if not drawn.factors and not any(side.has_storeys for side in pairs.moments.sides):

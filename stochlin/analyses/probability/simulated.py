@@ -1,4 +1,4 @@
-"""Pounding in simulated motions, beside which the formulas stand."""
+"""Pounding of pairs of oscillators in simulated motions."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.grounds import Ground
 
 STEPS_PER_PERIOD = 32
-ENVELOPES, RESULTS = 6, 6  # numbers that are held at once, of each step and of each motion of a pair
-WATCHED = 200.0  # to watch a pair, over the time that its difference alone takes
+ENVELOPES, RESULTS = 6, 6  # numbers in memory at once for each step, and for each motion and pair
+WATCHED = 200.0  # time to record a pair, in multiples of that to compute u_1 - u_2
 
 
 class Draws(NamedTuple):
-    """What is drawn beside the formulas."""
+    """Number, seed and scatter of simulated motions."""
 
     paths: int
     seed: int
-    scatter: float  # standard deviation of ln of a factor on each motion
+    scatter: float  # standard deviation of the logarithm of a random factor on each motion
 
 
 def simulate_course(
@@ -40,16 +40,17 @@ def simulate_course(
     draws: Draws,
     progress: Progress | None,
 ) -> Histories:
-    """All pairs (2, p) on the same motions, at the instants of the result.
+    """Simulated histories of pairs (2, p) under the same motions, at the instants of the result.
 
-    ``gaps`` are gaps [m] and the pair of each. Intensities may differ from cell to cell: a structure
-    under ``a`` times the motion is one of strength ``uy/a`` whose displacement is multiplied by ``a``.
+    ``gaps`` are gaps [m] and the number of the pair of each. Cells may have different intensities: the
+    response to ``a`` times a motion is ``a`` times that of a structure with the strength ``uy/a`` to the
+    motion.
     """
     below = grounds_of(sides)
     if any((row != row[0]).any() for name, row in below.items() if name != "intensity"):
         raise ValueError(
-            "ground has several periods or dampings; a simulation is of one ground, whose intensity "
-            "alone may vary: simulate one ground at a time"
+            "ground has several periods or damping ratios; allowed in a simulation: one ground, of "
+            "which only the intensity is an array; simulate one ground at a time"
         )
     amplitude = np.sqrt(below["intensity"] / below["intensity"][0])
     period, damping, hardening, uy, _ = oscillators_of(sides)
@@ -74,7 +75,7 @@ def simulate_course(
 
 
 def histories_of(run: Run, course: Course, watched: Watched, progress: Progress | None) -> Histories:
-    """A run through the course, in the steps of any finite motion: the motions are those of a gap."""
+    """Simulated histories of a run; the motions are those of `simulate` with the same seed."""
     paths, steps = run.plan.groups * LANES, course.duration / run.plan.dt
     count = len(watched.first.row)
     check_work(

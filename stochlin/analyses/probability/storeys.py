@@ -1,4 +1,4 @@
-"""Two structures in a finite earthquake, at least one of them a building with storeys: by simulation."""
+"""Pounding of two structures in simulated motions, pair by pair, also with storeys."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ def storeys_in_motion(
     progress: Progress | None,
     drawn: Draw | None = None,
 ) -> xr.Dataset:
-    """What simulated motions say, with errors.
+    """Variables of the table of `pounding_probability` by simulation, with errors.
 
-    The gap is kept at all heights at once. Each cell of models is a simulation of its own. With samples
-    in ``drawn`` every motion has its own, and these are the models at their medians.
+    Each cell of the models is a separate simulation, and the gap is checked at all heights. With
+    uncertain parameters, ``drawn`` has the samples of each motion, and the models are the medians.
     """
     stacks, grounds = (None, []) if drawn is None else (drawn.stacks(), drawn.grounds())
 

@@ -1,4 +1,4 @@
-"""Strengths of the motion over which the formulas are averaged, where motions scatter."""
+"""Strengths of the motion, over which formulas are averaged if motions have a scatter."""
 
 from __future__ import annotations
 
@@ -11,15 +11,16 @@ import xarray as xr
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.grounds import Ground
 
-STRENGTH = "strength of the motion"  # a dimension that no result has
-ALONE = np.ones(1)  # the weight of one strength
-# Probabilities over ln of the strength are as smooth as the peaks of one strength scatter, by 0.15 or
-# more: steps of 0.25 to 3.2 standard deviations on either side leave an error of a thousandth.
+STRENGTH = "strength of the motion"  # dimension that the results do not have
+ALONE = np.ones(1)  # weights of a single strength
+# Range [standard deviations], step of the logarithm, and least number of steps on each side. The peaks
+# scatter by a logarithmic standard deviation of 0.15 or more for one strength, so that probabilities are
+# smooth in the strength; the error of the mean is about 0.001.
 REACH, STEP, FEWEST = 3.2, 0.25, 4
 
 
 def strengths(scatter: float) -> tuple[Array, Array]:
-    """Factors on the motion, and weights of them that add up to 1."""
+    """Factors on the motion, and their weights with the sum 1."""
     each = max(FEWEST, int(np.ceil(REACH * scatter / STEP)))
     normal = np.linspace(-REACH, REACH, 2 * each + 1)
     weights = np.exp(-0.5 * normal**2)
@@ -27,7 +28,7 @@ def strengths(scatter: float) -> tuple[Array, Array]:
 
 
 def at_strengths(ground: Ground, factors: Array) -> Ground:
-    """The ground with each of these factors on its motion, over `STRENGTH`."""
+    """The ground with its motion multiplied by each of the factors, over the dimension `STRENGTH`."""
     intensity = ground.arrays()["intensity"] * xr.DataArray(factors**2, dims=STRENGTH)
     changed: dict[str, Any] = {"intensity": intensity}
     return replace(ground, **changed)

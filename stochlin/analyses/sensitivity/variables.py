@@ -4,21 +4,24 @@ from stochlin.analyses.separation.variables import VARIABLES as SEPARATION
 from stochlin.analyses.tables.labels import Variables
 
 OWN: Variables = {
-    "variance_share": ("1", "share of the variance of the separation that comes from the input alone"),
-    "motion_share": ("1", "share that comes from the motion alone"),
-    "interaction_share": ("1", "share that comes from several of them together"),
+    "variance_share": ("1", "share of the variance of the separation by the input alone"),
+    "motion_share": ("1", "share of the variance of the separation by the motion alone"),
+    "interaction_share": ("1", "share of the variance of the separation by interactions"),
     "slope": ("m", "change of the gap per unit of the input"),
     "elasticity": ("1", "relative change of the gap over that of the input"),
-    "gap_change": ("m", "change of the gap with the input at this end of its range"),
+    "gap_change": ("m", "change of the gap with the input at the end of its range"),
 }
 VARIABLES: Variables = {
     **SEPARATION,
     **OWN,
     **{
-        f"{name}_standard_error": (units, f"standard error of {name}")
-        for name, (units, _) in OWN.items()
+        f"{name}_standard_error": (units, f"standard error of the {about}")
+        for name, (units, about) in OWN.items()
     },
-    "gap_of_medians": ("m", "gap if all inputs were known to be at their medians"),
-    "gap_of_medians_standard_error": ("m", "standard error of its difference from the gap"),
-    "input_factor_at": ("1", "the input over its median at this end of its range"),
+    "gap_of_medians": ("m", "gap with all inputs at their medians"),
+    "gap_of_medians_standard_error": (
+        "m",
+        "standard error of the gap less the gap with all inputs at their medians",
+    ),
+    "input_factor_at": ("1", "input over its median at the end of its range"),
 }

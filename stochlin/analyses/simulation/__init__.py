@@ -1,1 +1,1 @@
-"""Nonlinear response of structures to simulated motions, stationary and finite."""
+"""Nonlinear simulation of structures under random ground motions, stationary or of finite duration."""

@@ -1,4 +1,4 @@
-"""Samples of what is not known exactly, one for every motion."""
+"""Samples of uncertain parameters, one for each motion."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ from stochlin.models.systems import Stack, stack_of, stacks_of
 from stochlin.models.uncertain import UncertainModel, median_of
 
 PATH, INPUT, GROUND = "path", "input", "ground"
-STREAM = 2  # of the seed, beside those of the motions
+STREAM = 2  # stream of random numbers, different from those of the motions with the same seed
 
 
 class Draw(NamedTuple):
-    """Structures and ground as they were given, and samples of what is not known of them."""
+    """Structures and ground as given, and samples of their uncertain parameters."""
 
     structures: Sequence[Any]
     ground: Any
     motions: int
-    factors: Mapping[str, Mapping[str, Array]]  # by model and parameter: (motions,), over the median
-    made: Mapping[str, list[Any]] = MappingProxyType({})  # by model: samples that are there already
+    factors: Mapping[str, Mapping[str, Array]]  # by model and parameter: samples (motions,) over median
+    made: Mapping[str, list[Any]] = MappingProxyType({})  # by model: samples that were made before
 
     @property
     def models(self) -> dict[str, Any]:
-        """All of them, by their names in a dataset."""
+        """Structures and ground by their names in the attributes of a dataset."""
         named = {f"structure_{n}": each for n, each in enumerate(self.structures, start=1)}
         return named | {GROUND: self.ground}
 
@@ -41,9 +41,9 @@ class Draw(NamedTuple):
         return [median_of(each) for each in self.structures], median_of(self.ground)
 
     def stacks(self) -> list[list[Stack]] | None:
-        """The structures of every motion (motions, structures); None if all are known exactly.
+        """Structures of each motion (motions, structures); None without uncertain parameters.
 
-        Strengths by reduction factor refer to the ground at its median.
+        A reduction factor refers to the median ground.
         """
         if not self.factors:
             return None
@@ -51,7 +51,10 @@ class Draw(NamedTuple):
         return [list(row) for row in zip(*columns, strict=True)]
 
     def samples_of(self, name: str) -> list[Any]:
-        """A model in every motion: stacks of a structure, or grounds, none if there is but one."""
+        """Samples of a model for all motions: stacks of a structure, or grounds.
+
+        The list is empty for a ground without uncertain parameters.
+        """
         if name in self.made:
             return self.made[name]
         factors = self.factors.get(name, {})
@@ -72,26 +75,27 @@ class Draw(NamedTuple):
         return [stack_of(strength_in_metres(model.at(one), ground)) for one in each]
 
     def grounds(self) -> list[Any]:
-        """The grounds of every motion; none if there is but one."""
+        """Ground of each motion; empty if all motions have the same one."""
         return self.samples_of(GROUND)
 
     def table(self) -> dict[str, xr.DataArray]:
-        """The samples, as a variable of a dataset."""
+        """Variable ``input_factor`` of a dataset with all samples."""
         if not self.factors:
             return {}
         columns = {f"{m}.{name}": c for m, own in self.factors.items() for name, c in own.items()}
         values = np.stack(list(columns.values()), axis=1)
-        told = (INPUT, list(columns), {"long_name": "parameter that is not known exactly"})
+        told = (INPUT, list(columns), {"long_name": "uncertain parameter"})
         return {"input_factor": xr.DataArray(values, dims=(PATH, INPUT), coords={INPUT: told})}
 
 
 def draw(structures: Sequence[Any], ground: Any, paths: int, seed: int, number: int = 0) -> Draw:
-    """Samples for so many paths, in whole groups; those of other numbers are independent.
+    """Samples of uncertain parameters by Latin hypercube sampling (McKay, Beckman and Conover 1979).
 
-    A Latin hypercube (McKay, Beckman and Conover 1979): each parameter takes all of its range.
+    The number of motions is ``paths``, rounded up to whole groups. Samples with different ``number`` are
+    independent.
     """
     motions = -(-paths // LANES) * LANES
-    listed = structures if isinstance(structures, Sequence) else ()  # what else it is, is told later
+    listed = structures if isinstance(structures, Sequence) else ()  # other types are refused later
     found = Draw(listed, ground, motions, {})
     random = np.random.default_rng([seed, STREAM, *([number] if number else [])])
     factors = {
@@ -103,5 +107,5 @@ def draw(structures: Sequence[Any], ground: Any, paths: int, seed: int, number: 
 
 
 def _stratified(random: np.random.Generator, count: int) -> Array:
-    """Numbers between 0 and 1, one in each of as many equal parts, in any order."""
+    """Random numbers, one in each of ``count`` equal intervals between 0 and 1, in random order."""
     return (random.permutation(count) + random.random(count)) / count

@@ -1,4 +1,4 @@
-"""From models to an ensemble: cells, steps and burn-in of a simulation."""
+"""Ensembles of simulations from models: cells of structures, time steps, estimated work."""
 
 from __future__ import annotations
 
@@ -36,49 +36,50 @@ from stochlin.messages import brief
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Structure
 
-SAMPLES_PER_PERIOD = 2  # of the shortest period; more would say little new of its variance
-# Rough times, for a question that asks for too much to be refused before the work.
-STEP = 4e-9  # [s] of a core: one step of one bilinear structure
-GROUND, OTHER_LAW, PAIR = 4.0, 15.0, 0.25  # over that: of the ground, of another law, of a difference
-DASHPOT = 60.0  # of one with an exponent
-STOREY = 0.5  # of what one storey does to another that it stands on
+SAMPLES_PER_PERIOD = 2  # samples in the shortest period; more would hardly improve the variance
+# Estimate of the computing time, from which simulations that would take too long are refused.
+STEP = 4e-9  # time [s] on one core for one step of one bilinear structure
+# Times in multiples of STEP: of the ground, a structure with another law, and a relative displacement;
+GROUND, OTHER_LAW, PAIR = 4.0, 15.0, 0.25
+DASHPOT = 60.0  # of a dashpot with an exponent,
+STOREY = 0.5  # and of each pair of storeys in a building.
 
 
 class SimulationCells(NamedTuple):
-    """Every cell of some structures, one after the other; NaN where invalid."""
+    """Cells of structures in one row, (n,); NaN where invalid."""
 
-    period: Array
+    period: Array  # [s]
     damping: Array
     hardening: Array
-    yield_displacement: Array  # infinite where elastic
-    law: Array  # (n, k): parameters beyond those of every structure; NaN where there are fewer
-    block: npt.NDArray[np.object_]  # time steps of its law
+    yield_displacement: Array  # [m], infinite if elastic
+    law: Array  # (n, k) parameters of the law, filled up with NaN
+    block: npt.NDArray[np.object_]  # function for the time steps of the law
     damping_time: Array  # [s], 1/(xi w)
-    drift_time: Array  # [s], relaxation of the plastic displacement, as linearization has it
+    drift_time: Array  # [s], relaxation time of the plastic drift by linearization, 0 if elastic
     valid: Array
 
 
 class Run(NamedTuple):
-    """An ensemble ready to start. A cell is an oscillator, which has one floor."""
+    """An ensemble that is ready to run. Each cell of an oscillator is one floor."""
 
     crowd: Crowd
-    order: Array  # row in the crowd of each valid floor
-    scale: Array  # metres of each valid floor's unit of displacement
+    order: Array  # row of each valid floor in the crowd
+    scale: Array  # unit of the displacement of each valid floor [m]
     ground: AnyGround
-    root: Array
+    root: Array  # square root of the stationary covariance of the ground filter
     plan: Plan
-    memory: float  # [s], of the slowest vibration or, where that is longer, of the plastic drift
-    valid: Array  # (n,), of all floors
-    period: Array  # [s], longest of the structure of each valid floor
-    drift_time: Array  # [s], of its plastic drift, by linearization
+    memory: float  # [s], longest decay time of vibrations or relaxation time of plastic drifts
+    valid: Array  # (n,) whether each floor is valid
+    period: Array  # [s], longest period of the structure of each valid floor
+    drift_time: Array  # [s], relaxation time of its plastic drift by linearization
 
 
 def cells_of(
     structure: Structure, ground: Ground, stationary: bool = True
 ) -> tuple[SimulationCells, xr.DataArray]:
-    """The cells of a structure, and their positions as an array over its dimensions.
+    """Cells of a structure in one row, and their positions in it over the dimensions of the structure.
 
-    How slowly a structure drifts, by linearization, a run has to know that is to be stationary.
+    Only a stationary run needs the relaxation time of the drift; otherwise it is 0.
     """
     elastic = solve_elastic(structure, ground)
     values = structure.arrays()
@@ -116,7 +117,7 @@ def cells_of(
 def cells_of_all(
     structures: Sequence[Structure], ground: Ground, stationary: bool = True
 ) -> SimulationCells:
-    """The cells of structures with scalar parameters, in their order; those alike are solved as one."""
+    """Cells of structures with scalar parameters; structures with the same law are solved together."""
     alike: dict[tuple[object, ...], list[int]] = {}
     for number, structure in enumerate(structures):
         alike.setdefault((structure.block(), *structure.arrays()), []).append(number)
@@ -141,7 +142,7 @@ def join_cells(parts: Sequence[SimulationCells]) -> SimulationCells:
 
 
 def joined_laws(laws: Sequence[Array]) -> Array:
-    """Parameters of several laws (n, k) in one row, as wide as the longest."""
+    """Parameters of several laws (n, k) in one array, filled up with NaN to the largest k."""
     widest = max(law.shape[1] for law in laws)
     wide = [np.pad(law, ((0, 0), (0, widest - law.shape[1])), constant_values=np.nan) for law in laws]
     return np.concatenate(wide)
@@ -162,11 +163,33 @@ def prepare(
     step: float | None = None,
     moments: bool = True,
 ) -> Run:
-    """Choose the step from cells and ground and lay out the ensemble; it has no length yet.
+    """Ensemble of structures on a ground, with its time step but without a duration.
 
-    With ``frames``, ``floors`` are the numbers of those that the cells are, and ``drift_times`` [s] are
-    those of all floors. ``grounds`` are samples of this one, one for every motion, if it has any. A
-    ``step`` [s] is taken as it is. Without ``moments`` those of pairs are not going to be held.
+    Parameters
+    ----------
+    cells : SimulationCells or None
+        Oscillators without links.
+    ground : Ground
+        The ground.
+    paths, seed, steps_per_period, scatter
+        As in `simulate`.
+    frames : sequence of Frame
+        Buildings with storeys and linked structures.
+    floors : sequence of int, optional
+        Numbers of the floors that are the ``cells``, if there are ``frames``.
+    drift_times : Array, optional
+        Relaxation times of the plastic drifts of all floors [s]; otherwise those of the ``cells``.
+    grounds : sequence of Ground
+        Samples of an uncertain ground, one for each motion.
+    step : float, optional
+        Time step [s]; otherwise it follows from the shortest period.
+    moments : bool
+        Whether moments of all pairs will be stored, for which the memory is checked.
+
+    Returns
+    -------
+    Run
+        The ensemble.
     """
     if cells is not None and not cells.valid.any():
         raise ValueError("no structure has valid parameters; correct those that are out of range")
@@ -217,7 +240,7 @@ def prepare(
 
 
 def ground_steps(soil: Filter, dt: float) -> tuple[FilterSteps, Array]:
-    """How the filter of a ground steps, and the square root of its stationary covariance."""
+    """Time steps of the filter of a ground, and the square root of its stationary covariance."""
     matrix, noise, output = soil.arrays
     intensity = 2 * np.pi * soil.intensity
     return filter_steps(matrix, noise, output, intensity, dt), _root(matrix, noise, intensity)
@@ -226,7 +249,7 @@ def ground_steps(soil: Filter, dt: float) -> tuple[FilterSteps, Array]:
 def check_settings(
     paths: int, seed: int, steps_per_period: int = 8, relaxation_times: float = 1.0
 ) -> None:
-    """Raise a ValueError for settings out of range; to be called before any work."""
+    """Raise a ValueError if a setting of a simulation is out of range."""
     check_whole("paths", paths, 2)
     check_whole("seed", seed, 0)
     check_whole("steps_per_period", steps_per_period, 8)
@@ -235,7 +258,7 @@ def check_settings(
 
 
 def check_memory(structures: int, paths: int) -> None:
-    """Raise a ValueError if so many structures on one ground would not fit into memory."""
+    """Raise a ValueError if moments of all pairs of so many structures would not fit into memory."""
     at_once = min(cores(), -(-paths // LANES))
     needed = 8.0 * structures**2 * (4 * LANES * at_once + 12)
     check_work(
@@ -246,13 +269,13 @@ def check_memory(structures: int, paths: int) -> None:
 
 
 def seconds_of(run: Run, steps: float, pairs: float) -> float:
-    """How long so many steps of all paths take, roughly, with so many differences at each [s]."""
+    """Estimated time [s] for ``steps`` of all paths with ``pairs`` relative displacements at each."""
     each = GROUND + PAIR * pairs + sum(_weight(part) for part in run.crowd.parts)
     return STEP * each * steps * run.plan.groups * LANES / cores()
 
 
 def _weight(part: Oscillators | Storeys | SampledStoreys) -> float:
-    """What a step of these takes, over that of one bilinear structure."""
+    """Estimated time of one step of these structures, in multiples of that of a bilinear one."""
     if isinstance(part, (Storeys, SampledStoreys)):
         kind = (part.elements if isinstance(part, Storeys) else part.elements[0]).kind
         laws = np.where(kind == VISCOUS, DASHPOT, np.where(kind > SLACK, OTHER_LAW, 1.0))
@@ -263,7 +286,10 @@ def _weight(part: Oscillators | Storeys | SampledStoreys) -> float:
 def _oscillators(
     cells: SimulationCells, valid: Array
 ) -> tuple[list[Oscillators | Storeys | SampledStoreys], Array, Array]:
-    """Structures by law, each in units of its yield displacement, elastic ones in metres."""
+    """Structures grouped by law, their rows, and their units of displacement [m].
+
+    The unit is the yield displacement, and 1 m for elastic structures.
+    """
     w = 2 * np.pi / cells.period[valid]
     yields = np.isfinite(cells.yield_displacement[valid])
     alpha = np.where(yields, cells.hardening[valid], 1.0)
@@ -283,9 +309,9 @@ def _oscillators(
 
 
 def _root(matrix: Array, noise: Array, intensity: float) -> Array:
-    """Square root of the stationary covariance of the filter: paths start stationary.
+    """Symmetric square root of the stationary covariance of a filter, for stationary initial states.
 
-    The symmetric one, which is unique: eigenvectors alone may change sign with the last digit.
+    It is unique, whereas the signs of eigenvectors may change with rounding errors.
     """
     if not len(noise):
         return np.zeros((0, 0))

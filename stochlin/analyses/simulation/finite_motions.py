@@ -1,4 +1,4 @@
-"""Peaks of structures and of their relative displacement in motions of finite length."""
+"""Peak displacements and peak relative displacements in simulated motions of finite duration."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ from stochlin.models.envelopes import Envelope, envelope_at
 from stochlin.models.parameters import expect
 from stochlin.models.systems import AnyStructure
 
-TAIL = (1 - 0.95) / 2  # outside of an interval, on each side
-BLOCK = 256  # steps
+TAIL = (1 - 0.95) / 2  # probability on each side of a 95 % interval
+BLOCK = 256  # time steps that are computed at once
 HEIGHT = "height above the ground"
-ENVELOPES, RESULTS = 6, 6  # numbers that are held at once, of each step and of each peak
+ENVELOPES, RESULTS = 6, 6  # numbers that are in memory at once for each step, and for each peak
 
 
 def check_motion(
@@ -47,15 +47,15 @@ def check_motion(
     quantiles: Sequence[float],
     structures: Mapping[str, AnyStructure],
 ) -> None:
-    """Raise for what is no finite motion; to be called before any work."""
+    """Raise if duration, envelope, scatter and quantiles do not define a finite motion."""
     check_scatter(scatter)
     if duration is None:
         if envelope is not None:
             raise ValueError("envelope is given without a duration; allowed: both, or neither")
         if scatter:
             raise ValueError(
-                f"scatter = {scatter:g} is given without a duration; motions differ in strength from "
-                "one to another, and a stationary response is that of one strength: give a duration"
+                f"scatter = {scatter:g} is given without a duration; it scales each motion by a random "
+                "factor, and a stationary response is that of one intensity: give a duration"
             )
         return
     check_duration(duration, structures)
@@ -65,9 +65,9 @@ def check_motion(
 
 
 def check_finite(run: Run, duration: float, functions: int, times: int = 1) -> None:
-    """Raise a ValueError if this, or so many of the kind, is too much; to be called before the work.
+    """Raise a ValueError if simulations of finite motions would take too much memory or time.
 
-    ``functions`` of the displacements are looked at, and all structures that differ.
+    ``functions`` is the number of quantities with a peak, ``times`` the number of simulations.
     """
     steps, paths = duration / run.plan.dt, run.plan.groups * LANES
     check_work(
@@ -79,7 +79,7 @@ def check_finite(run: Run, duration: float, functions: int, times: int = 1) -> N
 
 
 def finite_steps(run: Run, duration: float, envelope: Envelope | None) -> tuple[Plan, Array]:
-    """The plan of a finite motion, which takes every step, and the envelope at the middle of each."""
+    """Plan of a finite motion, which samples each step, and the envelope in the middle of the steps."""
     plan = run.plan._replace(every=1, samples=BLOCK)
     middle = plan.dt * (np.arange(int(np.ceil(duration / plan.dt))) + 0.5)
     return plan, envelope_at(envelope, middle)
@@ -93,7 +93,7 @@ def simulate_finite(
     quantiles: Sequence[float],
     progress: Progress | None,
 ) -> xr.Dataset:
-    """What `simulate` returns for a duration."""
+    """Dataset of `simulate` for motions of finite duration, without labels."""
     levels = np.asarray(quantiles, float)
     check_finite(run, duration, riders.functions)
     system, pairs = riders.system, pairs_of(riders.system)
@@ -145,7 +145,7 @@ def simulate_finite(
 def finite_attributes(
     run: Run, duration: float, envelope: Envelope | None
 ) -> dict[str, float | int | str]:
-    """How finite motions were run, for the attributes of a dataset."""
+    """Attributes of a dataset that describe its simulation of finite motions."""
     return {
         "paths": run.plan.groups * LANES,
         "seed": run.plan.seed,
@@ -157,7 +157,7 @@ def finite_attributes(
 
 
 def largest_displacements(run: Run, duration: float, envelope: Envelope | None, times: int = 1) -> Array:
-    """``max |u|`` [m] in each motion (paths, valid floors), when so many runs of the kind are asked."""
+    """Peaks ``max |u|`` [m] (paths, valid floors), one of ``times`` simulations of the same size."""
     floors = [{floor: 1.0} for floor in range(run.order.size)]
     check_finite(run, duration, len(floors), times)
     highest, lowest = _extremes(run, floors, duration, envelope, None)
@@ -171,14 +171,14 @@ def _extremes(
     envelope: Envelope | None,
     progress: Progress | None,
 ) -> Extremes:
-    """Largest and smallest values of functions of the displacements of valid floors."""
+    """Largest and smallest values [m] of linear functions of the displacements of valid floors."""
     plan, shape = finite_steps(run, duration, envelope)
     view = view_of(functions, run.order, run.scale)
     return finite_extremes(run.crowd, view, run.ground, run.root, plan, shape, progress)
 
 
 def _at_heights(table: xr.Dataset, places: list[tuple[int, float, Terms]], peaks: Array) -> xr.DataArray:
-    """Peaks of the structures at the heights at which they could meet another."""
+    """Peaks [m] of the structures at the heights at which they could meet another."""
     values = np.full((len(peaks), table.sizes[STRUCTURE], table.sizes["height"]), np.nan)
     for (structure, height, _), column in zip(places, peaks.T, strict=True):
         values[:, structure, np.searchsorted(table.height.values, height)] = column
@@ -186,7 +186,7 @@ def _at_heights(table: xr.Dataset, places: list[tuple[int, float, Terms]], peaks
 
 
 def _separations(riders: Riders, pairs: list[Pair], highest: Array, lowest: Array) -> xr.Dataset:
-    """The largest relative displacements, over all heights and, with storeys, at each of them."""
+    """Peak relative displacements [m], over all heights and, with storeys, at each height."""
     count, paths = len(riders.system.stacks), len(highest)
     names = [f"{number}" for number in range(1, count + 1)]
     coords: dict[str, Any] = {STRUCTURE: names, f"{STRUCTURE}_2": names}
@@ -212,21 +212,21 @@ def exceedance(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Dataset:
     Parameters
     ----------
     samples : xarray.DataArray
-        Over ``path``, as ``separation`` of `simulate` with a duration [m].
+        Samples over ``path`` [m], such as ``separation`` of `simulate` with a duration.
     gap : float or xarray.DataArray
-        Gap [m], of any other dimensions.
+        Gap [m], which may have other dimensions.
 
     Returns
     -------
     xarray.Dataset
-        Over the dimensions of the samples but ``path``, and those of the gap: ``probability`` [-]
-        with its 95 % interval ``probability_lower`` and ``probability_upper`` (Clopper and Pearson,
-        which errs to the wide side).
+        Over the dimensions of the samples except ``path``, and those of the gap: ``probability`` [-]
+        with its 95 % interval ``probability_lower`` and ``probability_upper`` by Clopper and Pearson,
+        which contains the true value with a probability of at least 95 %.
 
     Raises
     ------
-    ValueError
-        If the samples have no dimension ``path``.
+    ValueError, TypeError
+        If the samples have no dimension ``path``, or the samples or the gap are not numbers.
 
     References
     ----------
@@ -259,9 +259,9 @@ def exceedance(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Dataset:
 
 
 def pair_separation(motions: xr.Dataset) -> xr.DataArray:
-    """The largest ``u_1 - u_2`` [m] in each motion, of what `simulate` returns for two structures.
+    """Peak of ``u_1 - u_2`` [m] in each motion, from a dataset of `simulate` for two structures.
 
-    Of one alone, which stands beside a property line, the largest ``u_1`` of all its floors.
+    For one structure beside a property line it is the peak of ``u_1`` over all floors.
     """
     if _is_alone(motions):
         return motions.peak_positive.max(motions.peak_positive.dims[1])
@@ -269,7 +269,7 @@ def pair_separation(motions: xr.Dataset) -> xr.DataArray:
 
 
 def separation_at(motions: xr.Dataset, heights: Array) -> xr.DataArray:
-    """The same (paths, height) where two structures could meet, or at the floors of one [m]."""
+    """`pair_separation` [m] over (path, height): heights of contact of two, or floors of one."""
     if _is_alone(motions):
         axis = labels.axis("height", HEIGHT, heights, "m")
         at_floors = motions.peak_positive.values
@@ -278,7 +278,7 @@ def separation_at(motions: xr.Dataset, heights: Array) -> xr.DataArray:
 
 
 def pair_peaks(motions: xr.Dataset) -> Array:
-    """Peaks [m] of one or two structures (paths, 1 or 2): of roofs, where the lower meets the other."""
+    """Peaks [m] of one structure at its roof, or of two at the lower roof (paths, 1 or 2)."""
     if _is_alone(motions):
         return motions.peak.values[:, -1:]
     if "peak_at_height" not in motions:
@@ -287,13 +287,14 @@ def pair_peaks(motions: xr.Dataset) -> Array:
 
 
 def required_gaps(motions: xr.Dataset) -> tuple[float, float, float]:
-    """The first quantile of `pair_separation`, and both ends of its 95 % interval."""
+    """First quantile of `pair_separation` [m], with the lower and upper end of its 95 % interval."""
     found = quantile_intervals(pair_separation(motions).values, motions["quantile"].values[:1])
     required, lower, upper = (float(one[0]) for one in found)
     return required, lower, upper
 
 
 def _is_alone(motions: xr.Dataset) -> bool:
+    """Whether the simulation has only one structure."""
     return motions.sizes[STRUCTURE] == 1
 
 
@@ -302,7 +303,7 @@ def _of_pair(separation: xr.DataArray) -> xr.DataArray:
 
 
 def keeping_apart(separation: xr.DataArray, gap: float | xr.DataArray) -> dict[str, xr.DataArray]:
-    """Probability that a gap [m] keeps two structures apart, and its 95 % interval; see `exceedance`."""
+    """Probability of no pounding for a gap [m], and its 95 % interval; see `exceedance`."""
     pounding = exceedance(separation, gap)
     return {
         "no_pounding_probability": 1 - pounding.probability,
@@ -312,7 +313,7 @@ def keeping_apart(separation: xr.DataArray, gap: float | xr.DataArray) -> dict[s
 
 
 def share_interval(count: Array, motions: int) -> tuple[Array, Array]:
-    """95 % interval of a probability, from the number of motions in which it came true."""
+    """95 % interval of the probability of an event, from the number of motions in which it occurs."""
     lower = betaincinv(count, motions - count + 1, TAIL)
     upper = betaincinv(count + 1, motions - count, 1 - TAIL)
     return np.nan_to_num(lower, nan=0.0), np.nan_to_num(upper, nan=1.0)
@@ -324,7 +325,7 @@ def mean_with_error(samples: Array) -> tuple[Any, Any]:
 
 
 def quantile_intervals(samples: Array, levels: Array) -> tuple[Array, Array, Array]:
-    """Quantiles along the first axis and their distribution-free 95 % intervals (order statistics)."""
+    """Quantiles along the first axis, and their 95 % intervals from order statistics."""
     ordered = np.sort(samples, axis=0)
     n = len(ordered)
     each = (-1,) + (1,) * (samples.ndim - 1)

@@ -1,4 +1,4 @@
-"""Structures that are stepped as floors on storeys: buildings, and all that links tie to one another."""
+"""Structures that are simulated as masses with storeys between them: buildings and linked structures."""
 
 from __future__ import annotations
 
@@ -24,22 +24,23 @@ from stochlin.models.links import Link
 from stochlin.models.structures import Structure
 from stochlin.models.systems import Stack, System
 
-LEAST_SHARE = 0.01  # of the mass, in a mode that steps are to follow closely; all are followed stably
+# Least share of the mass in a mode that determines the time step. Higher modes are integrated stably.
+LEAST_SHARE = 0.01
 
 
 class Frame(NamedTuple):
-    """Structures that act on one another, or one building alone."""
+    """Structures that are linked to each other, or one building."""
 
     part: Storeys
-    floors: Array  # (n,): their numbers in the system
-    shortest: float  # [s], of the modes while all elements hold that matter for the length of steps
-    slowest: float  # [s], in which the slowest one dies out
-    period: float  # [s], the longest
-    samples: SampledStoreys | None = None  # of every motion, in place of the part
+    floors: Array  # (n,) numbers of the floors in the system
+    shortest: float  # [s], shortest elastic period that determines the time step
+    slowest: float  # [s], longest decay time of the elastic vibrations
+    period: float  # [s], longest elastic period
+    samples: SampledStoreys | None = None  # with uncertain parameters: a sample for each motion
 
 
 def frames_of(system: System) -> tuple[list[Frame], list[int]]:
-    """The frames of a system, and the structures that are oscillators on their own."""
+    """Frames of a system, and the numbers of the oscillators without links."""
     frames, alone = [], []
     with_device = {tie.one for tie in system.ties if tie.link.within_one}
     for members in _tied(system):
@@ -53,14 +54,14 @@ def frames_of(system: System) -> tuple[list[Frame], list[int]]:
 
 
 def all_frames(system: System) -> list[Frame]:
-    """The frames of a system, oscillators on their own as buildings of one storey among them."""
+    """Frames of a system, with oscillators without links as buildings of one storey."""
     return [_frame(system, members) for members in _tied(system)]
 
 
 def sampled_frames(system: System, samples: Sequence[Sequence[Stack]]) -> list[Frame]:
-    """All frames of a system of which every motion has a sample: its stacks in place of those here.
+    """Frames of a system with uncertain parameters; ``samples`` are the structures of each motion.
 
-    Steps are short enough for the stiffest sample of each structure.
+    The time step is short enough for the stiffest sample of each structure.
     """
     count = len(system.stacks)
     stiffest = [max((sample[s] for sample in samples), key=_stiffness) for s in range(count)]
@@ -77,6 +78,7 @@ def sampled_frames(system: System, samples: Sequence[Sequence[Stack]]) -> list[F
 
 
 def _damping(stacks: Sequence[Stack]) -> Array:
+    """Damping matrix of structures without links [N s/m]."""
     own = [stack.damping for stack in stacks]
     whole: Array = scipy.linalg.block_diag(*own) if own[1:] else own[0]
     return whole
@@ -87,7 +89,7 @@ def _stiffness(stack: Stack) -> float:
 
 
 def _with_stacks(usual: Elements, of_links: Array, stacks: Sequence[Stack]) -> Elements:
-    """The elements with other storeys, and the same links."""
+    """Elements with the same links and other storeys."""
     n = usual.mass.size
 
     def column(name: str) -> Array:
@@ -109,7 +111,7 @@ def _with_stacks(usual: Elements, of_links: Array, stacks: Sequence[Stack]) -> E
 
 
 def _tied(system: System) -> list[Array]:
-    """Structures, counted from 0, that links tie to one another."""
+    """Groups of linked structures, by their numbers from 0."""
     count = len(system.stacks)
     tied = np.zeros((count, count))
     owner = np.repeat(np.arange(count), np.diff(system.first))
@@ -120,6 +122,7 @@ def _tied(system: System) -> list[Array]:
 
 
 def _frame(system: System, members: Array) -> Frame:
+    """Frame of the structures ``members`` (numbers from 0) and of the links between them."""
     first = system.first
     floors = np.concatenate([np.arange(first[m], first[m + 1]) for m in members])
     springs = np.flatnonzero(np.abs(system.extensions[:, floors]).any(axis=1))
@@ -141,7 +144,7 @@ def _frame(system: System, members: Array) -> Frame:
             damping += tie.link.number("damping_constant") * np.outer(along, along)
         kinds.append(_kind(tie.link))
         own.append(np.empty(0))
-    drifts[np.array(kinds) == SLACK] *= -1  # these pull where the floors part
+    drifts[np.array(kinds) == SLACK] *= -1  # a link with slack pulls when the floors move apart
     for along, tie in zip(drifts[floors.size :], ties, strict=True):
         if tie.link.is_power_law:
             drifts = np.vstack([drifts, along])
@@ -175,12 +178,12 @@ def _frame(system: System, members: Array) -> Frame:
 
 
 def _modes(mass: Array, stiffness: Array) -> tuple[Array, Array]:
-    """Periods [s], and the shares of the mass that the ground moves in each mode."""
+    """Periods [s] and effective modal masses, as shares of the mass, of all modes."""
     squares, shapes = scipy.linalg.eigh(stiffness, np.diag(mass))
     if squares[0] <= 0:
         raise ValueError(
-            "storeys and links differ so much in stiffness that the longest period is lost by rounding; "
-            f"the stiffest has {stiffness.max():.3g} N/m: lower it"
+            "the stiffnesses of storeys and links differ so much that the longest period is lost by "
+            f"rounding errors; the largest one is {stiffness.max():.3g} N/m: reduce it"
         )
     shares = (mass @ shapes) ** 2 / mass.sum()
     return 2 * np.pi / np.sqrt(squares), shares
@@ -191,13 +194,13 @@ def _kind(link: Link) -> int:
 
 
 class _Laws:
-    """The laws of a frame that the kernel does not have built in, each a `law_middle`."""
+    """Laws of a frame that are not built into the kernel, each with its `law_middle`."""
 
     def __init__(self) -> None:
         self.middles: list[Any] = []
 
     def kind(self, law: Structure, yields: bool) -> int:
-        """By which number the kernel knows an element of this law."""
+        """Number by which the kernel selects the law of an element."""
         steps = law.in_storeys() if yields else LINEAR
         if isinstance(steps, int):
             return steps
@@ -207,7 +210,7 @@ class _Laws:
 
 
 def relaxation_times(system: System, k_eq: Array) -> Array:
-    """How slowly plastic drifts of the storeys relax by linearization [s]; 0 where they hold."""
+    """Relaxation times [s] of the plastic drifts of the storeys by linearization; 0 if elastic."""
     share = system.all("post") / system.all("elastic")
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(k_eq > 0, 1 / (share * k_eq), 0.0)

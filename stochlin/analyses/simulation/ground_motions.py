@@ -1,4 +1,4 @@
-"""The ground motions under which structures are simulated, as records."""
+"""Simulated ground motions as records."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from stochlin.models.envelopes import Envelope, envelope_at
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
 
-USUAL_STEP = 0.01  # s
+USUAL_STEP = 0.01  # default time step [s]
 
 
 def simulated_motions(
@@ -32,28 +32,29 @@ def simulated_motions(
     scatter: float = 0.0,
     progress: Progress | None = None,
 ) -> xr.DataArray:
-    """Ground motions, each of them a record for `pound`, `respond`, `recorded_gap` or another program.
+    """Simulate ground motions, as records for `pound`, `respond`, `recorded_gap` or other programs.
 
-    The ground's filter is stationary at the start, and what comes out is multiplied by the envelope.
-    With the same seed and as ``step`` the ``step_s`` that `simulate` states of its result, these are the
-    motions under which its structures move.
+    Each motion is a stationary process with the spectrum of the ground, multiplied by the envelope. The
+    structures of `simulate` are subjected to the same motions if ``seed`` is the same and ``step`` is
+    the attribute ``step_s`` of its dataset.
 
     Parameters
     ----------
     ground : WhiteNoise, KanaiTajimi, CloughPenzien or ParallelGround
-        With scalar parameters.
+        The ground, with scalar parameters.
     duration : float
-        Length of each motion [s], positive.
+        Duration of each motion [s], positive.
     envelope : AminAng, ShinozukaSato, GammaEnvelope or HsuBernard, optional
-        Without it the motion is stationary.
+        Envelope of the motions; without it they are stationary.
     paths : int
-        Number of motions, from 2.
+        Number of motions, at least 2.
     seed : int
-        The same seed gives the same motions, whatever the number of cores.
+        Seed of the random numbers; the motions do not depend on the number of cores.
     step : float
-        Time step [s], positive; of white noise each value is the mean over a step.
+        Time step [s], positive. A value of white noise is its mean over a step.
     scatter : float
-        As in `simulate`, with the same factors for the same seed.
+        Standard deviation [-] of the logarithm of a random factor on each motion, as in `simulate`, with
+        the same factors for the same seed.
     progress : callable, optional
         Called with the share of the work that is done.
 
@@ -65,7 +66,8 @@ def simulated_motions(
     Raises
     ------
     ValueError, TypeError
-        If a number is out of range, the ground has arrays, or the motions would not fit into memory.
+        If an argument is out of range or of the wrong kind, a parameter of the ground is an array, or
+        the motions would not fit into memory.
 
     Examples
     --------
@@ -98,7 +100,7 @@ def simulated_motions(
     plan = Plan(step, 1, 0, 0, groups, seed, BLOCK, scatter=float(scatter))
     made, root = ground_steps(soil, step)
     values = ground_motions(made, soil.arrays.output, root, plan, steps, progress)[:paths]
-    # The forcing of a structure is the ground acceleration turned round.
+    # The forcing f of a structure is minus the ground acceleration.
     values *= -envelope_at(envelope, time)
     motions = xr.DataArray(
         values,

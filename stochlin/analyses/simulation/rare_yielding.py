@@ -1,8 +1,9 @@
-"""Structures that yield too rarely for a simulation of usual length to settle: drift by the closure.
+"""Structures that yield too rarely for a stationary simulation: elastic, plus drift by linearization.
 
-The plastic drift of a structure that yields once in ten thousand periods takes a hundred thousand of
-them to settle. Between two kicks it is elastic, and simulated as such; the variance of the drift, and
-what two drifts share, are those of the drift closure, eqs. (1) to (8) of ``docs/drift.md``.
+The plastic drift of a structure that yields once in ten thousand periods needs a hundred thousand
+periods to become stationary. Such a structure is simulated as elastic, which it is between the yield
+excursions. The variances and covariances of the drifts are those of the drift closure, eqs. (1) to (8)
+of ``docs/drift.md``.
 """
 
 from __future__ import annotations
@@ -30,8 +31,10 @@ from stochlin.models.grounds import Ground
 from stochlin.models.structures import DRIFT, Structure
 from stochlin.models.systems import AnyStructure
 
-MOST_STEPS = 1e7  # that a drift may take of a motion; 256 motions of one structure take some ten seconds
-# Of the closure: of standard deviations, 1.4 % over 500 pairs, and of the correlation of two drifts.
+# Steps of a motion up to which a drift is simulated; 256 motions of one structure take some ten seconds.
+MOST_STEPS = 1e7
+# Errors of the drift closure: relative, of a standard deviation (1.4 % on average over 500 pairs), and
+# of the correlation of two drifts.
 DISPLACEMENT_ERROR, SHARED_ERROR = 0.02, 0.25
 MEANINGS = ("simulated", "elastic_and_drift_by_closure")
 
@@ -41,7 +44,7 @@ Mask = npt.NDArray[np.bool_]
 def rarely_yielding(
     structures: Sequence[AnyStructure], ground: Ground, run: Run, relaxation_times: float
 ) -> Mask:
-    """Which of some oscillators, the only floors of the run, are not to be simulated as they are."""
+    """Whether each of the structures, all of them oscillators, yields too rarely to be simulated."""
     longest = MOST_STEPS * run.plan.dt / (BURN_IN + relaxation_times)
     slow = np.zeros(run.valid.size, bool)
     slow[run.valid] = run.drift_time > longest
@@ -49,7 +52,7 @@ def rarely_yielding(
 
 
 def elastic(structures: Sequence[AnyStructure], rare: Mask) -> list[AnyStructure]:
-    """The structures, those that yield rarely without a strength."""
+    """The structures, of which those that yield rarely are made elastic."""
     return [
         replace(one, yield_displacement=None, reduction_factor=None)
         if out and isinstance(one, Structure)
@@ -61,9 +64,10 @@ def elastic(structures: Sequence[AnyStructure], rare: Mask) -> list[AnyStructure
 def with_drift(
     table: xr.Dataset, structures: Sequence[AnyStructure], ground: Ground, rare: Mask
 ) -> xr.Dataset:
-    """The table of a run of `elastic` structures with the drift of those that yield rarely.
+    """Table of a simulation of `elastic` structures, with the drift of those that yield rarely added.
 
-    What a drift shares with the rest of a partner's response is left out: it is fast.
+    The covariance of a drift with the response of the other structure apart from its drift is neglected,
+    because that response is much faster.
     """
     solved = {n: _solved(one, ground) for n, one in enumerate(structures) if _drifts(one, ground)}
     chosen = [n for n, out in enumerate(rare) if out]
@@ -99,19 +103,20 @@ def with_drift(
     table = table.assign({name: table[name].copy(data=values) for name, values in columns.items()})
     table["estimate"] = table.displacement_std.copy(data=rare.astype(np.int8))
     table.estimate.attrs = {
-        "long_name": "how the response was found",
+        "long_name": "method for the response",
         "flag_values": np.arange(len(MEANINGS), dtype=np.int8),
         "flag_meanings": " ".join(MEANINGS),
     }
     comment = (
-        f"Structure {named} yields so rarely that its plastic drift takes {slowest:.2g} s to settle: "
-        "simulated as elastic, with the drift of the drift closure, which is off by 1.4 % in the mean."
+        f"Structure {named} yields so rarely that its plastic drift needs {slowest:.2g} s to become "
+        "stationary. It was simulated as elastic, and its drift is that of the drift closure, whose "
+        "displacements are off by 1.4 % on average."
     )
     return table.assign_attrs(comment=comment)
 
 
 def _drifts(structure: AnyStructure, ground: Ground) -> bool:
-    """Whether the drift closure holds of it."""
+    """Whether the drift closure applies to the structure on this ground."""
     return isinstance(structure, Structure) and usual_closure(structure, ground) == DRIFT
 
 

@@ -1,4 +1,4 @@
-"""The structures of a simulation: oscillators on their own, and frames of floors on storeys."""
+"""Structures of a simulation: oscillators without links, buildings and linked structures."""
 
 from __future__ import annotations
 
@@ -30,34 +30,34 @@ STRUCTURE = "structure"
 
 
 class Riders(NamedTuple):
-    """What rides on the motions of one ground."""
+    """All structures that are simulated under the same motions."""
 
     system: System
-    cells: SimulationCells | None  # of the oscillators on their own
-    alone: list[int]  # their floors
+    cells: SimulationCells | None  # oscillators without links
+    alone: list[int]  # numbers of their floors
     frames: list[Frame]
     links: tuple[Link | None, ...]
-    strength: Array  # (n,) [m]: drift at yield of the storey below each floor
-    drift_times: Array  # (n,) [s], of the plastic drift of that storey; 0 where it is not asked for
+    strength: Array  # (n,) yield drift [m] of the storey below each floor
+    drift_times: Array  # (n,) relaxation time [s] of its plastic drift; 0 for finite motions
 
     @property
     def has_storeys(self) -> bool:
-        """Whether there are buildings with storeys among them."""
+        """Whether there is a building with storeys."""
         return not all(stack.is_oscillator for stack in self.system.stacks)
 
     @property
     def floor(self) -> str:
-        """The dimension of displacements: floors are structures where all are oscillators."""
+        """Dimension of displacements: ``structure`` if all are oscillators, else ``floor``."""
         return FLOOR if self.has_storeys else STRUCTURE
 
     @property
     def element(self) -> str:
-        """The dimension of drifts."""
+        """Dimension of drifts: ``structure`` if all are oscillators, else ``element``."""
         return ELEMENT if self.has_storeys else STRUCTURE
 
     @property
     def functions(self) -> int:
-        """How many functions of the displacements are looked at in a finite motion."""
+        """Number of displacements, drifts and relative displacements with a peak in a finite motion."""
         storeys = self.strength.size if self.has_storeys else 0
         return self.strength.size + storeys + len(pairs_of(self.system))
 
@@ -80,7 +80,7 @@ class Riders(NamedTuple):
         grounds: Sequence[Ground] = (),
         step: float | None = None,
     ) -> Run:
-        """The ensemble, which has no length yet."""
+        """Ensemble of the structures, without a duration."""
         return prepare(
             self.cells,
             ground,
@@ -103,9 +103,10 @@ def riders_of(
     stationary: bool,
     samples: Sequence[Sequence[Stack]] | None = None,
 ) -> Riders:
-    """Lay out the structures; for a stationary run, with their drift by linearization.
+    """Structures of a simulation; for a stationary one with relaxation times by linearization.
 
-    With ``samples``, stacks of all structures for every motion, those here are their medians.
+    ``samples`` are the structures of each motion if parameters are uncertain; then ``structures`` are
+    the medians.
     """
     links = check_links("link", link, len(structures))
     tied = {s for n, one in enumerate(links, 1) if one is not None for s in one.structures or (n, n + 1)}
@@ -138,10 +139,10 @@ def _drift_times(
     links: Sequence[Link | None],
     system: System,
 ) -> Array:
-    """Relaxation of the plastic drifts of all storeys by linearization, which knows no slack [s]."""
+    """Relaxation times [s] of the plastic drifts of all storeys; linearized without links with slack."""
     kept = [None if link is None or link.slack is not None else link for link in links]
     try:
         k_eq = linearize_system(structures, ground, kept).k_eq.values
-    except ArithmeticError:  # the run tells by its own drift whether it was too short
+    except ArithmeticError:  # a run that is too short shows it by its change of variance
         return np.zeros(int(system.first[-1]))
     return relaxation_times(system, k_eq[: int(system.first[-1])])

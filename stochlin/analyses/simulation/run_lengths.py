@@ -1,8 +1,9 @@
-"""How long a stationary simulation must be: burn-in and length from what its structures remember.
+"""Burn-in and duration of a stationary simulation, from the memory of its structures.
 
-A yielding structure drifts: its plastic displacement ``u - z`` moves in kicks and is drawn back by the
-hardening alone. Its autocorrelation falls as one exponential. Linearization gives ``1/(alpha k_eq)`` for
-its time constant, too long by a factor of 1.2 to 10; a short run measures it.
+The plastic drift ``u - z`` of a yielding structure has the longest memory, because only the hardening
+acts on it as a restoring force. Its autocorrelation is exponential. The time constant by linearization
+is ``1/(alpha k_eq)``, which is too long by a factor of 1.2 to 10; it is therefore measured in a short
+simulation.
 """
 
 from __future__ import annotations
@@ -16,26 +17,28 @@ from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.ensemble import plastic_displacements
 
-BURN_IN = 5.0  # times the memory
-GROUPS = 4  # of motions, in the measuring run
-SETTLING, LENGTH = 1.0, 2.0  # of the measuring run, in linearized relaxation times
-INSTANTS = 256  # at which it looks at the plastic displacements
-FALLEN = 0.6  # the time constant is taken where the autocorrelation first falls below
-ERRORS = 2.0  # standard errors on the safe side
+BURN_IN = 5.0  # burn-in over memory
+# Measurement of the time constant: groups of motions, burn-in and duration in time constants by
+# linearization, and instants at which the plastic displacements are sampled.
+GROUPS, INSTANTS = 4, 256
+SETTLING, LENGTH = 1.0, 2.0
+FALLEN = 0.6  # autocorrelation below which the time constant is evaluated
+ERRORS = 2.0  # standard errors that are added to the autocorrelation, on the safe side
 
 
 class _Drift(NamedTuple):
-    """The slowest drift of a run, as far as it is known."""
+    """The slowest plastic drift of a run."""
 
-    time: float  # [s]
-    period: float  # [s], of the structure
+    time: float  # relaxation time [s]
+    period: float  # period of the structure [s]
 
 
 def with_length(run: Run, relaxation_times: float, measured_alone: bool = False) -> Run:
-    """The run with burn-in and length, in multiples of its memory, measured where drift decides.
+    """The run with burn-in and duration, which are multiples of its memory.
 
-    Raises a ValueError before any work if by linearization it would take too long, or the measuring
-    run, where nothing but that is done here.
+    If the memory is that of a plastic drift, it is measured. Before that, a ValueError is raised if the
+    run, with the memory by linearization, would take too long; with ``measured_alone`` (the run itself
+    is split into chunks) only if the measurement would.
     """
     expected = run.drift_time
     slowest = _slowest(expected, run)
@@ -66,15 +69,16 @@ def with_length(run: Run, relaxation_times: float, measured_alone: bool = False)
 
 
 def _slowest(times: Array, run: Run) -> _Drift:
+    """The slowest drift, from the relaxation times of all valid floors [s]."""
     worst = int(np.argmax(times))
     return _Drift(float(times[worst]), float(run.period[worst]))
 
 
 def _measure(run: Run, expected: float) -> Array:
-    """Time constant [s] of each plastic displacement, two standard errors above; in the crowd's order.
+    """Time constants [s] of the plastic drifts, on the safe side by two standard errors.
 
-    Infinite where a structure does not yield, or does not forget, within the measuring run. Its
-    motions are those that follow the plan's.
+    They are in the order of the crowd, and infinite if a structure does not yield or its drift does not
+    decay within the measurement. The motions are independent of those of the run.
     """
     block = run.plan.block
     stride = max(1, int(LENGTH * expected / block / INSTANTS))
@@ -90,7 +94,7 @@ def _measure(run: Run, expected: float) -> Array:
 
 
 def _time_constant(history: Array) -> float:
-    """Of histories (instants, motions), in steps from one instant to the next."""
+    """Time constant of histories (instants, motions), as a number of intervals between instants."""
     count, motions = history.shape
     variance = np.mean(history**2)
     if not variance > 0:

@@ -1,4 +1,4 @@
-"""Exact nonlinear response by simulation, of many structures on one ground."""
+"""Nonlinear simulation of any number of structures on one ground."""
 
 from __future__ import annotations
 
@@ -38,19 +38,19 @@ from stochlin.models.systems import STRUCTURES, AnyStructure, floor_count
 
 SCALARS = "scalars, one structure an entry; correlate(method='simulation') takes arrays"
 STEPS_PER_PERIOD = 32
-ROUNDING = 1e-13  # share of its terms that a sum may miss 0 by
-NOT_STATIONARY = 5.0  # standard errors between the variances of the two halves of a run
+ROUNDING = 1e-13  # relative size of a sum, over its terms, below which it is a rounding error
+NOT_STATIONARY = 5.0  # change of a variance, in standard errors, above which a run is not stationary
 
 
 class MomentEstimates(NamedTuple):
-    """What an ensemble tells of its valid cells, in the order of the cells."""
+    """Second moments of the displacements of n cells, with standard errors; NaN for invalid cells."""
 
     displacement_std: Array  # (n,) [m]
     displacement_error: Array  # (n,) [m]
     rho: Array  # (n, n)
     rho_error: Array  # (n, n)
-    drift: Array  # (n,) change of the variance over the run, in standard errors
-    status: Array  # (n,) codes as in `labels`
+    drift: Array  # (n,) change of the variance during the run, in standard errors
+    status: Array  # (n,) status codes of `labels`
 
 
 def simulate(
@@ -70,63 +70,73 @@ def simulate(
 ) -> xr.Dataset:
     """Response of structures on one ground by nonlinear simulation.
 
-    Stationary second moments; with a duration, the peaks of finite motions from rest. All
-    structures are subjected to the same motions, so that the result has every pair of them.
+    Without a duration the result has the stationary second moments of the displacements; with a
+    duration, the peaks in finite motions from rest. All structures are subjected to the same motions, so
+    that the result has each pair of them.
 
     Parameters
     ----------
     structures : sequence of Bilinear, BoucWen, Hysteretic or ShearBuilding
-        With scalar parameters, strengths by ``reduction_factor`` referring to each standing alone. With
-        a duration a parameter may be `Uncertain`: every motion then has its own sample.
+        The structures, with scalar parameters. A ``reduction_factor`` refers to the elastic response of
+        the structure without links. With a duration, parameters may be `Uncertain`; each motion then has
+        its own sample.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
-        With scalar parameters, or `Uncertain` ones as for structures.
+        The ground, with scalar parameters, or `Uncertain` ones with a duration.
     paths : int
-        Independent motions; rounded up to a multiple of 32.
+        Number of independent motions, which is rounded up to a multiple of 32.
     seed : int
-        The same seed gives the same answer, whatever the number of cores.
+        Seed of the random numbers; the result does not depend on the number of cores.
     steps_per_period : int
-        Steps of the shortest period of structures and ground, at least 8.
+        Time steps in the shortest period of structures and ground, at least 8.
     relaxation_times : float
-        Length of each motion after burn-in, in units of the longest memory among structures and
-        ground: ``1/(xi w)``, or the correlation time of the plastic drift, which a short run
-        measures. Burn-in takes five of them.
+        Duration of each stationary motion after the burn-in, at least 1, in multiples of the longest
+        memory of structures and ground. The memory is ``1/(xi w)`` or the correlation time of the
+        plastic drift, which is measured in a short simulation. The burn-in takes five times the memory.
     duration : float, optional
-        Length of each motion [s], at least a period; without it, the stationary response.
+        Duration of each motion [s], at least one period; without it the response is stationary.
     envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
-        Of a finite motion; without it, the motion is stationary from its start.
+        Envelope of finite motions; without it they are stationary from their start.
     scatter : float
-        Of finite motions: standard deviation [-] of the natural logarithm of a factor on the
-        ground acceleration, 0 to 2; one factor a motion, of median 1, independent of the others: the
-        difference from earthquake to earthquake that no ground holds. All else stays as with 0.
+        Standard deviation [-] of the natural logarithm of a random factor on the ground acceleration of
+        each finite motion, from 0 to 2. The factors have the median 1 and are independent. They
+        represent the scatter between earthquakes, which a ground does not contain. The motions are
+        otherwise the same as without scatter.
     quantiles : sequence of float
-        Of the separation in finite motions, between 0 and 1.
+        Probabilities of the quantiles of the separation in finite motions, between 0 and 1.
     link : Link or list of Link and None, optional
-        Between neighbours, or what their ``structures`` say, devices inside one structure among them;
-        oscillators that it ties need a mass.
+        Links from each structure to the next, or between the structures that the ``structures`` of a
+        link name, which may be one structure; linked oscillators need a mass.
     progress : callable, optional
         Called with the share of the work that is done.
 
     Returns
     -------
     xarray.Dataset
-        Over ``structure``: ``displacement_std`` [m] and ``displacement_std_standard_error``,
-        ``ductility_std`` [-], ``drift`` [-]: the change of the variance from the first half of the run
-        to the second in standard errors, ``status``: not converged where a drift exceeds 5; over
-        (``structure``, ``structure_2``): ``rho`` and ``rho_standard_error``. Where a structure yields
-        too rarely for that, ``estimate``: a flag of how it was found; see the notes. With a duration
-        instead, over ``path`` and ``structure``: ``peak_positive``, ``peak_negative`` and ``peak``, the
-        larger of the two, all [m]; over ``path``, ``structure`` and ``structure_2``: ``separation``
-        [m], the largest ``u_1 - u_2``, the gap that would just have been enough with ``structure`` on
-        the left. Their means with standard errors, and ``separation_quantile`` with a 95 % interval,
-        ``_lower`` and ``_upper``. `exceedance` takes the probability of a gap from the samples. Of
-        uncertain parameters also ``input_factor`` [-] over ``path`` and ``input``: the sample over the
-        median.
+        Without a duration, over ``structure``: ``displacement_std`` [m] with
+        ``displacement_std_standard_error``; ``ductility_std`` [-]; ``drift`` [-], the change of the
+        variance from the first half of the run to the second in standard errors; and ``status``, which
+        is ``not_converged`` if the drift exceeds 5. Over (``structure``, ``structure_2``): ``rho`` [-]
+        with ``rho_standard_error``. If a structure yields too rarely to be simulated until it is
+        stationary, the flag ``estimate`` over ``structure`` marks it (see the notes).
+
+        With a duration, over (``path``, ``structure``): ``peak_positive``, ``peak_negative`` and
+        ``peak``, the larger of both [m]. Over (``path``, ``structure``, ``structure_2``): ``separation``
+        [m], the peak of ``u_1 - u_2``, which is the gap without pounding for ``structure`` on the left
+        of ``structure_2``. Also their means with standard errors, and ``separation_quantile`` with its
+        95 % interval, ``_lower`` and ``_upper``. `exceedance` gives the probability of exceeding a gap
+        from the samples. With uncertain parameters also ``input_factor`` [-] over (``path``,
+        ``input``), the samples over the medians.
+
+        With a building with storeys, displacements are over ``floor`` in place of ``structure``, and
+        ductilities over ``element``, the storeys; standard deviations and peaks of the drifts are added.
 
     Raises
     ------
     ValueError, TypeError
-        If there is no structure, a parameter is an array, a number is out of range, or the run
-        would not fit into memory: before any work is done.
+        If there is no structure, a parameter is an array, an argument is of the wrong kind or out of
+        range, or the simulation would take too much memory or time.
+    ArithmeticError
+        If the elastic response of a structure cannot be computed.
 
     Notes
     -----
@@ -137,7 +147,7 @@ def simulate(
 
     The plastic drift of a structure that yields rarely takes very long to settle. A bilinear oscillator
     without links that would need more than ten million steps is simulated as elastic. Its drift is then
-    taken from the drift closure and grows for a million periods at most; ``estimate`` flags such a
+    taken from the drift closure, as it has grown after a million periods; ``estimate`` flags such a
     structure, and its standard errors include those of the closure. Compared with simulations of up to
     fifty million steps (R 0.72 to 0.77, white noise, firm ground and a lake bed), standard deviations
     were off by 2 % at most and ``rho`` by 0.03; for two structures that are nearly alike on the lake
@@ -177,7 +187,10 @@ def simulate(
     run = riders.run(ground, **options)
     if not run.valid.all() and (riders.has_storeys or duration is not None):
         lost = roles[f"structures[{int(np.argmin(run.valid))}]"].describe()
-        raise ArithmeticError(f"the elastic response of {lost} is beyond what can be computed")
+        raise ArithmeticError(
+            f"the elastic response of {lost} cannot be computed in floating point; give less extreme "
+            "parameters"
+        )
     models = drawn.models
     del models["ground"]
     if isinstance(link, Link):
@@ -208,9 +221,9 @@ def drawn_separations(
     scatter: float,
     step: float | None = None,
 ) -> tuple[Array, float]:
-    """The largest ``u_1 - u_2`` [m] in each motion, or ``u_1`` of one structure, and the step [s].
+    """Peak of ``u_1 - u_2`` [m] in each motion, or of ``u_1`` of one structure, and the time step [s].
 
-    As by `simulate`, of samples that are there already; unless a ``step`` is given, in steps that fit.
+    The simulation is that of `simulate` for samples ``drawn`` before. Without a ``step`` it chooses one.
     """
     structures, ground = drawn.medians
     riders = riders_of(structures, ground, None, False, drawn.stacks())
@@ -236,7 +249,7 @@ def _settled(
     relaxation_times: float,
     progress: Progress | None,
 ) -> xr.Dataset:
-    """Stationary second moments, with the drift of oscillators that yield too rarely to settle."""
+    """Stationary second moments; oscillators that yield very rarely have the drift by linearization."""
     rare = np.zeros(len(structures), bool)
     if not riders.frames:
         rare = rarely_yielding(structures, ground, run, relaxation_times)
@@ -249,18 +262,18 @@ def _settled(
 
 
 def _medians(drawn: Draw, duration: float | None) -> tuple[Sequence[AnyStructure], Ground]:
-    """Structures and ground at their medians; a ValueError if they are to be stationary."""
+    """Medians of uncertain structures and ground; raises a ValueError without a duration."""
     if duration is None:
         role, names = next((role, list(own)) for role, own in drawn.factors.items())
         raise ValueError(
-            f"{role}: {', '.join(names)} is not known exactly, and duration is missing; a stationary "
-            "response is that of one structure on one ground: give a duration, or the median()"
+            f"{role}: {', '.join(names)} is uncertain, and duration is missing; a stationary response "
+            "is that of one structure on one ground: give a duration, or the median()"
         )
     return drawn.medians
 
 
 def _stationary(riders: Riders, run: Run, progress: Progress | None) -> xr.Dataset:
-    """Second moments of all floors, and of the drifts of storeys where there are any."""
+    """Stationary second moments of all floors, and of the drifts of storeys."""
     storeys = drifts_of(riders.system) if riders.has_storeys else []
     view = None
     if storeys:
@@ -290,7 +303,7 @@ def _stationary(riders: Riders, run: Run, progress: Progress | None) -> xr.Datas
 
 
 def checked_structures(structures: Sequence[AnyStructure], ground: Ground) -> dict[str, AnyStructure]:
-    """The structures by their roles, once they and the ground are what `simulate` takes."""
+    """The structures by their roles; raises if they or the ground do not suit `simulate`."""
     expect(ground, Ground, "ground")
     if not isinstance(structures, Sequence):
         raise TypeError(f"structures = {brief(structures)}; allowed: a list of structures")
@@ -313,7 +326,7 @@ def check_repeated(
     seed: int,
     times: int,
 ) -> None:
-    """Raise for what `simulate` refuses, and if so many simulations of the kind are too much."""
+    """Raise if arguments do not suit `simulate`, or if ``times`` simulations would take too long."""
     check_settings(paths, seed)
     checked_structures(structures, ground)
     riders = riders_of(structures, ground, None, stationary=False)
@@ -322,7 +335,7 @@ def check_repeated(
 
 
 def simulate_moments(run: Run, progress: Progress | None, view: View | None = None) -> MomentEstimates:
-    """Second moments and their errors of all floors, NaN for invalid ones, or of what is viewed."""
+    """Second moments with standard errors, of all floors or of the displacements in ``view``."""
     sums = stationary_sums(run.crowd, view, run.ground, run.root, run.plan, progress)
     variance, variance_error, rho, rho_error, drift = _estimates(sums, run.plan.groups * LANES)
     sigma = np.sqrt(variance)
@@ -345,12 +358,13 @@ def simulate_moments(run: Run, progress: Progress | None, view: View | None = No
     return MomentEstimates(spread(sigma) * scale, error, spread(rho), spread(rho_error), drift, status)
 
 
-@np.errstate(all="ignore")  # what overflows is judged by its status
+@np.errstate(all="ignore")  # cells that overflow get a status
 def _estimates(sums: Sums, paths: int) -> tuple[Array, Array, Array, Array, Array]:
-    """Variance, its error, rho, its error and drift, by the scatter between paths.
+    """Variance and its standard error, rho and its standard error, and change of the variance.
 
-    The error of ``rho`` is that of its influence function,
-    ``g_12/(s_1 s_2) - rho/2 (g_11/s_1^2 + g_22/s_2^2)``, over the paths.
+    The errors follow from the scatter between paths. That of ``rho`` is the standard error of the mean
+    of its influence function, ``g_12/(s_1 s_2) - rho/2 (g_11/s_1^2 + g_22/s_2^2)``, with the mean
+    products ``g_ij`` of the displacements in a path.
     """
     mean = sums.moments / paths
     variance = np.diag(mean)
@@ -372,7 +386,7 @@ def _estimates(sums: Sums, paths: int) -> tuple[Array, Array, Array, Array, Arra
 
 
 def run_attributes(run: Run) -> dict[str, float | int]:
-    """How an ensemble was run, for the attributes of a dataset."""
+    """Attributes of a dataset that describe its stationary simulation."""
     plan = run.plan
     return {
         "paths": plan.groups * LANES,

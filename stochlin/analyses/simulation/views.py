@@ -1,4 +1,4 @@
-"""What is looked at in a simulated motion: floors, drifts of storeys, relative displacements."""
+"""Displacements of floors, storey drifts and relative displacements, as functions of the floors."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.ensemble import View
 from stochlin.models.systems import Stack, System, shares_at
 
-Terms = dict[int, float]  # floors of the system, and their weights
+Terms = dict[int, float]  # linear function of displacements: numbers of floors and their factors
 
 
 class Pair(NamedTuple):
-    """Two structures, counted from 0, at a height at which they could meet [m]; NaN for oscillators."""
+    """Two structures, by their numbers from 0, and a height of contact [m]; NaN for oscillators."""
 
     first: int
     second: int
@@ -22,10 +22,11 @@ class Pair(NamedTuple):
 
 
 def meeting_heights(one: Stack, two: Stack) -> Array:
-    """Heights at which the relative displacement of two structures can be largest [m].
+    """Heights [m] at which the relative displacement of two structures can be largest.
 
-    Between floors displacements are linear: these are the levels of both, up to the lower roof. An
-    oscillator has no height: it moves beside the roof of the other, or, if that has none either, NaN.
+    Displacements are linear between floors, so that these are the levels of all floors of both, up to
+    the lower roof. An oscillator has no height. Beside a building it is at the roof of the building; the
+    height for two oscillators is NaN.
     """
     if one.is_oscillator or two.is_oscillator:
         other = two if one.is_oscillator else one
@@ -60,21 +61,21 @@ def at_height(system: System, number: int, height: float) -> Terms:
 
 
 def displacements(system: System, pair: Pair) -> tuple[Terms, Terms]:
-    """Displacements of both."""
+    """Displacements of both structures of a pair."""
     one, other = (at_height(system, number, pair.height) for number in (pair.first, pair.second))
     return one, other
 
 
 def apart(system: System, pair: Pair) -> Terms:
-    """Displacement of the first structure less that of the second."""
+    """Relative displacement ``u_1 - u_2`` of a pair."""
     one, other = displacements(system, pair)
     return one | {floor: -share for floor, share in other.items()}
 
 
 def at_heights(system: System) -> list[tuple[int, float, Terms]]:
-    """Structures, the heights at which they could meet others, and their displacement there.
+    """Structures with the heights at which they could meet others, and their displacements there.
 
-    Where two oscillators meet has no height.
+    Pairs of oscillators, whose height is NaN, are left out.
     """
     known = [pair for pair in pairs_of(system) if not np.isnan(pair.height)]
     places = {(n, pair.height) for pair in known for n in (pair.first, pair.second)}
@@ -82,14 +83,17 @@ def at_heights(system: System) -> list[tuple[int, float, Terms]]:
 
 
 def drifts_of(system: System) -> list[Terms]:
-    """Drifts of all storeys."""
+    """Drifts of all storeys of a system."""
     return [
         {i: 1.0} | ({int(below): -1.0} if below >= 0 else {}) for i, below in enumerate(system.below)
     ]
 
 
 def view_of(functions: list[Terms], rows: Array, scale: Array) -> View:
-    """Functions of the displacements of floors, which are in these rows of a crowd, in its units."""
+    """Linear functions of floor displacements for an ensemble.
+
+    ``rows`` has the row of each floor in the crowd, and ``scale`` its unit of displacement [m].
+    """
     widest = max(len(terms) for terms in functions)
     row = np.zeros((len(functions), widest), np.int64)
     weight = np.zeros((len(functions), widest))

@@ -7,21 +7,21 @@ _MEANS: Variables = {
     "peak_ground_acceleration": ("m/s^2", "mean peak ground acceleration of simulated motions"),
     "spectral_acceleration": (
         "m/s^2",
-        "mean pseudo-acceleration of simulated motions at its period, damping 0.05",
+        "mean pseudo-acceleration of simulated motions at the period, damping ratio 0.05",
     ),
     "rms_acceleration": ("m/s^2", "root mean square of the ground acceleration in the strong part"),
     "ground_intensity": ("m^2/s^3", "two-sided PSD S0 of the white noise"),
-    "target": ("m/s^2", "pseudo-acceleration wanted"),
-    "ratio": ("1", "mean pseudo-acceleration over that wanted"),
-    "energy_ratio": ("1", "energy of the motions over that of the record, mean"),
+    "target": ("m/s^2", "target pseudo-acceleration"),
+    "ratio": ("1", "mean pseudo-acceleration over the target"),
+    "energy_ratio": ("1", "mean energy of the motions over the energy of the record"),
     "record_arias_intensity": ("m/s", "Arias intensity of the record"),
-    "significant_duration": ("s", "from 5 to 95 % of the energy, mean of the motions"),
-    "record_significant_duration": ("s", "from 5 to 95 % of the energy of the record"),
+    "significant_duration": ("s", "mean significant duration of the motions (5 to 95 % of the energy)"),
+    "record_significant_duration": ("s", "significant duration of the record (5 to 95 % of the energy)"),
 }
 VARIABLES: Variables = {
     **_MEANS,
     **{
-        f"{name}_standard_error": (units, f"{about}: its standard error")
+        f"{name}_standard_error": (units, f"standard error of the {about}")
         for name, (units, about) in _MEANS.items()
     },
 }

@@ -1,1 +1,1 @@
-"""What every labelled table needs: names and units, broadcasting, checks, files."""
+"""Labelled tables of all rooms: names and units, broadcasting, checks of arguments, files."""

@@ -1,4 +1,4 @@
-"""Tables of what is computed one cell at a time: loops over the cells of models with arrays."""
+"""Tables whose cells are computed one by one, for models with arrays as parameters."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import is_lazy
 from stochlin.models.parameters import Model
 
-CELL = "_cell"  # while tables are put together; models have dimensions of any other name
+CELL = "_cell"  # temporary dimension; no dimension of a model has this name
 USABLE = "usable"
 NONE_VALID = "no cell has valid parameters; correct those that are out of range"
 OfCell = Callable[..., xr.Dataset]
-Kinds = dict[Any, tuple[Sequence[Hashable], npt.DTypeLike]]  # of variables, with their dimensions
-OfChunk = Callable[[Mapping[str, Any], xr.Dataset], xr.Dataset]  # models, and what is more
+Kinds = dict[Any, tuple[Sequence[Hashable], npt.DTypeLike]]  # dimensions and type of each variable
+OfChunk = Callable[[Mapping[str, Any], xr.Dataset], xr.Dataset]  # of models and a dataset beside them
 
 
 def over_cells(
@@ -31,13 +31,12 @@ def over_cells(
     usable: xr.DataArray | None = None,
     beside: Mapping[str, Model] | None = None,
 ) -> xr.Dataset:
-    """``function`` of scalar models, for every cell of models whose arrays broadcast by name.
+    """Table of a ``function`` of scalar models, for every cell of models with arrays.
 
-    What stands ``beside`` keeps the dimensions that the others lack. A cell whose parameters are out of
-    range, or that is not ``usable``, is NaN, with the status of invalid input.
-
-    Where dask holds one of the arrays the table is lazy: its chunks are computed when they are asked
-    for, wherever dask computes, and hold the same numbers.
+    The arrays broadcast by dimension name. The function is called with the models of a cell by their
+    names. Models ``beside`` are passed on too, with those dimensions that the other models do not have.
+    Cells with parameters out of range, or that are not ``usable``, are NaN with the status of invalid
+    input. With dask arrays the table is lazy and has the same numbers.
     """
     arrays = [array for model in models.values() for array in model.over_cells().values()]
     whole = {**models, **(beside or {})}
@@ -59,7 +58,7 @@ def _one_by_one(
     shape: xr.DataArray,
     known: xr.Dataset | None = None,
 ) -> xr.Dataset:
-    """The table of all cells of this ``shape``; ``known`` is what any of a larger table gave."""
+    """Table of all cells of ``shape``; ``known`` is a result, the pattern for invalid cells."""
     whole = {**models, **(beside or {})}
     good = _good(models, usable)
     places = list(np.ndindex(shape.shape))
@@ -89,7 +88,7 @@ def _one_by_one(
 
 
 def _good(models: Mapping[str, Model], usable: xr.DataArray | None) -> xr.DataArray:
-    """Cells with valid parameters that are usable."""
+    """Whether the parameters of each cell are valid and the cell is usable."""
     good = [model.valid() for model in models.values()]
     return reduce(and_, good if usable is None else [*good, usable])
 
@@ -101,7 +100,7 @@ def _in_chunks(
     beside: Mapping[str, Model] | None,
     shape: xr.DataArray,
 ) -> xr.Dataset:
-    """The same table, lazy, in the chunks of the models. One cell is computed, to know what it has."""
+    """Lazy table in the chunks of the models; one cell is computed at once, as a pattern."""
     good = _good(models, usable).broadcast_like(shape).transpose(*shape.dims)
     place: dict[str, int] = {}
     for dim in map(str, shape.dims):
@@ -129,10 +128,26 @@ def in_chunks(
     kinds: Kinds,
     like: xr.Dataset | None = None,
 ) -> xr.Dataset:
-    """The lazy table of ``function`` of the models, and of ``more``, with the cells of a chunk alone.
+    """Lazy table, of which each chunk is ``function`` of the models and of ``more`` in this chunk.
 
-    It has variables of these dimensions and ``kinds``, and the attributes and coordinates of another
-    that it is ``like``, over dimensions that the models do not have.
+    Parameters
+    ----------
+    function : callable
+        Function of the models by their names and of a dataset, which returns the table of a chunk.
+    models : mapping
+        Models with arrays, whose dimensions are chunked.
+    more : xarray.Dataset
+        Arrays that the function needs beside the models.
+    kinds : dict
+        Dimensions and type of each variable of the table.
+    like : xarray.Dataset, optional
+        Pattern with the attributes of the table, and with the sizes and coordinates of the dimensions
+        that the models do not have.
+
+    Returns
+    -------
+    xarray.Dataset
+        The lazy table.
     """
     given = xr.Dataset(
         {
@@ -143,11 +158,11 @@ def in_chunks(
         }
     )
     with warnings.catch_warnings():
-        # A table has more chunks than its axes: dask warns of what is wanted here.
+        # A table has more chunks than its axes, which is intended here.
         warnings.filterwarnings("ignore", message="Increasing number of chunks")
         given = given.assign(more.data_vars).chunk().unify_chunks()
     like = xr.Dataset() if like is None else like
-    from dask.array import empty  # which is there, since it holds the arrays
+    from dask.array import empty  # dask is installed, since there are dask arrays
 
     def blank(name: Any, dims: Sequence[Hashable], kind: npt.DTypeLike) -> xr.Variable:
         sizes = [given.chunksizes.get(dim) or (like.sizes[dim],) for dim in dims]
@@ -166,12 +181,12 @@ def in_chunks(
 
 
 def computed(model: Model) -> dict[str, xr.DataArray]:
-    """The arrays of a model that dask holds, with their numbers."""
+    """The dask arrays of a model, computed."""
     return {name: array.compute() for name, array in model.arrays().items() if is_lazy(array)}
 
 
 def _of_chunk(given: xr.Dataset, options: tuple[Any, ...]) -> xr.Dataset:
-    """One chunk of a lazy table, from the parameters of its cells."""
+    """One chunk of a lazy table; ``given`` has the parameters of its cells as ``model.parameter``."""
     function, bare, dims = options
     models = {
         role: model.with_arrays(
@@ -184,6 +199,7 @@ def _of_chunk(given: xr.Dataset, options: tuple[Any, ...]) -> xr.Dataset:
 
 
 def _chunk(models: Mapping[str, Model], more: xr.Dataset, options: tuple[Any, ...]) -> xr.Dataset:
+    """One chunk of `over_cells`."""
     function, beside, known = options
     arrays = [array for model in models.values() for array in model.over_cells().values()]
     shape = xr.broadcast(*arrays)[0]
@@ -191,7 +207,7 @@ def _chunk(models: Mapping[str, Model], more: xr.Dataset, options: tuple[Any, ..
 
 
 def _blank(table: xr.Dataset) -> xr.Dataset:
-    """The same without answers."""
+    """Copy of a table with NaN, with the highest value in flags, and with the status invalid input."""
     blank = table.copy()
     for name, array in table.data_vars.items():
         if array.dtype.kind == "f":

@@ -1,9 +1,8 @@
-"""Functions of arrays over labelled arrays: broadcast by dimension name, chunk by chunk where lazy.
+"""Functions of arrays applied to labelled arrays, which broadcast by dimension name.
 
-Every analysis whose cells do not depend on one another goes through here. Arrays that dask holds stay
-with it; nothing is computed until it is asked for, and then by the same function, so that the
-results are the same to the last bit. A lone cell has no dimensions and needs no labels: its numbers
-stay numbers until a dataset is made of them.
+All analyses with independent cells use this module. Dask arrays stay lazy, and their chunks are computed
+by the same function, with results that are equal to the last bit. Arguments without dimensions are
+passed on as plain numbers, without the cost of labels.
 """
 
 from __future__ import annotations
@@ -21,36 +20,36 @@ from stochlin.messages import sentence
 from stochlin.models.parameters import Model
 
 Cells = xr.DataArray | Array | float
-"""The cells of a table with their labels, or a lone cell's number."""
+"""Values of the cells of a table with labels, or the number of a single cell."""
 Solved = Mapping[Any, Cells]
-"""What was computed, by name: a dataset, or what one is made of."""
+"""Computed variables by name: a dataset, or the variables for one."""
 
 
 def row_of(array: xr.DataArray, like: xr.DataArray) -> Array:
-    """The values in the order of the cells of ``like``, over all of its dimensions."""
+    """Values in one row, broadcast to the dimensions of ``like`` and in the order of its cells."""
     return array.broadcast_like(like).transpose(*like.dims).to_numpy().ravel()
 
 
 def is_lazy(*arrays: Cells) -> bool:
-    """Whether dask holds one of them."""
+    """Whether one of the arrays is a dask array."""
     return any(isinstance(array, xr.DataArray) and array.chunks is not None for array in arrays)
 
 
 def lone(array: Cells) -> Cells:
-    """The number of a lone cell without its label; of several cells the array as it is."""
+    """The number of an array without dimensions, without label; any other array unchanged."""
     if isinstance(array, xr.DataArray) and not array.ndim and isinstance(array.data, np.ndarray):
         return array.data
     return array
 
 
 def valid_cells(model: Model) -> Cells:
-    """Where every parameter is in its range: numbers are, or they would not have been taken."""
+    """Whether the parameters of each cell are in range; True for scalars, which were checked before."""
     arrays = any(isinstance(value, xr.DataArray) for value in model.cells().values())
     return model.valid() if arrays else True
 
 
 def where_valid(values: Cells, valid: Cells) -> Cells:
-    """The values with NaN in cells that are not valid."""
+    """The values, with NaN in invalid cells."""
     return cellwise(_known, values, valid)[0]
 
 
@@ -72,11 +71,32 @@ def cellwise(
     result: Sequence[str] = (),
     **options: Any,
 ) -> tuple[Cells, ...]:
-    """``function`` of arrays that broadcast, with a result of each of these kinds.
+    """Results of a ``function`` of plain arrays for labelled arrays, which broadcast by dimension name.
 
-    ``core`` lists the dimensions of each array that come last and belong to a cell, ``result`` those of
-    the results. An AlignmentError is raised for dimensions that differ in coordinates or length.
-    Of numbers alone the results are numbers, arrays without dimensions.
+    Parameters
+    ----------
+    function : callable
+        Function of arrays, which returns an array, or a tuple of arrays for several ``kinds``.
+    *arrays : Cells
+        Labelled arrays or numbers. If all are numbers, so are the results (arrays without dimensions).
+    kinds : sequence of dtypes
+        Types of the results.
+    core : sequence of sequences of str, optional
+        For each array, the dimensions that belong to one cell; the function has them last.
+    result : sequence of str
+        Dimensions of the results that belong to one cell.
+    **options
+        Keyword arguments of the function.
+
+    Returns
+    -------
+    tuple of Cells
+        A result for each of the ``kinds``.
+
+    Raises
+    ------
+    xarray.AlignmentError
+        If dimensions of the same name differ in coordinates or length.
     """
     if not any(isinstance(array, xr.DataArray) for array in arrays):
         found = function(*map(np.asarray, arrays), **options)
@@ -84,7 +104,7 @@ def cellwise(
         return tuple(np.asarray(one, kind) for one, kind in zip(several, kinds, strict=True))
     labelled = [one if isinstance(one, xr.DataArray) else xr.DataArray(one) for one in arrays]
     with warnings.catch_warnings():
-        # A table has more chunks than its axes: dask warns of what is wanted here.
+        # A table has more chunks than its axes, which is intended here.
         warnings.filterwarnings("ignore", message="Increasing number of chunks")
         found = xr.apply_ufunc(
             function,
@@ -106,7 +126,7 @@ def cellwise_pair(
 @overload
 def cellwise_pair(function: Callable[..., Any], *arrays: Cells, **options: Any) -> tuple[Cells, ...]: ...
 def cellwise_pair(function: Callable[..., Any], *arrays: Cells, **options: Any) -> tuple[Cells, ...]:
-    """`cellwise` of two structures and a ground; a ValueError says how to make them fit."""
+    """`cellwise` for two structures and a ground, with a ValueError for dimensions that do not fit."""
     try:
         return cellwise(function, *arrays, **options)
     except xr.AlignmentError as error:

@@ -17,58 +17,58 @@ from stochlin.models.systems import STRUCTURES, AnyStructure, first_period
 from stochlin.models.uncertain import median_of
 
 LONGEST_LABEL, LONGEST_PATH = 200, 4096
-A_LABEL = f"some words on one line, {LONGEST_LABEL} characters at most, no control characters"
+A_LABEL = f"a text on one line, {LONGEST_LABEL} characters at most, no control characters"
 LARGEST = int(np.finfo(float).max)
-MOST_SCATTER = 2.0  # a factor from 0.14 to 7 is within a standard deviation
-LARGEST_WHOLE = 2**63 - 1  # what files and compiled code can hold
+MOST_SCATTER = 2.0  # standard deviation of a logarithm: factors from 0.14 to 7 are within one of it
+LARGEST_WHOLE = 2**63 - 1  # largest whole number of files and compiled code
 
 
 def is_number(value: object) -> TypeGuard[float]:
-    """Whether it is a real number that a float can hold, or NaN; a truth value is none."""
+    """Whether ``value`` is a real number in the range of floats, or NaN; True and False are not."""
     known = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
     return known and not (isinstance(value, int) and abs(value) > LARGEST)
 
 
 def is_whole(value: object) -> TypeGuard[int]:
-    """Whether it is a whole number; a truth value is none."""
+    """Whether ``value`` is a whole number; True and False are not."""
     return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
 
 
 def is_label(value: object) -> TypeGuard[str]:
-    """Whether it is a line of text that a table and a picture can show."""
+    """Whether ``value`` is a line of text that can be shown in a table and a picture."""
     if not isinstance(value, str) or not value.isprintable():
         return False
     return bool(value.strip()) and len(value) <= LONGEST_LABEL
 
 
 def check_label(name: str, value: object) -> None:
-    """Raise a ValueError unless it is a name that a table and a picture can show."""
+    """Raise a ValueError unless ``value`` is a text that can be shown in a table and a picture."""
     if not is_label(value):
         raise ValueError(f"{name} = {brief(value)}; allowed: {A_LABEL}")
 
 
 def check_whole(name: str, value: object, lowest: int, highest: int | None = None) -> None:
-    """Raise a ValueError unless it is a whole number of this range."""
+    """Raise a ValueError unless ``value`` is a whole number from ``lowest`` to ``highest``."""
     if not is_whole(value) or not lowest <= value <= (LARGEST_WHOLE if highest is None else highest):
         to = "" if highest is None else f" to {highest}"
         raise ValueError(f"{name} = {brief(value)}; allowed: a whole number from {lowest}{to}")
 
 
 def check_truth(name: str, value: object) -> None:
-    """Raise a TypeError unless it is true or false."""
+    """Raise a TypeError unless ``value`` is True or False."""
     if not isinstance(value, (bool, np.bool_)):
         raise TypeError(f"{name} = {brief(value)}; allowed: True or False")
 
 
 def check_two_numbers(name: str, value: object) -> None:
-    """Raise a TypeError unless it is two numbers."""
+    """Raise a TypeError unless ``value`` is a pair of numbers."""
     two = isinstance(value, (tuple, list, np.ndarray)) and len(value) == 2
     if not two or not all(is_number(one) for one in value):  # type: ignore[attr-defined]
         raise TypeError(f"{name} = {brief(value)}; allowed: two numbers")
 
 
 def as_path(name: str, value: object) -> Path:
-    """The path that is given; a TypeError or ValueError unless it can be one."""
+    """The path; raises a TypeError or ValueError if ``value`` cannot be one."""
     if not isinstance(value, (str, os.PathLike)):
         raise TypeError(f"{name} = {brief(value)}; allowed: the name of a file, as text or a path")
     if len(os.fspath(value)) > LONGEST_PATH:
@@ -77,7 +77,7 @@ def as_path(name: str, value: object) -> Path:
 
 
 def as_numbers(name: str, value: object, allowed: str) -> npt.NDArray[Any]:
-    """The array of what is given; a TypeError unless that is real numbers."""
+    """The array of ``value``; raises a TypeError unless it has real numbers only."""
     try:
         array = np.asarray(value)
     except (ValueError, TypeError):  # ragged lists; a dataset
@@ -88,17 +88,17 @@ def as_numbers(name: str, value: object, allowed: str) -> npt.NDArray[Any]:
 
 
 def check_scalars(model: Model, role: str, allowed: str) -> None:
-    """Raise a ValueError if a parameter is an array."""
+    """Raise a ValueError if a parameter of the model is an array."""
     arrays = [name for name, value in model.arrays().items() if value.ndim]
     if arrays:
         raise ValueError(f"{role}: {', '.join(arrays)} is an array; allowed: {allowed}")
 
 
 def check_duration(duration: object, structures: Mapping[str, AnyStructure] | None = None) -> float:
-    """The duration; a ValueError unless it is a time that a motion of these structures can last.
+    """The duration of a motion [s]; raises a ValueError if it is not positive or too short.
 
-    ``structures`` go by their roles. One swings a period at least; of arrays of periods the cells that
-    do not are left to the caller.
+    It must be at least the period of each of the ``structures``, which are by their roles. Arrays of
+    periods are not checked.
     """
     if duration is None:
         raise ValueError("duration is missing; give the length of the motion in seconds")
@@ -109,20 +109,20 @@ def check_duration(duration: object, structures: Mapping[str, AnyStructure] | No
         if period.ndim == 0 and float(period) > duration:
             raise ValueError(
                 f"duration = {duration:g} s is shorter than the period of {role}, {float(period):g} s; "
-                "allowed: a period and more"
+                "allowed: one period or more"
             )
     return float(duration)
 
 
 def standing(first: object, second: object) -> dict[str, Any]:
-    """The structures by their roles; where ``second`` is None, one alone beside its property line.
+    """The structures by their roles; if ``second`` is None, one structure beside its property line.
 
-    A TypeError unless they are structures.
+    Raises a TypeError unless they are structures.
     """
     if first is None:
         raise TypeError(
-            "first = None; allowed: a structure; one alone stands first, and None second, for the "
-            "property line on its right"
+            "first = None; allowed: a structure; for one structure and the property line on its right, "
+            "give the structure as first and None as second"
         )
     found = {"first": first} | ({} if second is None else {"second": second})
     for role, structure in found.items():
@@ -131,13 +131,13 @@ def standing(first: object, second: object) -> dict[str, Any]:
 
 
 def check_confidence(confidence: object) -> None:
-    """Raise a ValueError unless it is a probability between 0 and 1."""
+    """Raise a ValueError unless ``confidence`` is a probability between 0 and 1."""
     if not is_number(confidence) or not 0 < confidence < 1:
         raise ValueError(f"confidence = {brief(confidence)}; allowed: a probability between 0 and 1")
 
 
 def check_scatter(scatter: object) -> None:
-    """Raise a ValueError unless it is the standard deviation of the logarithm of a factor on motions."""
+    """Raise a ValueError unless ``scatter`` is a standard deviation of the logarithm of the motions."""
     if not is_number(scatter) or not 0 <= scatter <= MOST_SCATTER:
         cure = ""
         if is_number(scatter) and MOST_SCATTER < scatter <= 100:
@@ -149,7 +149,7 @@ def check_scatter(scatter: object) -> None:
 
 
 def checked_quantiles(quantiles: object) -> npt.NDArray[np.float64]:
-    """The quantiles; a ValueError unless they are numbers between 0 and 1."""
+    """The quantiles as an array; raises a ValueError unless they are numbers between 0 and 1."""
     allowed = "numbers between 0 and 1"
     levels = as_numbers("quantiles", quantiles, allowed).astype(float)
     if levels.ndim != 1 or not levels.size or not ((levels > 0) & (levels < 1)).all():
@@ -158,14 +158,14 @@ def checked_quantiles(quantiles: object) -> npt.NDArray[np.float64]:
 
 
 def checked_gap(gap: object) -> float:
-    """The existing gap; a ValueError unless it is open."""
+    """The existing gap [m]; raises a ValueError unless it is positive."""
     if not is_number(gap) or not 0 < gap < math.inf:
         raise ValueError(f"gap = {brief(gap)}; allowed: a positive number of metres")
     return float(gap)
 
 
 def check_existing(gap: object, duration: object, structures: Mapping[str, AnyStructure]) -> None:
-    """Raise a ValueError unless the existing gap is open, and the motion as `check_duration` asks."""
+    """Raise a ValueError unless the gap is positive and the duration passes `check_duration`."""
     open_gap = checked_gap(gap)
     try:
         check_duration(duration, structures)

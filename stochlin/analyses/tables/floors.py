@@ -1,4 +1,4 @@
-"""Coordinates of floors and elements: which structure, which storey, how high."""
+"""Coordinates of floors and elements: structure, number and level."""
 
 from __future__ import annotations
 
@@ -14,28 +14,29 @@ Coordinates = dict[str, tuple[str, Any, dict[str, str]]]
 
 
 def floor_coordinates(system: System) -> Coordinates:
-    """Along ``floor``: names, structures and numbers from 1, levels [m], NaN for oscillators."""
+    """Coordinates along ``floor``: names, numbers from 1, and levels [m] (NaN for oscillators)."""
     structures, numbers = _places(system)
     return {
-        FLOOR: (FLOOR, system.floors, {"long_name": "floor: structure, and its number there"}),
+        FLOOR: (FLOOR, system.floors, {"long_name": "floor (structure.floor)"}),
         "floor_structure": (FLOOR, structures, {"units": "1", "long_name": "structure of the floor"}),
         "floor_number": (FLOOR, numbers, {"units": "1", "long_name": "number of the floor"}),
-        "level": (FLOOR, system.all("levels"), {"units": "m", "long_name": "height of the floor"}),
+        "level": (FLOOR, system.all("levels"), {"units": "m", "long_name": "level of the floor"}),
     }
 
 
 def element_coordinates(system: System, links: Sequence[str] = ()) -> Coordinates:
-    """Along ``element``: storeys, with the names of the floors on them, and links, which are in none."""
+    """Coordinates along ``element``: storeys, named like the floors above them, then links."""
     structures, numbers = (np.append(part, np.zeros(len(links), int)) for part in _places(system))
     told = "structure of the element, 0 for links"
     return {
-        ELEMENT: (ELEMENT, [*system.floors, *links], {"long_name": "element: storey or link"}),
+        ELEMENT: (ELEMENT, [*system.floors, *links], {"long_name": "element (storey or link)"}),
         "element_structure": (ELEMENT, structures, {"units": "1", "long_name": told}),
         "storey": (ELEMENT, numbers, {"units": "1", "long_name": "number of the storey, 0 for links"}),
     }
 
 
 def _places(system: System) -> tuple[Any, Any]:
+    """Numbers from 1 of the structure and of the storey, for all floors."""
     sizes = [stack.mass.size for stack in system.stacks]
     numbers = np.concatenate([np.arange(1, size + 1) for size in sizes])
     return np.repeat(np.arange(1, len(sizes) + 1), sizes), numbers

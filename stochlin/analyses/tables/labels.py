@@ -1,4 +1,4 @@
-"""Names, units and run information that every dataset carries."""
+"""Units, long names, flags and run information of all datasets."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ STATUS_MEANINGS = (
     "not_a_covariance",
     "shaking_too_strong",
 )
-CAUTION = "caution"  # end of the names of the flags
+CAUTION = "caution"  # end of the names of the caution flags
 CAUTION_MEANINGS = ("within_10_percent", "off_by_more_than_10_percent", "outside_of_the_map")
 CURES = {
     NOT_CONVERGED: "raise max_iterations; in a simulation, relaxation_times",
@@ -54,20 +54,24 @@ CURES = {
     "closure",
 }
 
-# Unit and long name by the name of a variable. Every room has its own in ``variables.py``: a name may
-# stand for something else there.
+# Unit and long name by the name of a variable. Every room has its own in ``variables.py``, since a name
+# may have different meanings in two rooms.
 Variables = Mapping[str, tuple[str, str]]
-ENDS = {"lower": "lower end of its 95 % interval", "upper": "upper end of its 95 % interval"}
+ENDS = {"lower": "lower end of the 95 % interval", "upper": "upper end of the 95 % interval"}
 
 
 def axis(name: str, long_name: str, values: Any, units: str = "1") -> xr.DataArray:
-    """Values along a dimension of their own, described on the array and on the coordinate."""
+    """Array over the dimension ``name`` with itself as coordinate, both with units and long name."""
     attrs = {"units": units, "long_name": long_name}
     return xr.DataArray(values, dims=name, coords={name: (name, values, attrs)}, attrs=attrs)
 
 
 def label(dataset: xr.Dataset, variables: Variables) -> xr.Dataset:
-    """Give every variable its units and long name; numbered ones say which structure."""
+    """Add units and long names to the variables, and flags to ``status`` and the cautions.
+
+    The long name of a variable that ends in a number has the number of the structure, and that of one
+    that ends in ``_lower`` or ``_upper`` is the end of its interval.
+    """
     every = dataset.variables
     for name in map(str, dataset.data_vars):
         stem, _, end = name.rpartition("_")
@@ -75,13 +79,13 @@ def label(dataset: xr.Dataset, variables: Variables) -> xr.Dataset:
             every[name].attrs = _flags("status of the cell", STATUS_MEANINGS)
             continue
         if end == CAUTION and "flag_values" not in every[name].attrs:
-            every[name].attrs = _flags("whether linearization can be trusted here", CAUTION_MEANINGS)
+            every[name].attrs = _flags("caution flag of the linearization", CAUTION_MEANINGS)
         if name in variables:
             units, long_name = variables[name]
             every[name].attrs.update(units=units, long_name=long_name)
         elif stem in variables and (end.isdigit() or end in ENDS):
             units, long_name = variables[stem]
-            told = ENDS.get(end, f"{long_name}, structure {end}")
+            told = f"{long_name}, {ENDS.get(end, f'structure {end}')}"
             every[name].attrs.update(units=units, long_name=told)
     return dataset
 
@@ -96,7 +100,7 @@ def with_run_information(
 ) -> xr.Dataset:
     """Add title, references, version and the parameters that made the dataset.
 
-    The clock stays out of it: the same inputs give the same file.
+    It has no date and time, so that the same inputs give the same file.
     """
     dataset.attrs = {
         **dataset.attrs,
@@ -110,12 +114,12 @@ def with_run_information(
 
 
 def of_scatter(scatter: float) -> dict[str, float]:
-    """The attributes of motions that scatter in strength; none where they do not."""
+    """Attribute for motions that are scaled by random factors; none without scatter."""
     return {"scatter": float(scatter)} if scatter else {}
 
 
 def status_where(good: Any, otherwise: int = INVALID_INPUT) -> Any:
-    """Converged where this is true."""
+    """Status (int8): converged where ``good`` is true, and ``otherwise`` elsewhere."""
     return cellwise(_status, good, kinds=(np.int8,), otherwise=otherwise)[0]
 
 
@@ -124,7 +128,7 @@ def _status(good: Array, otherwise: int) -> Array:
 
 
 def raise_if_lone_failure(dataset: xr.Dataset, what: str) -> None:
-    """Raise an ArithmeticError if the table is one cell and that has failed."""
+    """Raise an ArithmeticError if the dataset is a single cell that has failed."""
     status = dataset["status"]
     if status.ndim == 0 and int(status) >= NOT_CONVERGED:
         code = int(status)

@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all."""
+"""Files of results, which are written completely or not at all."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ FORMATS = (".nc", ".csv")
 
 
 def written_file(path: str | os.PathLike[str]) -> Path:
-    """The file that writing to ``path`` would write: of a link, what it leads to.
+    """The file that writing to ``path`` changes; for a symbolic link, its target.
 
-    An OSError says why it could not be written, before any work is done for it.
+    Raises an OSError with the reason if it cannot be written, before any work is done.
     """
     target = Path(os.path.realpath(path) if os.path.islink(path) else path)
     try:
@@ -48,11 +48,11 @@ def written_file(path: str | os.PathLike[str]) -> Path:
 
 @contextmanager
 def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """A temporary path beside the file, renamed to it if the block ends well, removed if not."""
+    """A temporary path beside the file; renamed to it after the block, or removed after an error."""
     target = written_file(path)
     umask = os.umask(0)
     os.umask(umask)
-    mode = target.stat().st_mode if target.exists() else 0o666 & ~umask  # mkstemp keeps others out
+    mode = target.stat().st_mode if target.exists() else 0o666 & ~umask  # not that of mkstemp
     handle, name = tempfile.mkstemp(prefix=".writing-", suffix=target.suffix, dir=target.parent)
     os.close(handle)
     temporary = Path(name)
@@ -60,19 +60,19 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
         yield temporary
         temporary.chmod(stat.S_IMODE(mode))
         temporary.replace(target)
-    except OSError as error:  # it names no file, or the temporary one
+    except OSError as error:  # its text has no file name, or the temporary one
         raise OSError(f"{path} could not be written: {error.strerror or error}") from error
     finally:
         temporary.unlink(missing_ok=True)
 
 
 def as_netcdf(dataset: xr.Dataset) -> bytes:
-    """The bytes of the netCDF file that `save_table` writes."""
+    """Bytes of the netCDF file that `save_table` writes."""
     return bytes(dataset.to_netcdf(None, engine="scipy", format="NETCDF3_64BIT"))
 
 
 def save_table(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
-    """Save as ``.nc`` (netCDF, with all metadata) or ``.csv`` (a row for each cell, with units)."""
+    """Save a dataset as ``.nc`` (netCDF, with all metadata) or ``.csv`` (a row for each cell)."""
     suffix = Path(path).suffix.lower()
     if suffix not in FORMATS:
         raise ValueError(
@@ -89,7 +89,7 @@ def save_table(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
 
 
 def in_rows(table: xr.Dataset) -> pd.DataFrame:
-    """A row for each cell, with flags in words."""
+    """Data frame with a row for each cell, and with flags in words."""
     frame = table.to_dataframe().reset_index()
     for name in set(frame.columns) & set(table.data_vars):
         if "flag_meanings" in table[name].attrs:

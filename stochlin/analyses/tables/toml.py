@@ -1,4 +1,4 @@
-"""TOML files, read as data; errors name the line."""
+"""TOML files, read as data; errors state the line."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from stochlin.messages import brief, plain
 
 
 def read_toml(path: Path) -> tuple[str, dict[str, Any]]:
-    """The text of the file and what it holds.
+    """Text and data of a TOML file.
 
-    An OSError if it cannot be read, a ValueError if it is no TOML.
+    Raises an OSError if the file cannot be read, and a ValueError if it is no TOML.
     """
     name = plain(path.name)
     try:
@@ -25,7 +25,7 @@ def read_toml(path: Path) -> tuple[str, dict[str, Any]]:
         ) from error
     except RecursionError as error:
         raise ValueError(f"{name} is nested too deeply; allowed: tables and their keys") from error
-    except ValueError as error:  # also of numbers with thousands of digits
+    except ValueError as error:  # TOML errors, and numbers with thousands of digits
         found = re.search(r"line (\d+)", str(error))
         lines = text.splitlines()
         endless = (n for n, one in enumerate(lines, 1) if re.search(r"[\d_]{1000}", one))

@@ -1,4 +1,4 @@
-"""Memory and time of a calculation: refused before the work where they are too large."""
+"""Limits for the memory and the time of a calculation, checked before it starts."""
 
 from __future__ import annotations
 
@@ -9,15 +9,16 @@ import xarray as xr
 
 from stochlin.models.parameters import Model
 
-SHARE = 0.5  # of the machine's memory that one question may take
-MEMORY = 8e9  # bytes of a machine that does not say how much it has
-MOST_SECONDS = 900.0  # by rough estimates: a quarter of an hour
+SHARE = 0.5  # share of the memory of the machine that one calculation may take
+MEMORY = 8e9  # assumed memory [bytes] if the system does not state it
+MOST_SECONDS = 900.0  # longest estimated time [s]
 
 
 def check_work(what: str, cure: str, *, memory: float = 0.0, seconds: float = 0.0) -> None:
-    """Raise a ValueError if so much memory [bytes] or time [s] is too much for this machine.
+    """Raise a ValueError if a calculation needs too much memory [bytes] or time [s].
 
-    ``what`` says what needs it, with its verb; ``cure`` what to do instead.
+    The message starts with ``what``, a subject with its verb such as "the table would take", and ends
+    with ``cure``, advice for a smaller calculation.
     """
     most = SHARE * _installed()
     if not memory <= most:
@@ -28,7 +29,7 @@ def check_work(what: str, cure: str, *, memory: float = 0.0, seconds: float = 0.
 
 
 def count_cells(*models: Model) -> int:
-    """Cells of the table over all dimensions of these models; 0 where dask holds it in chunks."""
+    """Number of cells over all dimensions of the models; 0 with dask arrays, which need no check."""
     values = [value for model in models for value in model.cells().values()]
     arrays = [value for value in values if isinstance(value, xr.DataArray)]
     sizes = {dim: size for array in arrays for dim, size in array.sizes.items()}
@@ -44,7 +45,7 @@ def _installed() -> float:
 
 
 def _in_words(seconds: float) -> str:
-    """A time, to two digits."""
+    """A time in words, with two digits."""
     for unit, size in (("minutes", 60.0), ("hours", 3600.0), ("days", 86400.0)):
         if seconds < 100 * size:
             return f"{seconds / size:.2g} {unit}"

@@ -1,1 +1,1 @@
-"""Pictures of chart datasets: stochlin charts, verify."""
+"""Pictures of the charts, and the commands ``stochlin charts`` and ``stochlin verify``."""

@@ -1,4 +1,4 @@
-"""Picture of Fig. 5b: amplification by linearization, and simulated deviations and maxima."""
+"""Picture of Fig. 5b: amplification by linearization, and by simulation of deviations and peaks."""
 
 from __future__ import annotations
 

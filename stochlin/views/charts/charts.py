@@ -27,14 +27,14 @@ from stochlin.views.shared.words import rule_label
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# By the attribute ``chart`` of a dataset: what draws its axes into a figure.
+# Functions that draw the axes of a dataset into a figure, by its attribute ``chart``.
 PICTURES: Registry[Callable[[Figure, xr.Dataset], None]] = Registry("chart", "stochlin.views.charts")
 SIZE = (7.2, 4.6)  # inches: the width of a printed page
 AXES = (0.1, 0.25, 0.64, 0.66)
 COMPARISONS = (("rho_elastic", "0.35", "x", "elastic"), ("rho_white_noise", "0.6", "o", "eq. (4)"))
 THIN: Any = {"lw": 0.8, "ms": 4, "mfc": "none", "markevery": 16}
 CAPTION_WIDTH, COMMENT_WIDTH, LEGEND_WIDTH = 110, 125, 20  # characters
-# Files from before that attribute: the first of these whose names a dataset has.
+# Kinds of charts in older files without this attribute: the first one whose names the dataset has.
 UNTOLD = (
     ("spectra", {"psd_record"}),
     ("compared_plane", {"rho_difference", "period_ratio_2"}),
@@ -65,12 +65,12 @@ def draw(dataset: xr.Dataset) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        With the parameters below the axes and the legend beside them.
+        Figure with the parameters below the axes and the legend beside them.
 
     Raises
     ------
     ValueError
-        If the dataset is no chart, or holds no finite number.
+        If the dataset is no chart, or has no finite numbers.
     """
     from matplotlib.figure import Figure
 
@@ -87,7 +87,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     figure.text(0.1, 0.935, typeset(attrs.get("title", "")), size=10)
     caption = filled(attrs.get("caption", "").splitlines(), CAPTION_WIDTH)
     comment = filled([attrs.get("comment", "")], COMMENT_WIDTH)
-    # Long texts push one another up: heights are inches over the figure's.
+    # The caption is above the comment; line heights are in inches over that of the figure.
     low = max(0.05, (0.13 * len(comment.splitlines()) - 0.03) / figure.get_figheight())
     high = max(0.135, low + (0.134 * len(caption.splitlines()) + 0.03) / figure.get_figheight())
     figure.text(0.1, high, typeset(caption), va="top", size=8)
@@ -96,6 +96,7 @@ def draw(dataset: xr.Dataset) -> Figure:
 
 
 def _kind(dataset: xr.Dataset) -> str:
+    """Kind of chart of a dataset, a name in `PICTURES`."""
     if "chart" in dataset.attrs:
         return str(dataset.attrs["chart"])
     names = {*map(str, dataset.variables), *map(str, dataset.dims)}
@@ -108,17 +109,17 @@ def _kind(dataset: xr.Dataset) -> str:
 
 
 def _shown(dataset: xr.Dataset) -> xr.DataArray:
-    """The quantity of a chart: its first variable."""
+    """Variable that a chart shows: the first one except ``status``."""
     return dataset[next(name for name in dataset.data_vars if name != "status")]
 
 
 def name_of(table: xr.DataArray) -> str:
-    """The label of an axis or a colour bar."""
+    """Label of a variable for an axis or a colour bar."""
     return NAMES.get(str(table.name), quantity(table))
 
 
 def family(table: xr.DataArray) -> Iterator[tuple[str, dict[Hashable, Any]]]:
-    """Every curve over the last dimension: its label, and its place along the first if there are two."""
+    """Labels of all curves over the last dimension, each with its position along the first one."""
     if table.ndim == 1:
         yield quantity(table), {}
         return

@@ -1,4 +1,4 @@
-"""The commands ``stochlin charts`` and ``stochlin verify``: datasets, and the pictures drawn of them."""
+"""The commands ``stochlin charts`` and ``stochlin verify``, which write datasets and pictures."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
-    """The folder of the charts, and the parameters that they take as given."""
+    """Options for the folder of the charts and for their parameters."""
     folder = click.Path(file_okay=False, path_type=Path)
     numbers = (
         ("--damping", "0.05", "1", "Damping ratio of the structures."),
@@ -165,7 +165,7 @@ def verify(name: str, out: Path, picture_format: str, **options: Any) -> None:
 
 
 def chart_settings(options: dict[str, Any]) -> ChartSettings:
-    """The settings of charts among the options of a command."""
+    """Settings of the charts from the options of a command."""
     from stochlin.analyses.charts.charts import ChartSettings
 
     names = {field.name for field in dataclasses.fields(ChartSettings)}
@@ -174,17 +174,17 @@ def chart_settings(options: dict[str, Any]) -> ChartSettings:
 
 
 def _chart_files(stem: Path, picture_format: str, record: Path | None = None) -> tuple[Path, Path]:
-    """The paths of the dataset of a chart and of its picture, if both can be written."""
+    """Paths of the dataset of a chart and of its picture; raises if they cannot be written."""
     data, picture = (stem.with_name(f"{stem.name}.{ending}") for ending in ("nc", picture_format))
     there = next(folder for folder in (stem.parent, *stem.parent.parents) if folder.exists())
-    for path in (data, picture):  # in a folder that is yet to be made nothing can be in the way
+    for path in (data, picture):  # if the folder does not exist yet, its parent is checked
         tried = path if there == stem.parent else there / f".{path.name}"
         check_target("--out", tried, (path.suffix,), [record] if record else [])
     return data, picture
 
 
 def _write_chart(dataset: xr.Dataset, data: Path, picture: Path) -> None:
-    """Write the dataset, and the picture drawn from it beside it."""
+    """Write the dataset and its picture."""
     from stochlin.analyses.tables.storage import save_table
     from stochlin.views.charts.charts import draw
     from stochlin.views.shared.style import save

@@ -1,4 +1,4 @@
-"""Pictures of a linearized chart beside other methods, nonlinear simulation and the difference."""
+"""Pictures of linearized charts with other methods, nonlinear simulation and the difference."""
 
 from __future__ import annotations
 
@@ -20,21 +20,26 @@ if TYPE_CHECKING:
 
 POINTS: Any = {"ls": "none", "marker": "o", "ms": 3.2, "mfc": "w", "mew": 0.8, "lw": 0.8, "zorder": 4}
 SIMULATED: Any = {"color": "0.1", "label": "simulated, 95 % interval"} | POINTS
-ELASTIC = (  # thin lines: colour, dash and name
+ELASTIC = (  # thin lines: variable, colour, dash and label
     ("rho_elastic", "0.45", (0, (1, 1.5)), "elastic, this ground"),
     ("rho_white_noise", "0.6", "-", "elastic, eq. (4)"),
 )
 BESIDE = ("_simulated", "_drift", "_effective")
-TWICE = 1.96  # standard errors of a 95 % interval
-WIDTH = 7.2  # inches, as all that follows
-SQUARE, LEFT, DOWN, STEP = 2.4, (0.72, 3.5), 1.55, 2.75  # of the four planes
-BELOW, ABOVE, PANEL, BETWEEN, ASIDE = 1.5, 1.6, 1.8, 0.28, 0.3  # of the panels of curves
+TWICE = 1.96  # half a 95 % interval, in standard errors
+WIDTH = 7.2  # width of the figure; this and the following lengths are in inches
+# Four planes: their size, left edges, lowest edge, and distance of their lower edges.
+SQUARE, LEFT, DOWN, STEP = 2.4, (0.72, 3.5), 1.55, 2.75
+# Panels of curves: space below and above, height, space between rows, space between columns.
+BELOW, ABOVE, PANEL, BETWEEN, ASIDE = 1.5, 1.6, 1.8, 0.28, 0.3
 LABEL_WIDTH = 30  # characters
 
 
 @PICTURES.register("compared_plane")
 def _planes(figure: Figure, dataset: xr.Dataset) -> None:
-    """Linearized, drift closure, simulated and the difference; what is simulated is shown in cells."""
+    """Planes by linearization, drift closure and simulation, and the difference.
+
+    Simulated values are drawn as cells, the others as contours.
+    """
     name = _compared(dataset)
     figure.set_size_inches(WIDTH, 7.6)
     rho = {"linearized": dataset[name], "drift closure": dataset.get(f"{name}_drift")}
@@ -73,7 +78,7 @@ def _bar(figure: Figure, filled: Any, place: tuple[float, float], text: str) -> 
 
 @PICTURES.register("compared_curves")
 def _curves(figure: Figure, dataset: xr.Dataset) -> None:
-    """A panel for each curve of the chart, with the other methods and the simulated points on it."""
+    """A panel for each curve of the chart, with the other methods and the simulated points."""
     name = _compared(dataset)
     curves = list(family(dataset[name]))
     across = len(curves) if len(curves) < 4 else 2 if len(curves) == 4 else 3
@@ -114,7 +119,7 @@ def _panel(axes: Axes, dataset: xr.Dataset, name: str) -> None:
 
 
 def _methods(dataset: xr.Dataset, name: str) -> dict[str, xr.DataArray]:
-    """What is laid over one another: linearized first, then what the dataset has."""
+    """Curves of a panel by their labels: linearized, drift closure, effective rules."""
     found = {"linearized": dataset[name]}
     if f"{name}_drift" in dataset:
         found["drift closure"] = dataset[f"{name}_drift"]
@@ -125,20 +130,20 @@ def _methods(dataset: xr.Dataset, name: str) -> dict[str, xr.DataArray]:
 
 
 def _ends(dataset: xr.Dataset, name: str) -> tuple[float, float]:
-    """The lowest and the highest value that is drawn."""
+    """Lowest and highest value in the panels."""
     names = [key for key, *_ in ELASTIC] + [f"{name}_simulated"]
     shown = [*_methods(dataset, name).values(), *(dataset[key] for key in names if key in dataset)]
     return min(float(one.min()) for one in shown), max(float(one.max()) for one in shown)
 
 
 def _axes(figure: Figure, x: float, y: float, width: float, height: float) -> Axes:
-    """Axes at a place in inches."""
+    """Axes with a position and size in inches."""
     high = figure.get_figheight()
     return figure.add_axes((x / WIDTH, y / high, width / WIDTH, height / high))
 
 
 def _outer(axes: Axes, *, left: bool, bottom: bool) -> None:
-    """Numbers and names on the outer axes alone."""
+    """Remove tick labels and axis labels that are not at the left or lower edge."""
     axes.tick_params(labelleft=left, labelbottom=bottom)
     if not left:
         axes.set_ylabel("")
@@ -147,7 +152,7 @@ def _outer(axes: Axes, *, left: bool, bottom: bool) -> None:
 
 
 def _known(dataset: xr.Dataset, name: str) -> xr.DataArray:
-    """The cells that were simulated, without the rows and columns between them."""
+    """A simulated variable without the rows and columns that were not simulated."""
     table = dataset[name]
     for dim in table.dims:
         table = table.dropna(dim, how="all")
@@ -155,5 +160,5 @@ def _known(dataset: xr.Dataset, name: str) -> xr.DataArray:
 
 
 def _compared(dataset: xr.Dataset) -> str:
-    """What the chart is of: what something stands beside."""
+    """Name of the variable of the chart that is compared with other methods."""
     return next(str(name) for name in dataset if any(f"{name}{end}" in dataset for end in BESIDE))

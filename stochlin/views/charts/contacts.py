@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 LINEAR = ("LinearSpring", "Kelvin", "NoTensionKelvin", "ImpactKelvin")
-# One look for each element in all three figures.
+# Colour and dash of each element in all three figures.
 LOOKS = {
     "Kelvin": CURVES[0],
     "ImpactKelvin": CURVES[1],
@@ -26,7 +26,7 @@ LOOKS = {
     "HertzDamp": CURVES[3],
     "Jankowski": CURVES[4],
 }
-OTHER_DASH = (0, (8, 1, 1, 1, 1, 1))  # of elements from outside, in the same colours
+OTHER_DASH = (0, (8, 1, 1, 1, 1, 1))  # for elements of extensions, in the same colours
 LABELS = {
     "LinearSpring": "linear spring",
     "NoTensionKelvin": "Kelvin, no tension",
@@ -45,7 +45,7 @@ INK: Any = {"color": "0.1", "lw": 1.1, "solid_capstyle": "butt", "clip_on": Fals
 
 @PICTURES.register("contact_loops")
 def draw_loops(figure: Figure, dataset: xr.Dataset) -> None:
-    """Fig. 6: what the elements are made of, and their force over the deformation."""
+    """Fig. 6: sketches of two elements, and the force of all elements over the deformation."""
     figure.set_size_inches(7.2, 6.8)
     for n, (title, law, note) in enumerate(SKETCHES):
         _sketch(figure.add_axes((0.1 + 0.45 * n, 0.685, 0.4, 0.195)), title, law, note)
@@ -71,7 +71,7 @@ def draw_loops(figure: Figure, dataset: xr.Dataset) -> None:
 
 @PICTURES.register("contact_histories")
 def draw_histories(figure: Figure, dataset: xr.Dataset) -> None:
-    """Fig. 7: deformation and force over time, from the first touch to the end of each contact."""
+    """Fig. 7: deformation and force over time, from the beginning to the end of each contact."""
     upper = figure.add_axes((0.1, 0.595, 0.64, 0.315))
     lower = figure.add_axes((0.1, 0.255, 0.64, 0.315), sharex=upper)
     looks = _looks(dataset)
@@ -95,7 +95,7 @@ def draw_histories(figure: Figure, dataset: xr.Dataset) -> None:
 
 @PICTURES.register("restitution")
 def draw_restitution(figure: Figure, dataset: xr.Dataset) -> None:
-    """Fig. 8: coefficient of restitution over the damping ratio; over its own factor for Hertz-damp."""
+    """Fig. 8: coefficient of restitution over the damping ratio, or the damping factor of Hertz-damp."""
     axes = figure.add_axes((0.1, 0.25, 0.64, 0.54))
     above = axes.twiny()
     for name, (color, dash) in _looks(dataset).items():
@@ -113,7 +113,7 @@ def draw_restitution(figure: Figure, dataset: xr.Dataset) -> None:
 
 
 def _looks(dataset: xr.Dataset) -> dict[str, tuple[str, Any]]:
-    """Colour and dash of every element that the dataset has, those of ours first."""
+    """Colour and dash of all elements of a dataset, those of the library first."""
     names = dataset.element.values.tolist()
     looks = {name: look for name, look in LOOKS.items() if name in names}
     others = [name for name in names if name not in LOOKS]
@@ -128,7 +128,7 @@ def _curves(axes: Axes, dataset: xr.Dataset, looks: dict[str, tuple[str, Any]], 
 
 
 def _sketch(axes: Axes, title: str, law: str, note: str) -> None:
-    """Two masses and what is between them: a gap, and a spring beside a dashpot."""
+    """Sketch of two masses with a gap, a spring and a dashpot between them."""
     from matplotlib.patches import Rectangle
 
     axes.set_axis_off()
@@ -136,7 +136,7 @@ def _sketch(axes: Axes, title: str, law: str, note: str) -> None:
     for x, name in ((0.0, "$m_1$"), (3.75, "$m_2$")):
         axes.add_patch(Rectangle((x, 0), 0.85, 1.1, facecolor="0.88", edgecolor="0.1", lw=1.1))
         axes.text(x + 0.425, 0.55, name, ha="center", va="center")
-    axes.plot([1.5, 1.5], [0.1, 1.0], **INK)  # the plate that mass 1 meets
+    axes.plot([1.5, 1.5], [0.1, 1.0], **INK)  # contact plate
     axes.annotate("", (0.85, 0.55), (1.5, 0.55), arrowprops={"arrowstyle": "<->", "lw": 0.8})
     axes.text(1.175, 0.62, "$g$", ha="center")
     _spring(axes, 1.5, 3.75, 0.82)

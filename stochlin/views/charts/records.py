@@ -20,7 +20,7 @@ CENTIMETRES = 100.0
 
 @PICTURES.register("portrait")
 def draw_portrait(figure: Figure, dataset: xr.Dataset) -> None:
-    """Fig. 1: the trace in the plane of states within its circle, and the radius over time."""
+    """Fig. 1: phase portrait with the circle of the pseudo energy radius, and the radius over time."""
     plane = figure.add_axes((0.1, 0.27, 0.36, 0.6))
     history = figure.add_axes((0.58, 0.27, 0.37, 0.6))
     trace: Any = {"color": "0.35", "lw": 0.7}
@@ -77,7 +77,7 @@ def draw_energies(figure: Figure, dataset: xr.Dataset) -> None:
 
 @PICTURES.register("per_spectrum")
 def draw_per_spectrum(figure: Figure, dataset: xr.Dataset) -> None:
-    """Pseudo energy radius and largest displacement over the period."""
+    """Pseudo energy radius and peak displacement over the period."""
     axes = figure.add_axes(AXES)
     shown = (
         ("pseudo_energy_radius", "pseudo energy radius"),
@@ -94,7 +94,7 @@ def draw_per_spectrum(figure: Figure, dataset: xr.Dataset) -> None:
 
 @PICTURES.register("critical_gap")
 def draw_critical_gap(figure: Figure, dataset: xr.Dataset) -> None:
-    """Fig. 2: the gap that the record needs, and eqs. (3) and (4), over the periods."""
+    """Fig. 2: peak of ``u_1 - u_2`` in the record, and eqs. (3) and (4), over the periods."""
     from matplotlib.colors import BoundaryNorm
 
     panels = (("separation", "largest u1 - u2"), ("critical_gap", "eqs. (3) and (4)"))
@@ -127,7 +127,7 @@ def draw_critical_gap(figure: Figure, dataset: xr.Dataset) -> None:
 
 @PICTURES.register("added_damping")
 def draw_added_damping(figure: Figure, dataset: xr.Dataset) -> None:
-    """The gap over added damping: a panel for both structures, and for each of them alone."""
+    """Gap over added damping, with panels for damping in both structures and in each of them."""
     shown = (
         ("separation", "largest u1 - u2 in the record", "least_added_damping_recorded", "o"),
         ("critical_gap", "eqs. (3) and (4), energy radii", "least_added_damping", "s"),
@@ -156,7 +156,7 @@ def draw_added_damping(figure: Figure, dataset: xr.Dataset) -> None:
 def _first_crossings(
     x: np.ndarray, y: np.ndarray, gap: np.ndarray, levels: list[float]
 ) -> list[tuple[float, float]]:
-    """Positions of labels: on the lines that leave the left side, away from the crowded diagonal."""
+    """Positions of contour labels on the lines that reach the left side, away from the diagonal."""
     column = min(len(x) // 12, len(x) - 1)
     above = [gap[:, column] > level for level in levels[1:]]
     return [(x[column], y[int(np.argmax(over))]) for over in above if over.any() and not over[0]]

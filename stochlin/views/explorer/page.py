@@ -188,7 +188,7 @@ class Page:
     def _keep_strength(self, number: int) -> None:
         """Start the other way to give the strength of an oscillator with the strength that it has."""
         try:
-            name, value = self._scene.strength_in_other_words(number)
+            name, value = self._scene.equivalent_strength(number)
             changed: dict[str, Any] = {name: value}
             shown = dataclasses.replace(self._scene, **changed)
         except REFUSED:  # elastic, or beyond what may be entered: the control starts as it stands

@@ -1,1 +1,1 @@
-"""Any number of structures with any number of storeys, linked or not, as one linear system."""
+"""Linearization of systems: structures with any number of storeys, with or without links."""

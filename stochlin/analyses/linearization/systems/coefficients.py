@@ -1,4 +1,4 @@
-"""The equivalent coefficients of eqs. (9) and (10), from the moments of one element."""
+"""Equivalent coefficients, eqs. (9) and (10), from the moments of one element."""
 
 from __future__ import annotations
 
@@ -23,19 +23,21 @@ from stochlin.models.structures import DRIFT, GAUSSIAN, NARROW_BAND, Structure
 if TYPE_CHECKING:
     import sympy
 
-# Closures of a structure alone, and why they are none of an element.
+# Closures that elements of a system do not have, with the reason.
 LACKING = {NARROW_BAND: "has no z", DRIFT: "is only available for single structures"}
 
 
 @dataclass(frozen=True)
 class Moments(Model):
-    """Of the ductility rate and ``z``."""
+    """Moments of the ductility rate and the hysteretic displacement ``z`` of an element."""
 
     of_arguments = True
 
     velocity_std: Parameter = parameter("1/s", "standard deviation of the ductility rate", POSITIVE)
     z_std: Parameter = parameter("1", "standard deviation of z", POSITIVE)
-    velocity_z_corr: Parameter = parameter("1", "their correlation", Range(-1.0, 1.0))
+    velocity_z_corr: Parameter = parameter(
+        "1", "correlation of the ductility rate and z", Range(-1.0, 1.0)
+    )
 
 
 def equivalent_coefficients(
@@ -47,32 +49,32 @@ def equivalent_coefficients(
     closure: str = GAUSSIAN,
     **law_parameters: Any,
 ) -> xr.Dataset:
-    """Coefficients of ``z' = -c_eq v - k_eq z``, eqs. (9) and (10), for a law and its moments.
+    """Equivalent coefficients of ``z' = -c_eq v - k_eq z``, eqs. (9) and (10), for given moments.
 
-    The least-squares coefficients of ``z' = G(v, z)`` on ``v`` and ``z``, for the density of these that
-    the closure assumes.
+    They are the coefficients of the linear regression of ``G(v, z)`` on ``v`` and ``z``, for the
+    hysteresis law ``z' = G(v, z)`` and the joint density that the closure assumes.
 
     Parameters
     ----------
     velocity_std : float or array
-        Standard deviation of the ductility rate ``v`` [1/s], positive: of the velocity, or the rate of a
-        storey's drift, over its yield displacement.
+        Standard deviation of the ductility rate ``v`` [1/s], positive. It is the velocity over the yield
+        displacement, or for a storey the drift rate over the yield drift.
     z_std : float or array
-        Standard deviation of ``z`` [-], positive; below 1 with ``"clipped"``, which keeps ``|z| <= 1``.
+        Standard deviation of ``z`` [-], positive; below 1 with ``"clipped"``, since then ``|z| <= 1``.
     velocity_z_corr : float or array
-        Their correlation [-], between -1 and 1. All parameters broadcast by dimension name.
+        Correlation [-] of ``v`` and ``z``, between -1 and 1. All parameters broadcast by dimension name.
     law : str or sympy.Expr
-        ``"bilinear"``, ``"bouc_wen"`` or any other that is registered, or a law as `Hysteretic` takes
-        it.
-    closure : str
-        ``"gaussian"``: ``(v, z)`` jointly Gaussian; or ``"clipped"``, as in `linearize`.
+        Hysteresis law: ``"bilinear"``, ``"bouc_wen"``, another registered one, or an expression as for
+        `Hysteretic`.
+    closure : {"gaussian", "clipped"}
+        Closure, as in `linearize`.
     **law_parameters : float or array
-        The law's own parameters [-], if it has some: ``beta=0.6, gamma=0.4``.
+        Parameters of the law [-], such as ``beta=0.6, gamma=0.4``.
 
     Returns
     -------
     xarray.Dataset
-        Over the dimensions of the parameters: ``c_eq`` [-], ``k_eq`` [1/s], ``status``.
+        Over the dimensions of the parameters: ``c_eq`` [-], ``k_eq`` [1/s] and ``status``.
 
     Raises
     ------
@@ -82,8 +84,8 @@ def equivalent_coefficients(
 
     References
     ----------
-    Valles-Mattox and Reinhorn (1996), eqs. (8) to (10), whose coefficients are missing in print. Derived
-    here for the bilinear law; Wen, Y. K. (1980), J. Appl. Mech. 47, for Bouc-Wen.
+    Valles-Mattox and Reinhorn (1996), eqs. (8) to (10); the printed paper lacks the coefficients, which
+    are derived here for the bilinear law. Wen, Y. K. (1980), J. Appl. Mech. 47, for the Bouc-Wen law.
 
     Examples
     --------
@@ -92,7 +94,7 @@ def equivalent_coefficients(
     >>> round(float(found.c_eq), 10), round(float(found.k_eq), 10)
     (-0.9649205716, 0.162719435)
 
-    At these moments the loop of `linearize` has come to its end:
+    The coefficients that `linearize` returns are those for its moments:
 
     >>> one = sl.linearize(sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=4), sl.WhiteNoise(0.01))
     >>> rate = one.velocity_std / one.yield_displacement
@@ -123,8 +125,8 @@ def equivalent_coefficients(
     if not c_eq.ndim and np.isnan(c_eq):
         raise ValueError(
             f"z_std = {float(moments.arrays()['z_std']):g}, velocity_z_corr = "
-            f"{float(moments.arrays()['velocity_z_corr']):g}: no clipped Gaussian has these; allowed: "
-            "z_std < 1, and less correlation"
+            f"{float(moments.arrays()['velocity_z_corr']):g}: no clipped Gaussian has these moments; "
+            "allowed: z_std < 1, and less correlation"
         )
     status = labels.status_where(c_eq.notnull() & k_eq.notnull())
     table = labels.label(xr.Dataset({"c_eq": c_eq, "k_eq": k_eq, "status": status}), VARIABLES)
@@ -138,7 +140,7 @@ def equivalent_coefficients(
 
 
 def check_element_closure(law: Structure, closure: str) -> None:
-    """Raise a ValueError unless the law has this closure, and it is one of elements of a system."""
+    """Raise a ValueError if the law, or elements of a system in general, do not have this closure."""
     check_closure(law, closure)
     if closure in LACKING:
         raise ValueError(
@@ -164,7 +166,11 @@ def _coefficients(
 
 
 def _behind(moments: Array, parameters: Array, closure: Closure) -> Array:
-    """Moments of the Gaussian that is clipped: variance of ``z`` by search; the covariance scales."""
+    """Moments of ``(v, z~)`` before clipping, for those after it.
+
+    The standard deviation of ``z~`` is found by a search. The covariance of ``v`` and ``z`` is
+    proportional to the correlation before clipping.
+    """
     sv, sz, r = moments
 
     def variance(log_sz: Array, index: Array) -> Array:

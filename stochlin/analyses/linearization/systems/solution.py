@@ -1,12 +1,12 @@
-"""The loop of statistical linearization, for any number of elements and dashpots at once.
+"""Iteration of statistical linearization for a system of any number of elements and dashpots.
 
-Coefficients make a linear system; its covariance says how the elements move; a closure makes new
-coefficients of that. Put straight back they may cycle for ever. So the moments that the closure assumes,
-``(log sigma_v, log sigma_z, atanh r)`` of each element, are corrected as in
-`stochlin.kernels.linearization.fixed_point`, by the slopes of what comes out of them: each round takes
-the loop once, and the last ones are Newton's method. A dashpot with an exponent is linearized likewise:
-``log sigma`` of the rate beside it is one more unknown (Roberts and Spanos 1990, Random vibration and
-statistical linearization).
+The equivalent coefficients define a linear system. Its covariance gives the moments of the elements, and
+the closure gives the coefficients for these moments. Direct substitution may cycle. The unknowns are
+therefore the moments that the closure assumes, ``(log sigma_v, log sigma_z, atanh r)`` of each element.
+Their mismatch, the moments of the linear system less those assumed, is brought to zero by a damped
+Newton's method, as in `stochlin.kernels.linearization.fixed_point`. A dashpot with an exponent is
+linearized too, with ``log sigma`` of the rate of its extension as one more unknown (Roberts and Spanos
+1990, Random vibration and statistical linearization).
 """
 
 from __future__ import annotations
@@ -47,52 +47,55 @@ from stochlin.kernels.linearization.gaussian import Closure, ClosureValue, equiv
 from stochlin.kernels.linearization.lyapunov import UnsolvableError
 from stochlin.models.laws.bilinear import Bilinear
 
-IDLE = 1e-6  # rate of a link over those of its ends: less may be rounding
+IDLE = 1e-6  # ratio of the rate of a link to those of its ends below which it may be a rounding error
 
 
 class Round(NamedTuple):
-    """Once through the loop."""
+    """One iteration, for m yielding elements, t links, and l dashpots with an exponent."""
 
-    values: ClosureValue  # what the closure makes of the moments assumed
-    dashpots: Array  # (t,): of all links, linear ones as they are
-    motion: Solved  # of the linear system with these coefficients
-    mismatch: Array  # (3 m + l,): unknowns that come out, less those assumed
-    slopes: Array  # of that by those assumed
+    values: ClosureValue  # coefficients and covariance by the closure for the assumed moments
+    dashpots: Array  # (t,) damping constants of all links, linearized
+    motion: Solved  # response of the linear system with these coefficients
+    mismatch: Array  # (3 m + l,) unknowns from the response, less those assumed
+    slopes: Array  # derivatives of the mismatch with respect to the unknowns
 
 
 class Change(NamedTuple):
-    """From one round to the next."""
+    """Changes from one iteration to the next."""
 
-    covariance: float  # largest, over the product of the standard deviations
-    coefficients: float  # largest of c_eq, and of k_eq over its sum with the frequency of the element
+    covariance: float  # largest change of a covariance over the product of the standard deviations
+    coefficients: float  # largest change of c_eq, and of k_eq over k_eq plus the frequency
 
 
 class Solution(NamedTuple):
-    """Where the loop ended."""
+    """Result of the iteration."""
 
-    c_eq: Array  # of the elements (e,)
-    k_eq: Array
-    dashpots: Array  # of the links (t,), NaN where one with an exponent is idle
-    motion: Solved | None  # None if nothing can be computed
+    c_eq: Array  # (e,), of the elements
+    k_eq: Array  # (e,) [1/s]
+    dashpots: Array  # (t,) damping constants of the links, NaN for idle ones with an exponent
+    motion: Solved | None  # None if the elastic response cannot be computed
     history: tuple[Change, ...]
     status: int
 
 
 @dataclass(frozen=True)
 class Loop:
-    """Structures on one ground, their strengths in metres, and how their laws are linearized.
+    """Iteration for structures on one ground, with strengths in metres.
 
-    Its unknowns are ``log sigma_v``, ``log sigma_z`` and ``atanh r`` of the ``m`` elements that yield,
-    and ``log sigma`` of the rates beside the ``l`` dashpots with an exponent.
+    The unknowns are ``log sigma_v``, ``log sigma_z`` and ``atanh r`` of the ``m`` elements that yield,
+    and ``log sigma`` of the rates of extension of the ``l`` dashpots with an exponent.
     """
 
     equations: Equations
     closure: str
     tolerance: Tolerance
 
-    @np.errstate(all="ignore")  # what is no number is judged where it counts
+    @np.errstate(all="ignore")  # NaN is checked where it matters
     def solve(self) -> Solution:
-        """Boldly; with care; then, or where there may be several solutions, from weak shaking on."""
+        """Result by large steps, else by small steps, else by raising the intensity step by step.
+
+        Where a law may have several solutions, only the last method is used.
+        """
         try:
             elastic = self._elastic
         except UnsolvableError:
@@ -125,7 +128,7 @@ class Loop:
         for _ in range(rounds):
             try:
                 here = self._round(latent + step, level)
-            except UnsolvableError:  # nothing stationary: take back most of the step
+            except UnsolvableError:  # there is no stationary response: take back most of the step
                 delta = next_delta(delta, np.array(norm), np.array(np.inf), pace)
                 step = 0.25 * step if last else step - self._flat([0.0, 1.0, 0.0], 0.0)
                 continue
@@ -146,7 +149,7 @@ class Loop:
         return None
 
     def _round(self, unknowns: Array, level: float) -> Round:
-        """Moments assumed, coefficients, linear system, covariance, moments that come out."""
+        """One iteration: coefficients for the unknowns, the response, the mismatch and its slopes."""
         latent, rates = self._of_elements(unknowns), unknowns[3 * self._strength.size :]
         values, dashpots = self._closure_of(latent), self._dashpots(rates)
         motion = self._motion(values.coefficients, dashpots)
@@ -190,17 +193,17 @@ class Loop:
         return Round(values, dashpots, motion, mismatch, slopes)
 
     def _of_elements(self, unknowns: Array) -> Array:
-        """Those of the elements that yield (3, m)."""
+        """Unknowns (3, m) of the elements that yield."""
         return unknowns[: 3 * self._strength.size].reshape(3, -1)
 
     def _flat(self, of_elements: Sequence[float], of_rates: float) -> Array:
-        """A vector like that of the unknowns with these in place of each kind of them."""
+        """A vector in the order of the unknowns, with one value for each kind of unknown."""
         return np.append(
             np.repeat(of_elements, self._strength.size), np.full(self._power.size, of_rates)
         )
 
     def _dashpots(self, rates: Array) -> Array:
-        """Of all links (t,), with an exponent linearized for these ``log sigma`` of their rates."""
+        """Damping constants (t,) of all links; ``rates`` are ``log sigma`` of the rates (l,)."""
         equations, power = self.equations, self._power
         dashpots = np.where(self._idle, 0.0, equations.dashpots)
         exponents = equations.exponents[power]
@@ -208,7 +211,7 @@ class Loop:
         return dashpots
 
     def _closure_of(self, latent: Array) -> ClosureValue:
-        """Eqs. (9) and (10) for each element."""
+        """Coefficients and covariance by the closure, eqs. (9) and (10), for each element."""
         moments = np.stack([np.exp(latent[0]), np.exp(latent[1]), np.tanh(latent[2])])
         m = latent.shape[1]
         whole = ClosureValue(*(np.empty((*s, m)) for s in ((2,), (2, 3), (3,), (3, 3))))
@@ -218,7 +221,7 @@ class Loop:
         return whole
 
     def _motion(self, coefficients: Array, dashpots: Array) -> Solved:
-        """Of the linear system with ``1 + c_eq`` and ``k_eq`` of the elements that yield."""
+        """Response for coefficients ``(1 + c_eq, k_eq)``, (2, m), of the elements that yield."""
         c_eq, k_eq = -np.ones(self.own.size), np.zeros(self.own.size)
         c_eq[self.own], k_eq[self.own] = coefficients[0] - 1, coefficients[1]
         return Solved(self.equations.augmented(c_eq, k_eq, self.own, dashpots))
@@ -237,7 +240,7 @@ class Loop:
         return Change(float(moved.max()), float(max(changes)))
 
     def _follow(self, history: list[Change]) -> tuple[Array, Round] | None:
-        """From shaking so weak that hardly anything yields up to the full, level by level."""
+        """Follow the solution while the intensity rises from one for which hardly anything yields."""
         elastic = self._elastic
         slope = self._flat([1.0, 1.0, 0.0], 1.0)
         most = self._of_elements(elastic)[1].max(initial=-np.inf)
@@ -261,7 +264,7 @@ class Loop:
 
     @cached_property
     def own(self) -> Array:
-        """Which elements yield (e,)."""
+        """Whether each element (e,) yields."""
         return np.isfinite(self.equations.strength)
 
     @cached_property
@@ -270,7 +273,7 @@ class Loop:
 
     @cached_property
     def _frequency(self) -> Array:
-        """Of the elements that yield (m,), with the masses at their ends [rad/s]."""
+        """Frequencies (m,) [rad/s] of the elements that yield, with the masses at their ends."""
         equations = self.equations
         springs = equations.elements[self.own]
         masses = equations.extensions[springs] ** 2 @ (1 / equations.system.all("mass"))
@@ -278,17 +281,17 @@ class Loop:
 
     @cached_property
     def _power(self) -> Array:
-        """Numbers of the links whose dashpots have an exponent and move (l,)."""
+        """Numbers (l,) of the links with a moving dashpot with an exponent."""
         return np.flatnonzero(self._with_exponent & ~self._idle)
 
     @property
     def _beside(self) -> Array:
-        """The springs beside these dashpots (l,)."""
+        """Numbers (l,) of the springs of these links."""
         return len(self.equations.system.floors) + self._power
 
     @cached_property
     def _idle(self) -> Array:
-        """Which links have a dashpot with an exponent whose ends move as one (t,)."""
+        """Whether each link (t,) has a dashpot with an exponent whose ends move together."""
         system, power = self.equations.system, self._with_exponent
         if not power.any():
             return power
@@ -298,29 +301,29 @@ class Loop:
 
     @cached_property
     def _with_exponent(self) -> Array:
-        """Which links have a dashpot with an exponent (t,)."""
+        """Whether each link (t,) has a dashpot with an exponent."""
         return np.array([tie.link.is_power_law for tie in self.equations.system.ties], bool)
 
     @cached_property
     def _undamped(self) -> Solved:
-        """The elastic motion without dashpots that have an exponent."""
+        """Elastic response without the dashpots with an exponent."""
         none = np.where(self._with_exponent, 0.0, self.equations.dashpots)
         return self._motion(np.zeros((2, self._strength.size)), none)
 
     @property
     def _undamped_rates(self) -> Array:
-        """Standard deviations of the rates of all links in that (t,)."""
+        """Standard deviations (t,) of the rates of extension of all links in this response."""
         links = self.equations.extensions[len(self.equations.system.floors) :]
         return self._undamped.std(links, rates=True)
 
     @cached_property
     def _count(self) -> int:
-        """Of elements and dashpots that the loop is about."""
+        """Number of elements and dashpots that are linearized."""
         return self._strength.size + self._power.size
 
     @cached_property
     def _elastic(self) -> Array:
-        """The unknowns if no element yielded, and dashpots moved as if there were none."""
+        """Unknowns of the elastic response, with dashpots linearized for the rates without them."""
         rates = np.log(self._undamped_rates[self._power])
         moments = self._motion(np.zeros((2, self._strength.size)), self._dashpots(rates)).moments
         log_uy = np.log(self._strength)
@@ -328,13 +331,13 @@ class Loop:
         return np.concatenate([sv, sz, np.full_like(sv, 0.1), rates])
 
     def _yielding(self, elastic: Array) -> Array:
-        """As a start: ``z`` does not go far beyond 1."""
+        """Unknowns to start from: those of the elastic response, with ``sigma_z`` at most 1."""
         sv, sz, r = self._of_elements(elastic)
         return np.concatenate([sv, np.minimum(sz, 0.0), r, elastic[3 * sv.size :]])
 
     @cached_property
     def _laws(self) -> Sequence[tuple[Array, Closure, Array]]:
-        """Elements that yield, by their number among these, with their closure and parameters (k, m)."""
+        """Closures of the laws, each with the numbers of its yielding elements and their parameters."""
         found, begin = [], 0
         for stack in self.equations.system.stacks:
             yields = np.isfinite(stack.strength)

@@ -1,7 +1,6 @@
-"""The whole problem as one linear system: the readable definition, and the oracle of the fast path.
+"""State matrix of any number of linearized structures on one ground, and its stationary covariance.
 
-Any number of structures stand on one ground. Without links they act on one another in no way, and
-`correlate` is the quick road to the correlation of two oscillators; all else is solved here.
+`correlate` has a faster method for pairs of oscillators without links; its tests compare both.
 """
 
 from __future__ import annotations
@@ -40,8 +39,8 @@ ONE_SYSTEM = "a scalar, since this describes one system"
 class Equations:
     """Eqs. (5), (6), (8), (11) and (12) of structures on one ground.
 
-    Springs are the storeys, and the links after them; elements those of them that have a law, or may:
-    the storeys, and the links that yield.
+    The springs (s) are the storeys and, after them, the links (t). The elements (e) are the springs that
+    can have a hysteresis law: the storeys and the links that yield. There are n floors.
     """
 
     system: System
@@ -49,7 +48,7 @@ class Equations:
 
     @cached_property
     def springs(self) -> list[str]:
-        """Names of the storeys and links."""
+        """Names of the springs."""
         return [*self.system.floors, *(tie.name for tie in self.system.ties)]
 
     @cached_property
@@ -60,16 +59,16 @@ class Equations:
 
     @cached_property
     def strength(self) -> Array:
-        """Drifts at yield of the elements (e,) [m], infinite where they stay elastic."""
+        """Yield drifts of the elements (e,) [m], infinite if elastic."""
         return np.append(self.system.all("strength"), self._of_links("yield_displacement", yields=True))
 
     @cached_property
     def extensions(self) -> Array:
-        """Of the springs by the displacements of the floors (s, n)."""
+        """Factors (s, n) that give the extensions of the springs from the floor displacements."""
         return self.system.extensions
 
     def states(self, own: Array) -> list[str]:
-        """Names of the states, where these elements (e,) have a ``z``: by structures, links last."""
+        """Names of the states, by structures, links last; elements with ``own`` (e,) have a ``z``."""
         floors, first = self.system.floors, self.system.first
         names = [self.springs[spring] for spring in self.elements[own]]
         listed = list(self.ground.lone_filter().states)
@@ -81,20 +80,20 @@ class Equations:
 
     @cached_property
     def dashpots(self) -> Array:
-        """Constants of the dashpots of the links (t,), with their exponents."""
+        """Damping constants of the links (t,), in N s/m for the exponent 1."""
         return self._of_links("damping_constant")
 
     @cached_property
     def exponents(self) -> Array:
-        """Of the dashpots of the links (t,)."""
+        """Exponents of the dashpots of the links (t,)."""
         return np.array([tie.link.exponent for tie in self.system.ties], float)
 
     def augmented(
         self, c_eq: Array, k_eq: Array, own: Array, dashpots: Array | None = None
     ) -> Augmented:
-        """With these coefficients of the elements (e,), of which these have a ``z`` of their own.
+        """Linear system for coefficients of the elements (e,); those with ``own`` have a state ``z``.
 
-        ``dashpots`` (t,) are those of the links, if they are not what they have themselves.
+        ``dashpots`` (t,) [N s/m] replace the damping constants of the links.
         """
         soil, n = self.ground.lone_filter(), len(self.system.floors)
         names = {name: i for i, name in enumerate(self.states(own))}
@@ -121,17 +120,17 @@ class Equations:
         if not q.size:
             noise[v] = 1.0
         of_noise = 2 * np.pi * float(self.ground.arrays()["intensity"])
-        matrix += 0.0  # no negative zeros, which a table would show
+        matrix += 0.0  # turns negative zeros, which a table would show, into 0
         return Augmented(matrix, noise, of_noise, u, v, z, springs, t, self.stiffness)
 
     @cached_property
     def stiffness(self) -> Array:
-        """Of the springs before yield (s,) [N/m]."""
+        """Elastic stiffness of the springs (s,) [N/m]."""
         return self._post + self._couple
 
     @property
     def of_links(self) -> tuple[Array, Array]:
-        """``post`` and ``couple`` [N/m] of the springs of the links (t,)."""
+        """Stiffness [N/m] of the links (t,) after yield, and that lost by yielding."""
         n = len(self.system.floors)
         return self._post[n:], self._couple[n:]
 
@@ -144,7 +143,7 @@ class Equations:
         return np.append(self.system.all("couple"), [tie.link.spring[1] for tie in self.system.ties])
 
     def _of_links(self, name: str, *, yields: bool = False) -> Array:
-        """A parameter of all links, or of those that yield."""
+        """Values of a parameter of all links, or of those that yield."""
         ties = [tie for tie in self.system.ties if tie.link.yields or not yields]
         return np.array([tie.link.number(name) for tie in ties], float)
 
@@ -152,7 +151,7 @@ class Equations:
 def checked_system(
     structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None]
 ) -> tuple[Link | None, ...]:
-    """The links, once all is of the right kind and without arrays, and no link has slack."""
+    """The links; raises if an argument is of the wrong kind or an array, or a link has slack."""
     expect(ground, Ground, "ground")
     if not isinstance(structures, (list, tuple)):
         raise TypeError(f"structures = {brief(structures)}; allowed: a list of structures")
@@ -169,8 +168,8 @@ def checked_system(
             check_scalars(link, f"links, number {number}", ONE_SYSTEM)
             if link.slack is not None:
                 raise ValueError(
-                    f"links, number {number}: slack = {link.slack:g}; allowed: none, since it pulls "
-                    "one way, and linearization wants forces that are zero in the mean; simulate it"
+                    f"links, number {number}: slack = {link.slack:g}; allowed: none, since a link with "
+                    "slack only pulls, and linearization requires forces with zero mean; use simulate"
                 )
     return links
 
@@ -183,45 +182,47 @@ def statespace(
     *,
     links: Sequence[Link | None] = (),
 ) -> xr.Dataset:
-    """Augmented state matrix of linearized structures on one ground: eqs. (5), (6), (8), (11), (12).
+    """State matrix of linearized structures on one ground, eqs. (5), (6), (8), (11) and (12).
 
-    Each oscillator has the states ``u`` [m], ``v = u'`` [m/s] and ``z`` (times the yield displacement,
-    [m]): ``u'' + 2 xi w u' + alpha w^2 u + (1 - alpha) w^2 z = f``, ``z' = -c_eq v - k_eq z``. A
-    building has these floor by floor, ``z`` for the storey below a floor and with the rate of its drift
-    ``d``: ``M u'' + C u' + T' diag(alpha k) d + T' diag((1 - alpha) k) z = M 1 f``, ``d = T u``. In the
-    elastic limit, ``c_eq = -1`` and ``k_eq = 0`` (which is ``z = d``), an element has no ``z``: with it
-    the Lyapunov equation would be singular.
+    An oscillator has the states ``u`` [m], ``v = u'`` [m/s] and ``z`` [m], the hysteretic displacement
+    (here multiplied by the yield displacement), with ``z' = -c_eq v - k_eq z`` and
+    ``u'' + 2 xi w u' + alpha w^2 u + (1 - alpha) w^2 z = f``. A building has these states for each
+    floor, with ``z`` for the storey below it: ``z' = -c_eq d' - k_eq z`` with the drifts ``d = T u``,
+    and ``M u'' + C u' + T' diag(alpha k) d + T' diag((1 - alpha) k) z = M 1 f``. An element with
+    ``c_eq = -1`` and ``k_eq = 0`` is elastic (``z = d``). It has no state ``z``, with which the Lyapunov
+    equation would be singular.
 
     Parameters
     ----------
     structures : sequence of Bilinear, BoucWen, Hysteretic or ShearBuilding
-        With scalar parameters.
+        The structures, with scalar parameters.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
-        With scalar parameters.
+        The ground, with scalar parameters.
     c_eq, k_eq : sequence of float
-        Equivalent coefficients [-] and [1/s], one each an element, as `linearize` and `linearize_system`
+        Equivalent coefficients [-] and [1/s] of all elements, as `linearize` and `linearize_system`
         return them: oscillators and storeys from the first structure to the last, from the ground up,
         and after them the links that yield.
     links : sequence of Link or None, optional
-        From each structure to the next, or with ``structures=(.., ..)`` of their own; oscillators
-        then need a mass.
+        Links from each structure to the next, or between the structures that the ``structures`` of a
+        link name; oscillators then need a mass.
 
     Returns
     -------
     xarray.Dataset
-        ``state_matrix`` over (``state``, ``state_2``), ``noise_vector`` over ``state``, and
-        ``noise_intensity`` ``2 pi S0`` [m^2/s^3]: ``x' = A x + b n(t)``. ``extension`` over (``spring``,
-        ``state``): the drifts of storeys and the extensions of links by the states, and ``stiffness``
-        over ``spring`` [N/m] before yield. States of floor 3 of structure 2 end in ``_2.3``, those of an
-        oscillator in its number.
+        For ``x' = A x + b n(t)``: the matrix ``A``, ``state_matrix`` over (``state``, ``state_2``); the
+        vector ``b``, ``noise_vector`` over ``state``; and the intensity ``2 pi S0`` of the white noise
+        ``n``, ``noise_intensity`` [m^2/s^3]. Also ``extension`` over (``spring``, ``state``), which
+        gives the drifts of storeys and the extensions of links from the states, and ``stiffness`` [N/m]
+        over ``spring``, the elastic stiffness. The names of the states of floor 3 of structure 2 end in
+        ``_2.3``, those of oscillator 1 in ``_1``.
 
     Raises
     ------
     ValueError
-        If there is no structure, a parameter is an array, the coefficients are not one an element, or a
-        link has slack or an exponent.
+        If there is no structure, a parameter is an array, the number of coefficients is not that of the
+        elements, or a link has slack or an exponent.
     TypeError
-        If something is of the wrong kind.
+        If an argument is of the wrong kind.
 
     References
     ----------
@@ -288,7 +289,7 @@ def statespace(
 
 
 def _of_any_strength(structure: AnyStructure) -> Any:
-    """The structure with any strength, of which its equations do not depend, if it can yield."""
+    """The structure with some strength if it can yield; the equations do not depend on its value."""
     if structure.hardening is None:
         return structure
     if isinstance(structure, ShearBuilding):
@@ -302,26 +303,26 @@ def stationary_covariance(space: xr.Dataset) -> xr.DataArray:
     Parameters
     ----------
     space : xarray.Dataset
-        As `statespace` returns it.
+        Dataset of `statespace`.
 
     Returns
     -------
     xarray.DataArray
-        Over (``state``, ``state_2``), in the products of the units of the states.
+        Covariance over (``state``, ``state_2``), in the products of the units of the states.
 
     Raises
     ------
     ArithmeticError
-        If the matrix is not stable, or so near to that that digits are lost.
+        If the matrix is not stable, or so close to instability that the result is inaccurate.
     TypeError
-        If it is not such a dataset.
+        If ``space`` is not a dataset of `statespace`.
 
     Notes
     -----
-    Where yielding dies out the equation is nearly singular, and a solver is then wrong with
-    a tiny residual. Solved are drifts and slips ``y = d - z``, balanced, and refined by the residual
-    until they stand still: twelve digits and more are right down to ``k_eq`` of 1e-12 of the frequency.
-    Below 1e-13, ``z = -c_eq d``.
+    For small ``k_eq`` the equation is nearly singular, and a solution can be wrong although its residual
+    is tiny. The equation is therefore solved for drifts ``d`` and slips ``y = d - z``, balanced, and
+    refined iteratively from the residual. Twelve digits are correct down to ``k_eq`` of 1e-12 times the
+    frequency. Below 1e-13 times the frequency, ``z = -c_eq d`` is used.
 
     References
     ----------

@@ -1,4 +1,4 @@
-"""Statistical linearization of any number of structures with any number of storeys, linked or not."""
+"""Statistical linearization of systems of structures, storey by storey."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from stochlin.models.links import Link
 from stochlin.models.structures import GAUSSIAN
 from stochlin.models.systems import AnyStructure, check_stationary, system_of
 
-SECONDS = 2e-8  # of ten rounds, for each element and state cubed
+SECONDS = 2e-8  # computing time [s] of ten iterations, for each element and cube of the states
 
 
 def linearize_system(
@@ -40,57 +40,61 @@ def linearize_system(
 ) -> xr.Dataset:
     """Stationary response of structures on one ground, storey by storey, by statistical linearization.
 
-    The paper's loop: coefficients (9), (10) of every element make the linear system that `statespace`
-    writes down; its covariance is that of `stationary_covariance`; and that gives new coefficients,
-    until both stand still. Each round corrects the moments by their slopes, since put straight back they
-    may cycle.
+    The coefficients of eqs. (9) and (10) of all elements define the linear system of `statespace`. From
+    its covariance, that of `stationary_covariance`, new coefficients follow, and this is iterated until
+    both converge. Each iteration is a step of a damped Newton's method for the moments of the elements,
+    because direct substitution may cycle.
 
     Parameters
     ----------
     structures : sequence of Bilinear, BoucWen, Hysteretic or ShearBuilding
-        Any number and mixture, with scalar parameters; strength by ``reduction_factor`` refers to
-        the structure standing alone.
+        Structures of any number and kind, with scalar parameters. A ``reduction_factor`` refers to the
+        elastic response of the structure without links.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
-        With scalar parameters.
+        The ground, with scalar parameters.
     links : sequence of Link or None, optional
-        From each structure to the next, or with ``structures=(.., ..)`` of their own; oscillators
-        then need a mass. One that yields is an element like a storey; a dashpot with an exponent is
-        linearized for a Gaussian rate, ``c_eq = c E|v|^(a+1) / E v^2``, in the same loop.
-    closure : str
-        ``"gaussian"`` or ``"clipped"``, as in `linearize`.
+        Links from each structure to the next, or between the structures that the ``structures`` of a
+        link name; oscillators then need a mass. A link that yields is an element like a storey. A
+        dashpot with an exponent ``a`` is linearized for a Gaussian rate ``v``, with the damping constant
+        ``c E|v|^(a+1) / E v^2``, in the same iteration.
+    closure : {"gaussian", "clipped"}
+        Closure of the linearization, as in `linearize`.
     rtol : float
-        The loop ends when no covariance changes by more than this share of the standard deviations, no
-        ``c_eq`` by more than this, and no ``k_eq`` by more than this share of its sum with the
-        frequency of its storey.
+        The iteration stops when no covariance changes by more than ``rtol`` times the product of the
+        standard deviations, no ``c_eq`` by more than ``rtol``, and no ``k_eq`` by more than ``rtol``
+        times the sum of ``k_eq`` and the frequency of the element.
     max_iterations : int
-        Rounds of a search, and levels of shaking where the solution is followed, as in `linearize`.
+        Largest number of iterations, and of steps in intensity where the solution is followed, as in
+        `linearize`.
 
     Returns
     -------
     xarray.Dataset
         Over ``element``, the storeys of all structures from the ground up (``1`` is oscillator 1,
         ``2.3`` the third storey of structure 2) and the links that yield (``link 1``): ``drift_std``
-        [m], ``ductility_std``, ``z_std``, ``velocity_z_corr``, ``c_eq``, ``k_eq`` [1/s], ``yield_drift``
-        [m], infinite where it stays elastic. Over ``floor``: ``displacement_std`` [m], ``velocity_std``
-        [m/s]; over (``floor``, ``floor_2``): ``rho`` and ``relative_displacement_std`` [m]. Over
-        (``state``, ``state_2``): ``covariance``, with the states of `statespace`. Over ``iteration``:
-        ``covariance_change``, ``coefficient_change``, of all rounds that were tried. Over ``link``:
-        ``link_force_std`` [N], and where a link has an exponent ``equivalent_damping_constant`` [N s/m],
-        of its dashpot linearized, NaN where its ends move as one. And ``status``.
+        [m], ``ductility_std`` [-], ``z_std`` [-], ``velocity_z_corr`` [-], ``c_eq`` [-], ``k_eq`` [1/s]
+        and ``yield_drift`` [m] (infinite if elastic). Over ``floor``: ``displacement_std`` [m] and
+        ``velocity_std`` [m/s]. Over (``floor``, ``floor_2``): ``rho`` [-] and
+        ``relative_displacement_std`` [m]. Over (``state``, ``state_2``): ``covariance``, with the states
+        of `statespace`. Over ``iteration``, for all iterations: ``covariance_change`` and
+        ``coefficient_change`` [-]. Over ``link``: ``link_force_std`` [N] and, if a link has a dashpot
+        with an exponent, ``equivalent_damping_constant`` [N s/m], which is NaN if the ends of the link
+        do not move relative to each other. And ``status``.
 
     Raises
     ------
     ValueError, TypeError
-        If a parameter is an array or of the wrong kind, the closure is not one of a law, a link has
-        slack or no place, or the weight above leaves a storey no stiffness beyond yield.
+        If a parameter is an array or of the wrong kind, a law does not have the closure, a link has
+        slack or cannot be placed between the structures, or P-delta effects leave a storey no stiffness
+        after yield.
     ArithmeticError
-        If the loop does not end.
+        If the iteration does not converge.
 
     Notes
     -----
-    Each storey's law sees its own drift, so that the closures of single oscillators serve
-    storey by storey. They are as unsafe for storeys as for these: drifts of storeys that yield were 7 to
-    39 % too small against simulation, the relative displacement of two buildings 28 %.
+    The force of a storey depends on its own drift only, so that the closures of single oscillators apply
+    to each storey. They also have the same errors: compared with nonlinear simulation, drifts of
+    yielding storeys were too small by 7 to 39 %, and the relative displacement of two buildings by 28 %.
 
     References
     ----------
@@ -140,14 +144,14 @@ def linearize_system(
 def linearized_motion(
     structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None] = ()
 ) -> Solved:
-    """The equivalent linear motion by the Gaussian closure, of which any displacement can be asked."""
+    """Response of the equivalent linear system by the Gaussian closure, with its covariance."""
     motion = solved(equations_of(structures, ground, checked_system(structures, ground, links))).motion
     assert motion is not None
     return motion
 
 
 def solved(equations: Equations) -> Solution:
-    """By the Gaussian closure; an ArithmeticError if there is none."""
+    """Solution of the equations by the Gaussian closure; an ArithmeticError if it fails."""
     solution = Loop(equations, GAUSSIAN, USUAL).solve()
     if solution.motion is None or solution.status >= labels.NOT_CONVERGED:
         raise ArithmeticError(
@@ -158,7 +162,7 @@ def solved(equations: Equations) -> Solution:
 
 
 def check_laws(structures: Sequence[AnyStructure], closure: str) -> None:
-    """Raise a ValueError unless all laws have this closure, and it is one of systems."""
+    """Raise a ValueError if a law does not have this closure, or systems do not."""
     for structure in structures:
         law = structure.storey_law if isinstance(structure, ShearBuilding) else structure
         check_element_closure(law, closure)
@@ -167,7 +171,7 @@ def check_laws(structures: Sequence[AnyStructure], closure: str) -> None:
 def equations_of(
     structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None]
 ) -> Equations:
-    """With all strengths in metres; an error says which storey has no stationary motion."""
+    """Equations with all strengths in metres; raises if a storey has no stationary response."""
     solid: list[Any] = [
         structure if isinstance(structure, ShearBuilding) else strength_in_metres(structure, ground)
         for structure in structures
@@ -177,9 +181,9 @@ def equations_of(
     return Equations(system, ground)
 
 
-@np.errstate(all="ignore")  # what stands still has no correlation
+@np.errstate(all="ignore")  # correlations of floors that do not move are 0/0
 def solution_table(equations: Equations, solution: Solution) -> xr.Dataset:
-    """What `linearize_system` returns of a solution, without labels."""
+    """Dataset of `linearize_system` from a solution, without labels."""
     assert solution.motion is not None
     system, motion = equations.system, solution.motion
     own = np.isfinite(equations.strength)
@@ -222,7 +226,7 @@ def solution_table(equations: Equations, solution: Solution) -> xr.Dataset:
             "floor_2": ("floor_2", system.floors, {"long_name": "floor"}),
             "state": ("state", states, {"long_name": "state"}),
             "state_2": ("state_2", states, {"long_name": "state"}),
-            "iteration": ("iteration", 1 + np.arange(len(history)), {"long_name": "round"}),
+            "iteration": ("iteration", 1 + np.arange(len(history)), {"long_name": "iteration"}),
         },
     )
     if system.ties:
@@ -238,7 +242,8 @@ def solution_table(equations: Equations, solution: Solution) -> xr.Dataset:
 def link_forces(equations: Equations, solution: Solution) -> Array:
     """Standard deviations of the forces in all links (t,) [N].
 
-    A dashpot with an exponent adds what its force has beyond that of the linear one, of a Gaussian rate.
+    For a dashpot with an exponent, the variance of its linearized force is replaced by that of the
+    nonlinear force for a Gaussian rate.
     """
     n, motion = len(equations.system.floors), solution.motion
     assert motion is not None
