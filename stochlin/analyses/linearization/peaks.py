@@ -100,9 +100,10 @@ def peak_response(
     it is 0 to +5 %, +2 to +8 % and +3 to +15 %.
 
     With the drift closure, the slow plastic drift adds to the variance of the displacement, but not to
-    that of the velocity. Its variance grows from rest as ``1 - exp(-t/drift_time)``, and its mean over
-    the motion is used; for peaks in one direction it grows four times as slowly, because a drift in the
-    other direction leads to no peak (a factor fitted to simulations).
+    that of the velocity. For the peaks its variance is taken to grow from rest as
+    ``1 - exp(-t/drift_time)``, half as fast as it does by `linearize`, and its mean over the motion is
+    used; for peaks in one direction it is taken to grow four times as slowly again, because a drift in
+    the other direction leads to no peak. Both factors were fitted to simulations.
 
     Compared with nonlinear simulation from rest (576 random structures, R 1 to 9, hardening 0.02 to 0.3,
     T 0.2 to 3 s, durations 10 to 60 s), the error of the mean peak is -2 % on average, and between -32
