@@ -9,7 +9,8 @@ import xarray as xr
 
 from stochlin.analyses.charts.records import ENERGIES
 from stochlin.views.charts.charts import AXES, PICTURES
-from stochlin.views.shared.style import CURVES, contours_of, legend_beside, plain_ticks, shades, typeset
+from stochlin.views.shared.style import CURVES, contours_of, legend_beside, plain_ticks, shades
+from stochlin.views.shared.symbols import typeset
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import html
-import re
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,6 +10,7 @@ import xarray as xr
 from stochlin.models.rules.codes import FIXED, HEIGHT
 from stochlin.views.probability.pictures import ESTIMATES, known
 from stochlin.views.shared.style import CURVES
+from stochlin.views.shared.symbols import typeset_html
 from stochlin.views.shared.words import BEYOND, FAR, per_cent, rule_label
 
 Figure = dict[str, Any]
@@ -31,7 +30,6 @@ RATIO_TICKS = (0.25, 0.5, 1, 2, 4)
 FEW = 6  # ticks of an axis
 UNSAFE = 2  # of the flag ``verdict``
 BANDS = ("#dcdcdc", "#a9a9a9")  # of simulations: that of few motions, that of all
-SYMBOL = re.compile(r"\b(a|S|T)(g|0|1|2|DS|D1|L)\b")  # of those that the page has
 RHO = (
     ("rho_drift", 0, "linearization, drift closure"),
     ("rho_linearized", 1, "linearization, Gaussian closure"),
@@ -49,11 +47,6 @@ class Row(NamedTuple):
     verdict: float
     lower: float  # [cm]
     upper: float
-
-
-def typeset(text: str) -> str:
-    """As HTML, and for the charts, with the indices of symbols set below the line."""
-    return SYMBOL.sub(r"\1<sub>\2</sub>", html.escape(text, quote=False))
 
 
 def label_without_simulation(rule: str, family: str) -> str:
@@ -81,7 +74,7 @@ def spectra_figure(table: xr.Dataset, periods: tuple[float, float]) -> Figure:
     layout["shapes"] = [_vertical(period, DASHES[n]) for n, period in enumerate(periods, start=1)]
     first_right = periods[0] > periods[1]  # the words go to the outer sides of the lines
     layout["annotations"] = [
-        _note(float(np.log10(period)), typeset(f"T{n}"))
+        _note(float(np.log10(period)), typeset_html(f"T{n}"))
         | {"xanchor": "left" if (n == 1) == first_right else "right"}
         for n, period in enumerate(periods, start=1)
     ]
@@ -107,12 +100,12 @@ def correlation_figure(table: xr.Dataset, simulated: xr.Dataset | None = None) -
         )
     values = [table[name] for name, _, _ in shown] + ([] if simulated is None else [simulated.rho])
     low = min(float(v.min()) for v in values)
-    layout = _layout(typeset("ratio of periods T2/T1"), "correlation coefficient ρ")
+    layout = _layout(typeset_html("ratio of periods T2/T1"), typeset_html("correlation coefficient ρ"))
     layout["xaxis"] |= {"type": "log", "range": _log_range(ratio), "tickvals": list(RATIO_TICKS)}
     layout["yaxis"] |= {"range": [min(-0.05, np.floor(low * 10) / 10), 1.03]}
     own = float(table.attrs["period_ratio"])
     layout["shapes"] = [_vertical(own, "solid")]
-    layout["annotations"] = [_note(float(np.log10(own)), typeset(f"T2/T1 = {own:.3g}"))]
+    layout["annotations"] = [_note(float(np.log10(own)), typeset_html(f"T2/T1 = {own:.3g}"))]
     return _figure(curves, layout)
 
 

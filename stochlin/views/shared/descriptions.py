@@ -5,18 +5,22 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stochlin.messages import hyphenated
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts.base import CONTACTS
 from stochlin.models.envelopes.base import ENVELOPES
 from stochlin.models.grounds.base import GROUNDS
+from stochlin.models.grounds.named import ground_names
 from stochlin.models.links import Link
 from stochlin.models.measures import Measure
 from stochlin.models.parameters import Model
 from stochlin.models.structures import LAWS, Gap
-from stochlin.views.shared.words import SPACE, rounded, shown_unit
+from stochlin.views.shared.words import SPACE, rounded, rule_label, shown_unit
+
+if TYPE_CHECKING:
+    from stochlin.analyses.cases.case import Case
 
 ROLES = {
     "first": "building 1",
@@ -33,6 +37,7 @@ NUMBER = re.compile(r"(?<![\w.])-?\d+\.?\d*(?:e[-+]?\d+)?(?![\w.])")
 OF_ONE = re.compile(r"_(?=[12]$)")
 UNCERTAIN = re.compile(r"([-\d.e+]+(?: to [-\d.e+]+)?)(?: \+- (.*))?")  # two ends, or median and spread
 SEVERAL = re.compile(r"\(([^()]*)\)")
+ENVELOPE = re.compile(r"\b[A-Z]\w*\(\w+=[^()]*\)")  # within a text
 OVER = re.compile(r"\[(?:(\d+) times )?(.*) over (.*)\]")
 
 
@@ -52,6 +57,25 @@ def in_words(described: str, role: str = "") -> str:
     told = [_parameter(kind, role, *part.partition("=")[::2]) for part in _parts(given)]
     shown = "shear building" if kind is ShearBuilding else hyphenated(name)
     return ", ".join(filter(None, ["" if name.lower() == role else shown, *told]))
+
+
+def site_in_words(case: Case) -> str:
+    """The ground of a case: the name or spectrum that it is given by, and its model."""
+    parts = [part.name for part in getattr(case.ground, "grounds", (case.ground,))]
+    model = f"{' and '.join(dict.fromkeys(parts))} ground"
+    if len(parts) > 1:
+        model = f"{len(parts)} {model}s in parallel"
+    if case.spectrum is not None:
+        code = case.spectrum.attrs.get("code")
+        return f"{rule_label(code) if code else case.site} spectrum, {model}"
+    if case.fitted:
+        return f"{model}, fitted to a record"
+    return f"{case.site}, {model}" if case.site in ground_names() else model
+
+
+def source_in_words(case: Case) -> str:
+    """The source of the ground of a case, the envelope in words; empty if it has none."""
+    return ENVELOPE.sub(lambda found: f"envelope ({in_words(found[0])})", case.ground.source)
 
 
 def _parameter(kind: type[Model] | None, role: str, name: str, value: str) -> str:
