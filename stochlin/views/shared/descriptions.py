@@ -11,6 +11,7 @@ from stochlin.messages import hyphenated
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts.base import CONTACTS
 from stochlin.models.envelopes.base import ENVELOPES
+from stochlin.models.grounds import ParallelGround
 from stochlin.models.grounds.base import GROUNDS
 from stochlin.models.grounds.named import ground_names
 from stochlin.models.links import Link
@@ -37,7 +38,9 @@ NUMBER = re.compile(r"(?<![\w.])-?\d+\.?\d*(?:e[-+]?\d+)?(?![\w.])")
 OF_ONE = re.compile(r"_(?=[12]$)")
 UNCERTAIN = re.compile(r"([-\d.e+]+(?: to [-\d.e+]+)?)(?: \+- (.*))?")  # two ends, or median and spread
 SEVERAL = re.compile(r"\(([^()]*)\)")
-ENVELOPE = re.compile(r"\b[A-Z]\w*\(\w+=[^()]*\)")  # within a text
+WITHIN = re.compile(r"\b[A-Z]\w*\(\w+=(?:[^()]|\([^()]*\))*\)")  # a model in a text
+COUNT = re.compile(r"^(\d+) of ")
+SHOWN = {"ShearBuilding": "shear building", "ParallelGround": "filters in parallel"}
 OVER = re.compile(r"\[(?:(\d+) times )?(.*) over (.*)\]")
 
 
@@ -54,9 +57,17 @@ def in_words(described: str, role: str = "") -> str:
         return described
     name, given = call.groups()
     kind = _kinds().get(name)
-    told = [_parameter(kind, role, *part.partition("=")[::2]) for part in _parts(given)]
-    shown = "shear building" if kind is ShearBuilding else hyphenated(name)
+    told = [
+        _bracketed(part) if WITHIN.match(part) else _parameter(kind, role, *part.partition("=")[::2])
+        for part in _parts(given)
+    ]
+    shown = SHOWN.get(name, hyphenated(name))
     return ", ".join(filter(None, ["" if name.lower() == role else shown, *told]))
+
+
+def _bracketed(text: str, role: str = "") -> str:
+    """A text with the models in it in words."""
+    return WITHIN.sub(lambda found: f"({in_words(found[0], role)})", text)
 
 
 def site_in_words(case: Case) -> str:
@@ -75,7 +86,7 @@ def site_in_words(case: Case) -> str:
 
 def source_in_words(case: Case) -> str:
     """The source of the ground of a case, the envelope in words; empty if it has none."""
-    return ENVELOPE.sub(lambda found: f"envelope ({in_words(found[0])})", case.ground.source)
+    return WITHIN.sub(lambda found: f"envelope ({in_words(found[0])})", case.ground.source)
 
 
 def _parameter(kind: type[Model] | None, role: str, name: str, value: str) -> str:
@@ -84,8 +95,8 @@ def _parameter(kind: type[Model] | None, role: str, name: str, value: str) -> st
     unit, scale = shown_unit(field.metadata.get("units", "1") if field else "1")
     unit = unit.replace(" ", SPACE)
     words = "" if name == role else f"{OF_ONE.sub(' of building ', name).replace('_', ' ')} "
-    if CALL.fullmatch(value):
-        return f"{words}({in_words(value, name)})"
+    if WITHIN.search(value):
+        return words + COUNT.sub(r"\1 times ", _bracketed(value, name))
     if NUMBER.fullmatch(value):
         absent = float(value) == 0 and (not field or field.default == 0)
         return "" if absent else f"{words}{rounded(scale * float(value))}{unit}"
@@ -100,7 +111,7 @@ def _parameter(kind: type[Model] | None, role: str, name: str, value: str) -> st
         return f"{words}{_scaled(uncertain[1], scale)}{unit}{spread}"
     if several := SEVERAL.fullmatch(value):
         return f"{words.replace('structure', 'building')}{several[1].rstrip(',').replace(', ', ' and ')}"
-    return f"{words}{value}"
+    return f"{words}{value}".strip()
 
 
 def _scaled(text: str, scale: float) -> str:
@@ -124,4 +135,4 @@ def _parts(given: str) -> Iterator[str]:
 def _kinds() -> dict[str, type[Model]]:
     """Every kind of model by its name."""
     named = (kind for registry in (LAWS, GROUNDS, ENVELOPES, CONTACTS) for kind in registry.values())
-    return {kind.__name__: kind for kind in (*named, ShearBuilding, Link, Measure, Gap)}
+    return {kind.__name__: kind for kind in (*named, ParallelGround, ShearBuilding, Link, Measure, Gap)}
