@@ -94,7 +94,8 @@ def _parameter(kind: type[Model] | None, role: str, name: str, value: str) -> st
     field = getattr(kind, "__dataclass_fields__", {}).get(name)
     unit, scale = shown_unit(field.metadata.get("units", "1") if field else "1")
     unit = unit.replace(" ", SPACE)
-    words = "" if name == role else f"{OF_ONE.sub(' of building ', name).replace('_', ' ')} "
+    colon = ":" if OF_ONE.search(name) else ""
+    words = "" if name == role else f"{OF_ONE.sub(' of building ', name).replace('_', ' ')}{colon} "
     if WITHIN.search(value):
         return words + COUNT.sub(r"\1 times ", _bracketed(value, name))
     if NUMBER.fullmatch(value):

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 
 GREEK = dict(zip(("alpha", "beta", "xi", "rho", "sigma", "tau", "omega"), "αβξρστω", strict=True))
 LETTERS = {letter: name for name, letter in GREEK.items()}
-LATIN = r"T[0-9fguyL]|T(?=/)|S[0-9afguy]|SD[S1]|u[0-9fgy]|[mv][0-9]|ag|Cd|Ie|Ra"
+LATIN = r"T[0-9fguyL]|T(?=/)|S[0-9afguy]|SD[S1]|u[0-9fgy]|[mv][0-9]|r_PER|ag|Cd|Ie|Ra"
 SYMBOL = re.compile(
     rf"(?<![\w$])(?:{LATIN}|[{''.join(LETTERS)}](?:el|[0-9fguy])?"
     rf"|(?:{'|'.join(GREEK)})(?:_(?:el|[0-9a-z]))?)(?!\w)"
@@ -44,7 +44,7 @@ def _replaced(text: str, symbol: Callable[[str, str], str], power: str) -> str:
 
     def of_symbol(found: re.Match[str]) -> str:
         name, _, index = found[0].partition("_")
-        return symbol(GREEK[name], index) if name in GREEK else symbol(name[0], name[1:])
+        return symbol(GREEK.get(name, name[0]), index if name in GREEK else index or name[1:])
 
     def of_power(found: re.Match[str]) -> str:
         raised = found[1]
