@@ -139,7 +139,7 @@ def pair_covariance(
     """``E[mu_1 mu_2]`` of two structures on one ground, by elimination.
 
     The stiffer one goes first, cell by cell. Over periods that differ by up to a factor of 900
-    and hardening down to .001, rho then errs by 2e-13 at most; the other way round by 5e-9.
+    and hardening down to 0.001, rho then errs by 2e-13 at most; the other way round by 5e-9.
     """
     stiffer = np.asarray(first.stiffness >= second.stiffness)
     if stiffer.all():

@@ -131,12 +131,12 @@ def _solve(problem: _Problem, start: Array, max_iterations: int) -> FixedPoint:
 
 
 def _at_once(problem: _Problem, elastic: Array, max_iterations: int) -> FixedPoint:
-    """Boldly from the elastic response."""
+    """By large steps from the elastic response."""
     return _evolve(problem, _yielding(elastic), max_iterations, BOLD)
 
 
 def _relax(problem: _Problem, elastic: Array, max_iterations: int) -> FixedPoint:
-    """From the elastic response with care, also over a jump at which a branch ends."""
+    """By small steps from the elastic response, also over a jump at which a branch ends."""
     return _evolve(problem, _yielding(elastic), max_iterations, CAREFUL)
 
 

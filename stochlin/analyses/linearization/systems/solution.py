@@ -92,7 +92,7 @@ class Loop:
 
     @np.errstate(all="ignore")  # what is no number is judged where it counts
     def solve(self) -> Solution:
-        """Boldly; with care; then, or where there may be several solutions, from weak shaking on."""
+        """By large steps, then by small ones; else, or with several solutions, from weak shaking on."""
         try:
             elastic = self._elastic
         except UnsolvableError:

@@ -32,7 +32,7 @@ LARGEST_MISMATCH = 1e-6  # of a converged cell, whatever its last step
 
 
 class Pace(NamedTuple):
-    """How boldly the relaxation is followed: the pseudo-time step ``delta`` and how it changes."""
+    """The steps of the relaxation: the pseudo-time step ``delta`` and how it changes."""
 
     first: float
     restart: float  # where to begin again after a rise of the mismatch
