@@ -27,7 +27,7 @@ first = sl.Bilinear(2.0 * ratio, 0.05, **strength)
 second = sl.Bilinear(2.0, 0.05, **strength)
 yielding = sl.correlate(first, second, lakebed)
 
-figure, axes = plt.subplots(figsize=(6.4, 3.8), layout="constrained")
+figure, axes = plt.subplots(figsize=(7.2, 3.8), layout="constrained")
 curves = {
     "eq. (4)": formula,
     "elastic, this ground": elastic,
@@ -42,4 +42,4 @@ axes.set(
     title=r"$T_2 = T_g$ = 2 s, $\xi_g$ = 0.05; structures: $\xi$ = 0.05, $\alpha$ = 0.05",
 )
 ratio_ticks(axes.xaxis, ratios)
-axes.legend(loc="upper left")
+axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1))

@@ -22,7 +22,7 @@ buildings = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in periods]
 table = sl.simulate(buildings, ground, duration=30, envelope=motion, paths=1024)
 
 gap = xr.DataArray(np.linspace(0, 0.2, 101), dims="gap")
-figure, axes = plt.subplots(figsize=(6.4, 3.8), layout="constrained")
+figure, axes = plt.subplots(figsize=(7.2, 3.8), layout="constrained")
 for n, (color, dash) in zip(range(3), CURVES, strict=False):
     found = sl.exceedance(table.separation[:, n, -1], gap)
     axes.fill_between(
@@ -33,4 +33,4 @@ axes.set(xlabel="gap [m]", ylabel="probability of pounding in 30 s", ylim=(0, 1)
 axes.set_title(
     "damping and hardening 0.05, reduction factor 4; firm ground of intensity 0.01 m²/s³", size=9
 )
-axes.legend(title="periods")
+axes.legend(title="periods", loc="upper left", bbox_to_anchor=(1.01, 1))

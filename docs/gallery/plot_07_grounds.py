@@ -16,7 +16,7 @@ from stochlin.charts import CURVES, STYLE
 
 plt.rcParams.update(STYLE)
 frequency = xr.DataArray(np.linspace(0.05, 40, 4000), dims="frequency")
-figure, axes = plt.subplots(figsize=(6.4, 3.8), layout="constrained")
+figure, axes = plt.subplots(figsize=(7.2, 3.8), layout="constrained")
 names = {
     "firm": "firm",
     "medium": "medium",
@@ -28,4 +28,4 @@ for (name, label), (color, dash) in zip(names.items(), CURVES, strict=False):
     axes.plot(frequency, psd / psd.max(), color=color, linestyle=dash, label=label)
 axes.set(xlabel="circular frequency [rad/s]", ylabel="PSD over its maximum")
 axes.set(xlim=(0, 40), ylim=(0, 1.05))
-axes.legend()
+axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1))

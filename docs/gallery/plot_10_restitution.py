@@ -12,7 +12,7 @@ from stochlin.charts import CURVES, STYLE, restitution_chart
 
 plt.rcParams.update(STYLE)
 chart = restitution_chart()
-figure, axes = plt.subplots(figsize=(6.4, 3.8), layout="constrained")
+figure, axes = plt.subplots(figsize=(7.2, 3.8), layout="constrained")
 names = {
     "Kelvin": "Kelvin",
     "NoTensionKelvin": "Kelvin, no tension",
@@ -24,4 +24,4 @@ for (name, label), (color, dash) in zip(names.items(), CURVES, strict=False):
     axes.plot(chart.damping_ratio, row, color=color, linestyle=dash, label=label)
 axes.set(xlabel=r"damping ratio $\xi$", ylabel="coefficient of restitution $e$")
 axes.set(xlim=(0, 1), ylim=(0, 1))
-axes.legend()
+axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1))

@@ -20,7 +20,7 @@ rounded = v - 0.5 * sympy.Abs(v) * z * sympy.Abs(z) - 0.5 * v * z**2
 ground = sl.named_ground("firm")
 factors = np.array([1.0, 2.0, 4.0, 6.0])
 
-figure, axes = plt.subplots(figsize=(6.4, 3.8), layout="constrained")
+figure, axes = plt.subplots(figsize=(7.2, 3.8), layout="constrained")
 common = {"period": 0.8, "damping": 0.05, "hardening": 0.1}
 laws = {
     "bilinear": lambda r: sl.Bilinear(**common, reduction_factor=r),
@@ -34,4 +34,4 @@ for (label, make), (color, dash), marker in zip(laws.items(), CURVES, "os", stri
     axes.plot(factors, values, marker, mfc="w", color=color, label=f"{label}, simulated")
 axes.set(xlabel="reduction factor R", ylabel="standard deviation of the ductility")
 axes.set_title("period 0.8 s, damping 0.05, hardening 0.1; firm ground", size=9)
-axes.legend()
+axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1))

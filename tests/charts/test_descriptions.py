@@ -35,6 +35,18 @@ def test_what_the_role_says_is_not_said_twice():
     ]
 
 
+def test_models_within_models_are_in_words():
+    one, other = (sl.CloughPenzien(period, 0.4, 5.0, 0.6, intensity=0.01) for period in (1.0, 0.2))
+    told = plain(in_words(sl.ParallelGround([one, other]).describe(), "ground"))
+    assert told.startswith("filters in parallel, (Clough-Penzien, period 1 s, damping 0.4, ")
+    assert told.endswith("intensity 0.01 m²/s³), intensity 0.02 m²/s³")
+    floors = (1, 0), (2, 1)
+    dampers = [sl.Link(damping_constant=4e6, structures=(2, 2), floors=each) for each in floors]
+    assert plain(in_words(sl.Measure(link=dampers).describe(), "measure")) == (
+        "link 2 times (damping constant 4 MN s/m, buildings 2 and 2) at floors (1, 0), (2, 1)"
+    )
+
+
 def test_uncertain_numbers_and_places_have_units_and_words():
     period, strength = sl.Uncertain(0.6, 0.2), sl.Uncertain.between(0.02, 0.03)
     told = in_words(sl.Bilinear(period, 0.05, 0.05, yield_displacement=strength).describe())

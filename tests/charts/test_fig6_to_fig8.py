@@ -12,7 +12,8 @@ import xarray as xr
 import stochlin as sl
 from stochlin.analyses.charts.charts import ChartSettings, chart_functions
 from stochlin.views.charts.charts import draw
-from stochlin.views.shared.style import CURVES, typeset
+from stochlin.views.shared.style import CURVES
+from stochlin.views.shared.symbols import typeset
 
 pytestmark = pytest.mark.paper
 

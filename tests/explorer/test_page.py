@@ -111,6 +111,7 @@ def test_requests_of_other_hosts_and_pages_are_refused(address):
 def test_the_page_comes_from_this_machine_alone(page, address):
     assert page.text("told").startswith("These values are not simulated yet")
     assert "linearization alone is unsafe" in page.text("caution")
+    assert page.script("return document.body.innerText").count("Caution") == 1
     messages = [json.loads(e["message"])["message"] for e in page.driver.get_log("performance")]
     asked = [
         m["params"]["request"]["url"] for m in messages if m["method"] == "Network.requestWillBeSent"
@@ -179,6 +180,10 @@ def test_simulation_is_drawn_when_it_is_asked_for_and_forgotten_when_it_is_old(p
     page.idle()
     assert page.script(curves) == 4
     assert "Simulated:" in page.script("return document.querySelector('[data-panel=gaps]').textContent")
+    lines = "return document.querySelectorAll('[data-panel=gaps] .ytick text').length"
+    assert page.script(lines) == 7
+    page.click("every")
+    wait(lambda: page.script(lines) > 30)
     page.enter("gap", "9")
     wait(lambda: page.script(curves) == 3)
     page.idle()

@@ -359,6 +359,22 @@ def test_errors_are_drawn_where_there_are_some(simulated):
     assert star["x"][0] + star["error_x"]["array"][0] == pytest.approx(interval[1])
 
 
+def test_rules_of_a_kind_share_a_line_until_each_is_to_have_its_own(simulated):
+    table, tables = gap_rules(Scene(paths=128)), simulated[0]
+    for below in (None, tables["gaps"]):
+        few, every = (charts.gaps_figure(table, None, below, one) for one in (False, True))
+        lines, all_lines = (len(one["layout"]["yaxis"]["categoryarray"]) for one in (few, every))
+        assert lines <= 7 < all_lines
+        of_codes = few["data"][-1]
+        assert len(set(of_codes["y"])) == 1
+        assert "SRSS" in of_codes["hovertext"]
+        assert not any(of_codes["text"])
+        shown = table if below is None else below
+        known = shown.gap.where((shown.kind == "code") & (shown.gap < 0.5), drop=True)  # not far off
+        np.testing.assert_allclose(sorted(of_codes["x"]), np.sort(100 * known))
+    assert "simulation" in few["layout"]["yaxis"]["categoryarray"]
+
+
 def test_words_caution_where_linearization_is_unsafe():
     assert words.caution(correlation(ELASTIC)) == (
         "Both buildings stay elastic: linearization is exact here.",

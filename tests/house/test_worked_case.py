@@ -27,6 +27,7 @@ RUN = re.findall(r"^```(python|console)\n(.*?)^```", PAGE, re.DOTALL | re.MULTIL
 
 def plain(text: str) -> str:
     """One line without the ends of lines, marks and the signs of a page that a screen has not."""
+    text = re.sub(r"</?(?:i|sub|sup)>", "", text.replace("<sup>", "^"))
     text = html.unescape(re.sub(r"<[^>]+>", " ", text)).replace("m²/s³", "m^2/s^3")
     return " ".join(text.split())
 

@@ -22,10 +22,12 @@ from stochlin.analyses.cases.separation import answer_case
 from stochlin.views.command import main
 from stochlin.views.separation.pictures import distribution_figure, rules_figure
 from stochlin.views.separation.storeys import draw_heights
+from stochlin.views.shared.symbols import typeset_html
 
 pytestmark = pytest.mark.cli
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+INLINE = {"i", "sub", "sup"}
 VOID = {"meta", "br", "link", "img", "hr", "input"}
 NASTY = '<script>alert("1")</script> & co'
 PHONE = 390  # px
@@ -190,16 +192,23 @@ class Page(HTMLParser):
         self.close()
         assert not self.open, self.open
 
+    @property
+    def text(self) -> str:
+        """All words on one line."""
+        return " ".join("".join(self.words).split())
+
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         self.tags.append((tag, {name: value or "" for name, value in attrs}))
         if tag not in VOID:
             self.open.append(tag)
+        self.words.append("" if tag in INLINE else " ")
 
     def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         self.tags.append((tag, {name: value or "" for name, value in attrs}))
 
     def handle_endtag(self, tag: str) -> None:
         assert self.open.pop() == tag
+        self.words.append("" if tag in INLINE else " ")
 
     def handle_data(self, data: str) -> None:
         if "style" not in self.open:
@@ -207,7 +216,7 @@ class Page(HTMLParser):
 
 
 def test_the_page_ends_with_a_statement_to_sign(example: Done) -> None:
-    page = " ".join(" ".join(Page(example.page).words).split())
+    page = Page(example.page).text
     _, _, statement = page.partition("Statement of the analysis")
     screen = " ".join(example.result.output.split())
     for said in (
@@ -259,7 +268,7 @@ def test_the_page_can_be_read_aloud(name: str, pictures: int, request: pytest.Fi
 
 
 def test_the_page_says_what_the_screen_says(example: Done) -> None:
-    words = " ".join(" ".join(Page(example.page).words).split())
+    words = Page(example.page).text
     screen = " ".join(example.result.output.split())
     (headline,) = re.findall(r"Office block and Annex should stand [\d.]+ cm apart\.", screen)
     assert headline in words
@@ -267,15 +276,26 @@ def test_the_page_says_what_the_screen_says(example: Done) -> None:
         assert part in words
 
 
+def test_symbols_are_set_with_indices_and_names_of_the_user_are_not(example: Done) -> None:
+    told = typeset_html("T1 < Tg: S0, ξg and rho of 2 m^2, T1.toml", ["T1.toml", "T1"])
+    assert told == (
+        "T1 &lt; <i>T</i><sub>g</sub>: <i>S</i><sub>0</sub>, <i>ξ</i><sub>g</sub> and <i>ρ</i> of "
+        "2 m<sup>2</sup>, T1.toml"
+    )
+    for symbol in ("<i>S</i><sub>0</sub>", "<i>S</i><sub>a</sub>", "<i>ρ</i>", "<i>C</i><sub>d</sub>"):
+        assert symbol in example.page
+    assert not re.search(r"\b(S0|Sa|rho)\b", Page(re.sub("<sub>", "<sub> ", example.page)).text)
+
+
 def test_text_of_the_user_stays_text(site: Done) -> None:
     assert site.result.exit_code == 0, site.result.output
     assert NASTY not in site.page
-    assert NASTY in " ".join(" ".join(Page(site.page).words).split())
+    assert NASTY in Page(site.page).text
     assert "&lt;script&gt;" in site.page
 
 
 def test_the_page_warns_of_what_is_doubtful(site: Done) -> None:
-    words = " ".join(" ".join(Page(site.page).words).split())
+    words = Page(site.page).text
     assert "Strength from ductility" in words
     assert "storeys are 2.50 m and 3.00 m high" in words
     assert "Kasai, Jagiasi and Jeng (1996), constants unverified" in words
@@ -398,7 +418,7 @@ def test_storeys_are_told_and_drawn_from_the_saved_data(storeyed: dict[str, Done
     assert "that of the roof of Block 1, 9.6 m up, although it is 4 m high" in " ".join(
         storeyed["mixed"].result.output.split()
     )
-    words = " ".join(" ".join(Page(storeyed["mixed"].page).words).split())
+    words = Page(storeyed["mixed"].page).text
     assert "Block 1 is a row of bilinear storeys, Kiosk is one bilinear oscillator" in words
     assert "mass of the floor 300 t" in words
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import xarray as xr
 
@@ -61,9 +63,19 @@ def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
         progress=progress,
     )
     table = table.assign(shaking_of(case).data_vars)
+    table = table.assign_coords(measure=table.measure.copy(data=_of_buildings(case, table)))
     if pounding and len(case.records) > MOST_RECORDS:
         table = table.assign(_over_records(table))
     return table.assign_attrs(title=f"{case.title}: {table.attrs['title']}", case=case.title)
+
+
+def _of_buildings(case: Case, table: xr.Dataset) -> list[str]:
+    """The names of the measures; those that are sought name the buildings as the file does."""
+    own = {f"structure {number}": building.name for number, building in enumerate(case.pair, start=1)}
+    return [
+        re.sub("|".join(own), lambda found: own[found[0]], name) if kind == "least" else name
+        for name, kind in zip(table.measure.values.tolist(), table.kind.values, strict=True)
+    ]
 
 
 def _over_records(table: xr.Dataset) -> xr.Dataset:

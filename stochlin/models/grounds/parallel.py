@@ -61,7 +61,7 @@ class ParallelGround(Ground):
     (0.03, 1.0)
     """
 
-    name: ClassVar[str] = "several in parallel"
+    name: ClassVar[str] = "parallel-filter"
     grounds: Sequence[Ground]
     intensity: Parameter = parameter("m^2/s^3", "two-sided PSD of the white noises", POSITIVE, None)
 

@@ -20,8 +20,8 @@ from stochlin.views.shared.style import (
     plane,
     quantity,
     styled,
-    typeset,
 )
+from stochlin.views.shared.symbols import typeset
 from stochlin.views.shared.words import rule_label
 
 if TYPE_CHECKING:

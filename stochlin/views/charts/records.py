@@ -9,7 +9,8 @@ import xarray as xr
 
 from stochlin.analyses.charts.records import ENERGIES
 from stochlin.views.charts.charts import AXES, PICTURES
-from stochlin.views.shared.style import CURVES, contours_of, legend_beside, plain_ticks, shades, typeset
+from stochlin.views.shared.style import CURVES, contours_of, legend_beside, plain_ticks, shades
+from stochlin.views.shared.symbols import typeset
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,14 +30,14 @@ def draw_portrait(figure: Figure, dataset: xr.Dataset) -> None:
     plane.plot(*(CENTIMETRES * dataset[name] for name in states), **trace)
     plane.plot(*(CENTIMETRES * dataset[f"circle_{name}"] for name in states), **circle)
     plane.set_aspect("equal", adjustable="datalim")
-    plane.set(xlabel="u [cm]", ylabel=r"$\dot u/\omega$ [cm]")
+    plane.set(xlabel="$u$ [cm]", ylabel=r"$\dot u/\omega$ [cm]")
     largest = CENTIMETRES * float(dataset.pseudo_energy_radius)
     history.plot(dataset.time, CENTIMETRES * dataset.radius, **trace)
     history.axhline(largest, **circle)
     end = float(dataset.time[-1])
     history.text(end, 1.01 * largest, r"$r_{PER}$", color="#8c2d04", ha="right", va="bottom")
     history.set(xlim=(float(dataset.time[0]), end), ylim=(0, 1.12 * largest), xlabel="time [s]")
-    history.set_ylabel("r [cm]")
+    history.set_ylabel("$r$ [cm]")
 
 
 @PICTURES.register("energies")
@@ -80,8 +81,8 @@ def draw_per_spectrum(figure: Figure, dataset: xr.Dataset) -> None:
     """Pseudo energy radius and peak displacement over the period."""
     axes = figure.add_axes(AXES)
     shown = (
-        ("pseudo_energy_radius", "pseudo energy radius"),
-        ("displacement_max", "largest displacement"),
+        ("pseudo_energy_radius", "pseudo energy\nradius"),
+        ("displacement_max", "largest\ndisplacement"),
     )
     for (name, label), (color, dash) in zip(shown, CURVES, strict=False):
         axes.plot(dataset.period, CENTIMETRES * dataset[name], color=color, linestyle=dash, label=label)

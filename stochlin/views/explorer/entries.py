@@ -9,7 +9,7 @@ from nicegui import ui
 
 from stochlin.analyses.explorer.scene import Scene
 from stochlin.views.explorer.controls import SCALES, Choice, Control
-from stochlin.views.explorer.pictures import typeset
+from stochlin.views.shared.symbols import typeset_html
 
 PAUSE = 300  # ms after the last key, before an entry is read
 BETWEEN = 0.05  # s between two values of a slider that is dragged
@@ -39,7 +39,7 @@ class NumberEntry:
         self._following = False  # whether the text is the slider's
         self._name = name = f"{group}: {control.shown}"
         with ui.element("div").classes("entry") as self.row:
-            ui.html(typeset(control.shown), sanitize=False).classes("name")
+            ui.html(typeset_html(control.shown), sanitize=False).classes("name")
             self._text = ui.input(value=control.text(scene), on_change=self._typed)
             hints = (
                 f'dense outlined debounce={PAUSE} inputmode=decimal aria-label="{name}" autocomplete=off'

@@ -107,6 +107,9 @@ class Page:
                 self._words()
                 with ui.element("div").classes("charts"):
                     self._panels = {key: Panel(*texts, key) for key, texts in PANELS.items()}
+        with self._panels[GAPS].options:
+            self._every = ui.switch("Every rule on a line of its own", on_change=self._draw_gaps)
+            self._every.props("dense data-every")
         self._show_controls(notes)
 
     def _show_controls(self, notes: list[str]) -> None:
@@ -326,18 +329,25 @@ class Page:
                 self._caution.text, self._why.text = words.caution(table)
             panel.show(table, charts.correlation_figure(table, simulated), words.correlation(table))
         elif key == GAPS:
+            every = bool(self._every.value)
             own = self._recorded is not None and self._recorded[0] is scene
             recorded = self._recorded[1] if own and self._recorded else None
             told = [
-                words.gaps(table, simulated),
+                words.gaps(table, simulated, every),
                 words.records(recorded),
                 columns_hit(scene.slabs_on_columns),
             ]
-            figure = charts.gaps_figure(table, recorded, simulated)
+            figure = charts.gaps_figure(table, recorded, simulated, every)
             panel.show(table, figure, " ".join(filter(None, told)))
         else:
             figure = charts.probability_figure(table, simulated)
             panel.show(table, figure, words.probability(table, simulated))
+
+    def _draw_gaps(self) -> None:
+        """Draw the gaps with or without a line for every rule; while they wait, the next answer does."""
+        table = self._panels[GAPS].table
+        if table is not None:
+            self._draw(GAPS, table, self._scene)
 
     async def _simulate(self) -> None:
         scene = self._scene

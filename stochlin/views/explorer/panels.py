@@ -22,6 +22,7 @@ class Panel:
         with ui.element("section").classes("panel").props(f"data-panel={key}"):
             with ui.element("h2"):
                 ui.label(title)
+            self.options = ui.element("div")
             self._state = ui.label(COMPUTING).classes("state").props("role=status")
             self._chart = ui.plotly({"data": [], "layout": {"autosize": True}, "config": {}})
             self._chart.classes("chart").props(f'role=img aria-label="{what}"')

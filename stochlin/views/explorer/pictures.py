@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import html
-import re
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,6 +10,7 @@ import xarray as xr
 from stochlin.models.rules.codes import FIXED, HEIGHT
 from stochlin.views.probability.pictures import ESTIMATES, known
 from stochlin.views.shared.style import CURVES
+from stochlin.views.shared.symbols import typeset_html
 from stochlin.views.shared.words import BEYOND, FAR, per_cent, rule_label
 
 Figure = dict[str, Any]
@@ -24,14 +23,18 @@ KINDS = {  # of rules: marker and name
     "linearization": ("diamond", "linearization"),
     "code": ("square", "building codes"),
 }
+# Kinds whose rules share a line until each is to have its own, and those that have it from the first.
+TOGETHER = {"equation_3": "eq. (3), ρ by eq. (4)", "code": "building codes"}
+ALONE = ("eq_3_simulated", "eq_3_drift", "eq_3_linearized", "eq_3_white_noise")
+LINEARIZED = ", linearized peaks"
 BY_HEIGHT = ("simulation", "linearization")  # the first that there is
 CHANCE = "confidence_of_no_pounding"
-HEIGHT_CHART = 170  # px
+HEIGHT_CHART, LINE = 170, 21  # px, of the gap over the height, and of a rule
+AROUND, BELOW = 170, 55  # px: around the axes, with the legend; from the axes to the legend
 RATIO_TICKS = (0.25, 0.5, 1, 2, 4)
 FEW = 6  # ticks of an axis
 UNSAFE = 2  # of the flag ``verdict``
 BANDS = ("#dcdcdc", "#a9a9a9")  # of simulations: that of few motions, that of all
-SYMBOL = re.compile(r"\b(a|S|T)(g|0|1|2|DS|D1|L)\b")  # of those that the page has
 RHO = (
     ("rho_drift", 0, "linearization, drift closure"),
     ("rho_linearized", 1, "linearization, Gaussian closure"),
@@ -42,7 +45,8 @@ RHO = (
 class Row(NamedTuple):
     """A rule in the chart of the gaps; NaN for what is not known of it."""
 
-    label: str
+    label: str  # of its line
+    rule: str  # as in the table
     kind: str
     gap: float  # [cm]
     error: float
@@ -51,15 +55,10 @@ class Row(NamedTuple):
     upper: float
 
 
-def typeset(text: str) -> str:
-    """As HTML, and for the charts, with the indices of symbols set below the line."""
-    return SYMBOL.sub(r"\1<sub>\2</sub>", html.escape(text, quote=False))
-
-
 def label_without_simulation(rule: str, family: str) -> str:
     """Name of a rule that is fed with linearized peaks: the bare name is of the simulated ones."""
     without_peaks = rule == "linearization" or family in (HEIGHT, FIXED)
-    return rule_label(rule) + ("" if without_peaks else ", linearized peaks")
+    return rule_label(rule) + ("" if without_peaks else LINEARIZED)
 
 
 def spectra_figure(table: xr.Dataset, periods: tuple[float, float]) -> Figure:
@@ -81,7 +80,7 @@ def spectra_figure(table: xr.Dataset, periods: tuple[float, float]) -> Figure:
     layout["shapes"] = [_vertical(period, DASHES[n]) for n, period in enumerate(periods, start=1)]
     first_right = periods[0] > periods[1]  # the words go to the outer sides of the lines
     layout["annotations"] = [
-        _note(float(np.log10(period)), typeset(f"T{n}"))
+        _note(float(np.log10(period)), typeset_html(f"T{n}"))
         | {"xanchor": "left" if (n == 1) == first_right else "right"}
         for n, period in enumerate(periods, start=1)
     ]
@@ -107,31 +106,32 @@ def correlation_figure(table: xr.Dataset, simulated: xr.Dataset | None = None) -
         )
     values = [table[name] for name, _, _ in shown] + ([] if simulated is None else [simulated.rho])
     low = min(float(v.min()) for v in values)
-    layout = _layout(typeset("ratio of periods T2/T1"), "correlation coefficient ρ")
+    layout = _layout(typeset_html("ratio of periods T2/T1"), typeset_html("correlation coefficient ρ"))
     layout["xaxis"] |= {"type": "log", "range": _log_range(ratio), "tickvals": list(RATIO_TICKS)}
     layout["yaxis"] |= {"range": [min(-0.05, np.floor(low * 10) / 10), 1.03]}
     own = float(table.attrs["period_ratio"])
     layout["shapes"] = [_vertical(own, "solid")]
-    layout["annotations"] = [_note(float(np.log10(own)), typeset(f"T2/T1 = {own:.3g}"))]
+    layout["annotations"] = [_note(float(np.log10(own)), typeset_html(f"T2/T1 = {own:.3g}"))]
     return _figure(curves, layout)
 
 
 def gaps_figure(
-    table: xr.Dataset, recorded: xr.Dataset | None = None, simulated: xr.Dataset | None = None
+    table: xr.Dataset,
+    recorded: xr.Dataset | None = None,
+    simulated: xr.Dataset | None = None,
+    every: bool = True,
 ) -> Figure:
     """The gap by every rule that has one, and the existing gap; with errors where it is simulated.
 
     Rules with simulated peaks, if there are some, stand above those with linearized ones, and have the
-    bare names. Beside them, if there are some, the gaps that the records need.
+    bare names. Beside them, if there are some, the gaps that the records need. If not ``every`` rule
+    has a line of its own, rules of a kind share one, and those with linearized peaks are left out once
+    there are simulated ones.
 
     For buildings with storeys, below it the gap over the height, by simulation and by linearization.
     """
-    rows = _rows(table, [*map(label_without_simulation, table.rule.values, table.family.values)])
-    if simulated is not None:
-        above = _rows(simulated, [rule_label(str(rule)) for rule in simulated.rule.values])
-        rows = above + [row for row in rows if row.label not in {one.label for one in above}]
-    rows = rows[::-1]
-    names, gaps = [row.label for row in rows], np.array([row.gap for row in rows])
+    rows = _lines(table, simulated, every)
+    names, gaps = list(dict.fromkeys(row.label for row in rows)), np.array([row.gap for row in rows])
     near = [row for row in rows if row.gap <= FAR * np.median(gaps)]
     curves = [
         _points([row for row in near if row.kind == kind], symbol) | {"name": text}
@@ -145,17 +145,16 @@ def gaps_figure(
     existing = 100 * table.attrs["gap_m"]
     layout = _layout("gap [cm]", "")
     highest = float(np.nanmax([*(row.gap for row in near), *of_records, existing]))
-    layout["xaxis"] |= {"range": [0, 1.22 * highest]}
+    layout["xaxis"] |= {"range": [0, (1.6 if len(near) < len(rows) else 1.22) * highest]}
+    far = {row.label: row.gap for row in rows if row not in near}
     beyond = [
-        _note(1, f"{row.gap:.0f} cm {BEYOND}")
-        | {"xref": "paper", "y": row.label, "yref": "y", "xanchor": "right", "yanchor": "middle"}
-        for row in rows
-        if row not in near
+        _note(1, f"{gap:.0f} cm {BEYOND}")
+        | {"xref": "paper", "y": label, "yref": "y", "xanchor": "right", "yanchor": "middle"}
+        for label, gap in far.items()
     ]
     layout["yaxis"] |= {"type": "category", "categoryarray": names, "nticks": 0}
     layout["yaxis"] |= {"range": [-0.6, len(names) - 0.1], "tickfont": {"size": 11}}
-    layout["height"] = 130 + 21 * len(names)
-    layout["legend"] |= {"y": -60 / layout["height"]}
+    _set_height(layout, LINE * len(names))
     layout["shapes"] = [_vertical(existing, "dash")]
     layout["annotations"] = [_note(existing, "existing gap"), *beyond]
     over_height = [one for one in (table, simulated) if one is not None and told_by_height(one)]
@@ -165,16 +164,39 @@ def gaps_figure(
     return _figure(curves, layout)
 
 
+def _set_height(layout: Figure, axes: float) -> None:
+    """The height of a chart with axes of this height [px], and its legend below them."""
+    layout["height"] = axes + AROUND
+    layout["legend"] |= {"y": -BELOW / axes}
+
+
 def _add_heights(layout: Figure, top: float) -> None:
     """Room for the gap over the height, up to this one, below the rules."""
-    share = HEIGHT_CHART / (layout["height"] + HEIGHT_CHART)
-    layout["height"] += HEIGHT_CHART
-    layout["legend"] |= {"y": -60 / layout["height"]}
+    above = layout["height"] - AROUND
+    share = HEIGHT_CHART / (above + HEIGHT_CHART)
+    _set_height(layout, above + HEIGHT_CHART)
     layout["yaxis"] |= {"domain": [share, 1]}
     title = {"text": "height [m]", "standoff": 6}
     layout["yaxis2"] = layout["xaxis"] | {"title": title, "range": [0, 1.05 * top], "anchor": "x"}
     layout["yaxis2"] |= {"domain": [0, 0.8 * share], "automargin": True}
     layout["xaxis"] |= {"anchor": "y2"}
+
+
+def _lines(table: xr.Dataset, simulated: xr.Dataset | None, every: bool) -> list[Row]:
+    """The rules from below; each on a line of its own, or some of a kind on one."""
+    rows = _rows(table, [*map(label_without_simulation, table.rule.values, table.family.values)])
+    above = []
+    if simulated is not None:
+        above = _rows(simulated, [rule_label(str(rule)) for rule in simulated.rule.values])
+    if every:
+        return (above + [row for row in rows if row.label not in {one.label for one in above}])[::-1]
+    peaks = "" if above else LINEARIZED
+    return [
+        row._replace(label=TOGETHER[row.kind] + peaks)
+        if row.kind in TOGETHER and row.rule not in ALONE
+        else row
+        for row in reversed(above or rows)
+    ]
 
 
 def _rows(table: xr.Dataset, labels: list[str]) -> list[Row]:
@@ -185,7 +207,9 @@ def _rows(table: xr.Dataset, labels: list[str]) -> list[Row]:
         for name in ("gap", "gap_lower", "gap_upper")
     )
     error, verdict = (table[name].values if name in table else unknown for name in ("error", "verdict"))
-    found = zip(labels, table.kind.values, gap, error, verdict, lower, upper, strict=True)
+    found = zip(
+        labels, table.rule.values, table.kind.values, gap, error, verdict, lower, upper, strict=True
+    )
     return [row for row in map(Row._make, found) if np.isfinite(row.gap)]
 
 
@@ -254,13 +278,19 @@ def probability_figure(table: xr.Dataset, simulated: xr.Dataset | None = None) -
 
 
 def _points(rows: list[Row], symbol: str) -> Figure:
-    """Rules of one kind; open markers are unsafe, a number beside them is the error."""
+    """Rules of one kind; open markers are unsafe, a number beside those alone on a line is the error."""
+    lines = [row.label for row in rows]
+    alone = [lines.count(line) == 1 for line in lines]
     points: Figure = {
         "x": _plain([row.gap for row in rows]),
-        "y": [row.label for row in rows],
+        "y": lines,
         "mode": "markers+text",
         "text": [
-            per_cent(row.error, sign="+") if np.isfinite(row.error) and row.error else "" for row in rows
+            per_cent(row.error, sign="+") if own and np.isfinite(row.error) and row.error else ""
+            for row, own in zip(rows, alone, strict=True)
+        ],
+        "hovertext": [
+            row.label if own else rule_label(row.rule) for row, own in zip(rows, alone, strict=True)
         ],
         "textposition": "middle right",
         "cliponaxis": False,
@@ -270,7 +300,7 @@ def _points(rows: list[Row], symbol: str) -> Figure:
             "color": CURVES[0][0],
             "line": {"width": 1.6},
         },
-        "hovertemplate": "%{y}: %{x:.1f} cm<extra></extra>",
+        "hovertemplate": "%{hovertext}: %{x:.1f} cm<extra></extra>",
     }
     if any(np.isfinite(row.lower) for row in rows):
         points["error_x"] = {

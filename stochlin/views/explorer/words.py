@@ -38,6 +38,7 @@ STOREYS = (
 )
 UNSAFE = "Caution: linearization alone is unsafe for buildings that yield."
 ELASTIC = "Both buildings stay elastic: linearization is exact here."
+TOGETHER = "Where several rules share a line, a marker shows the name of its rule when pointed at."
 SEEKING = "Finding the ground for these values by simulation ..."
 SAVED_LAST = "Saved with the last valid values."
 START = "These values are not simulated yet: press Simulate to run the nonlinear simulation."
@@ -65,7 +66,7 @@ def caution(table: xr.Dataset) -> tuple[str, str]:
         )
     elif int(own.caution) == UNKNOWN:
         words += " Its error is not known here: the map of its bias does not cover this ground."
-    return words, table.attrs["comment"].replace("Caution: a", "A")
+    return words, table.attrs["comment"].replace("Caution: compared", "Compared")
 
 
 def caution_of_storeys(scene: Scene) -> tuple[str, str]:
@@ -96,18 +97,21 @@ def _where(table: xr.Dataset) -> str:
     return f"at the lower roof, {table.attrs['height_m']:.4g}{SPACE}m up"
 
 
-def gaps(table: xr.Dataset, simulated: xr.Dataset | None = None) -> str:
+def gaps(table: xr.Dataset, simulated: xr.Dataset | None = None, every: bool = True) -> str:
     """The gap by the simulation and without it, and the rules that are not shown."""
     parts = [] if simulated is None else [_simulated_gap(simulated)]
     parts += [_linearized_gap(table), f"The existing gap is {length(table.attrs['gap_m'])}."]
     if simulated is None:
         parts.append("Nothing is simulated.")
-    parts.append(PEAKS[table.attrs["peaks"]])
+    if simulated is None or every:
+        parts.append(PEAKS[table.attrs["peaks"]])
     if simulated is not None:
         parts.append(
-            "All other rules use the simulated peaks. Open markers are unsafe. The number beside a rule "
-            "is its error."
+            f"{'All other' if every else 'The'} rules use the simulated peaks. Open markers are unsafe. "
+            "The number beside a rule is its error."
         )
+    if not every:
+        parts.append(TOGETHER)
     shown = table if simulated is None else simulated
     if rule := told_by_height(shown):
         height = float(shown.governing_height.sel(rule=rule))

@@ -30,15 +30,16 @@ if TYPE_CHECKING:
 
 WIDE = 34  # characters of a name
 NOTES = (
-    "Damping: added damping of buildings 1 and 2 in per cent of critical; then stiffness and damping "
-    "constant of the link{more}. Needed: the gap for the confidence, and its 95 % interval{bumpers}. "
-    "Apart: share of the simulated motions in which the existing gap prevents pounding. Std: "
-    "standard deviation of the relative displacement by linearization, which is too small where "
-    "buildings yield. All measures are simulated with the same motions."
+    "Damping: added damping of buildings 1 and 2 in per cent of critical. Link: stiffness and damping "
+    "constant of all links between the buildings.{more} Needed: the gap for the confidence, and its "
+    "95 % interval{bumpers}. Apart: share of the simulated motions in which the existing gap prevents "
+    "pounding. Within error: the difference is within the error of the simulation. Std: standard "
+    "deviation of the relative displacement by linearization, which is too small where buildings "
+    "yield. All measures are simulated with the same motions."
 )
 # What is said of columns that are there only where some measure has them.
-OF_STRENGTH = "; stiffness and yield force relative to the buildings as built"
-OF_DEVICES = "; the number of dampers in each"
+OF_STRENGTH = " Stiffness and strength: those of the buildings relative to as built."
+OF_DEVICES = " Dampers: their number in each building."
 OF_BUMPERS = (
     ", both including the thickness of bumpers: contact of the bumpers counts as contact of "
     "the buildings"
@@ -132,8 +133,8 @@ def headline(table: xr.Dataset) -> str:
     parts = []
     for one in _rows(given):
         verdict = words.get(int(one.verdict), "undecided within the error of the simulation")
-        parts.append(f"{one.measure.item()} {verdict}")
-    return f"{told} {'; '.join(parts)}." if parts else told
+        parts.append(f"{one.measure.item()}, {verdict}")
+    return f"{told} The measures of the file: {'; '.join(parts)}." if parts else told
 
 
 def _rows(table: xr.Dataset) -> list[xr.Dataset]:
@@ -150,7 +151,7 @@ def _motions(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
         }.items()
         if _changes(table, name)
     }
-    heads = ["measure", "damping [%]", "[MN/m]", "[MN s/m]", *extras.values()]
+    heads = ["measure", "damping [%]", "link [MN/m]", "link [MN s/m]", *extras.values()]
     heads += ["needed [cm]", "interval", "apart", "verdict", "std [cm]"]
     meanings = dict(enumerate(table.verdict.attrs["flag_meanings"].split()))
     meanings[NOT_AVAILABLE] = "none found"

@@ -14,6 +14,7 @@ from stochlin.analyses.records.files import METRES
 from stochlin.views.pounding.floors import LINE, WIDTH, levels_of
 from stochlin.views.pounding.pictures import caption_of
 from stochlin.views.pounding.words import ALONE, JUMPS
+from stochlin.views.shared.descriptions import site_in_words
 from stochlin.views.shared.screen import columns, cut, paragraph
 from stochlin.views.shared.style import AS_GIVEN, CURVES, styled
 from stochlin.views.shared.uncertain import at_medians
@@ -67,7 +68,9 @@ def ensemble_lines(case: Case, table: xr.Dataset) -> list[str]:
     lines = [*paragraph(doubted(found)), case.title, *paragraph(floors(case)), ""]
     motions, strength = f"{table.sizes[over]} records", _strengths(table)
     if over == "path":
-        motions = f"{table.sizes[over]} simulated motions of {case.duration:.4g} s, {case.site}"
+        motions = (
+            f"{table.sizes[over]} simulated motions of {case.duration:.4g} s, {site_in_words(case)}"
+        )
         strength = shaking(table, case)
     lines += paragraph(f"{motions}: {_shares(table) if 'neighbours' in table.dims else ALONE}")
     lines += [*paragraph(strength), *(paragraph(scatter(case)) if over == "path" else [])]

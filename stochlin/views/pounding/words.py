@@ -11,6 +11,7 @@ from stochlin.analyses.cases.pounding import energy_of, is_oscillator
 from stochlin.analyses.cases.sites.shaking import doubts
 from stochlin.analyses.pounding.rows import COLUMN as SLAB_TO_COLUMN
 from stochlin.analyses.records.files import METRES
+from stochlin.views.shared.descriptions import site_in_words
 from stochlin.views.shared.screen import columns, cut, paragraph
 from stochlin.views.shared.uncertain import at_medians
 from stochlin.views.shared.words import (
@@ -255,5 +256,5 @@ def _notes(case: Case, table: xr.Dataset) -> str:
     else:
         notes.append(SHEAR if storeys else DUCTILITY)
     if any(building.strength in ("reduction_factor", "ductility") for building in case.buildings):
-        notes.append(STRENGTH.format(case.site))
+        notes.append(STRENGTH.format(site_in_words(case)))
     return " ".join(notes)

@@ -21,6 +21,7 @@ RECORDS = 2.0  # inches, of the panel of the records
 WIDTH = 112  # characters of the caption
 NAME = 22  # characters of a line in a legend
 CURVES_AT_MOST = 6
+MARKERS = "os^Dv*"
 ESTIMATES = (
     ("", "crossings in clumps"),
     ("_poisson", "Poisson crossings"),
@@ -85,22 +86,23 @@ def draw_fragility(dataset: xr.Dataset) -> Figure:
             f"dataset has the dimensions {tuple(dataset.dims)}; allowed: a fragility, over intensity "
             "and gap"
         )
-    figure = _captioned(dataset)
+    attrs = {key: told for key, told in dataset.attrs.items() if key != "gap"}  # named by the curves
+    figure = _captioned(xr.Dataset(attrs=attrs))
     axes = _panel(figure, 0.1, 0.25, 0.6, 0.66)
     gaps = dataset.sizes["gap"]
     chosen = np.unique(np.linspace(0, gaps - 1, min(gaps, CURVES_AT_MOST)).astype(int))
-    for (color, dash), index in zip(cycle(CURVES), chosen, strict=False):
+    for (color, dash), marker, index in zip(cycle(CURVES), cycle(MARKERS), chosen, strict=False):
         one = dataset.isel(gap=int(index))
         label = f"gap {float(one.gap):.3g} m"
         axes.plot(one.intensity, one[name], color=color, linestyle=dash, label=label)
         if known(one, corrected):
             axes.plot(one.intensity, one[corrected], color=color, linestyle=dash, lw=0.6)
         if simulated in one:
-            axes.plot(one.intensity, one[simulated], color=color, linestyle="none", marker="o", ms=3)
+            axes.plot(one.intensity, one[simulated], color=color, linestyle="none", marker=marker, ms=4)
     if known(dataset, corrected):
         axes.plot([], [], color="0.3", lw=0.6, label="thin: bias corrected")
     if simulated in dataset:
-        axes.plot([], [], color="0.3", linestyle="none", marker="o", ms=3, label="simulated")
+        axes.plot([], [], color="0.3", linestyle="none", marker="o", ms=4, label="markers: simulated")
     axes.set(xscale="log", ylim=(-0.02, 1.02), xlabel=r"intensity $S_0$ [m$^2$/s$^3$]")
     axes.set_ylabel("probability of pounding")
     legend_beside(axes)
@@ -121,6 +123,8 @@ def draw_evolutionary_psd(density: xr.DataArray) -> Figure:
     shades = axes.contourf(density.time, density.frequency, values, levels=12, cmap=colormaps["Greys"])
     axes.set(xlabel="time [s]", ylabel="circular frequency [rad/s]")
     bar = figure.colorbar(shades, cax=_panel(figure, 0.75, 0.25, 0.025, 0.66))
+    for each in (axes, bar.ax):
+        each.grid(visible=False)
     bar.set_label(r"two-sided PSD [m$^2$/s$^3$]")
     return figure
 

@@ -45,7 +45,7 @@ def answer_lines(answer: ProbabilityAnswer) -> list[str]:
         *unknown_lines(case, "the simulated confidence is that"),
         "",
         "Confidence of no pounding up to each time",
-        f"{'time [s]':>9}" + "".join(f"{name:>11}" for name, _ in shown) + f"{'95 % interval':>20}",
+        f"{'time [s]':>9}" + "".join(f"{name:>11}" for name, _ in shown) + f"{'95 % interval':>22}",
     ]
     step = max(1, (table.sizes["time"] - 1) // (ROWS - 1))
     lines += [_instant(table.isel(time=index), shown) for index in range(0, table.sizes["time"], step)]
@@ -53,7 +53,7 @@ def answer_lines(answer: ProbabilityAnswer) -> list[str]:
         "",
         f"Gap for a confidence of {case.confidence:g}: {_formulas(table)}"
         f"{float(table.required_gap_simulated):.4f} m simulated "
-        f"({float(table.required_gap_simulated_lower):.4f} - "
+        f"({float(table.required_gap_simulated_lower):.4f} to "
         f"{float(table.required_gap_simulated_upper):.4f})",
     ]
     if f"{STEM}_corrected" in table and not _known(table, "_corrected"):
@@ -84,7 +84,7 @@ def answer_lines(answer: ProbabilityAnswer) -> list[str]:
     elif case.records and records is None:
         lines.append(NO_RECORDS)
     if "comment" in table.attrs:
-        lines.append(table.attrs["comment"].replace("α", "hardening").replace("≤", "<="))
+        lines += paragraph(table.attrs["comment"].replace("α", "hardening").replace("≤", "<="))
     return lines
 
 
@@ -96,7 +96,7 @@ def _known(table: xr.Dataset, ending: str) -> bool:
 def _instant(row: xr.Dataset, shown: Sequence[tuple[str, str]]) -> str:
     values = "".join(_number(row[STEM + ending], 11) for _, ending in shown)
     low, high = (float(row[f"{STEM}_simulated_{end}"]) for end in ("lower", "upper"))
-    return f"{float(row.time):9.2f}{values}{low:12.4f} -{high:6.4f}"
+    return f"{float(row.time):9.2f}{values}{low:12.4f} to {high:.4f}"
 
 
 def _formulas(table: xr.Dataset) -> str:

@@ -13,6 +13,7 @@ from stochlin.messages import hyphenated
 from stochlin.models.buildings import ShearBuilding
 from stochlin.views.separation.subjects import subject_of
 from stochlin.views.separation.words import ductilities, rows
+from stochlin.views.shared.descriptions import site_in_words, source_in_words
 from stochlin.views.shared.words import length, per_cent, valued
 
 if TYPE_CHECKING:
@@ -55,7 +56,7 @@ def uncertainties(answer: CaseAnswer) -> list[str]:
             f"simulated mean peak ductilities in this motion are {ductilities(table)}."
         )
     if case.fitted:
-        sentences.append(f"The fit: it uses one record and one estimator. {case.ground.source}.")
+        sentences.append(f"The fit: it uses one record and one estimator. {source_in_words(case)}.")
     doubtful = [row.label for row in rows(answer) if "M" in row.mark]
     if doubtful:
         sentences.append(f"Not compared with their printed sources: {', '.join(doubtful)}.")
@@ -107,11 +108,11 @@ def facts(answer: CaseAnswer) -> list[tuple[str, str, str]]:
     case = answer.case
     acceleration = answer.rms_acceleration / METRES["g"]
     rms = f"{acceleration:.2g} g" if np.isfinite(acceleration) else "unbounded (white noise)"
-    ground = [("Site", "ground", f"{case.site}, {case.ground.name}")]
+    ground = [("Site", "ground", site_in_words(case))]
     ground += [("Site", *fact) for fact in _parameters(case.ground)]
     ground.append(("Site", "rms acceleration in the strong part", rms))
-    if case.ground.source:
-        ground.append(("Site", "source", case.ground.source))
+    if source := source_in_words(case):
+        ground.append(("Site", "source", source))
     motion = [("Motion", "duration", f"{case.duration:g} s")]
     shape = hyphenated(type(case.envelope).__name__) if case.envelope else "none"
     motion.append(("Motion", "envelope", shape))

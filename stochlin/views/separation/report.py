@@ -17,6 +17,7 @@ from stochlin.views.separation.statement import SIGNED, statement
 from stochlin.views.separation.storeys import draw_heights
 from stochlin.views.separation.subjects import subject_of
 from stochlin.views.shared.style import STYLE
+from stochlin.views.shared.symbols import typeset_html
 from stochlin.views.shared.uncertain import HEADS, unknowns
 from stochlin.views.shared.words import centimetres, doubted
 from stochlin.views.sites.words import fit_in_words
@@ -52,6 +53,7 @@ def report_page(answer: CaseAnswer) -> str:
         loader=PackageLoader("stochlin.views.separation", "."),
         autoescape=True,
         undefined=StrictUndefined,
+        finalize=_set_symbols(answer),
         trim_blocks=True,
         lstrip_blocks=True,
     )
@@ -82,6 +84,20 @@ def report_page(answer: CaseAnswer) -> str:
         references=table.attrs["references"],
         history=table.attrs["history"],
     )
+
+
+def _set_symbols(answer: CaseAnswer) -> Callable[[Any], Any]:
+    """A function that typesets the symbols of a text, except in names of the user."""
+    from markupsafe import Markup
+
+    case = answer.case
+    as_given = [case.file, case.title, *(building.name for building in case.buildings), *case.records]
+
+    def typeset(value: Any) -> Any:
+        plain = isinstance(value, str) and not isinstance(value, Markup)
+        return Markup(typeset_html(value, as_given)) if plain else value
+
+    return typeset
 
 
 def _pictures(answer: CaseAnswer) -> list[Picture]:

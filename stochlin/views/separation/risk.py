@@ -10,6 +10,7 @@ from stochlin.analyses.records.files import METRES
 from stochlin.models.hazards import HazardCurve
 from stochlin.views.separation.subjects import subject_of
 from stochlin.views.shared.screen import columns, paragraph
+from stochlin.views.shared.symbols import typeset
 from stochlin.views.shared.words import MISSING, SPACE, centimetres, length, per_cent
 
 if TYPE_CHECKING:
@@ -80,7 +81,10 @@ def risk_figure(answer: CaseAnswer) -> Figure:
     style: Any = {"color": "0.8", "edgecolor": "0.1", "lw": 0.6, "zorder": 2}
     below.bar(edges[:-1], 100 * share, np.diff(edges), align="edge", **style)
     below.set(
-        xscale="log", xlim=(edges[0], edges[-1]), xlabel=label, ylabel="share of the\nfrequency [%]"
+        xscale="log",
+        xlim=(edges[0], edges[-1]),
+        xlabel=typeset(label),
+        ylabel="share of the\nfrequency [%]",
     )
     below.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     below.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))

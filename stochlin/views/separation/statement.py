@@ -8,6 +8,7 @@ from stochlin.views.separation import words
 from stochlin.views.separation.facts import models
 from stochlin.views.separation.risk import risk_words
 from stochlin.views.separation.subjects import subject_of
+from stochlin.views.shared.descriptions import site_in_words, source_in_words
 from stochlin.views.shared.uncertain import contained
 from stochlin.views.shared.words import SPACE, scatter, shaking
 
@@ -21,7 +22,7 @@ SIGNED = ("Date", "Prepared by", "Checked by")  # by hand: the same case makes t
 def statement(answer: CaseAnswer) -> list[tuple[str, str]]:
     """What was asked, by which method, with what result and error, and by which program."""
     case, table, about = answer.case, answer.separation, subject_of(answer.case)
-    site = f"{case.site}: {case.ground.source}" if case.ground.source else case.site
+    site = ": ".join(filter(None, (site_in_words(case), source_in_words(case))))
     said = [
         ("Result", words.headline(answer)),
         (

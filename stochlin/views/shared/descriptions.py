@@ -5,18 +5,23 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stochlin.messages import hyphenated
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts.base import CONTACTS
 from stochlin.models.envelopes.base import ENVELOPES
+from stochlin.models.grounds import ParallelGround
 from stochlin.models.grounds.base import GROUNDS
+from stochlin.models.grounds.named import ground_names
 from stochlin.models.links import Link
 from stochlin.models.measures import Measure
 from stochlin.models.parameters import Model
 from stochlin.models.structures import LAWS, Gap
-from stochlin.views.shared.words import SPACE, rounded, shown_unit
+from stochlin.views.shared.words import SPACE, rounded, rule_label, shown_unit
+
+if TYPE_CHECKING:
+    from stochlin.analyses.cases.case import Case
 
 ROLES = {
     "first": "building 1",
@@ -33,6 +38,9 @@ NUMBER = re.compile(r"(?<![\w.])-?\d+\.?\d*(?:e[-+]?\d+)?(?![\w.])")
 OF_ONE = re.compile(r"_(?=[12]$)")
 UNCERTAIN = re.compile(r"([-\d.e+]+(?: to [-\d.e+]+)?)(?: \+- (.*))?")  # two ends, or median and spread
 SEVERAL = re.compile(r"\(([^()]*)\)")
+WITHIN = re.compile(r"\b[A-Z]\w*\(\w+=(?:[^()]|\([^()]*\))*\)")  # a model in a text
+COUNT = re.compile(r"^(\d+) of ")
+SHOWN = {"ShearBuilding": "shear building", "ParallelGround": "filters in parallel"}
 OVER = re.compile(r"\[(?:(\d+) times )?(.*) over (.*)\]")
 
 
@@ -49,9 +57,36 @@ def in_words(described: str, role: str = "") -> str:
         return described
     name, given = call.groups()
     kind = _kinds().get(name)
-    told = [_parameter(kind, role, *part.partition("=")[::2]) for part in _parts(given)]
-    shown = "shear building" if kind is ShearBuilding else hyphenated(name)
+    told = [
+        _bracketed(part) if WITHIN.match(part) else _parameter(kind, role, *part.partition("=")[::2])
+        for part in _parts(given)
+    ]
+    shown = SHOWN.get(name, hyphenated(name))
     return ", ".join(filter(None, ["" if name.lower() == role else shown, *told]))
+
+
+def _bracketed(text: str, role: str = "") -> str:
+    """A text with the models in it in words."""
+    return WITHIN.sub(lambda found: f"({in_words(found[0], role)})", text)
+
+
+def site_in_words(case: Case) -> str:
+    """The ground of a case: the name or spectrum that it is given by, and its model."""
+    parts = [part.name for part in getattr(case.ground, "grounds", (case.ground,))]
+    model = f"{' and '.join(dict.fromkeys(parts))} ground"
+    if len(parts) > 1:
+        model = f"{len(parts)} {model}s in parallel"
+    if case.spectrum is not None:
+        code = case.spectrum.attrs.get("code")
+        return f"{rule_label(code) if code else case.site} spectrum, {model}"
+    if case.fitted:
+        return f"{model}, fitted to a record"
+    return f"{case.site}, {model}" if case.site in ground_names() else model
+
+
+def source_in_words(case: Case) -> str:
+    """The source of the ground of a case, the envelope in words; empty if it has none."""
+    return WITHIN.sub(lambda found: f"envelope ({in_words(found[0])})", case.ground.source)
 
 
 def _parameter(kind: type[Model] | None, role: str, name: str, value: str) -> str:
@@ -59,9 +94,10 @@ def _parameter(kind: type[Model] | None, role: str, name: str, value: str) -> st
     field = getattr(kind, "__dataclass_fields__", {}).get(name)
     unit, scale = shown_unit(field.metadata.get("units", "1") if field else "1")
     unit = unit.replace(" ", SPACE)
-    words = "" if name == role else f"{OF_ONE.sub(' of building ', name).replace('_', ' ')} "
-    if CALL.fullmatch(value):
-        return f"{words}({in_words(value, name)})"
+    colon = ":" if OF_ONE.search(name) else ""
+    words = "" if name == role else f"{OF_ONE.sub(' of building ', name).replace('_', ' ')}{colon} "
+    if WITHIN.search(value):
+        return words + COUNT.sub(r"\1 times ", _bracketed(value, name))
     if NUMBER.fullmatch(value):
         absent = float(value) == 0 and (not field or field.default == 0)
         return "" if absent else f"{words}{rounded(scale * float(value))}{unit}"
@@ -76,7 +112,7 @@ def _parameter(kind: type[Model] | None, role: str, name: str, value: str) -> st
         return f"{words}{_scaled(uncertain[1], scale)}{unit}{spread}"
     if several := SEVERAL.fullmatch(value):
         return f"{words.replace('structure', 'building')}{several[1].rstrip(',').replace(', ', ' and ')}"
-    return f"{words}{value}"
+    return f"{words}{value}".strip()
 
 
 def _scaled(text: str, scale: float) -> str:
@@ -100,4 +136,4 @@ def _parts(given: str) -> Iterator[str]:
 def _kinds() -> dict[str, type[Model]]:
     """Every kind of model by its name."""
     named = (kind for registry in (LAWS, GROUNDS, ENVELOPES, CONTACTS) for kind in registry.values())
-    return {kind.__name__: kind for kind in (*named, ShearBuilding, Link, Measure, Gap)}
+    return {kind.__name__: kind for kind in (*named, ParallelGround, ShearBuilding, Link, Measure, Gap)}

@@ -17,6 +17,7 @@ import click
 
 from stochlin.messages import LONGEST_MESSAGE, WHEN_COMPILING, DoubtfulInput, brief, plain, sentence
 from stochlin.registry import Registry
+from stochlin.views.shared.symbols import LETTERS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,8 +34,6 @@ FILE = click.Path(dir_okay=False, path_type=Path)
 # Consoles that know few signs are still about.
 PLAIN = {ord("\N{MINUS SIGN}"): "-", ord("\N{EN DASH}"): "-", ord("\N{NO-BREAK SPACE}"): " "}
 PLAIN |= {ord("²"): "^2", ord("³"): "^3"}
-
-LETTERS = {"α": "alpha", "β": "beta", "ξ": "xi", "ρ": "rho", "σ": "sigma", "ω": "omega"}
 SPELLED = "spelled out"  # what a stream does with signs that its encoding does not have
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial, wraps
@@ -15,6 +14,7 @@ import xarray as xr
 from stochlin.analyses.tables.storage import whole_file
 from stochlin.messages import brief
 from stochlin.views.shared.screen import PICTURES
+from stochlin.views.shared.symbols import typeset
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -55,12 +55,6 @@ NAMES = {
     "rho": r"correlation coefficient $\rho$",
     "amplification": "amplification D, inelastic / elastic",
 }
-# As datasets write symbols in plain text: one letter with an index, and powers.
-SYMBOL = re.compile(
-    r"(?<![\w$])(?:(?P<letter>[TSumv]|[αξρστω])(?P<index>el|[0-9fguy])|(?P<lone>[αξρστω]|T(?=/)))(?!\w)"
-)
-POWER = re.compile(r"\^(\((?:[^()]|\([^()]*\))*\)|-?\w)")
-LATIN = {"α": "alpha", "ξ": "xi", "ρ": "rho", "σ": "sigma", "τ": "tau", "ω": "omega"}
 
 Given = ParamSpec("Given")
 
@@ -86,21 +80,6 @@ def styled(
 def filled(lines: Iterable[str], width: int, hang: str = "") -> str:
     """The lines of a caption, none longer than so many characters."""
     return "\n".join(textwrap.fill(line, width, subsequent_indent=hang) for line in lines)
-
-
-def typeset(text: str) -> str:
-    """Plain text with its symbols set as such: ``T1/Tg``, ``ξg`` and ``m^2`` with indices and powers."""
-
-    def symbol(found: re.Match[str]) -> str:
-        letter, index = found["letter"] or found["lone"], found["index"]
-        name = f"\\{LATIN[letter]}" if letter in LATIN else letter
-        return f"${name}_{{{index}}}$" if index else f"${name}$"
-
-    def power(found: re.Match[str]) -> str:
-        raised = found[1]
-        return f"$^{{{raised[1:-1] if raised.startswith('(') else raised}}}$"
-
-    return POWER.sub(power, SYMBOL.sub(symbol, text.replace("$", r"\$")))
 
 
 def ratio_ticks(axis: Axis, values: np.ndarray) -> None:

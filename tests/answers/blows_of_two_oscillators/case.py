@@ -1,4 +1,4 @@
-"""Two elastic oscillators that meet by eq. (13) while the ground runs away under them."""
+"""Two elastic oscillators that meet by eq. (13) under a constant ground acceleration."""
 
 import numpy as np
 import xarray as xr
