@@ -88,7 +88,7 @@ def test_it_says_what_the_library_says(two: tuple[Path, Result]) -> None:
         assert f"{word} {100 * share:.1f} %" in shown
     assert f"contacts {100 * float(table.contact_lost_energy[-1]) / given_energy:.1f} %" in shown
     assert "weak: no pounding. At least " in shown
-    assert "the ground of the file, firm, not to the records" in shown
+    assert "the ground of the file, firm, Clough-Penzien ground, not to the records" in shown
 
 
 def least_clearance(table: xr.Dataset) -> float:
