@@ -4,7 +4,7 @@
 `entry`           called from Python; `kept` on the disk
 `elementwise`     called from Python, over arrays that broadcast; kept likewise
 `not_kept`        called from Python, made from what a user gives
-`compiled`        called from compiled code, as one of its `parts`
+`compiled`        called from compiled code, as one of its `parts`; from Python it is plain Python
 `called_often`    so short that handing over its arguments takes longer than the work: LLVM inlines it
 `shared`          stays plain Python, of arrays, and is called from compiled code, of numbers
 ================  ==================================================================================

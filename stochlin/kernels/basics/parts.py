@@ -75,6 +75,10 @@ class Part(CPUDispatcher):
     Left to itself numba compiles anew for each number that stands in the code of a caller.
     """
 
+    def __call__(self, *args: Any) -> Any:
+        """From Python, for the few numbers that are not worth compiling: as plain Python."""
+        return self.py_func(*args)
+
     def get_call_template(self, args: Any, kws: Any) -> Any:
         """As numba has it, of types without values."""
         plain: Any = unliteral
