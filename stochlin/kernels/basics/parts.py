@@ -19,6 +19,8 @@ from numba.core.registry import CPUDispatcher
 from numba.core.typed_passes import NativeLowering
 from numba.core.types import unliteral
 
+from stochlin.messages import WHEN_COMPILING
+
 # What a call from Python comes to: NULL, and a TypeError.
 REFUSAL = ctypes.cast(ctypes.pythonapi.PyErr_SetFromErrno, ctypes.c_void_p).value
 
@@ -59,6 +61,8 @@ class Parts(CompilerBase):
 
     def define_pipelines(self) -> list[PassManager]:
         """Numba's own, without an end."""
+        for call in tuple(WHEN_COMPILING):
+            call(False)
         state = self.state
         state.flags.no_compile = state.flags.no_cpython_wrapper = state.flags.no_cfunc_wrapper = True
         codegen, name = state.targetctx.codegen(), state.func_id.func_qualname
