@@ -9,7 +9,7 @@ of the time that `pound` took to compile went into the rest.
 from __future__ import annotations
 
 import ctypes
-from typing import Any
+from typing import Any, ClassVar
 
 from numba import _dynfunc  # type: ignore[attr-defined]
 from numba.core.codegen import JITCodeLibrary
@@ -17,11 +17,11 @@ from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.compiler_machinery import AnalysisPass, PassManager, register_pass
 from numba.core.registry import CPUDispatcher
 from numba.core.typed_passes import NativeLowering
-from numba.core.types import unliteral
+from numba.core.types import Function, unliteral
 
 from stochlin.messages import WHEN_COMPILING
 
-# What a call from Python comes to: NULL, and a TypeError.
+# What numba would call from Python, which `Part` does not let it do: NULL, and a TypeError.
 REFUSAL = ctypes.cast(ctypes.pythonapi.PyErr_SetFromErrno, ctypes.c_void_p).value
 
 
@@ -56,6 +56,30 @@ class _Naming(AnalysisPass):
         return False
 
 
+class _Typing:
+    """numba's context of types, with a memory of the operators and functions that it knows by itself.
+
+    Of every addition numba asks dozens of templates, and again in each round of its inference.
+    """
+
+    _known: ClassVar[dict[Any, Any]] = {}
+
+    def __init__(self, context: Any) -> None:
+        self._context = context
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._context, name)
+
+    def resolve_function_type(self, func: Any, args: Any, kws: Any) -> Any:
+        """The signature of a function of arguments of these types; None where it has none."""
+        key = func, tuple(args)
+        if type(func) is not Function or kws:
+            return self._context.resolve_function_type(func, args, kws)
+        if self._known.get(key) is None:
+            self._known[key] = self._context.resolve_function_type(func, args, kws)
+        return self._known[key]
+
+
 class Parts(CompilerBase):
     """The ``pipeline_class`` of parts."""
 
@@ -64,6 +88,7 @@ class Parts(CompilerBase):
         for call in tuple(WHEN_COMPILING):
             call(False)
         state = self.state
+        state.typingctx = _Typing(state.typingctx)
         state.flags.no_compile = state.flags.no_cpython_wrapper = state.flags.no_cfunc_wrapper = True
         codegen, name = state.targetctx.codegen(), state.func_id.func_qualname
         state.library = _Library(codegen, name)  # type: ignore[no-untyped-call]
