@@ -8,7 +8,8 @@ from collections.abc import Callable, Iterable
 
 LONGEST = 80  # of a value that is shown
 LONGEST_MESSAGE = 2000  # on a terminal, with all names that are allowed
-WHEN_COMPILING: list[Callable[[], None]] = []  # called before code is compiled, which takes seconds
+# Called before a piece of code is compiled, which takes up to seconds: True if it will then be kept.
+WHEN_COMPILING: list[Callable[[bool], None]] = []
 
 
 class DoubtfulInput(UserWarning):

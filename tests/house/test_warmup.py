@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+import sys
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
@@ -13,6 +14,8 @@ from click.testing import CliRunner
 
 import stochlin as sl
 from stochlin import kernels
+from stochlin.kernels.basics.compiled import compiled as compiled_part
+from stochlin.kernels.basics.compiled import not_kept
 from stochlin.kernels.basics.kept import _Cache
 from stochlin.messages import WHEN_COMPILING
 from stochlin.views.command import main
@@ -55,8 +58,22 @@ def test_commands_need_nothing_that_the_tasks_do_not_call(tmp_path: Path) -> Non
 
 def test_that_something_is_compiled_is_said_once(capsys: pytest.CaptureFixture[str]) -> None:
     with compiling_told():
-        for _ in range(2):
+        for kept in (False, True, True):
             for call in list(WHEN_COMPILING):
-                call()
+                call(kept)
     assert capsys.readouterr().err.count("compiling for this machine, once") == 1
     assert not WHEN_COMPILING
+
+
+def test_a_sign_turns_on_a_terminal_while_parts_are_compiled(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    part = compiled_part(lambda x: 2 * x)
+
+    def entry(x):
+        return part(x) + 1
+
+    with compiling_told():
+        monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+        assert not_kept(entry)(1.5) == 4.0
+    assert capsys.readouterr().err == "|\r"

@@ -129,7 +129,8 @@ def test_the_command_takes_one_building_through_many_motions(storeys: bool, tmp_
     out = tmp_path / "m.nc"
     done = CliRunner().invoke(main, ["pound", str(path), "--motions", "8", "--out", str(out)])
     assert done.exit_code == 0, done.output
-    assert "8 simulated motions of 20 s, firm, Clough-Penzien ground: one building alone" in " ".join(done.output.split())
+    said = " ".join(done.output.split())
+    assert "8 simulated motions of 20 s, firm, Clough-Penzien ground: one building alone" in said
     assert "alone " not in done.output.split("quantiles")[1]
     with xr.open_dataset(out) as table:
         assert len(draw_ensemble(table).axes) == 2

@@ -4,7 +4,7 @@
 `entry`           for functions called from Python; the compiled code is cached on disk (`kept`)
 `elementwise`     for scalar functions called from Python with arrays that broadcast; also cached
 `not_kept`        for functions called from Python and made from a user's formula; not cached
-`compiled`        for functions that only compiled code calls (`parts`)
+`compiled`        for functions called from compiled code (`parts`); from Python they are plain Python
 `called_often`    as `compiled`, for functions so short that a call takes longer than their work: inlined
 `shared`          for functions called from Python with arrays and from compiled code with numbers
 ================  ==================================================================================

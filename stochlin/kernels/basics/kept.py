@@ -110,7 +110,7 @@ class _Files(IndexDataCacheFile):
         data = self._read(key)
         if data is None:
             for call in tuple(WHEN_COMPILING):
-                call()
+                call(True)
         return data
 
     def _read(self, key: Any) -> Any:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import entry
+from stochlin.kernels.basics.compiled import called_often, entry
 from stochlin.kernels.basics.parallel import in_ranges
 from stochlin.kernels.correlation.tables import OFF, PART
 from stochlin.kernels.correlation.tiles import LANES, cells_of_tile
@@ -49,9 +49,33 @@ def differences(
     def part(cells: slice) -> None:
         _fill(*parts, np.array(shape, int), rho, cells.start, cells.stop, *found)
 
-    in_ranges(part, count, PART, threads=threads)
+    if count == 1:  # in plain Python: to compile that takes a second
+        (a, b), (c, d) = parts[0][:, 0], parts[2][:, 0]
+        found[0][0], found[1][0] = _difference(a, b, c, d, rho[0], parts[4][0])
+        found[2][0] = _flag(found[1][0])
+    else:
+        in_ranges(part, count, PART, threads=threads)
     std, off, flag = (array.reshape(shape) for array in found)
     return std, off, flag
+
+
+@called_often
+def _difference(a, b, c, d, rho, bias):
+    """Its standard deviation and the bias of that, from those of both (``b`` and ``d`` without bias)."""
+    truth = min(max(rho - bias, -1.0), 1.0)
+    square = (a - c) * (a - c)
+    left = 0.0 if 1 - rho < NONE_LEFT else 1 - rho
+    found = np.sqrt(square + 2 * a * c * left)
+    square = (b - d) * (b - d)
+    left = 0.0 if 1 - truth < NONE_LEFT else 1 - truth
+    truth = np.sqrt(square + 2 * b * d * left)
+    none = (found == 0) & (truth == 0)
+    return found, 0.0 if none else found / truth - 1
+
+
+@called_often
+def _flag(off):
+    return 2 if np.isnan(off) else (1 if abs(off) > OFF else 0)
 
 
 @entry
@@ -78,16 +102,7 @@ def _fill(one, steps_1, two, steps_2, bias, steps, shape, rho, begin, end, std, 
         for lane in range(count):
             r[lane] = rho[start + lane]
         for lane in range(LANES):
-            truth = min(max(r[lane] - e[lane], -1.0), 1.0)
-            square = (a[lane] - c[lane]) * (a[lane] - c[lane])
-            left = 0.0 if 1 - r[lane] < NONE_LEFT else 1 - r[lane]
-            found[lane] = np.sqrt(square + 2 * a[lane] * c[lane] * left)
-            square = (b[lane] - d[lane]) * (b[lane] - d[lane])
-            left = 0.0 if 1 - truth < NONE_LEFT else 1 - truth
-            truth = np.sqrt(square + 2 * b[lane] * d[lane] * left)
-            none = (found[lane] == 0) & (truth == 0)
-            true[lane] = 0.0 if none else found[lane] / truth - 1
+            found[lane], true[lane] = _difference(a[lane], b[lane], c[lane], d[lane], r[lane], e[lane])
         for lane in range(count):
             std[start + lane], off[start + lane] = found[lane], true[lane]
-            large = 1 if abs(true[lane]) > OFF else 0
-            flag[start + lane] = 2 if np.isnan(true[lane]) else large
+            flag[start + lane] = _flag(true[lane])

@@ -8,14 +8,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array, in_one_shape
-from stochlin.kernels.basics.compiled import entry
+from stochlin.kernels.basics.compiled import called_often, entry
 from stochlin.kernels.basics.interpolation import Grid
 from stochlin.kernels.basics.parallel import in_ranges
 from stochlin.kernels.correlation.tiles import (
     LANES,
     PARAMETERS,
+    STIFFNESS,
     bias_of_tile,
     cells_of_tile,
+    correlation,
     new_memory,
     rho_of_tile,
 )
@@ -24,6 +26,7 @@ from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing,
 PART = 1 << 18  # cells of a task
 ROUNDING = 1e-9  # by which |rho| may exceed 1 by rounding; beyond it the covariance is invalid
 OFF = 0.1  # bias from which the caution of a cell is 1
+KINDS = (float, np.int8, float, np.int8)  # data types of the arrays of a `RhoTable`
 NOWHERE = (np.full((6, 2), np.inf), np.full(6, 2), np.zeros(64))  # an empty map of the bias
 
 
@@ -91,8 +94,9 @@ def pair_table(
     ground's, and the last of the ratio of the shorter to the longer period. No cell depends on another.
     """
     count = math.prod(shape)
-    kinds = (float, np.int8, float, np.int8)
-    result = RhoTable(*(np.empty(count, kind) for kind in kinds))
+    if count == 1:
+        return _lone_pair(first, second, grid, codes)
+    result = RhoTable(*(np.empty(count, kind) for kind in KINDS))
     other_closure = first.gaussian is not first.parameters or second.gaussian is not second.parameters
     fixed: tuple[Any, ...] = (np.array(shape, int), *(grid or NOWHERE), other_closure, *codes)
 
@@ -101,6 +105,35 @@ def pair_table(
 
     in_ranges(part, count, PART, threads=threads)
     return result
+
+
+def _lone_pair(first: Side, second: Side, grid: Grid | None, codes: Codes) -> RhoTable:
+    """A table of one cell, as `_fill` finds it, in plain Python: to compile that takes seconds."""
+
+    def rho(one: Array, two: Array) -> Any:
+        a, b = one[:, 0], two[:, 0]
+        stiff, soft = (a, b) if a[STIFFNESS] >= b[STIFFNESS] else (b, a)
+        return correlation(stiff, soft, 0, 1)
+
+    _, sizes, _ = map_ = grid or NOWHERE
+    cell, known = np.zeros(1, int), np.empty(1)
+    bias_of_tile(first.place, cell, second.place, cell, 1, *map_, new_memory(sizes), known)
+    value, base = rho(first.parameters, second.parameters), rho(first.gaussian, second.gaussian)
+    found = _judged(value, base, known[0], first.flags[0], second.flags[0], *codes)
+    return RhoTable(*(np.array([one], kind) for one, kind in zip(found, KINDS, strict=True)))
+
+
+@called_often
+def _judged(value, base, known, one, two, not_converged, not_physical):
+    """``rho``, status, bias and caution of a pair; ``base`` is ``rho`` by the closure of ``known``."""
+    status = max(one[0], two[0])
+    if status < not_converged and not abs(value) <= 1.0 + ROUNDING:
+        status = not_physical
+    off = 0.0 if one[2] and two[2] else known  # elastic: exact
+    off += value - base  # NaN where rho is
+    large = 2 if np.isnan(off) else int(abs(off) > OFF)
+    rho = min(max(value, -1.0), 1.0) if status < not_converged else np.nan
+    return rho, status, off, max(large, one[1], two[1])
 
 
 @entry
@@ -128,12 +161,9 @@ def _fill(
         bias_of_tile(place_1, cells_1, place_2, cells_2, count, axes, sizes, values, memory, known)
         for lane in range(count):
             i, j, n, value = cells_1[lane], cells_2[lane], start + lane, raw[lane]
-            worse = max(flags_1[i, 0], flags_2[j, 0])
-            if worse < not_converged and not abs(value) <= 1.0 + ROUNDING:
-                worse = not_physical
-            off = 0.0 if flags_1[i, 2] and flags_2[j, 2] else known[lane]  # elastic pairs are exact
-            off += value - (base[lane] if other_closure else value)  # NaN if rho is NaN
-            large = 2 if np.isnan(off) else int(abs(off) > OFF)
-            rho[n] = min(max(value, -1.0), 1.0) if worse < not_converged else np.nan
-            status[n], bias[n] = worse, off
-            caution[n] = max(large, flags_1[i, 1], flags_2[j, 1])
+            rho[n], status[n], bias[n], caution[n] = _judged(
+                value, base[lane] if other_closure else value, known[lane],
+                (flags_1[i, 0], flags_1[i, 1], flags_1[i, 2]),
+                (flags_2[j, 0], flags_2[j, 1], flags_2[j, 2]),
+                not_converged, not_physical,
+            )  # fmt: skip

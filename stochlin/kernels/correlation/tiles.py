@@ -14,7 +14,7 @@ for a structure with a double eigenvalue; `benchmarks/tables.py` compares both.
 
 import numpy as np
 
-from stochlin.kernels.basics.compiled import compiled
+from stochlin.kernels.basics.compiled import called_often, compiled
 
 LANES = 128  # cells (lanes) of a tile, whose structures then fit the first-level cache
 PARAMETERS = 21  # quantities of a structure, in the order of `tables.pair_parameters`
@@ -83,33 +83,39 @@ def _put_stiffer_first(stiff, soft):
                 stiff[n], soft[n] = soft[n], stiff[n]
 
 
+@called_often
+def correlation(stiff, soft, n, lanes):
+    """``rho`` in one of so many lanes, from the parameters of the stiffer structure and the softer."""
+    w, d, h = soft[n], soft[lanes + n], soft[2 * lanes + n]
+    p, k, back = soft[3 * lanes + n], soft[4 * lanes + n], soft[BACK * lanes + n]
+    stiff_d, stiff_k = stiff[lanes + n], stiff[4 * lanes + n]
+    stiff_mu = stiff[5 * lanes + n]
+    e = stiff[8 * lanes + n] + soft[8 * lanes + n]
+    f = soft[9 * lanes + n] - stiff[9 * lanes + n]
+    g = stiff[10 * lanes + n] + soft[10 * lanes + n]
+    m00, m01, m02 = g - e * w, f - e * d, e * h
+    m10 = e * soft[11 * lanes + n] - f * w
+    m11 = e * soft[12 * lanes + n] - f * d + g
+    m12 = e * soft[13 * lanes + n] + f * h
+    m20 = e * soft[14 * lanes + n] + f * back
+    m21 = e * soft[15 * lanes + n] + f * p
+    m22 = e * soft[16 * lanes + n] - f * k + g
+    u0 = soft[5 * lanes + n] - stiff_mu
+    u1 = soft[6 * lanes + n] + stiff[6 * lanes + n] + (d + stiff_d) * stiff_mu
+    u2 = soft[7 * lanes + n] - p * stiff_mu
+    r0 = stiff_k * u0 - u1
+    r1 = stiff_k * u1 + w * u0 + d * u1 - h * u2 + stiff[KICK * lanes + n]
+    r2 = stiff_k * u2 - back * u0 - p * u1 + k * u2
+    c0, c1, c2 = m11 * m22 - m12 * m21, m02 * m21 - m01 * m22, m01 * m12 - m02 * m11
+    scale = stiff[STD * lanes + n] * soft[STD * lanes + n]
+    return (c0 * r0 + c1 * r1 + c2 * r2) / ((c0 * m00 + c1 * m10 + c2 * m20) * scale)
+
+
 @compiled
 def _correlations(stiff, soft, out):
     """Write ``rho`` of all lanes to ``out``, from the tiles of the stiffer and the softer structures."""
     for n in range(LANES):
-        w, d, h = soft[n], soft[LANES + n], soft[2 * LANES + n]
-        p, k, back = soft[3 * LANES + n], soft[4 * LANES + n], soft[BACK * LANES + n]
-        stiff_d, stiff_k = stiff[LANES + n], stiff[4 * LANES + n]
-        stiff_mu = stiff[5 * LANES + n]
-        e = stiff[8 * LANES + n] + soft[8 * LANES + n]
-        f = soft[9 * LANES + n] - stiff[9 * LANES + n]
-        g = stiff[10 * LANES + n] + soft[10 * LANES + n]
-        m00, m01, m02 = g - e * w, f - e * d, e * h
-        m10 = e * soft[11 * LANES + n] - f * w
-        m11 = e * soft[12 * LANES + n] - f * d + g
-        m12 = e * soft[13 * LANES + n] + f * h
-        m20 = e * soft[14 * LANES + n] + f * back
-        m21 = e * soft[15 * LANES + n] + f * p
-        m22 = e * soft[16 * LANES + n] - f * k + g
-        u0 = soft[5 * LANES + n] - stiff_mu
-        u1 = soft[6 * LANES + n] + stiff[6 * LANES + n] + (d + stiff_d) * stiff_mu
-        u2 = soft[7 * LANES + n] - p * stiff_mu
-        r0 = stiff_k * u0 - u1
-        r1 = stiff_k * u1 + w * u0 + d * u1 - h * u2 + stiff[KICK * LANES + n]
-        r2 = stiff_k * u2 - back * u0 - p * u1 + k * u2
-        c0, c1, c2 = m11 * m22 - m12 * m21, m02 * m21 - m01 * m22, m01 * m12 - m02 * m11
-        scale = stiff[STD * LANES + n] * soft[STD * LANES + n]
-        out[n] = (c0 * r0 + c1 * r1 + c2 * r2) / ((c0 * m00 + c1 * m10 + c2 * m20) * scale)
+        out[n] = correlation(stiff, soft, n, LANES)
 
 
 @compiled
