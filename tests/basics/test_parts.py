@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import UNCOMPILED, compiled, entry
+from stochlin.kernels.basics.compiled import UNCOMPILED, compiled, entry, not_kept
 from stochlin.kernels.basics.lending import borrow
 
 pytestmark = pytest.mark.invariant
@@ -55,7 +55,7 @@ def nth(values, n):
     return values[n]
 
 
-@entry
+@not_kept
 def first_and_last(values):
     return nth(values, 0) + nth(values, -1) + nth(values, values.size - 1)
 
