@@ -70,24 +70,32 @@ def label(dataset: xr.Dataset, variables: Variables) -> xr.Dataset:
     """Add units and long names to the variables, and flags to ``status`` and the cautions.
 
     The long name of a variable that ends in a number has the number of the structure, and that of one
-    that ends in ``_lower`` or ``_upper`` is the end of its interval.
+    that ends in ``_lower`` or ``_upper`` is the end of its interval; both endings may follow each other.
     """
     every = dataset.variables
     for name in map(str, dataset.data_vars):
-        stem, _, end = name.rpartition("_")
         if name == "status":
             every[name].attrs = _flags("status of the cell", STATUS_MEANINGS)
             continue
-        if end == CAUTION and "flag_values" not in every[name].attrs:
+        if name.rpartition("_")[2] == CAUTION and "flag_values" not in every[name].attrs:
             every[name].attrs = _flags("caution flag of the linearization", CAUTION_MEANINGS)
-        if name in variables:
-            units, long_name = variables[name]
-            every[name].attrs.update(units=units, long_name=long_name)
-        elif stem in variables and (end.isdigit() or end in ENDS):
+        stem, endings = _stem(name, variables)
+        if stem in variables:
             units, long_name = variables[stem]
-            told = f"{long_name}, {ENDS.get(end, f'structure {end}')}"
-            every[name].attrs.update(units=units, long_name=told)
+            every[name].attrs.update(units=units, long_name=", ".join([long_name, *endings]))
     return dataset
+
+
+def _stem(name: str, variables: Variables) -> tuple[str, list[str]]:
+    """Declared name that the name begins with, and its endings in words, the last one first."""
+    endings: list[str] = []
+    while name not in variables:
+        stem, _, end = name.rpartition("_")
+        if not end.isdigit() and end not in ENDS:
+            break
+        name = stem
+        endings.append(ENDS.get(end, f"structure {end}"))
+    return name, endings
 
 
 def _flags(long_name: str, meanings: Sequence[str]) -> dict[str, Any]:
