@@ -48,6 +48,9 @@ intensity = "0.01 m^2/s^3"
 duration = "12 s"
 """  # of a case file
 
+# Fewer simulated motions for commands that are run as printed and do not say how many.
+FEW_MOTIONS = {"charts": {"paths": 32, "simulated_points": 3, "reduction_factors": "2,4"}}
+
 
 def with_slow(names: Iterable[Any], long: Collection[Any]) -> list[Any]:
     """Parameters of a test, of which ``make test`` leaves out the long ones."""

@@ -17,7 +17,7 @@ from urllib.parse import unquote, urlsplit
 
 import numpy as np
 import pytest
-from cases import recorded_example, with_slow
+from cases import FEW_MOTIONS, recorded_example, with_slow
 from click.testing import CliRunner
 
 import stochlin as sl
@@ -95,7 +95,7 @@ def test_command_lines_run(line: str, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("case.toml").write_text(recorded_example(), encoding="utf-8")
     program, *arguments = shlex.split(line.partition(" > ")[0])
     assert program == "stochlin"
-    result = CliRunner().invoke(main, arguments)
+    result = CliRunner().invoke(main, arguments, default_map=FEW_MOTIONS)
     assert result.exit_code == 0, result.output
 
 

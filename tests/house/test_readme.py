@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cases import recorded_example, with_slow
+from cases import FEW_MOTIONS, recorded_example, with_slow
 from click.testing import CliRunner
 
 import stochlin as sl
@@ -51,7 +51,7 @@ def test_command_lines_run(line: str, tmp_path: Path, monkeypatch: pytest.Monkey
     # It would serve until it is interrupted; tests/explorer/test_page.py lets it.
     monkeypatch.setattr("stochlin.views.explorer.server.serve", lambda *scene, **options: None)
     command, _, target = line.partition(" > ")
-    result = CliRunner().invoke(main, shlex.split(command)[1:])
+    result = CliRunner().invoke(main, shlex.split(command)[1:], default_map=FEW_MOTIONS)
     assert result.exit_code == 0, result.output
     if target:
         assert result.output == Path(target).read_text(encoding="utf-8")

@@ -226,16 +226,24 @@ def tried(label: str) -> tuple[list[str | None], list[str]]:
 def page() -> str:
     """The page, from what is found."""
     notes: dict[str, int] = {}
-    heads = ["call", *kinds(), "ground"]
-    lines = [_row(heads), _row(["---"] * len(heads))]
-    for label in CALLS:
-        said, grounds = tried(label)
-        shown = "a record" if label in ON_RECORD else ", ".join(grounds) or "none"
-        shown = "all" if len(grounds) == len(GROUNDS) else shown
-        shown = "\N{EN DASH}" if label in ON_NOTHING else shown
-        lines.append(_row([_linked(label), *(_cell(one, notes) for one in said), shown]))
+    rows = [row(label, notes) for label in CALLS]
     told = [f"{number}. `{text}`" for text, number in notes.items()]
-    return HEAD + "\n".join([*lines, "", *told]) + "\n"
+    return HEAD + "\n".join([*top(), *rows, "", *told]) + "\n"
+
+
+def top() -> list[str]:
+    """The headings of the columns."""
+    heads = ["call", *kinds(), "ground"]
+    return [_row(heads), _row(["---"] * len(heads))]
+
+
+def row(label: str, notes: dict[str, int]) -> str:
+    """The row of a call; what it refuses with is added to the notes unless it is among them."""
+    said, grounds = tried(label)
+    shown = "a record" if label in ON_RECORD else ", ".join(grounds) or "none"
+    shown = "all" if len(grounds) == len(GROUNDS) else shown
+    shown = "\N{EN DASH}" if label in ON_NOTHING else shown
+    return _row([linked(label), *(_cell(one, notes) for one in said), shown])
 
 
 def _arguments(label: str) -> set[str]:
@@ -251,7 +259,7 @@ def _cell(said: str | None, notes: dict[str, int]) -> str:
     return str(notes.setdefault(plain, len(notes) + 1))
 
 
-def _linked(label: str) -> str:
+def linked(label: str) -> str:
     name, _, option = label.partition(", ")
     return f"{{py:obj}}`~stochlin.{name}`" + (f", `{option}`" if option else "")
 
