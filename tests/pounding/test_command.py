@@ -170,7 +170,7 @@ def test_towers_and_rows_are_said_and_drawn(tmp_path: Path) -> None:
             lines = text.replace('model = "kelvin"', model, 1)
             if "stereo" in model:
                 lines = lines.replace('stiffness = "2000 MN/m"\n', "", 1)
-            done = run(case_file(tmp_path, ("r", 0.4), text=lines), "--picture", tmp_path / "p.png")
+            done = run(case_file(tmp_path, ("r", 0.4), text=lines), "--out", tmp_path / "p.nc")
             assert done.exit_code == 0, done.output
             assert done.output.count(" | ") == contacts
             with xr.open_dataset(tmp_path / "p.nc") as table:

@@ -174,7 +174,7 @@ def test_drift_tells_a_run_that_starts_recording_from_rest(ratio, hardening):
 
 STRENGTHS = [(ratio, hardening) for hardening in (0.02, 0.05, 0.2) for ratio in (0.5, 1.0, 2.0)]
 COARSE, FINE = 32, 64  # steps a period
-BURN_IN, BLOCKS, CYCLES, GROUPS = 20, 80, 20, 40  # cycles are periods of a block
+BURN_IN, BLOCKS, CYCLES, GROUPS = 20, 80, 20, 20  # cycles are periods of a block
 
 
 @pytest.mark.slow

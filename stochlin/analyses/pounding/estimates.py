@@ -121,19 +121,7 @@ def pounding_estimate(
     modes = [_mode(structure, role) for role, structure in (("first", first), ("second", second))]
     g = _argument("gap", gap, GAP)
     r = [_argument("radius_1", radius_1, RADIUS), _argument("radius_2", radius_2, RADIUS)]
-    valid = contact.valid() & modes[0].valid & modes[1].valid
-    valid = valid & GAP.contains(g) & RADIUS.contains(r[0]) & RADIUS.contains(r[1])
-    places = meetings([mode.levels for mode in modes])
-    hits = [_hits(modes, place, g.where(valid), contact, r, int(points)) for place in places]
-    storeys = any(isinstance(structure, ShearBuilding) for structure in (first, second))
-    table = hits[0]
-    if storeys:
-        table = xr.concat(hits, "contact").merge(contacts(places, ()))
-    of_one = [*PLACES, *["contact"] * storeys]
-    for n in (1, 2):
-        largest = table[f"radius_amplification_{n}"].max(of_one).fillna(1.0)
-        table[f"largest_radius_amplification_{n}"] = largest.where(valid)
-    table["status"] = labels.status_where(valid)
+    table = _estimate(modes, g, contact, r, int(points))
     return labels.with_run_information(
         labels.label(table, VARIABLES),
         "Energy estimate of a hit",
@@ -203,9 +191,10 @@ def pounding_estimate_row(
         raise ValueError(
             f"structures = {brief(structures)}; allowed: a list of at least two, left to right"
         )
+    expect(contact, Contact, "contact")
+    check_whole("points", points, 2)
     count = len(structures)
-    for number, structure in enumerate(structures, start=1):
-        _mode(structure, f"structures, number {number}")
+    modes = [_mode(structure, f"structures, number {n}") for n, structure in enumerate(structures, 1)]
     spaces = checked_gaps(gaps, count)
     if not isinstance(radii, (list, tuple)) or len(radii) != count:
         raise ValueError(
@@ -220,11 +209,8 @@ def pounding_estimate_row(
         raise ValueError(f"radii: their dimensions do not fit: {sentence(error)}") from error
 
     def hit(left: int, now: Sequence[xr.DataArray]) -> list[xr.DataArray]:
-        first, second = structures[left : left + 2]
-        radius_1, radius_2 = now[left : left + 2]
-        found = pounding_estimate(
-            first, second, spaces[left], contact, radius_1, radius_2, points=points
-        )
+        gap, two = xr.DataArray(spaces[left]), slice(left, left + 2)
+        found = _estimate(modes[two], gap, contact, now[two], int(points))
         return [found[f"largest_radius_amplification_{n}"] for n in (1, 2)]
 
     grown = [hit(left, alone) for left in range(count - 1)]
@@ -233,10 +219,11 @@ def pounding_estimate_row(
         for side in range(2):
             one[left + side] = xr.ufuncs.maximum(one[left + side], growth[side])
     chain = list(one)
-    for order in (range(count - 1), reversed(range(count - 1))):
+    for order in (range(count - 1), range(count - 2, -1, -1)):
         now = list(alone)
         for left in order:
-            for n, growth_there in enumerate(hit(left, now), start=left):
+            growth = grown[left] if left == order[0] else hit(left, now)
+            for n, growth_there in enumerate(growth, start=left):
                 now[n] = now[n] * growth_there
                 chain[n] = xr.ufuncs.maximum(chain[n], now[n] / alone[n])
     about = {"long_name": "structure"}
@@ -280,40 +267,68 @@ def _mode(structure: AnyStructure, role: str) -> Mode:
     return Mode(w, float(oscillator.mass), moves, levels, structure.valid())
 
 
-def _hits(
+def _estimate(
     modes: Sequence[Mode],
-    place: Meeting,
     gap: xr.DataArray,
     contact: Contact,
     radii: Sequence[xr.DataArray],
     points: int,
 ) -> xr.Dataset:
-    """Impacts at one contact for all points and ways; cells with an invalid gap (NaN) are NaN."""
+    """Dataset of `pounding_estimate`, without labels."""
+    valid = contact.valid() & modes[0].valid & modes[1].valid
+    valid = valid & GAP.contains(gap) & RADIUS.contains(radii[0]) & RADIUS.contains(radii[1])
+    places = meetings([mode.levels for mode in modes])
+    e = xr.DataArray(contact.e)
+    hits = [_hits(modes, place, gap, valid, e, radii, points) for place in places]
+    storeys = not all(np.isnan(mode.levels).any() for mode in modes)
+    table = xr.concat(hits, "contact").merge(contacts(places, ())) if storeys else hits[0]
+    of_one = [*PLACES, *["contact"] * storeys]
+    for n in (1, 2):
+        largest = table[f"radius_amplification_{n}"].max(of_one).fillna(1.0)
+        table[f"largest_radius_amplification_{n}"] = largest.where(valid)
+    table["status"] = labels.status_where(valid)
+    return table
+
+
+def _hits(
+    modes: Sequence[Mode],
+    place: Meeting,
+    gap: xr.DataArray,
+    valid: xr.DataArray,
+    restitution: xr.DataArray,
+    radii: Sequence[xr.DataArray],
+    points: int,
+) -> xr.Dataset:
+    """Impacts at one contact for all points and ways; cells that are not valid are NaN.
+
+    ``valid`` has the dimensions and coordinates of all others. In between, values have dimensions only,
+    which takes a fraction of the time.
+    """
     moves = [_moves(place, side, mode.moves) for side, mode in zip(SIDES, modes, strict=True)]
     mass = [mode.mass / share**2 for mode, share in zip(modes, moves, strict=True)]
-    r = [radius * abs(share) for radius, share in zip(radii, moves, strict=True)]
-    low, high = xr.ufuncs.maximum(-r[0], gap - r[1]), xr.ufuncs.minimum(r[0], gap + r[1])
-    share = xr.DataArray(np.linspace(0, 1, points), dims="point")
+    given = [gap, restitution, *radii, *(mode.frequency for mode in modes)]
+    parts: list[Any] = [each.variable for each in xr.align(valid, *given, join="inner")]
+    usable, g, e, *others = parts
+    r, w = [radius * abs(share) for radius, share in zip(others[:2], moves, strict=True)], others[2:]
+    g = g.where(usable)
+    low, high = np.maximum(-r[0], g - r[1]), np.minimum(r[0], g + r[1])
+    share = xr.Variable("point", np.linspace(0, 1, points))
     u1 = (low + share * (high - low)).where(high >= low)
-    u = [u1, u1 - gap]
-    signs = xr.DataArray(list(WAYS.values()), dims=("way", "structure"), coords={"way": list(WAYS)})
-    w = [mode.frequency for mode in modes]
-    v = [
-        signs.isel(structure=i) * w[i] * np.sqrt(np.maximum(r[i] ** 2 - u[i] ** 2, 0.0))
-        for i in range(2)
-    ]
+    u = [u1, u1 - g]
+    signs = [xr.Variable("way", list(each)) for each in zip(*WAYS.values(), strict=True)]
+    v = [signs[i] * w[i] * np.sqrt(np.maximum(r[i] ** 2 - u[i] ** 2, 0.0)) for i in range(2)]
     approach = v[0] > v[1]
-    after = velocities_after_impact(v[0], v[1], mass[0], mass[1], xr.DataArray(contact.e))
-    table = xr.Dataset()
+    after = velocities_after_impact(v[0], v[1], mass[0], mass[1], e)
+    table = {}
     for i in range(2):
         n = i + 1
         table[f"contact_displacement_{n}"] = u[i]
         table[f"velocity_before_{n}"] = v[i].where(approach)
         table[f"velocity_after_{n}"] = after[i].where(approach)
         table[f"radius_amplification_{n}"] = (np.hypot(u[i], after[i] / w[i]) / r[i]).where(approach)
-    loss = impact_loss(mass[0], mass[1], contact.e) * (v[0] - v[1]) ** 2
+    loss = impact_loss(mass[0], mass[1], e) * (v[0] - v[1]) ** 2
     table["energy_lost"] = loss.where(approach)
-    return table
+    return xr.Dataset(table, coords=valid.coords).assign_coords(way=list(WAYS))
 
 
 def _moves(place: Meeting, side: str, floors: Array) -> float:

@@ -303,15 +303,19 @@ def _estimates(
 
     All structures have the pseudo energy radii of the motion.
     """
-    radii = [
-        pseudo_energy_radius(
-            motion,
-            structure.period,
-            structure.damping,
-            hardening=structure.hardening,
-            yield_displacement=structure.yield_displacement,
-        ).pseudo_energy_radius
-        for structure in structures
-    ]
-    worst = pounding_estimate_row(structures, gaps, contact, radii).largest_radius_amplification
+    values = [structure.arrays() for structure in structures]
+
+    def column(name: str, elastic: float = np.inf) -> Array:
+        return np.array([float(each.get(name, elastic)) for each in values])
+
+    radii = pseudo_energy_radius(
+        motion,
+        column("period"),
+        column("damping"),
+        hardening=column("hardening", 1.0),
+        yield_displacement=column("yield_displacement"),
+    ).pseudo_energy_radius
+    worst = pounding_estimate_row(
+        structures, gaps, contact, list(radii.values)
+    ).largest_radius_amplification
     return worst.to_numpy()

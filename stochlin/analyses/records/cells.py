@@ -169,16 +169,16 @@ def table_over(
     The status of a cell is ``elastic_limit`` if the structure did not yield, ``elastic`` being True, and
     ``invalid_input`` if the cell is NaN.
     """
-    table = xr.Dataset(coords=like.coords)
     status = np.where(elastic, labels.ELASTIC_LIMIT, labels.CONVERGED)
+    several, count = motions.names is not None, len(motions.grounds)
+    dims, shape = (RECORD, *like.dims) if several else like.dims, (count, *like.shape)
+    variables = {}
     for name, values in {**columns, "status": status}.items():
-        filled = np.full((len(motions.grounds), valid.size), np.nan)
+        filled = np.full((count, valid.size), np.nan)
         filled[:, valid] = values
-        if motions.names is None:
-            table[name] = (like.dims, filled.reshape(like.shape))
-        else:
-            table[name] = ((RECORD, *like.dims), filled.reshape((-1, *like.shape)))
-    if motions.names is not None:
+        variables[name] = (dims, filled.reshape(shape if several else like.shape))
+    table = xr.Dataset(variables, coords=like.coords)
+    if several:
         table = table.assign_coords({RECORD: (RECORD, motions.names, {"long_name": "record"})})
     known = table[next(iter(columns))].notnull()
     return table.assign(status=table.status.where(known, labels.INVALID_INPUT).astype(np.int8))

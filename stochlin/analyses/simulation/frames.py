@@ -70,7 +70,7 @@ def sampled_frames(system: System, samples: Sequence[Sequence[Stack]]) -> list[F
         frame = _frame(system, members)
         usual, stacks = frame.part.elements, [system.stacks[m] for m in members]
         of_links = usual.damping - _damping(stacks)
-        elements = [_with_stacks(usual, of_links, [sample[m] for m in members]) for sample in samples]
+        elements = _with_stacks(usual, of_links, [[sample[m] for m in members] for sample in samples])
         shortest = _frame(system._replace(stacks=tuple(stiffest)), members).shortest
         own = SampledStoreys(elements, frame.part.law)
         found.append(frame._replace(samples=own, shortest=shortest))
@@ -88,26 +88,32 @@ def _stiffness(stack: Stack) -> float:
     return float((stack.elastic / stack.mass).max())
 
 
-def _with_stacks(usual: Elements, of_links: Array, stacks: Sequence[Stack]) -> Elements:
-    """Elements with the same links and other storeys."""
-    n = usual.mass.size
+def _with_stacks(usual: Elements, of_links: Array, samples: Sequence[Sequence[Stack]]) -> list[Elements]:
+    """Elements with the same links and other storeys, those of each sample."""
+    n, count = usual.mass.size, len(samples)
+    structures = list(zip(*samples, strict=True))
+
+    def of_storeys(name: str) -> Array:
+        return np.hstack([[getattr(stack, name) for stack in own] for own in structures])
 
     def column(name: str) -> Array:
-        of_storeys = [getattr(stack, name) for stack in stacks]
-        return np.concatenate([*of_storeys, getattr(usual, name)[n:]])
+        of_springs = getattr(usual, name)[n:]
+        return np.hstack([of_storeys(name), np.broadcast_to(of_springs, (count, of_springs.size))])
 
-    own = usual.own.copy()
-    rows = np.concatenate([np.pad(p, ((0, 0), (0, own.shape[1] - p.shape[1])))
-                           for p in (stack.law_parameters for stack in stacks)])  # fmt: skip
-    own[:n] = np.where(np.isnan(own[:n]), np.nan, rows)
-    return usual._replace(
-        mass=np.concatenate([stack.mass for stack in stacks]),
-        damping=of_links + _damping(stacks),
-        post=column("post"),
-        couple=column("couple"),
-        strength=column("strength"),
-        own=own,
-    )
+    damping, own = (np.repeat(each[None], count, axis=0) for each in (of_links, usual.own))
+    first = 0
+    for each in structures:
+        rows = slice(first, first := first + each[0].mass.size)
+        damping[:, rows, rows] += np.array([stack.damping for stack in each])
+        width = each[0].law_parameters.shape[1]
+        if width:
+            own[:, rows, :width] = [stack.law_parameters for stack in each]
+    columns = {name: column(name) for name in ("post", "couple", "strength")}
+    columns |= {"mass": of_storeys("mass"), "damping": damping, "own": own}
+    return [
+        usual._replace(**dict(zip(columns, row, strict=True)))
+        for row in zip(*columns.values(), strict=True)
+    ]
 
 
 def _tied(system: System) -> list[Array]:
