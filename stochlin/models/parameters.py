@@ -276,7 +276,7 @@ def _brief(value: float | xr.DataArray) -> str:
         return f"{float(value):.6g}"
     if value.chunks is not None:  # the range of a lazy array would have to be computed
         return f"[{value.size} values in chunks over {', '.join(map(str, value.dims))}]"
-    low, high = f"{float(value.min()):.6g}", f"{float(value.max()):.6g}"
+    low, high = (f"{end.reduce(value.to_numpy(), axis=None):.6g}" for end in (np.fmin, np.fmax))
     many = f"{value.size} times {low}" if value.size > 1 else low
     shown = f"{low} to {high}" if low != high else many
     return f"[{shown} over {', '.join(map(str, value.dims))}]"

@@ -88,9 +88,11 @@ class System(NamedTuple):
     def floors(self) -> list[str]:
         """Names of the floors and the storeys below them; 2.3 is the third floor of structure 2."""
         return [
-            str(s) if stack.is_oscillator else f"{s}.{i}"
+            name
             for s, stack in enumerate(self.stacks, start=1)
-            for i in range(1, stack.mass.size + 1)
+            for name in (
+                [str(s)] if stack.is_oscillator else [f"{s}.{i + 1}" for i in range(stack.mass.size)]
+            )
         ]
 
     @property

@@ -149,13 +149,17 @@ def bilinear(vv, zz, vz):
 def clipped(vv, zz, vz):
     """The Gaussian whose clipped ``z`` has this variance, and the regression of the slip rate."""
 
-    def excess(sz):
-        h = 1 / sz
-        inside = mpmath.erf(h / mpmath.sqrt(2)) - 2 * h * mpmath.npdf(h)
-        return sz * sz * inside + mpmath.erfc(h / mpmath.sqrt(2)) - zz
-
-    low, high = mpmath.sqrt(zz), mpf(10) ** 9
-    sz = mpmath.findroot(excess, (low, high), solver="anderson", tol=mpf(10) ** -90, maxsteps=400)
+    free = zz  # variance before clipping; that after it is concave, so that Newton's steps all go up
+    for _ in range(100):
+        h = 1 / mpmath.sqrt(free)
+        slope = mpmath.erf(h / mpmath.sqrt(2)) - 2 * h * mpmath.npdf(h)
+        step = (zz - mpmath.erfc(h / mpmath.sqrt(2))) / slope - free
+        free += step
+        if abs(step) < mpf(10) ** -30 * free:  # the next is about its square
+            break
+    else:
+        raise AssertionError("no variance before clipping")
+    sz = mpmath.sqrt(free)
     sv = mpmath.sqrt(vv)
     r = vz / (sv * sz * mpmath.erf(1 / (sz * mpmath.sqrt(2))))
     rate, edge, corner, h, q = slip_quadrant(sz, r)
@@ -199,7 +203,7 @@ def solved_exactly(system, soil, forcing_scale, coefficients):
             (here[0] * by_p[1] - here[1] * by_p[0]) / determinant,
         )
         p, k = p + steps[0], k + steps[1]
-        if max(abs(steps[0] / p), abs(steps[1] / k)) < mpf(10) ** -20:
+        if max(abs(steps[0] / p), abs(steps[1] / k)) < mpf(10) ** -12:  # the next is about its square
             break
     return w2, d, h, p - 1, k
 

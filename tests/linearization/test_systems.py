@@ -130,20 +130,20 @@ def draw_oscillator(rng, kind):
 @pytest.mark.parametrize(
     ("kind", "closure", "pairs"),
     [
-        ("bilinear", "gaussian", 15),
-        ("bilinear", "clipped", 15),
-        ("bouc_wen", "gaussian", 15),
-        ("sympy", "gaussian", 2),
-        pytest.param("bilinear", "gaussian", 90, marks=pytest.mark.slow),
-        pytest.param("bilinear", "clipped", 50, marks=pytest.mark.slow),
-        pytest.param("bouc_wen", "gaussian", 50, marks=pytest.mark.slow),
-        pytest.param("sympy", "gaussian", 10, marks=pytest.mark.slow),
+        ("bilinear", "gaussian", range(15)),
+        ("bilinear", "clipped", range(15)),
+        ("bouc_wen", "gaussian", range(15)),
+        ("sympy", "gaussian", range(2)),
+        pytest.param("bilinear", "gaussian", range(15, 60), marks=pytest.mark.slow),
+        pytest.param("bilinear", "clipped", range(15, 40), marks=pytest.mark.slow),
+        pytest.param("bouc_wen", "gaussian", range(15, 40), marks=pytest.mark.slow),
+        pytest.param("sympy", "gaussian", range(2, 6), marks=pytest.mark.slow),
     ],
 )
 def test_pairs_are_those_of_the_fast_path(kind, closure, pairs):
     rng = np.random.default_rng([40, len(kind), len(closure)])
-    for _ in range(pairs):
-        pair, ground = [draw_oscillator(rng, kind) for _ in range(2)], draw_ground(rng)
+    drawn = [([draw_oscillator(rng, kind) for _ in range(2)], draw_ground(rng)) for _ in range(60)]
+    for pair, ground in (drawn[n] for n in pairs):
         table = sl.linearize_system(pair, ground, closure=closure)
         assert float(table.rho[0, 1]) == pytest.approx(
             float(sl.correlate(*pair, ground, closure=closure).rho), abs=1e-9
@@ -435,49 +435,57 @@ def test_a_loop_that_does_not_end_says_so():
     with pytest.raises(ArithmeticError, match="not converged; raise max_iterations"):
         sl.linearize_system([TALL], GROUND, max_iterations=2)
     with pytest.raises(ArithmeticError, match="check the units"):
-        sl.linearize_system([replace(TALL, yield_drifts=1e-30)], GROUND)
+        sl.linearize_system([replace(TALL, yield_drifts=1e-30)], GROUND, max_iterations=50)
 
 
 # --- Whether the loop ends ----------------------------------------------------------------------------
 
 
+def loop_of(building, ground, closure):
+    return Loop(equations_of([building], ground, []), closure, USUAL).solve()
+
+
 def draw_building(rng, closure):
-    """Of 2 to 10 storeys, uneven, with reduction factors of .3 to 10 in each storey, and its ground."""
+    """Of 2 to 10 storeys, uneven; its ground, its reduction factors of .3 to 10, and its law."""
     n, ground = int(rng.integers(2, 11)), draw_ground(rng)
     w = 2 * np.pi / (0.1 * n * cases.log_uniform(rng, (0.5, 2.0)))
     masses = 1e5 * np.exp(rng.normal(0, 0.1, n))
     above = np.arange(1.0, n + 1)[::-1].cumsum()[::-1]
     stiffnesses = 1e5 * w**2 * above * np.exp(rng.normal(0, 0.2, n))
-    strong = sl.ShearBuilding(masses, stiffnesses, [3.0] * n, 0.05)
-    drift = sl.linearize_system([strong], ground).drift_std.values
     factor = cases.log_uniform(rng, (0.3, 10)) * np.exp(rng.normal(0, 0.2, n))
     law = {}
     if closure == "gaussian" and rng.random() < 0.4:
         own = {"beta": 0.5, "gamma": rng.uniform(-0.3, 0.5), "exponent": rng.uniform(1, 4)}
         law = {"law": "bouc_wen", "law_parameters": own}
-    return replace(
-        strong,
-        hardening=cases.log_uniform(rng, (0.01, 0.5)),
-        yield_drifts=3 * drift / factor,
-        **law,
-    ), ground
+    law["hardening"] = cases.log_uniform(rng, (0.01, 0.5))
+    return sl.ShearBuilding(masses, stiffnesses, [3.0] * n, 0.05), ground, factor, law
+
+
+def rounds_of(strong, ground, factor, law, closure):
+    """Rounds of the loop for a building that is so much weaker than its elastic response."""
+    motion = loop_of(strong, ground, closure).motion
+    drift = motion.std(motion.system.extensions)
+    solution = loop_of(replace(strong, yield_drifts=3 * drift / factor, **law), ground, closure)
+    assert solution.status == 0
+    return len(solution.history)
 
 
 @pytest.mark.parametrize(
     ("closure", "buildings"),
     [
-        ("gaussian", 20),
-        ("clipped", 20),
-        pytest.param("gaussian", 500, marks=pytest.mark.slow),
-        pytest.param("clipped", 500, marks=pytest.mark.slow),
+        ("gaussian", range(20)),
+        ("clipped", range(20)),
+        pytest.param("gaussian", [*range(20, 120), 126, 317, 359], marks=pytest.mark.slow),
+        pytest.param("clipped", [*range(20, 120), 130, 262, 400], marks=pytest.mark.slow),
     ],
 )
 def test_the_loop_ends_for_random_buildings(closure, buildings):
-    """Of 500: 6.3 rounds in the mean and 53 at most, with the clipped closure 6.0 and 22."""
-    rng, rounds = np.random.default_rng([42, len(closure)]), []
-    for _ in range(buildings):
-        building, ground = draw_building(rng, closure)
-        table = sl.linearize_system([building], ground, closure=closure)
-        rounds.append(table.sizes["iteration"])
+    """Of 500: 6.3 rounds in the mean and 53 at most, with the clipped closure 6.0 and 22.
+
+    Those that took most rounds are among the ones that are solved.
+    """
+    rng = np.random.default_rng([42, len(closure)])
+    drawn = [draw_building(rng, closure) for _ in range(500)]
+    rounds = [rounds_of(*drawn[n], closure) for n in buildings]
     assert np.mean(rounds) < 8
     assert max(rounds) < 80

@@ -124,7 +124,8 @@ class Solved:
     def moments(self) -> SpringMoments:
         """Second moments of the yielding springs."""
         _, _, d, v, z, beyond, _ = self.transformation
-        return SpringMoments(*_products(self._solution, (d, d), (v, v), (z, z), (v, beyond)))
+        found = _products(self._solution, (d, d), (v, v), (z, z), (v, beyond))
+        return SpringMoments(*found.reshape(4, -1))
 
     def std(self, weights: Array, *, rates: bool = False) -> Array:
         """Standard deviations of sums of displacements, or of velocities, with these weights (k, n)."""
@@ -180,14 +181,13 @@ class Solved:
         rates = extensions @ basis.back[velocities]
         seen = (self._equation.schur_rows(r) for r in (basis.velocities, basis.z, basis.beyond, rates))
         v, own, beyond, rate = seen
-        pairs = (v, v), (own, own), (v, beyond)
+        pairs = (v, v), (own, own), (v, beyond), (rate, rate)
         slopes = np.zeros((3 * m + dashpots.size, 2 * m + dashpots.size))
 
         def add(which: int, column: Array, row: Array) -> None:
             """Add the derivative for a change ``column row'`` of the state matrix to a column."""
             change = self._equation.slope(column, row, self._solution)
-            slopes[: 3 * m, which] += _products(change, *pairs).ravel()
-            slopes[3 * m :, which] += _products(change, (rate, rate))[0]
+            slopes[:, which] += _products(change, *pairs)
 
         for spring in range(m):
             if basis.moves[spring]:
@@ -205,5 +205,5 @@ class Solved:
 
 
 def _products(matrix: Array, *pairs: tuple[Array, Array]) -> Array:
-    """Bilinear forms ``one[i] matrix two[i]`` (pairs, m) of rows (m, n) with a matrix (n, n)."""
-    return np.stack([np.einsum("mi,ij,mj->m", one, matrix, two) for one, two in pairs])
+    """Bilinear forms ``one[i] matrix two[i]`` of rows (m, n) with a matrix (n, n), pair after pair."""
+    return np.concatenate([((one @ matrix) * two).sum(axis=1) for one, two in pairs])
