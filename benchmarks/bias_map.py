@@ -17,8 +17,6 @@ from stochlin.analyses.simulation import rare_yielding
 from stochlin.analyses.tables.storage import whole_file
 from stochlin.kernels.simulation.stepping import LANES
 
-rare_yielding.MOST_STEPS = np.inf  # all is simulated that closures are held against
-
 HARDENING = (0.02, 0.05, 0.1, 0.2, 0.5)
 DAMPING = (0.02, 0.05, 0.1)
 ELASTIC_DUCTILITY = (3.2, 2.0, 1.25, 0.8, 0.5, 1 / 3)
@@ -160,6 +158,7 @@ def save(dataset, path):
 
 
 def main():
+    rare_yielding.MOST_STEPS = np.inf  # all is simulated that closures are held against
     options = file_and_work(__doc__)
     parts = {}
     for ductility, hardening, damping in itertools.product(ELASTIC_DUCTILITY, HARDENING, DAMPING):

@@ -24,8 +24,6 @@ from stochlin.analyses.tables.storage import whole_file
 from stochlin.kernels.correlation.nearness import ENTRIES, form_of
 from stochlin.kernels.correlation.signatures import signature
 
-rare_yielding.MOST_STEPS = np.inf  # all is simulated that closures are held against
-
 HARDENING = (0.02, 0.05, 0.1, 0.2, 0.5)
 DAMPING = (0.01, 0.02, 0.05, 0.1)
 ELASTIC_DUCTILITY = (3.2, 2.0, 1.25, 0.8, 0.5, 1 / 3)
@@ -360,6 +358,7 @@ def labelled(signatures, displacement, white, added, near):
 
 
 def main():
+    rare_yielding.MOST_STEPS = np.inf  # all is simulated that closures are held against
     options = file_and_work(__doc__)
     wanted = itertools.product(ELASTIC_DUCTILITY, HARDENING[::-1], GROUND_DAMPING)
     parts = {point: kept(options.work, *point) for point in wanted if point[:2] != LEFT_OUT}
