@@ -17,8 +17,6 @@ from stochlin.analyses.simulation import rare_yielding
 from stochlin.analyses.tables.storage import whole_file
 from stochlin.kernels.simulation.stepping import LANES
 
-rare_yielding.MOST_STEPS = np.inf  # all is simulated that closures are held against
-
 HARDENING = (0.02, 0.05, 0.1, 0.2, 0.5)
 DAMPING = (0.02, 0.05, 0.1)
 ELASTIC_DUCTILITY = (3.2, 2.0, 1.25, 0.8, 0.5, 1 / 3)
@@ -128,27 +126,31 @@ def assembled(parts):
 
 def labelled(dataset):
     long_names = {
-        "elastic_ductility_std": "elastic displacement_std over yield displacement: R/p",
-        "hardening": "hardening ratio",
-        "damping": "damping ratio",
+        "elastic_ductility_std": "R/p: elastic standard deviation over the yield displacement",
+        "hardening": "hardening ratio of the structure",
+        "damping": "damping ratio of the structure",
         "ground_damping": "damping ratio of the Kanai-Tajimi ground",
-        "period": "period over ground period",
-        "longer_period": "longer period of the pair over ground period",
-        "period_ratio": "shorter over longer period of the pair",
-        "displacement_std_bias": "linearized displacement_std over the simulated one, less 1",
-        "displacement_std_bias_white_noise": "the same on white noise",
-        "rho_bias": "linearized rho less the simulated one, both structures with equal properties",
-        "rho_bias_white_noise": "the same on white noise",
+        "period": "period of the structure over the period of the ground",
+        "longer_period": "longer period of a pair of structures over the period of the ground",
+        "period_ratio": "shorter over longer period of a pair of structures",
+        "displacement_std_bias": "relative bias of the standard deviation, Kanai-Tajimi ground",
+        "displacement_std_bias_white_noise": "relative bias of the standard deviation, white noise",
+        "rho_bias": "bias of the correlation coefficient, Kanai-Tajimi ground",
+        "rho_bias_white_noise": "bias of the correlation coefficient, white noise",
     }
     for name, long_name in long_names.items():
         dataset[name].attrs.update(units="1", long_name=long_name)
     return dataset.assign_attrs(
-        title="Bias of the Gaussian closure for bilinear structures, by simulation",
+        title="Bias of linearization by the Gaussian closure, for bilinear structures, from simulations",
         stochlin_version=sl.__version__,
         history="benchmarks/bias_map.py",
         comment=(
-            f"Paths {FEWEST} to {MOST} of 20 correlation times, {STEPS_PER_PERIOD} steps of the "
-            "shortest period. Hardening 1 is linear: exact."
+            "The bias of a standard deviation of the displacement is the linearized value over the "
+            "simulated one, minus 1. The bias of a correlation coefficient is the linearized value "
+            "minus the simulated one; both structures of the pair have equal hardening, damping and "
+            f"R/p. Each point was simulated on {FEWEST} to {MOST} motions, which are 20 times as long "
+            f"as the memory of the structures, with {STEPS_PER_PERIOD} time steps in the shortest "
+            "period. A structure with the hardening ratio 1 is linear, so that its bias is 0."
         ),
     )
 
@@ -160,6 +162,7 @@ def save(dataset, path):
 
 
 def main():
+    rare_yielding.MOST_STEPS = np.inf  # all is simulated that closures are held against
     options = file_and_work(__doc__)
     parts = {}
     for ductility, hardening, damping in itertools.product(ELASTIC_DUCTILITY, HARDENING, DAMPING):

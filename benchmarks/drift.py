@@ -20,8 +20,6 @@ from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.simulation import rare_yielding
 from stochlin.analyses.tables.storage import save_table
 
-rare_yielding.MOST_STEPS = np.inf  # all is simulated that closures are held against
-
 PAIRS, SEED = 500, 20261207
 CLOSURES = ("gaussian", "clipped", "narrow_band", "drift")
 WHITE = 1 / 6  # share of the pairs on white noise
@@ -144,6 +142,7 @@ def saved(pairs, exact, found, path):
 
 
 def main():
+    rare_yielding.MOST_STEPS = np.inf  # all is simulated that closures are held against
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--work", type=Path, required=True)
     parser.add_argument("--save", type=Path)

@@ -24,8 +24,6 @@ from stochlin.analyses.tables.storage import whole_file
 from stochlin.kernels.correlation.nearness import ENTRIES, form_of
 from stochlin.kernels.correlation.signatures import signature
 
-rare_yielding.MOST_STEPS = np.inf  # all is simulated that closures are held against
-
 HARDENING = (0.02, 0.05, 0.1, 0.2, 0.5)
 DAMPING = (0.01, 0.02, 0.05, 0.1)
 ELASTIC_DUCTILITY = (3.2, 2.0, 1.25, 0.8, 0.5, 1 / 3)
@@ -316,50 +314,53 @@ def labelled(signatures, displacement, white, added, near):
         ),
     )
     long_names = {
-        "elastic_ductility_std": "elastic displacement_std over yield displacement: R/p",
-        "hardening": "hardening ratio",
-        "damping": "damping ratio",
-        "damping_white_noise": "damping ratio, on white noise",
+        "elastic_ductility_std": "R/p: elastic standard deviation over the yield displacement",
+        "hardening": "hardening ratio of the structure",
+        "damping": "damping ratio of the structure",
+        "damping_white_noise": "damping ratio of the structure, of the corrections on white noise",
         "ground_damping": "damping ratio of the Kanai-Tajimi ground",
-        "period": "period over ground period",
-        "signature_period": "period over ground period, of the signatures",
-        "reference_period": "period over ground period, of the references",
-        "reference_elastic_ductility_std": "R/p of the references",
-        "reference_hardening": "hardening ratio of the references",
-        "reference_damping": "damping ratio of the references",
-        "signature_correction": "simulated less derived signature",
-        "displacement_correction": "logarithm of the exact over the derived displacement_std",
-        "displacement_correction_white_noise": "the same on white noise",
-        "displacement_refinement": "what a finer grid adds between the points",
-        "refined_strength": "R/p, of the finer grid",
-        "refined_hardening": "hardening ratio, of the finer grid",
-        "refined_damping": "damping ratio, of the finer grid",
-        "refined_ground_damping": "damping ratio of the ground, of the finer grid",
-        "refined_period": "period over ground period, of the finer grid",
-        "nearness": "slopes of sqrt(1 - rho) of nearly equal structures, logarithms, and correlations",
-        "nearness_entry": "slopes by period, strength, hardening, damping; then their correlations",
-        "near_strength": "R/p, of nearly equal structures",
-        "near_hardening": "hardening ratio, of nearly equal structures",
-        "near_damping": "damping ratio, of nearly equal structures",
-        "near_ground_damping": "damping ratio of the ground, of nearly equal structures",
-        "near_period": "period over ground period, of nearly equal structures",
+        "period": "period of the structure over the period of the ground",
+        "signature_period": "period of the structure over the period of the ground, of the signatures",
+        "reference_period": "period of a reference structure over the period of the ground",
+        "reference_elastic_ductility_std": "R/p of a reference structure",
+        "reference_hardening": "hardening ratio of a reference structure",
+        "reference_damping": "damping ratio of a reference structure",
+        "signature_correction": "simulated minus derived signature of the structure",
+        "displacement_correction": "logarithm of the correction factor, Kanai-Tajimi ground",
+        "displacement_correction_white_noise": "logarithm of the correction factor, white noise",
+        "displacement_refinement": "what a finer grid adds to the interpolated displacement_correction",
+        "refined_strength": "R/p of the structure, of the finer grid",
+        "refined_hardening": "hardening ratio of the structure, of the finer grid",
+        "refined_damping": "damping ratio of the structure, of the finer grid",
+        "refined_ground_damping": "damping ratio of the Kanai-Tajimi ground, of the finer grid",
+        "refined_period": "period of the structure over the period of the ground, of the finer grid",
+        "nearness": "slopes of sqrt(1 - rho) of nearly equal structures, and correlations of the slopes",
+        "nearness_entry": "logarithms of slopes by period, R/p, hardening, damping; correlations",
+        "near_strength": "R/p of nearly equal structures",
+        "near_hardening": "hardening ratio of nearly equal structures",
+        "near_damping": "damping ratio of nearly equal structures",
+        "near_ground_damping": "damping ratio of the Kanai-Tajimi ground under nearly equal structures",
+        "near_period": "period of nearly equal structures over the period of the ground",
     }
     for name, long_name in long_names.items():
         table[name].attrs = {"units": "1", "long_name": long_name}
     return table.assign_attrs(
-        title="What simulation adds to the drift closure for bilinear structures",
+        title="Corrections of the drift closure for bilinear structures, from simulations",
         stochlin_version=sl.__version__,
         history="benchmarks/drift_map.py",
         comment=(
-            "Displacements from the map of the bias; at the least damping by their simulated ratio to "
-            "those at the next one, and on the finer grid as simulated. What remembers longest is "
-            "corrected as at the next hardening. Nothing is added at hardening 1 and where nothing "
-            "yields."
+            "The correction factor is the simulated over the derived standard deviation of the "
+            "displacement. The simulated ones are those of the map of the bias. At the smallest damping "
+            "ratio they follow from those at the next one, by the simulated ratio of both; on the finer "
+            "grid they were simulated for this map. Structures with the smallest hardening and R/p take "
+            "too long to simulate, and have the corrections of the next hardening. Structures with the "
+            "hardening ratio 1, and those that do not yield, are not corrected."
         ),
     )
 
 
 def main():
+    rare_yielding.MOST_STEPS = np.inf  # all is simulated that closures are held against
     options = file_and_work(__doc__)
     wanted = itertools.product(ELASTIC_DUCTILITY, HARDENING[::-1], GROUND_DAMPING)
     parts = {point: kept(options.work, *point) for point in wanted if point[:2] != LEFT_OUT}

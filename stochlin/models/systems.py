@@ -174,9 +174,10 @@ def _of_oscillators(structure: Structure, count: int) -> Iterator[Stack]:
     mass = float(values.get("mass", 1.0))
     w = 2 * np.pi / values["period"]
     hardening = values["hardening"] if structure.yields else 1.0
-    k = mass * w**2
     strength = values.get("yield_displacement", np.inf)
-    columns = (mass, hardening * k, (1 - hardening) * k, strength, 2 * values["damping"] * w * mass)
+    with np.errstate(over="ignore", invalid="ignore"):  # extreme structures get a status
+        k = mass * w**2
+        columns = (mass, hardening * k, (1 - hardening) * k, strength, 2 * values["damping"] * w * mass)
     rows = np.stack([np.broadcast_to(column, count) for column in columns], axis=1)
     for row in rows[:, :, None]:
         own, post, couple, limit, damping = row

@@ -104,6 +104,18 @@ def test_rare_yielding_is_refused_before_it_takes_hours():
         )
 
 
+def test_many_grounds_are_refused_by_the_time_of_all_of_them(monkeypatch):
+    """One of them takes 6 ms by the estimate, forty 0.23 s."""
+    monkeypatch.setattr("stochlin.analyses.simulation.ensembles.cores", lambda: 1)
+    monkeypatch.setattr("stochlin.analyses.tables.work.MOST_SECONDS", 0.05)
+    pair = [building(period) for period in (0.8, 1.0)]
+    one, several = (sl.KanaiTajimi(2.0, axis("bandwidth", np.full(n, 0.3))) for n in (1, 40))
+    sl.correlate(*pair, one, "simulation", **FEW)
+    monkeypatch.setattr("stochlin.analyses.correlation.simulated.simulate_moments", None)
+    with pytest.raises(ValueError, match=r"the simulations on 40 grounds would take .*fewer grounds"):
+        sl.correlate(*pair, several, "simulation", **FEW)
+
+
 def test_progress_runs_to_one():
     shares = []
     sl.simulate([building(1.0)], LAKEBED, paths=96, relaxation_times=1.0, progress=shares.append)

@@ -140,6 +140,13 @@ def correlate(
     standard deviations are too small. A separation computed from both is therefore unsafe by a third to
     a half. Nonlinear simulation, which takes seconds, does not have these errors.
 
+    By simulation, a run lasts until the plastic drifts of all structures of the table are stationary,
+    also those of structures that yield rarely; `simulate` takes the drifts of the latter from the drift
+    closure, which a simulation here is to be compared with. A table whose simulations, on all grounds
+    together, would take more than a quarter of an hour is refused with a ValueError, which names the
+    structure with the slowest drift if there is one ground. With dask arrays, only the measurement of
+    the drifts is limited so, not the chunks.
+
     The correlation can be negative if the period of the ground is between those of the structures.
 
     References

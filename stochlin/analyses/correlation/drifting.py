@@ -72,6 +72,7 @@ def _judged_piece(
 ) -> tuple[Array, ...]:
     """``rho``, status, bias, expected error, and the bias or else the error, for the caution."""
     status = np.maximum(status_1, status_2)
+    status = np.where((status < labels.NOT_CONVERGED) & np.isnan(raw), labels.NOT_PHYSICAL, status)
     rho = np.where(status < labels.NOT_CONVERGED, np.clip(raw, -1, 1), np.nan)
     bias, error = rho - truth, np.where(np.isnan(rho), np.nan, expected)
     return rho, status, bias, error, np.where(np.isnan(bias), error, bias)

@@ -32,7 +32,7 @@ from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.correlation.nearness import AXES, ENTRIES, Nearness
-from stochlin.kernels.correlation.signatures import Insight, insight, signature
+from stochlin.kernels.correlation.signatures import OWN, Insight, insight, signature
 from stochlin.models.grounds import Ground, WhiteNoise
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import DRIFT, Structure
@@ -77,7 +77,16 @@ def derived_gram(known: xr.Dataset) -> xr.DataArray:
 
 def _solved_references(ground: Ground, tolerance: Tolerance) -> tuple[xr.Dataset, xr.DataArray]:
     known = solve_derived(references(ground), ground, DRIFT, tolerance)
-    return known, derived_gram(known)
+    core = [REFERENCE, OTHER]
+    return known, cellwise(_definite, derived_gram(known), core=[core], result=core)[0]
+
+
+def _definite(gram: Array) -> Array:
+    """Correlations of the references; NaN where rounding errors dominate them."""
+    finite = np.asarray(np.isfinite(gram).all(axis=(-2, -1)))
+    safe = np.where(finite[..., None, None], gram, np.eye(gram.shape[-1]))
+    good = finite & (np.linalg.eigvalsh(safe)[..., 0] > -OWN / 2)
+    return np.where(good[..., None, None], gram, np.nan)
 
 
 _solved_once = lru_cache(maxsize=GROUNDS)(_solved_references)
@@ -137,7 +146,7 @@ def _like(point: list[Cells], period: Cells) -> list[Cells]:
     return list(cellwise(_nearness, *arrays, kinds=(float,) * OF_NEARNESS))
 
 
-@np.errstate(divide="ignore", invalid="ignore")  # elastic structures have log 0, and trust 0
+@np.errstate(divide="ignore", invalid="ignore", over="ignore")  # of elastic structures: log 0, trust 0
 def _nearness(*arrays: Array) -> tuple[Array, ...]:
     strength, hardening = arrays[1:3]
     place = [np.log(value) for value in arrays[:AXES]]

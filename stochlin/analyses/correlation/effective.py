@@ -82,8 +82,8 @@ def rho_effective(
     )
     valid = valid_cells(pair)
     effective = effective_properties(pair.cells(), chosen, valid)
-    (rho,) = cellwise(_eq_4, *effective.values())
-    table = xr.Dataset({"rho": rho, **effective, "status": labels.status_where(valid)})
+    rho, status = cellwise(_eq_4, valid, *effective.values(), kinds=(float, np.int8))
+    table = xr.Dataset({"rho": rho, **effective, "status": status})
     table = labels.label(table, VARIABLES)
     return labels.with_run_information(
         table.assign_attrs(rule=chosen.describe()),
@@ -94,8 +94,13 @@ def rho_effective(
     )
 
 
-def _eq_4(*inputs: Array) -> Array:
-    return in_slabs(white_noise_correlation, *inputs)[0]
+def _eq_4(*inputs: Array) -> tuple[Array, ...]:
+    def piece(valid: Array, *pair: Array) -> tuple[Array, Array]:
+        rho = white_noise_correlation(*pair)
+        status = np.where(np.isnan(rho), labels.NOT_PHYSICAL, labels.CONVERGED)
+        return rho, np.where(valid, status, labels.INVALID_INPUT)
+
+    return in_slabs(piece, *inputs, kinds=(float, np.int8))
 
 
 def effective_properties(values: Solved, rule: EffectiveRule, valid: Cells = True) -> dict[str, Cells]:
@@ -107,9 +112,10 @@ def effective_properties(values: Solved, rule: EffectiveRule, valid: Cells = Tru
 
     def piece(good: Array, *own: Array) -> tuple[Array, Array]:
         mu, alpha, period, xi = (np.where(good, value, np.nan) for value in own)
-        return period * rule.period_ratio(mu, alpha), rule.damping(mu, alpha, xi)
+        longer = period * rule.period_ratio(mu, alpha)
+        return np.where(np.isfinite(longer), longer, np.nan), rule.damping(mu, alpha, xi)
 
-    @np.errstate(invalid="ignore")  # invalid cells are NaN
+    @np.errstate(all="ignore")  # invalid cells, and periods that overflow, are NaN
     def effective(*inputs: Array) -> tuple[Array, ...]:
         return in_slabs(piece, *inputs, kinds=(float, float))
 

@@ -83,7 +83,7 @@ def _errors(*arrays: Array, values: Array) -> Array:
     return in_slabs(partial(_error, values=values), *arrays)[0]
 
 
-@np.errstate(divide="ignore", invalid="ignore")
+@np.errstate(divide="ignore", invalid="ignore", over="ignore")
 def _error(
     region_1: Array, period_1: Array, elastic_1: Array, region_2: Array, period_2: Array,
     elastic_2: Array, *, values: Array,
@@ -136,7 +136,7 @@ def _towards(logarithm: Array | float, ends: tuple[float, float]) -> Array:
     return np.clip((logarithm - begin) / (end - begin), 0, 1)
 
 
-@np.errstate(divide="ignore", invalid="ignore")  # equal structures give 0/0, invalid cells are NaN
+@np.errstate(all="ignore")  # equal structures give 0/0, invalid cells are NaN
 def relative_error(
     std_1: Array,
     error_1: Array,
@@ -190,7 +190,7 @@ def _difference(*arrays: Array) -> Array:
 
 
 def _difference_piece(std_1: Array, std_2: Array, rho: Array) -> Array:
-    return np.sqrt((std_1 - std_2) ** 2 + 2 * std_1 * std_2 * _left(rho))
+    return np.hypot(std_1 - std_2, np.sqrt(2 * _left(rho)) * np.sqrt(std_1) * np.sqrt(std_2))
 
 
 def _left(rho: Array) -> Array:

@@ -18,7 +18,7 @@ from stochlin.analyses.simulation.ensembles import (
     join_cells,
     prepare,
 )
-from stochlin.analyses.simulation.run_lengths import with_length
+from stochlin.analyses.simulation.run_lengths import expected_seconds, with_length
 from stochlin.analyses.simulation.simulation import (
     MomentEstimates,
     run_attributes,
@@ -27,6 +27,7 @@ from stochlin.analyses.simulation.simulation import (
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import Kinds, computed, in_chunks
 from stochlin.analyses.tables.cellwise import is_lazy
+from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.grounds import Ground
@@ -73,6 +74,8 @@ def simulate_pairs(
     """
     models: dict[str, Model] = {"first": first, "second": second, "ground": ground}
     if not is_lazy(*(array for model in models.values() for array in model.arrays().values())):
+        if any(array.size > 1 for array in ground.arrays().values()):
+            _check_grounds(first, second, ground, settings)
         return over_grounds(partial(_on_one_ground, settings=settings), (first, second), ground)
     one, two = (side.with_arrays(computed(side)) for side in (first, second))
     soil = ground.with_arrays(computed(ground))
@@ -144,6 +147,26 @@ def _on_one_ground(
     run = with_length(pairs.run(ground, settings), settings.relaxation_times)
     moments = simulate_moments(run, settings.progress)
     return _table(pairs, moments).assign_attrs(run_attributes(run))
+
+
+def _check_grounds(
+    first: Structure, second: Structure, ground: Ground, settings: SimulationSettings
+) -> None:
+    """Raise a ValueError if the simulations on all grounds would together take too long."""
+    seconds = over_grounds(partial(_seconds, settings=settings), (first, second), ground).seconds
+    check_work(
+        f"the simulations on {seconds.size} grounds would take",
+        "take fewer grounds at a time, lower paths or relaxation_times, or leave out structures that "
+        "yield rarely",
+        seconds=float(seconds.sum()),
+    )
+
+
+def _seconds(
+    first: Structure, second: Structure, ground: Ground, settings: SimulationSettings
+) -> xr.Dataset:
+    run = _Pairs.of(first, second, ground).run(ground, settings, moments=False)
+    return xr.Dataset({"seconds": sum(expected_seconds(run, settings.relaxation_times))})
 
 
 def _lengths(

@@ -1,12 +1,20 @@
 """Corrections of the drift closure, interpolated in a map of nonlinear simulations.
 
-The drift closure is derived, and the map has its errors: the logarithm of the ratio of the simulated to
-the derived standard deviation, with additional points where the period of the ground exceeds that of the
-structure; the difference of the simulated and the derived signature; and the quadratic forms of nearly
-equal structures (see `drifting_signatures`). Outside the map, its values at the boundary are used. Two
-boundaries are exact: corrections are 0 for hardening 1, and where the yield displacement is seven
-standard deviations of the elastic displacement, so that nothing yields. Between its points, the
-uncertainty ``displacement_error`` grows with their differences. ``make bias`` computes the map.
+The drift closure follows from a derivation with assumptions, so that its results differ from those of
+simulations. The map holds these differences for many structures on many grounds:
+
+- the logarithm of the simulated over the derived standard deviation of the displacement. Where the
+  period of the ground exceeds that of the structure, the map has additional points between its points;
+- the simulated minus the derived signature of a structure, from which the correlation of a pair follows
+  (see `drifting_signatures`);
+- the slopes with which the correlation of two nearly equal structures decreases as they become more
+  different.
+
+The corrections of a structure are interpolated between the points of the map; outside the map, the
+values at its boundary are used. At two boundaries the corrections are exactly 0, because the structure
+is linear there: at the hardening ratio 1, and where the yield displacement is about seven standard
+deviations of the elastic displacement. The more the surrounding points differ, the larger is
+``displacement_error``, the error that is expected after the correction. ``make bias`` computes the map.
 """
 
 from __future__ import annotations
@@ -26,41 +34,48 @@ from stochlin.models.grounds import CloughPenzien, Ground, WhiteNoise
 from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
 
 FILE = "drift_map.nc"
-# The correction on Clough-Penzien ground is that of its soil filter alone, a Kanai-Tajimi ground.
+# Clough-Penzien ground is a Kanai-Tajimi ground with a high-pass filter. Structures on it are corrected
+# as on the Kanai-Tajimi ground alone.
 CORRECTED_GROUNDS = (*KNOWN_GROUNDS, CloughPenzien)
-ELASTIC = 0.15  # R/p below which no drift grows within a million periods
+# R/p is the standard deviation of the elastic displacement over the yield displacement. Below this value
+# no drift grows within a million periods.
+ELASTIC = 0.15
 DISPLACEMENT, DISPLACEMENT_WHITE = "displacement_correction", "displacement_correction_white_noise"
 REFINEMENT = "displacement_refinement"
 SIGNATURE, REFERENCE = "signature_correction", "drift_reference"
 NEARNESS, ENTRY = "nearness", "nearness_entry"
-COLUMNS = (REFERENCE, ENTRY)  # dimensions that are no parameters: each entry is a map of its own
-# Ranges that were simulated: R/p, hardening, damping ratio; damping ratio of the ground, T/Tg.
+# Along these dimensions there is no parameter to interpolate in: each entry is a map of its own.
+COLUMNS = (REFERENCE, ENTRY)
+# Ranges that were simulated: of R/p, of the hardening ratio and of the damping ratio of the structure,
+# of the damping ratio of the ground, and of the period of the structure over that of the ground.
 STRENGTH, HARDENING, DAMPING = (0.0, 4.0), (0.02, 1.0), (0.01, 0.1)
 GROUND_DAMPING, PERIOD = (0.03, 1.0), (0.1, 10.0)
-# Clough-Penzien ground: period of the high-pass oscillator over that of the soil, and its damping.
+# Ranges on Clough-Penzien ground: of the period of the high-pass filter over that of the soil, and of
+# the damping ratio of the high-pass filter.
 HIGH_PASS = ("period", "high_pass_period", "high_pass_damping")
 HIGH_PASS_PERIOD, HIGH_PASS_DAMPING = (2.0, 25.0), (0.2, 1.3)
-# Largest ratio of the period after yield, T/sqrt(alpha), to that of the high-pass oscillator. Beyond it,
+# Largest period after yield, T/sqrt(alpha), over the period of the high-pass filter. Where it is larger,
 # corrected standard deviations are too large by 10 % and more.
 BEYOND = 2.0
-# Expected relative error of a standard deviation: its least value, that on Clough-Penzien ground, and
-# its ratio to the scatter of the surrounding points of the map.
+# The expected relative error of a corrected standard deviation combines two parts: one that is always
+# there, which is larger on Clough-Penzien ground, and this share of the scatter of the points around.
 LEAST, LEAST_CLOUGH_PENZIEN, BY_SPREAD = 0.01, 0.03, 0.45
 ROUNDING = 1e-9
 
 
 @cache
 def drift_map() -> xr.Dataset:
-    """The map of the package; its attributes describe how it was computed."""
+    """The map that the package contains; its attributes say how it was computed."""
     with files("stochlin.analyses.linearization").joinpath(FILE).open("rb") as stream:
         return xr.load_dataset(stream, engine="scipy")
 
 
 def with_correction(structure: Structure, ground: Ground, derived: Solved) -> Solved:
-    """A structure solved by the drift closure, with displacements corrected by the map.
+    """The results of the drift closure for a structure, with displacements corrected by the map.
 
-    The result has ``displacement_error``, the expected relative error after the correction; it is NaN
-    outside the simulated ranges. On a kind of ground that the map does not have, nothing is corrected.
+    They also have ``displacement_error``, the relative error that is expected after the correction. It
+    is NaN where the structure or the ground is outside the simulated ranges. On a kind of ground for
+    which there are no simulations, nothing is corrected, and the error is NaN if the structure yields.
     """
     shown = ("displacement_std", "ductility_std")
     arrays = [derived[name] for name in (*shown, "yield_displacement")]
@@ -78,9 +93,9 @@ def with_correction(structure: Structure, ground: Ground, derived: Solved) -> So
 def _corrected(
     std: Array, ductility: Array, uy: Array, inside: Array, *point: Array, name: str, least: float
 ) -> tuple[Array, ...]:
-    """Corrected standard deviation [m] and ductility, and the expected relative error that remains.
+    """Corrected standard deviation [m], corrected ductility, and the relative error that is expected.
 
-    Without a ``point`` nothing is corrected.
+    ``point`` is the place of the structure in the map; without one, nothing is corrected.
     """
     elastic = np.isinf(uy)
     if not point:
@@ -92,12 +107,13 @@ def _corrected(
 
 
 def checked(ground: Ground, point: Sequence[Cells]) -> Cells:
-    """Whether points of `point_of` are within the simulated ranges."""
+    """Whether the places ``point`` of structures in the map are within the simulated ranges."""
     soil = ground.cells()
     high_pass = [soil[name] for name in HIGH_PASS] if isinstance(ground, CloughPenzien) else []
     return cellwise(_checked, *point, *high_pass, kinds=(bool,))[0]
 
 
+@np.errstate(over="ignore")  # what overflows is outside
 def _checked(strength: Array, hardening: Array, damping: Array, *others: Array) -> Array:
     inside = within(strength, STRENGTH) & within(hardening, HARDENING) & within(damping, DAMPING)
     if not others:
@@ -113,18 +129,25 @@ def _checked(strength: Array, hardening: Array, damping: Array, *others: Array) 
 
 
 def within(value: Array, ends: tuple[float, float]) -> Array:
-    """Whether values lie within a range, apart from rounding errors."""
+    """Whether each value lies between both ends of a range; rounding errors beyond them are allowed."""
     return (value >= ends[0] * (1 - ROUNDING)) & (value <= ends[1] * (1 + ROUNDING))
 
 
 def usual_closure(structure: Structure, ground: Ground) -> str:
-    """Default closure: drift for yielding bilinear structures on grounds of the map, else Gaussian."""
+    """The closure that is used if none is asked for.
+
+    It is the drift closure for bilinear structures that yield, on the grounds that are corrected, and
+    otherwise the Gaussian one.
+    """
     known = DRIFT in structure.closure_names() and type(ground) in CORRECTED_GROUNDS
     return DRIFT if known and structure.yields else GAUSSIAN
 
 
 def hold_at_ends(name: str, point: Sequence[Cells]) -> tuple[Cells, ...]:
-    """Values of a variable of the map at points of `point_of`, an array for each of its entries."""
+    """Values of a variable of the map at the places ``point`` of structures.
+
+    Outside the map they are those at its boundary. There is one array for each entry of the variable.
+    """
     return cellwise(_held, *point, name=name, kinds=(float,) * len(_grids(name)))
 
 
@@ -145,7 +168,10 @@ def _grids(name: str) -> tuple[Grid, ...]:
 
 
 def _refined(coarse: xr.DataArray, refinement: xr.DataArray) -> xr.DataArray:
-    """The coarse map interpolated to the points of both maps, plus ``refinement`` at its own points."""
+    """One map over the points of the coarse map and of the refinement.
+
+    The coarse map is interpolated to all points, and the refinement is added at its own points.
+    """
     inner, outer = (
         [array[dim].values.round(12) for dim in array.dims] for array in (refinement, coarse)
     )
@@ -158,7 +184,7 @@ def _refined(coarse: xr.DataArray, refinement: xr.DataArray) -> xr.DataArray:
     return xr.DataArray(values, dims=coarse.dims, coords=dict(zip(coarse.dims, points, strict=True)))
 
 
-@np.errstate(divide="ignore", invalid="ignore")  # elastic structures have log 0; invalid cells are NaN
+@np.errstate(divide="ignore", invalid="ignore")  # R/p of elastic structures is 0; failed cells are NaN
 def _held(*point: Array, name: str) -> Array | tuple[Array, ...]:
     grids = _grids(name)
     inside = _inside(grids[0], point)
@@ -168,7 +194,10 @@ def _held(*point: Array, name: str) -> Array | tuple[Array, ...]:
 
 @np.errstate(divide="ignore", invalid="ignore")
 def _held_with_spread(*point: Array, name: str) -> tuple[Array, Array]:
-    """Interpolated values, and the weighted standard deviations of the surrounding points."""
+    """The interpolated values, and the standard deviations of the points around each place.
+
+    The standard deviations have the weights of the interpolation.
+    """
     (grid,) = _grids(name)
     inside = _inside(grid, point)
     value = between_points(grid, inside)
@@ -177,6 +206,7 @@ def _held_with_spread(*point: Array, name: str) -> tuple[Array, Array]:
 
 
 def _inside(grid: Grid, point: tuple[Array, ...]) -> Array:
+    """Logarithms of the parameters, moved to the boundary where they are outside the map."""
     place = np.log(np.array(in_one_shape(*point)))
     ends = zip(grid.axes, grid.sizes, strict=True)
     for row, (axis, size) in enumerate(ends):

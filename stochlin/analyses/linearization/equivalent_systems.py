@@ -297,7 +297,9 @@ class _Solver(NamedTuple):
         share = own.mu_z / (displacement * z)
         drift = self._drift(solution, ground, uy) if self.drifts else {}
         total = np.hypot(displacement, drift.get("drift_std", 0.0))
-        physical = (own.mu_mu > 0) & (own.v_v > 0) & ~np.isnan(total)
+        physical = (own.mu_mu > 0) & (own.v_v > 0)
+        for extent in (total, velocity, total / uy):
+            physical &= np.isfinite(extent)
         if self.closure == NARROW_BAND and not elastic.all():
             z = corr = c_eq = k_eq = np.full_like(z, np.nan)
         else:

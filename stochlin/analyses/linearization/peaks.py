@@ -241,7 +241,7 @@ def _moments(
 ) -> tuple[xr.DataArray, ...]:
     """Spectral moments by a kernel, which takes the cells in one row; failed cells stay NaN."""
 
-    @np.errstate(invalid="ignore", divide="ignore")
+    @np.errstate(all="ignore")
     def flat(*arrays: Array) -> tuple[Array, ...]:
         shape = np.broadcast_shapes(*(np.shape(array) for array in arrays))
         rows = [np.broadcast_to(array, shape).ravel() for array in arrays]

@@ -1,4 +1,8 @@
-"""Ensembles of simulations from models: cells of structures, time steps, estimated work."""
+"""Structures and their ground, prepared for a simulation of many motions (an ensemble).
+
+Here the models become the arrays that the compiled time steps take. The time step is chosen, and the
+computing time is estimated. The parameters of each single structure in a table are called a cell.
+"""
 
 from __future__ import annotations
 
@@ -36,50 +40,57 @@ from stochlin.messages import brief
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Structure
 
-SAMPLES_PER_PERIOD = 2  # samples in the shortest period; more would hardly improve the variance
-# Estimate of the computing time, from which simulations that would take too long are refused.
-STEP = 4e-9  # time [s] on one core for one step of one bilinear structure
-# Times in multiples of STEP: of the ground, a structure with another law, and a relative displacement;
+# The response is sampled this often in the shortest period. More samples would hardly make the estimated
+# variance more accurate.
+SAMPLES_PER_PERIOD = 2
+# The computing time is estimated beforehand, and a simulation that would take too long is refused.
+STEP = 4e-9  # time [s] that one core needs for one time step of one bilinear structure
+# The other parts of a time step, in multiples of STEP: the ground, a structure with another hysteresis
+# law, and a relative displacement of two structures that is recorded.
 GROUND, OTHER_LAW, PAIR = 4.0, 15.0, 0.25
-DASHPOT = 60.0  # of a dashpot with an exponent,
-STOREY = 0.5  # and of each pair of storeys in a building.
+DASHPOT = 60.0  # a dashpot whose force is a power of the velocity
+STOREY = 0.5  # each pair of storeys of a building
 
 
 class SimulationCells(NamedTuple):
-    """Cells of structures in one row, (n,); NaN where invalid."""
+    """The cells of structures in one row of length n; parameters that are not valid are NaN."""
 
     period: Array  # [s]
-    damping: Array
-    hardening: Array
-    yield_displacement: Array  # [m], infinite if elastic
-    law: Array  # (n, k) parameters of the law, filled up with NaN
-    block: npt.NDArray[np.object_]  # function for the time steps of the law
-    damping_time: Array  # [s], 1/(xi w)
-    drift_time: Array  # [s], relaxation time of the plastic drift by linearization, 0 if elastic
-    valid: Array
+    damping: Array  # damping ratio
+    hardening: Array  # hardening ratio
+    yield_displacement: Array  # [m], infinite for an elastic structure
+    law: Array  # (n, k) further parameters of the hysteresis law; shorter rows are filled up with NaN
+    block: npt.NDArray[np.object_]  # the function that makes the time steps of the law
+    damping_time: Array  # [s] in which free vibrations decay to 1/e, which is 1/(xi w)
+    drift_time: Array  # [s] in which the plastic drift decays, by linearization; 0 if elastic
+    valid: Array  # whether the parameters are in range and the elastic response could be computed
 
 
 class Run(NamedTuple):
-    """An ensemble that is ready to run. Each cell of an oscillator is one floor."""
+    """A simulation that is ready to run.
 
-    crowd: Crowd
-    order: Array  # row of each valid floor in the crowd
-    scale: Array  # unit of the displacement of each valid floor [m]
-    ground: AnyGround
-    root: Array  # square root of the stationary covariance of the ground filter
-    plan: Plan
-    memory: float  # [s], longest decay time of vibrations or relaxation time of plastic drifts
-    valid: Array  # (n,) whether each floor is valid
-    period: Array  # [s], longest period of the structure of each valid floor
-    drift_time: Array  # [s], relaxation time of its plastic drift by linearization
+    It has floors: an oscillator has one, a building with storeys has one for each storey.
+    """
+
+    crowd: Crowd  # all structures, grouped by the kind of their time steps
+    order: Array  # for each valid floor, its row in the crowd
+    scale: Array  # for each valid floor, the unit in which its displacement is computed [m]
+    ground: AnyGround  # time steps of the ground filter
+    root: Array  # square root of the stationary covariance of the filter, for its initial states
+    plan: Plan  # time step, duration, number and seed of the motions
+    memory: float  # [s], the longest time in which a vibration or a plastic drift decays
+    valid: Array  # (n,) for each floor, whether it can be simulated
+    period: Array  # [s], for each valid floor, the longest period of its structure
+    drift_time: Array  # [s], for each valid floor, the time in which its plastic drift decays
 
 
 def cells_of(
     structure: Structure, ground: Ground, stationary: bool = True
 ) -> tuple[SimulationCells, xr.DataArray]:
-    """Cells of a structure in one row, and their positions in it over the dimensions of the structure.
+    """The cells of a structure in one row, and for each cell of its table the position in this row.
 
-    Only a stationary run needs the relaxation time of the drift; otherwise it is 0.
+    The decay time of the plastic drift is only computed for a ``stationary`` run, which needs it for its
+    duration. Otherwise it is 0.
     """
     elastic = solve_elastic(structure, ground)
     values = structure.arrays()
@@ -117,7 +128,10 @@ def cells_of(
 def cells_of_all(
     structures: Sequence[Structure], ground: Ground, stationary: bool = True
 ) -> SimulationCells:
-    """Cells of structures with scalar parameters; structures with the same law are solved together."""
+    """The cells of structures with scalar parameters, in their order.
+
+    Structures with the same hysteresis law are solved together, which is faster.
+    """
     alike: dict[tuple[object, ...], list[int]] = {}
     for number, structure in enumerate(structures):
         alike.setdefault((structure.block(), *structure.arrays()), []).append(number)
@@ -133,7 +147,7 @@ def cells_of_all(
 
 
 def join_cells(parts: Sequence[SimulationCells]) -> SimulationCells:
-    """Cells of several structures in one row."""
+    """The cells of several structures, one after another in one row."""
     columns = dict(zip(SimulationCells._fields, zip(*parts, strict=True), strict=True))
     laws = joined_laws(columns.pop("law"))
     return SimulationCells(
@@ -142,7 +156,10 @@ def join_cells(parts: Sequence[SimulationCells]) -> SimulationCells:
 
 
 def joined_laws(laws: Sequence[Array]) -> Array:
-    """Parameters of several laws (n, k) in one array, filled up with NaN to the largest k."""
+    """Parameters of several laws, arrays (n, k), in one array.
+
+    Rows with fewer parameters than the longest are filled up with NaN.
+    """
     widest = max(law.shape[1] for law in laws)
     wide = [np.pad(law, ((0, 0), (0, widest - law.shape[1])), constant_values=np.nan) for law in laws]
     return np.concatenate(wide)
@@ -163,33 +180,35 @@ def prepare(
     step: float | None = None,
     moments: bool = True,
 ) -> Run:
-    """Ensemble of structures on a ground, with its time step but without a duration.
+    """Structures and their ground, ready for a simulation whose duration is still open.
 
     Parameters
     ----------
     cells : SimulationCells or None
-        Oscillators without links.
+        Oscillators that are not linked to others.
     ground : Ground
-        The ground.
+        The ground that acts on all structures.
     paths, seed, steps_per_period, scatter
         As in `simulate`.
     frames : sequence of Frame
         Buildings with storeys and linked structures.
     floors : sequence of int, optional
-        Numbers of the floors that are the ``cells``, if there are ``frames``.
+        For each of the ``cells`` its number among the floors. Required if there are ``frames``.
     drift_times : Array, optional
-        Relaxation times of the plastic drifts of all floors [s]; otherwise those of the ``cells``.
+        For each floor the time in which its plastic drift decays [s]. The default are the times of the
+        ``cells``.
     grounds : sequence of Ground
         Samples of an uncertain ground, one for each motion.
     step : float, optional
-        Time step [s]; otherwise it follows from the shortest period.
+        Time step [s]. The default follows from the shortest period.
     moments : bool
-        Whether moments of all pairs will be stored, for which the memory is checked.
+        Whether the run will store the moments of all pairs of floors. If so, it is checked whether they
+        fit into memory.
 
     Returns
     -------
     Run
-        The ensemble.
+        The simulation, without its duration.
     """
     if cells is not None and not cells.valid.any():
         raise ValueError("no structure has valid parameters; correct those that are out of range")
@@ -240,7 +259,10 @@ def prepare(
 
 
 def ground_steps(soil: Filter, dt: float) -> tuple[FilterSteps, Array]:
-    """Time steps of the filter of a ground, and the square root of its stationary covariance."""
+    """The time steps of the filter of a ground, and the square root of its stationary covariance.
+
+    With the square root, the initial states of the filter are drawn.
+    """
     matrix, noise, output = soil.arrays
     intensity = 2 * np.pi * soil.intensity
     return filter_steps(matrix, noise, output, intensity, dt), _root(matrix, noise, intensity)
@@ -258,7 +280,7 @@ def check_settings(
 
 
 def check_memory(structures: int, paths: int) -> None:
-    """Raise a ValueError if moments of all pairs of so many structures would not fit into memory."""
+    """Raise a ValueError if the moments of all pairs of structures would not fit into memory."""
     at_once = min(cores(), -(-paths // LANES))
     needed = 8.0 * structures**2 * (4 * LANES * at_once + 12)
     check_work(
@@ -269,13 +291,16 @@ def check_memory(structures: int, paths: int) -> None:
 
 
 def seconds_of(run: Run, steps: float, pairs: float) -> float:
-    """Estimated time [s] for ``steps`` of all paths with ``pairs`` relative displacements at each."""
+    """Estimated computing time [s] of a run of this many time ``steps``.
+
+    At each step, ``pairs`` relative displacements are recorded.
+    """
     each = GROUND + PAIR * pairs + sum(_weight(part) for part in run.crowd.parts)
     return STEP * each * steps * run.plan.groups * LANES / cores()
 
 
 def _weight(part: Oscillators | Storeys | SampledStoreys) -> float:
-    """Estimated time of one step of these structures, in multiples of that of a bilinear one."""
+    """Estimated time of one step of these structures, over that of one bilinear structure."""
     if isinstance(part, (Storeys, SampledStoreys)):
         kind = (part.elements if isinstance(part, Storeys) else part.elements[0]).kind
         laws = np.where(kind == VISCOUS, DASHPOT, np.where(kind > SLACK, OTHER_LAW, 1.0))
@@ -286,9 +311,9 @@ def _weight(part: Oscillators | Storeys | SampledStoreys) -> float:
 def _oscillators(
     cells: SimulationCells, valid: Array
 ) -> tuple[list[Oscillators | Storeys | SampledStoreys], Array, Array]:
-    """Structures grouped by law, their rows, and their units of displacement [m].
+    """The valid structures grouped by law, the row of each, and its unit of displacement [m].
 
-    The unit is the yield displacement, and 1 m for elastic structures.
+    Displacements are computed in units of the yield displacement; of elastic structures in m.
     """
     w = 2 * np.pi / cells.period[valid]
     yields = np.isfinite(cells.yield_displacement[valid])
@@ -309,9 +334,11 @@ def _oscillators(
 
 
 def _root(matrix: Array, noise: Array, intensity: float) -> Array:
-    """Symmetric square root of the stationary covariance of a filter, for stationary initial states.
+    """Symmetric square root of the stationary covariance of a filter.
 
-    It is unique, whereas the signs of eigenvectors may change with rounding errors.
+    Normal numbers times this matrix are initial states with which the ground motion is stationary from
+    its start. The symmetric root is unique. A root of eigenvectors is not, since their signs may change
+    with rounding errors.
     """
     if not len(noise):
         return np.zeros((0, 0))

@@ -1,9 +1,10 @@
-"""Structures that yield too rarely for a stationary simulation: elastic, plus drift by linearization.
+"""Structures that yield so rarely that a simulation would not become stationary in reasonable time.
 
-The plastic drift of a structure that yields once in ten thousand periods needs a hundred thousand
-periods to become stationary. Such a structure is simulated as elastic, which it is between the yield
-excursions. The variances and covariances of the drifts are those of the drift closure, eqs. (1) to (8)
-of ``docs/drift.md``.
+The plastic drift is the slow wandering of the position about which a yielding structure vibrates. If a
+structure yields once in ten thousand periods, its drift needs a hundred thousand periods to become
+stationary. Such a structure is simulated as elastic, which it is for nearly all of the time. The
+variance of its drift, and the covariance of the drifts of two structures, are then added from the drift
+closure, eqs. (1) to (8) of ``docs/drift.md``.
 """
 
 from __future__ import annotations
@@ -31,10 +32,12 @@ from stochlin.models.grounds import Ground
 from stochlin.models.structures import DRIFT, Structure
 from stochlin.models.systems import AnyStructure
 
-# Steps of a motion up to which a drift is simulated; 256 motions of one structure take some ten seconds.
+# A drift is simulated if each motion needs at most this number of time steps. With 256 motions of one
+# structure this takes some ten seconds.
 MOST_STEPS = 1e7
-# Errors of the drift closure: relative, of a standard deviation (1.4 % on average over 500 pairs), and
-# of the correlation of two drifts.
+# Errors of the drift closure, which are added to the standard errors of the simulation. The first is the
+# relative error of a standard deviation, which was 1.4 % on average over 500 pairs. The second is the
+# error of the correlation coefficient of two drifts.
 DISPLACEMENT_ERROR, SHARED_ERROR = 0.02, 0.25
 MEANINGS = ("simulated", "elastic_and_drift_by_closure")
 
@@ -44,7 +47,10 @@ Mask = npt.NDArray[np.bool_]
 def rarely_yielding(
     structures: Sequence[AnyStructure], ground: Ground, run: Run, relaxation_times: float
 ) -> Mask:
-    """Whether each of the structures, all of them oscillators, yields too rarely to be simulated."""
+    """For each structure, whether it yields too rarely to be simulated; all are oscillators.
+
+    A structure for which the drift closure does not apply is never marked.
+    """
     longest = MOST_STEPS * run.plan.dt / (BURN_IN + relaxation_times)
     slow = np.zeros(run.valid.size, bool)
     slow[run.valid] = run.drift_time > longest
@@ -52,7 +58,7 @@ def rarely_yielding(
 
 
 def elastic(structures: Sequence[AnyStructure], rare: Mask) -> list[AnyStructure]:
-    """The structures, of which those that yield rarely are made elastic."""
+    """The same structures, but those that yield rarely (``rare``) have no strength and stay elastic."""
     return [
         replace(one, yield_displacement=None, reduction_factor=None)
         if out and isinstance(one, Structure)
@@ -64,10 +70,12 @@ def elastic(structures: Sequence[AnyStructure], rare: Mask) -> list[AnyStructure
 def with_drift(
     table: xr.Dataset, structures: Sequence[AnyStructure], ground: Ground, rare: Mask
 ) -> xr.Dataset:
-    """Table of a simulation of `elastic` structures, with the drift of those that yield rarely added.
+    """The ``table`` of a simulation of the `elastic` structures, with the missing drifts added.
 
-    The covariance of a drift with the response of the other structure apart from its drift is neglected,
-    because that response is much faster.
+    The standard deviation of a structure that yields rarely is the one by the drift closure. Its
+    covariance with another structure is the simulated one plus that of both drifts. The drift of one
+    structure and the vibration of the other are taken as uncorrelated, because the vibration is much
+    faster.
     """
     solved = {n: _solved(one, ground) for n, one in enumerate(structures) if _drifts(one, ground)}
     chosen = [n for n, out in enumerate(rare) if out]
@@ -116,17 +124,18 @@ def with_drift(
 
 
 def _drifts(structure: AnyStructure, ground: Ground) -> bool:
-    """Whether the drift closure applies to the structure on this ground."""
+    """Whether the drift closure applies to this kind of structure on this kind of ground."""
     return isinstance(structure, Structure) and usual_closure(structure, ground) == DRIFT
 
 
 def _solved(structure: AnyStructure, ground: Ground) -> xr.Dataset:
+    """The structure as solved by the drift closure."""
     assert isinstance(structure, Structure)
     return solve_structure(structure, ground, DRIFT, USUAL)
 
 
 def _shared(one: xr.Dataset, other: xr.Dataset) -> float:
-    """Covariance of two drifts [m^2]."""
+    """Covariance of the plastic drifts of two structures [m^2]."""
     systems = [system_and_forcing([side[n].values for n in INTERNAL])[0] for side in (one, other)]
     shares = [np.array([side[n].values for n in SHARES]) for side in (one, other)]
     rates: list[Array] = [side.drift_rate.values for side in (one, other)]

@@ -42,20 +42,16 @@ def with_length(run: Run, relaxation_times: float, measured_alone: bool = False)
     """
     expected = run.drift_time
     slowest = _slowest(expected, run)
-    longest = max(run.memory, slowest.time)
-    steps = (BURN_IN + relaxation_times) * longest / run.plan.dt
-    seconds = seconds_of(run, steps, run.crowd.size**2 / (2 * run.plan.every))
-    if measured_alone:
-        measuring = run._replace(plan=run.plan._replace(groups=GROUPS))
-        seconds = seconds_of(measuring, (SETTLING + LENGTH) * slowest.time / run.plan.dt, 0.0)
+    lasts = (BURN_IN + relaxation_times) * max(run.memory, slowest.time)
+    measuring, running = expected_seconds(run, relaxation_times)
     check_work(
         "the run would take",
         f"the structure of period {slowest.period:.3g} s yields so rarely that its drift relaxes in "
         f"{slowest.time:.3g} s: leave it out, or lower paths or relaxation_times"
         if slowest.time > run.memory
-        else f"it lasts {steps * run.plan.dt:.3g} s in steps of {run.plan.dt:.3g} s: lower paths or "
+        else f"it lasts {lasts:.3g} s in steps of {run.plan.dt:.3g} s: lower paths or "
         "relaxation_times, or leave out the shortest or the longest period",
-        seconds=seconds,
+        seconds=measuring if measured_alone else measuring + running,
     )
     if slowest.time > run.memory:
         measured = _measure(run, slowest.time)[run.order]
@@ -66,6 +62,19 @@ def with_length(run: Run, relaxation_times: float, measured_alone: bool = False)
         recorded=max(2, int(np.ceil(relaxation_times * memory / run.plan.block))),
     )
     return run._replace(plan=plan, memory=memory)
+
+
+def expected_seconds(run: Run, relaxation_times: float) -> tuple[float, float]:
+    """Estimated times [s] of measuring the slowest drift, and of the run with its memory expected.
+
+    The memory that is expected is the one by linearization, which is too long.
+    """
+    slowest, measuring = _slowest(run.drift_time, run).time, 0.0
+    if slowest > run.memory:
+        few = run._replace(plan=run.plan._replace(groups=GROUPS))
+        measuring = seconds_of(few, (SETTLING + LENGTH) * slowest / run.plan.dt, 0.0)
+    steps = (BURN_IN + relaxation_times) * max(run.memory, slowest) / run.plan.dt
+    return measuring, seconds_of(run, steps, run.crowd.size**2 / (2 * run.plan.every))
 
 
 def _slowest(times: Array, run: Run) -> _Drift:

@@ -6,6 +6,8 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 
+APART = 1e-150, 1e150  # beyond these the correlation is zero in floating point
+
 
 def white_noise_correlation(
     period_1: Array, period_2: Array, damping_1: Array, damping_2: Array
@@ -33,9 +35,14 @@ def white_noise_correlation(
     >>> round(float(white_noise_correlation(0.9, 1.0, 0.05, 0.05)), 6)
     0.473028
     """
-    b = np.sqrt(period_2 / period_1)  # w1 over the geometric mean of w1 and w2
-    w1, w2 = b, 1 / b
-    mixed = damping_1 * w1 + damping_2 * w2
-    crossed = damping_1 * w2 + damping_2 * w1
-    detuning = (w1 - w2) * (w1 + w2)
-    return 8 * np.sqrt(damping_1 * damping_2) * mixed / (detuning**2 + 4 * mixed * crossed)
+    with np.errstate(over="ignore", under="ignore", divide="ignore"):
+        b = np.sqrt(period_2 / period_1)  # w1 over the geometric mean of w1 and w2
+        w1 = np.clip(b, *APART)
+        w2 = 1 / w1
+        # Damping ratios in a power of two, which changes no digit, so that no product vanishes.
+        unit = np.ldexp(1.0, np.frexp(np.maximum(damping_1, damping_2))[1])
+        xi1, xi2 = damping_1 / unit, damping_2 / unit
+        mixed = xi1 * w1 + xi2 * w2
+        crossed = xi1 * w2 + xi2 * w1
+        detuning = (w1 - w2) * (w1 + w2) / unit
+        return 8 * np.sqrt(xi1 * xi2) * mixed / (detuning**2 + 4 * mixed * crossed)

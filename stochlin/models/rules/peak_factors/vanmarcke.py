@@ -38,9 +38,10 @@ class Vanmarcke1975(PeakFactor):
             cells = slice(begin, begin + CELLS)
             moments[:, cells] = _survival_moments(n[cells, None], delta[cells, None])
         mean, square = moments
-        return mean, np.sqrt(square - mean**2)
+        return mean, np.sqrt(np.maximum(square - mean**2, 0))
 
 
+@np.errstate(over="ignore")  # of the rate, where the exceedance is 0 or 1
 def _survival_moments(n: Array, delta: Array) -> tuple[Array, Array]:
     """First two moments ``Int (1 - F) dx`` and ``Int 2 x (1 - F) dx`` of Vanmarcke's distribution F."""
     reach = np.sqrt(2 * (np.log1p(n) + 37))  # for larger x, 1 - F is below 1e-16
