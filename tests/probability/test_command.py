@@ -37,6 +37,9 @@ def test_prints_saves_and_draws(case, tmp_path):
     with xr.open_dataset(out, engine="scipy") as table:
         last = float(table.confidence_of_no_pounding_simulated[-1])
     assert f"{last:11.4f}" in done.output
+    said = " ".join(done.output.split())
+    assert "within the range of its map; here the ground is Clough-" in said
+    assert "the column formula: for buildings like these it may be far off. The column" in said
 
 
 @pytest.mark.slow
