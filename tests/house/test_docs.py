@@ -139,6 +139,15 @@ def test_theory_has_every_equation_of_the_paper_and_its_code() -> None:
     assert not [text.splitlines()[0] for text in sections if "\\tag" in text and "py:obj" not in text]
 
 
+def test_subscripts_stand_beside_letters_with_dots() -> None:
+    """The site sets an index of a letter with a dot below it, unless an empty group is between them."""
+    notebooks = [
+        path.read_text(encoding="utf-8") for path in (DOCS.parent / "notebooks").glob("*.ipynb")
+    ]
+    for text in (*PAGES.values(), *notebooks):
+        assert not re.search(r"\\d?dot *(\{[^}]*\}|\\*[A-Za-z]+)_", text)
+
+
 @pytest.mark.parametrize("page", PAGES)
 def test_files_that_a_page_links_to_exist(page: str) -> None:
     for target in re.findall(r"\]\(([^)#]+\.(?:md|ipynb))", PAGES[page]):
