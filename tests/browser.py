@@ -98,13 +98,12 @@ class Browser:
         return list(self.script(data, find, number))
 
     def gaps(self) -> dict[str, float]:
-        """The gap [cm] of each row of its chart, by its label."""
+        """The gap [cm] of each row of its chart, by its label; rows that share a line are waited out."""
         rows = """const d = document.querySelector('[data-panel=gaps] .chart').data;
             return d.filter(c => c.mode == 'markers+text')
               .flatMap(c => c.y.map((y, n) => [y, c.x[n]]))"""
-        found = self.script(rows)
-        assert len(dict(found)) == len(found), "a label has two numbers"
-        return dict(found)
+        wait(lambda: len(dict(self.script(rows))) == len(self.script(rows)))
+        return dict(self.script(rows))
 
     def send(self, *files: Path) -> None:
         """Choose these files to be opened."""

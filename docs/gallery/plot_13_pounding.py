@@ -5,8 +5,8 @@ Two towers that pound
 A tower of ten storeys stands beside one of five, with a gap of 2 cm, in a synthetic motion. The towers
 meet at the levels of the floors of the lower one, where Kelvin elements stand. Top: the displacement
 of both at the level of the lower roof; the curve of the right tower is shifted by the gap. Bottom: the
-contact force at this level, and the strength of a storey. The floors below collide at the same times,
-and with the less force the lower they are.
+contact force at this level, and the strength of a storey. Lower floors collide at the same times, with
+smaller forces.
 """
 
 import matplotlib.pyplot as plt

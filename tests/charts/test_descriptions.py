@@ -43,7 +43,7 @@ def test_models_within_models_are_in_words():
     floors = (1, 0), (2, 1)
     dampers = [sl.Link(damping_constant=4e6, structures=(2, 2), floors=each) for each in floors]
     assert plain(in_words(sl.Measure(link=dampers).describe(), "measure")) == (
-        "link 2 times (damping constant 4 MN s/m, buildings 2 and 2) at floors (1, 0), (2, 1)"
+        "link 2 times (damping constant 4 MN s/m, inside building 2) at floors (1, 0), (2, 1)"
     )
 
 
@@ -53,7 +53,7 @@ def test_uncertain_numbers_and_places_have_units_and_words():
     assert "period 0.6 s ± 20 %" in plain(told)
     assert "yield displacement 0.02 to 0.03 m" in plain(told)
     brace = sl.Link(stiffness=1e8, structures=(1, 1), floors=(1, 0))
-    assert plain(in_words(brace.describe())).endswith("floors 1 and 0, buildings 1 and 1")
+    assert plain(in_words(brace.describe())).endswith("floors 1 and the ground, inside building 1")
 
 
 def test_storeys_and_tables_keep_their_ranges():

@@ -170,6 +170,12 @@ def test_what_would_take_too_long_is_left_out_and_said():
     assert "Not all is simulated: the run would take about" in plane.attrs["comment"]
 
 
+def test_a_plane_is_verified_at_as_many_periods_as_are_asked_for():
+    plane = sl.charts.verify_chart("fig5a", replace(SETTINGS, paths=4)).rho_simulated
+    for axis in plane.dims:
+        assert int(plane.notnull().any(axis).sum()) == SETTINGS.points
+
+
 def test_the_drift_closure_does_not_stand_beside_itself():
     chart = sl.charts.chart_functions(replace(SETTINGS, closure="drift"))["fig5a"]()
     assert "rho_drift" not in chart

@@ -19,6 +19,7 @@ from click.testing import CliRunner
 import stochlin as sl
 from stochlin.views.command import main
 from stochlin.views.explorer.server import OwnOrigin, names_of
+from stochlin.views.explorer.workers import PROBABILITY, Worker
 
 pytestmark = pytest.mark.cli
 
@@ -83,6 +84,12 @@ def test_a_bad_case_file_is_told(tmp_path):
 def test_only_its_own_pages_may_ask(listens, host, origin, allowed):
     headers = {b"host": host.encode()} | ({b"origin": origin.encode()} if origin else {})
     assert OwnOrigin(None, names_of(listens)).allows(headers) is allowed
+
+
+def test_a_page_that_asks_while_the_server_ends_is_answered_by_a_cancelled_question():
+    worker = Worker()
+    worker.close()
+    assert worker.ask(PROBABILITY, {}).answer.cancelled()
 
 
 def status(address: str, path: str, **headers: str) -> int:

@@ -47,6 +47,34 @@ def command_lines() -> list[str]:
 
 
 PROGRAMS = [name for name, text in RUN_HERE.items() if blocks(text, "python")]
+# Numbers in the words of a page, by what its code has computed.
+STIFF = "sl.linearize(building, sl.KanaiTajimi(period=2.0, damping=0.05))"
+GAP = "100 * answer.gap.sel(rule='{}')"
+AT_HEIGHT = "100 * at_height.sel(height={}, method='nearest')"
+SAID = {
+    "start": [
+        ("100 * alone.gap.sel(rule='simulation')", "not exceed: here {:.1f} cm"),
+        ("100 * alone.gap.sel(rule='asce_7')", "either side, here {:.1f} cm"),
+    ],
+    "choosing": [
+        (f"{STIFF}.bias", "# {:.2f}: the simulated value is seven times as large"),
+        ("rules.error.sel(rule='eq_3_elastic')", "# {:.2f}\n"),
+    ],
+    "buildings": [
+        (GAP.format("simulation"), "The required gap is {:.1f} cm"),
+        ("100 * answer.gap_lower.sel(rule='simulation')", "95 % interval {:.1f} to"),
+        ("100 * answer.gap_upper.sel(rule='simulation')", "to {:.1f} cm)"),
+        ("answer.governing_height[0]", "at {:.1f} m, the roof of the annex"),
+        (AT_HEIGHT.format(10.4), "{:.1f} cm are sufficient at 10.4 m"),
+        (AT_HEIGHT.format(4.0), "and {:.1f} cm at 4 m"),
+        ("answer.ductility[0]", "ductilities of {:.1f} and"),
+        ("answer.ductility[7]", "and {:.1f}. The office block"),
+        (GAP.format("linearization"), "Linearization alone gives {:.1f} cm"),
+        (GAP.format("eq_3_linearized"), "gives {:.1f} cm. The secant rule"),
+        (GAP.format("eq_3_secant"), "The secant rule with the first modes gives {:.1f} cm"),
+        (GAP.format("eurocode_8"), "Eurocode 8 gives {:.1f} cm"),
+    ],
+}
 LONG = {
     "stochlin charts --record taft.txt --dt 0.01s --units g --out site",
     "stochlin gap case.toml --report gap.html",
@@ -73,6 +101,10 @@ def test_code_of_a_page_runs_from_top_to_bottom(page: str) -> None:
     namespace: dict[str, object] = {}
     for number, block in enumerate(blocks(PAGES[page], "python")):
         exec(compile(block, f"{page}.md, block {number}", "exec"), namespace)
+    text = " ".join(PAGES[page].split())
+    for computed, words in SAID.get(page, ()):
+        told = words.format(float(eval(computed, namespace)))
+        assert " ".join(told.split()) in text
 
 
 def test_first_chart_is_the_one_of_the_page() -> None:
@@ -137,6 +169,15 @@ def test_theory_has_every_equation_of_the_paper_and_its_code() -> None:
     assert sorted(int(number) for tag in tags for number in tag.split(",")) == list(range(1, 17))
     sections = re.split(r"^## ", THEORY, flags=re.MULTILINE)
     assert not [text.splitlines()[0] for text in sections if "\\tag" in text and "py:obj" not in text]
+
+
+def test_subscripts_stand_beside_letters_with_dots() -> None:
+    """The site sets an index of a letter with a dot below it, unless an empty group is between them."""
+    notebooks = [
+        path.read_text(encoding="utf-8") for path in (DOCS.parent / "notebooks").glob("*.ipynb")
+    ]
+    for text in (*PAGES.values(), *notebooks):
+        assert not re.search(r"\\d?dot *(\{[^}]*\}|\\*[A-Za-z]+)_", text)
 
 
 @pytest.mark.parametrize("page", PAGES)

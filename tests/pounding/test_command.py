@@ -489,6 +489,9 @@ def test_simulated_motions_are_said_saved_and_drawn_together(kind: str, tmp_path
     rows = [line.split(",") for line in (tmp_path / "p.csv").read_text().splitlines()]
     assert len(rows) == 9
     assert {len(row) for row in rows} == {len(rows[0])}
+    units = {"peak_alone_": "[m]", "peak_acceleration_": "[m/s^2]", "peak_base_shear_": "[N]"}
+    assert all(head.endswith(units[n]) for head in rows[0] for n in units if head.startswith(n))
+    assert {row[rows[0].index("status")] for row in rows[1:]} == {"converged"}
     impacts = [float(row[rows[0].index("impacts_between_1-2")]) for row in rows[1:]]
     assert impacts == again.impacts_between[:, 0].values.tolist()
 

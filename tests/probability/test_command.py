@@ -10,6 +10,8 @@ from cases import storeyed_building, with_buildings
 from click.testing import CliRunner
 
 import stochlin as sl
+from stochlin.analyses.cases.probability import judge_gap
+from stochlin.analyses.cases.separation import answer_case
 from stochlin.views.probability.command import probability
 from stochlin.views.probability.pictures import draw_pounding
 
@@ -37,6 +39,20 @@ def test_prints_saves_and_draws(case, tmp_path):
     with xr.open_dataset(out, engine="scipy") as table:
         last = float(table.confidence_of_no_pounding_simulated[-1])
     assert f"{last:11.4f}" in done.output
+    said = " ".join(done.output.split())
+    assert "within the range of its map; here the ground is Clough-" in said
+    assert "the column formula: for buildings like these it may be far off. The column" in said
+
+
+def test_gap_and_probability_give_the_same_numbers_for_one_file(case):
+    case.write_text(case.read_text(encoding="utf-8").replace("2048", "128"), encoding="utf-8")
+    read = sl.read_case(case)
+    judged, answer = judge_gap(read, read.gap).table.isel(time=-1), answer_case(read)
+    for end in ("", "_lower", "_upper"):
+        confidence = judged[f"confidence_of_no_pounding_simulated{end}"]
+        share = answer.existing[f"no_pounding_probability{end}"]
+        assert float(share) == pytest.approx(float(confidence), rel=1e-12)
+        assert float(answer.separation[f"gap{end}"][0]) == float(judged[f"required_gap_simulated{end}"])
 
 
 @pytest.mark.slow

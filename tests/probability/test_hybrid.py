@@ -212,18 +212,22 @@ def test_pictures(quake, tmp_path):
 
     firm = sl.named_ground("firm", 0.01)
     motion = {"envelope": sl.HsuBernard(4.0), "duration": 12.0, "paths": 64}
+    yielding = sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=4)
     pictures = {
         "time": draw_pounding(sl.pounding_probability(ONE, TWO, firm, 0.1, **motion)),
         "hybrid": draw_pounding(
             sl.pounding_probability(ONE, TWO, firm, 0.1, method="hybrid", record=quake)
         ),
         "fragility": draw_fragility(
-            sl.pounding_fragility(ONE, TWO, firm, [0.1, 0.2], [0.01, 0.02], **motion)
+            sl.pounding_fragility(ONE, yielding, firm, [0.1, 0.2], [0.01, 0.02], **motion)
         ),
         "psd": draw_evolutionary_psd(
             sl.evolutionary_psd(firm, sl.HsuBernard(4.0), np.linspace(1, 40, 20), np.linspace(0, 12, 9))
         ),
     }
+    caption = pictures["fragility"].texts[-1].get_text()
+    assert caption.count("intensity") == 1
+    assert "reduction factors refer to the intensity 0.01 m²/s³" in " ".join(caption.split())
     for name, figure in pictures.items():
         save(figure, tmp_path / f"{name}.png")
         assert (tmp_path / f"{name}.png").stat().st_size > 10_000

@@ -145,7 +145,7 @@ def by_motion(table: xr.Dataset) -> xr.Dataset:
             one = values.isel(at).reset_coords(drop=True)
             labels_there = [str(table[dim].values[n]).replace(" | ", "-") for dim, n in at.items()]
             if bool(one.notnull().any()) or "floor" not in others:
-                sheet["_".join([str(name), *labels_there])] = (over, one.values)
+                sheet["_".join([str(name), *labels_there])] = (over, one.values, one.attrs)
     return sheet
 
 

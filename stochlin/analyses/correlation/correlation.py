@@ -223,8 +223,7 @@ def _by_linearization(asked: Question) -> Answer:
         found = drifting_pairs(*asked.pair, asked.ground, asked.tolerance)
     else:
         found = linearized_pairs(*asked.pair, asked.ground, asked.closure, asked.tolerance)
-    linear = f"{labels.CAUTION_RHO} {labels.CAUTION_SIGMA}"
-    attrs = {"comment": labels.CAUTION_DRIFT if drifts else linear} if asked.yields else {}
+    attrs = {"comment": labels.CAUTION_DRIFT if drifts else labels.CAUTION_PAIR} if asked.yields else {}
     return found, f"closure={asked.closure!r}", attrs
 
 

@@ -165,7 +165,7 @@ def _of_ratios(scene: Scene, table: xr.Dataset) -> xr.Dataset:
             table[name].attrs = {"units": "1", "long_name": f"correlation coefficient, {text}"}
     table = labels.label(table, OF_PAIRS)
     if any(structure.yields for structure in scene.structures()):
-        table.attrs["comment"] = f"{labels.CAUTION_RHO} {labels.CAUTION_SIGMA}"
+        table.attrs["comment"] = labels.CAUTION_PAIR
     return _described(scene, table, "Correlation over the ratio of periods", "correlation")
 
 

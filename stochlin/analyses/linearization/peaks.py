@@ -207,8 +207,7 @@ def peak_table(
     sides: int,
 ) -> xr.Dataset:
     """Peak of a Gaussian displacement with these spectral moments [m^2, m^2/s, m^2/s^2]."""
-    # The moments of u_1 - u_2 of equal structures are 0, or negative by rounding errors.
-    moving = (l0 > 0) & (l2 > 0)
+    moving = (l0 > 0) & (l2 > 0)  # u_1 - u_2 of equal structures does not move
     crossings = duration * np.sqrt(l2.where(moving) / l0) / np.pi
     bandwidth = xr.apply_ufunc(np.sqrt, (1 - l1**2 / (l0 * l2).where(moving)).clip(0))
     factors = [
@@ -217,8 +216,8 @@ def peak_table(
     sigma = np.sqrt(l0.where(moving))
     return xr.Dataset(
         {
-            "peak_mean": factors[0] * sigma,
-            "peak_std": factors[1] * sigma,
+            "peak_mean": (factors[0] * sigma).where(l0 != 0, 0.0),
+            "peak_std": (factors[1] * sigma).where(l0 != 0, 0.0),
             "peak_factor": factors[0],
             "crossings": crossings,
             "bandwidth": bandwidth,

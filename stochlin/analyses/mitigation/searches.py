@@ -40,14 +40,16 @@ class Search(NamedTuple):
     outcome: Callable[[Measure], float]
     most: float  # largest outcome that meets the aim
     values: Array
-    unit: str
+    searched: str  # what they are, for a reader, with a place for the largest
+    scale: float = 1.0  # of the largest, in the unit of that text
 
     def result(self) -> MeasureLine:
         """The row with the least measure, or the reason why none was found."""
         value = least(Required(lambda x: self.outcome(self.build(x)), self.most), self.values).value
         if np.isfinite(value):
             return MeasureLine(self.name, "least", self.build(value), self.aim)
-        tried = f"nothing up to {self.values[-1]:.3g}{self.unit} meets the aim"
+        largest = f"{self.scale * self.values[-1]:.3g}"
+        tried = f"{self.searched.format(largest)} was searched, and none is enough"
         return MeasureLine(self.name, "least", None, self.aim, tried)
 
 
@@ -68,11 +70,13 @@ def searches(site: MitigatedPair, limit: float | None) -> list[Search]:
             continue
         for side, shares in SIDES.items():
             name = f"least damping, {side}{suffix}"
-            found.append(Search(name, aim, _damping(shares), outcome, most, _dampings(site, shares), ""))
+            asked = aim, _damping(shares), outcome, most, _dampings(site, shares)
+            found.append(Search(name, *asked, "added damping up to {} % of critical", 100))
         scale = _dashpot_scale(site)
         if scale is not None:
             name = f"least dashpot between{suffix}"
-            found.append(Search(name, aim, _dashpot, outcome, most, scale * CONSTANTS, " N s/m"))
+            asked = aim, _dashpot, outcome, most, scale * CONSTANTS
+            found.append(Search(name, *asked, "a damping constant up to {} MN s/m", 1e-6))
     return found
 
 

@@ -28,6 +28,7 @@ from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
 
 GUMBEL = np.sqrt(6) / np.pi
 EQ_3 = "eq. (3) with the peaks of both structures"
+ALIKE = 1e-5  # gap over peak below which the gap is a rounding error of two equal structures
 COMBINES = "needs a second building: eq. (3) combines the peaks of two"
 SOLVED = "simulated", "linearized", "drift"
 
@@ -239,6 +240,7 @@ def _with_correlations(pair: PairInMotion, effective: Sequence[str]) -> list[Rul
 def equation_3_rule(peaks: Array, name: str, rhos: Array, **texts: str) -> Rule:
     """Eq. (3) with these peaks (2, heights) [m] and correlations (heights,)."""
     gaps = double_difference(peaks[0], peaks[1], np.clip(rhos, -1, 1))
+    gaps = np.where(gaps < ALIKE * np.max(peaks, axis=0), 0.0, gaps)
     return Rule(name, "equation_3", gaps, np.broadcast_to(rhos, gaps.shape), **texts)
 
 

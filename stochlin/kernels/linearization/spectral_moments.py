@@ -34,6 +34,7 @@ from stochlin.kernels.linearization.filters import Filter
 
 STEP, REACH = 0.33, 29.0  # step and range of x, with errors e^(-pi^2/h) and 2 e^-reach, about 5e-13
 _NODES = np.exp(STEP * np.arange(-int(REACH / STEP), int(REACH / STEP) + 1))
+ROUNDING = 1e-11  # l0 of the difference over l0 of both, below which it is a rounding error
 CELLS = 128  # cells computed together, so that their values at all nodes stay in the cache
 
 
@@ -73,7 +74,8 @@ def difference_moments(
     """Spectral moments of ``mu_1 - mu_2`` on one ground; shapes as in `displacement_moments`.
 
     Both displacements are in the same unit of length. If the structures move almost alike, the relative
-    rounding error of the moments grows as ``1/(1 - rho)``; at ``rho = 1`` the moment ``l1`` is NaN.
+    rounding error of the moments grows as ``1/(1 - rho)``. Where ``l0`` is as small as that error, it is
+    0, and ``l1`` is NaN.
     """
     own_1, own_2 = own_covariance(first, forcing_1), own_covariance(second, forcing_2)
     both = pair_covariance(first, forcing_1, second, forcing_2)
@@ -86,6 +88,7 @@ def difference_moments(
         first.stiffness * both + first.damping * velocity_1 - first.coupling * slip_1 - forcing_2.mu
     )
     l0, l2 = column_1.mu - column_2.mu, own_1.v_v + own_2.v_v - 2 * velocities
+    l0 = np.where(l0 < ROUNDING * (own_1.mu_mu + own_2.mu_mu), 0.0, l0)
     return _with_l1(l0, l2, ground, (first, forcing_1, column_1), (second, forcing_2, column_2))
 
 

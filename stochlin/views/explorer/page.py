@@ -236,7 +236,7 @@ class Page:
         if self._seeking:
             return False
         self._seeking = True
-        while not (self._wanted.settled or self._closed):
+        while not (self._wanted.settled or self._over):
             for panel in self._panels.values():
                 panel.wait(words.SEEKING)
             self._running(self._job is not None)
@@ -266,7 +266,7 @@ class Page:
             return
         self._fast, done = True, None
         loop = asyncio.get_running_loop()
-        while done is not self._scene and not self._closed:
+        while done is not self._scene and not self._over:
             done = scene = self._scene
             for key in _at_once(scene):
                 await self._answer(key, scene, loop.run_in_executor(_FAST, FORMULAS[key], scene))
@@ -276,7 +276,7 @@ class Page:
         if self._slow or self._fast:
             return
         self._slow, done = True, None
-        while done is not self._scene and not self._closed:
+        while done is not self._scene and not self._over:
             done = scene = self._scene
             for key in PATIENT:
                 if key not in _at_once(scene) and scene is self._scene:
@@ -299,14 +299,14 @@ class Page:
             self._told.text = f"The records were not evaluated: {_why(error, RECORDS, scene)}"
             return
         shown = self._panels[GAPS].table
-        if shown is not None and scene is self._wanted and not self._closed:
+        if shown is not None and scene is self._wanted and not self._over:
             self._draw(GAPS, shown, scene)
 
     async def _answer(self, key: str, scene: Scene, answer: asyncio.Future[xr.Dataset]) -> None:
         """Draw an answer, or say why there is none; no error ends a round."""
         try:
             table = await answer
-            if not self._closed:
+            if not self._over:
                 self._draw(key, table, scene)
                 if scene is not self._wanted:
                     self._panels[key].wait()
@@ -416,6 +416,11 @@ class Page:
             self._told.text = f"Saved without results that are not computed yet: {', '.join(missing)}."
         data = as_netcdf(merge_tables(self._scene, tables))
         ui.download.content(data, "explored.nc", "application/x-netcdf")
+
+    @property
+    def _over(self) -> bool:
+        """Whether nobody waits any longer: the page was left, or the server ends."""
+        return self._closed or self._patient.closed
 
     def _leave(self) -> None:
         self._closed = True

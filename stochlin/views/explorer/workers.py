@@ -52,11 +52,16 @@ class Worker:
         self._context = multiprocessing.get_context("spawn")  # numba's threads do not survive a fork
         self._board = self._context.Array("d", 3)
         self._count = 0
+        self.closed = False
         self._pool = self._start()
 
     def ask(self, question: str, scene: Scene | Mapping[str, bytes]) -> Job:
-        """Put a question about a scene, or about files of which one is to be."""
+        """Put a question about a scene, or about files of which one is to be; cancelled once closed."""
         self._count += 1
+        if self.closed:
+            answer: Future[Any] = Future()
+            answer.cancel()
+            return Job(self._count, answer, self._board)
         try:
             answer = self._pool.submit(_answer, self._count, question, scene)
         except BrokenProcessPool:  # the process was killed, for want of memory perhaps
@@ -65,7 +70,8 @@ class Worker:
         return Job(self._count, answer, self._board)
 
     def close(self) -> None:
-        """Stop what is running."""
+        """Stop what is running, and take no other question."""
+        self.closed = True
         self._board[STOPPED] = EVERY_JOB
         self._pool.shutdown(cancel_futures=True)  # waits, as the exit would, which may race with it
 

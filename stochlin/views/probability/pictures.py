@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from itertools import cycle
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
-from stochlin.views.shared.descriptions import roles_in_words
+from stochlin.views.shared.descriptions import in_words, roles_in_words
 from stochlin.views.shared.style import CURVES, filled, legend_beside, styled
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -86,8 +88,7 @@ def draw_fragility(dataset: xr.Dataset) -> Figure:
             f"dataset has the dimensions {tuple(dataset.dims)}; allowed: a fragility, over intensity "
             "and gap"
         )
-    attrs = {key: told for key, told in dataset.attrs.items() if key != "gap"}  # named by the curves
-    figure = _captioned(xr.Dataset(attrs=attrs))
+    figure = _captioned(xr.Dataset(attrs=_at_every_intensity(dataset.attrs)))
     axes = _panel(figure, 0.1, 0.25, 0.6, 0.66)
     gaps = dataset.sizes["gap"]
     chosen = np.unique(np.linspace(0, gaps - 1, min(gaps, CURVES_AT_MOST)).astype(int))
@@ -107,6 +108,17 @@ def draw_fragility(dataset: xr.Dataset) -> Figure:
     axes.set_ylabel("probability of pounding")
     legend_beside(axes)
     return figure
+
+
+def _at_every_intensity(attrs: Mapping[Any, Any]) -> dict[Any, Any]:
+    """The attributes without the gap, which the curves name, and the intensity, which the axis has."""
+    told = {key: text for key, text in attrs.items() if key != "gap"}
+    ground, intensity = told["ground"].rsplit(", intensity=", 1)
+    told["ground"] = f"{ground})"
+    if any("reduction_factor=" in told[role] for role in ("first", "second")):
+        whole = in_words(told["ground"], "ground")
+        told["ground"] = f"{whole}; reduction factors refer to the intensity {intensity[:-1]} m²/s³"
+    return told
 
 
 @styled()

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from stochlin.models.grounds import KanaiTajimi, WhiteNoise
+from stochlin.models.laws.bilinear import Bilinear
 from stochlin.views.shared.screen import paragraph
 from stochlin.views.shared.uncertain import unknown_lines
 from stochlin.views.shared.words import doubted, floors, over_records, scatter, shaking
@@ -12,6 +14,7 @@ from stochlin.views.shared.words import doubted, floors, over_records, scatter, 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from stochlin.analyses.cases.case import Case
     from stochlin.analyses.cases.probability import ProbabilityAnswer
 
 ROWS = 11  # instants that are printed
@@ -24,7 +27,12 @@ COLUMNS = (
 STEM = "confidence_of_no_pounding"
 NOT_CORRECTED = (
     "No corrected confidence is given: the error of linearization is only known for bilinear "
-    "oscillators on Kanai-Tajimi ground and white noise, within the range of its map."
+    "oscillators on Kanai-Tajimi ground and white noise, within the range of its map; here {}."
+)
+MAPPED = KanaiTajimi, WhiteNoise  # grounds of the map
+UNRELIABLE = (
+    "Do not rely on the column {}: for buildings like these it may be far off. The column simulated has "
+    "no such error."
 )
 NO_RECORDS = (
     "The records are not evaluated: the hybrid method is only available for bilinear oscillators."
@@ -57,18 +65,16 @@ def answer_lines(answer: ProbabilityAnswer) -> list[str]:
         f"{float(table.required_gap_simulated_upper):.4f})",
     ]
     if f"{STEM}_corrected" in table and not _known(table, "_corrected"):
-        lines += paragraph(NOT_CORRECTED)
+        lines += paragraph(NOT_CORRECTED.format(_beyond_the_map(case)))
     if "governing_height" in table:
         lines.append(
             f"The formulas are for the worst height, {float(table.governing_height):.4g} m; the "
             "simulated confidence is for all heights at once."
         )
     last = table.isel(time=-1)
-    lines += [
-        f"Do not rely on the column {name}: for buildings like these it may be much too large."
-        for name, ending in shown
-        if int(table.get(f"caution{ending}", 0)) and bool(last[STEM + ending].notnull())
-    ]
+    for name, ending in shown:
+        if int(table.get(f"caution{ending}", 0)) and bool(last[STEM + ending].notnull()):
+            lines += paragraph(UNRELIABLE.format(name))
     yields = case.first.structure.yields or case.second.structure.yields
     if yields and bool(table.permanent_set.any()):
         end = table.attrs["strong_shaking_end_s"]
@@ -91,6 +97,16 @@ def answer_lines(answer: ProbabilityAnswer) -> list[str]:
 def _known(table: xr.Dataset, ending: str) -> bool:
     """Whether there is such a confidence, at any instant."""
     return STEM + ending in table and bool(table[STEM + ending].notnull().any())
+
+
+def _beyond_the_map(case: Case) -> str:
+    """Why the error of linearization is not known for a case."""
+    other = [b.name for b in case.pair if not isinstance(b.structure, Bilinear)]
+    if other:
+        return f"{other[0]} is no bilinear oscillator"
+    if not isinstance(case.ground, MAPPED):
+        return f"the ground is {case.ground.name}"
+    return "the buildings are outside this range"
 
 
 def _instant(row: xr.Dataset, shown: Sequence[tuple[str, str]]) -> str:

@@ -111,8 +111,16 @@ def _parameter(kind: type[Model] | None, role: str, name: str, value: str) -> st
         spread = f" ± {uncertain[2]}" if uncertain[2] else ""
         return f"{words}{_scaled(uncertain[1], scale)}{unit}{spread}"
     if several := SEVERAL.fullmatch(value):
-        return f"{words.replace('structure', 'building')}{several[1].rstrip(',').replace(', ', ' and ')}"
+        return _ends(name, words, several[1].rstrip(",").split(", "))
     return f"{words}{value}".strip()
+
+
+def _ends(name: str, words: str, each: list[str]) -> str:
+    """Where a link is: between which floors, of which buildings or inside which."""
+    if name == "structures" and len(set(each)) == 1:
+        return f"inside building {each[0]}"
+    ends = ["the ground" if (name, one) == ("floors", "0") else one for one in each]
+    return f"{words.replace('structure', 'building')}{' and '.join(ends)}"
 
 
 def _scaled(text: str, scale: float) -> str:
