@@ -332,13 +332,13 @@ def test_measures_of_buildings_that_are_not_known_exactly():
         ]
         ground = sl.named_ground("firm", intensity=0.01)
         given = {"link": sl.Measure(link=sl.Link(1e7, 1e6))}
-        return pair, sl.mitigate(*pair, ground, 15.0, 0.08, given, paths=64)
+        return pair, sl.mitigate(*pair, ground, 8.0, 0.08, given, paths=32)
 
     pair, still = table(0.0)
     ground = sl.named_ground("firm", intensity=0.01)
     known = sl.mitigate(
-        *(one.median() for one in pair), ground, 15.0, 0.08,
-        {"link": sl.Measure(link=sl.Link(1e7, 1e6))}, paths=64,
+        *(one.median() for one in pair), ground, 8.0, 0.08,
+        {"link": sl.Measure(link=sl.Link(1e7, 1e6))}, paths=32,
     )  # fmt: skip
     np.testing.assert_allclose(still.required_gap, known.required_gap, rtol=5e-3)
     np.testing.assert_allclose(still.rho, known.rho, rtol=0.05)

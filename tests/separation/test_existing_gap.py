@@ -123,12 +123,12 @@ def test_what_is_not_known_exactly_is_in_every_answer():
         [sl.Bilinear(sl.Uncertain(T, size), 0.05, 0.05, reduction_factor=3) for T in (0.6, 1.0)]
         for size in (0.25, 0.0)
     )
-    options = {"paths": 64, "confidence": 0.8}
-    table = sl.existing_gap(*uncertain, GROUND, 15.0, 0.08, **options)
-    gap = sl.separation(*uncertain, GROUND, 15.0, **options).gap[0]
+    options = {"paths": 32, "confidence": 0.8}
+    table = sl.existing_gap(*uncertain, GROUND, 8.0, 0.08, **options)
+    gap = sl.separation(*uncertain, GROUND, 8.0, **options).gap[0]
     assert float(table.required_gap) == pytest.approx(float(gap), rel=1e-9)
     one, other = (
-        sl.existing_gap(*pair, GROUND, 15.0, 0.08, **options)
+        sl.existing_gap(*pair, GROUND, 8.0, 0.08, **options)
         for pair in (still, [each.median() for each in still])
     )
     for name in other.data_vars:

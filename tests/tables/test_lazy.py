@@ -12,7 +12,7 @@ pytestmark = pytest.mark.invariant
 
 pytest.importorskip("dask", reason="dask is in the extra 'scale'")
 
-PERIODS = np.geomspace(0.05, 9, 53)
+PERIODS = np.geomspace(0.05, 9, 23)
 OPTIONS = [
     {},
     {"closure": "clipped"},

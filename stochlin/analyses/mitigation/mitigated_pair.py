@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -13,6 +13,7 @@ import xarray as xr
 
 from stochlin.analyses.pounding.pounding import pound
 from stochlin.analyses.pounding.rows import checked_links
+from stochlin.analyses.records.cells import RECORD
 from stochlin.analyses.separation.storeys import linearized_at_roof
 from stochlin.analyses.simulation.finite_motions import (
     keeping_apart,
@@ -22,10 +23,12 @@ from stochlin.analyses.simulation.finite_motions import (
     required_gaps,
 )
 from stochlin.analyses.simulation.simulation import simulate
+from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.contacts import Contact
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
+from stochlin.models.links import Link
 from stochlin.models.measures import Measure
 from stochlin.models.systems import retrofitted, system_of
 from stochlin.models.uncertain import applied, median_of
@@ -129,22 +132,19 @@ class MitigatedPair:
 
     def recorded(self, measure: Measure) -> dict[str, Array]:
         """Variables of `RECORDED` for the records (records,), from pounding with the measure."""
-        found: dict[str, list[float]] = {name: [] for name in RECORDED}
         contact = self.contact if measure.contact is None else measure.contact
-        unknown = xr.DataArray(np.nan)
-        for motion, peaks in zip(self.records.values(), self.peaks_alone, strict=True):
-            pair, gap = self.known(measure), self.open_gap(measure)
-            table = pound(pair, gap, contact, motion, link=measure.links)
-            for n in (0, 1):
-                found[f"amplification_{n + 1}"].append(float(np.nanmax(table.peak[n] / peaks[n])))
-            found["impacts"].append(float(table.sizes["impact"]))
-            for name, largest in (
-                ("largest_force", table.hardest_force),
-                ("deepest_compression", table.deepest_compression),
-                ("largest_link_force", table.get("peak_link_force", unknown)),
-            ):
-                found[name].append(float(largest.max()))
-        return {name: np.array(values) for name, values in found.items()}
+        table = self._pounded(self.known(measure), self.open_gap(measure), contact, measure.links)
+        ratio = table.peak / self._peaks_alone
+        found = {
+            **{f"amplification_{n + 1}": ratio.isel(structure=n) for n in (0, 1)},
+            "largest_force": table.hardest_force,
+            "deepest_compression": table.deepest_compression,
+            "largest_link_force": table.get(
+                "peak_link_force", xr.full_like(table.hardest_force, np.nan)
+            ),
+        }
+        values = {name: each.max(set(each.dims) - {RECORD}).values for name, each in found.items()}
+        return values | {"impacts": table.impacts.sum("contact").values}
 
     def worst_amplification(self, measure: Measure) -> float:
         """Largest amplification of both buildings in all records [-]."""
@@ -152,12 +152,19 @@ class MitigatedPair:
         return float(max(found["amplification_1"].max(), found["amplification_2"].max()))
 
     @cached_property
-    def peaks_alone(self) -> list[Array]:
+    def _peaks_alone(self) -> xr.DataArray:
         """Peaks of the floors as built and without neighbours [m], for each record."""
-        return [
-            pound(self.known(Measure()), self.gap, self.contact, motion).peak_alone.values
-            for motion in self.records.values()
-        ]
+        return self._pounded(self.known(Measure()), self.gap, self.contact).peak_alone
+
+    def _pounded(
+        self, pair: Sequence[Any], gap: float, contact: Contact | None, links: Sequence[Link] = ()
+    ) -> xr.Dataset:
+        """Pounding in all records; an ArithmeticError if one of them fails."""
+        table = pound(pair, gap, contact, self.records, link=links)
+        failed = table.missing.values[table.status.values != labels.CONVERGED]
+        if failed.size:
+            raise ArithmeticError(failed[0])
+        return table
 
     def _motions(self, measure: Measure) -> xr.Dataset:
         return simulate(
