@@ -227,6 +227,8 @@ def test_pictures(quake, tmp_path):
     }
     caption = pictures["fragility"].texts[-1].get_text()
     assert caption.count("intensity") == 1
+    white = sl.pounding_fragility(ONE, TWO, sl.WhiteNoise(0.01), [0.1], [0.01, 0.02], **motion)
+    assert "ground: white noise\n" in draw_fragility(white).texts[-1].get_text()
     assert "reduction factors refer to the intensity 0.01 m²/s³" in " ".join(caption.split())
     for name, figure in pictures.items():
         save(figure, tmp_path / f"{name}.png")

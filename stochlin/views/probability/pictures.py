@@ -113,11 +113,10 @@ def draw_fragility(dataset: xr.Dataset) -> Figure:
 def _at_every_intensity(attrs: Mapping[Any, Any]) -> dict[Any, Any]:
     """The attributes without the gap, which the curves name, and the intensity, which the axis has."""
     told = {key: text for key, text in attrs.items() if key != "gap"}
-    ground, intensity = told["ground"].rsplit(", intensity=", 1)
-    told["ground"] = f"{ground})"
+    ground, _, intensity = told["ground"].rpartition("intensity=")
+    told["ground"] = in_words(f"{ground.rstrip(', ')})", "ground")
     if any("reduction_factor=" in told[role] for role in ("first", "second")):
-        whole = in_words(told["ground"], "ground")
-        told["ground"] = f"{whole}; reduction factors refer to the intensity {intensity[:-1]} m²/s³"
+        told["ground"] += f"; reduction factors refer to the intensity {intensity[:-1]} m²/s³"
     return told
 
 

@@ -40,7 +40,11 @@ UNCERTAIN = re.compile(r"([-\d.e+]+(?: to [-\d.e+]+)?)(?: \+- (.*))?")  # two en
 SEVERAL = re.compile(r"\(([^()]*)\)")
 WITHIN = re.compile(r"\b[A-Z]\w*\(\w+=(?:[^()]|\([^()]*\))*\)")  # a model in a text
 COUNT = re.compile(r"^(\d+) of ")
-SHOWN = {"ShearBuilding": "shear building", "ParallelGround": "filters in parallel"}
+SHOWN = {
+    "ShearBuilding": "shear building",
+    "ParallelGround": "filters in parallel",
+    "WhiteNoise": "white noise",
+}
 OVER = re.compile(r"\[(?:(\d+) times )?(.*) over (.*)\]")
 
 
