@@ -10,7 +10,7 @@ import xarray as xr
 
 pytestmark = pytest.mark.invariant
 
-CURVES_AND_PLANES = """
+SEVERAL = """
 import numpy as np
 import xarray as xr
 from stochlin.charts import CHARTS
@@ -32,6 +32,11 @@ def area_chart(settings):
 @CHARTS.register("of_record")
 def record_chart(settings, record, site):
     return xr.Dataset({"motion": record}, attrs={"chart": "curves"})
+
+@CHARTS.register("nothing")
+def nothing_chart(settings):
+    rho = xr.DataArray([float("nan")] * 4, coords={"period": [1.0, 2, 3, 4]}, dims="period")
+    return xr.Dataset({"rho": rho}, attrs={"chart": "curves"})
 """
 
 
@@ -46,7 +51,7 @@ def test_the_example_of_the_page_is_computed_and_drawn(install, example, tmp_pat
 
 @pytest.mark.slow
 def test_curves_and_planes_need_no_drawing_code_and_are_found_by_what_they_ask_for(install, tmp_path):
-    stochlin = install(CURVES_AND_PLANES)
+    stochlin = install(SEVERAL)
     for name in ("levels", "levels_broad_band", "area"):
         done = stochlin("charts", name, "--points", 5, "--out", ".")
         assert done.returncode == 0, done.stderr
@@ -68,20 +73,9 @@ def test_curves_and_planes_need_no_drawing_code_and_are_found_by_what_they_ask_f
     assert (tmp_path / "of_record.png").exists()
 
 
-NOTHING = """
-import xarray as xr
-from stochlin.charts import CHARTS
-
-@CHARTS.register("nothing")
-def nothing_chart(settings):
-    rho = xr.DataArray([float("nan")] * 4, coords={"period": [1.0, 2, 3, 4]}, dims="period")
-    return xr.Dataset({"rho": rho}, attrs={"chart": "curves"})
-"""
-
-
 @pytest.mark.slow
 def test_a_chart_without_a_number_is_not_drawn(install, tmp_path):
-    done = install(NOTHING)("charts", "nothing", "--out", ".")
+    done = install(SEVERAL)("charts", "nothing", "--out", ".")
     assert done.returncode == 2
     assert "the chart has no finite number" in done.stderr
     assert not list(tmp_path.glob("nothing.*"))
