@@ -176,6 +176,17 @@ def test_a_plane_is_verified_at_as_many_periods_as_are_asked_for():
         assert int(plane.notnull().any(axis).sum()) == SETTINGS.points
 
 
+@pytest.mark.parametrize("name", ["fig4b", "fig5a", "fig5b"])
+def test_progress_of_a_chart_grows_within_it(name):
+    few = replace(SETTINGS, points=3, simulated_points=2, reduction_factors=(6.0,))
+    shares = []
+    sl.charts.chart_functions(few)[name](progress=shares.append)
+    assert shares == sorted(shares)
+    assert len(shares) > 2
+    assert 0 < shares[0] < 0.1
+    assert shares[-1] >= 0.5
+
+
 def test_the_drift_closure_does_not_stand_beside_itself():
     chart = sl.charts.chart_functions(replace(SETTINGS, closure="drift"))["fig5a"]()
     assert "rho_drift" not in chart

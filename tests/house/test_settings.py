@@ -107,6 +107,15 @@ def test_what_is_not_compiled_gives_the_same_numbers_and_says_that_it_is_slow(tm
         xr.testing.assert_allclose(plain, table, rtol=1e-6)
 
 
+def test_what_would_take_hours_uncompiled_is_refused_at_once(tmp_path: Path) -> None:
+    simulated = [*RHO, "--method", "simulation", "--paths", "100000"]
+    done = process(tmp_path, UNCOMPILED, "-m", "stochlin", *simulated)
+    assert done.returncode == 2
+    assert "NUMBA_DISABLE_JIT is set: nothing is compiled" in done.stderr
+    assert "allowed: 15 minutes on this machine" in done.stderr
+    assert "or unset NUMBA_DISABLE_JIT" in done.stderr
+
+
 @pytest.mark.slow
 def test_simulations_run_uncompiled(tmp_path: Path) -> None:
     short = [*RHO, *SIMULATED]

@@ -17,7 +17,7 @@ from stochlin.analyses.separation.existing_gap import existing_gap
 from stochlin.analyses.separation.separation import UNSAFE, separation
 from stochlin.analyses.sites.motion_fit import FittedMotion, compare_motions
 from stochlin.analyses.sites.simulated_spectra import simulated_spectrum
-from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.models.grounds import rms_acceleration
 from stochlin.models.parameters import Model
 
@@ -88,15 +88,12 @@ def answer_case(case: Case, progress: Progress | None = None, sensitivities: boo
             f"{touching}"
         )
 
-    def part(begin: float, end: float) -> Progress | None:
-        return None if progress is None else lambda share: progress(begin + (end - begin) * share)
-
     begin = end * OF_RISK if case.hazard else 0.0
     middle = begin if case.gap is None else begin + (end - begin) * SEARCHES
-    risky = simulated_risk(case, part(0.0, begin))
+    risky = simulated_risk(case, part_of(progress, 0.0, begin))
     existing = None
     if case.gap is not None:
-        options = {**case.motion, "progress": part(begin, middle)}
+        options = {**case.motion, "progress": part_of(progress, begin, middle)}
         existing = existing_gap(*pair, case.sampled_ground, gap=case.gap, **options)
     table = separation(
         *pair,
@@ -109,11 +106,15 @@ def answer_case(case: Case, progress: Progress | None = None, sensitivities: boo
         numbers=case.numbers,
         unverified=case.unverified,
         records=dict(case.records) or None,
-        progress=part(middle, end),
+        progress=part_of(progress, middle, end),
     )
     matters = None
     if sensitivities:
-        motion = {**case.motion, "paths": min(case.paths, _paths(case)), "progress": part(end, 1.0)}
+        motion = {
+            **case.motion,
+            "paths": min(case.paths, _paths(case)),
+            "progress": part_of(progress, end, 1.0),
+        }
         matters = sensitivity(*pair, case.sampled_ground, **motion)
     records = None
     if len(case.records) > MOST_RECORDS:

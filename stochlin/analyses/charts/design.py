@@ -18,6 +18,7 @@ from stochlin.analyses.charts.verification import with_rules, with_truth
 from stochlin.analyses.correlation.amplification import amplification
 from stochlin.analyses.correlation.correlation import correlate, rho_white_noise
 from stochlin.analyses.tables import labels
+from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.models.envelopes import AminAng
 from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
@@ -29,6 +30,7 @@ DURATION, RISE_END, STRONG_END, DECAY = 15.0, 2.0, 7.5, 0.7
 STD_INTERVALS, PEAK_INTERVALS = 8, 32  # intervals between simulated periods
 STD_PATHS = 64  # paths for standard deviations, whose simulations are long
 SLOWEST_DRIFT = 2.0  # smallest reduction factor whose standard deviation is simulated within minutes
+TABLE_SHARE = 0.02  # share of a linearized table in the time for a chart with simulations
 OF_PEAKS, OF_STD = "amplification_of_peaks", "amplification_simulated"
 
 
@@ -70,7 +72,9 @@ def white_noise_chart(settings: ChartSettings) -> xr.Dataset:
     )
 
 
-def period_ratio_chart(settings: ChartSettings, ground: Ground, frequency_ratio: float) -> xr.Dataset:
+def period_ratio_chart(
+    settings: ChartSettings, ground: Ground, frequency_ratio: float, progress: Progress | None = None
+) -> xr.Dataset:
     """Fig. 4: rho over ``T1/T2`` for a fixed frequency ``w2 = frequency_ratio wg`` of structure 2.
 
     Parameters
@@ -81,6 +85,8 @@ def period_ratio_chart(settings: ChartSettings, ground: Ground, frequency_ratio:
         The ground, with scalar parameters.
     frequency_ratio : float
         Frequency of structure 2 over that of the ground [-].
+    progress : callable, optional
+        Called with the share of the work that is done.
 
     Returns
     -------
@@ -112,6 +118,7 @@ def period_ratio_chart(settings: ChartSettings, ground: Ground, frequency_ratio:
         for period in periods
     )
     table = correlate(first, second, ground, **settings.options)
+    part_of(progress, 0.0, TABLE_SHARE)(1.0)
     elastic_1, elastic_2 = (Bilinear(period, settings.damping) for period in periods)
     chart = table[_shown(table)].transpose("reduction_factor", "period_ratio")
     chart = chart.assign(
@@ -127,11 +134,15 @@ def period_ratio_chart(settings: ChartSettings, ground: Ground, frequency_ratio:
     if settings.method == "simulation":
         return chart
     chart = with_rules(chart, (first, second), ground, settings)
-    return with_truth(chart, (first, second), ground, settings, usual_points=21)
+    left = part_of(progress, 2 * TABLE_SHARE, 1.0)
+    left(0.0)
+    return with_truth(chart, (first, second), ground, settings, 21, left)
 
 
 @CHARTS.register("fig5a", place=50)
-def period_plane_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
+def period_plane_chart(
+    settings: ChartSettings, ground: Ground, progress: Progress | None = None
+) -> xr.Dataset:
     """Fig. 5a: rho over ``T1/Tg`` and ``T2/Tg``.
 
     Parameters
@@ -140,6 +151,8 @@ def period_plane_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
         Parameters of the charts.
     ground : KanaiTajimi or CloughPenzien
         The ground, with scalar parameters.
+    progress : callable, optional
+        Called with the share of the work that is done.
 
     Returns
     -------
@@ -172,11 +185,15 @@ def period_plane_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
     chart = _captioned(chart, "plane", title, ground_caption(ground), settings, labels.CAUTION_RHO)
     if settings.method == "simulation":
         return chart
-    return with_truth(chart, (first, second), ground, settings, usual_points=41)
+    left = part_of(progress, TABLE_SHARE, 1.0)
+    left(0.0)
+    return with_truth(chart, (first, second), ground, settings, 41, left)
 
 
 @CHARTS.register("fig5b", place=50)
-def amplification_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
+def amplification_chart(
+    settings: ChartSettings, ground: Ground, progress: Progress | None = None
+) -> xr.Dataset:
     """Fig. 5b: amplification ``D`` over ``T/Tg``, for several reduction factors.
 
     Parameters
@@ -185,6 +202,8 @@ def amplification_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
         Parameters of the charts.
     ground : KanaiTajimi or CloughPenzien
         The ground, with scalar parameters.
+    progress : callable, optional
+        Called with the share of the work that is done.
 
     Returns
     -------
@@ -217,11 +236,17 @@ def amplification_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
     chart = _captioned(chart, "curves", title, ground_caption(ground), settings, labels.CAUTION_SIGMA)
     if settings.method != "linearization":
         return chart
-    return _with_simulated_amplification(chart, structure, ground, settings)
+    left = part_of(progress, TABLE_SHARE, 1.0)
+    left(0.0)
+    return _with_simulated_amplification(chart, structure, ground, settings, left)
 
 
 def _with_simulated_amplification(
-    chart: xr.Dataset, structure: Bilinear, ground: Ground, settings: ChartSettings
+    chart: xr.Dataset,
+    structure: Bilinear,
+    ground: Ground,
+    settings: ChartSettings,
+    progress: Progress,
 ) -> xr.Dataset:
     """A linearized Fig. 5b with the drift closure, and with simulated std. deviations and peaks."""
     period, last = ground_period(ground), chart.sizes["period_ratio"] - 1
@@ -240,7 +265,8 @@ def _with_simulated_amplification(
         for n, factor in enumerate(settings.reduction_factors)
         if factor >= SLOWEST_DRIFT
     ]
-    for name, rows, columns, options in runs:
+    for number, (name, rows, columns, options) in enumerate(runs):
+        progress(number / len(runs))
         place = {"reduction_factor": rows, "period_ratio": columns}
         found = amplification(structure.isel(place), ground, seed=settings.seed, **options)
         for end in ("", "_standard_error"):

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from inspect import signature
 from itertools import product
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -14,12 +16,14 @@ from stochlin.analyses.charts.rules import along_rules
 from stochlin.analyses.charts.variables import VARIABLES
 from stochlin.analyses.correlation.correlation import correlate
 from stochlin.analyses.tables import labels
+from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.messages import brief
 from stochlin.models.grounds import Ground
 from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
 from stochlin.models.structures import DRIFT, Structure
 
 USUAL_RULES = ("jeng_kasai_maison_1992_unverified", "iwan_1980")  # that of the paper, and a verified one
+DRIFT_SHARE = 0.02  # share of the drift closure in the time for it and for the simulations
 INTERVALS = 120  # least number of intervals of curves beside simulated points
 Pair = tuple[Structure, Structure]
 Place = dict[str, slice]  # cells of a chart
@@ -49,20 +53,28 @@ def with_rules(chart: xr.Dataset, pair: Pair, ground: Ground, settings: ChartSet
 
 
 def with_truth(
-    chart: xr.Dataset, pair: Pair, ground: Ground, settings: ChartSettings, usual_points: int
+    chart: xr.Dataset,
+    pair: Pair,
+    ground: Ground,
+    settings: ChartSettings,
+    usual_points: int,
+    progress: Progress,
 ) -> xr.Dataset:
     """A chart of ``rho`` with the drift closure and, at some points, nonlinear simulation.
 
     The number of simulated points along an axis is that of the settings or else ``usual_points``;
     ``rho_simulated``, ``rho_standard_error`` and ``rho_difference`` are NaN between them. Simulations
-    that would take too long are left out, which the comment states.
+    that would take too long are left out, which the comment states. ``progress`` is called with the
+    share of this work that is done.
     """
     if settings.closure != DRIFT:
         drift = correlate(*pair, ground, closure=DRIFT).rho
         chart = chart.assign(rho_drift=drift.transpose(*chart.rho.dims))
+    progress(DRIFT_SHARE)
     asked = settings.simulated_points
     if count := usual_points if asked is None else asked:
-        simulated, refused = _simulated(chart.rho, pair, ground, settings, count)
+        runs = part_of(progress, DRIFT_SHARE, 1.0)
+        simulated, refused = _simulated(chart.rho, pair, ground, settings, count, runs)
         if bool(simulated.rho.notnull().any()):
             chart = beside(chart, simulated, "rho", settings.paths)
             refused = [_errors(chart), *refused]
@@ -82,7 +94,7 @@ def beside(chart: xr.Dataset, simulated: xr.Dataset, shown: str, paths: int) -> 
     return labels.label(chart, VARIABLES).assign_attrs(chart=kind, comment=told)
 
 
-def verify_chart(name: str, settings: ChartSettings) -> xr.Dataset:
+def verify_chart(name: str, settings: ChartSettings, progress: Progress | None = None) -> xr.Dataset:
     """A chart by linearization and by nonlinear simulation, with the difference of both.
 
     Parameters
@@ -91,6 +103,8 @@ def verify_chart(name: str, settings: ChartSettings) -> xr.Dataset:
         Name of a chart with yielding structures, from `chart_functions`.
     settings : ChartSettings
         Parameters of the chart; ``points`` is the number of simulated points along an axis.
+    progress : callable, optional
+        Called with the share of the work that is done, by charts that report it.
 
     Returns
     -------
@@ -118,7 +132,8 @@ def verify_chart(name: str, settings: ChartSettings) -> xr.Dataset:
     allowed = [key for key, function in functions.items() if "ground" in function.keywords]
     if name not in allowed:
         raise ValueError(f"NAME = {brief(name)} cannot be verified; allowed: {', '.join(allowed)}")
-    chart = functions[name]()
+    told = {"progress": progress} if "progress" in signature(functions[name]).parameters else {}
+    chart = functions[name](**told)
     if not any(str(key).endswith("_simulated") for key in chart):
         chart = _verified(name, settings)
     return chart.assign_attrs(title=f"{chart.attrs['title']}: linearized against simulated")
@@ -141,7 +156,12 @@ def _verified(name: str, settings: ChartSettings) -> xr.Dataset:
 
 
 def _simulated(
-    rho: xr.DataArray, pair: Pair, ground: Ground, settings: ChartSettings, count: int
+    rho: xr.DataArray,
+    pair: Pair,
+    ground: Ground,
+    settings: ChartSettings,
+    count: int,
+    progress: Progress,
 ) -> tuple[xr.Dataset, list[str]]:
     """Simulated ``rho`` and its standard error at ``count`` points of an axis, and refused runs.
 
@@ -150,12 +170,14 @@ def _simulated(
     names = ("rho", "rho_standard_error")
     table = xr.Dataset({name: xr.full_like(rho, np.nan) for name in names})
     refused: dict[str, str] = {}
-    for place in _runs(rho, count):
+    options: Any = {"paths": settings.paths, "seed": settings.seed}
+    runs = list(_runs(rho, count))
+    for number, place in enumerate(runs):
         first, second = (structure.isel(place) for structure in pair)
+        part = part_of(progress, number / len(runs), (number + 1) / len(runs))
+        part(0.0)
         try:
-            found = correlate(
-                first, second, ground, "simulation", paths=settings.paths, seed=settings.seed
-            )
+            found = correlate(first, second, ground, "simulation", **options, progress=part)
         except ValueError as error:  # the arguments were checked before, so that it would take too long
             strength = rho.isel(place).coords.get("reduction_factor", [])
             where = "".join(f" at R = {factor:g}" for factor in np.asarray(strength))

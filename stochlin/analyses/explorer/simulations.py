@@ -15,7 +15,7 @@ from stochlin.analyses.explorer.storeys import simulated_correlation
 from stochlin.analyses.probability.probability import pounding_probability
 from stochlin.analyses.separation.separation import separation
 from stochlin.analyses.tables import labels
-from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.models.buildings import ShearBuilding
 
 SIMULATED_RATIOS = np.geomspace(0.25, 4.0, 13)
@@ -32,7 +32,7 @@ def simulations(scene: Scene, progress: Progress | None = None) -> dict[str, xr.
     """
 
     def part(number: int) -> Progress:
-        return lambda share: progress((number + share) / 3) if progress else None
+        return part_of(progress, number / 3, (number + 1) / 3)
 
     first, second = scene.structures()
     ground = scene.ground()

@@ -7,11 +7,13 @@ import os
 
 import xarray as xr
 
+from stochlin.kernels.basics.compiled import UNCOMPILED
 from stochlin.models.parameters import Model
 
 SHARE = 0.5  # share of the memory of the machine that one calculation may take
 MEMORY = 8e9  # assumed memory [bytes] if the system does not state it
 MOST_SECONDS = 900.0  # longest estimated time [s]
+SLOWER = 1000.0 if UNCOMPILED else 1.0  # estimates are those of compiled code
 
 
 def check_work(what: str, cure: str, *, memory: float = 0.0, seconds: float = 0.0) -> None:
@@ -23,6 +25,9 @@ def check_work(what: str, cure: str, *, memory: float = 0.0, seconds: float = 0.
     most = SHARE * _installed()
     if not memory <= most:
         raise ValueError(f"{what} {memory / 1e9:.1f} GB; allowed: {most / 1e9:.0f} GB; {cure}")
+    seconds *= SLOWER
+    if UNCOMPILED:
+        cure += ", or unset NUMBA_DISABLE_JIT"
     if not seconds <= MOST_SECONDS:
         allowed = f"{MOST_SECONDS / 60:.0f} minutes on this machine"
         raise ValueError(f"{what} about {_in_words(seconds)}; allowed: {allowed}; {cure}")

@@ -7,17 +7,26 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
+from stochlin.kernels.basics.compiled import UNCOMPILED
+
 Result = TypeVar("Result")
 Progress = Callable[[float], None]
 """A function that is called with the share of the work that is done, from 0 to 1."""
 
 
 def cores() -> int:
-    """Number of processor cores that this process may use."""
+    """Number of processor cores that this process may use; what is not compiled uses one at a time."""
+    if UNCOMPILED:
+        return 1
     try:
         return len(os.sched_getaffinity(0))
     except AttributeError:  # the function is missing on macOS and Windows
         return os.cpu_count() or 1
+
+
+def part_of(progress: Progress | None, begin: float, end: float) -> Progress:
+    """Progress of a part of the work, from the share ``begin`` of the whole to ``end``."""
+    return lambda share: progress(begin + (end - begin) * share) if progress else None
 
 
 def in_order(

@@ -7,6 +7,7 @@ import numpy as np
 from stochlin.kernels.basics.arrays import Array
 
 APART = 1e-150, 1e150  # beyond these the correlation is zero in floating point
+SMALL = 1e-60  # damping ratio below which products of four may vanish
 
 
 def white_noise_correlation(
@@ -35,14 +36,21 @@ def white_noise_correlation(
     >>> round(float(white_noise_correlation(0.9, 1.0, 0.05, 0.05)), 6)
     0.473028
     """
-    with np.errstate(over="ignore", under="ignore", divide="ignore"):
+    with np.errstate(all="ignore"):
         b = np.sqrt(period_2 / period_1)  # w1 over the geometric mean of w1 and w2
-        w1 = np.clip(b, *APART)
-        w2 = 1 / w1
+        rho = _rho(b, damping_1, damping_2, 1.0)
+        largest, smallest = (f(damping_1, damping_2) for f in (np.maximum, np.minimum))
+        if np.all(np.isfinite(rho)) and not np.any(smallest < SMALL):
+            return rho
         # Damping ratios in a power of two, which changes no digit, so that no product vanishes.
-        unit = np.ldexp(1.0, np.frexp(np.maximum(damping_1, damping_2))[1])
-        xi1, xi2 = damping_1 / unit, damping_2 / unit
-        mixed = xi1 * w1 + xi2 * w2
-        crossed = xi1 * w2 + xi2 * w1
-        detuning = (w1 - w2) * (w1 + w2) / unit
-        return 8 * np.sqrt(xi1 * xi2) * mixed / (detuning**2 + 4 * mixed * crossed)
+        unit = np.ldexp(1.0, np.frexp(largest)[1])
+        return _rho(np.clip(b, *APART), damping_1 / unit, damping_2 / unit, unit)
+
+
+def _rho(b: Array, xi_1: Array, xi_2: Array, unit: Array | float) -> Array:
+    """Eq. (4) with the damping ratios in a unit."""
+    w1, w2 = b, 1 / b
+    mixed = xi_1 * w1 + xi_2 * w2
+    crossed = xi_1 * w2 + xi_2 * w1
+    detuning = (w1 - w2) * (w1 + w2) / unit
+    return 8 * np.sqrt(xi_1 * xi_2) * mixed / (detuning**2 + 4 * mixed * crossed)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-import sys
 from collections.abc import Callable
+from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +20,7 @@ from stochlin.views.shared.options import (
     simulation_options,
     together,
 )
-from stochlin.views.shared.screen import COMMANDS, PICTURES, bad_input, check_target
+from stochlin.views.shared.screen import COMMANDS, PICTURES, bad_input, check_target, progress_bar
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -124,6 +124,7 @@ def charts(
           --gap 4cm
     """
     from stochlin.analyses.charts.charts import chart_functions
+    from stochlin.kernels.basics.parallel import part_of
 
     with bad_input():
         settings = chart_settings(options)
@@ -133,11 +134,13 @@ def charts(
             raise ValueError(f"NAME = {brief(name)} is no chart; allowed: {', '.join(functions)}")
         chosen = functions if name is None else {name: functions[name]}
         files = {one: _chart_files(out / one, picture_format, record) for one in chosen}
-        with click.progressbar(
-            chosen.items(), label="charts", file=sys.stderr, item_show_func=lambda item: item and item[0]
-        ) as bar:
-            for chart, compute in bar:
-                _write_chart(compute(), *files[chart])
+        with progress_bar("charts", lambda _: chart) as progress:
+            for number, (chart, compute) in enumerate(chosen.items()):
+                part = part_of(progress, number / len(chosen), (number + 1) / len(chosen))
+                part(0.0)
+                told = {"progress": part} if "progress" in signature(compute).parameters else {}
+                _write_chart(compute(**told), *files[chart])
+                part(1.0)
     click.echo(f"{len(chosen)} charts and their datasets in {out}")
 
 
@@ -158,7 +161,10 @@ def verify(name: str, out: Path, picture_format: str, **options: Any) -> None:
 
     with bad_input():
         files = _chart_files(out / f"{name}_verified", picture_format)
-        dataset = verify_chart(name, chart_settings(options))
+        with progress_bar(name) as progress:
+            progress(0.0)
+            dataset = verify_chart(name, chart_settings(options), progress)
+            progress(1.0)
         _write_chart(dataset, *files)
     click.echo(dataset.attrs["comment"])
     click.echo(f"{name}_verified and its dataset in {out}")

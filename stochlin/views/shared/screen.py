@@ -103,16 +103,22 @@ def compiling_told() -> Iterator[None]:
 
 
 @contextmanager
-def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
-    """A bar on the error stream, from the first call on with the share of the work that is done."""
+def progress_bar(
+    label: str, doing: Callable[[Any], str] | None = None
+) -> Iterator[Callable[[float], None]]:
+    """A bar on the error stream, from the first call on with the share of the work that is done.
+
+    On a terminal it also shows what ``doing`` returns.
+    """
     with ExitStack() as shown:
-        bar = click.progressbar(length=STEPS, label=label, file=sys.stderr)
+        bar = click.progressbar(length=STEPS, label=label, file=sys.stderr, item_show_func=doing)
         begun: list[object] = []  # what is refused before the work has no bar
 
         def progress(share: float) -> None:
             if not begun:
                 begun.append(shown.enter_context(bar))
             bar.update(int(STEPS * share) - bar.pos)
+            bar.render_progress()
 
         yield progress
 
