@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.correlation.derived_pairs import derived_correlation
+from stochlin.analyses.correlation.derived_pairs import OF_A_SIDE, derived_correlation
 from stochlin.analyses.linearization.bias_map import point_of
 from stochlin.analyses.linearization.drift_map import (
     CORRECTED_GROUNDS,
@@ -126,18 +126,24 @@ def insights(
         both = zip(points, pairs, strict=True)
         return [_like([*point, *soil], one.cells()["period"]) for point, (one, _) in both]
     one_ground = all(array.ndim == 0 for array in ground.arrays().values())
-    of_arrays = None if one_ground else _solved_references(ground, tolerance)
-    told = []
-    for point, side in zip(points, solved, strict=True):
-        labelled = any(isinstance(array, xr.DataArray) for array in side.values())
-        known = of_arrays or (_solved_once if labelled else _plain_references)(ground, tolerance)
-        (own,) = derived_signatures([side], *known)
-        correction = hold_at_ends(SIGNATURE, point)
-        core = ([REFERENCE], *([] for _ in correction))
-        kinds = (float,) * (2 * len(correction) + 1)
-        seen = cellwise(_insight, own, *correction, core=core, kinds=kinds)
-        told.append([*seen, *_like(point, point[-1])])
-    return told
+    labelled = any(isinstance(one, xr.DataArray) for side in solved for one in side.values())
+    if one_ground and not labelled:  # two single cells take hardly longer than one
+        sides = {name: np.array([side[name] for side in solved])[:, None] for name in OF_A_SIDE}
+        place: list[Cells] = [np.array(one) for one in zip(*points, strict=True)]
+        found = [np.asarray(one) for one in _told(sides, place, *_plain_references(ground, tolerance))]
+        return [[array[n, ...] for array in found] for n in range(len(pairs))]
+    of_arrays = (_solved_once if one_ground else _solved_references)(ground, tolerance)
+    return [_told(side, point, *of_arrays) for point, side in zip(points, solved, strict=True)]
+
+
+def _told(side: Solved, point: list[Cells], known: Solved, gram: xr.DataArray | Array) -> list[Cells]:
+    """Arrays of the `Insight`, then of the `Nearness`, from the references and their `derived_gram`."""
+    (own,) = derived_signatures([side], known, gram)
+    correction = hold_at_ends(SIGNATURE, point)
+    core = ([REFERENCE], *([] for _ in correction))
+    kinds = (float,) * (2 * len(correction) + 1)
+    seen = cellwise(_insight, own, *correction, core=core, kinds=kinds)
+    return [*seen, *_like(point, point[-1])]
 
 
 def _like(point: list[Cells], period: Cells) -> list[Cells]:

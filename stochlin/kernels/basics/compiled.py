@@ -24,6 +24,8 @@ from stochlin.kernels.basics.parts import Part, Parts
 
 UNCOMPILED = bool(nb.config.DISABLE_JIT)  # type: ignore[attr-defined]
 OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
+FEW = 256  # cells that take less time in plain Python than to load compiled code, or to compile it
+_met: dict[Any, int] = {}
 OF_OVERLOADS: Any = {"forceinline": True, "error_model": "numpy"}
 
 
@@ -49,6 +51,15 @@ def _uncompiled(function: Any) -> Any:
     """The Python function, without numpy's warnings of overflow, as in compiled code."""
     warn_once(NOT_COMPILED)
     return np.errstate(all="ignore")(function)
+
+
+def worth_compiling(function: Any, cells: int) -> bool:
+    """Whether to use an `entry` for so many more cells, rather than plain Python with the same result.
+
+    Plain Python is taken for the first `FEW` cells of a process, unless the entry is already at hand.
+    """
+    _met[function] = _met.get(function, 0) + cells
+    return not UNCOMPILED and (bool(function.signatures) or _met[function] > FEW)
 
 
 not_kept = nb.njit(**OPTIONS)

@@ -25,7 +25,7 @@ def in_slabs(
     The function is called for slabs of about ``cells`` cells. It returns one array for each data type of
     ``kinds``: the array itself for one type, a tuple for several.
     """
-    shape = np.broadcast_shapes(*(array.shape for array in inputs))
+    shape = np.broadcast_shapes(*{array.shape for array in inputs})
     results = tuple(np.empty(shape, kind) for kind in kinds)
     padded = [array.reshape((1,) * (len(shape) - array.ndim) + array.shape) for array in inputs]
     small = math.prod(shape) <= cells

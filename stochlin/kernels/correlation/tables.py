@@ -21,7 +21,12 @@ from stochlin.kernels.correlation.tiles import (
     new_memory,
     rho_of_tile,
 )
-from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, coordinates
+from stochlin.kernels.linearization.covariance import (
+    EquivalentSystem,
+    Forcing,
+    characteristic,
+    coordinates,
+)
 
 PART = 1 << 18  # cells of a task
 ROUNDING = 1e-9  # by which |rho| may exceed 1 by rounding; beyond it the covariance is invalid
@@ -63,7 +68,14 @@ def pair_parameters(system: EquivalentSystem, forcing: Forcing, displacement_std
     the forcing, the characteristic polynomial, the lower two rows of ``A^2``, and some further terms.
     """
     (_, (soft, _, h), (back, p, _)), third, _ = coordinates(system, forcing)
-    w, d, k = -soft, system.damping, system.relaxation
+    columns = parameters_of(system, forcing, (-soft, h, back, p, third), displacement_std)
+    return np.array(in_one_shape(*columns)).reshape(PARAMETERS, -1)
+
+
+def parameters_of(system: Any, forcing: Any, chosen: Any, displacement_std: Any) -> Any:
+    """As `pair_parameters`, for numbers or arrays; ``chosen`` is what depends on the coordinates."""
+    w, h, back, p, third = chosen
+    d, k = system.damping, system.relaxation
     square = (  # second and third row of A^2
         d * w + h * back,
         d * d + h * p - w,
@@ -73,9 +85,9 @@ def pair_parameters(system: EquivalentSystem, forcing: Forcing, displacement_std
         p * h + k * k,
     )
     kick = system.coupling * (forcing.slip - system.slip * forcing.mu)
-    as_second = (w, d, h, p, k, forcing.mu, forcing.velocity, third, *system.characteristic, *square)
-    columns = (*as_second, back, system.stiffness, kick, displacement_std)
-    return np.array(in_one_shape(*columns)).reshape(PARAMETERS, -1)
+    polynomial = characteristic(system.stiffness, d, system.coupling, system.slip, system.relaxation)
+    as_second = (w, d, h, p, k, forcing.mu, forcing.velocity, third, *polynomial, *square)
+    return (*as_second, back, system.stiffness, kick, displacement_std)
 
 
 def pair_table(

@@ -90,6 +90,11 @@ class Filter:
         )
 
     @property
+    def oscillators(self) -> Sequence[Entry] | None:
+        """Stiffness and damping of each oscillator of a filter in closed form; None for others."""
+        return None if self.states else ()
+
+    @property
     def fastest(self) -> Entry:
         """Largest natural frequency of the filter [rad/s]; 0 without states."""
         return np.abs(np.linalg.eigvals(self.arrays.matrix)).max(axis=-1, initial=0.0)
@@ -258,22 +263,21 @@ class _OfOscillators(Filter):
     """Filters of one or two oscillators, whose covariances have closed forms."""
 
     @property
-    def _oscillators(self) -> Sequence[Entry]:
-        """Stiffness and damping of each oscillator of the filter."""
+    def oscillators(self) -> Sequence[Entry]:
+        """As in `Filter`."""
         raise NotImplementedError
 
     def _rows(self, system: EquivalentSystem) -> Array:
         """Results of `cells.grounds` (9 + 3 m, ...): forcing, its derivatives, and covariances."""
         from stochlin.kernels.linearization.cells import grounds  # imports numba, which takes long
 
-        parts = *system, self.intensity, *self._oscillators
+        parts = *system, self.intensity, *self.oscillators
         cells = np.broadcast(*parts).shape
         rows = np.empty((len(parts), *cells))
         for n, part in enumerate(parts):
             rows[n] = part
         found = np.empty((9 + 3 * len(self.states), *cells))
-        solve = grounds.kanai_tajimi if len(self.states) == 2 else grounds.clough_penzien
-        solve(rows.reshape(len(rows), -1), found.reshape(len(found), -1))
+        grounds.solve(rows.reshape(len(rows), -1), found.reshape(len(found), -1))
         return found
 
     def forcing(self, system: EquivalentSystem) -> Forcing:
@@ -317,7 +321,8 @@ class KanaiTajimiFilter(_OfOscillators):
         return self.frequency
 
     @property
-    def _oscillators(self) -> Sequence[Entry]:
+    def oscillators(self) -> Sequence[Entry]:
+        """As in `Filter`."""
         return self.output
 
     def later(self, system: EquivalentSystem, forcing: Forcing) -> Transform:
@@ -372,7 +377,8 @@ class CloughPenzienFilter(_OfOscillators):
         return FilterOscillator(self.frequency**2, 2 * self.damping * self.frequency)
 
     @property
-    def _oscillators(self) -> Sequence[Entry]:
+    def oscillators(self) -> Sequence[Entry]:
+        """As in `Filter`."""
         return *self.soil.output, *self._layer
 
     def later(self, system: EquivalentSystem, forcing: Forcing) -> Transform:

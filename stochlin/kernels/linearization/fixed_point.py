@@ -16,24 +16,30 @@ from typing import NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.compiled import worth_compiling
 from stochlin.kernels.basics.parallel import in_ranges
+from stochlin.kernels.linearization.cells.fixed_points import (
+    FOUND,
+    OF_GROUND,
+    settle,
+    settle_cells,
+)
 from stochlin.kernels.linearization.cells.steps import (
     BASE,
     DELTA,
     DONE,
     NORM,
-    RESPONSE,
     STATE,
     STEP,
     Pace,
-    advance,
-    respond,
+    advance_cells,
     slope_of_unknowns,
 )
 from stochlin.kernels.linearization.covariance import EquivalentSystem
 from stochlin.kernels.linearization.filters import Filter
-from stochlin.kernels.linearization.gaussian import Closure
+from stochlin.kernels.linearization.gaussian import Closure, clipped, gaussian
 
+CLIPPED: dict[Closure, bool] = {gaussian: False, clipped: True}  # closures that `cells.fixed_points` has
 CHUNK = 2048  # cells solved together: the temporary arrays of a step then stay in the cache
 BOLD = Pace(first=30.0, restart=1.0, shorter=0.25, longer=3.0, longest=100.0)  # nearly Newton's method
 CAREFUL = Pace(first=0.5, restart=0.5, shorter=0.5, longer=1.1, longest=1.5)  # short pseudo-time steps
@@ -207,6 +213,8 @@ def _unknowns(latent: Array) -> Array:
 
 def _evolve(problem: _Problem, y: Array, max_iterations: int, pace: Pace) -> FixedPoint:
     """Pseudo-transient continuation from the unknowns ``y`` (3, n), until all cells converge."""
+    if problem.closure in CLIPPED and problem.ground.oscillators is not None:
+        return _settled(problem, y, max_iterations, pace)
     n = y.shape[1]
     whole, iterations = np.zeros((STATE, n)), np.zeros(n, np.int32)
     whole[BASE:NORM], whole[NORM], whole[DELTA] = y, np.inf, pace.first
@@ -227,6 +235,33 @@ def _evolve(problem: _Problem, y: Array, max_iterations: int, pace: Pace) -> Fix
     return FixedPoint(coefficients, latent, iterations, whole[NORM], whole[DONE] > 0)
 
 
+def _settled(problem: _Problem, y: Array, max_iterations: int, pace: Pace) -> FixedPoint:
+    """As `_evolve`, with all iterations of a cell in compiled code; a few cells in plain Python."""
+    n, soil = y.shape[1], (problem.ground.intensity, *(problem.ground.oscillators or ()))
+    cells, ground, start = (
+        np.array([*problem.structure, problem.level]),
+        np.ones((OF_GROUND, n)),
+        y.copy(),
+    )
+    for row, entry in enumerate(soil):
+        ground[row] = entry
+    found, iterations = np.empty((FOUND, n)), np.zeros(n, np.int32)
+    kind = CLIPPED[problem.closure], len(soil) // 2
+    rule = pace, float(problem.rtol), float(problem.atol), max_iterations
+    if worth_compiling(settle_cells, n):
+        settle_cells(*kind, cells, ground, start, *rule, found, iterations)
+    else:
+        for at in range(n):
+            column = slice(at, at + 1)
+            given = [rows[:, at].tolist() for rows in (cells, ground, start)]
+            try:
+                found[:, at], iterations[at] = settle(*kind, *given, *rule)
+            except (ArithmeticError, ValueError):  # compiled code goes on with infinity or NaN
+                one = (rows[:, column].copy() for rows in (cells, ground, start))
+                settle_cells(*kind, *one, *rule, found[:, column], iterations[column])
+    return FixedPoint(found[:2], found[2:5], iterations, found[5], found[6] > 0)
+
+
 def _latent(y: Array) -> Array:
     """The moments ``sv, sz, r`` (3, n) of the unknowns."""
     latent = np.exp(y)
@@ -235,35 +270,15 @@ def _latent(y: Array) -> Array:
 
 
 def _advance(problem: _Problem, state: Array, pace: Pace) -> None:
-    """One step of the iteration: compute the mismatch and its Jacobian, and update ``state``."""
-    y = state[BASE:NORM] + state[STEP:DELTA]
-    latent = _latent(y)
+    """One step of the iteration with a closure or a ground that is not compiled."""
+    latent = _latent(state[BASE:NORM] + state[STEP:DELTA])
     value = problem.closure(latent, problem.law)
-    system = np.concatenate([problem.structure, value.coefficients])
-    response = np.empty((RESPONSE, y.shape[1]))
-    respond(system, problem.ground.forcing_and_slopes(EquivalentSystem(*system)), response)
-    mismatch = _unknowns_of(*response[[0, 1, 3]])
-    mismatch[:2] += problem.level
-    vv, zz, vz = value.covariance
-    mismatch -= _unknowns_of(vv, zz, vz / np.sqrt(vv * zz))
-    advance(
-        y,
-        latent,
-        mismatch,
-        response,
-        np.ascontiguousarray(value.coefficients_jacobian).reshape(6, -1),
-        np.ascontiguousarray(value.covariance),
-        np.ascontiguousarray(value.covariance_jacobian).reshape(9, -1),
-        state,
-        pace,
-        problem.rtol,
-        problem.atol,
+    forcings = problem.ground.forcing_and_slopes(
+        EquivalentSystem(*problem.structure, *value.coefficients)
     )
-
-
-def _unknowns_of(vv: Array, zz: Array, r: Array) -> Array:
-    """The unknowns ``(log sv, log sz, atanh r)`` of variances and a correlation."""
-    return np.array([0.5 * np.log(vv), 0.5 * np.log(zz), np.arctanh(r)])
+    values = np.concatenate([field.reshape(-1, latent.shape[1]) for field in value])
+    cells = np.array([*problem.structure, problem.level])
+    advance_cells(cells, latent, values, forcings, state, pace, problem.rtol, problem.atol)
 
 
 def to_unknowns(covariance: Array) -> tuple[Array, Array]:
@@ -272,6 +287,8 @@ def to_unknowns(covariance: Array) -> tuple[Array, Array]:
     NaN where the three numbers are not a covariance.
     """
     vv, zz, vz = covariance
-    r = vz / np.sqrt(vv * zz)
-    columns = [slope_of_unknowns(vv, zz, r, unit) for unit in np.eye(3)]
-    return _unknowns_of(vv, zz, r), np.stack([np.stack(column) for column in columns], axis=1)
+    root = np.sqrt(vv * zz)
+    r = vz / root
+    columns = [slope_of_unknowns(vv, zz, root, r, unit) for unit in np.eye(3)]
+    unknowns = np.array([0.5 * np.log(vv), 0.5 * np.log(zz), np.arctanh(r)])
+    return unknowns, np.stack([np.stack(column) for column in columns], axis=1)

@@ -1,12 +1,16 @@
-"""What a closure computes, and Gaussian expectations for the bilinear law and for dashpots."""
+"""What a closure computes; the closures of the bilinear law, and Gaussian expectations for dashpots.
+
+The formulas of the closures take numbers, in compiled code, or arrays of cells. For arrays the special
+functions are those of scipy; `cells.slip` has them for numbers.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.special import gamma, ndtr, owens_t
+from scipy.special import erf, erfc, gamma, gammainc, ndtr, owens_t
 
 from stochlin.kernels.basics.arrays import Array
 
@@ -91,14 +95,96 @@ def regress_slip(
     ``slip`` (2, n) are ``E[(v - G) v]`` and ``E[(v - G) z]``, ``covariance`` (3, n) are ``Var v``,
     ``Var z`` and ``Cov(v, z)``. The Jacobians, also that of the result, are by the latent moments.
     """
-
-    def solve(by_v: Array, by_z: Array) -> Array:
-        """Solution of the normal equations with the right-hand sides ``by_v`` and ``by_z``."""
-        return np.array([by_v * zz - by_z * vz, by_z * vv - by_v * vz]) / (vv * zz - vz * vz)
-
-    vv, zz, vz = covariance
-    coefficients = solve(*slip)
+    coefficients = np.array(regressed(slip, covariance))
     p, k = coefficients
     d_vv, d_zz, d_vz = covariance_jacobian
-    jacobian = solve(slip_jacobian[0] - p * d_vv - k * d_vz, slip_jacobian[1] - p * d_vz - k * d_zz)
-    return coefficients, jacobian
+    right = slip_jacobian[0] - p * d_vv - k * d_vz, slip_jacobian[1] - p * d_vz - k * d_zz
+    return coefficients, np.array(regressed(right, covariance))
+
+
+def regressed(right: Any, covariance: Any) -> Any:
+    """Solution of the normal equations of a regression on ``(v, z)``, for numbers or arrays."""
+    (by_v, by_z), (vv, zz, vz) = right, covariance
+    determinant = vv * zz - vz * vz
+    return (by_v * zz - by_z * vz) / determinant, (by_z * vv - by_v * vz) / determinant
+
+
+def gaussian(latent: Array, parameters: Array) -> ClosureValue:
+    """Gaussian closure: the equivalent coefficients of eqs. (9) and (10) in closed form."""
+    moments = latent[0], latent[1], latent[2]
+    return _in_arrays(gaussian_values(moments, slip_quadrant(latent[1], latent[2])))
+
+
+def clipped(latent: Array, parameters: Array) -> ClosureValue:
+    """Clipped closure (Asano & Iwan 1984; Hurtado & Barbat 1996): ``z = clip(z~, -1, 1)``.
+
+    ``(v, z~)`` is Gaussian with the latent moments, so that ``|z| <= 1`` always holds. The equivalent
+    coefficients are those of the linear regression of the slip rate ``v - G`` on ``(v, z)``.
+    """
+    moments, h = (latent[0], latent[1], latent[2]), 1 / latent[1]
+    far = h / np.sqrt(2)
+    within = erf(far), gammainc(1.5, 0.5 * h * h), erfc(far)
+    return _in_arrays(clipped_values(moments, slip_quadrant(latent[1], latent[2]), within))
+
+
+def _in_arrays(values: Any) -> ClosureValue:
+    """What the functions below found for arrays of cells, stacked."""
+    coefficients, by_slip, by_relaxation, covariance, by_latent = values
+    slopes, of_covariance = (
+        np.array([np.broadcast_arrays(*row, coefficients[0])[:3] for row in rows])
+        for rows in ((by_slip, by_relaxation), by_latent)
+    )
+    return ClosureValue(np.array(coefficients), slopes, np.array(covariance), of_covariance)
+
+
+def gaussian_values(moments: Any, quadrant: Any) -> Any:
+    """Coefficients, slopes of both, covariance and its slopes by the Gaussian closure.
+
+    ``1 + c_e = 2 P(v > 0, z > 1)`` and ``k_e = 2 sv h (r h B + q E)``, where ``sv`` and ``sz`` are the
+    latent standard deviations, ``r`` their correlation, ``h = 1/sz``, ``q = sqrt(1 - r^2)``, and ``B``
+    and ``E`` the ``edge`` and ``corner`` of `SlipQuadrant`, which is ``quadrant``.
+    """
+    sv, sz, r = moments
+    probability, _, _, h, q, edge, corner = quadrant
+    relaxation = 2 * sv * h * (r * h * edge + q * corner)
+    steeper = r * h * (2 - h * h) * edge + q * (1 - h * h) * corner
+    return (
+        (2 * probability, relaxation),
+        (0.0, 2 * h * h * edge, 2 * corner / q),
+        (relaxation / sv, -2 * sv * h * h * steeper, 2 * sv * h * (h * edge - r / q * corner)),
+        (sv * sv, sz * sz, r * sv * sz),
+        ((2 * sv, 0.0, 0.0), (0.0, 2 * sz, 0.0), (r * sz, r * sv, sv * sz)),
+    )
+
+
+def clipped_values(moments: Any, quadrant: Any, within: Any) -> Any:
+    """As `gaussian_values` by the clipped closure.
+
+    ``within`` are ``P(|z~| < 1)``, ``E[(z~/sz)^2; |z~| < 1]`` and ``P(|z~| > 1)``.
+    """
+    sv, sz, r = moments
+    _, first, second, h, q, edge, corner = quadrant
+    inside, inside_square, outside = within
+    turned, steep = r * h * edge + q * corner, 2 * sv * h * h
+    slip_v = 2 * sv * sv * second, 2 * sv * first  # E[(v - G) v] and E[(v - G) z]
+    by_v = (
+        4 * sv * second,
+        steep * sv * ((q * q + r * h * r * h) * edge + r * h * q * corner),
+        4 * sv * sv * turned,
+    )
+    by_z = 2 * first, steep * turned, 2 * sv * edge
+    covariance = sv * sv, sz * sz * inside_square + outside, r * sv * sz * inside
+    of_vv, of_zz = 2 * sv, 2 * sz * inside_square
+    of_vz = r * sz * inside, r * sv * inside_square, sv * sz * inside
+    coefficients = regressed(slip_v, covariance)
+    p, k = coefficients
+    one = regressed((by_v[0] - p * of_vv - k * of_vz[0], by_z[0] - p * of_vz[0]), covariance)
+    two = regressed((by_v[1] - k * of_vz[1], by_z[1] - p * of_vz[1] - k * of_zz), covariance)
+    three = regressed((by_v[2] - k * of_vz[2], by_z[2] - p * of_vz[2]), covariance)
+    return (
+        coefficients,
+        (one[0], two[0], three[0]),
+        (one[1], two[1], three[1]),
+        covariance,
+        ((of_vv, 0.0, 0.0), (0.0, of_zz, 0.0), of_vz),
+    )

@@ -5,18 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-import numpy as np
 import xarray as xr
-from scipy.special import erf, erfc, gammainc
 
-from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.linearization.gaussian import (
-    Closure,
-    ClosureValue,
-    gaussian_covariance,
-    regress_slip,
-    slip_quadrant,
-)
+from stochlin.kernels.linearization.gaussian import Closure, clipped, gaussian
 from stochlin.models.structures import DRIFT, GAUSSIAN, LAWS, NARROW_BAND, Structure
 
 if TYPE_CHECKING:
@@ -34,69 +25,6 @@ def symbolic() -> sympy.Expr:
     v, z = sympy.symbols("v z", real=True)
     step = sympy.Heaviside
     return v * (1 - step(v) * step(z - 1) - step(-v) * step(-z - 1))
-
-
-def gaussian(latent: Array, parameters: Array) -> ClosureValue:
-    """Gaussian closure: the equivalent coefficients of eqs. (9) and (10) in closed form.
-
-    ``1 + c_e = 2 P(v > 0, z > 1)`` and ``k_e = 2 sv h (r h B + q E)``, where ``sv`` and ``sz`` are the
-    latent standard deviations, ``r`` their correlation, ``h = 1/sz``, ``q = sqrt(1 - r^2)``, and ``B``
-    and ``E`` the ``edge`` and ``corner`` of `slip_quadrant`.
-    """
-    sv, sz, r = latent
-    s = slip_quadrant(sz, r)
-    h, q, edge, corner = s.h, s.q, s.edge, s.corner
-    relaxation = 2 * sv * h * (r * h * edge + q * corner)
-    jacobian = np.array(
-        [
-            [0 * sv, 2 * h * h * edge, 2 * corner / q],
-            [
-                relaxation / sv,
-                -2 * sv * h**2 * (r * h * (2 - h * h) * edge + q * (1 - h * h) * corner),
-                2 * sv * h * (h * edge - (r / q) * corner),
-            ],
-        ]
-    )
-    coefficients = np.array([2 * s.probability, relaxation])
-    return ClosureValue(coefficients, jacobian, *gaussian_covariance(latent))
-
-
-def clipped(latent: Array, parameters: Array) -> ClosureValue:
-    """Clipped closure (Asano & Iwan 1984; Hurtado & Barbat 1996): ``z = clip(z~, -1, 1)``.
-
-    ``(v, z~)`` is Gaussian with the latent moments, so that ``|z| <= 1`` always holds. The equivalent
-    coefficients are those of the linear regression of the slip rate ``v - G`` on ``(v, z)``.
-    """
-    sv, sz, r = latent
-    s = slip_quadrant(sz, r)
-    h, q, edge, corner = s.h, s.q, s.edge, s.corner
-    dh = -h * h
-    slip = np.array([2 * sv * sv * s.second, 2 * sv * s.first])
-    slip_jacobian = np.array(
-        [
-            [
-                4 * sv * s.second,
-                -2 * sv * sv * dh * ((q * q + (r * h) ** 2) * edge + r * h * q * corner),
-                4 * sv * sv * (r * h * edge + q * corner),
-            ],
-            [2 * s.first, -2 * sv * dh * (r * h * edge + q * corner), 2 * sv * edge],
-        ]
-    )
-    moments = _clipped_covariance(latent)
-    return ClosureValue(*regress_slip(slip, slip_jacobian, *moments), *moments)
-
-
-def _clipped_covariance(latent: Array) -> tuple[Array, Array]:
-    """``(Var v, Var z, Cov(v, z))`` of the clipped density, and its Jacobian by the latent moments."""
-    sv, sz, r = latent
-    h = 1 / sz
-    inside = erf(h / np.sqrt(2))  # P(|z~| < 1)
-    inside_square = gammainc(1.5, 0.5 * h * h)  # E[(z~/sz)^2; |z~| < 1]
-    zero = 0 * sv
-    z_z = sz * sz * inside_square + erfc(h / np.sqrt(2))
-    by_moments = [r * sz * inside, r * sv * inside_square, sv * sz * inside]
-    jacobian = np.array([[2 * sv, zero, zero], [zero, 2 * sz * inside_square, zero], by_moments])
-    return np.array([sv * sv, z_z, r * sv * sz * inside]), jacobian
 
 
 @LAWS.register("bilinear", place=1)

@@ -13,6 +13,8 @@ from stochlin.analyses.pounding.pounding import pound
 from stochlin.analyses.records.gaps import recorded_gap
 from stochlin.analyses.records.response import respond, response_spectrum
 from stochlin.analyses.simulation.simulation import simulate
+from stochlin.kernels.basics.compiled import FEW
+from stochlin.kernels.correlation.bilinear_pair import linearized_pair
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Kelvin, LinearSpring
 from stochlin.models.grounds import Ground, KanaiTajimi, WhiteNoise
@@ -61,12 +63,13 @@ def pounding() -> None:
 
 
 def tables() -> None:
-    """Correlation coefficients and the bias maps; of several pairs, since a lone one needs less."""
-    one, two = _pair()
-    several = Bilinear([0.8, 1.0], 0.05, **YIELDING)
+    """Correlation coefficients and the bias maps; of so many pairs that they are compiled."""
+    many, (_, two) = Bilinear(np.linspace(0.5, 1.0, FEW + 1), 0.05, **YIELDING), _pair()
     for closure in ("gaussian", "drift"):
-        correlate(several, two, _ground(), closure=closure)
-    correlate(one, two, named_ground("firm", intensity=0.01))
+        correlate(many, two, _ground(), closure=closure)
+    correlate(many, two, named_ground("firm", intensity=0.01))
+    correlate(BoucWen(0.5, 0.05, **YIELDING), two, _ground())
+    linearized_pair((0.8, 0.05, 0.1, 0.01), (0.5, 0.05, 0.1, 0.01), (0.01,))
 
 
 def records() -> None:

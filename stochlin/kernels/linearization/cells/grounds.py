@@ -9,10 +9,12 @@ oscillator.
 """
 
 import math
+from itertools import chain
 
 import numpy as np
 
-from stochlin.kernels.basics.compiled import called_often, entry
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.compiled import called_often, entry, worth_compiling
 from stochlin.kernels.linearization.cells.tiles import LANES, fill, load, read3, store, write3
 
 SYSTEM = 5  # rows of the coefficients of an equivalent system
@@ -154,6 +156,28 @@ def _clough_penzien(system, ground):
 
 
 @called_often
+def _white_noise(intensity):
+    """Forcing by white noise, which does not depend on the structure, and its derivatives."""
+    nothing = 0.0, 0.0, 0.0
+    return (0.0, math.pi * intensity, 0.0), nothing, nothing
+
+
+@called_often
+def forcing_of(oscillators, system, ground):
+    """Forcing of one cell and its derivatives, on a ground with so many oscillators.
+
+    ``ground`` has the intensity, then stiffness and damping of two oscillators, used or not.
+    """
+    if oscillators == 0:
+        return _white_noise(ground[0])
+    if oscillators == 1:
+        forcing, by_slip, by_relaxation, _ = _kanai_tajimi(system, (ground[0], ground[1], ground[2]))
+        return forcing, by_slip, by_relaxation
+    forcing, by_slip, by_relaxation, _, _ = _clough_penzien(system, ground)
+    return forcing, by_slip, by_relaxation
+
+
+@called_often
 def _system(tile, lane):
     """The coefficients of the equivalent system of a lane."""
     return *read3(tile, 0, lane), tile[3 * LANES + lane], tile[4 * LANES + lane]
@@ -169,6 +193,23 @@ def _write_rows(tile, row, lane, rows, wide):
     tile[(row + wide + 1) * LANES + lane] = v_rate
     tile[(row + 2 * wide) * LANES + lane] = y
     tile[(row + 2 * wide + 1) * LANES + lane] = y_rate
+
+
+def solve(rows: Array, found: Array) -> None:
+    """As `kanai_tajimi` for 8 rows or `clough_penzien` for 10; a few cells in plain Python."""
+    in_code, one_cell = (
+        (kanai_tajimi, _kanai_tajimi) if len(rows) == 8 else (clough_penzien, _clough_penzien)
+    )
+    if worth_compiling(in_code, rows.shape[1]):
+        in_code(rows, found)
+        return
+    try:
+        for cell, column in enumerate(rows.T.tolist()):
+            made = one_cell(column[:SYSTEM], column[SYSTEM:])
+            of_states = chain(*zip(*made[3:], strict=True))  # of mu, of mu', of y with each oscillator
+            found[:, cell] = [*chain(*made[:3]), *chain(*of_states)]
+    except (ArithmeticError, ValueError):  # compiled code goes on with infinity or NaN
+        in_code(rows, found)
 
 
 @entry

@@ -1,14 +1,17 @@
-"""One step of the iteration of `fixed_point`, for each cell of a chunk."""
+"""One step of the iteration of `fixed_point`, for each cell."""
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from stochlin.kernels.basics.compiled import called_often, entry, shared
+from stochlin.kernels.basics.compiled import called_often, compiled, entry, shared
 from stochlin.kernels.basics.small_systems import solve_3x3
-from stochlin.kernels.linearization.cells.grounds import FORCINGS, SYSTEM
+from stochlin.kernels.linearization.cells.elementary import atanh, exp, log, tanh
+from stochlin.kernels.linearization.cells.grounds import FORCINGS
+from stochlin.kernels.linearization.cells.slip import CLOSED, COEFFICIENTS, MOMENTS, read_values
 from stochlin.kernels.linearization.cells.tiles import LANES, fill, load, read3, store, write3
 from stochlin.kernels.linearization.covariance import (
     EquivalentSystem,
@@ -19,15 +22,15 @@ from stochlin.kernels.linearization.covariance import (
     stable,
 )
 
-# Rows of a response: Var v, Var z, Cov(v, z), corr(v, z), and the derivatives of the first three by slip
-# and by relaxation.
-RESPONSE = 10
 # Rows of the state of the iteration: last valid iterate (3), norm of its mismatch, step from it (3),
 # pseudo-time step, and 1 once it has converged.
 STATE = 9
 BASE, NORM, STEP, DELTA, DONE = 0, 3, 4, 7, 8
-RESPONDED = 27  # number of the first row of the response in the input of `_advance`
-GIVEN = RESPONDED + RESPONSE  # rows of this input
+# First rows in a tile, after those of a closure: forcing, state, and the cell itself.
+FORCED, STATED = CLOSED, CLOSED + FORCINGS
+CELL = STATED + STATE
+OF_CELL = 4  # stiffness, damping, coupling; logarithm of the ratio of the shaking to the full one
+STEPPED = CELL + OF_CELL
 LARGEST_STEP = 1.0  # largest step in log(sigma) and atanh(corr)
 LEAST_DELTA = 0.05  # smallest pseudo-time step
 LARGEST_MISMATCH = 1e-6  # largest norm of the mismatch of a converged cell
@@ -43,34 +46,113 @@ class Pace(NamedTuple):
     longest: float  # largest factor after a fall
 
 
-@entry
-def respond(system, forcings, found):
-    """Write the responses of linear systems (SYSTEM, n) to forcings (FORCINGS, n) to ``found``.
+@called_often
+def moments_of(state):
+    """Latent moments ``sv, sz, r`` at the unknowns of a state."""
+    base, _, step, _, _ = state
+    return exp(base[0] + step[0]), exp(base[1] + step[1]), tanh(base[2] + step[2])
 
-    The response (RESPONSE, n) is NaN for systems that are not stable. This is checked by the criterion
-    of Routh and Hurwitz, since on filtered ground the formulas can also give a valid covariance there.
+
+@called_often
+def advance(cell, moments, value, forcings, state, pace, rtol, atol):
+    """The next state of a cell after one evaluation of closure and forcing at its unknowns.
+
+    ``cell`` has stiffness, damping, coupling and level of shaking, ``value`` is what the closure found.
+    If the unknowns have no stationary response, a smaller step from the last valid ones is tried.
     """
-    given, made = np.empty((SYSTEM + FORCINGS) * LANES), np.empty(RESPONSE * LANES)
-    fill(given, 1.0)
-    for start in range(0, system.shape[1], LANES):
-        load(system, start, given, 0)
-        load(forcings, start, given, SYSTEM)
-        for lane in range(LANES):
-            w2, d, h = read3(given, 0, lane)
-            p, k = given[3 * LANES + lane], given[4 * LANES + lane]
-            f_mu, f_v, f_y = read3(given, SYSTEM, lane)
-            own = own_covariance(EquivalentSystem(w2, d, h, p, k), Forcing(f_mu, f_v, f_y))
-            well = stable(w2, d, h, p, k) & (own.mu_mu > 0)
-            vv = own.v_v if well else np.nan
-            corr = own.v_z / np.sqrt(vv * own.z_z)
-            by_slip, by_relaxation = read3(given, SYSTEM + 3, lane), read3(given, SYSTEM + 6, lane)
-            write3(made, 0, lane, (vv, own.z_z, own.v_z))
-            made[3 * LANES + lane] = corr
-            one = _slope((w2, d, h, p, k), own, (f_mu, f_v, f_y), by_slip, 1.0, 0.0)
-            write3(made, 4, lane, one)
-            one = _slope((w2, d, h, p, k), own, (f_mu, f_v, f_y), by_relaxation, 0.0, 1.0)
-            write3(made, 7, lane, one)
-        store(made, 0, found, start)
+    base, before, old, last, _ = state
+    y = base[0] + old[0], base[1] + old[1], base[2] + old[2]
+    off, columns = _mismatch(cell, moments, value, forcings)
+    norm = math.sqrt(off[0] * off[0] + off[1] * off[1] + off[2] * off[2])
+    total = norm
+    for column in columns:
+        total += column[0] + column[1] + column[2]
+    valid = math.isfinite(total)
+    now = norm if valid else math.inf
+    delta = next_delta(last, before, now, pace)
+    new = _newton_step(columns, off, 1 / delta)
+    # If not stationary: try a quarter of the step; before the first valid iterate, a more elastic start.
+    untried = math.isinf(before)
+    nearer = old[0], old[1] - 1.0, old[2] - 0.5 * y[2]
+    back = (
+        nearer[0] if untried else 0.25 * old[0],
+        nearer[1] if untried else 0.25 * old[1],
+        nearer[2] if untried else 0.25 * old[2],
+    )
+    # Convergence is judged by the Newton step, since a damped step is also small if delta is small.
+    change, r = _newton_step(columns, off, 0.0), moments[2]
+    of_r = (1 - r * r) * rtol / (atol + rtol * abs(r))
+    still = (abs(change[0]) <= rtol) & (abs(change[1]) <= rtol) & (abs(change[2]) * of_r <= rtol)
+    return (
+        _either(valid, y, base),
+        norm if valid else before,
+        _either(valid, new, back),
+        delta,
+        1.0 if valid & (norm <= LARGEST_MISMATCH) & still else 0.0,
+    )
+
+
+@called_often
+def _either(first, one, other):
+    """One triple of numbers or the other."""
+    return (
+        one[0] if first else other[0], one[1] if first else other[1], one[2] if first else other[2]
+    )  # fmt: skip
+
+
+@called_often
+def _mismatch(cell, moments, value, forcings):
+    """Mismatch of the unknowns, and the three columns of its Jacobian."""
+    stiffness, damping, coupling, level = cell
+    coefficients, of_slip, of_relaxation, (vv, zz, vz), by_latent = value
+    system = stiffness, damping, coupling, coefficients[0], coefficients[1]
+    (v_v, z_z, corr), by_slip, by_relaxation = _respond(system, forcings)
+    root = math.sqrt(vv * zz)
+    r = vz / root
+    off = (
+        0.5 * log(v_v / vv) + level,
+        0.5 * log(z_z / zz) + level,
+        atanh((corr - r) / (1 - corr * r)),
+    )
+    sv, sz, own = moments
+    of_vv, of_zz, of_vz = by_latent
+    assumed = vv, zz, root, r
+    response = by_slip, by_relaxation
+    return off, (
+        _column((of_slip[0], of_relaxation[0]), (of_vv[0], of_zz[0], of_vz[0]), response, assumed, sv),
+        _column((of_slip[1], of_relaxation[1]), (of_vv[1], of_zz[1], of_vz[1]), response, assumed, sz),
+        _column(
+            (of_slip[2], of_relaxation[2]),
+            (of_vv[2], of_zz[2], of_vz[2]),
+            response,
+            assumed,
+            1 - own * own,
+        ),
+    )
+
+
+@called_often
+def _respond(system, forcings):
+    """Variances and correlation of a linear system's response, and the slopes of its unknowns.
+
+    The slopes are those by slip and by relaxation. All is NaN for systems that are not stable. This is
+    checked by the criterion of Routh and Hurwitz, since on filtered ground the formulas can also give a
+    valid covariance there.
+    """
+    forcing, by_slip, by_relaxation = forcings
+    w2, d, h, p, k = system
+    own = own_covariance(EquivalentSystem(w2, d, h, p, k), Forcing(forcing[0], forcing[1], forcing[2]))
+    well = stable(w2, d, h, p, k) & (own.mu_mu > 0)
+    vv, zz = own.v_v if well else math.nan, own.z_z
+    root = math.sqrt(vv * zz)
+    corr = own.v_z / root
+    of_slip = _slope(system, own, forcing, by_slip, 1.0, 0.0)
+    of_relaxation = _slope(system, own, forcing, by_relaxation, 0.0, 1.0)
+    return (
+        (vv, zz, corr),
+        slope_of_unknowns(vv, zz, root, corr, of_slip),
+        slope_of_unknowns(vv, zz, root, corr, of_relaxation),
+    )
 
 
 @called_often
@@ -88,89 +170,14 @@ def _slope(system, own, forcing, slope, dp, dk):
     return (f_v - h * v_z) / d, c * mu_z - dp * own.mu_z, v_z
 
 
-@entry
-def advance(
-    unknowns, latent, mismatch, response, slopes, covariance, by_latent, state, pace, rtol, atol
-):
-    """Update the ``state`` (STATE, n) of the iteration after one evaluation of the mismatch.
+@called_often
+def _column(of_coefficients, of_assumed, response, assumed, scale):
+    """A column of the Jacobian: by the unknown whose latent moment changes by ``scale``.
 
-    Unknowns, latent moments and mismatch are (3, n), and ``response`` is that of `respond`. ``slopes``
-    (6, n) are the derivatives of the closure's coefficients, ``covariance`` (3, n) is that which the
-    closure assumes, and ``by_latent`` (9, n) are its derivatives. If an iterate has no stationary
-    response, a smaller step from the last valid one is tried.
+    ``of_coefficients`` and ``of_assumed`` are derivatives of the closure's coefficients and covariance.
     """
-    given, here = np.empty(GIVEN * LANES), np.empty(STATE * LANES)
-    for tile in (given, here):
-        fill(tile, 1.0)
-    for start in range(0, state.shape[1], LANES):
-        row = 0
-        for part in (unknowns, latent, mismatch, covariance, slopes, by_latent, response):
-            load(part, start, given, row)
-            row += part.shape[0]
-        load(state, start, here, 0)
-        for lane in range(LANES):
-            _advance(given, here, lane, pace, rtol, atol)
-        store(here, 0, state, start)
-
-
-@called_often
-def _advance(given, state, lane, pace, rtol, atol):
-    """`advance` for one lane; ``given`` has the rows of all inputs."""
-    y, (sv, sz, r), off = read3(given, 0, lane), read3(given, 3, lane), read3(given, 6, lane)
-    columns = _jacobian(given, lane, (sv, sz, 1 - r * r))
-    norm = np.sqrt(off[0] * off[0] + off[1] * off[1] + off[2] * off[2])
-    total = norm
-    for column in columns:
-        total += column[0] + column[1] + column[2]
-    valid = np.isfinite(total)
-    before = state[NORM * LANES + lane]
-    now = norm if valid else np.inf
-    delta = next_delta(state[DELTA * LANES + lane], before, now, pace)
-    new = _newton_step(columns, off, 1 / delta)
-    # If not stationary: try a quarter of the step; before the first valid iterate, a more elastic start.
-    old, untried = read3(state, STEP, lane), np.isinf(before)
-    nearer = old[0], old[1] - 1.0, old[2] - 0.5 * y[2]
-    base = read3(state, BASE, lane)
-    for n in range(3):
-        back = nearer[n] if untried else 0.25 * old[n]
-        state[(STEP + n) * LANES + lane] = new[n] if valid else back
-        state[(BASE + n) * LANES + lane] = y[n] if valid else base[n]
-    state[NORM * LANES + lane] = norm if valid else before
-    state[DELTA * LANES + lane] = delta
-    # Convergence is judged by the Newton step, since a damped step is also small if delta is small.
-    change = _newton_step(columns, off, 0.0)
-    of_r = (1 - r * r) * rtol / (atol + rtol * abs(r))
-    still = (abs(change[0]) <= rtol) & (abs(change[1]) <= rtol) & (abs(change[2]) * of_r <= rtol)
-    done = valid & (norm <= LARGEST_MISMATCH) & still
-    state[DONE * LANES + lane] = 1.0 if done else 0.0
-
-
-@called_often
-def _jacobian(given, lane, scale):
-    """The three columns of the Jacobian of the mismatch by the unknowns.
-
-    ``scale`` are the derivatives of ``(sv, sz, r)`` by the unknowns.
-    """
-    moments, (vv, zz, vz) = read3(given, RESPONDED, lane), read3(given, 9, lane)
-    corr = given[(RESPONDED + 3) * LANES + lane]
-    by_slip = slope_of_unknowns(moments[0], moments[1], corr, read3(given, RESPONDED + 4, lane))
-    by_relaxation = slope_of_unknowns(moments[0], moments[1], corr, read3(given, RESPONDED + 7, lane))
-    r = vz / np.sqrt(vv * zz)
-    return (
-        _column(given, 0, lane, by_slip, by_relaxation, (vv, zz, r), scale[0]),
-        _column(given, 1, lane, by_slip, by_relaxation, (vv, zz, r), scale[1]),
-        _column(given, 2, lane, by_slip, by_relaxation, (vv, zz, r), scale[2]),
-    )
-
-
-@called_often
-def _column(given, n, lane, by_slip, by_relaxation, assumed, scale):
-    """Column ``n`` of this Jacobian; ``assumed`` are the variances and correlation of the closure."""
-    slip, relaxation = given[(12 + n) * LANES + lane], given[(15 + n) * LANES + lane]
-    own = (
-        given[(18 + n) * LANES + lane], given[(21 + n) * LANES + lane], given[(24 + n) * LANES + lane]
-    )  # fmt: skip
-    less = slope_of_unknowns(assumed[0], assumed[1], assumed[2], own)
+    (slip, relaxation), (by_slip, by_relaxation) = of_coefficients, response
+    less = slope_of_unknowns(assumed[0], assumed[1], assumed[2], assumed[3], of_assumed)
     return (
         (by_slip[0] * slip + by_relaxation[0] * relaxation - less[0]) * scale,
         (by_slip[1] * slip + by_relaxation[1] * relaxation - less[1]) * scale,
@@ -188,18 +195,76 @@ def _newton_step(columns, mismatch, damping):
     return one / shorter, two / shorter, three / shorter
 
 
-def slope_of_unknowns(vv: Any, zz: Any, r: Any, slope: Any) -> Any:
-    """Derivative of ``(log sv, log sz, atanh r)`` if ``(vv, zz, vz)`` changes by ``slope``."""
+def slope_of_unknowns(vv: Any, zz: Any, root: Any, r: Any, slope: Any) -> Any:
+    """Derivative of ``(log sv, log sz, atanh r)`` if ``(vv, zz, vz)`` changes by ``slope``.
+
+    ``root`` is the square root of ``vv zz``.
+    """
     of_v, of_z = 0.5 * slope[0] / vv, 0.5 * slope[1] / zz
-    return of_v, of_z, (slope[2] / np.sqrt(vv * zz) - r * (of_v + of_z)) / (1 - r * r)
+    return of_v, of_z, (slope[2] / root - r * (of_v + of_z)) / (1 - r * r)
 
 
 def next_delta(delta: Any, before: Any, now: Any, pace: Pace) -> Any:
     """Next pseudo-time step, by switched evolution relaxation: longer if the mismatch has fallen."""
-    ratio = 1.0 if np.isinf(before) else before / now
+    ratio = 1.0 if math.isinf(before) or now == 0 else before / now
     shorter = max(pace.shorter * min(delta, pace.restart), LEAST_DELTA)
     return shorter if ratio < 1 else delta * min(pace.longer * ratio, pace.longest)
 
 
 for _ in (characteristic, hurwitz, stable, own_covariance, solve_3x3, slope_of_unknowns, next_delta):
     shared(_)
+
+
+@called_often
+def read_state(tile, lane):
+    """The state of a lane, as `advance` takes it."""
+    return (
+        read3(tile, STATED + BASE, lane),
+        tile[(STATED + NORM) * LANES + lane],
+        read3(tile, STATED + STEP, lane),
+        tile[(STATED + DELTA) * LANES + lane],
+        tile[(STATED + DONE) * LANES + lane],
+    )
+
+
+@called_often
+def write_state(tile, lane, state):
+    """Write the state of a lane."""
+    base, norm, step, delta, done = state
+    write3(tile, STATED + BASE, lane, base)
+    tile[(STATED + NORM) * LANES + lane] = norm
+    write3(tile, STATED + STEP, lane, step)
+    tile[(STATED + DELTA) * LANES + lane] = delta
+    tile[(STATED + DONE) * LANES + lane] = done
+
+
+@compiled
+def advance_lanes(tile, pace, rtol, atol):
+    """`advance` for all lanes of a tile."""
+    for lane in range(LANES):
+        cell = *read3(tile, CELL, lane), tile[(CELL + 3) * LANES + lane]
+        forcings = (
+            read3(tile, FORCED, lane), read3(tile, FORCED + 3, lane), read3(tile, FORCED + 6, lane)
+        )  # fmt: skip
+        value, state = read_values(tile, lane), read_state(tile, lane)
+        moments = read3(tile, MOMENTS, lane)
+        write_state(tile, lane, advance(cell, moments, value, forcings, state, pace, rtol, atol))
+
+
+@entry
+def advance_cells(cells, latent, values, forcings, state, pace, rtol, atol):
+    """Update the ``state`` (STATE, n) of cells whose closure or ground is not compiled.
+
+    ``cells`` (OF_CELL, n) and ``latent`` (3, n) are as in `advance`, ``values`` (20, n) are those of
+    `ClosureValue`, and ``forcings`` (FORCINGS, n) the forcing with its derivatives.
+    """
+    tile = np.empty(STEPPED * LANES)
+    fill(tile, 1.0)
+    for start in range(0, state.shape[1], LANES):
+        load(latent, start, tile, MOMENTS)
+        load(values, start, tile, COEFFICIENTS)
+        load(forcings, start, tile, FORCED)
+        load(state, start, tile, STATED)
+        load(cells, start, tile, CELL)
+        advance_lanes(tile, pace, rtol, atol)
+        store(tile, STATED, state, start)

@@ -1,0 +1,108 @@
+"""Fixed points cell by cell: elementary functions, closures, plain Python beside compiled code."""
+
+import numpy as np
+import pytest
+from scipy import special
+
+import stochlin as sl
+from stochlin.kernels.correlation.bilinear_pair import linearized_pair
+from stochlin.kernels.linearization import fixed_point, gaussian
+from stochlin.kernels.linearization.cells import elementary, fixed_points, grounds, slip
+
+GROUNDS = (
+    (sl.WhiteNoise(0.01), (0.01,)),
+    (sl.KanaiTajimi(2.0, 0.3, 0.01), (0.01, 2.0, 0.3)),
+    (sl.CloughPenzien(2.0, 0.3, 20.0, 0.6, 0.01), (0.01, 2.0, 0.3, 20.0, 0.6)),
+)
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize(
+    ("function", "reference", "x"),
+    [
+        (elementary.exp, np.exp, np.linspace(-699, 300, 999)),
+        (elementary.log, np.log, np.geomspace(1e-300, 1e300, 999)),
+        (elementary.atanh, np.arctanh, np.linspace(-0.9999, 0.9999, 999)),
+        (elementary.erfcx, special.erfcx, np.concatenate([[0.0], np.geomspace(1e-6, 1e6, 999)])),
+    ],
+)
+def test_elementary_functions_are_those_of_scipy(function, reference, x):
+    found = [function(value) for value in x.tolist()]
+    assert found == pytest.approx(reference(x), rel=2e-15, abs=1e-16)
+
+
+@pytest.mark.oracle
+def test_hyperbolic_tangent_is_that_of_numpy():
+    x = np.linspace(-30, 30, 999)
+    assert [elementary.tanh(value) for value in x.tolist()] == pytest.approx(np.tanh(x), abs=4e-16)
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize("closure", [gaussian.gaussian, gaussian.clipped])
+def test_closures_of_numbers_are_those_of_arrays(closure):
+    """Owen's function among them is scipy's for arrays, and a quadrature for numbers."""
+    rng = np.random.default_rng(7)
+    sz, r = np.exp(rng.uniform(np.log(0.15), np.log(100), 500)), np.tanh(rng.uniform(0, 4, 500))
+    latent = np.array([rng.uniform(0.5, 5, 500), sz, r])
+    expected = np.concatenate([field.reshape(-1, 500) for field in closure(latent, np.empty((0, 500)))])
+    for n, moments in enumerate(latent.T.tolist()):
+        pair, *rows, matrix = slip.closure_of(fixed_point.CLIPPED[closure], moments)
+        found = [*pair, *(number for row in (*rows, *matrix) for number in row)]
+        # Slopes of k_e are differences, by the clipped closure of terms a thousand times as large.
+        assert found == pytest.approx(expected[:, n], rel=1e-10, abs=1e-12)
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize("clipped", [False, True])
+@pytest.mark.parametrize("oscillators", [0, 1, 2])
+def test_a_cell_has_the_same_bits_in_plain_python_and_in_any_table(clipped, oscillators):
+    count, rng = 150, np.random.default_rng(3)
+    w = rng.uniform(2, 20, count)
+    cells = np.array([w**2, 0.1 * w, 0.95 * w**2, 0 * w])
+    ground = np.array([rng.uniform(0.1, 3, count), *np.ones((4, count)) * [[10.0], [1.0], [0.1], [0.4]]])
+    start = np.array([np.log(w), 0 * w, 0 * w + 0.1])
+    rule = fixed_point.BOLD, 1e-10, 1e-12, 30
+    found, iterations = np.empty((fixed_points.FOUND, count)), np.zeros(count, np.int32)
+    ground[0, 77] = np.nan  # fails alone
+    fixed_points.settle_cells(clipped, oscillators, cells, ground, start, *rule, found, iterations)
+    assert found[-1].sum() == count - 1
+    assert found[-1, 77] == 0
+    for n in {*range(0, count, 10), 76, 78}:
+        given = [rows[:, n].tolist() for rows in (cells, ground, start)]
+        alone, steps = fixed_points.settle(clipped, oscillators, *given, *rule)
+        assert steps == iterations[n]
+        assert np.array_equal(alone, found[:, n])
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize("oscillators", [1, 2])
+def test_grounds_have_the_same_bits_in_plain_python(monkeypatch, oscillators):
+    rows = np.random.default_rng(5).uniform(0.1, 2, (6 + 2 * oscillators, 20))
+    found = np.empty((2, 9 + 6 * oscillators, 20))
+    for compile_it, into in zip((False, True), found, strict=True):
+        monkeypatch.setattr(grounds, "worth_compiling", lambda *_, so=compile_it: so)
+        grounds.solve(rows, into)
+    assert np.array_equal(*found)
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize("closure", ["gaussian", "clipped"])
+@pytest.mark.parametrize(("ground", "numbers"), GROUNDS)
+def test_a_pair_of_numbers_is_that_of_correlate(ground, numbers, closure):
+    pairs = [
+        ((1.0, 0.05, 0.05, 0.02), (0.7, 0.05, 0.1, 0.01)),
+        ((0.2, 0.02, 0.5, 1e3), (3.0, 0.1, 0.02, 1e-3)),
+    ]
+    for one, two in pairs:
+        table = sl.correlate(sl.Bilinear(*one), sl.Bilinear(*two), ground, closure=closure)
+        found = linearized_pair(one, two, numbers, clipped=closure == "clipped")
+        expected = [float(table[name]) for name in found._fields]
+        assert found == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.invariant
+def test_a_pair_of_numbers_that_does_not_converge_is_nan():
+    found = linearized_pair((1.0, 0.05, 0.05, 1e-30), (0.7, 0.05, 0.05, 0.01), (0.01,))
+    assert np.isnan(found.rho)
+    assert np.isnan(found.displacement_std_1)
+    assert found.displacement_std_2 > 0
