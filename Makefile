@@ -1,4 +1,5 @@
 # `make charts`, `make test` and `make docs` set up .venv first; only Python and make are needed.
+# Modules are compiled when they are first imported, which most of the installed ones never are.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
@@ -39,7 +40,7 @@ takes: $(VENV)/.dev
 	PYTHONPATH=tests $(BIN)/python -m house.what_takes_what
 
 bench: $(VENV)/.dev
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[bench]"
+	$(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check -e ".[bench]"
 	$(BIN)/python benchmarks/tables.py build/bench.md
 	$(BIN)/python benchmarks/simulation.py
 	$(BIN)/python benchmarks/pounding.py
@@ -74,7 +75,7 @@ oldest: $(VENV)/.dev
 # The wheel and the source archive in dist/, their contents compared with the repository; then the wheel
 # answers the example, in an environment of its own.
 dist: $(VENV)/.dev
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[dist]"
+	$(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check -e ".[dist]"
 	rm -rf dist build/wheel
 	$(BIN)/python -m build --outdir dist
 	$(BIN)/twine check --strict dist/*
@@ -85,18 +86,18 @@ dist: $(VENV)/.dev
 
 $(VENV)/.run: pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e .
+	$(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check -e .
 	touch $@
 
 $(VENV)/.dev: pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[dev]"
+	$(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check -e ".[dev]"
 	$(BIN)/stochlin warmup
 	touch $@ $(VENV)/.run
 
 $(VENV)/.docs: pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[docs]"
+	$(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check -e ".[docs]"
 	touch $@ $(VENV)/.run
 
 clean:

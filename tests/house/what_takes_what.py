@@ -67,12 +67,12 @@ def _building(law: Any, storeys: int, strength: Mapping[str, float]) -> sl.Shear
 
 
 def _oscillators(kind: Any, **law: Any) -> Pair:
-    given = {"yield_displacement": 0.002, "mass": 1e5}
+    given = {"yield_displacement": 0.0005, "mass": 1e5}
     return Pair(*(kind(period, 0.05, 0.05, **given, **law) for period in (0.1, 0.14)))
 
 
 def _buildings(law: Any) -> Pair:
-    strength = {"hardening": 0.05, "yield_drifts": 0.001}
+    strength = {"hardening": 0.5, "yield_drifts": 0.001}
     return Pair(*(_building(law, storeys, strength) for storeys in (2, 3)))
 
 

@@ -203,7 +203,7 @@ def build_row(
         couple=system.all("couple"),
         strength=system.all("strength"),
         law=np.concatenate([_laws(stack) for stack in system.stacks]),
-        shape=np.concatenate([_shapes(stack) for stack in system.stacks]),
+        shape=np.ascontiguousarray(np.concatenate([_shapes(stack) for stack in system.stacks])),
         damping=system.damping,
         left=np.ascontiguousarray(floors[:, 0]),
         right=np.ascontiguousarray(floors[:, 1]),
