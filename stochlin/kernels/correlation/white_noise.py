@@ -39,11 +39,10 @@ def white_noise_correlation(
     with np.errstate(all="ignore"):
         b = np.sqrt(period_2 / period_1)  # w1 over the geometric mean of w1 and w2
         rho = _rho(b, damping_1, damping_2, 1.0)
-        largest, smallest = (f(damping_1, damping_2) for f in (np.maximum, np.minimum))
-        if np.all(np.isfinite(rho)) and not np.any(smallest < SMALL):
+        if np.all(np.isfinite(rho)) and not np.any(np.minimum(damping_1, damping_2) < SMALL):
             return rho
         # Damping ratios in a power of two, which changes no digit, so that no product vanishes.
-        unit = np.ldexp(1.0, np.frexp(largest)[1])
+        unit = np.ldexp(1.0, np.frexp(np.maximum(damping_1, damping_2))[1])
         return _rho(np.clip(b, *APART), damping_1 / unit, damping_2 / unit, unit)
 
 
