@@ -95,7 +95,7 @@ def parts(count: int) -> dict[str, float]:
     tasks: dict[str, Callable[[], object]] = {
         "random": lambda: fill_normal(random, xi),
         "ground": lambda: ground_block(run.ground)(xi, q, f),
-        "dynamics": lambda: bilinear_block(f, plan.dt, law, *state, plan.every, out),
+        "dynamics": lambda: bilinear_block(f, plan.dt, law, *state, plan.every, out, 0),
         "moments": lambda: add_products(out, total),
     }
     times = {

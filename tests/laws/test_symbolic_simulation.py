@@ -27,7 +27,7 @@ def test_block_of_a_law_moves_as_the_compiled_one():
         (bouc_wen_block, np.hstack([law, extra])),
     ):
         state, out = np.zeros((3, 2, LANES)), np.empty((300, 2, LANES))
-        block(f, 1 / 32, parameters, *state, 2, out)
+        block(f, 1 / 32, parameters, *state, 2, out, 0)
         runs.append((out, state))
     scale = np.abs(runs[0][0]).max()
     for one, other in zip(*runs, strict=True):

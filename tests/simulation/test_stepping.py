@@ -68,7 +68,7 @@ def rest(structures=1):
 def histories(kernel, law, steps):
     """Displacements (steps, LANES) of one structure from rest."""
     out = np.empty((steps, 1, LANES))
-    kernel(step_means(steps), SECONDS / steps, np.array([law]), *rest(), 1, out)
+    kernel(step_means(steps), SECONDS / steps, np.array([law]), *rest(), 1, out, 0)
     return out[:, 0]
 
 
@@ -150,7 +150,7 @@ def one_by_one(law, steps):
     u, v, z = state = rest()
     states = [state[:, 0].copy()]
     for s in range(steps):
-        bilinear_block(f[s : s + 1], dt, law[None], u, v, z, 2, np.empty((0, 1, LANES)))
+        bilinear_block(f[s : s + 1], dt, law[None], u, v, z, 2, np.empty((0, 1, LANES)), 0)
         states.append(state[:, 0].copy())
     return np.stack(states), f, dt
 
@@ -184,12 +184,12 @@ def test_blocks_of_any_length_and_sampling_give_one_history():
     laws = np.stack([OSCILLATOR, OSCILLATOR * [1, 4, 4, 1]])
     f, dt = step_means(STEPS), SECONDS / STEPS
     whole, thinned = np.empty((STEPS, 2, LANES)), np.empty((STEPS // 5, 2, LANES))
-    bilinear_block(f, dt, laws, *rest(2), 1, whole)
+    bilinear_block(f, dt, laws, *rest(2), 1, whole, 0)
     state = rest(2)
     for part in range(4):
         steps = slice(part * STEPS // 4, (part + 1) * STEPS // 4)
         samples = slice(part * STEPS // 20, (part + 1) * STEPS // 20)
-        bilinear_block(f[steps], dt, laws, *state, 5, thinned[samples])
+        bilinear_block(f[steps], dt, laws, *state, 5, thinned[samples], 0)
     np.testing.assert_array_equal(thinned, whole[4::5])
 
 
@@ -198,7 +198,8 @@ def test_lanes_are_independent_and_odd_in_the_motion():
     runs = []
     for sign, order in ((1, slice(None)), (-1, slice(None, None, -1))):
         out = np.empty((STEPS, 1, LANES))
-        bilinear_block(np.ascontiguousarray(sign * f[:, order]), dt, OSCILLATOR[None], *rest(), 1, out)
+        given = np.ascontiguousarray(sign * f[:, order])
+        bilinear_block(given, dt, OSCILLATOR[None], *rest(), 1, out, 0)
         runs.append(sign * out[..., order])
     np.testing.assert_array_equal(*runs)
 
@@ -220,7 +221,7 @@ def test_elastic_motion_is_newmarks_of_average_acceleration(kernel):
         u, v = u_trial + dt**2 / 4 * a, v_trial + dt / 2 * a
         expected[s] = u
     out = np.empty((STEPS, 1, LANES))
-    kernel(0.5 * (nodal[1:] + nodal[:-1]), dt, law[None], *rest(), 1, out)
+    kernel(0.5 * (nodal[1:] + nodal[:-1]), dt, law[None], *rest(), 1, out, 0)
     np.testing.assert_allclose(out[:, 0], expected, rtol=0, atol=1e-12 * np.abs(expected).max())
 
 
@@ -268,7 +269,7 @@ def test_stationary_covariance_of_elastic_structures_is_exact_for_any_step(filte
     xi[0, total] = 1
     q, u, v = (np.ascontiguousarray(part) for part in (start[4:], start[0:4:2], start[1:4:2]))
     ground_block(steps)(xi, q, f)
-    bilinear_block(f, dt, laws, u, v, np.zeros((2, LANES)), 1, np.empty((1, 2, LANES)))
+    bilinear_block(f, dt, laws, u, v, np.zeros((2, LANES)), 1, np.empty((1, 2, LANES)), 0)
     columns = np.concatenate([np.stack([u, v], axis=1).reshape(4, LANES), q])
     transition, gain = columns[:, :total], columns[:, total]
 

@@ -53,13 +53,13 @@ def _uncompiled(function: Any) -> Any:
     return np.errstate(all="ignore")(function)
 
 
-def worth_compiling(function: Any, cells: int) -> bool:
+def worth_compiling(function: Any, cells: int, few: int = FEW) -> bool:
     """Whether to use an `entry` for so many more cells, rather than plain Python with the same result.
 
-    Plain Python is taken for the first `FEW` cells of a process, unless the entry is already at hand.
+    Plain Python is taken for the first ``few`` cells of a process, unless the entry is already at hand.
     """
     _met[function] = _met.get(function, 0) + cells
-    return not UNCOMPILED and (bool(function.signatures) or _met[function] > FEW)
+    return not UNCOMPILED and (bool(function.signatures) or _met[function] > few)
 
 
 not_kept = nb.njit(**OPTIONS)

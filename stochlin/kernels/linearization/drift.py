@@ -19,6 +19,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import in_ranges
 from stochlin.kernels.basics.small_systems import solve_3x3
 from stochlin.kernels.linearization.cells.kicks import add_powers, follow, variance_by_order
+from stochlin.kernels.linearization.cells.tiles import in_tiles
 from stochlin.kernels.linearization.covariance import (
     EquivalentSystem,
     Forcing,
@@ -92,14 +93,14 @@ def _orders(sz: Array) -> Array:
     Its part above the threshold of yielding has the same exponential distribution.
     """
     found = np.empty((ORDERS + 1, sz.size))
-    variance_by_order(sz, np.exp(0.5 / sz**2), _EXCESS, _WEIGHT, found)
+    in_tiles(variance_by_order, sz.size, sz, np.exp(0.5 / sz**2), _EXCESS, _WEIGHT, found)
     return found
 
 
 def _sums_of_powers(memory: Array) -> Array:
     """``S_j`` (ORDERS, n) of eq. (3)."""
     found = np.empty((ORDERS, memory.shape[1]))
-    add_powers(memory, found)
+    in_tiles(add_powers, memory.shape[1], memory, found)
     return found
 
 
@@ -138,7 +139,8 @@ def _half_cycles(system: EquivalentSystem, ground: Filter) -> tuple[Array, Array
     time = np.pi * np.sqrt(own.z_z / ((1 - p) ** 2 * own.v_v - k**2 * own.z_z))
     fastest = np.sqrt(w2) + d + k + free.fastest
     later = np.empty((HALF_CYCLES, w2.size))
-    follow(a.reshape(size * size, -1), time, fastest * time, np.stack(with_z), later)
+    free_motion = a.reshape(size * size, -1), time, fastest * time, np.stack(with_z)
+    in_tiles(follow, time.size, *free_motion, later)
     return time, np.clip(later / own.z_z, -1, 1)
 
 

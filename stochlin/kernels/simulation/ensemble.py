@@ -55,12 +55,12 @@ class Oscillators(NamedTuple):
     def block(self, dt: float, group: int = 0) -> Block:
         """The function for blocks of time steps of length ``dt`` [s].
 
-        It takes the forcing, the state ``u``, ``v``, ``z``, the number of steps from sample to sample
-        and the output.
+        It takes the forcing, the state ``u``, ``v``, ``z``, the number of steps from sample to sample,
+        the output, and the number of its first row to be written.
         """
 
-        def block(f: Array, u: Array, v: Array, z: Array, every: int, out: Array) -> None:
-            self.steps(f, dt, self.parameters, u, v, z, every, out)
+        def block(f: Array, u: Array, v: Array, z: Array, every: int, out: Array, at: int = 0) -> None:
+            self.steps(f, dt, self.parameters, u, v, z, every, out, at)
 
         return block
 
@@ -101,8 +101,8 @@ class SampledStoreys(NamedTuple):
 def _storeys_by(steps: Steps, law: Any) -> Block:
     """The function for blocks of these time steps, with the arguments of other blocks."""
 
-    def block(f: Array, d: Array, v: Array, z: Array, every: int, out: Array) -> None:
-        storey_block(f, steps, law, d, v, z, every, out)
+    def block(f: Array, d: Array, v: Array, z: Array, every: int, out: Array, at: int = 0) -> None:
+        storey_block(f, steps, law, d, v, z, every, out, at)
 
     return block
 
@@ -221,9 +221,9 @@ class Motion:
             self.f *= self.strength
         begin = 0
         for part, block in zip(self.crowd.parts, self.blocks, strict=True):
-            rows = slice(begin, begin + part.size)
-            block(self.f, *self.state[:, rows], plan.every, out[:, rows])
-            begin = rows.stop
+            end = begin + part.size
+            block(self.f, *self.state[:, begin:end], plan.every, out, begin)
+            begin = end
         return out
 
 

@@ -49,7 +49,7 @@ def law_block(middle: Any) -> Callable[..., None]:
     """
 
     @not_kept
-    def block(f, dt, parameters, u, v, z, every, out):
+    def block(f, dt, parameters, u, v, z, every, out, first):
         half = 0.5 * dt
         for n in range(u.shape[0]):
             d, k, h, scale = parameters[n, :4]
@@ -67,6 +67,6 @@ def law_block(middle: Any) -> Callable[..., None]:
                     u[n, lane] += dt * v_mid
                     v[n, lane] = 2.0 * v_mid - vel
                     if (s + 1) % every == 0:
-                        out[(s + 1) // every - 1, n, lane] = u[n, lane]
+                        out[(s + 1) // every - 1, first + n, lane] = u[n, lane]
 
     return block

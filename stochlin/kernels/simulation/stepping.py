@@ -144,13 +144,14 @@ def _two_oscillators(xi, q, transition, gain, row, f):
 
 
 @entry
-def bilinear_block(f, dt, parameters, u, v, z, every, out):
+def bilinear_block(f, dt, parameters, u, v, z, every, out, first):
     """Steps of bilinear structures under the forcing ``f`` (steps, LANES).
 
     The state ``u``, ``v``, ``z`` (n, LANES) is displacement and velocity over the yield displacement and
-    the hysteretic displacement; it is updated. ``out`` (samples, n, LANES) gets the displacements after
-    every ``every``-th step. ``parameters`` (n, 4) are damping ``2 xi w``, post-yield stiffness
-    ``alpha w^2``, coupling ``(1 - alpha) w^2``, and the factor on ``f`` in the equation for ``u``.
+    the hysteretic displacement; it is updated. The displacements after every ``every``-th step are
+    written to the rows of ``out`` (samples, n or more, LANES) from ``first`` on. ``parameters`` (n, 4)
+    are damping ``2 xi w``, post-yield stiffness ``alpha w^2``, coupling ``(1 - alpha) w^2``, and the
+    factor on ``f`` in the equation for ``u``.
     """
     half = 0.5 * dt
     for n in range(u.shape[0]):
@@ -183,7 +184,7 @@ def bilinear_block(f, dt, parameters, u, v, z, every, out):
                     vn[lane] = v_new
             if (s + 1) % every == 0:
                 for lane in range(LANES):
-                    out[sample, n, lane] = un[lane]
+                    out[sample, first + n, lane] = un[lane]
                 sample += 1
 
 
@@ -211,7 +212,7 @@ def bouc_wen_middle(hyst, start, slope, half, beta, gamma, exponent):
 
 
 @entry
-def bouc_wen_block(f, dt, parameters, u, v, z, every, out):
+def bouc_wen_block(f, dt, parameters, u, v, z, every, out, first):
     """Steps of Bouc-Wen structures, with the arguments of `bilinear_block`; see `bouc_wen_middle`.
 
     ``parameters`` (n, 7) are those of the bilinear law, then ``beta``, ``gamma`` and the exponent.
@@ -236,7 +237,7 @@ def bouc_wen_block(f, dt, parameters, u, v, z, every, out):
                 vn[lane] = 2.0 * v_mid - vel
             if (s + 1) % every == 0:
                 for lane in range(LANES):
-                    out[sample, n, lane] = un[lane]
+                    out[sample, first + n, lane] = un[lane]
                 sample += 1
 
 

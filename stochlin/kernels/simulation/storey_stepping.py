@@ -360,12 +360,13 @@ def _first_slips(steps, change, slip):
 
 
 @entry
-def storey_block(f, owned, law, d, v, z, every, out):
+def storey_block(f, owned, law, d, v, z, every, out, first):
     """Steps of the elements ``owned``, a `Steps`, under the forcing ``f`` (steps, LANES).
 
     ``d``, ``v`` and ``z`` (e, LANES) are the drifts [m], their rates [m/s] and the hysteretic drifts
-    [m]; they are updated. ``out`` (samples, e, LANES) gets the displacements of the floors and the
-    drifts of the links after every ``every``-th step [m]. ``law`` is the result of `law_of`.
+    [m]; they are updated. The displacements of the floors and the drifts of the links after every
+    ``every``-th step [m] are written to the rows of ``out`` (samples, e or more, LANES) from ``first``
+    on. ``law`` is the result of `law_of`.
     """
     steps = borrow(owned)
     e, n = steps.kind.size, steps.lowest.size
@@ -395,12 +396,12 @@ def storey_block(f, owned, law, d, v, z, every, out):
                 for lane in range(LANES):
                     z[i, lane] += change[i, lane] - slip[i, lane]
         if (s + 1) % every == 0:
-            _sample(steps.lowest, d, new, out, sample)
+            _sample(steps.lowest, d, new, out[sample], first)
             sample += 1
 
 
 @called_often
-def _sample(lowest, d, total, out, sample):
+def _sample(lowest, d, total, out, first):
     """Write the displacements of the floors, sums of the drifts below them, and the drifts of links."""
     for i in range(d.shape[0]):
         if i >= lowest.size or lowest[i]:
@@ -408,4 +409,4 @@ def _sample(lowest, d, total, out, sample):
                 total[lane] = 0.0
         for lane in range(LANES):
             total[lane] += d[i, lane]
-            out[sample, i, lane] = total[lane]
+            out[first + i, lane] = total[lane]

@@ -1,8 +1,25 @@
 """Tables computed in tiles of `LANES` cells each, called lanes, by loops compiled to vector code."""
 
-from stochlin.kernels.basics.compiled import called_often
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.compiled import called_often, worth_compiling
 
 LANES = 64  # cells of a tile, so that its rows stay in the first-level cache
+FEW = 32  # cells that take a tenth of the time uncompiled that it takes to compile their kernels
+
+
+def in_tiles(kernel: Any, cells: int, *arrays: Array) -> None:
+    """Call an `entry` that takes its number of lanes last; with one, uncompiled, for few cells."""
+    if worth_compiling(kernel, cells, FEW):
+        kernel(*arrays)
+    else:
+        with np.errstate(all="ignore"):  # as in compiled code
+            getattr(kernel, "py_func", kernel)(*arrays, 1)
 
 
 @called_often
@@ -13,12 +30,12 @@ def fill(tile, value):
 
 
 @called_often
-def load(rows, start, tile, first):
+def load(rows, start, tile, first, lanes=LANES):
     """Copy columns of ``rows`` (m, n) from ``start`` on into a tile, from its row ``first`` on."""
-    count = min(LANES, rows.shape[1] - start)
+    count = min(lanes, rows.shape[1] - start)
     for row in range(rows.shape[0]):
         for lane in range(count):
-            tile[(first + row) * LANES + lane] = rows[row, start + lane]
+            tile[(first + row) * lanes + lane] = rows[row, start + lane]
 
 
 @called_often
@@ -36,9 +53,9 @@ def write3(tile, row, lane, values):
 
 
 @called_often
-def store(tile, first, rows, start):
+def store(tile, first, rows, start, lanes=LANES):
     """Copy rows of a tile, from ``first`` on, into columns of ``rows`` (m, n) from ``start`` on."""
-    count = min(LANES, rows.shape[1] - start)
+    count = min(lanes, rows.shape[1] - start)
     for row in range(rows.shape[0]):
         for lane in range(count):
-            rows[row, start + lane] = tile[(first + row) * LANES + lane]
+            rows[row, start + lane] = tile[(first + row) * lanes + lane]
