@@ -42,7 +42,7 @@ def test_rho_of_a_pair_is_the_librarys() -> None:
     rho = float(sl.correlate(first, second, sl.WhiteNoise()).rho)
     assert f"{rho:.6g}" in result.output
     assert result.output.count("Caution") == 1
-    assert "reduction_factor=4" in result.output
+    assert "reduction factor 4" in result.output
 
 
 def test_rho_of_elastic_structures_needs_no_caution() -> None:
@@ -150,7 +150,7 @@ def test_named_ground_and_white_noise_method() -> None:
         "rho", "--period-1", "1s", "--period-2", "1.5s", "--ground", "firm", "--method", "white_noise"
     )
     assert result.exit_code == 0
-    assert "CloughPenzien" in result.output
+    assert "ground: Clough-Penzien, period 0.4189 s" in result.output
 
 
 @pytest.mark.parametrize(

@@ -83,16 +83,16 @@ def save_table(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
             dataset.to_netcdf(temporary, engine="scipy", format="NETCDF3_64BIT")
         else:
             table = dataset if dataset.sizes else dataset.expand_dims("case")
-            units = {name: table[name].attrs.get("units", "1") for name in table.variables}
-            heads = {name: f"{name} [{unit}]" for name, unit in units.items() if unit != "1"}
-            in_rows(table).rename(columns=heads).to_csv(temporary, index=False)
+            in_rows(table).to_csv(temporary, index=False)
 
 
 def in_rows(table: xr.Dataset) -> pd.DataFrame:
-    """Data frame with a row for each cell, and with flags in words."""
+    """Data frame with a row for each cell, with flags in words and with units in the heads."""
     frame = table.to_dataframe().reset_index()
     for name in set(frame.columns) & set(table.data_vars):
         if "flag_meanings" in table[name].attrs:
             meanings = table[name].attrs["flag_meanings"].split()
             frame[name] = [meanings[code] for code in frame[name]]
-    return frame
+    units = {name: table[name].attrs.get("units", "1") for name in table.variables}
+    heads = {name: f"{name} [{unit}]" for name, unit in units.items() if unit != "1"}
+    return frame.rename(columns=heads)

@@ -20,7 +20,15 @@ from stochlin.views.shared.options import (
     shared_option,
     simulation_options,
 )
-from stochlin.views.shared.screen import COMMANDS, FILE, bad_input, check_target, on_screen, progress_bar
+from stochlin.views.shared.screen import (
+    COMMANDS,
+    FILE,
+    bad_input,
+    check_target,
+    on_screen,
+    progress_bar,
+    show,
+)
 
 
 @COMMANDS.register("rho")
@@ -66,6 +74,7 @@ def rho(record: Path | None, out: Path | None, **options: Any) -> None:
     """
     from stochlin.analyses.correlation.correlation import correlate
     from stochlin.analyses.tables.storage import FORMATS, save_table
+    from stochlin.views.shared.descriptions import roles_in_words
 
     with bad_input():
         check_target("--out", out, FORMATS, [record] if record else [])
@@ -81,8 +90,7 @@ def rho(record: Path | None, out: Path | None, **options: Any) -> None:
         with progress_bar("simulating") as progress:
             table = correlate(first, second, ground, options["method"], **chosen, progress=progress)
         click.echo(f"# {table.attrs['title']}")
-        for role in ("first", "second", "ground"):
-            click.echo(f"# {role}: {table.attrs[role]}")
+        show(f"# {line}" for line in roles_in_words(table.attrs, "first", "second", "ground"))
         if "comment" in table.attrs:
             click.echo(f"# {table.attrs['comment']}")
         click.echo(on_screen(table))

@@ -188,18 +188,19 @@ def columns(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
 
 
 def on_screen(table: xr.Dataset) -> str:
-    """The table as text: a row a cell, flags by name, cut where a screen ends."""
+    """The table as text: a row a cell, cut where a screen ends; a single cell as a row a number."""
+    from stochlin.analyses.tables.storage import in_rows
+
     shown = table[[name for name in table.data_vars if not str(name).startswith("yield")]]
     if not shown.sizes:
-        shown = shown.expand_dims("case")
+        cell = in_rows(shown.expand_dims("case")).drop(columns="case").iloc[0]
+        text = cell.to_string(float_format=lambda x: f"{x:.6g}")
+        return str(text)
     rows, first = 1, {}
     for name, size in reversed(list(shown.sizes.items())):  # the last changes fastest
         first[name] = slice(min(size, -(-SCREEN_ROWS // rows)))
         rows *= first[name].stop
     more = math.prod(shown.sizes.values()) - SCREEN_ROWS
     shown = shown.isel(first)
-    from stochlin.analyses.tables.storage import in_rows
-
-    frame = in_rows(shown).drop(columns="case", errors="ignore")
-    text = frame.head(SCREEN_ROWS).to_string(index=False, float_format=lambda x: f"{x:.6g}")
+    text = in_rows(shown).head(SCREEN_ROWS).to_string(index=False, float_format=lambda x: f"{x:.6g}")
     return text if more <= 0 else f"{text}\n# ... {more} more rows; --out saves all"
