@@ -102,7 +102,11 @@ def _storeys_by(steps: Steps, law: Any) -> Block:
     """The function for blocks of these time steps, with the arguments of other blocks."""
 
     def block(f: Array, d: Array, v: Array, z: Array, every: int, out: Array) -> None:
-        storey_block(f, steps, law, d, v, z, every, out)
+        # For a part of a larger array it would be compiled once more, in ten seconds.
+        whole = out if out.flags.c_contiguous else np.empty(out.shape)
+        storey_block(f, steps, law, d, v, z, every, whole)
+        if whole is not out:
+            out[...] = whole
 
     return block
 
