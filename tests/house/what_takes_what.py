@@ -33,7 +33,7 @@ GROUNDS = {
 }
 CONTACT, LINK = sl.Kelvin(1e8, restitution=0.65), sl.Link(1e6, 1e5)
 DEVICE = sl.Link(0.0, 1e5, damping_exponent=0.5, structures=(1, 1), floors=(1, 0))
-SIZES = {"duration": 0.2, "paths": 16}
+SIZES = {"duration": 0.15, "paths": 16}
 HAZARD = sl.HazardCurve([0.001, 0.01, 0.1], [0.1, 0.02, 0.001], measure="intensity")
 
 
@@ -146,7 +146,7 @@ ON_RECORD: dict[str, Callable[[Pair], object]] = {
     "recorded_gap": lambda s: sl.recorded_gap(*s.both, RECORD),
     "recorded_gap, second=None": lambda s: sl.recorded_gap(s.first, None, RECORD),
     "energy_gap": lambda s: sl.energy_gap(*s.both, RECORD),
-    "damping_for_gap": lambda s: sl.damping_for_gap(RECORD, *s.both, 0.001),
+    "damping_for_gap": lambda s: sl.damping_for_gap(RECORD[:16], *s.both, 1.0),
     "separation, records": lambda s: sl.separation(
         *s.both, GROUNDS["Kanai-Tajimi"], **SIZES, records={"one": RECORD}
     ),
@@ -219,7 +219,10 @@ def tried(label: str) -> tuple[list[str | None], list[str]]:
     if label in ON_RECORD:
         return said, []
     first = next(iter(kinds().values()))
-    grounds = [n for n, g in GROUNDS.items() if not refusal(call, first._replace(ground=g))]
+    others = [
+        n for n, g in GROUNDS.items() if n != USUAL and not refusal(call, first._replace(ground=g))
+    ]
+    grounds = [n for n in GROUNDS if n in others or (n == USUAL and not said[0])]
     return said, grounds
 
 

@@ -14,7 +14,12 @@ from stochlin.analyses.pounding.runs import alone, in_row
 from stochlin.analyses.pounding.summaries import labelled, summary
 from stochlin.analyses.pounding.variables import STATISTICS
 from stochlin.analyses.records.cells import RECORD, Motions, Records, checked_motions
-from stochlin.analyses.simulation.finite_motions import exceedance, keeping_apart, quantile_intervals
+from stochlin.analyses.simulation.finite_motions import (
+    Columns,
+    exceedance,
+    keeping_apart,
+    quantile_intervals,
+)
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, in_order
@@ -116,18 +121,21 @@ def with_statistics(table: xr.Dataset, over: str, levels: Array) -> xr.Dataset:
     """
     table = _between_neighbours(table, over)
     good = table.isel({over: (table.status == labels.CONVERGED).values})
-    level = labels.axis("quantile", "quantile", levels)
+    found: Columns = {}
     for name in (each for each in STATISTICS if each in good):
-        samples = good[name]
+        samples = good[name].transpose(over, ...)
+        values = samples.values
         if name in OF_IMPACTS:
-            samples = samples.where(good[OF_IMPACTS[name]] > 0, 0.0)
-        table = table.assign(_statistics(name, samples.transpose(over, ...), level))
+            impacts = good[OF_IMPACTS[name]].transpose(*samples.dims)
+            values = np.where(impacts.values > 0, values, 0.0)
+        found |= _statistics(name, samples.dims[1:], values, levels)
+    # Added at once, because each addition to a dataset takes a millisecond.
+    table = table.assign(found).assign_coords(quantile=labels.axis("quantile", "quantile", levels))
     hits = good.impacts_between.rename({over: PATH})
     shares = exceedance(hits, 0.0).rename(
         {f"probability{end}": f"pounding_probability{end}" for end in ENDS}
     )
-    table = table.assign(shares.data_vars).assign(keeping_apart(hits, 0.0))
-    return table.assign_coords(quantile=level)
+    return table.assign({**shares.data_vars, **keeping_apart(hits, 0.0)})
 
 
 def neighbours(count: int) -> dict[str, Any]:
@@ -141,25 +149,25 @@ def _between_neighbours(table: xr.Dataset, over: str) -> xr.Dataset:
     left = table.left.values
     pairs = np.unique(left)
     table = table.assign_coords(neighbours(pairs.size + 1))
+    found: Columns = {}
     for name, join in BETWEEN.items():
         values = table[name].transpose(over, "contact").values
         joined = [join(values[:, left == n], axis=1) for n in pairs]
         together = np.reshape(joined, (pairs.size, len(values))).T
-        table[f"{name}_between"] = ((over, NEIGHBOURS), np.ascontiguousarray(together))
-    return table
+        found[f"{name}_between"] = (over, NEIGHBOURS), np.ascontiguousarray(together)
+    return table.assign(found)
 
 
-def _statistics(name: str, samples: xr.DataArray, level: xr.DataArray) -> dict[str, xr.DataArray]:
-    """Mean and quantiles along the first dimension, with their errors; NaN if any sample is NaN."""
-    values = samples.values
-    like = samples.isel({samples.dims[0]: 0}, drop=True)
-    known = like.copy(data=~np.isnan(values).any(axis=0))
+def _statistics(name: str, dims: tuple[Any, ...], values: Array, levels: Array) -> Columns:
+    """Mean and quantiles along the first axis, with their errors; NaN if any sample is NaN."""
+    known = ~np.isnan(values).any(axis=0)
     values = np.where(known, values, 0.0)
-    error = np.full(like.shape, np.nan)
+    error = np.full(known.shape, np.nan)
     if len(values) > 1:
         error = values.std(axis=0, ddof=1) / np.sqrt(len(values))
-    wide = like.expand_dims(quantile=level)
-    found = {"mean": like.copy(data=values.mean(axis=0)), "mean_standard_error": like.copy(data=error)}
-    for end, each in zip(ENDS, quantile_intervals(values, level.values), strict=True):
-        found[f"quantile{end}"] = wide.copy(data=each)
-    return {f"{name}_{what}": each.where(known) for what, each in found.items()}
+    found = {"mean": (dims, values.mean(axis=0)), "mean_standard_error": (dims, error)}
+    for end, each in zip(ENDS, quantile_intervals(values, levels), strict=True):
+        found[f"quantile{end}"] = ("quantile", *dims), each
+    return {
+        f"{name}_{what}": (over, np.where(known, each, np.nan)) for what, (over, each) in found.items()
+    }

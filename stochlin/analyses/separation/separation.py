@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.linearization.strength import strength_in_metres
+from stochlin.analyses.records.cells import checked_motions
 from stochlin.analyses.records.gaps import recorded_gap
 from stochlin.analyses.separation.code_gaps import check_alone, rules_with, told_numbers
 from stochlin.analyses.separation.rules import (
@@ -195,6 +196,8 @@ def separation(
     rules_with(numbers)
     check_truth("floors_align", floors_align)
     check_truth("unverified", unverified)
+    if records is not None:
+        checked_motions(records)
     heights = BuildingPeaks(0.0, 0.0, height_1, height_2)
     check_scalars(heights, "separation", "a number, the height of a building")
     given = standing(first, second)

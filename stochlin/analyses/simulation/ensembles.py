@@ -15,7 +15,7 @@ import numpy.typing as npt
 import scipy.linalg
 import xarray as xr
 
-from stochlin.analyses.linearization.equivalent_systems import solve_elastic, solve_structure
+from stochlin.analyses.linearization.equivalent_systems import derived_together, solve_structure
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.simulation.frames import Frame
 from stochlin.analyses.tables import labels
@@ -92,9 +92,9 @@ def cells_of(
     The decay time of the plastic drift is only computed for a ``stationary`` run, which needs it for its
     duration. Otherwise it is 0.
     """
-    elastic = solve_elastic(structure, ground)
+    (elastic,) = derived_together((structure,), ground)
     values = structure.arrays()
-    like = elastic.yield_displacement
+    like = xr.DataArray(elastic["yield_displacement"])
     k_eq = xr.zeros_like(like)
     if stationary:
         k_eq = solve_structure(structure, ground, "gaussian", Tolerance(1e-6, 1e-9, 200)).k_eq
@@ -110,7 +110,7 @@ def cells_of(
     w = 2 * np.pi / period
     with np.errstate(divide="ignore", invalid="ignore"):
         slow = np.where(pace > 0, 1 / (hardening * pace), 0)
-    status = elastic.status.values.ravel()
+    status = np.ravel(elastic["status"])
     cells = SimulationCells(
         period,
         damping,
@@ -133,15 +133,16 @@ def cells_of_all(
     Structures with the same hysteresis law are solved together, which is faster.
     """
     alike: dict[tuple[object, ...], list[int]] = {}
+    values = [structure.arrays() for structure in structures]
     for number, structure in enumerate(structures):
-        alike.setdefault((structure.block(), *structure.arrays()), []).append(number)
+        alike.setdefault((structure.block(), *values[number]), []).append(number)
     parts = []
     for numbers in alike.values():
-        first = structures[numbers[0]]
+        first = numbers[0]
         columns: dict[str, Any] = {
-            n: [float(structures[i].arrays()[n]) for i in numbers] for n in first.arrays() if n != "mass"
+            n: [float(values[i][n]) for i in numbers] for n in values[first] if n != "mass"
         }
-        parts.append(cells_of(replace(first, **columns), ground, stationary)[0])
+        parts.append(cells_of(replace(structures[first], **columns), ground, stationary)[0])
     order = np.argsort([number for numbers in alike.values() for number in numbers])
     return SimulationCells(*(column[order] for column in join_cells(parts)))
 

@@ -32,11 +32,13 @@ from stochlin.kernels.simulation.stepping import LANES
 from stochlin.messages import brief
 from stochlin.models.envelopes import Envelope, envelope_at
 from stochlin.models.parameters import expect
-from stochlin.models.systems import AnyStructure
+from stochlin.models.systems import AnyStructure, System
 
 TAIL = (1 - 0.95) / 2  # probability on each side of a 95 % interval
 BLOCK = 256  # time steps that are computed at once
 HEIGHT = "height above the ground"
+Column = tuple[Sequence[str], Array]  # dimensions, and values over them
+Columns = dict[str, Column]
 ENVELOPES, RESULTS = 6, 6  # numbers that are in memory at once for each step, and for each peak
 
 
@@ -108,41 +110,47 @@ def simulate_finite(
     ]
     highest, lowest = _extremes(run, functions, duration, envelope, progress)
     either = np.maximum(highest, -lowest)
-    table = xr.Dataset(
-        {
-            "peak_positive": (("path", riders.floor), highest[:, :n]),
-            "peak_negative": (("path", riders.floor), -lowest[:, :n]),
-            "peak": (("path", riders.floor), either[:, :n]),
-        },
-        coords={k: v for k, v in riders.floor_coords().items() if not k.endswith("_2")},
-    )
+    samples: Columns = {
+        "peak_positive": (("path", riders.floor), highest[:, :n]),
+        "peak_negative": (("path", riders.floor), -lowest[:, :n]),
+        "peak": (("path", riders.floor), either[:, :n]),
+    }
+    coords = {k: v for k, v in riders.floor_coords().items() if not k.endswith("_2")}
     if storeys:
-        table = table.assign_coords(element_coordinates(system))
-        table["peak_drift"] = (("path", ELEMENT), either[:, n : n + len(storeys)])
+        coords |= element_coordinates(system)
+        samples["peak_drift"] = ("path", ELEMENT), either[:, n : n + len(storeys)]
     differences = slice(len(functions) - len(pairs), None)
-    table = table.merge(_separations(riders, pairs, highest[:, differences], lowest[:, differences]))
+    heights = np.unique([pair.height for pair in pairs if not np.isnan(pair.height)])
+    samples |= _separations(system, pairs, heights, highest[:, differences], lowest[:, differences])
+    names = [f"{number}" for number in range(1, len(system.stacks) + 1)]
+    coords |= {STRUCTURE: names, f"{STRUCTURE}_2": names}
     if places:
         peaks = either[:, n + len(storeys) : len(functions) - len(pairs)]
-        table["peak_at_height"] = _at_heights(table, places, peaks)
-    means: dict[str, Any] = {}  # added at once: each addition to a dataset takes a millisecond
-    for name in ("peak", "peak_positive", "peak_drift", "separation"):
-        if name not in table:
-            continue
-        over = table[name].dims[1:]
-        mean, error = mean_with_error(table[name].values)
-        means |= {f"{name}_mean": (over, mean), f"{name}_mean_standard_error": (over, error)}
-    table = table.assign(means)
+        samples["peak_at_height"] = _at_heights(system, places, heights, peaks)
+        coords["height"] = labels.axis("height", HEIGHT, heights, "m").height
+    means = _means(samples)
     if storeys:
-        table["ductility"] = table.peak_drift_mean / riders.strength
-    estimate, lower, upper = quantile_intervals(table.separation.values, levels)
-    over = ("quantile", STRUCTURE, f"{STRUCTURE}_2")
-    table = table.assign_coords(quantile=("quantile", levels, {"units": "1", "long_name": "quantile"}))
-    table = table.assign(
-        separation_quantile=(over, estimate),
-        separation_quantile_lower=(over, lower),
-        separation_quantile_upper=(over, upper),
-    )
-    return table.assign_attrs(finite_attributes(run, duration, envelope))
+        means["ductility"] = [ELEMENT], means["peak_drift_mean"][1] / riders.strength
+    ends = quantile_intervals(samples["separation"][1], levels)
+    over = "quantile", STRUCTURE, f"{STRUCTURE}_2"
+    quantile: Columns = {
+        f"separation_quantile{end}": (over, values)
+        for end, values in zip(("", "_lower", "_upper"), ends, strict=True)
+    }
+    coords["quantile"] = "quantile", levels, {"units": "1", "long_name": "quantile"}
+    # Made at once, because each addition to a dataset takes a millisecond.
+    return xr.Dataset(samples | means | quantile, coords, finite_attributes(run, duration, envelope))
+
+
+def _means(samples: Columns) -> Columns:
+    """Means over the motions, and their standard errors."""
+    found: Columns = {}
+    for name in ("peak", "peak_positive", "peak_drift", "separation"):
+        if name in samples:
+            (_, *over), values = samples[name]
+            mean, error = mean_with_error(values)
+            found |= {f"{name}_mean": (over, mean), f"{name}_mean_standard_error": (over, error)}
+    return found
 
 
 def finite_attributes(
@@ -180,33 +188,33 @@ def _extremes(
     return finite_extremes(run.crowd, view, run.ground, run.root, plan, shape, progress)
 
 
-def _at_heights(table: xr.Dataset, places: list[tuple[int, float, Terms]], peaks: Array) -> xr.DataArray:
+def _at_heights(
+    system: System, places: list[tuple[int, float, Terms]], heights: Array, peaks: Array
+) -> Column:
     """Peaks [m] of the structures at the heights at which they could meet another."""
-    values = np.full((len(peaks), table.sizes[STRUCTURE], table.sizes["height"]), np.nan)
+    values = np.full((len(peaks), len(system.stacks), heights.size), np.nan)
     for (structure, height, _), column in zip(places, peaks.T, strict=True):
-        values[:, structure, np.searchsorted(table.height.values, height)] = column
-    return xr.DataArray(values, dims=("path", STRUCTURE, "height"))
+        values[:, structure, np.searchsorted(heights, height)] = column
+    return ("path", STRUCTURE, "height"), values
 
 
-def _separations(riders: Riders, pairs: list[Pair], highest: Array, lowest: Array) -> xr.Dataset:
+def _separations(
+    system: System, pairs: list[Pair], heights: Array, highest: Array, lowest: Array
+) -> Columns:
     """Peak relative displacements [m], over all heights and, with storeys, at each height."""
-    count, paths = len(riders.system.stacks), len(highest)
-    names = [f"{number}" for number in range(1, count + 1)]
-    coords: dict[str, Any] = {STRUCTURE: names, f"{STRUCTURE}_2": names}
+    count, paths = len(system.stacks), len(highest)
     whole = np.zeros((paths, count, count))
-    over = ("path", STRUCTURE, f"{STRUCTURE}_2")
-    heights = np.unique([pair.height for pair in pairs if not np.isnan(pair.height)])
+    over = "path", STRUCTURE, f"{STRUCTURE}_2"
     at_height = np.full((paths, count, count, heights.size), np.nan)
     for pair, most, least in zip(pairs, highest.T, lowest.T, strict=True):
         for (i, j), value in (((pair.first, pair.second), most), ((pair.second, pair.first), -least)):
             whole[:, i, j] = np.maximum(whole[:, i, j], value)
             if not np.isnan(pair.height):
                 at_height[:, i, j, np.searchsorted(heights, pair.height)] = value
-    table = xr.Dataset({"separation": (over, whole)}, coords=coords)
+    found: Columns = {"separation": (over, whole)}
     if heights.size:
-        table = table.assign_coords(height=labels.axis("height", HEIGHT, heights, "m").height)
-        table["separation_at_height"] = ((*over, "height"), at_height)
-    return table
+        found["separation_at_height"] = (*over, "height"), at_height
+    return found
 
 
 def exceedance(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Dataset:

@@ -27,6 +27,8 @@ Solved = Mapping[Any, Cells]
 
 def row_of(array: xr.DataArray, like: xr.DataArray) -> Array:
     """Values in one row, broadcast to the dimensions of ``like`` and in the order of its cells."""
+    if not array.ndim:
+        return np.repeat(array.to_numpy(), like.size)
     return array.broadcast_like(like).transpose(*like.dims).to_numpy().ravel()
 
 

@@ -11,6 +11,7 @@ itself is not differentiated, and may have kinks.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +22,7 @@ from stochlin.kernels.linearization.gaussian import SQRT_2PI
 
 REACH = 12.0  # standard deviations that are integrated over; the density beyond is below 1e-31
 CELLS = 64  # cells computed together, so that their values at all nodes stay in the cache
+gauss_legendre = cache(np.polynomial.legendre.leggauss)  # seconds of a fixed point if done each time
 GRADED = np.concatenate([[0.0], 4.0 ** np.arange(-6, 1)])  # edges of panels growing by a factor of 4
 
 
@@ -82,7 +84,7 @@ def _panels(
     edges = [np.full_like(sz, -REACH), -turn, 0 * sz, turn, np.full_like(sz, REACH)]
     edges += [np.clip(kink / sz, -REACH, REACH) for kink in kinks]
     border = np.sort(np.concatenate(edges, axis=1), axis=1)
-    nodes, weights = np.polynomial.legendre.leggauss(order)
+    nodes, weights = gauss_legendre(order)
     half = 0.5 * np.diff(border, axis=1)[:, :, None]
     middle = 0.5 * (border[:, 1:] + border[:, :-1])[:, :, None]
     shape = (sz.shape[0], -1)
@@ -117,7 +119,7 @@ def _inner_quadrature(law: SlipRate, sv: Array, z: Array, mean: Array, q: Array,
 
 def on_panels(edges: Array, order: int) -> tuple[Array, Array]:
     """Nodes and weights of Gauss-Legendre quadrature of this order on each panel between the edges."""
-    nodes, weights = np.polynomial.legendre.leggauss(order)
+    nodes, weights = gauss_legendre(order)
     half = 0.5 * np.diff(edges)[:, None]
     return (edges[:-1, None] + half * (1 + nodes)).ravel(), (half * weights).ravel()
 
