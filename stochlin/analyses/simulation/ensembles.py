@@ -7,7 +7,6 @@ computing time is estimated. The parameters of each single structure in a table 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,7 +14,12 @@ import numpy.typing as npt
 import scipy.linalg
 import xarray as xr
 
-from stochlin.analyses.linearization.equivalent_systems import solve_elastic, solve_structure
+from stochlin.analyses.linearization.equivalent_systems import (
+    derived_together,
+    solve_elastic,
+    solve_structure,
+    solved_together,
+)
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.simulation.frames import Frame
 from stochlin.analyses.tables import labels
@@ -50,6 +54,7 @@ STEP = 4e-9  # time [s] that one core needs for one time step of one bilinear st
 GROUND, OTHER_LAW, PAIR = 4.0, 15.0, 0.25
 DASHPOT = 60.0  # a dashpot whose force is a power of the velocity
 STOREY = 0.5  # each pair of storeys of a building
+OF_DRIFT = Tolerance(1e-6, 1e-9, 200)  # of the linearization that gives the decay time of a drift
 
 
 class SimulationCells(NamedTuple):
@@ -97,7 +102,7 @@ def cells_of(
     like = elastic.yield_displacement
     k_eq = xr.zeros_like(like)
     if stationary:
-        k_eq = solve_structure(structure, ground, "gaussian", Tolerance(1e-6, 1e-9, 200)).k_eq
+        k_eq = solve_structure(structure, ground, "gaussian", OF_DRIFT).k_eq
     columns = (
         values["period"],
         values["damping"],
@@ -106,23 +111,28 @@ def cells_of(
         k_eq,
         *structure.law_parameters(),
     )
-    period, damping, hardening, uy, pace, *rest = (row_of(a, like).astype(float) for a in columns)
+    rows = np.array([row_of(a, like).astype(float) for a in columns])
+    cells = _in_row(rows, structure, elastic.status.values.ravel())
+    return cells, xr.full_like(like, 0, dtype=int).copy(data=np.arange(like.size).reshape(like.shape))
+
+
+def _in_row(rows: Array, structure: Structure, status: Array) -> SimulationCells:
+    """Cells from rows: period, damping, hardening, yield displacement, ``k_eq``, those of the law."""
+    period, damping, hardening, uy, pace = rows[:5]
     w = 2 * np.pi / period
     with np.errstate(divide="ignore", invalid="ignore"):
         slow = np.where(pace > 0, 1 / (hardening * pace), 0)
-    status = elastic.status.values.ravel()
-    cells = SimulationCells(
+    return SimulationCells(
         period,
         damping,
         hardening,
         uy,
-        np.reshape(rest, (len(rest), period.size)).T,
+        rows[5:].T,
         np.full(period.size, structure.block()),
         1 / (damping * w),
         np.nan_to_num(slow),
         status < labels.NOT_CONVERGED,
     )
-    return cells, xr.full_like(like, 0, dtype=int).copy(data=np.arange(period.size).reshape(like.shape))
 
 
 def cells_of_all(
@@ -134,16 +144,29 @@ def cells_of_all(
     """
     alike: dict[tuple[object, ...], list[int]] = {}
     for number, structure in enumerate(structures):
-        alike.setdefault((structure.block(), *structure.arrays()), []).append(number)
-    parts = []
-    for numbers in alike.values():
-        first = structures[numbers[0]]
-        columns: dict[str, Any] = {
-            n: [float(structures[i].arrays()[n]) for i in numbers] for n in first.arrays() if n != "mass"
-        }
-        parts.append(cells_of(replace(first, **columns), ground, stationary)[0])
+        alike.setdefault((structure.block(), *structure.cells()), []).append(number)
+    parts = [
+        _cells_alike([structures[n] for n in numbers], ground, stationary) for numbers in alike.values()
+    ]
     order = np.argsort([number for numbers in alike.values() for number in numbers])
     return SimulationCells(*(column[order] for column in join_cells(parts)))
+
+
+def _cells_alike(structures: Sequence[Structure], ground: Ground, stationary: bool) -> SimulationCells:
+    """The cells of structures with scalar parameters and the same law."""
+    elastic = derived_together(structures, ground)
+    k_eq: Sequence[Any] = [0.0] * len(structures)
+    if stationary:
+        solved = solved_together(structures, ground, "gaussian", OF_DRIFT)
+        k_eq = [one["k_eq"] for one in solved]
+    rows = []
+    for structure, one, pace in zip(structures, elastic, k_eq, strict=True):
+        values = {"hardening": 1.0} | structure.cells()
+        given = (values[name] for name in ("period", "damping", "hardening"))
+        law = (values[name] for name in structure.own_parameters())
+        rows.append([*map(float, (*given, one["yield_displacement"], pace, *law))])
+    status = np.array([int(one["status"]) for one in elastic])
+    return _in_row(np.array(rows).T, structures[0], status)
 
 
 def join_cells(parts: Sequence[SimulationCells]) -> SimulationCells:
