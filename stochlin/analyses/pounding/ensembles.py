@@ -117,11 +117,13 @@ def with_statistics(table: xr.Dataset, over: str, levels: Array) -> xr.Dataset:
     table = _between_neighbours(table, over)
     good = table.isel({over: (table.status == labels.CONVERGED).values})
     level = labels.axis("quantile", "quantile", levels)
+    found: dict[str, Any] = {}  # added at once: each addition to a dataset takes a millisecond
     for name in (each for each in STATISTICS if each in good):
         samples = good[name]
         if name in OF_IMPACTS:
             samples = samples.where(good[OF_IMPACTS[name]] > 0, 0.0)
-        table = table.assign(_statistics(name, samples.transpose(over, ...), level))
+        found |= _statistics(name, samples.transpose(over, ...), levels)
+    table = table.assign(found)
     hits = good.impacts_between.rename({over: PATH})
     shares = exceedance(hits, 0.0).rename(
         {f"probability{end}": f"pounding_probability{end}" for end in ENDS}
@@ -149,17 +151,18 @@ def _between_neighbours(table: xr.Dataset, over: str) -> xr.Dataset:
     return table
 
 
-def _statistics(name: str, samples: xr.DataArray, level: xr.DataArray) -> dict[str, xr.DataArray]:
+def _statistics(name: str, samples: xr.DataArray, levels: Array) -> dict[str, Any]:
     """Mean and quantiles along the first dimension, with their errors; NaN if any sample is NaN."""
-    values = samples.values
-    like = samples.isel({samples.dims[0]: 0}, drop=True)
-    known = like.copy(data=~np.isnan(values).any(axis=0))
+    values, dims = samples.values, samples.dims[1:]
+    known = ~np.isnan(values).any(axis=0)
     values = np.where(known, values, 0.0)
-    error = np.full(like.shape, np.nan)
+    error = np.full(known.shape, np.nan)
     if len(values) > 1:
         error = values.std(axis=0, ddof=1) / np.sqrt(len(values))
-    wide = like.expand_dims(quantile=level)
-    found = {"mean": like.copy(data=values.mean(axis=0)), "mean_standard_error": like.copy(data=error)}
-    for end, each in zip(ENDS, quantile_intervals(values, level.values), strict=True):
-        found[f"quantile{end}"] = wide.copy(data=each)
-    return {f"{name}_{what}": each.where(known) for what, each in found.items()}
+    found = {"mean": (dims, values.mean(axis=0)), "mean_standard_error": (dims, error)}
+    for end, each in zip(ENDS, quantile_intervals(values, levels), strict=True):
+        found[f"quantile{end}"] = (("quantile", *dims), each)
+    return {
+        f"{name}_{what}": (over, np.where(known, each, np.nan), samples.attrs)
+        for what, (over, each) in found.items()
+    }
