@@ -21,6 +21,9 @@ pytestmark = pytest.mark.invariant
 
 G = 9.80665
 EXAMPLE = sl.example_case().replace("paths = 2048", "paths = 256")
+SHORT = EXAMPLE.replace('duration = "20 s"', 'duration = "5 s"')  # fits take as long
+# Answers for an existing gap take long: none for the command gap, and for mitigate one that is enough.
+ALONE, WIDE = (EXAMPLE.replace('existing = "5 cm"', gap) for gap in ("", 'existing = "80 cm"'))
 SHAPE = sl.AminAng(4.0, 15.0, 0.35)
 QUAKE = {"duration": 20.0, "envelope": SHAPE}
 FIRM = 'ground = "firm"\n'
@@ -35,8 +38,8 @@ def written(folder: Path, site: str, text: str = EXAMPLE) -> Path:
     return path
 
 
-def read(folder: Path, site: str) -> Case:
-    return sl.read_case(written(folder, site))
+def read(folder: Path, site: str, text: str = EXAMPLE) -> Case:
+    return sl.read_case(written(folder, site, text))
 
 
 def said(command: str, folder: Path, site: str, text: str = EXAMPLE, *options: object) -> str:
@@ -91,10 +94,11 @@ def test_a_spectrum_of_a_file_is_scaled_by_one_factor_and_the_suite_with_it(suit
     (suite / "site.csv").write_text("\n".join(["T,Sa [g]", *rows]), encoding="utf-8")
     site = 'spectrum = "site.csv"\nfilters = 1\nsa = "1 g"\nsa_period = "0.6 s"\n'
     to = '[site.suite]\npath = "records"\nscale_to = "spectrum"\nband = ["0.3 s", "1.5 s"]\n'
-    case = read(suite, site + to)
-    plain = sl.fit_ground(sl.read_spectrum(suite / "site.csv"), **QUAKE, filters=1)
+    case = read(suite, site + to, SHORT)
+    quake = QUAKE | {"duration": 5.0}
+    plain = sl.fit_ground(sl.read_spectrum(suite / "site.csv"), **quake, filters=1)
     times = case.ground.intensity / plain.intensity
-    assert case.ground == sl.scale_ground(plain, **QUAKE, sa=G, period=0.6)
+    assert case.ground == sl.scale_ground(plain, **quake, sa=G, period=0.6)
     spectrum = sl.read_spectrum(suite / "site.csv")
     wanted = (np.sqrt(times) * spectrum).assign_attrs(spectrum.attrs)
     records = {f"m{n:02d}.at2": sl.read_record(suite / f"records/m{n:02d}.at2") for n in range(12)}
@@ -242,7 +246,8 @@ def test_a_factor_that_is_hardly_meant_is_asked_about(suite, factor):
 @pytest.mark.oracle
 def test_the_gap_screen_says_of_many_records_quantiles_and_the_share(suite):
     site = SUITE.format("records")
-    words = " ".join(said("gap", suite, site, EXAMPLE, "--out", suite / "gap.nc").split())
+    out, page = suite / "gap.nc", suite / "gap.html"
+    words = " ".join(said("gap", suite, site, ALONE, "--out", out, "--report", page).split())
     case = read(suite, site)
     pair = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (1.0, 0.6)]
     solid = []
@@ -263,6 +268,7 @@ def test_the_gap_screen_says_of_many_records_quantiles_and_the_share(suite):
     )
     assert f"is enough in {round(12 * held)} of 12" in words
     assert "they would have needed" not in words
+    assert "The 12 recorded motions would have needed" in page.read_text(encoding="utf-8")
 
 
 @pytest.mark.slow
@@ -270,6 +276,7 @@ def test_every_command_takes_a_suite_and_stays_readable(suite):
     site = SUITE.format("records")
     text = EXAMPLE.replace("paths = 256", "paths = 100")
     words = {c: said(c, suite, site, text) for c in ("probability", "pound")}
+    text = text.replace('existing = "5 cm"', 'existing = "12 cm"')  # enough: nothing is searched for
     words["mitigate"] = said("mitigate", suite, site, text, "--picture", suite / "measures.png")
     assert len(words["pound"].splitlines()) < 60
     assert len(words["mitigate"].splitlines()) < 60
@@ -286,7 +293,6 @@ def test_every_command_takes_a_suite_and_stays_readable(suite):
             {"units", "long_name"} <= set(table[name].attrs) or "flag_values" in table[name].attrs
             for name in table.data_vars
         )
-    said("gap", suite, site, text, "--report", suite / "gap.html")
 
 
 # --- The shaking that was used, and what can hardly be meant ---
@@ -294,9 +300,9 @@ def test_every_command_takes_a_suite_and_stays_readable(suite):
 
 @pytest.mark.slow
 def test_every_answer_prints_the_shaking_it_used(tmp_path):
-    for command in ("gap", "probability", "mitigate"):
+    for command, text in (("gap", ALONE), ("probability", EXAMPLE), ("mitigate", WIDE)):
         out = tmp_path / f"{command}.nc"
-        words = said(command, tmp_path, f'{FIRM}pga = "0.3 g"\n', EXAMPLE, "--out", out)
+        words = said(command, tmp_path, f'{FIRM}pga = "0.3 g"\n', text, "--out", out)
         line = re.search(
             r"of the motions: PGA 0\.3 g, Sa \(damping 5 %\) (\S+) g at 1 s, (\S+) g at 0\.6 s; rms "
             r"(\S+) g in the strong part, S0 (\S+) m\^2/s\^3\.",
@@ -332,7 +338,7 @@ def test_the_shaking_of_a_record_is_printed_by_pound(suite):
 )
 def test_what_is_hardly_meant_is_the_first_line(tmp_path, site, words):
     page = tmp_path / "gap.html"
-    screen = said("gap", tmp_path, site, EXAMPLE, "--report", page)
+    screen = said("gap", tmp_path, site, ALONE, "--report", page)
     first = screen.partition("Office block and annex")[0]
     assert first.startswith("CHECK THE INPUT")
     assert words in " ".join(first.split())
@@ -345,7 +351,7 @@ def test_what_is_hardly_meant_is_the_first_line(tmp_path, site, words):
 def test_a_gap_and_a_drift_beyond_the_height_are_the_first_line(tmp_path):
     site, text = (
         f'{FIRM}pga = "2.5 g"\n',
-        EXAMPLE.replace('"15 m"', '"0.1 m"').replace('"24 m"', '"0.2 m"'),
+        ALONE.replace('"15 m"', '"0.1 m"').replace('"24 m"', '"0.2 m"'),
     )
     words = " ".join(said("gap", tmp_path, site, text).split())
     begin = words.partition("Office block and annex")[0]
@@ -353,7 +359,7 @@ def test_a_gap_and_a_drift_beyond_the_height_are_the_first_line(tmp_path):
     assert re.search(r"Annex would move by \S+ m, more than its height, 0.1 m", begin)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        assert not answer_case(read(tmp_path, f'{FIRM}pga = "0.3 g"\n')).doubts()
+        assert not answer_case(read(tmp_path, f'{FIRM}pga = "0.3 g"\n', ALONE)).doubts()
 
 
 @pytest.mark.parametrize("pga", ["300 g", "0.3 cm/s^2"])

@@ -45,7 +45,7 @@ class Simulated(NamedTuple):
 
 
 @cache
-def simulated(ground_damping, period, factor, paths=128):
+def simulated(ground_damping, period, factor, paths=64):
     structures = [yielding(ratio * period, factor) for ratio in (*RATIOS, 1.0)]
     ground = sl.KanaiTajimi(GROUND_PERIOD, ground_damping)
     table = sl.simulate(structures, ground, paths=paths, seed=1)
@@ -152,7 +152,7 @@ ALONE = {BROAD: (0.51, 0.72, 1.0), NARROW: (0.39, 1.31, 0.83)}
 @pytest.mark.slow
 @pytest.mark.parametrize("band", [BROAD, NARROW], ids=["broad", "narrow"])
 def test_how_near_linearization_and_the_rules_are_to_simulation(band):
-    """Over 144 pairs: three periods, three strengths, 16 ratios. Means are exact to 0.002."""
+    """Over 144 pairs: three periods, three strengths, 16 ratios. Means are exact to 0.003."""
     away = {name: [] for name in ("linearization", "drift", *RULES)}
     alone, fed, higher, short = [], [], {name: [] for name in RULES}, {name: [] for name in RULES}
     for case in ((period, factor) for period in PERIODS for factor in FACTORS):

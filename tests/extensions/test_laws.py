@@ -140,9 +140,8 @@ def test_options_of_a_law_are_those_of_the_law(toy, arguments, says):
 def test_buildings_of_the_law_ride_on_records(toy, tmp_path):
     np.savetxt(tmp_path / "motion.txt", np.sin(np.arange(1000) / 7))
     record = '[[site.records]]\npath = "motion.txt"\nunits = "m/s^2"\ndt = "0.01 s"\n'
-    gap = 'existing = "5 cm"\n'
-    case = CASE.replace("[motion]", f"{record}[motion]").replace("confidence", f"{gap}confidence")
-    (tmp_path / "case.toml").write_text(case)
-    said = {command: toy(command, "case.toml").stdout for command in ("gap", "probability")}
+    (tmp_path / "case.toml").write_text(CASE.replace("[motion]", f"{record}[motion]"))
+    given = {"gap": (), "probability": ("--gap", "5 cm")}
+    said = {command: toy(command, "case.toml", *more).stdout for command, more in given.items()}
     assert "In the recorded motions they would have needed" in " ".join(said["gap"].split())
     assert "the hybrid method is only available for bilinear oscillators" in said["probability"]

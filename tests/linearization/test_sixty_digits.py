@@ -203,7 +203,7 @@ def solved_exactly(system, soil, forcing_scale, coefficients):
             (here[0] * by_p[1] - here[1] * by_p[0]) / determinant,
         )
         p, k = p + steps[0], k + steps[1]
-        if max(abs(steps[0] / p), abs(steps[1] / k)) < mpf(10) ** -12:  # the next is about its square
+        if max(abs(steps[0] / p), abs(steps[1] / k)) < mpf(10) ** -7:  # the next is about its square
             break
     return w2, d, h, p - 1, k
 

@@ -137,7 +137,7 @@ def draw_oscillator(rng, kind):
         pytest.param("bilinear", "gaussian", range(15, 60), marks=pytest.mark.slow),
         pytest.param("bilinear", "clipped", range(15, 40), marks=pytest.mark.slow),
         pytest.param("bouc_wen", "gaussian", range(15, 40), marks=pytest.mark.slow),
-        pytest.param("sympy", "gaussian", range(2, 6), marks=pytest.mark.slow),
+        pytest.param("sympy", "gaussian", range(2, 4), marks=pytest.mark.slow),
     ],
 )
 def test_pairs_are_those_of_the_fast_path(kind, closure, pairs):
@@ -473,19 +473,17 @@ def rounds_of(strong, ground, factor, law, closure):
 @pytest.mark.parametrize(
     ("closure", "buildings"),
     [
-        ("gaussian", range(20)),
-        ("clipped", range(20)),
-        pytest.param("gaussian", [*range(20, 120), 126, 317, 359], marks=pytest.mark.slow),
-        pytest.param("clipped", [*range(20, 120), 130, 262, 400], marks=pytest.mark.slow),
+        ("gaussian", [*range(20), 24, 72, 126, 317, 434]),
+        ("clipped", [*range(20), 71, 130, 187, 262, 400]),
     ],
 )
 def test_the_loop_ends_for_random_buildings(closure, buildings):
     """Of 500: 6.3 rounds in the mean and 53 at most, with the clipped closure 6.0 and 22.
 
-    Those that took most rounds are among the ones that are solved.
+    The last five take most of all, and more than 70 if the steps are never shortened.
     """
     rng = np.random.default_rng([42, len(closure)])
     drawn = [draw_building(rng, closure) for _ in range(500)]
     rounds = [rounds_of(*drawn[n], closure) for n in buildings]
-    assert np.mean(rounds) < 8
-    assert max(rounds) < 80
+    assert np.mean(rounds[:20]) < 8
+    assert max(rounds) < 70

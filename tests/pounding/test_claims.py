@@ -37,6 +37,7 @@ def motions(count=8, dt=0.01, samples=1200):
         yield xr.DataArray(4 * values / abs(values).max(), dims="time", coords={"time": time})
 
 
+@cache
 def pounded(contact=HARD, gap=GAP, link=None):
     return [sl.pound([FIVE, EIGHT], gap, contact, motion, link=link) for motion in motions()]
 

@@ -260,9 +260,9 @@ def test_each_path_is_that_of_the_simulation(name: str) -> None:
     quake = {"duration": 6.0, "envelope": sl.AminAng(1.0, 4.0, 0.5), "seed": 5}
     simulated = sl.simulate(towers(), ground, **quake, paths=32, steps_per_period=128, link=devices)
     shaking = sl.simulated_motions(ground, **quake, paths=32, step=simulated.attrs["step_s"])
-    table = sl.pound(towers(), FAR, SPRING, shaking, link=devices)
+    table = sl.pound(towers(), FAR, SPRING, shaking[:12], link=devices)
     found = np.concatenate([table.peak.values[:, b, :n] for b, n in ((0, 2), (1, 4))], axis=1)
-    error = found / simulated.peak.values - 1
+    error = found / simulated.peak.values[:12] - 1
     assert float(table.energy_balance_error.max()) < 1e-8
     assert np.abs(error).max() < 0.02
     assert np.sqrt((error**2).mean()) < 0.005

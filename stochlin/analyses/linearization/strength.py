@@ -13,6 +13,7 @@ from stochlin.analyses.linearization.drift_map import usual_closure
 from stochlin.analyses.linearization.equivalent_systems import (
     STRENGTH_RATIO,
     check_closure,
+    derived_together,
     solve_elastic,
     solve_structure,
 )
@@ -285,8 +286,8 @@ def strength_in_metres(structure: AnyStructure, ground: Ground) -> Any:
     """The structure with its strength as a yield displacement [m] instead of a reduction factor."""
     if isinstance(structure, ShearBuilding) or structure.reduction_factor is None:
         return structure
-    uy = solve_elastic(structure, ground).yield_displacement
-    if not uy.ndim and not 0 < float(uy) < np.inf:
+    uy = derived_together((structure,), ground)[0]["yield_displacement"]
+    if not np.ndim(uy) and not 0 < float(uy) < np.inf:
         raise ArithmeticError(
             f"the elastic response of {structure.describe()} to {ground.describe()}, to which its "
             "reduction_factor refers, cannot be computed in floating point; give less extreme parameters"
