@@ -20,6 +20,12 @@ IDLE = (
     "[...document.querySelectorAll('.chart')].every(e => e.querySelector('.main-svg'))"
 )
 
+# All that is seen: words, entries, switches, curves.
+SEEN = """return JSON.stringify([innerWidth, document.body.className, document.body.innerText,
+    [...document.querySelectorAll('input')].map(e => e.value),
+    [...document.querySelectorAll('[role=switch]')].map(e => e.ariaChecked),
+    [...document.querySelectorAll('.chart')].map(e => e.data)])"""
+
 
 def listens(port: int) -> bool:
     with socket.socket() as probe:
@@ -38,15 +44,22 @@ class Browser:
 
     def __init__(self, driver: Any, downloads: Path) -> None:
         self.driver, self.downloads = driver, downloads
+        self._opened: dict[str, object] = {}
 
     def script(self, text: str, *arguments: Any) -> Any:
         return self.driver.execute_script(text, *arguments)
 
     def open(self, address: str, width: int = 1200, height: int = 900) -> None:
+        """The page as it begins: loaded anew, unless all is as it was when it was opened so."""
+        self.width = width
         size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500}
         self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+        asked = {"address": address, **size}
+        if self._opened == asked | {"seen": self.script(SEEN)}:
+            return  # it is as it began
         self.driver.get(f"http://{address}/")
         self.idle()
+        self._opened = asked | {"seen": self.script(SEEN)}
 
     def idle(self) -> None:
         wait(lambda: self.script(IDLE))
@@ -62,6 +75,12 @@ class Browser:
         self.script("document.querySelector(arguments[0]).select()", f"[data-control={name}]")
         self.press(text or Keys.DELETE)
         time.sleep(0.5)  # longer than an entry waits for another key
+
+    def put_back(self, before: dict[str, str]) -> None:
+        """Enter what was there, so that the next test finds the page as it began."""
+        for name, text in before.items():
+            self.enter(name, text)
+        self.idle()
 
     def choose(self, label: str, text: str) -> None:
         from selenium.webdriver.common.keys import Keys

@@ -51,6 +51,17 @@ duration = "12 s"
 # Fewer simulated motions for commands that are run as printed and do not say how many.
 FEW_MOTIONS = {"charts": {"paths": 32, "simulated_points": 3, "reduction_factors": "2,4"}}
 
+SHORT_MOTION = {'"20 s"': '"6 s"', 'rise_end = "4 s"': 'rise_end = "1 s"', '"15 s"': '"4 s"'}
+
+
+def example_of_short_motion() -> str:
+    """The example of a case file, with motions that are simulated in a third of the time."""
+    text = sl.example_case()
+    for long, short in SHORT_MOTION.items():
+        assert text.count(long) == 1
+        text = text.replace(long, short)
+    return text
+
 
 def with_slow(names: Iterable[Any], long: Collection[Any]) -> list[Any]:
     """Parameters of a test, of which ``make test`` leaves out the long ones."""

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import re
 import shutil
-from itertools import pairwise
 
 import numpy as np
 import pytest
 from browser import wait
+from cases import example_of_short_motion
 from click.testing import CliRunner
 
 import stochlin as sl
@@ -61,6 +61,7 @@ def test_one_label_has_one_number_before_and_after_the_simulation(page, storeys)
     if storeys:
         page.choose("Building 2 described as", "regular storeys")
         wait(lambda: page.shows("storey_count_2"))
+        page.enter("storey_count_2", "2")
     page.enter("paths", "640")
     page.click("every")
     page.idle()
@@ -117,7 +118,7 @@ def test_storeys_and_the_spectrum_of_a_file_are_kept(page, tmp_path):
     values = sl.asce_7(9.8, 5.9, 8.0).interp(period=period).values
     rows = [f"{t:.6g},{a:.9g}" for t, a in zip(period, values, strict=True)]
     (tmp_path / "site.csv").write_text("\n".join(["T,Sa", *rows]), encoding="utf-8")
-    text = sl.example_case()
+    text = example_of_short_motion()
     start, motion, second, rest, contact = (
         text.index(f"[{name}]") for name in ("site", "motion", "building_2", "separation", "contact")
     )
@@ -184,63 +185,3 @@ def test_the_intensity_changes_a_strength_that_is_given_by_r_alone(page, tmp_pat
         was = float(sl.linearize(r4, firm).yield_displacement)
         now = float(sl.linearize(building.structure, case.ground).yield_displacement)
         assert now == pytest.approx(times * was, rel=1e-6)
-
-
-TICKS = """return [...document.querySelectorAll('.chart')].map(c =>
-  ['.xtick', '.ytick', '.y2tick'].map(t => [...c.querySelectorAll(t + ' text')].map(e => {
-    const r = e.getBoundingClientRect();
-    return [e.textContent, r.left, r.right, r.top, r.bottom] })))"""
-TITLES = "return [...document.querySelectorAll('.xtitle, .ytitle, .y2title')].map(e => e.textContent)"
-
-
-@pytest.mark.parametrize(
-    ("width", "intensity"), [(390, ""), (1200, ""), (1200, "0.00003"), (1200, "0.05")]
-)
-def test_ticks_are_few_round_numbers_apart_from_one_another(page, address, width, intensity):
-    page.open(address, width, 900)
-    if intensity:
-        page.enter("intensity", intensity)
-    page.idle()
-    spectra, correlation, gaps, probability = page.script(TICKS)
-    for x, y, y2 in (spectra, correlation, (gaps[0], [], []), probability):
-        for axis, first in ((x, 1), (y, 3), (y2, 3)):
-            assert len(axis) <= 8
-            for text, *_ in axis:
-                assert re.fullmatch("[\N{MINUS SIGN}-]?[0-9]{1,5}(\\.[0-9]{1,3})?", text), text
-            ends = sorted((place[first], place[first + 1]) for place in axis)
-            assert all(one[1] <= other[0] for one, other in pairwise(ends)), axis
-    titles = page.script(TITLES)
-    assert {"period T [s]", "PSD [cm²/s³]", "PSD [cm² s]", "gap [cm]", "time [s]"} <= {*titles}
-    raised = "return [...document.querySelectorAll('.chart .xtitle tspan')].map(e => e.textContent)"
-    assert {"1", "2"} <= {*page.script(raised)}  # the indices of T2/T1
-
-
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_words_are_readable_in_both_colour_schemes(page, address, scheme):
-    wanted = {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
-    page.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", wanted)
-    try:
-        page.open(address)
-        dark = page.script("return document.body.classList.contains('body--dark')")
-        assert dark == (scheme == "dark")
-        seen = page.script(
-            """const opaque = e => { const c = getComputedStyle(e).backgroundColor;
-                 return c == 'rgba(0, 0, 0, 0)' && e.parentElement ? opaque(e.parentElement) : c };
-               return [...document.querySelectorAll('.name, .about, .why, .caution, h1, h2, summary')]
-                 .concat([...document.querySelectorAll('.head div, .q-btn--outline, .q-field__native')])
-                 .filter(e => e.offsetParent)
-                 .map(e => [e.className, getComputedStyle(e).color, opaque(e)])"""
-        )
-    finally:
-        page.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
-    assert seen
-    for name, *colours in seen:
-        light, faint = sorted(map(luminance, colours), reverse=True)
-        assert (light + 0.05) / (faint + 0.05) >= 4.5, (name, colours)
-
-
-def luminance(colour: str) -> float:
-    """Of WCAG 2."""
-    values = np.array([float(one) for one in re.findall(r"[\d.]+", colour)[:3]]) / 255
-    linear = np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
-    return float(linear @ [0.2126, 0.7152, 0.0722])

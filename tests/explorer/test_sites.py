@@ -7,6 +7,7 @@ import pickle
 
 import numpy as np
 import pytest
+from cases import example_of_short_motion
 
 import stochlin as sl
 from stochlin.analyses.explorer.case_scene import open_case, scene_of
@@ -25,7 +26,7 @@ CODE = 'spectrum = "eurocode_8"\nag = "0.25 g"\nsoil = "C"\nfilters = 1\n'
 
 
 def case_of(site, folder, path="case.toml"):
-    text = sl.example_case()
+    text = example_of_short_motion()
     start, end = text.index("[site]"), text.index("[motion]")
     (folder / path).write_text(f"{text[:start]}[site]\n{site}\n{text[end:]}", encoding="utf-8")
     return sl.read_case(folder / path)

@@ -118,7 +118,7 @@ def test_what_would_take_hours_uncompiled_is_refused_at_once(tmp_path: Path) -> 
 
 @pytest.mark.slow
 def test_simulations_run_uncompiled(tmp_path: Path) -> None:
-    short = [*RHO, *SIMULATED]
+    short = [*RHO, "--hardening", ".5", *SIMULATED]  # with more hardening a shorter run is enough
     ran(tmp_path, UNCOMPILED, [short, ["probability", "case.toml"], *ATLAS])
     with xr.open_dataset(tmp_path / "table.nc") as table:
         plain = table.load()

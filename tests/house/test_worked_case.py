@@ -6,11 +6,13 @@ import html
 import re
 import shlex
 import shutil
+from collections.abc import Iterator
 from contextlib import redirect_stdout
 from io import StringIO
 from pathlib import Path
 
 import pytest
+import xarray as xr
 from click.testing import CliRunner
 
 import stochlin as sl
@@ -30,6 +32,22 @@ def plain(text: str) -> str:
     text = re.sub(r"</?(?:i|sub|sup)>", "", text.replace("<sup>", "^"))
     text = html.unescape(re.sub(r"<[^>]+>", " ", text)).replace("m²/s³", "m^2/s^3")
     return " ".join(text.split())
+
+
+@pytest.fixture(scope="module", autouse=True)
+def one_fit() -> Iterator[None]:
+    """Every command fits the same ground to the same spectrum, which takes longer than the rest."""
+    found: dict[str, object] = {}
+
+    def fit(spectrum: xr.DataArray, **motion: object) -> object:
+        given = repr((spectrum.to_dict(), sorted((key, motion[key]) for key in motion if motion[key])))
+        if given not in found:
+            found[given] = sl.fit_ground(spectrum, **motion)
+        return found[given]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("stochlin.analyses.cases.sites.design_spectrum.fit_ground", fit)
+        yield
 
 
 @pytest.fixture(scope="module")
