@@ -197,6 +197,7 @@ def test_on_narrow_band_a_rule_gives_higher_correlations_near_the_ground_period(
 # ---- "rho rises with R", which Figs. 3b and 4 suggest ----
 
 
+@pytest.mark.slow
 def test_correlation_does_not_rise_with_strength_reduction_for_structures_stiffer_than_a_lake_bed():
     found = [simulated(NARROW, 0.5, factor) for factor in FACTORS]
     rho, error = (np.array([getattr(each, name)[0] for each in found]) for name in ("rho", "error"))
@@ -208,6 +209,7 @@ def test_correlation_does_not_rise_with_strength_reduction_for_structures_stiffe
     assert (falls[0] < 0.55).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("period", [1.0, 2.0])
 def test_correlation_rises_with_strength_reduction_from_the_period_of_a_lake_bed_on(period):
     before, middle, after = (simulated(NARROW, period, factor).rho for factor in FACTORS)

@@ -118,6 +118,7 @@ def test_map_says_what_it_is():
             assert np.isfinite(table[name]).all()
 
 
+@pytest.mark.slow
 def test_shipped_signatures_are_those_simulated_anew(monkeypatch):
     """One part of the map, with other motions: within its standard errors."""
     module = load("drift_map")

@@ -52,7 +52,7 @@ def assert_same_bits(lazy, eager):
     }
 
 
-@pytest.mark.parametrize("models", [elastic, yielding])
+@pytest.mark.parametrize("models", [elastic, pytest.param(yielding, marks=pytest.mark.slow)])
 def test_chunks_are_those_of_the_whole_table(models):
     lazy = sl.correlate(*models(2), **OPTIONS)
     assert len(lazy.rho.data.__dask_keys__()) > 1

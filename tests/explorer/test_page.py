@@ -22,7 +22,7 @@ from stochlin.views.command import main
 from stochlin.views.explorer.server import OwnOrigin, names_of
 from stochlin.views.explorer.workers import PROBABILITY, Worker
 
-pytestmark = pytest.mark.cli
+pytestmark = [pytest.mark.cli, pytest.mark.slow]  # in a browser
 
 
 def run(*arguments: object) -> Any:
@@ -341,7 +341,6 @@ def test_what_is_saved_can_be_read(page):
     page.put_back(before)
 
 
-@pytest.mark.slow
 def test_a_building_becomes_one_with_storeys_and_an_oscillator_again(page):
     gone, there = "reduction_factor_1", "base_shear_coefficient_1"
     assert page.shows(gone)
@@ -397,7 +396,6 @@ def test_another_ground_has_other_controls(page):
     page.idle()
 
 
-@pytest.mark.slow
 def test_a_ground_by_a_spectrum_or_a_peak_is_sought_beside_the_page(page, capsys):
     shown = "return document.querySelector('[data-panel=spectra]').textContent"
     before = page.curve("spectra", 0)

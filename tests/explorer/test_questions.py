@@ -16,7 +16,7 @@ from stochlin.analyses.explorer.case_scene import scene_of
 from stochlin.views.command import main
 from stochlin.views.explorer.controls import NUMBERS, counts
 
-pytestmark = pytest.mark.cli
+pytestmark = [pytest.mark.cli, pytest.mark.slow]  # in a browser
 
 RECORD = '[[site.records]]\npath = "a.at2"\nname = "Record A"\n\n'
 STOREYS = """
@@ -56,7 +56,7 @@ def saved(page, folder, name="other.toml"):
     return shutil.copy(page.downloaded(name), folder / "saved.toml")
 
 
-@pytest.mark.parametrize("storeys", [False, pytest.param(True, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("storeys", [False, True])
 def test_one_label_has_one_number_before_and_after_the_simulation(page, storeys):
     if storeys:
         page.choose("Building 2 described as", "regular storeys")
@@ -112,7 +112,6 @@ def test_a_case_file_sets_the_sliders_and_is_saved_with_all_that_has_none(page, 
     assert told.exit_code == 0, told.output
 
 
-@pytest.mark.slow
 def test_storeys_and_the_spectrum_of_a_file_are_kept(page, tmp_path):
     period = np.geomspace(0.05, 4.0, 60)
     values = sl.asce_7(9.8, 5.9, 8.0).interp(period=period).values

@@ -40,6 +40,7 @@ def nothing_chart(settings):
 """
 
 
+@pytest.mark.slow
 def test_the_example_of_the_page_is_computed_and_drawn(install, example, tmp_path):
     stochlin = install(example("A chart"))
     done = stochlin("charts", "toy", "--points", 9, "--out", ".")

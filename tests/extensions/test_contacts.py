@@ -57,6 +57,7 @@ def integrated_restitution(xi: float) -> float:
     return -run.y_events[0][0, 1]
 
 
+@pytest.mark.slow
 def test_an_element_from_outside_pounds_as_its_force_law_says(install, example, tmp_path):
     source = example("A contact element")
     stochlin = install(source)

@@ -153,6 +153,7 @@ def test_an_atlas(toy, tmp_path):
     assert "layer_period is held at 2.75" in other.stderr
 
 
+@pytest.mark.slow
 def test_the_explorer_has_a_control_for_it(start, example):
     code = (
         "from stochlin.analyses.explorer.case_text import case_text\n"

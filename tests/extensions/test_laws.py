@@ -39,7 +39,7 @@ def options(**values):
     return [part for name, value in values.items() for part in (f"--{name.replace('_', '-')}", value)]
 
 
-@pytest.mark.parametrize("method", ["linearization", "simulation"])
+@pytest.mark.parametrize("method", [pytest.param("linearization", marks=pytest.mark.slow), "simulation"])
 def test_rho_of_a_law_from_outside(toy, tmp_path, method):
     done = toy(
         "rho",

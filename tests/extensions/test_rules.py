@@ -91,6 +91,7 @@ def test_rho_takes_the_rule(toy, tmp_path):
     assert "'root'" in unknown.stderr
 
 
+@pytest.mark.slow
 def test_a_name_that_is_taken_is_refused(install, example, tmp_path):
     source = example("A code rule")
     (tmp_path / "case.toml").write_text(CASE)

@@ -291,7 +291,8 @@ def test_help_keeps_its_lines(name):
     assert examples
 
 
-@pytest.mark.parametrize("encoding", ["cp1252", pytest.param("ascii", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("encoding", ["cp1252", "ascii"])
 def test_what_an_output_cannot_encode_is_spelled_out(encoding: str, tmp_path: Path) -> None:
     """As when Windows writes to a file; names are the user's."""
     case = tmp_path / "case.toml"
@@ -313,7 +314,7 @@ def test_what_an_output_cannot_encode_is_spelled_out(encoding: str, tmp_path: Pa
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGINT for another process")
-@pytest.mark.parametrize("seconds", [3.0, 5.0])
+@pytest.mark.parametrize("seconds", [3.0, pytest.param(5.0, marks=pytest.mark.slow)])
 def test_an_interrupted_command_ends_at_once(seconds: float, tmp_path: Path) -> None:
     """Also while threads compute, and with nothing half written."""
     pair = (

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import nbformat
 import pytest
-from cases import with_slow
 from jupyter_client.client import KernelClient
 from jupyter_client.manager import start_new_kernel
 from nbclient import NotebookClient
@@ -31,7 +30,8 @@ def kernel() -> Iterator[KernelClient]:
     manager.shutdown_kernel(now=True)
 
 
-@pytest.mark.parametrize("path", with_slow(NOTEBOOKS, NOTEBOOKS[1:]), ids=lambda path: path.stem)
+@pytest.mark.slow
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 @pytest.mark.filterwarnings("ignore::DeprecationWarning:zmq", "ignore::RuntimeWarning:zmq")
 def test_notebook_runs(path: Path, kernel: KernelClient) -> None:
     notebook = nbformat.read(path, as_version=4)

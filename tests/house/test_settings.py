@@ -95,6 +95,7 @@ def ran(folder: Path, setting: dict[str, str], commands: list[Any]) -> subproces
     return done
 
 
+@pytest.mark.slow
 def test_what_is_not_compiled_gives_the_same_numbers_and_says_that_it_is_slow(tmp_path: Path) -> None:
     told = ran(tmp_path, UNCOMPILED, [["pound", "case.toml", "--out", "pound.nc"], ["warmup"]])
     assert told.stdout.count("NUMBA_DISABLE_JIT is set: nothing is compiled") == 2
@@ -107,6 +108,7 @@ def test_what_is_not_compiled_gives_the_same_numbers_and_says_that_it_is_slow(tm
         xr.testing.assert_allclose(plain, table, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_what_would_take_hours_uncompiled_is_refused_at_once(tmp_path: Path) -> None:
     simulated = [*RHO, "--method", "simulation", "--paths", "100000"]
     done = process(tmp_path, UNCOMPILED, "-m", "stochlin", *simulated)
@@ -138,6 +140,7 @@ def test_commands_run_on_one_core(tmp_path: Path) -> None:
     ran(tmp_path, ONE_CORE, [RHO, [*RHO, *SIMULATED], *CASE, *ATLAS])
 
 
+@pytest.mark.slow
 def test_warmup_says_that_it_is_in_vain(tmp_path: Path) -> None:
     done = process(tmp_path, NO_FOLDER, "-m", "stochlin", "warmup")
     assert done.returncode == 1

@@ -60,6 +60,7 @@ def by_strength():
     ]
 
 
+@pytest.mark.slow
 def test_as_built_and_least_damping_are_those_of_existing_gap(table):
     known = sl.existing_gap(*pair(), GROUND, DURATION, GAP, **MOTION)
     built = table.sel(measure="as built")

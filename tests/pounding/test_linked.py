@@ -187,6 +187,7 @@ def flat(table, row):
     return np.concatenate(parts, axis=1)
 
 
+@pytest.mark.slow
 def test_yielding_links_and_links_with_slack_move_as_by_another_integrator():
     row, motion = towers(), record(150)
     k, alpha, uy, slack, c = 4e7, 0.1, 0.004, 0.001, 1e5
@@ -265,6 +266,7 @@ def test_energy_of_any_links_is_accounted_for(stiffness, damping, limit, slack, 
     assert table.sizes["link"] == len(ties)
 
 
+@pytest.mark.slow
 def test_weight_above_moves_buildings_as_by_another_integrator():
     row, motion = towers(hardening=0.02, p_delta=True), 2 * record(150)
     assert (0.02 * 8e7 - row[0].geometric_stiffness()).min() < 2e6

@@ -67,6 +67,7 @@ def test_effective_properties_of_what_stays_elastic_are_its_own():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.oracle
 @pytest.mark.parametrize("law", [sl.BoucWen, sl.Bilinear])
 def test_radius_of_another_law_is_that_of_its_history(law):

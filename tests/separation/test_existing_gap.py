@@ -55,6 +55,7 @@ def test_each_answer_asks_for_the_gap_that_is_there(now, share):
         assert required(*strengths(factor / 3.0), GROUND) == pytest.approx(gap, rel=3e-3)
 
 
+@pytest.mark.slow
 def test_intensity_of_linear_structures_goes_with_the_square_of_the_gap():
     pair = sl.Bilinear(0.5, 0.05), sl.Bilinear(1.0, 0.05)
     found = [

@@ -39,9 +39,10 @@ def test_motions_deliver_the_spectrum(name):
 
 
 @pytest.mark.oracle
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("duration", "envelope"),
-    [(8.0, None), pytest.param(30.0, sl.HsuBernard(6.0), marks=pytest.mark.slow)],
+    [(8.0, None), (30.0, sl.HsuBernard(6.0))],
 )
 def test_other_motions_deliver_it_too(duration, envelope):
     target = CODES["Eurocode 8, type 1, B"]

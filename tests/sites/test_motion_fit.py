@@ -36,6 +36,7 @@ def recorded():
                 yield sl.read_record(path, units="gal", dt=float(row["dt"]))
 
 
+@pytest.mark.slow
 @pytest.mark.oracle
 def test_a_motion_that_was_made_is_found_again(record, motion):
     table = sl.compare_motions(record, motion, paths=512)

@@ -194,8 +194,7 @@ def on_screen(table: xr.Dataset) -> str:
     shown = table[[name for name in table.data_vars if not str(name).startswith("yield")]]
     if not shown.sizes:
         cell = in_rows(shown.expand_dims("case")).drop(columns="case").iloc[0]
-        text = cell.to_string(float_format=lambda x: f"{x:.6g}")
-        return str(text)
+        return str(cell.to_string(float_format=lambda x: f"{x:.6g}"))
     rows, first = 1, {}
     for name, size in reversed(list(shown.sizes.items())):  # the last changes fastest
         first[name] = slice(min(size, -(-SCREEN_ROWS // rows)))
