@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import reduce
 from operator import add
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,6 +12,8 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, in_order
 from stochlin.kernels.simulation.ensemble import AnyGround, Crowd, Motion, Plan, View
 from stochlin.kernels.simulation.stepping import LANES
+
+AT_ONCE = 1 << 18  # displacements that are compared with gaps at once
 
 
 class Watched(NamedTuple):
@@ -49,40 +51,41 @@ def separation_histories(
     The instants are numbers of steps since the start, of which the first is 0. They need not be whole:
     displacements are interpolated linearly between steps.
     """
-    rows = len(watched.first.row)
+    rows, cells = len(watched.first.row), watched.gap.size
+    at_once = max(1, AT_ONCE // (cells * LANES))
 
-    def farthest(apart: Array) -> Array:
-        """Largest value (LANES, p) over the heights of each pair, of ``apart`` (LANES, r)."""
-        return np.maximum.reduceat(apart, watched.start, axis=1)
+    def counts(apart: Array, holds: Any) -> Array:
+        """Number (k, c) of motions in which ``holds`` of ``apart`` (k, r, LANES) and each gap."""
+        found = np.empty((len(apart), cells), int)
+        for begin in range(0, len(apart), at_once):
+            some = slice(begin, begin + at_once)
+            farthest = np.maximum.reduceat(apart[some], watched.start, axis=1)  # over the heights
+            found[some] = holds(farthest[:, watched.pair], watched.gap[:, None]).sum(axis=-1)
+        return found
 
     def run(group: int) -> Histories:
         """The histories of one group of motions."""
         motion = Motion(crowd, ground, root, plan, plan.first_group + group)
-        cells = watched.gap.size
-        survivors = np.full((instants.size, cells), LANES)
-        beyond = np.zeros((instants.size, cells), int)
+        survivors, beyond = np.full((instants.size, cells), LANES), np.zeros((instants.size, cells), int)
         squares, fourths = np.zeros((2, instants.size, 3, rows))
-        largest, number = np.zeros((LANES, rows)), 1
-        last = np.zeros((2, 1, rows, LANES))
+        largest, last = np.zeros((rows, LANES)), np.zeros((2, 1, rows, LANES))
         for begin in range(0, envelope.size, plan.samples):
             part = envelope[begin : begin + plan.samples]
             out = motion.block(np.concatenate([part, np.zeros(plan.samples - part.size)]))[: part.size]
             sides = np.stack([watched.first.of(out), watched.second.of(out)])
             sides = np.concatenate([last, sides], axis=1)  # at the start, then after each step
-            last, apart, passed = sides[:, -1:], sides[0] - sides[1], 0
-            while number < instants.size and instants[number] <= begin + part.size:
-                here = instants[number] - begin
-                step, share = int(here), here % 1
-                following = min(step + 1, part.size)
-                largest = np.maximum(largest, apart[passed : step + 1].max(axis=0).T)
-                one, two = (1 - share) * sides[:, step] + share * sides[:, following]
-                now = np.stack([one.T, two.T, (one - two).T], axis=1)
-                survivors[number] = (farthest(largest)[:, watched.pair] <= watched.gap).sum(axis=0)
-                beyond[number] = (farthest(now[:, 2])[:, watched.pair] > watched.gap).sum(axis=0)
-                squares[number], fourths[number] = (now**2).sum(axis=0), (now**4).sum(axis=0)
-                passed, number = step, number + 1
-            largest = np.maximum(largest, apart[passed:].max(axis=0).T)
-        return Histories(survivors, beyond, squares, fourths, largest)
+            so_far = np.maximum(np.maximum.accumulate(sides[0] - sides[1]), largest)
+            last, largest = sides[:, -1:], so_far[-1]
+            inside = (instants > begin) & (instants <= begin + part.size)
+            step, share = np.divmod(instants[inside] - begin, 1)
+            step, share = step.astype(int), share[:, None, None]
+            one, two = (1 - share) * sides[:, step] + share * sides[:, np.minimum(step + 1, part.size)]
+            now = np.stack([one, two, one - two], axis=1)
+            squared = now * now
+            survivors[inside] = counts(so_far[step], np.less_equal)
+            beyond[inside] = counts(now[:, 2], np.greater)
+            squares[inside], fourths[inside] = squared.sum(axis=-1), (squared * squared).sum(axis=-1)
+        return Histories(survivors, beyond, squares, fourths, largest.T)
 
     def join(total: Histories, part: Histories) -> Histories:
         """Add the histories of a group to those of the groups before."""
