@@ -21,6 +21,7 @@ from stochlin.analyses.records.files import (
     stated_units,
 )
 from stochlin.analyses.tables.checks import as_path, is_number
+from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief, plain
 
 MINIMUM_SAMPLES = 16
@@ -123,6 +124,13 @@ def _doubts(record: xr.DataArray, series: Series) -> Iterator[str]:
         yield "its values increase throughout, as times do; is it the right column?"
 
 
+def strong_samples(motions: Array, start: float = 0.05, end: float = 0.95) -> tuple[Array, Array]:
+    """Numbers of the first and last samples of the `strong_part` of motions (..., times)."""
+    energy = np.cumsum(motions**2, axis=-1)
+    first, last = ((energy < share * energy[..., -1:]).sum(axis=-1) for share in (start, end))
+    return first, last
+
+
 def strong_part(record: xr.DataArray, start: float = 0.05, end: float = 0.95) -> xr.DataArray:
     """Part of a record between two fractions of its cumulative energy (Husid plot).
 
@@ -165,8 +173,7 @@ def strong_part(record: xr.DataArray, start: float = 0.05, end: float = 0.95) ->
             f"start = {brief(start)}, end = {brief(end)} are out of range; "
             "allowed: 0 <= start < end <= 1"
         )
-    energy = np.cumsum(values**2)
-    first, last = np.searchsorted(energy, np.array([start, end]) * energy[-1])
+    first, last = strong_samples(values, start, end)
     part = record.isel(time=slice(int(first), int(last) + 1))
     part.attrs = dict(record.attrs) | {"energy_part": f"{100 * start:g}-{100 * end:g} %"}
     return part

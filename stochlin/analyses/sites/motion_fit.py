@@ -10,7 +10,7 @@ import xarray as xr
 
 from stochlin.analyses.records.envelope_fit import fit_envelope
 from stochlin.analyses.records.files import METRES
-from stochlin.analyses.records.records import checked_record
+from stochlin.analyses.records.records import checked_record, strong_samples
 from stochlin.analyses.records.response import response_spectrum
 from stochlin.analyses.simulation.ensembles import check_settings
 from stochlin.analyses.simulation.finite_motions import mean_with_error
@@ -213,12 +213,14 @@ def compare_motions(
     table, motions = spectrum_and_motions(motion.ground, periods, own, *given, paths=paths, seed=seed)
     energy = _energy(values, dt)
     of_motions = _energy(motions.to_numpy(), motions.attrs["dt"]) / energy
-    lengths = _significant(motions.to_numpy(), motions.attrs["dt"])
+    first, last = strong_samples(motions.to_numpy())
+    lengths = motions.attrs["dt"] * (last - first)
     for name, samples in (("energy_ratio", of_motions), ("significant_duration", lengths)):
         mean, error = mean_with_error(samples)
         table[name], table[f"{name}_standard_error"] = ((), mean), ((), error)
     table["record_arias_intensity"] = (), np.pi / (2 * METRES["g"]) * energy
-    table["record_significant_duration"] = (), _significant(values[None], dt)[0]
+    first, last = strong_samples(values)
+    table["record_significant_duration"] = (), dt * (last - first)
     call = f"compare_motions(paths={paths}, seed={seed})"
     models: dict[str, Model] = {"ground": motion.ground}
     if motion.envelope is not None:
@@ -237,10 +239,3 @@ def energy_ratio(
 
 def _energy(values: Array, dt: float) -> Array:
     return np.trapezoid(values**2, dx=dt, axis=-1)
-
-
-def _significant(motions: Array, dt: float) -> Array:
-    """Time [s] from 5 to 95 % of the energy of each motion (motions, times), as in `strong_part`."""
-    energy = np.cumsum(motions**2, axis=1)
-    first, last = ((energy < share * energy[:, -1:]).sum(axis=1) for share in (0.05, 0.95))
-    return dt * (last - first)
