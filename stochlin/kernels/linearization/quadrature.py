@@ -22,7 +22,8 @@ from stochlin.kernels.linearization.gaussian import SQRT_2PI
 
 REACH = 12.0  # standard deviations that are integrated over; the density beyond is below 1e-31
 CELLS = 64  # cells computed together, so that their values at all nodes stay in the cache
-gauss_legendre = cache(np.polynomial.legendre.leggauss)  # seconds of a fixed point if done each time
+# Kept, because a fixed point asks for the same nodes in every iteration.
+gauss_legendre = cache(np.polynomial.legendre.leggauss)
 GRADED = np.concatenate([[0.0], 4.0 ** np.arange(-6, 1)])  # edges of panels growing by a factor of 4
 
 

@@ -1,6 +1,7 @@
 """The kicks of the drift, for each cell: variance of their sizes by order, and autocorrelations.
 
-The equations, with the numbers of ``docs/drift.md``, are those of the module `drift`.
+The equations, with the numbers of ``docs/drift.md``, are those of the module `drift`. The number of
+``lanes`` is the number of cells of a tile; plain Python takes them one by one (`in_tiles`).
 """
 
 from __future__ import annotations
