@@ -1,5 +1,7 @@
 # `make charts`, `make test` and `make docs` set up .venv first; only Python and make are needed.
-# Modules are compiled when they are first imported, which most of the installed ones never are.
+# Modules are compiled when they are first imported, which most of the installed ones never are, and kept:
+# otherwise every command would compile numba and scipy again, seven seconds each time.
+unexport PYTHONDONTWRITEBYTECODE
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
