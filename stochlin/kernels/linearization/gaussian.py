@@ -130,10 +130,12 @@ def clipped(latent: Array, parameters: Array) -> ClosureValue:
 def _in_arrays(values: Any) -> ClosureValue:
     """What the functions below found for arrays of cells, stacked."""
     coefficients, by_slip, by_relaxation, covariance, by_latent = values
-    slopes, of_covariance = (
-        np.array([np.broadcast_arrays(*row, coefficients[0])[:3] for row in rows])
-        for rows in ((by_slip, by_relaxation), by_latent)
-    )
+    shape = coefficients[0].shape
+    slopes, of_covariance = np.empty((2, 3, *shape)), np.empty((3, 3, *shape))
+    for filled, rows in ((slopes, (by_slip, by_relaxation)), (of_covariance, by_latent)):
+        for row, entries in zip(filled, rows, strict=True):
+            for column, entry in zip(row, entries, strict=True):
+                column[...] = entry
     return ClosureValue(np.array(coefficients), slopes, np.array(covariance), of_covariance)
 
 
