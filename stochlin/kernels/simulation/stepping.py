@@ -21,6 +21,8 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import called_often, compiled, entry, of_lane
 
 LANES = 32  # independent motions in the innermost loop, which fit vector registers and first-level cache
+# Loops with many constants take the number of lanes from an array. If the compiler knows it, it unrolls
+# them completely, which takes up to twice as long, since constants do not stay in registers.
 NEWTON_STEPS = 4  # iterations of Newton's method for the implicit midpoint rule
 
 
@@ -63,9 +65,9 @@ def ground_block(ground: FilterSteps) -> Callable[[Array, Array, Array], None]:
     It takes normal numbers ``xi`` (steps, LANES), the state ``q`` (m, LANES) and ``f`` (steps, LANES).
     States that do not act on one another, such as those of grounds in parallel, are stepped separately.
     Filters of one oscillator and of two in a cascade have functions without loops over states, which are
-    six to nine times as fast. The choice is made in Python, so that only what is used is compiled.
+    ten times as fast. The choice is made in Python, so that only what is used is compiled.
     """
-    own = []
+    own: list[Any] = []  # the random numbers act on the forcing directly through the first of these
     for states in _independent(ground.transition):
         arrays = ground.transition[states, states], ground.gain[states], ground.row[states]
         block = _any_states
@@ -73,12 +75,17 @@ def ground_block(ground: FilterSteps) -> Callable[[Array, Array, Array], None]:
             block = _one_oscillator
         elif np.ndim(ground.direct) == 0 and len(arrays[1]) == 4 and not arrays[0][:2, 2:].any():
             block = _two_oscillators
-        own.append((block, states, [np.ascontiguousarray(array) for array in arrays]))
+        direct = 0.0 * ground.direct if own else ground.direct
+        own.append((block, states, [np.ascontiguousarray(array) for array in arrays], direct))
 
     def steps(xi: Array, q: Array, f: Array) -> None:
-        np.multiply(xi, ground.direct, out=f)
-        for block, states, arrays in own:
-            block(xi, q[states], *arrays, f)
+        if not own:
+            np.multiply(xi, ground.direct, out=f)
+        for number, (block, states, arrays, direct) in enumerate(own):
+            part = np.empty_like(f) if number else f
+            block(xi, q[states], *arrays, direct, part)
+            if number:
+                f += part
 
     return steps
 
@@ -91,11 +98,13 @@ def _independent(transition: Array) -> list[slice]:
 
 
 @entry
-def _any_states(xi, q, transition, gain, row, f):
-    """`ground_block` for any number of states, also with another ground in each lane; adds to ``f``."""
+def _any_states(xi, q, transition, gain, row, direct, f):
+    """`ground_block` for any number of states, also with another ground in each lane."""
     moved = np.empty_like(q)
     for s in range(xi.shape[0]):
         number, force = xi[s], f[s]
+        for lane in range(LANES):
+            force[lane] = of_lane(direct, lane) * number[lane]
         for i in range(q.shape[0]):
             state, new, weight, kick = q[i], moved[i], row[i], gain[i]
             for lane in range(LANES):
@@ -111,22 +120,22 @@ def _any_states(xi, q, transition, gain, row, f):
 
 
 @entry
-def _one_oscillator(xi, q, transition, gain, row, f):
-    """`ground_block` for two states; adds to ``f``."""
+def _one_oscillator(xi, q, transition, gain, row, direct, f):
+    """`ground_block` for two states."""
     a00, a01, a10, a11 = transition[0, 0], transition[0, 1], transition[1, 0], transition[1, 1]
     g0, g1, r0, r1 = gain[0], gain[1], row[0], row[1]
     q0, q1 = q[0], q[1]
     for s in range(xi.shape[0]):
-        for lane in range(LANES):
+        for lane in range(xi.shape[1]):
             x0, x1, number = q0[lane], q1[lane], xi[s, lane]
-            f[s, lane] += r0 * x0 + r1 * x1
+            f[s, lane] = direct * number + (r0 * x0 + r1 * x1)
             q0[lane] = a00 * x0 + a01 * x1 + g0 * number
             q1[lane] = a10 * x0 + a11 * x1 + g1 * number
 
 
 @entry
-def _two_oscillators(xi, q, transition, gain, row, f):
-    """`ground_block` for two oscillators, of which the first drives the second; adds to ``f``."""
+def _two_oscillators(xi, q, transition, gain, row, direct, f):
+    """`ground_block` for two oscillators, of which the first drives the second."""
     a00, a01, a10, a11 = transition[0, 0], transition[0, 1], transition[1, 0], transition[1, 1]
     b00, b01, b10, b11 = transition[2, 0], transition[2, 1], transition[3, 0], transition[3, 1]
     c00, c01, c10, c11 = transition[2, 2], transition[2, 3], transition[3, 2], transition[3, 3]
@@ -134,9 +143,9 @@ def _two_oscillators(xi, q, transition, gain, row, f):
     r0, r1, r2, r3 = row[0], row[1], row[2], row[3]
     q0, q1, q2, q3 = q[0], q[1], q[2], q[3]
     for s in range(xi.shape[0]):
-        for lane in range(LANES):
+        for lane in range(xi.shape[1]):
             x0, x1, x2, x3, number = q0[lane], q1[lane], q2[lane], q3[lane], xi[s, lane]
-            f[s, lane] += r0 * x0 + r1 * x1 + r2 * x2 + r3 * x3
+            f[s, lane] = direct * number + (r0 * x0 + r1 * x1 + r2 * x2 + r3 * x3)
             q0[lane] = a00 * x0 + a01 * x1 + g0 * number
             q1[lane] = a10 * x0 + a11 * x1 + g1 * number
             q2[lane] = b00 * x0 + b01 * x1 + c00 * x2 + c01 * x3 + g2 * number
