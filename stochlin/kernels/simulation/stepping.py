@@ -5,8 +5,8 @@ structures its stationary covariance is *exact for any step*: with
 ``(I - dt A/2) x_new = (I + dt A/2) x + b dW`` the stationary ``X`` satisfies ``A X + X A' + b b' = 0``,
 the equation of the continuous system. With the exact transition of the filter in place of its
 trapezoidal rule this would not hold. For a structure under a given motion the rule is Newmark's with
-average acceleration. The bilinear law is stepped by an exact return map: an elastic trial step, and if
-it exceeds yield a plastic step in its place. Both are linear and solved in closed form.
+average acceleration. The bilinear law is stepped by an exact return map: an elastic trial step, which is
+corrected to a plastic one if it exceeds yield. Both are linear and solved in closed form.
 """
 
 from __future__ import annotations
@@ -161,38 +161,33 @@ def bilinear_block(f, dt, parameters, u, v, z, every, out, first):
     written to the rows of ``out`` (samples, n or more, LANES) from ``first`` on. ``parameters`` (n, 4)
     are damping ``2 xi w``, post-yield stiffness ``alpha w^2``, coupling ``(1 - alpha) w^2``, and the
     factor on ``f`` in the equation for ``u``.
+
+    The increment ``moved`` of the displacement is that of an elastic step. If it takes ``z`` beyond
+    yield, velocity and displacement are corrected in proportion to the excess, since the equations of
+    the elastic and of the plastic step are linear and differ in ``z`` alone.
     """
-    half = 0.5 * dt
+    half, rate = 0.5 * dt, 2.0 / dt
     for n in range(u.shape[0]):
         d, k, h, scale = parameters[n]
-        keep, pull, push = 1.0 - half * d - half * half * k, dt * k, dt * scale
-        trial_z, trial_v, flow = dt * h, half * half * h, half * h
-        elastic = 1.0 / (1.0 + half * d + half * half * (k + h))
-        plastic = 1.0 / (1.0 + half * d + half * half * k)
+        elastic = half / (1.0 + half * d + half * half * (k + h))
+        push, keep, pull, trial = dt * scale * elastic, 2.0 * elastic, dt * k * elastic, dt * h * elastic
+        ease = half * h / (1.0 + half * d + half * half * k)
+        shift = half * ease
+        most = np.inf if h == 0.0 else 1.0  # of a linear structure z is kept at u
         un, vn, zn = u[n], v[n], z[n]
         sample = 0
         for s in range(f.shape[0]):
-            if h == 0.0:  # linear: z is kept at u
-                for lane in range(LANES):
-                    disp, vel = un[lane], vn[lane]
-                    v_new = (vel * keep + push * f[s, lane] - pull * disp) * elastic
-                    un[lane] = zn[lane] = disp + half * (vel + v_new)
-                    vn[lane] = v_new
-            else:
-                for lane in range(LANES):
-                    disp, vel, hyst = un[lane], vn[lane], zn[lane]
-                    base = vel * keep + push * f[s, lane] - pull * disp
-                    v_elastic = (base - trial_z * hyst - trial_v * vel) * elastic
-                    z_elastic = hyst + half * (vel + v_elastic)
-                    limit = np.copysign(1.0, z_elastic)
-                    v_plastic = (base - flow * (hyst + limit)) * plastic
-                    yields = abs(z_elastic) > 1.0
-                    v_new = v_plastic if yields else v_elastic
-                    zn[lane] = limit if yields else z_elastic
-                    un[lane] = disp + half * (vel + v_new)
-                    vn[lane] = v_new
+            for lane in range(f.shape[1]):
+                disp, vel, hyst = un[lane], vn[lane], zn[lane]
+                moved = (push * f[s, lane] - trial * hyst) + (keep * vel - pull * disp)
+                z_trial = hyst + moved
+                z_new = min(max(z_trial, -most), most)
+                excess = z_trial - z_new
+                zn[lane] = z_new
+                un[lane] = (disp + moved) + shift * excess
+                vn[lane] = (rate * moved - vel) + ease * excess
             if (s + 1) % every == 0:
-                for lane in range(LANES):
+                for lane in range(f.shape[1]):
                     out[sample, first + n, lane] = un[lane]
                 sample += 1
 
