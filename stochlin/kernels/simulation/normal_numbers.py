@@ -13,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from stochlin.kernels.basics.arrays import zeros_on_a_line
 from stochlin.kernels.basics.compiled import entry
 
 State = npt.NDArray[np.uint64]
@@ -33,7 +34,9 @@ def generator_state(seed: int, stream: int, lanes: int, *within: int) -> State:
     All streams of a seed are independent.
     """
     sequence = np.random.SeedSequence(seed, spawn_key=(stream, *within))
-    return sequence.generate_state(4 * lanes, np.uint64).astype(np.uint64).reshape(4, lanes)
+    state: State = zeros_on_a_line(4, lanes).view(np.uint64)
+    state[:] = sequence.generate_state(state.size, np.uint64).reshape(state.shape)
+    return state
 
 
 @entry

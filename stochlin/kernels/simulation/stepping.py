@@ -252,13 +252,13 @@ def add_products(out, total):
     BLAS is not used, since for such small matrices its threads compete with those of the groups. Four
     samples are added at a time, to save writing the sum in between.
     """
-    samples, n, _ = out.shape
+    samples, n, lanes = out.shape
     fours = samples - samples % 4
     for i in range(n):
         for j in range(i + 1):
             row = total[i, j]
             for s in range(0, fours, 4):
-                for lane in range(LANES):
+                for lane in range(lanes):
                     row[lane] += (
                         out[s, i, lane] * out[s, j, lane] + out[s + 1, i, lane] * out[s + 1, j, lane]
                     ) + (
@@ -266,7 +266,7 @@ def add_products(out, total):
                         + out[s + 3, i, lane] * out[s + 3, j, lane]
                     )
             for s in range(fours, samples):
-                for lane in range(LANES):
+                for lane in range(lanes):
                     row[lane] += out[s, i, lane] * out[s, j, lane]
 
 
