@@ -28,7 +28,7 @@ _FIELDS = np.uint64(0x0000FFFF0000FFFF)  # two of the four fields
 _SUM = np.uint64(0x3FFFF)
 _S16, _S17, _S19, _S32, _S45 = (np.uint64(n) for n in (16, 17, 19, 32, 45))
 # The bits of the number 2^52, whose last bit counts 1. Put into its last bits, a smaller whole number is
-# added to it. This converts whole numbers in vector registers, for which there is no instruction.
+# added to it. This converts in vector registers, for which most processors have no instruction.
 _LARGE = np.uint64(0x4330000000000000)
 _LARGE_MIDDLE = 2.0**52 + _MIDDLE
 

@@ -303,17 +303,23 @@ def observe(out, row, weight, seen):
 
 @called_often
 def _widen(a, b, c, d, weight, high, low):
-    """Update the extremes by four samples in their order; values that are NaN are left out."""
+    """Update the extremes by four samples in their order; values that are NaN are left out.
+
+    To the extremes so far 0 is added, since the compiler would otherwise write only to the lanes whose
+    extreme changes, and a write to some lanes takes much longer than one to all.
+    """
     for lane in range(LANES):
         x0, x1, x2, x3 = weight * a[lane], weight * b[lane], weight * c[lane], weight * d[lane]
         first = x1 if x1 > x0 else x0
         last = x3 if x3 > x2 else x2
         most = last if last > first else first
-        high[lane] = most if most > high[lane] else high[lane]
+        before = high[lane] + 0.0
+        high[lane] = most if most > before else before
         first = x1 if x1 < x0 else x0
         last = x3 if x3 < x2 else x2
         least = last if last < first else first
-        low[lane] = least if least < low[lane] else low[lane]
+        before = low[lane] + 0.0
+        low[lane] = least if least < before else before
 
 
 @entry
