@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from stochlin.kernels.basics.arrays import zeros_on_a_line
+from stochlin.kernels.basics.arrays import Array, zeros_on_a_line
 from stochlin.kernels.basics.compiled import entry
 
 State = npt.NDArray[np.uint64]
@@ -44,14 +44,18 @@ def generator_state(seed: int, stream: int, lanes: int, *within: int) -> State:
     return state
 
 
-@entry
-def fill_normal(state, out):
-    """Fill ``out`` (steps, lanes) with independent normal numbers of mean 0 and variance 1.
+def fill_normal(state: State, out: Array) -> None:
+    """Fill ``out`` (steps, lanes) with independent normal numbers of mean 0 and variance 1."""
+    _fill_normal(state, out.view(np.uint64), out)
 
-    Whole numbers come first, in the place of the result. One loop for both takes half as long again.
+
+@entry
+def _fill_normal(state, words, out):
+    """`fill_normal`, where ``words`` is the memory of ``out``.
+
+    It holds whole numbers first, then the result. With one loop for both, this takes half as long again.
     """
     s0, s1, s2, s3 = state[0], state[1], state[2], state[3]
-    words = out.view(np.uint64)
     for step in range(out.shape[0]):
         for lane in range(out.shape[1]):
             a, b, c, d = s0[lane], s1[lane], s2[lane], s3[lane]
