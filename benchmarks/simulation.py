@@ -19,7 +19,7 @@ import stochlin as sl
 from stochlin.analyses.simulation.ensembles import Run, cells_of_all, prepare
 from stochlin.analyses.simulation.frames import frames_of
 from stochlin.analyses.simulation.run_lengths import with_length
-from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.arrays import Array, zeros_on_a_line
 from stochlin.kernels.basics.parallel import cores
 from stochlin.kernels.simulation.ensemble import SAMPLES, Oscillators, stationary_sums
 from stochlin.kernels.simulation.normal_numbers import fill_normal, generator_state
@@ -87,9 +87,9 @@ def parts(count: int) -> dict[str, float]:
     run = ready(count)
     steps = run.plan.every * SAMPLES
     random = generator_state(0, 0, LANES)
-    xi, f = np.empty((steps, LANES)), np.empty((steps, LANES))
-    q, state = np.zeros((len(run.root), LANES)), np.zeros((3, count, LANES))
-    out, total = np.empty((SAMPLES, count, LANES)), np.zeros((count, count, LANES))
+    xi, f = zeros_on_a_line(2, steps, LANES)
+    q, state = zeros_on_a_line(len(run.root), LANES), zeros_on_a_line(3, count, LANES)
+    out, total = zeros_on_a_line(SAMPLES, count, LANES), zeros_on_a_line(count, count, LANES)
     law, plan = oscillators(run), run.plan
 
     tasks: dict[str, Callable[[], object]] = {

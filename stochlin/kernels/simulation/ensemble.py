@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.arrays import Array, zeros_on_a_line
 from stochlin.kernels.basics.parallel import Progress, in_order
 from stochlin.kernels.simulation.normal_numbers import fill_normal, generator_state
 from stochlin.kernels.simulation.stepping import (
@@ -143,7 +143,7 @@ class View(NamedTuple):
 
     def of(self, out: Array) -> Array:
         """The sums (samples, m, LANES) of displacements ``out`` (samples, n, LANES)."""
-        seen = np.empty((len(out), len(self.row), LANES))
+        seen = zeros_on_a_line(len(out), len(self.row), LANES)
         observe(out, self.row, self.weight, seen)
         return seen
 
@@ -200,11 +200,11 @@ class Motion:
         self.strength = strengths(plan, group) if plan.scatter else None
         start = np.empty((len(root), LANES))
         fill_normal(self.random, start)
-        self.q = np.ascontiguousarray(root @ start if root.ndim == 2 else (root * start).sum(axis=1))
-        self.state = np.zeros((3, crowd.size, LANES))
-        steps = plan.every * plan.samples
-        self.xi, self.f = np.empty((steps, LANES)), np.empty((steps, LANES))
-        self.out = np.empty((plan.samples, crowd.size, LANES))
+        self.q = zeros_on_a_line(len(root), LANES)
+        self.q[:] = root @ start if root.ndim == 2 else (root * start).sum(axis=1)
+        self.state = zeros_on_a_line(3, crowd.size, LANES)
+        self.xi, self.f = zeros_on_a_line(2, plan.every * plan.samples, LANES)
+        self.out = zeros_on_a_line(plan.samples, crowd.size, LANES)
         self.blocks = [part.block(plan.dt, group) for part in crowd.parts]
 
     def block(self, envelope: Array | None = None) -> Array:
@@ -350,7 +350,7 @@ def ground_motions(
 def _gram(motion: Motion, view: View | None, blocks: int) -> Array:
     """Sums (LANES, m, m) of ``x_i x_j`` over the samples of the next blocks."""
     size = motion.crowd.size if view is None else len(view.row)
-    sums = np.zeros((size, size, LANES))
+    sums = zeros_on_a_line(size, size, LANES)
     for _ in range(blocks):
         out = motion.block()
         add_products(out if view is None else view.of(out), sums)

@@ -13,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from stochlin.kernels.basics.arrays import Array, zeros_on_a_line
 from stochlin.kernels.basics.compiled import entry
 
 State = npt.NDArray[np.uint64]
@@ -23,8 +24,13 @@ POLYNOMIAL = (0.9554664534582995, 0.021272612064048006, -0.0034087076598092536, 
 _C0, _C1, _C2, _C3 = POLYNOMIAL
 _MIDDLE = 2.0 * 65535.0
 _SCALE = 1.0 / np.sqrt((2.0**32 - 1) / 3.0)
-_FIELD = np.uint64(0xFFFF)
-_S16, _S17, _S19, _S32, _S45, _S48 = (np.uint64(n) for n in (16, 17, 19, 32, 45, 48))
+_FIELDS = np.uint64(0x0000FFFF0000FFFF)  # two of the four fields
+_SUM = np.uint64(0x3FFFF)
+_S16, _S17, _S19, _S32, _S45 = (np.uint64(n) for n in (16, 17, 19, 32, 45))
+# The bits of the number 2^52, whose last bit counts 1. Put into its last bits, a smaller whole number is
+# added to it. This converts in vector registers, for which most processors have no instruction.
+_LARGE = np.uint64(0x4330000000000000)
+_LARGE_MIDDLE = 2.0**52 + _MIDDLE
 
 
 def generator_state(seed: int, stream: int, lanes: int, *within: int) -> State:
@@ -33,12 +39,22 @@ def generator_state(seed: int, stream: int, lanes: int, *within: int) -> State:
     All streams of a seed are independent.
     """
     sequence = np.random.SeedSequence(seed, spawn_key=(stream, *within))
-    return sequence.generate_state(4 * lanes, np.uint64).astype(np.uint64).reshape(4, lanes)
+    state: State = zeros_on_a_line(4, lanes).view(np.uint64)
+    state[:] = sequence.generate_state(state.size, np.uint64).reshape(state.shape)
+    return state
+
+
+def fill_normal(state: State, out: Array) -> None:
+    """Fill ``out`` (steps, lanes) with independent normal numbers of mean 0 and variance 1."""
+    _fill_normal(state, out.view(np.uint64), out)
 
 
 @entry
-def fill_normal(state, out):
-    """Fill ``out`` (steps, lanes) with independent normal numbers of mean 0 and variance 1."""
+def _fill_normal(state, words, out):
+    """`fill_normal`, where ``words`` is the memory of ``out``.
+
+    It holds whole numbers first, then the result. With one loop for both, this takes half as long again.
+    """
     s0, s1, s2, s3 = state[0], state[1], state[2], state[3]
     for step in range(out.shape[0]):
         for lane in range(out.shape[1]):
@@ -49,8 +65,9 @@ def fill_normal(state, out):
             d ^= b
             s0[lane], s1[lane] = a ^ d, b ^ c
             s2[lane], s3[lane] = c ^ shifted, (d << _S45) | (d >> _S19)
-            fields = (bits & _FIELD) + ((bits >> _S16) & _FIELD)
-            fields += ((bits >> _S32) & _FIELD) + (bits >> _S48)
-            x = (np.float64(np.int64(fields)) - _MIDDLE) * _SCALE
+            pairs = (bits & _FIELDS) + ((bits >> _S16) & _FIELDS)
+            words[step, lane] = ((pairs + (pairs >> _S32)) & _SUM) | _LARGE
+        for lane in range(out.shape[1]):
+            x = (out[step, lane] - _LARGE_MIDDLE) * _SCALE
             q = x * x
             out[step, lane] = x * (_C0 + q * (_C1 + q * (_C2 + q * _C3)))

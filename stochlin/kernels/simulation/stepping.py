@@ -5,8 +5,8 @@ structures its stationary covariance is *exact for any step*: with
 ``(I - dt A/2) x_new = (I + dt A/2) x + b dW`` the stationary ``X`` satisfies ``A X + X A' + b b' = 0``,
 the equation of the continuous system. With the exact transition of the filter in place of its
 trapezoidal rule this would not hold. For a structure under a given motion the rule is Newmark's with
-average acceleration. The bilinear law is stepped by an exact return map: an elastic trial step, and if
-it exceeds yield a plastic step in its place. Both are linear and solved in closed form.
+average acceleration. The bilinear law is stepped by an exact return map: an elastic trial step, which is
+corrected to a plastic one if it exceeds yield. Both are linear and solved in closed form.
 """
 
 from __future__ import annotations
@@ -21,6 +21,8 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import called_often, compiled, entry, of_lane
 
 LANES = 32  # independent motions in the innermost loop, which fit vector registers and first-level cache
+# Loops with many constants take the number of lanes from an array. If the compiler knows it, it unrolls
+# them completely, which takes up to twice as long, since constants do not stay in registers.
 NEWTON_STEPS = 4  # iterations of Newton's method for the implicit midpoint rule
 
 
@@ -63,9 +65,9 @@ def ground_block(ground: FilterSteps) -> Callable[[Array, Array, Array], None]:
     It takes normal numbers ``xi`` (steps, LANES), the state ``q`` (m, LANES) and ``f`` (steps, LANES).
     States that do not act on one another, such as those of grounds in parallel, are stepped separately.
     Filters of one oscillator and of two in a cascade have functions without loops over states, which are
-    six to nine times as fast. The choice is made in Python, so that only what is used is compiled.
+    ten times as fast. The choice is made in Python, so that only what is used is compiled.
     """
-    own = []
+    own: list[Any] = []  # the random numbers act on the forcing directly through the first of these
     for states in _independent(ground.transition):
         arrays = ground.transition[states, states], ground.gain[states], ground.row[states]
         block = _any_states
@@ -73,12 +75,17 @@ def ground_block(ground: FilterSteps) -> Callable[[Array, Array, Array], None]:
             block = _one_oscillator
         elif np.ndim(ground.direct) == 0 and len(arrays[1]) == 4 and not arrays[0][:2, 2:].any():
             block = _two_oscillators
-        own.append((block, states, [np.ascontiguousarray(array) for array in arrays]))
+        direct = 0.0 * ground.direct if own else ground.direct
+        own.append((block, states, [np.ascontiguousarray(array) for array in arrays], direct))
 
     def steps(xi: Array, q: Array, f: Array) -> None:
-        np.multiply(xi, ground.direct, out=f)
-        for block, states, arrays in own:
-            block(xi, q[states], *arrays, f)
+        if not own:
+            np.multiply(xi, ground.direct, out=f)
+        for number, (block, states, arrays, direct) in enumerate(own):
+            part = np.empty_like(f) if number else f
+            block(xi, q[states], *arrays, direct, part)
+            if number:
+                f += part
 
     return steps
 
@@ -91,11 +98,13 @@ def _independent(transition: Array) -> list[slice]:
 
 
 @entry
-def _any_states(xi, q, transition, gain, row, f):
-    """`ground_block` for any number of states, also with another ground in each lane; adds to ``f``."""
+def _any_states(xi, q, transition, gain, row, direct, f):
+    """`ground_block` for any number of states, also with another ground in each lane."""
     moved = np.empty_like(q)
     for s in range(xi.shape[0]):
         number, force = xi[s], f[s]
+        for lane in range(LANES):
+            force[lane] = of_lane(direct, lane) * number[lane]
         for i in range(q.shape[0]):
             state, new, weight, kick = q[i], moved[i], row[i], gain[i]
             for lane in range(LANES):
@@ -111,22 +120,22 @@ def _any_states(xi, q, transition, gain, row, f):
 
 
 @entry
-def _one_oscillator(xi, q, transition, gain, row, f):
-    """`ground_block` for two states; adds to ``f``."""
+def _one_oscillator(xi, q, transition, gain, row, direct, f):
+    """`ground_block` for two states."""
     a00, a01, a10, a11 = transition[0, 0], transition[0, 1], transition[1, 0], transition[1, 1]
     g0, g1, r0, r1 = gain[0], gain[1], row[0], row[1]
     q0, q1 = q[0], q[1]
     for s in range(xi.shape[0]):
-        for lane in range(LANES):
+        for lane in range(xi.shape[1]):
             x0, x1, number = q0[lane], q1[lane], xi[s, lane]
-            f[s, lane] += r0 * x0 + r1 * x1
+            f[s, lane] = direct * number + (r0 * x0 + r1 * x1)
             q0[lane] = a00 * x0 + a01 * x1 + g0 * number
             q1[lane] = a10 * x0 + a11 * x1 + g1 * number
 
 
 @entry
-def _two_oscillators(xi, q, transition, gain, row, f):
-    """`ground_block` for two oscillators, of which the first drives the second; adds to ``f``."""
+def _two_oscillators(xi, q, transition, gain, row, direct, f):
+    """`ground_block` for two oscillators, of which the first drives the second."""
     a00, a01, a10, a11 = transition[0, 0], transition[0, 1], transition[1, 0], transition[1, 1]
     b00, b01, b10, b11 = transition[2, 0], transition[2, 1], transition[3, 0], transition[3, 1]
     c00, c01, c10, c11 = transition[2, 2], transition[2, 3], transition[3, 2], transition[3, 3]
@@ -134,9 +143,9 @@ def _two_oscillators(xi, q, transition, gain, row, f):
     r0, r1, r2, r3 = row[0], row[1], row[2], row[3]
     q0, q1, q2, q3 = q[0], q[1], q[2], q[3]
     for s in range(xi.shape[0]):
-        for lane in range(LANES):
+        for lane in range(xi.shape[1]):
             x0, x1, x2, x3, number = q0[lane], q1[lane], q2[lane], q3[lane], xi[s, lane]
-            f[s, lane] += r0 * x0 + r1 * x1 + r2 * x2 + r3 * x3
+            f[s, lane] = direct * number + (r0 * x0 + r1 * x1 + r2 * x2 + r3 * x3)
             q0[lane] = a00 * x0 + a01 * x1 + g0 * number
             q1[lane] = a10 * x0 + a11 * x1 + g1 * number
             q2[lane] = b00 * x0 + b01 * x1 + c00 * x2 + c01 * x3 + g2 * number
@@ -152,38 +161,33 @@ def bilinear_block(f, dt, parameters, u, v, z, every, out, first):
     written to the rows of ``out`` (samples, n or more, LANES) from ``first`` on. ``parameters`` (n, 4)
     are damping ``2 xi w``, post-yield stiffness ``alpha w^2``, coupling ``(1 - alpha) w^2``, and the
     factor on ``f`` in the equation for ``u``.
+
+    The increment ``moved`` of the displacement is that of an elastic step. If it takes ``z`` beyond
+    yield, velocity and displacement are corrected in proportion to the excess, since the equations of
+    the elastic and of the plastic step are linear and differ in ``z`` alone.
     """
-    half = 0.5 * dt
+    half, rate = 0.5 * dt, 2.0 / dt
     for n in range(u.shape[0]):
         d, k, h, scale = parameters[n]
-        keep, pull, push = 1.0 - half * d - half * half * k, dt * k, dt * scale
-        trial_z, trial_v, flow = dt * h, half * half * h, half * h
-        elastic = 1.0 / (1.0 + half * d + half * half * (k + h))
-        plastic = 1.0 / (1.0 + half * d + half * half * k)
+        elastic = half / (1.0 + half * d + half * half * (k + h))
+        push, keep, pull, trial = dt * scale * elastic, 2.0 * elastic, dt * k * elastic, dt * h * elastic
+        ease = half * h / (1.0 + half * d + half * half * k)
+        shift = half * ease
+        most = np.inf if h == 0.0 else 1.0  # of a linear structure z is kept at u
         un, vn, zn = u[n], v[n], z[n]
         sample = 0
         for s in range(f.shape[0]):
-            if h == 0.0:  # linear: z is kept at u
-                for lane in range(LANES):
-                    disp, vel = un[lane], vn[lane]
-                    v_new = (vel * keep + push * f[s, lane] - pull * disp) * elastic
-                    un[lane] = zn[lane] = disp + half * (vel + v_new)
-                    vn[lane] = v_new
-            else:
-                for lane in range(LANES):
-                    disp, vel, hyst = un[lane], vn[lane], zn[lane]
-                    base = vel * keep + push * f[s, lane] - pull * disp
-                    v_elastic = (base - trial_z * hyst - trial_v * vel) * elastic
-                    z_elastic = hyst + half * (vel + v_elastic)
-                    limit = np.copysign(1.0, z_elastic)
-                    v_plastic = (base - flow * (hyst + limit)) * plastic
-                    yields = abs(z_elastic) > 1.0
-                    v_new = v_plastic if yields else v_elastic
-                    zn[lane] = limit if yields else z_elastic
-                    un[lane] = disp + half * (vel + v_new)
-                    vn[lane] = v_new
+            for lane in range(f.shape[1]):
+                disp, vel, hyst = un[lane], vn[lane], zn[lane]
+                moved = (push * f[s, lane] - trial * hyst) + (keep * vel - pull * disp)
+                z_trial = hyst + moved
+                z_new = min(max(z_trial, -most), most)
+                excess = z_trial - z_new
+                zn[lane] = z_new
+                un[lane] = (disp + moved) + shift * excess
+                vn[lane] = (rate * moved - vel) + ease * excess
             if (s + 1) % every == 0:
-                for lane in range(LANES):
+                for lane in range(f.shape[1]):
                     out[sample, first + n, lane] = un[lane]
                 sample += 1
 
@@ -248,13 +252,13 @@ def add_products(out, total):
     BLAS is not used, since for such small matrices its threads compete with those of the groups. Four
     samples are added at a time, to save writing the sum in between.
     """
-    samples, n, _ = out.shape
+    samples, n, lanes = out.shape
     fours = samples - samples % 4
     for i in range(n):
         for j in range(i + 1):
             row = total[i, j]
             for s in range(0, fours, 4):
-                for lane in range(LANES):
+                for lane in range(lanes):
                     row[lane] += (
                         out[s, i, lane] * out[s, j, lane] + out[s + 1, i, lane] * out[s + 1, j, lane]
                     ) + (
@@ -262,7 +266,7 @@ def add_products(out, total):
                         + out[s + 3, i, lane] * out[s + 3, j, lane]
                     )
             for s in range(fours, samples):
-                for lane in range(LANES):
+                for lane in range(lanes):
                     row[lane] += out[s, i, lane] * out[s, j, lane]
 
 
@@ -299,17 +303,23 @@ def observe(out, row, weight, seen):
 
 @called_often
 def _widen(a, b, c, d, weight, high, low):
-    """Update the extremes by four samples in their order; values that are NaN are left out."""
+    """Update the extremes by four samples in their order; values that are NaN are left out.
+
+    To the extremes so far 0 is added, since the compiler would otherwise write only to the lanes whose
+    extreme changes, and a write to some lanes takes much longer than one to all.
+    """
     for lane in range(LANES):
         x0, x1, x2, x3 = weight * a[lane], weight * b[lane], weight * c[lane], weight * d[lane]
         first = x1 if x1 > x0 else x0
         last = x3 if x3 > x2 else x2
         most = last if last > first else first
-        high[lane] = most if most > high[lane] else high[lane]
+        before = high[lane] + 0.0
+        high[lane] = most if most > before else before
         first = x1 if x1 < x0 else x0
         last = x3 if x3 < x2 else x2
         least = last if last < first else first
-        low[lane] = least if least < low[lane] else low[lane]
+        before = low[lane] + 0.0
+        low[lane] = least if least < before else before
 
 
 @entry
