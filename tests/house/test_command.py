@@ -214,8 +214,9 @@ def test_one_chart_with_its_own_parameters(tmp_path: Path) -> None:
     ("chart", "kind"),
     [
         ("fig4b --simulated-points 0", "svg"),
-        ("fig6", "pdf"),
+        ("fig3b", "pdf"),
         ("fig6", "png"),
+        pytest.param("fig6", "pdf", marks=pytest.mark.slow),
         pytest.param("fig5b --reduction-factors 6", "svg", marks=pytest.mark.slow),
     ],
 )
