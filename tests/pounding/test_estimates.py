@@ -58,6 +58,15 @@ def test_the_estimate_of_a_history_is_that_of_the_row_with_its_energy_radii(cont
     assert float(wanted[1]) > 1
 
 
+@pytest.mark.invariant
+def test_a_period_that_is_too_short_for_the_motion_has_no_estimate_and_spoils_that_of_its_neighbours():
+    motion = MOTIONS.isel(path=0)
+    stiff = sl.Bilinear(0.09 * float(motion.time[1] - motion.time[0]), 0.05, mass=3e5)
+    table = sl.pound([*ROW, stiff], [0.02, 0.02, 0.02], CONTACT, motion)
+    assert np.isnan(table.largest_radius_amplification).values.tolist() == [False, False, True, True]
+    assert np.isfinite(table.peak).all()
+
+
 @pytest.mark.oracle
 def test_a_chain_is_hit_after_hit_with_the_radii_that_they_leave():
     row = sl.pounding_estimate_row(ROW, [0.02, 0.03], BLOW, RADII)

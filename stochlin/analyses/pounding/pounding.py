@@ -123,7 +123,8 @@ def pound(
         `Stereomechanical` contact) and ``contact_energy`` [J], the energy lost in the contact. Over
         ``structure``: ``energy_received`` [J] from all impacts. If all structures are `Bilinear` and
         there is no link, also ``largest_radius_amplification`` [-], the largest by `pounding_estimate`
-        for an impact at the largest energies of both structures.
+        for an impact at the largest energies of both structures. It is NaN for a structure whose period
+        is below a tenth of the motion's time step, and for its neighbours.
 
         Coordinates of ``contact`` are the structures and floors that meet, the ``level`` [m] and the
         ``kind``, slab to slab or slab to column. If a slab meets a column, there are also the
