@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from cases import with_slow
 from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
@@ -199,7 +200,15 @@ DAMAGE = {
 }
 
 
-@pytest.mark.parametrize("kind", DAMAGE)
+# The same in another array or file, which `make test-all` also tries.
+LONG = {
+    *("no array", "no bias", "no status", "no bias_1", "no bias_2", "bit in status", "bytes in group"),
+    *("another version", "another shape", "cut array", "cut chunk", "no axis", "list in group"),
+    *(f"no {name} in group" for name in ("code", CHECKSUM, CHECKSUMS)),
+}
+
+
+@pytest.mark.parametrize("kind", with_slow(DAMAGE, LONG))
 def test_damage_is_named_and_mended(kind, path, kept, computed):
     damage, says, blocks = DAMAGE[kind]
     damage(path, kept[0])

@@ -8,7 +8,7 @@ import pytest
 import stochlin as sl
 from stochlin.charts import ChartSettings, amplification_chart, chart_functions, draw
 
-FEW = ChartSettings(points=9, reduction_factors=(1.0, 4.0), paths=64)
+FEW = ChartSettings(points=5, reduction_factors=(1.0, 4.0), paths=64)
 GROUND = sl.KanaiTajimi(2.0, 0.05)
 
 

@@ -94,7 +94,7 @@ def test_a_structure_that_only_its_neighbour_makes_yield():
 
 
 def test_a_structure_that_is_not_solved_alone_is_not_taken_for_elastic(monkeypatch):
-    monkeypatch.setattr(linked, "USUAL", replace(USUAL, max_iterations=50))
+    monkeypatch.setattr(linked, "USUAL", replace(USUAL, max_iterations=20))
     weak = [sl.Bilinear(period, 0.05, 0.05, yield_displacement=1e-30, mass=1e6) for period in (0.6, 1.0)]
     with pytest.raises(ArithmeticError, match="check the units"):
         sl.correlate_linked(*weak, sl.WhiteNoise(0.01), sl.Link(stiffness=1e6))

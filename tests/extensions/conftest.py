@@ -6,6 +6,7 @@ import json
 import os
 import re
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 from subprocess import PIPE, CompletedProcess, Popen
 
@@ -30,15 +31,15 @@ for line in sys.stdin:
 """
 
 
-@pytest.fixture(scope="module")
-def start(tmp_path_factory):
+@contextmanager
+def starter(folders):
     """``start(source, code)`` runs code where a module ``toy`` of this source is installed."""
     running = {}
 
     def start(source, code=COMMANDS):
         if (source, code) in running:
             return running[source, code]
-        folder = tmp_path_factory.mktemp("installed")
+        folder = folders.mktemp("installed")
         (folder / "toy.py").write_text(source, encoding="utf-8")
         about = folder / "toy-1.0.dist-info"
         about.mkdir()
@@ -61,32 +62,53 @@ def start(tmp_path_factory):
         process.communicate()
 
 
+@pytest.fixture(scope="module")
+def start(tmp_path_factory):
+    """Starts processes that end with the tests of a file."""
+    with starter(tmp_path_factory) as start:
+        yield start
+
+
+def runner(process, folder):
+    """Runs ``stochlin`` in a folder."""
+
+    def run(*arguments):
+        command = [str(argument) for argument in (folder, *arguments)]
+        process.stdin.write(json.dumps(command) + "\n")
+        process.stdin.flush()
+        return CompletedProcess(command, *json.loads(process.stdout.readline()))
+
+    return run
+
+
 @pytest.fixture
 def install(start, tmp_path):
     """``install(source)`` installs a module; returns a runner of ``stochlin``, in the test's folder."""
+    return lambda source: runner(start(source), tmp_path)
 
-    def install(source):
-        process = start(source)
 
-        def run(*arguments):
-            command = [str(argument) for argument in (tmp_path, *arguments)]
-            process.stdin.write(json.dumps(command) + "\n")
-            process.stdin.flush()
-            return CompletedProcess(command, *json.loads(process.stdout.readline()))
-
-        return run
-
-    return install
+def section(heading):
+    """The code in that section of the page, as a reader would copy it."""
+    text = PAGE.read_text(encoding="utf-8").partition(f"\n## {heading}\n")[2].partition("\n## ")[0]
+    return re.search(r"^```py\n(.*?)^```", text, re.DOTALL | re.MULTILINE)[1]
 
 
 @pytest.fixture
 def example():
-    """``example(heading)`` is the code in that section of the page, as a reader would copy it."""
+    """``example(heading)`` is the code in that section of the page."""
+    return section
 
-    def example(heading):
-        section = (
-            PAGE.read_text(encoding="utf-8").partition(f"\n## {heading}\n")[2].partition("\n## ")[0]
-        )
-        return re.search(r"^```py\n(.*?)^```", section, re.DOTALL | re.MULTILINE)[1]
 
-    return example
+@pytest.fixture(scope="session")
+def of_the_page(tmp_path_factory):
+    """A process in which all examples of the page are installed, as one module."""
+    headings = ("A hysteresis law", "A ground", "A contact element", "A code rule")
+    headings += ("A rule for effective properties", "A chart", "A command")
+    with starter(tmp_path_factory) as start:
+        yield start("\n".join(map(section, headings)))
+
+
+@pytest.fixture
+def toy(of_the_page, tmp_path):
+    """Runs ``stochlin`` with all examples of the page, in the test's folder."""
+    return runner(of_the_page, tmp_path)

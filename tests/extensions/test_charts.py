@@ -41,9 +41,8 @@ def nothing_chart(settings):
 
 
 @pytest.mark.slow
-def test_the_example_of_the_page_is_computed_and_drawn(install, example, tmp_path):
-    stochlin = install(example("A chart"))
-    done = stochlin("charts", "toy", "--points", 9, "--out", ".")
+def test_the_example_of_the_page_is_computed_and_drawn(toy, tmp_path):
+    done = toy("charts", "toy", "--points", 9, "--out", ".")
     assert done.returncode == 0, done.stderr
     with xr.open_dataset(tmp_path / "toy.nc") as chart:
         assert chart.attrs["chart"] == "toy_bars"

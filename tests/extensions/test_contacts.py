@@ -58,11 +58,9 @@ def integrated_restitution(xi: float) -> float:
 
 
 @pytest.mark.slow
-def test_an_element_from_outside_pounds_as_its_force_law_says(install, example, tmp_path):
-    source = example("A contact element")
-    stochlin = install(source)
+def test_an_element_from_outside_pounds_as_its_force_law_says(toy, tmp_path):
     case = case_file(tmp_path, "tsuji")
-    done = stochlin("pound", case, "--out", "p.nc")
+    done = toy("pound", case, "--out", "p.nc")
     assert done.returncode == 0, done.stderr
     assert re.search(r"noise: \d+ impacts", done.stdout)
     with xr.open_dataset(tmp_path / "p.nc") as table:
@@ -76,7 +74,7 @@ def test_an_element_from_outside_pounds_as_its_force_law_says(install, example, 
         fast = table.approach_velocity > 0.5 * table.approach_velocity.max()
         np.testing.assert_allclose(table.energy_lost[fast], alone[fast], rtol=0.1)
 
-    refused = stochlin("pound", case_file(tmp_path, "rubber"))
+    refused = toy("pound", case_file(tmp_path, "rubber"))
     assert refused.returncode != 0
     assert "contact.model = 'rubber' is not known; allowed: linear_spring, kelvin," in refused.stderr
     assert "stereomechanical, tsuji" in " ".join(refused.stderr.split())

@@ -37,11 +37,6 @@ def rho(period_1, period_2, damping=0.05, soil=SOIL):
     return x[0, 2] / np.sqrt(x[0, 0] * x[2, 2])
 
 
-@pytest.fixture
-def toy(install, example):
-    return install(example("A ground"))
-
-
 def done(result):
     assert result.returncode == 0, result.stderr
     return result.stdout

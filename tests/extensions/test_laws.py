@@ -30,16 +30,11 @@ def the_same(**structure):
     return sl.Hysteretic(**structure, law=V - pinched * slip - beyond)
 
 
-@pytest.fixture
-def toy(install, example):
-    return install(example("A hysteresis law"))
-
-
 def options(**values):
     return [part for name, value in values.items() for part in (f"--{name.replace('_', '-')}", value)]
 
 
-@pytest.mark.parametrize("method", [pytest.param("linearization", marks=pytest.mark.slow), "simulation"])
+@pytest.mark.parametrize("method", ["linearization", pytest.param("simulation", marks=pytest.mark.slow)])
 def test_rho_of_a_law_from_outside(toy, tmp_path, method):
     done = toy(
         "rho",
@@ -93,7 +88,8 @@ def test_gap_of_a_case_with_a_law_from_outside(toy, tmp_path):
     firm = sl.named_ground("firm", intensity=0.01)
     expected = sl.separation(first, second, firm, 12.0, paths=128)
     with xr.open_dataset(tmp_path / "gap.nc") as table:
-        np.testing.assert_allclose(table.gap, expected.gap, rtol=ROUNDING)
+        ours = table.gap.sel(rule=expected.rule)  # without the rules from outside
+        np.testing.assert_allclose(ours, expected.gap, rtol=ROUNDING)
         np.testing.assert_allclose(table.peak_mean_1, expected.peak_mean_1, rtol=ROUNDING)
 
 

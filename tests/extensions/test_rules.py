@@ -30,13 +30,6 @@ paths = 128
 """
 
 
-@pytest.fixture
-def toy(install, example):
-    """Both examples of the page, in one module."""
-    rules = ("A code rule", "A rule for effective properties")
-    return install("\n".join(example(rule) for rule in rules))
-
-
 @pytest.mark.slow
 def test_both_rules_are_in_the_table_of_gaps(toy, tmp_path):
     (tmp_path / "case.toml").write_text(CASE)

@@ -82,6 +82,15 @@ SAID = {
     ],
 }
 LONG = {"stochlin gap case.toml --report gap.html"}
+# Of half a second or more; `make test` runs the others, and the tests of what these call.
+LONG_SCRIPTS = {
+    DOCS / "gallery" / f"plot_{name}.py"
+    for name in (
+        *("02_linearized_and_simulated", "03_error_by_strength", "04_error_by_ground", "11_own_law"),
+        *("12_error_by_way", "14_probability_over_time", "15_drift_closure", "16_error_of_closures"),
+        *("17_gaps_in_earthquakes", "19_measures"),
+    )
+}
 
 
 @pytest.fixture(autouse=True)
@@ -98,7 +107,7 @@ def scratch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 
 @pytest.mark.parametrize(
-    "page", with_slow(PROGRAMS, {"buildings", "pounding", "probability", "risk", "sites"})
+    "page", with_slow(PROGRAMS, {"atlas", "buildings", "pounding", "probability", "risk", "sites"})
 )
 def test_code_of_a_page_runs_from_top_to_bottom(page: str) -> None:
     namespace: dict[str, object] = {}
@@ -140,7 +149,7 @@ def test_lines_of_case_files_on_a_page_are_toml(page: str) -> None:
     assert all(tomllib.loads(block) for block in blocks(PAGES[page], "toml"))
 
 
-@pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", with_slow(SCRIPTS, LONG_SCRIPTS), ids=lambda path: path.stem)
 def test_script_of_the_gallery_draws_one_picture(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     import matplotlib.pyplot as plt
 

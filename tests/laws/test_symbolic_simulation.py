@@ -34,6 +34,7 @@ def test_block_of_a_law_moves_as_the_compiled_one():
         np.testing.assert_allclose(one, other, rtol=0, atol=1e-6 * scale)
 
 
+@pytest.mark.slow
 def test_law_in_sympy_gives_the_table_of_the_compiled_law():
     options = {"reduction_factor": 4.0}
     pair = [

@@ -474,7 +474,7 @@ def rounds_of(strong, ground, factor, law, closure):
     ("closure", "buildings"),
     [
         ("gaussian", [*range(20), 24, 72, 126, 317, 434]),
-        ("clipped", [*range(20), 71, 130, 187, 262, 400]),
+        pytest.param("clipped", [*range(20), 71, 130, 187, 262, 400], marks=pytest.mark.slow),
     ],
 )
 def test_the_loop_ends_for_random_buildings(closure, buildings):

@@ -140,6 +140,7 @@ def test_an_envelope_whose_slope_is_infinite_at_the_start_is_followed():
 
 def test_panels_that_become_too_short_are_refused(monkeypatch):
     monkeypatch.setattr(transient, "MOST_PANELS", 40)
+    monkeypatch.setattr(transient, "WINDOW", 25)
     weak = sl.Bilinear(0.5, 0.05, 0.05, yield_displacement=1e-5)
     with pytest.raises(ArithmeticError, match=r"so weak that .* give it more strength, or simulate"):
         sl.transient_response(weak, FIRM, 80.0, envelope=QUAKE)

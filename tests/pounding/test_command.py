@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from cases import recorded_example
+from cases import recorded_example, with_slow
 from click.testing import CliRunner, Result
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -409,7 +409,11 @@ def random_cases(draw: Any, model: str) -> str:
     )
 
 
-@pytest.mark.parametrize("model", CONTACTS)
+# Of elements with a spring, a spring and a dashpot, one that depends on the approach, and none.
+SHORT = {"linear_spring", "kelvin", "jankowski", "stereomechanical"}
+
+
+@pytest.mark.parametrize("model", with_slow(CONTACTS, set(CONTACTS) - SHORT))
 @settings(max_examples=5)
 @given(st.data())
 def test_energy_of_any_case_is_balanced(model: str, data: st.DataObject) -> None:
@@ -450,7 +454,7 @@ def of_storeys(low_storey: str = "3 m") -> str:
     return (example[:start] + towers + example[end:]).replace('existing = "5 cm" ', 'existing = "1 cm" ')
 
 
-@pytest.mark.parametrize("kind", ["oscillators", "storeys", "columns"])
+@pytest.mark.parametrize("kind", with_slow(["oscillators", "storeys", "columns"], {"storeys"}))
 def test_simulated_motions_are_said_saved_and_drawn_together(kind: str, tmp_path: Path) -> None:
     text = {
         "oscillators": sl.example_case(),

@@ -40,6 +40,33 @@ def test_a_row_of_two_is_the_pair():
     assert row.status.values.tolist() == [0, 0, 3]
 
 
+@pytest.mark.invariant
+@pytest.mark.parametrize("contact", [BLOW, CONTACT])
+def test_the_estimate_of_a_history_is_that_of_the_row_with_its_energy_radii(contact):
+    """Structures that yield and that do not, and a gap too wide for a hit."""
+    motion, gaps = MOTIONS.isel(path=0), [0.02, 0.0, 0.5]
+    yields = sl.Bilinear(0.8, 0.03, 0.1, yield_displacement=0.01, mass=2.5e5)
+    structures = [ROW[0], yields, *ROW[1:]]
+    radii = []
+    for each in structures:
+        strength = {"hardening": 0.1, "yield_displacement": 0.01} if each is yields else {}
+        table = sl.pseudo_energy_radius(motion, each.period, each.damping, **strength)
+        radii.append(float(table.pseudo_energy_radius))
+    wanted = sl.pounding_estimate_row(structures, gaps, contact, radii).largest_radius_amplification
+    found = sl.pound(structures, gaps, contact, motion).largest_radius_amplification
+    np.testing.assert_array_equal(found, wanted)
+    assert float(wanted[1]) > 1
+
+
+@pytest.mark.invariant
+def test_a_period_that_is_too_short_for_the_motion_has_no_estimate_and_spoils_that_of_its_neighbours():
+    motion = MOTIONS.isel(path=0)
+    stiff = sl.Bilinear(0.09 * float(motion.time[1] - motion.time[0]), 0.05, mass=3e5)
+    table = sl.pound([*ROW, stiff], [0.02, 0.02, 0.02], CONTACT, motion)
+    assert np.isnan(table.largest_radius_amplification).values.tolist() == [False, False, True, True]
+    assert np.isfinite(table.peak).all()
+
+
 @pytest.mark.oracle
 def test_a_chain_is_hit_after_hit_with_the_radii_that_they_leave():
     row = sl.pounding_estimate_row(ROW, [0.02, 0.03], BLOW, RADII)

@@ -9,6 +9,7 @@ import hypothesis.strategies as st
 import numpy as np
 import pytest
 import xarray as xr
+from cases import with_slow
 from hypothesis import given, settings
 from scipy.integrate import solve_ivp
 
@@ -160,7 +161,7 @@ def by_scipy(pair, gap, contact, record):
     return np.array(found).T
 
 
-@pytest.mark.parametrize("name", ["kelvin", "impact kelvin", "no tension"])
+@pytest.mark.parametrize("name", with_slow(["kelvin", "impact kelvin", "no tension"], {"no tension"}))
 def test_bouc_wen_pair_moves_as_by_another_integrator(name):
     pair = [
         sl.BoucWen(1.1, 0.05, hardening=0.05, yield_displacement=0.03, mass=2e5),

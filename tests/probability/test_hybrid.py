@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from cases import with_slow
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -131,8 +132,9 @@ def test_hybrid_of_yielding_structures_takes_their_strength_from_the_ground(quak
 
 
 @needs_records
-@pytest.mark.parametrize(("name", "options"), REAL.values(), ids=list(REAL))
-def test_hybrid_of_real_records(name, options):
+@pytest.mark.parametrize("where", with_slow(REAL, {"sct", "el_centro"}))
+def test_hybrid_of_real_records(where):
+    name, options = REAL[where]
     check_record(sl.read_record(RECORDS / name, **options))
 
 

@@ -84,7 +84,13 @@ def test_fragility_is_found_again_also_where_half_of_the_motions_never_pound(hig
     assert 0.5 / np.sqrt(2000) * 0.8 < found.median_error / found.median < 0.03
 
 
-@pytest.mark.parametrize("highest", [1e4, 4.0], ids=["all motions pound", "half of them"])
+@pytest.mark.parametrize(
+    "highest",
+    [
+        pytest.param(1e4, id="all motions pound"),
+        pytest.param(4.0, id="half of them", marks=pytest.mark.slow),
+    ],
+)
 def test_errors_of_the_fragility_are_those_of_repetitions(highest):
     rng = np.random.default_rng(4)
     intensity, found = np.geomspace(1e-2, highest, 7), []

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 import xarray as xr
-from cases import with_buildings
+from cases import with_buildings, with_slow
 from click.testing import CliRunner, Result
 
 import stochlin as sl
@@ -514,7 +514,7 @@ def test_bad_commands(
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium to render the page in")
-@pytest.mark.parametrize("name", ["example", "site"])
+@pytest.mark.parametrize("name", with_slow(["example", "site"], {"site"}))
 def test_the_page_fits_a_phone(name: str, request: pytest.FixtureRequest, tmp_path: Path) -> None:
     page = html.escape(request.getfixturevalue(name).page)
     frame = tmp_path / "frame.html"

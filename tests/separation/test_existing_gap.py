@@ -10,7 +10,7 @@ import stochlin as sl
 pytestmark = pytest.mark.oracle
 
 GROUND = sl.named_ground("firm", intensity=0.01)
-OPTIONS = {"envelope": sl.AminAng(4.0, 15.0, 0.35), "paths": 512, "confidence": 0.8}
+OPTIONS = {"envelope": sl.AminAng(4.0, 15.0, 0.35), "paths": 128, "confidence": 0.8}
 FIRST, SECOND = (sl.Bilinear(T, 0.05, 0.2, reduction_factor=3.0) for T in (0.4, 1.2))
 
 

@@ -229,7 +229,7 @@ MIXED = [
 SHORT = {"paths": 96, "relaxation_times": 2.0, "steps_per_period": 12}
 
 
-@pytest.mark.parametrize("threads", [2, 5])
+@pytest.mark.parametrize("threads", [2, pytest.param(5, marks=pytest.mark.slow)])
 def test_one_seed_gives_one_answer_whatever_the_number_of_threads(monkeypatch, threads):
     tables = []
     for cores in (1, threads):

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.pounding.histories import course
+from stochlin.analyses.pounding.histories import course, floor_coords
 from stochlin.analyses.pounding.rows import Building, Meeting, shortest_period, slow_approach
 from stochlin.analyses.pounding.runs import alone, in_row
 from stochlin.analyses.pounding.summaries import labelled, summary
@@ -104,7 +104,8 @@ def over_motions(
     rows = [blank if isinstance(each, ArithmeticError) else each for each in found]
     values = {name: np.array([each[name] for each in rows], float) for name in like}
     good = xr.DataArray([isinstance(each, dict) for each in found], dims=over)
-    table = xr.Dataset(labelled(values, row, structures, over))
+    coords = floor_coords(row, structures)
+    table = xr.Dataset(labelled(values, row, structures, over), coords=coords)
     table["status"] = labels.status_where(good, labels.NOT_CONVERGED)
     told = ["" if isinstance(each, dict) else str(each) for each in found]
     if ensemble.labels is not None:

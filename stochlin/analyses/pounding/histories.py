@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -20,22 +20,32 @@ from stochlin.models.links import Link
 SIDES = "left", "right"  # sides of a contact
 
 
-def by_floor(values: Array, row: Row, structures: Sequence[Building], *over: str) -> xr.DataArray:
+def by_floor(values: Array, row: Row, structures: Sequence[Building], *over: str) -> xr.Variable:
     """Values of all floors (..., n) over ``structure`` and, for shear buildings, ``floor``.
 
-    Cells above the roof of a building are NaN.
+    Cells above the roof of a building are NaN. The coordinates are those of `floor_coords`; a dataset
+    takes them once, since to align those of every array takes longer than all else.
     """
     sizes = np.diff(row.first)
     wide = np.full((*values.shape[:-1], sizes.size, sizes.max()), np.nan)
     for b, size in enumerate(sizes):
         wide[..., b, :size] = values[..., row.first[b] : row.first[b + 1]]
+    if not _with_floors(structures):
+        return xr.Variable((*over, "structure"), wide[..., 0])
+    return xr.Variable((*over, "structure", "floor"), wide)
+
+
+def floor_coords(row: Row, structures: Sequence[Building]) -> dict[str, Any]:
+    """Coordinates of the numbers of the structures and, for shear buildings, of the floors."""
+    sizes = np.diff(row.first)
     coords = {"structure": ("structure", np.arange(1, sizes.size + 1), {"long_name": "structure"})}
-    dims: tuple[str, ...] = ("structure", "floor")
-    if any(isinstance(structure, ShearBuilding) for structure in structures):
+    if _with_floors(structures):
         coords["floor"] = ("floor", np.arange(1, sizes.max() + 1), {"long_name": "floor"})
-    else:
-        wide, dims = wide[..., 0], ("structure",)
-    return xr.DataArray(wide, dims=(*over, *dims), coords=coords)
+    return coords
+
+
+def _with_floors(structures: Sequence[Building]) -> bool:
+    return any(isinstance(structure, ShearBuilding) for structure in structures)
 
 
 class Course(NamedTuple):
@@ -126,6 +136,7 @@ def histories(
         },
         coords={
             "time": ("time", time, {"units": "s", "long_name": "time"}),
+            **floor_coords(row, structures),
             "side": ("side", list(SIDES), {"long_name": "side of the contact"}),
         },
     )

@@ -9,7 +9,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from stochlin.analyses.pounding.ensembles import checked_ensemble, over_motions, with_statistics
-from stochlin.analyses.pounding.estimates import pounding_estimate_row
+from stochlin.analyses.pounding.estimates import largest_by_one_impact
 from stochlin.analyses.pounding.histories import contacts, course, histories
 from stochlin.analyses.pounding.rows import (
     Building,
@@ -23,14 +23,14 @@ from stochlin.analyses.pounding.rows import (
 from stochlin.analyses.pounding.runs import ON_GRID, alone, check_runs, in_row
 from stochlin.analyses.pounding.summaries import labelled, summary
 from stochlin.analyses.pounding.variables import VARIABLES
-from stochlin.analyses.records.cells import Records
-from stochlin.analyses.records.response import pseudo_energy_radius
+from stochlin.analyses.records.cells import SHORTEST, Records
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import checked_quantiles, is_number
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, in_order
 from stochlin.kernels.pounding.rows import Row
-from stochlin.kernels.records.runs import SampledGround
+from stochlin.kernels.records.oscillator import RADIUS
+from stochlin.kernels.records.runs import SampledGround, peaks_on_records
 from stochlin.messages import brief
 from stochlin.models.contacts import Contact
 from stochlin.models.laws.bilinear import Bilinear
@@ -123,7 +123,8 @@ def pound(
         `Stereomechanical` contact) and ``contact_energy`` [J], the energy lost in the contact. Over
         ``structure``: ``energy_received`` [J] from all impacts. If all structures are `Bilinear` and
         there is no link, also ``largest_radius_amplification`` [-], the largest by `pounding_estimate`
-        for an impact at the largest energies of both structures.
+        for an impact at the largest energies of both structures. It is NaN for a structure whose period
+        is below a tenth of the motion's time step, and for its neighbours.
 
         Coordinates of ``contact`` are the structures and floors that meet, the ``level`` [m] and the
         ``kind``, slab to slab or slab to column. If a slab meets a column, there are also the
@@ -232,7 +233,7 @@ def pound(
         )
     if progress is not None:
         progress(0.0)
-    lines = contacts(places, links)
+    lines, more = contacts(places, links), {"gap": ("contact", row.gap)}
     if over is None:
         assert isinstance(motion, xr.DataArray)
         ground = motions.grounds[0]
@@ -240,15 +241,14 @@ def pound(
         table = _of_one(row_of, row, places, ground, motion["time"], times, progress).merge(lines)
         oscillators = [structure for structure in row_of if isinstance(structure, Bilinear)]
         if contact is not None and len(oscillators) == len(row_of) and not any(links):
-            worst = _estimates(oscillators, spaces, contact, motion)
-            table["largest_radius_amplification"] = ("structure", worst)
+            worst = _estimates(oscillators, spaces, contact, ground)
+            more["largest_radius_amplification"] = ("structure", worst)
         call = f"pound(output_step={output_step})"
     else:
         table = over_motions(row_of, row, places, ensemble, progress).merge(lines)
         table = with_statistics(table, over, levels)
         call = f"pound(quantiles={levels.tolist()})"
-    table["gap"] = ("contact", row.gap)
-    table = labels.label(table, VARIABLES).assign_attrs(motion=ensemble.describe())
+    table = labels.label(table.assign(more), VARIABLES).assign_attrs(motion=ensemble.describe())
     models: dict[str, Model] = {f"structure_{n}": each for n, each in enumerate(row_of, start=1)}
     models |= {f"link_{n}": each for n, each in enumerate(links, start=1) if each is not None}
     title = "Pounding of buildings in a row"
@@ -297,25 +297,21 @@ def _output_times(output_step: float | None, ground: SampledGround) -> Array | N
 
 
 def _estimates(
-    structures: Sequence[Bilinear], gaps: Array, contact: Contact, motion: xr.DataArray
+    structures: Sequence[Bilinear], gaps: Array, contact: Contact, ground: SampledGround
 ) -> Array:
     """Largest amplification of each structure's energy radius by an impact from either side [-].
 
-    All structures have the pseudo energy radii of the motion.
+    All structures have the pseudo energy radii of the motion; it is NaN where `response_spectrum` would
+    be, for periods that are too short for the motion.
     """
     values = [structure.arrays() for structure in structures]
 
     def column(name: str, elastic: float = np.inf) -> Array:
         return np.array([float(each.get(name, elastic)) for each in values])
 
-    radii = pseudo_energy_radius(
-        motion,
-        column("period"),
-        column("damping"),
-        hardening=column("hardening", 1.0),
-        yield_displacement=column("yield_displacement"),
-    ).pseudo_energy_radius
-    worst = pounding_estimate_row(
-        structures, gaps, contact, list(radii.values)
-    ).largest_radius_amplification
-    return worst.to_numpy()
+    period, strength = column("period"), (column("hardening", 1.0), column("yield_displacement"))
+    parameters = np.stack([2 * np.pi / period, column("damping"), *strength], axis=1)
+    radii = np.full(len(structures), np.nan)
+    known = period >= SHORTEST * ground.dt
+    radii[known] = peaks_on_records([ground], parameters[known])[0, :, RADIUS]
+    return largest_by_one_impact(structures, gaps, contact, radii)

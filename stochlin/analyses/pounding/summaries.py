@@ -56,12 +56,15 @@ def summary(
 
 def labelled(
     values: Mapping[str, Array], row: Row, structures: Sequence[Building], *over: str
-) -> dict[str, xr.DataArray]:
-    """A summary as labelled arrays; several summaries are along the additional dimension ``over``."""
+) -> dict[str, xr.Variable]:
+    """A summary as arrays over named dimensions, several along the additional dimension ``over``.
+
+    The coordinates are those of `floor_coords`.
+    """
     return {
         name: by_floor(array, row, structures, *over)
         if DIMENSIONS[name] == FLOOR
-        else xr.DataArray(array, dims=[*over, *filter(None, [DIMENSIONS[name]])])
+        else xr.Variable([*over, *filter(None, [DIMENSIONS[name]])], array)
         for name, array in values.items()
     }
 

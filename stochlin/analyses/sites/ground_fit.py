@@ -146,8 +146,9 @@ def fit_ground(
     Fit to a spectrum:
 
     >>> spectrum = sl.eurocode_8(0.25 * 9.80665, "B")
-    >>> ground = sl.fit_ground(spectrum, duration=20.0, envelope=sl.AminAng(2.0, 12.0, 0.4))
-    >>> table = sl.simulated_spectrum(ground, spectrum, 20.0, sl.AminAng(2.0, 12.0, 0.4))
+    >>> shape = sl.AminAng(1.5, 6.0, 0.6)
+    >>> ground = sl.fit_ground(spectrum, duration=10.0, envelope=shape)
+    >>> table = sl.simulated_spectrum(ground, spectrum, 10.0, shape)
     >>> bool(abs(table.ratio.sel(period=slice(0.1, 4)) - 1).max() < 0.06)
     True
     """

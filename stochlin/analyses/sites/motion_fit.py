@@ -197,9 +197,10 @@ def compare_motions(
     Examples
     --------
     >>> import stochlin as sl
-    >>> record = sl.simulated_motions(sl.named_ground("firm", 0.01), 10.0, paths=2)[0]
-    >>> table = sl.compare_motions(record, sl.fit_motion(record), paths=64)
-    >>> table.ratio.dims, bool(table.significant_duration < 10)
+    >>> motion = sl.FittedMotion(sl.named_ground("firm", 0.01), sl.AminAng(2.0, 12.0, 0.4), 20.0)
+    >>> record = sl.simulated_motions(motion.ground, motion.duration, motion.envelope, paths=2)[0]
+    >>> table = sl.compare_motions(record, motion, paths=64)
+    >>> table.ratio.dims, bool(table.significant_duration < 20)
     (('period',), True)
     """
     values, dt = checked_record(record)
