@@ -7,9 +7,10 @@ VENV := .venv
 BIN := $(VENV)/bin
 # A process for every core, at most four; one that has no more tests takes from the others. Threads of
 # linear algebra in each would wait for one another.
-PYTEST = OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal
+PARALLEL = -n auto --maxprocesses 4 --dist worksteal
+PYTEST = OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest $(PARALLEL)
 
-.PHONY: charts test test-all check fuzz answers takes bench bias reality docs links oldest dist clean
+.PHONY: charts test test-all check fuzz answers takes bench bias reality docs links oldest newest dist clean
 
 charts: $(VENV)/.run
 	$(BIN)/stochlin charts --out figures
@@ -68,11 +69,23 @@ docs: $(VENV)/.docs
 links: $(VENV)/.docs
 	-$(BIN)/sphinx-build -b linkcheck docs build/links
 
-# The lowest versions that pyproject.toml allows, in an environment of their own.
+# `make test` in an environment of its own: with the lowest versions that pyproject.toml allows, and with
+# the newest libraries on the newest Python that is found, on the path or installed by pyenv.
+define test_with
+	$(BIN)/uv venv --quiet --clear --python $(1) .venv/$@
+	$(BIN)/uv pip install --quiet --python .venv/$@/bin/python --resolution $(2) -e ".[dev]"
+	$(BIN)/uv pip freeze --quiet --python .venv/$@/bin/python | grep -E "^(numpy|scipy|sympy|xarray|matplotlib|numba|click)="
+	.venv/$@/bin/stochlin warmup
+	OPENBLAS_NUM_THREADS=1 .venv/$@/bin/python -m pytest $(PARALLEL) -m "not slow"
+endef
+NEWEST ?= $(shell for python in python3.13 ~/.pyenv/versions/3.13*/bin/python python3.12 \
+	~/.pyenv/versions/3.12*/bin/python; do $$python -V >/dev/null 2>&1 && echo $$python && break; done)
+
 oldest: $(VENV)/.dev
-	$(BIN)/uv venv --clear --python $(PYTHON) .venv/oldest
-	$(BIN)/uv pip install --python .venv/oldest/bin/python --resolution lowest-direct -e ".[dev]"
-	.venv/oldest/bin/python -m pytest
+	$(call test_with,$(PYTHON),lowest-direct)
+
+newest: $(VENV)/.dev
+	$(if $(NEWEST),$(call test_with,$(NEWEST),highest),@echo "no Python 3.13 or 3.12 is found: nothing is tested with the newest libraries")
 
 # The wheel and the source archive in dist/, their contents compared with the repository; then the wheel
 # answers the example, in an environment of its own.

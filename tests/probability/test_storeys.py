@@ -10,6 +10,7 @@ import scipy.integrate
 import xarray as xr
 
 import stochlin as sl
+from stochlin.kernels.linearization.transient import RTOL, RTOL_YIELDING
 
 pytestmark = pytest.mark.oracle
 
@@ -78,8 +79,9 @@ def test_one_storey_is_the_oscillator(pair):
             np.testing.assert_allclose(found[name], expected[name], rtol=0, atol=1e-9, err_msg=name)
         least = found.confidence_of_no_pounding_at_least  # of one height
         np.testing.assert_allclose(least, found.confidence_of_no_pounding, rtol=0, atol=1e-15)
-        # The steps of the integration go by rounding where structures yield; their tolerance is 1e-7.
-        share = 1e-8 if one.yields else 1e-9
+        # Where structures yield, rounding decides on the lengths of panels: two runs differ by the
+        # tolerance of a panel, times some ten panels over which an error is remembered.
+        share = 10 * RTOL_YIELDING if one.yields else RTOL
         for name in ("displacement_std_1", "displacement_std_2", "difference_std", "rho"):
             atol = share * float(abs(expected[name]).max())
             np.testing.assert_allclose(found[name], expected[name], rtol=0, atol=atol, err_msg=name)

@@ -49,7 +49,7 @@ def lobatto(count: int) -> Nodes:
 
     The integral over the whole panel is exact for polynomials up to the degree ``2 count - 3``.
     """
-    inner = legendre.legroots(legendre.legder(np.eye(count)[-1]))
+    inner = legendre.legroots(legendre.legder(np.eye(count)[-1])).real  # numpy 2.5: complex type
     x = np.concatenate([[-1.0], inner, [1.0]])
     series = np.linalg.inv(legendre.legvander(x, count - 1))
     terms = [legendre.legval(x, legendre.legint(term, lbnd=-1)) for term in np.eye(count)]

@@ -12,7 +12,7 @@ from stochlin.kernels.basics.parallel import in_ranges
 from stochlin.kernels.correlation.tables import OFF, PART
 from stochlin.kernels.correlation.tiles import LANES, cells_of_tile
 
-NONE_LEFT = 1e-14  # value of 1 - rho below which it is rounding error, and taken as 0
+NONE_LEFT = 1e-13  # value of 1 - rho below which it is rounding error, and taken as 0
 
 
 def steps_of(shape: tuple[int, ...], dimensions: int) -> Array:

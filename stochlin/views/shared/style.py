@@ -157,18 +157,21 @@ def plane(
         fill, draw_lines = contours_of(axes, *place)
         filled = fill(levels=levels, cmap=colours, norm=norm)
     below = levels < float(table.max()) - 1e-9  # at the very top a line would be dots along a ridge
-    lines = draw_lines(levels=levels[below], colors="0.1", linewidths=0.6)
     digits = "%.1f" if str(table.name).startswith("rho") else "%g"
-    told = levels[below] if signed else levels[::2][below[::2]]
-    label_contours(axes, lines, told, "%+g" if signed else digits)
+    labelled = below & (signed | (np.arange(levels.size) % 2 == 0))
+    lines, _ = (
+        draw_lines(levels=levels[shown], colors="0.1", linewidths=0.6)
+        for shown in (labelled, below & ~labelled)
+    )
+    label_contours(axes, lines, "%+g" if signed else digits)
     axes.grid(visible=False)
     axes.set_box_aspect(1)
     return filled
 
 
-def label_contours(axes: Axes, lines: ContourSet, levels: np.ndarray, digits: str) -> None:
-    """Numbers on contours, none of them so near to the edge that it would be cut."""
-    style: Any = {"levels": levels, "fontsize": 6.5, "fmt": digits}
+def label_contours(axes: Axes, lines: ContourSet, digits: str) -> None:
+    """Numbers on all of these contours, none of them so near to the edge that it would be cut."""
+    style: Any = {"fontsize": 6.5, "fmt": digits}
     tried = axes.clabel(lines, inline=False, **style)
     places = np.reshape([text.get_position() for text in tried], (-1, 2))
     for text in tried:
