@@ -19,6 +19,18 @@ if TYPE_CHECKING:
 
 ORDER = 40
 ACCURACY = 1e-9
+LARGEST = 1e300
+_FUNCTIONS = {  # that both numpy and math have
+    *(sympy.Abs, sympy.sign, sympy.Max, sympy.Min, sympy.Heaviside, sympy.Piecewise),
+    *(sympy.exp, sympy.log),
+    *(sympy.sin, sympy.cos, sympy.tan, sympy.asin, sympy.acos, sympy.atan, sympy.atan2),
+    *(sympy.sinh, sympy.cosh, sympy.tanh, sympy.asinh, sympy.acosh, sympy.atanh),
+}
+_PARTS = (  # of expressions besides these functions
+    *(sympy.Add, sympy.Mul, sympy.Pow, sympy.Symbol, sympy.Number, sympy.NumberSymbol),
+    *(sympy.functions.elementary.piecewise.ExprCondPair, sympy.core.relational.Relational),
+    *(sympy.And, sympy.Or, sympy.Not, sympy.logic.boolalg.BooleanAtom),
+)
 _PROBES = np.random.default_rng(1996).uniform(-2.5, 2.5, (2, 400))
 
 
@@ -162,7 +174,24 @@ def _with_plain_symbols(expression: sympy.Expr, parameters: tuple[str, ...]) -> 
         if parameters:
             allowed = f"'v', 'z' and its parameters {', '.join(parameters)}"
         raise ValueError(f"law = {expression} has the symbols {sorted(names)}; allowed: {allowed}")
+    _check_parts(expression)
     return expression.subs({s: sympy.Symbol(s.name, real=True) for s in expression.free_symbols})
+
+
+def _check_parts(expression: sympy.Expr) -> None:
+    """Raise a ValueError for what has no numeric form: it would be printed to code as it stands."""
+    for node in sympy.preorder_traversal(expression):
+        if node.func not in _FUNCTIONS and not isinstance(node, _PARTS):
+            names = ", ".join(sorted(function.__name__ for function in _FUNCTIONS))
+            raise ValueError(
+                f"law = {brief(str(expression))} has {brief(str(node))}, which has no "
+                f"numeric form; allowed: + - * / ** and {names}"
+            )
+        if isinstance(node, sympy.Number) and not abs(node) < LARGEST:
+            raise ValueError(
+                f"law = {brief(str(expression))} has the number {brief(str(node))}; allowed: numbers "
+                f"below {LARGEST:.0e}"
+            )
 
 
 def _kinks(expression: sympy.Expr) -> set[sympy.Expr]:

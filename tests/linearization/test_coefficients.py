@@ -94,6 +94,10 @@ def test_tables_by_dimension_name_and_cells_that_cannot_be():
         ({"law": "other"}, "law = 'other' is not a known law; allowed: bilinear"),
         ({"law": "hysteretic"}, "give the sympy expression"),
         ({"law": V + Z**2}, "is not odd"),
+        ({"law": V * sympy.Integral(sympy.cos(Z), (Z, 0, Z))}, "has 'Integral.*, which has no numeric"),
+        ({"law": V * sympy.besselj(0, Z)}, r"has 'besselj\(0, z\)', which has no numeric form; allowed"),
+        ({"law": V * sympy.Integer(10) ** 400}, "has the number '1000"),
+        ({"law": V * sympy.oo}, "has the number 'oo'; allowed: numbers below"),
         ({"exponent": 2.0}, "the law has no exponent; allowed: none"),
         ({"law": "bouc_wen", "exponent": 0.5}, "exponent = 0.5 is out of range"),
         ({"law": "bouc_wen", "closure": "clipped"}, "closure = 'clipped' is not available for BoucWen"),
@@ -105,3 +109,11 @@ def test_what_cannot_be_is_said(change, message):
     given = {"velocity_std": 1.0, "z_std": 0.5, "velocity_z_corr": 0.3} | change
     with pytest.raises(ValueError, match=message):
         sl.equivalent_coefficients(**given)
+
+
+def test_no_part_of_a_law_is_run_as_code(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    name = "__import__('pathlib').Path('written').touch() or (lambda z: z)"
+    with pytest.raises(ValueError, match="which has no numeric form; allowed"):
+        sl.Hysteretic(1.0, 0.05, 0.05, yield_displacement=0.02, law=V * sympy.Function(name)(Z) ** 2)
+    assert not list(tmp_path.iterdir())
