@@ -16,7 +16,7 @@ import xarray as xr
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief
 from stochlin.models.laws.hysteretic import Hysteretic, law_of
-from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, parameter
+from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, Range, parameter
 from stochlin.models.structures import DAMPING, HARDENING, Structure
 from stochlin.models.uncertain import takes_uncertain
 
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 STOREY, MODE, FLOOR = "storey", "mode", "floor"
 OF_STOREYS = ("masses", "stiffnesses", "heights", "yield_drifts", "dampers")
 ONE_FOR_ALL = ("yield_drifts", "dampers")  # one number may stand for all storeys
+SHEAR = Range(upper=100.0, include_upper=True, reason="of the weight; a stronger one is elastic")
 PLAUSIBLE_COEFFICIENT = 1.0  # largest plausible base shear at yield over the weight
 IMPLAUSIBLE = "the building resists more than its weight; is it a percentage, or a force for a ratio?"
 MOST_STOREYS = 200
@@ -42,7 +43,7 @@ class RegularBuilding(Model):
     storey_height: Parameter = parameter("m", "height of each storey", POSITIVE)
     mass: Parameter = parameter("kg", "mass of each floor", POSITIVE)
     base_shear_coefficient: Parameter | None = parameter(
-        "1", "base shear at yield relative to the weight", POSITIVE, None
+        "1", "base shear at yield relative to the weight", SHEAR, None
     )
 
     def __post_init__(self) -> None:
@@ -195,8 +196,8 @@ class ShearBuilding(Model):
         damping, hardening
             As in `ShearBuilding`.
         base_shear_coefficient : float, optional
-            Base shear at yield over the weight [-], positive. Without it the building stays elastic. A
-            value above 1 gives a warning.
+            Base shear at yield over the weight [-], positive, at most 100. Without it the building stays
+            elastic. A value above 1 gives a warning.
         **others
             ``dampers``, ``law``, ``law_parameters`` and ``p_delta``, as in `ShearBuilding`.
 

@@ -10,10 +10,12 @@ import xarray as xr
 from stochlin.messages import brief
 from stochlin.models.contacts import Contact
 from stochlin.models.links import Link
-from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, expect, parameter
+from stochlin.models.parameters import NOT_NEGATIVE, Model, Range, expect, parameter
 
 BETWEEN = (1, 2)  # the structures that a link ties if it does not name them
 ALWAYS = ("added_damping_1", "added_damping_2")  # shown by `describe` even with their default values
+
+FACTOR = Range(1e-3, 1e3, include_lower=True, include_upper=True)
 
 
 @dataclass(frozen=True)
@@ -36,11 +38,12 @@ class Measure(Model):
     bumper_thickness : float
         Thickness of the bumpers of both structures together [m], not negative. It reduces the gap.
     stiffening_1, stiffening_2 : float
-        Elastic stiffness of all storeys of structures 1 and 2 over that as built [-], positive. Masses
-        and damping ratios do not change; periods are divided by the square root of this factor.
+        Elastic stiffness of all storeys of structures 1 and 2 over that as built [-], between 0.001 and
+        1000. Masses and damping ratios do not change; periods are divided by the square root of this
+        factor.
     strengthening_1, strengthening_2 : float
-        Yield force of all storeys of structures 1 and 2 over that as built [-], positive. Yield
-        displacements are multiplied by the ratio of strengthening to stiffening.
+        Yield force of all storeys of structures 1 and 2 over that as built [-], between 0.001 and 1000.
+        Yield displacements are multiplied by the ratio of strengthening to stiffening.
 
     Raises
     ------
@@ -71,10 +74,10 @@ class Measure(Model):
     contact: Contact | None = None
     _: KW_ONLY
     bumper_thickness: float = parameter("m", "thickness of the bumpers", NOT_NEGATIVE, 0.0)
-    stiffening_1: float = parameter("1", "stiffness of structure 1, over that as built", POSITIVE, 1.0)
-    stiffening_2: float = parameter("1", "stiffness of structure 2, over that as built", POSITIVE, 1.0)
-    strengthening_1: float = parameter("1", "strength of structure 1, over that as built", POSITIVE, 1.0)
-    strengthening_2: float = parameter("1", "strength of structure 2, over that as built", POSITIVE, 1.0)
+    stiffening_1: float = parameter("1", "stiffness of structure 1, over that as built", FACTOR, 1.0)
+    stiffening_2: float = parameter("1", "stiffness of structure 2, over that as built", FACTOR, 1.0)
+    strengthening_1: float = parameter("1", "strength of structure 1, over that as built", FACTOR, 1.0)
+    strengthening_2: float = parameter("1", "strength of structure 2, over that as built", FACTOR, 1.0)
 
     def __post_init__(self) -> None:
         super().__post_init__()

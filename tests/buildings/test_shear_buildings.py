@@ -521,6 +521,11 @@ def test_a_law_that_needs_a_number_says_so(monkeypatch: pytest.MonkeyPatch) -> N
             ValueError,
             "base_shear_coefficient = 0 is out of range; allowed",
         ),
+        (
+            {"base_shear_coefficient": 1000},
+            ValueError,
+            "base_shear_coefficient = 1000 is out of range; allowed: 0 < value <= 100",
+        ),
         ({"hardening": None}, ValueError, "hardening is not given"),
         ({"period": 60.0, "p_delta": True}, ValueError, "the weight above takes .*it would fall over"),
         ({"dampers": [1.0]}, ValueError, "dampers has 1 values; allowed: one for each storey"),

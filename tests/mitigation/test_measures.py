@@ -282,7 +282,8 @@ def test_strength_of_what_never_yields_is_refused():
     ("given", "error", "told"),
     [
         ({"added_damping_1": [0.1, 0.2]}, ValueError, "added_damping_1 is an array; allowed: a number"),
-        ({"stiffening_1": 0}, ValueError, "stiffening_1 = 0 is out of range; allowed: 0 < value"),
+        ({"stiffening_1": 0}, ValueError, "stiffening_1 = 0 is out of range; allowed: 0.001 <= value"),
+        ({"stiffening_2": 1e308}, ValueError, r"stiffening_2 = 1e\+308 .* allowed: .* <= 1000"),
         ({"strengthening_2": -1}, ValueError, "strengthening_2 = -1 is out of range"),
         ({"bumper_thickness": -0.01}, ValueError, "bumper_thickness = -0.01 is out of range"),
         ({"bumper_thickness": "2 cm"}, TypeError, "bumper_thickness = '2 cm' is not a real number"),
