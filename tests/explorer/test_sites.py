@@ -195,16 +195,6 @@ def test_a_case_is_opened_with_the_files_that_it_names(tmp_path):
     assert "tmp" not in str(told.value)
 
 
-@pytest.mark.parametrize("path", ["/etc/passwd", "../a.at2", "C:\\\\a.at2", "x/../../a.at2"])
-def test_no_other_file_is_read(path):
-    site = f'[site]\nground = "firm"\n[[site.records]]\npath = "{path}"\n'
-    with pytest.raises(ValueError, match="is outside of the folder of the case file; allowed"):
-        open_case({"case.toml": site.encode()})
-    table = f"file\n{path}\n".encode()
-    with pytest.raises(ValueError, match="is outside of the folder of the case file"):
-        open_case({"case.toml": b"[site]\n", "suite.csv": table})
-
-
 @pytest.mark.parametrize(
     ("files", "message"),
     [

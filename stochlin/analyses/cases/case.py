@@ -46,7 +46,7 @@ from stochlin.analyses.cases.sites.strength import (
 from stochlin.analyses.cases.storeys import SlabOnColumn, StoreyBuilding, slabs_of_row
 from stochlin.analyses.cases.values import Quantity, Section, read_sections
 from stochlin.analyses.risk.risk import check_target
-from stochlin.analyses.tables.checks import as_path
+from stochlin.analyses.tables.inputs import input_path
 from stochlin.models.contacts import Contact
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
@@ -256,7 +256,7 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     >>> case.second.name, case.second.structure.period, case.gap
     ('Annex', 0.6, 0.05)
     """
-    path = as_path("path", path)
+    path = input_path("path", path)
     whole = read_sections(path)
     keys = building_keys(whole)
     if "hazard" in whole:

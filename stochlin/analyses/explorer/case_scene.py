@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 import dataclasses
 import os
 import tempfile
 import warnings
 from collections.abc import Iterator, Mapping
-from pathlib import Path, PurePosixPath, PureWindowsPath
+from contextlib import suppress
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 import numpy as np
@@ -30,8 +30,9 @@ from stochlin.analyses.explorer.scene import (
     Scene,
 )
 from stochlin.analyses.explorer.sites import PGA, SA, Measured, spectrum_of
-from stochlin.analyses.sites.suites import FILE
-from stochlin.messages import DoubtfulInput, listed, plain
+from stochlin.analyses.sites.suites import table_rows
+from stochlin.analyses.tables.inputs import only_within
+from stochlin.messages import DoubtfulInput, listed
 from stochlin.models.buildings import PLAUSIBLE_COEFFICIENT
 from stochlin.models.envelopes import ENVELOPES
 from stochlin.models.grounds import GROUNDS
@@ -53,14 +54,14 @@ def open_case(files: Mapping[str, bytes]) -> tuple[Scene, list[str]]:
             f"{len(cases)} case files are chosen; allowed: one, its name ends in .toml, together with "
             "the files that it names, such as records"
         )
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, only_within(Path(folder)):
         for name, data in files.items():
             (Path(folder) / name).write_bytes(data)
         path = Path(folder) / cases[0]
-        _check_inside(read_sections(path).section("site", needed=False), path)
         with warnings.catch_warnings(record=True) as doubts:
             warnings.simplefilter("always", DoubtfulInput)
             try:
+                _to_subfolders(read_sections(path).section("site", needed=False), files, path.parent)
                 scene, notes = scene_of(read_case(path))
             except (OSError, ValueError) as error:
                 raise ValueError(_without(folder, error)) from error
@@ -74,17 +75,12 @@ def _without(folder: str, error: Exception) -> str:
     return f"{told}; choose the case file together with the files that it names" if absent else told
 
 
-def _check_inside(site: Section, path: Path) -> None:
-    """Raise if the case names files outside its folder; move uploaded files to their subfolders."""
-    for text in [*_texts(site.values), *_of_tables(path.parent)]:
-        parts = PurePosixPath(text.replace("\\", "/"))
-        if parts.is_absolute() or ".." in parts.parts or PureWindowsPath(text).drive:
-            raise ValueError(
-                f"{plain(path.name)}: {plain(text)} is outside of the folder of the case file; allowed "
-                "on this page: files in that folder; 'stochlin explore --case' accepts any"
-            )
-        chosen, there = path.parent / parts.name, path.parent / parts
-        if len(parts.parts) > 1 and chosen.is_file() and not there.exists():
+def _to_subfolders(site: Section, files: Mapping[str, bytes], folder: Path) -> None:
+    """Move uploaded files to the subfolders of ``folder`` where the case looks for them."""
+    for text in {*_texts(site.values), *_of_tables(files)}:
+        chosen, there = folder / PurePosixPath(text).name, folder / text
+        inside = ".." not in there.parts and there.is_relative_to(folder)
+        if inside and there.name in files and not there.exists():
             there.parent.mkdir(parents=True, exist_ok=True)
             chosen.rename(there)
 
@@ -98,13 +94,11 @@ def _texts(values: Any) -> Iterator[str]:
             yield from _texts(value)
 
 
-def _of_tables(folder: Path) -> Iterator[str]:
+def _of_tables(files: Mapping[str, bytes]) -> Iterator[str]:
     """Names of the files in tables of records."""
-    for table in folder.glob("*.csv"):
-        with table.open(encoding="utf-8-sig", errors="replace", newline="") as lines:
-            rows = csv.DictReader(lines, skipinitialspace=True)
-            if FILE in (rows.fieldnames or ()):
-                yield from (str(row[FILE] or "").strip() for row in rows)
+    for name, content in files.items():
+        with suppress(ValueError):  # it is no table of records
+            yield from (row[1] for row in table_rows(content.decode("utf-8-sig", "replace"), name))
 
 
 def scene_of(case: Case) -> tuple[Scene, list[str]]:

@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stochlin.analyses.tables.checks import is_whole
+from stochlin.analyses.tables.inputs import read_text
 from stochlin.messages import brief, listed, plain
 
 Column = int | str
@@ -67,13 +68,8 @@ def read_series(path: Path, column: Column | None, time_column: Column | None) -
 
 
 def _text(path: Path) -> str:
-    """Text of the file, with ``#`` for each comment sign; a ValueError if it is not text in UTF-8."""
-    content = path.read_bytes()
-    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
-        raise ValueError(f"{plain(path.name)} is text in UTF-16; allowed: UTF-8, so save it as such")
-    if b"\0" in content:
-        raise ValueError(f"{plain(path.name)} is no text; allowed: PEER AT2, or columns of text")
-    text = content.decode("utf-8-sig", errors="replace")
+    """Text of the file, with ``#`` for each comment sign and one kind of line ends."""
+    text = read_text(path)
     for other in _LINE_ENDS:
         text = text.replace(other, "\n")
     return text.replace("%", "#")  # both start a comment

@@ -20,7 +20,8 @@ from stochlin.analyses.records.files import (
     spelled,
     stated_units,
 )
-from stochlin.analyses.tables.checks import as_path, is_number
+from stochlin.analyses.tables.checks import is_number
+from stochlin.analyses.tables.inputs import input_path
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief, plain
 
@@ -97,7 +98,7 @@ def read_record(
     >>> record.sizes["time"], record.attrs["dt"], float(record.max())
     (100, 0.02, 0.01)
     """
-    path = as_path("path", path)
+    path = input_path("path", path)
     if dt is not None and not (is_number(dt) and 0 < dt < np.inf):
         raise ValueError(f"dt = {brief(dt)} is out of range; allowed: 0 < dt, finite, in seconds")
     units = None if units is None else acceleration_units(units, "units")

@@ -11,7 +11,7 @@ from stochlin.analyses.records.files import (
     rows_in_words,
     stated_units,
 )
-from stochlin.analyses.tables.checks import as_path
+from stochlin.analyses.tables.inputs import input_path
 from stochlin.messages import plain
 from stochlin.models.hazards import Hazard, HazardCurve, check_curve
 
@@ -62,7 +62,7 @@ def read_hazard(
     >>> round(hazard.intensity(return_period=475) / 9.80665, 3)
     0.196
     """
-    path = as_path("path", path)
+    path = input_path("path", path)
     of = Hazard(measure=measure, period=period)  # checks measure and period
     units = None if units is None else acceleration_units(units, "units")
     of_s0 = of.measure == "intensity"

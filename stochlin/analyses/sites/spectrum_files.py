@@ -17,7 +17,7 @@ from stochlin.analyses.records.files import (
     stated_units,
 )
 from stochlin.analyses.sites.spectra import USUAL_DAMPING, check_damping, check_ordinates, labelled
-from stochlin.analyses.tables.checks import as_path
+from stochlin.analyses.tables.inputs import input_path
 from stochlin.messages import DoubtfulInput, plain
 
 LEAST, MOST = 0.0025, 7.5  # plausible ordinates [g], 2.5 times ground accelerations of 0.001 and 3 g
@@ -77,7 +77,7 @@ def read_spectrum(
     >>> round(float(spectrum.sel(period=0.4)), 4), spectrum.attrs["damping"]
     (4.9033, 0.05)
     """
-    path = as_path("path", path)
+    path = input_path("path", path)
     check_damping(damping)
     units = None if units is None else acceleration_units(units, "units")
     name = plain(path.name)

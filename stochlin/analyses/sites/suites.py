@@ -6,6 +6,7 @@ import csv
 import os
 import warnings
 from collections.abc import Iterator, Mapping
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,8 @@ from stochlin.analyses.sites.spectra import (
     checked_spectrum,
     interpolated,
 )
-from stochlin.analyses.tables.checks import as_path, check_truth, check_two_numbers
+from stochlin.analyses.tables.checks import check_truth, check_two_numbers
+from stochlin.analyses.tables.inputs import input_path, read_text
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief, plain
 
@@ -85,7 +87,7 @@ def read_records(
     >>> list(sl.read_records(folder))
     ['a.at2', 'b.at2']
     """
-    path = as_path("path", path)
+    path = input_path("path", path)
     check_truth("skip_unreadable", skip_unreadable)
     usual = {"dt": dt, "units": units, "column": column, "time_column": time_column}
     if not path.exists():
@@ -116,17 +118,25 @@ def _of_folder(path: Path) -> Iterator[tuple[str, str, dict[str, Any]]]:
 
 
 def _of_table(path: Path) -> Iterator[tuple[str, str, dict[str, Any]]]:
-    with path.open(encoding="utf-8-sig", newline="") as file:
-        table = csv.DictReader(file, skipinitialspace=True)
+    """Name, name for messages, and options of each file in a table."""
+    for line, name, row in table_rows(read_text(path), path.name):
+        where = f"{plain(path.name)}, line {line}, {plain(name)}"
+        yield name, where, _options(row, where)
+
+
+def table_rows(text: str, name: str) -> Iterator[tuple[int, str, Mapping[str, str | None]]]:
+    """Line, file and columns of each row of a table of records; a ValueError if it is none."""
+    table = csv.DictReader(StringIO(text, newline=""), skipinitialspace=True)
+    try:
         if FILE not in (table.fieldnames or ()):
             raise ValueError(
-                f"{plain(path.name)} has the columns {', '.join(map(plain, table.fieldnames or ()))}; "
+                f"{plain(name)} has the columns {', '.join(map(plain, table.fieldnames or ()))}; "
                 f"allowed: a table with a column {FILE!r}, or give the folder of the records"
             )
         for row in table:
-            name = str(row[FILE] or "").strip()
-            where = f"{plain(path.name)}, line {table.line_num}, {plain(name)}"
-            yield name, where, _options(row, where)
+            yield table.line_num, str(row[FILE] or "").strip(), row
+    except csv.Error as error:
+        raise ValueError(f"{plain(name)}, line {table.line_num + 1}: {error}") from error
 
 
 def _options(row: Mapping[str, str | None], where: str) -> dict[str, Any]:

@@ -7,7 +7,10 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+from stochlin.analyses.tables.inputs import read_input
 from stochlin.messages import brief, plain
+
+MOST_BYTES = 2**20  # of a case file or a specification, which a person writes
 
 
 def read_toml(path: Path) -> tuple[str, dict[str, Any]]:
@@ -15,9 +18,9 @@ def read_toml(path: Path) -> tuple[str, dict[str, Any]]:
 
     Raises an OSError if the file cannot be read, and a ValueError if it is no TOML.
     """
-    name = plain(path.name)
+    name, content = plain(path.name), read_input(path, MOST_BYTES)
     try:
-        text = path.read_bytes().decode("utf-8-sig")
+        text = content.decode("utf-8-sig")
         return text, tomllib.loads(text)
     except UnicodeDecodeError as error:
         raise ValueError(

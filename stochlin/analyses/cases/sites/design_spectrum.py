@@ -67,13 +67,6 @@ def _asce_7(site: Section, folder: Path) -> xr.DataArray:
 
 def _of_file(site: Section, folder: Path) -> xr.DataArray:
     _check_keys(site, (*_OF_FILES, *GOALS), strength="the file and scale, or pga, sa and return_period")
-    name = site.text(SPECTRUM)
-    if not (folder / name).exists():
-        raise site.error(
-            SPECTRUM,
-            "is neither a code nor a file beside this one; allowed: "
-            f"{', '.join(_CODES)}, or such a file",
-        )
     options: dict[str, Any] = {}
     if "units" in site:
         options["units"] = site.text("units")
@@ -82,7 +75,14 @@ def _of_file(site: Section, folder: Path) -> xr.DataArray:
     for key in ("column", "period_column"):
         if key in site:
             options[key] = site.column(key)
-    spectrum = read_spectrum(folder / name, **options)
+    try:
+        spectrum = read_spectrum(folder / site.text(SPECTRUM), **options)
+    except FileNotFoundError as error:
+        raise site.error(
+            SPECTRUM,
+            "is neither a code nor a file beside this one; allowed: "
+            f"{', '.join(_CODES)}, or such a file",
+        ) from error
     if "scale" not in site:
         return spectrum
     return (site.number("scale", SCALE) * spectrum).assign_attrs(spectrum.attrs)
