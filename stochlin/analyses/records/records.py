@@ -57,7 +57,7 @@ def read_record(
     Parameters
     ----------
     path : str or path
-        Path of the file, text in UTF-8.
+        Path of the file, text in UTF-8: a regular file of at most 64 MiB and two million lines.
     dt : float, optional
         Time step [s], positive. Not needed for AT2 or with a ``time_column``.
     units : {"g", "m/s^2", "cm/s^2", "gal", "mm/s^2"}, optional

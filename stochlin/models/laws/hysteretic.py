@@ -24,15 +24,17 @@ class Hysteretic(Structure):
         As in `Bilinear`.
     law : sympy.Expr
         ``G`` [1/s] in symbols named ``v``, the ductility rate [1/s], and ``z`` [-]. The law is odd:
-        ``G(-v, -z) = -G(v, z)``.
+        ``G(-v, -z) = -G(v, z)``. It may contain sums, products, powers, ``Abs``, ``sign``, ``Max``,
+        ``Min``, ``Heaviside``, ``Piecewise``, ``exp``, ``log``, and trigonometric and hyperbolic
+        functions and their inverses.
     mass : float, optional
         As in `Bilinear`.
 
     Raises
     ------
     ValueError, TypeError
-        As in `Bilinear`; also if the law is not given, has other symbols, is not odd, or has kinks
-        that cannot be located.
+        As in `Bilinear`; also if the law is not given, has other symbols or functions, is not odd, or
+        has kinks that cannot be located.
 
     References
     ----------
