@@ -68,6 +68,21 @@ def test_changes_of_a_quantile():
     assert np.mean(inside) > 0.84
 
 
+def test_changes_of_a_quantile_have_the_moments_of_tricube_weights():
+    """Of uniform responses, the nearest quarter: 35/243 and 1/22 of its even powers.
+
+    The second and fourth moment of the tricube kernel on -1 to 1 are known (Cleveland 1979); the local
+    line through an even power has no slope, and a cube has the mean zero.
+    """
+    n, reach = 4096, 0.125
+    response = (np.arange(n) + 0.5) / n
+    beyond = response - 0.5
+    more = np.array([response + beyond**power for power in (2, 4)] + [response + beyond + beyond**3])
+    found = changed_quantiles(response, more, np.tile(response, (3, 1)), 0.5)
+    exact = np.array([35 / 243 * reach**2, 1 / 22 * reach**4, 0.0])
+    np.testing.assert_allclose(found.value, exact, rtol=4 / n / reach, atol=1e-9)
+
+
 def test_a_jackknife_of_a_mean_is_its_standard_error():
     samples = np.random.default_rng(4).standard_normal(320)
     groups = np.arange(320) % 32
