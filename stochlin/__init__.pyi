@@ -106,6 +106,7 @@ from .analyses.separation.added_damping import damping_for_gap as damping_for_ga
 from .analyses.cases.case import (
     read_case as read_case,
     example_case as example_case,
+    example_record as example_record,
 )
 
 # Formulas and rules by name

@@ -7,17 +7,21 @@ expectations are integrated numerically.
 from __future__ import annotations
 
 import re
+import shlex
 from collections.abc import Callable, Collection, Iterable, Sequence
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import scipy.linalg
+from click.testing import CliRunner
 from scipy.integrate import quad
 from scipy.special import ndtr
 
 import stochlin as sl
+from stochlin.views.command import main
 
 REACH = 12.0  # standard deviations: the Gaussian density beyond is below 1e-31
 
@@ -49,6 +53,7 @@ duration = "12 s"
 """  # of a case file
 
 # Fewer simulated motions for commands that are run as printed and do not say how many.
+EXAMPLE_RECORD = '#   [[site.records]]\n#   path = "record.at2"\n'
 FEW_MOTIONS = {"charts": {"paths": 32, "simulated_points": 3, "reduction_factors": "2,4"}}
 
 SHORT_MOTION = {'"20 s"': '"6 s"', 'rise_end = "4 s"': 'rise_end = "1 s"', '"15 s"': '"4 s"'}
@@ -101,6 +106,30 @@ def with_buildings(*buildings: str) -> str:
 def recorded_example() -> str:
     """The example of a case file with the lines of its first record, ``taft.txt``, taken in."""
     return uncommented(blocks_to_uncomment("[[site.records]]")[0])
+
+
+def run_as_printed(line: str, page: Iterable[str]) -> None:
+    """Run a command of a page in an empty folder, after those lines of the page that write its files.
+
+    Motions are few; before ``pound`` the pages say that the lines of ``record.at2`` have to be taken in.
+    """
+    *before, last = (each.partition(" > ") for each in (*filter(re.compile(" > ").search, page), line))
+    for command, _, target in before:
+        Path(target).write_text(_output(command), encoding="utf-8")
+    text = Path("case.toml").read_text(encoding="utf-8").replace("paths = 2048", "paths = 256")
+    if "pound" in line and "--motions" not in line:
+        assert EXAMPLE_RECORD in text
+        text = text.replace(EXAMPLE_RECORD, EXAMPLE_RECORD.replace("#   ", ""))
+    Path("case.toml").write_text(text, encoding="utf-8")
+    _output(last[0])
+
+
+def _output(command: str) -> str:
+    program, *arguments = shlex.split(command)
+    assert program == "stochlin"
+    result = CliRunner().invoke(main, arguments, default_map=FEW_MOTIONS)
+    assert result.exit_code == 0, result.output
+    return result.output
 
 
 def log_uniform(rng: np.random.Generator, limits: tuple[float, float], size: int | None = None) -> Any:

@@ -91,10 +91,21 @@ def at2(values: np.ndarray) -> str:
     return f"PEER NGA\nSomewhere\nACCELERATION IN UNITS OF G\nNPTS= {values.size}, DT= .02 SEC\n{rows}\n"
 
 
+def test_the_example_of_a_record_is_what_its_description_says(tmp_path: Path) -> None:
+    """To its last digit, where another library may round differently."""
+    (tmp_path / "record.at2").write_text(sl.example_record())
+    assert sl.example_record().splitlines()[1].startswith("SYNTHETIC, by stochlin simulated_motions")
+    site = sl.named_ground("firm", 0.01), 20.0, sl.AminAng(4.0, 15.0, 0.35)
+    case = read(tmp_path, EXAMPLE)
+    assert (case.ground, case.duration, case.envelope) == site
+    shipped, motion = sl.read_record(tmp_path / "record.at2"), sl.simulated_motions(*site, paths=2)[0]
+    np.testing.assert_allclose(shipped, motion, rtol=1e-7, atol=1e-9)
+
+
 def test_each_form_of_a_record_is_uncommented_as_a_block_and_runs(tmp_path: Path) -> None:
     values = np.loadtxt(wave(tmp_path, "taft.txt"))
     np.savetxt(tmp_path / "sct.txt", np.column_stack([0.02 * np.arange(values.size), 981 * values]))
-    (tmp_path / "elcentro.at2").write_text(at2(values))
+    (tmp_path / "record.at2").write_text(at2(values))
     blocks = blocks_to_uncomment("[[site.records]]")
     assert len(blocks) == 3
     for block in blocks:

@@ -245,9 +245,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     place = tmp_path_factory.mktemp("fuzz")
     for name, text in RECORDS.items():
         written(place / name, text)
-    for name, own in (("taft.txt", "one.txt"), ("sct.txt", "tab.txt"), ("elcentro.at2", "peer.at2")):
+    for name, own in (("taft.txt", "one.txt"), ("sct.txt", "tab.txt"), ("record.at2", "peer.at2")):
         written(place / name, RECORDS[own])
-    written(place / "suite.csv", "file\nelcentro.at2\nnone.txt\n")
+    written(place / "suite.csv", "file\nrecord.at2\nnone.txt\n")
     written(place / "hazard.csv", "pga [g],annual frequency\n0.1,0.01\n1,1e-4\n")
     return place
 

@@ -231,18 +231,15 @@ def test_the_same_command_makes_the_same_files(chart: str, kind: str, tmp_path: 
 @pytest.mark.slow
 def test_charts_of_a_site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """As on the page that one starts with, with fewer points and motions."""
-    record = tmp_path / "taft.txt"
-    rng = np.random.default_rng(4)
-    time = np.arange(4000) * 0.01
-    motion = np.convolve(rng.normal(size=time.size), np.exp(-time * 2) * np.sin(6 * time), "full")
-    np.savetxt(record, 0.01 * motion[: time.size])
     monkeypatch.chdir(tmp_path)
-    line = "charts --record taft.txt --dt 0.01s --units g --out site"
+    Path("record.at2").write_text(sl.example_record(), encoding="utf-8")
+    line = "charts --record record.at2 --out site"
     result = CliRunner().invoke(main, line.split(), default_map=QUICK_CHARTS)
     assert result.exit_code == 0, result.output
     names = {f"{name}_site" for name in FIGURES if name not in FORMULAS} | set(RECORDED)
     assert {path.stem for path in Path("site").glob("*.png")} == names
-    without_step = run("charts", "--record", record, "--units", "g", "--out", "site")
+    np.savetxt("column.txt", sl.read_record("record.at2"))
+    without_step = run("charts", "--record", "column.txt", "--units", "m/s^2", "--out", "site")
     assert without_step.exit_code == 2
     assert "dt" in without_step.output
 

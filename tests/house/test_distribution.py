@@ -18,6 +18,7 @@ ROOT = Path(__file__).parents[2]
 LEFT_OUT = (".ci/", ".gitignore", "figures/")  # of the source archive
 SHOWN = "figures/fig4b.png"  # by the README
 RECORDS = (".at2", ".v1", ".v2", ".smc")
+SYNTHETIC = "stochlin/analyses/cases/example_record.at2"
 
 
 def built(pattern: str) -> Path:
@@ -38,17 +39,18 @@ def test_the_wheel_is_the_package_with_its_data_and_nothing_else() -> None:
         names = set(wheel.namelist())
     own = {name for name in names if ".dist-info/" not in name}
     assert own == {name for name in tracked() if name.startswith("stochlin/")}
-    assert {Path(name).suffix for name in own} >= {".nc", ".html", ".css", ".js", ".toml", ".typed"}
+    kinds = {".nc", ".html", ".css", ".js", ".toml", ".at2", ".typed"}
+    assert {Path(name).suffix for name in own} >= kinds
     for name in ("entry_points.txt", "licenses/LICENSE"):
         assert f"stochlin-{sl.__version__}.dist-info/{name}" in names
 
 
-def test_the_source_archive_has_all_that_the_tests_need_and_no_records() -> None:
+def test_the_source_archive_has_all_that_the_tests_need_and_no_measured_record() -> None:
     with tarfile.open(built(".tar.gz")) as archive:
         names = {name.partition("/")[2] for name in archive.getnames()}
     wanted = {name for name in tracked() if not name.startswith(LEFT_OUT)} | {SHOWN}
     assert names - {"PKG-INFO", ".gitignore"} == wanted
-    assert not [name for name in names if name.lower().endswith(RECORDS)]
+    assert {name for name in names if name.lower().endswith(RECORDS)} == {SYNTHETIC}
 
 
 def test_the_version_is_the_same_wherever_it_stands() -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib.util
 import re
 import runpy
-import shlex
 import shutil
 import subprocess
 import sys
@@ -17,11 +16,9 @@ from urllib.parse import unquote, urlsplit
 
 import numpy as np
 import pytest
-from cases import FEW_MOTIONS, recorded_example, with_slow
-from click.testing import CliRunner
+from cases import run_as_printed, with_slow
 
 import stochlin as sl
-from stochlin.views.command import main
 
 pytestmark = pytest.mark.cli
 
@@ -38,7 +35,7 @@ RUN_HERE = {name: text for name, text in PAGES.items() if name != "worked_case"}
 
 
 # By tests/house/test_command.py.
-DRAWN = "stochlin charts --record taft.txt --dt 0.01s --units g --out site"
+DRAWN = "stochlin charts --record record.at2 --out site"
 
 
 def blocks(text: str, language: str) -> list[str]:
@@ -132,16 +129,7 @@ def test_first_chart_is_the_one_of_the_page() -> None:
 @pytest.mark.parametrize("line", with_slow(command_lines(), LONG))
 def test_command_lines_run(line: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("stochlin.views.explorer.server.serve", lambda *scene, **options: None)
-    time = 0.01 * np.arange(4000)
-    noise = np.random.default_rng(7).normal(size=time.size)
-    motion = np.convolve(noise, np.exp(-5 * time) * np.sin(15 * time), "full")[: time.size]
-    np.savetxt("taft.txt", 0.01 * motion)
-    case = recorded_example().replace("paths = 2048", "paths = 256")
-    Path("case.toml").write_text(case, encoding="utf-8")
-    program, *arguments = shlex.split(line.partition(" > ")[0])
-    assert program == "stochlin"
-    result = CliRunner().invoke(main, arguments, default_map=FEW_MOTIONS)
-    assert result.exit_code == 0, result.output
+    run_as_printed(line, command_lines())
 
 
 @pytest.mark.parametrize("page", PAGES)

@@ -1,18 +1,12 @@
-"""What the README and the page of commands show works as printed."""
+"""What the README and the page of commands show works as printed, in an empty folder."""
 
 from __future__ import annotations
 
 import re
-import shlex
 from pathlib import Path
 
-import numpy as np
 import pytest
-from cases import FEW_MOTIONS, recorded_example, with_slow
-from click.testing import CliRunner
-
-import stochlin as sl
-from stochlin.views.command import main
+from cases import run_as_printed, with_slow
 
 pytestmark = pytest.mark.cli
 
@@ -48,20 +42,9 @@ LONG = {
 @pytest.mark.parametrize("line", with_slow(command_lines(), LONG))
 def test_command_lines_run(line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    rng = np.random.default_rng(7)
-    t = np.arange(4000) * 0.01
-    motion = np.convolve(rng.normal(size=t.size), np.exp(-5 * t) * np.sin(15 * t), "full")[: t.size]
-    np.savetxt("taft.txt", 0.01 * motion)
-    case = recorded_example() if line.startswith("stochlin pound") else sl.example_case()
-    few = case.replace("paths = 2048", "paths = 256")
-    Path("case.toml").write_text(few, encoding="utf-8")
     # It would serve until it is interrupted; tests/explorer/test_page.py lets it.
     monkeypatch.setattr("stochlin.views.explorer.server.serve", lambda *scene, **options: None)
-    command, _, target = line.partition(" > ")
-    result = CliRunner().invoke(main, shlex.split(command)[1:], default_map=FEW_MOTIONS)
-    assert result.exit_code == 0, result.output
-    if target:
-        assert result.output == case
+    run_as_printed(line, command_lines())
 
 
 def test_python_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

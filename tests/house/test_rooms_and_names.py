@@ -35,6 +35,7 @@ WITHOUT_FORMULA = {
     "effective_rule",
     "effective_rule_names",
     "example_case",
+    "example_record",
     "ground_names",
     "lookup",
     "named_ground",

@@ -168,8 +168,9 @@ def _checked(case: Case, simulated: bool = False) -> Contact | None:
     needs = f"{case.file}: pounding needs"
     if not case.records and not simulated:
         raise ValueError(
-            f"{needs} a recorded motion; write [[site.records]], and below it its path, units and dt; "
-            "or --motions 100 for simulated ones"
+            f"{needs} a recorded motion; write [[site.records]], and below it its path, units and dt "
+            "('stochlin gap --example-record > record.at2' writes a synthetic one to try); or "
+            "--motions 100 for simulated ones"
         )
     several = len(case.buildings) > 1
     if several and not case.gaps:

@@ -41,7 +41,7 @@ def to_at2(record: xr.DataArray, path: str | os.PathLike[str]) -> None:
 
     Notes
     -----
-    Accelerations are written in g, with eight digits.
+    Accelerations are written in g, with eight digits. The second line is the attribute ``source``.
 
     Examples
     --------
@@ -58,7 +58,7 @@ def to_at2(record: xr.DataArray, path: str | os.PathLike[str]) -> None:
     in_g = values / METRES["g"]
     rows = (in_g[n : n + _IN_A_LINE] for n in range(0, in_g.size, _IN_A_LINE))
     head = [
-        "PEER NGA STRONG MOTION DATABASE RECORD",
+        "GROUND MOTION IN THE FORMAT OF PEER AT2 FILES",
         plain(record.attrs.get("source", "a record")),
         "ACCELERATION TIME SERIES IN UNITS OF G",
         f"NPTS= {in_g.size:6d}, DT= {np.format_float_positional(dt, precision=12)} SEC",

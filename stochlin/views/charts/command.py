@@ -118,10 +118,11 @@ def charts(
       stochlin charts
       stochlin charts fig3b --rules jeng_kasai_maison_1992_unverified,iwan_1980
       stochlin charts fig5a --damping 0.02 --hardening 0.1 --format pdf --out out
-      stochlin charts --record taft.txt --dt 0.01s --units g
-      stochlin charts fig1b --record taft.txt --dt 0.01s --units g --structure-period 1s
-      stochlin charts added_damping --record taft.txt --dt 0.01s --units g --structure-period 1s \\
-          --gap 4cm
+      stochlin gap --example-record > record.at2
+      stochlin charts --record record.at2
+      stochlin charts fig1b --record record.at2 --structure-period 1s
+      stochlin charts added_damping --record record.at2 --structure-period 1s --gap 4cm
+      stochlin charts site_spectrum --record column.txt --dt 0.01s --units g
     """
     from stochlin.analyses.charts.charts import chart_functions
     from stochlin.kernels.basics.parallel import part_of

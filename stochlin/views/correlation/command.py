@@ -68,7 +68,7 @@ def rho(record: Path | None, out: Path | None, **options: Any) -> None:
       stochlin rho --period-1 0.7s --period-2 1s
       stochlin rho --period-1 0.2s:2s:19 --period-2 1s --hardening 0.05 --reduction-factor 2,4,6 \\
           --ground kanai-tajimi --ground-period 2s --ground-damping 0.05 --out table.nc
-      stochlin rho --period 1s --period-2 1.2s --record taft.txt --dt 0.01s --units g
+      stochlin rho --period 1s --period-2 1.2s --record record.at2
       stochlin rho --period 0.7s --period-2 1s --hardening 0.05 --reduction-factor 4 \\
           --law bouc_wen --exponent 2
     """

@@ -58,6 +58,8 @@ def pound(case: Path, out: Path | None, picture: Path | None, motions: int | Non
 
     \b
     Examples:
+      stochlin gap --example > case.toml
+      stochlin gap --example-record > record.at2
       stochlin pound case.toml
       stochlin pound case.toml --picture pound.png
       stochlin pound case.toml --out pound.nc

@@ -41,6 +41,9 @@ REPORTS = (".html", ".htm")
     "or .pdf, and save the data beside the picture.",
 )
 @click.option("--example", is_flag=True, help="Print a case file to start from, and stop.")
+@click.option(
+    "--example-record", is_flag=True, help="Print a synthetic record to try, a PEER AT2 file, and stop."
+)
 def gap(
     case: Path | None,
     report: Path | None,
@@ -48,6 +51,7 @@ def gap(
     picture: Path | None,
     sensitivity: Path | None,
     example: bool,
+    example_record: bool,
 ) -> None:
     """Compute the gap that two buildings need, by simulation and by every rule.
 
@@ -57,16 +61,17 @@ def gap(
     \b
     Examples:
       stochlin gap --example > case.toml
+      stochlin gap --example-record > record.at2
       stochlin gap case.toml
       stochlin gap case.toml --report gap.html --out gap.nc
       stochlin gap case.toml --picture gap.png
       stochlin gap case.toml --sensitivity tornado.png
     """
     with bad_input():
-        if example:
-            from stochlin.analyses.cases.case import example_case
+        if example or example_record:
+            from stochlin.analyses.cases import case as cases
 
-            click.echo(example_case(), nl=False)
+            click.echo(cases.example_case() if example else cases.example_record(), nl=False)
             return
         if case is None:
             raise ValueError(
