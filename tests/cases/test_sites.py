@@ -15,6 +15,7 @@ from click.testing import CliRunner
 import stochlin as sl
 from stochlin.analyses.cases.case import Case
 from stochlin.analyses.cases.separation import answer_case
+from stochlin.analyses.cases.sites.shaking import recorded_shaking
 from stochlin.views.command import main
 
 pytestmark = pytest.mark.invariant
@@ -36,6 +37,17 @@ def written(folder: Path, site: str, text: str = EXAMPLE) -> Path:
     path = folder / "case.toml"
     path.write_text(f"{text[:start]}[site]\n{site}\n{text[end:]}", encoding="utf-8")
     return path
+
+
+def test_intensity_of_a_sine_in_closed_form() -> None:
+    """Of amplitude a: PGA a, rms a/sqrt(2), and a spectral acceleration a/(2 xi) at resonance."""
+    time = 0.005 * np.arange(8001)
+    record = xr.DataArray(3.0 * np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    table = recorded_shaking(record, [1.0, 0.02, 1.0])
+    assert float(table["peak_ground_acceleration"]) == pytest.approx(3.0)
+    assert float(table["rms_acceleration"]) == pytest.approx(3.0 / np.sqrt(2), rel=1e-2)
+    # The start has died out to exp(-2 pi xi 40); a stiff structure follows the ground.
+    np.testing.assert_allclose(table["spectral_acceleration"], [30.0, 3.0, 30.0], rtol=1e-2)
 
 
 def read(folder: Path, site: str, text: str = EXAMPLE) -> Case:

@@ -185,3 +185,6 @@ def test_bad_envelopes_are_refused():
             make()
     with pytest.raises(ValueError, match="path"):
         sl.exceedance(xr.DataArray([1.0], dims="x"), 0.5)
+    for samples in (np.array([1.0]), xr.DataArray(["1.0"], dims="path")):
+        with pytest.raises(TypeError, match=r"samples = .*allowed: an xarray\.DataArray of numbers"):
+            sl.exceedance(samples, 0.5)
