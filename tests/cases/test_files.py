@@ -251,6 +251,12 @@ WRONG = {
     ),
     "confidence": ('"90 %"', '"190 %"', "confidence", ["a probability"]),
     "neither true nor false": ("align = true", 'align = "yes"', "floors_align", ["true, false"]),
+    "no truth of one property": (
+        "# same_property = true",
+        "same_property = 1",
+        "same_property",
+        ["true, false"],
+    ),
     "zone": ('# zone = "II"', 'zone = "IV"', "zone", ["I, II, III"]),
     "few paths": ("paths = 2048", "paths = 10", "paths", ["100 or more"]),
     "half a path": ("paths = 2048", "paths = 2048.5", "paths", ["whole number"]),
@@ -385,15 +391,17 @@ def test_rms_acceleration_of_kanai_tajimi_ground(
 def test_answer_is_that_of_the_library(tmp_path: Path) -> None:
     wave(tmp_path)
     site = f'{GROUND}\nintensity = "0.01 m^2/s^3"\n{RECORD}'
-    text = with_site(site).replace("paths = 2048", "paths = 128")
+    common = 'floors_align = true\nsame_property = true\nsame_system = true\nzone = "II"\n'
+    text = with_site(site).replace("paths = 2048", "paths = 128").replace("floors_align = true", common)
     case = read(tmp_path, text)
     answer = answer_case(case)
     pair = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (1.0, 0.6)]
     motion = {"envelope": sl.AminAng(4.0, 15.0, 0.35), "paths": 128}
     ground = sl.named_ground("firm", intensity=0.01)
     record = sl.read_record(tmp_path / "wave.txt", dt=0.02, units="g")
-    heights = {"height_1": 24.0, "height_2": 15.0, "floors_align": True}
-    expected = sl.separation(*pair, ground, 20.0, **motion, **heights, records={"wave.txt": record})
+    sites = {"height_1": 24.0, "height_2": 15.0, "zone": "II"}
+    sites |= dict.fromkeys(("floors_align", "same_property", "same_system"), True)
+    expected = sl.separation(*pair, ground, 20.0, **motion, **sites, records={"wave.txt": record})
     assert answer.separation.equals(expected)
     assert answer.existing is not None
     assert answer.existing.equals(sl.existing_gap(*pair, ground, 20.0, 0.05, **motion))

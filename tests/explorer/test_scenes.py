@@ -21,6 +21,7 @@ from stochlin.analyses.linearization.equivalent_systems import INTERNAL, solve_s
 from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.tables.storage import as_netcdf
 from stochlin.kernels.linearization.covariance import EquivalentSystem
+from stochlin.models.rules.codes import IN_COMMON
 from stochlin.views.explorer import pictures as charts
 from stochlin.views.explorer import words
 from stochlin.views.explorer.controls import GROUPS, NUMBERS, SCALES, Control, counts
@@ -66,6 +67,8 @@ def test_a_scene_survives_its_case_file(seed, tmp_path):
         heights=(12.3, None),
         storeys=(None, 4),
         floors_align=bool(seed % 2),
+        same_property=bool(seed % 3),
+        same_system=bool(seed % 2),
         zone="II" if seed % 2 else None,
         unverified=bool(seed % 3),
     )
@@ -74,6 +77,7 @@ def test_a_scene_survives_its_case_file(seed, tmp_path):
     assert again.ground().describe() == scene.ground().describe()
     assert again.structures() == scene.structures()
     assert again.motion() == scene.motion()
+    assert again.neighbours == scene.neighbours
     assert case_text(again) == case_text(scene)  # all that the file holds: unused sliders it does not
 
 
@@ -93,7 +97,7 @@ def test_of_the_example_nothing_is_lost(tmp_path):
     after = sl.read_case(tmp_path / "case.toml")
     assert after.second.structure == dataclasses.replace(before.second.structure, period=0.7)
     assert after.first == before.first
-    for name in ("contact", "measures", "amplification_limit", "numbers", "zone", "floors_align"):
+    for name in ("contact", "measures", "amplification_limit", "numbers", "zone", *IN_COMMON):
         assert getattr(after, name) == getattr(before, name), name
 
 

@@ -381,7 +381,8 @@ def test_storeys_that_stay_elastic_need_no_caution():
 
 
 def test_floors_that_are_not_level_are_told_and_codes_asked_so():
-    scene = dataclasses.replace(REGULARS, storey_height_2=3.5, floors_align=True)
+    common = {"floors_align": True, "same_property": True}
+    scene = dataclasses.replace(REGULARS, storey_height_2=3.5, **common)
     assert [slab.level for slab in scene.slabs_on_columns] == pytest.approx([3, 3.5, 6, 7, 9, 10.5])
     assert not scene.for_codes()["floors_align"]
     assert "floors_align = false" in case_text(scene)

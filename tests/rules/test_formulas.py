@@ -195,27 +195,57 @@ lengths = st.floats(1e-3, 2)
 
 
 @pytest.mark.parametrize(
-    ("name", "apart", "aligned"),
+    ("name", "two", "two_level", "one", "one_level"),
     [
-        ("srss", 0.05, 0.05),
-        ("share_of_sum", 0.07, 0.07),
-        ("asce_7", 0.05, 0.05),
-        ("canada", 0.05, 0.05),
-        ("eurocode_8", 0.05, 0.035),
-        ("ubc_97", 0.05, 0.05),
-        ("mexico_city", 0.03 + 0.036 + 0.04 + 0.06, 0.083),
-        ("is_1893", 0.07, 0.035),
-        ("taiwan", 0.042, 0.042),
-        ("peru_e030", 0.072, 0.072),
-        ("asce_41", 0.48, 0.48),
-        ("mexico_city_simplified", 0.108 + 0.18, 0.144),
-        ("china_gb_50011", 0.1, 0.1),
+        ("srss", 0.05, 0.05, 0.05, 0.05),
+        ("share_of_sum", 0.07, 0.07, 0.07, 0.07),
+        ("asce_7", 0.07, 0.07, 0.05, 0.05),
+        ("canada", 0.05, 0.05, 0.05, 0.05),
+        ("eurocode_8", 0.07, 0.07, 0.05, 0.035),
+        ("ubc_97", 0.07, 0.07, 0.05, 0.05),
+        ("mexico_city", *4 * (0.03 + 0.036 + 0.04 + 0.06,)),
+        ("is_1893", 0.07, 0.07, 0.07, 0.07),
+        ("taiwan", 0.042, 0.042, 0.042, 0.042),
+        ("peru_e030", 0.036 + 0.06, 0.036 + 0.06, 0.072, 0.072),
+        ("asce_41", 0.48, 0.48, 0.48, 0.48),
+        ("mexico_city_simplified", *4 * (0.108 + 0.18,)),
+        ("china_gb_50011", 0.1, 0.1, 0.1, 0.1),
     ],
 )
-def test_codes_by_hand(name, apart, aligned):
+def test_codes_by_hand(name, two, two_level, one, one_level):
+    """Two properties and one, floors that are not level and level; 12 m beside 20 m."""
     rule = sl.code_rule(name)
-    assert float(rule.gap(0.03, 0.04, **SITE)) == pytest.approx(apart, rel=1e-12)
-    assert float(rule.gap(0.03, 0.04, **SITE, floors_align=True)) == pytest.approx(aligned, rel=1e-12)
+    for same_property, gaps in ((False, (two, two_level)), (True, (one, one_level))):
+        for level, gap in zip((False, True), gaps, strict=True):
+            told = {"same_property": same_property, "floors_align": level}
+            for same_system in (False, True):
+                found = rule.gap(0.03, 0.04, **SITE, **told, same_system=same_system)
+                assert float(found) == pytest.approx(gap, rel=1e-12)
+
+
+@pytest.mark.parametrize(("name", "whole"), [("mexico_city", 0.142), ("mexico_city_simplified", 0.216)])
+def test_mexico_city_halves_for_the_same_height_system_and_levels_only(name, whole):
+    """NTC-Sismo 1.10: the same height and "estructuracion", and slabs at the same levels, all three."""
+    rule, alike = sl.code_rule(name), {"floors_align": True, "same_system": True}
+    heights = np.array([12.0, 12.1])
+    assert rule.gap(0.03, 0.04, 12.0, heights, zone="II", **alike)[0] == pytest.approx(whole / 2)
+    assert rule.gap(0.03, 0.04, 12.0, heights, zone="II", **alike)[1] > whole
+    for lacking in alike:
+        told = alike | {lacking: False}
+        assert rule.gap(0.03, 0.04, 12.0, 12.0, zone="II", **told) == pytest.approx(whole, rel=1e-12)
+
+
+def test_codes_that_know_property_lines_sum_between_two_properties():
+    """IBC 2009 and Eurocode 8: the root of squares only "on the same property"."""
+    for name in ("asce_7", "ubc_97", "eurocode_8", "peru_e030"):
+        rule = sl.code_rule(name)
+        each = [rule.gap(peak, None, height) for peak, height in ((0.03, 12.0), (0.04, 20.0))]
+        assert float(rule.gap(0.03, 0.04, **SITE)) == pytest.approx(sum(each), rel=1e-14)
+    families = {
+        same: sl.code_gaps(0.03, 0.04, **SITE, same_property=same).family.sel(rule="eurocode_8").item()
+        for same in (False, True)
+    }
+    assert families == {False: "sum", True: "SRSS"}
 
 
 def test_every_code_is_in_the_table_by_hand():
@@ -306,7 +336,9 @@ def test_numbers_that_cannot_be_are_refused(numbers, error, message):
 def test_peru_has_three_ways_to_be_the_largest():
     rule = sl.code_rule("peru_e030")
     for peaks, height, gap in ((0.001, 2.0, 0.03), (0.001, 10.0, 0.06), (0.3, 10.0, 0.4)):
-        assert float(rule.gap(peaks, peaks, height, 50.0)) == pytest.approx(gap, rel=1e-12)
+        within = rule.gap(peaks, peaks, height, 50.0, same_property=True)
+        assert float(within) == pytest.approx(gap, rel=1e-12)
+        assert float(rule.gap(peaks, None, height)) == pytest.approx(gap / 2, rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -316,14 +348,15 @@ def test_families_take_their_number(name, value, gap):
     assert float(sl.code_rule(name, value).gap(0.03, 0.04, 12.0, 20.0)) == pytest.approx(gap, rel=1e-12)
 
 
-@given(lengths, lengths, st.floats(3, 100), st.floats(3, 100), st.booleans())
-def test_codes_do_not_ask_which_building_is_first(one, two, h_1, h_2, aligned):
+@given(lengths, lengths, st.floats(3, 100), st.floats(3, 100), *3 * (st.booleans(),))
+def test_codes_do_not_ask_which_building_is_first(one, two, h_1, h_2, aligned, lot, system):
     for name in sl.code_rule_names():
-        rule = sl.code_rule(name)
-        here = rule.gap(one, two, h_1, h_2, aligned, "III")
-        assert here == pytest.approx(rule.gap(two, one, h_2, h_1, aligned, "III"), rel=1e-14)
-        assert rule.gap(1.5 * one, two, h_1, h_2, aligned, "III") >= here
-        assert rule.gap(one, two, h_1, h_2, False, "III") >= here
+        rule, told = sl.code_rule(name), ("III", lot, system)
+        here = rule.gap(one, two, h_1, h_2, aligned, *told)
+        assert here == pytest.approx(rule.gap(two, one, h_2, h_1, aligned, *told), rel=1e-14)
+        assert rule.gap(1.5 * one, two, h_1, h_2, aligned, *told) >= here
+        for safer in ((False, *told), (aligned, "III", False, system), (aligned, "III", lot, False)):
+            assert rule.gap(one, two, h_1, h_2, *safer) >= here * (1 - 1e-14)  # other rounding
 
 
 @given(lengths, lengths)
@@ -387,6 +420,8 @@ def test_rules_without_their_data_are_nan_and_say_what_is_missing():
         ({"height_1": 0.0}, ValueError, "height_1 = 0 "),
         ({"peak_1": -0.1}, ValueError, "peak_1 = -0.1"),
         ({"floors_align": "yes"}, TypeError, "floors_align = 'yes'"),
+        ({"same_property": "yes"}, TypeError, "same_property = 'yes'"),
+        ({"same_system": 1}, TypeError, "same_system = 1"),
     ],
     ids=str,
 )

@@ -23,7 +23,7 @@ TOWER = sl.ShearBuilding(
 )
 TIME = 0.02 * np.arange(400)
 RECORD = xr.DataArray(3 * np.sin(6 * TIME) * np.exp(-TIME / 3), dims="time", coords={"time": TIME})
-OF_ONE = {"simulation", "linearization", "share_of_sum", "asce_7", "ubc_97"}
+OF_ONE = {"simulation", "linearization", "share_of_sum", "asce_7", "ubc_97", "eurocode_8"}
 
 
 @pytest.mark.invariant
@@ -103,7 +103,11 @@ def test_a_building_stays_on_its_side_with_every_floor() -> None:
 def test_rules_of_two_say_that_they_need_a_second() -> None:
     table = sl.separation(OFFICE, None, GROUND, **QUAKE, height_1=24.0, zone="I", unverified=True)
     known = table.gap.notnull()
-    assert set(table.rule.values[known]) == OF_ONE | {"mexico_city", "mexico_city_simplified"}
+    assert set(table.rule.values[known]) == OF_ONE | {
+        "mexico_city",
+        "mexico_city_simplified",
+        "peru_e030",
+    }
     for rule in table.rule.values[~known]:
         assert table.missing.sel(rule=rule).item().startswith("needs a second building")
     assert set(table.verdict.values[~known.values]) == {4}
@@ -115,11 +119,13 @@ def test_rules_of_two_say_that_they_need_a_second() -> None:
 
 @pytest.mark.paper
 def test_codes_of_one_building_by_hand() -> None:
-    """The paper's families; ASCE 7-16, 12.12.3; Mexico City, 1.10, which keeps 50 mm at least."""
+    """The paper's families; ASCE 7-16, 12.12.3; Eurocode 8, 4.4.2.7; Mexico City, 1.10; Peru, 33.3."""
     stated = {"share_of_height": 0.005, "fixed_distance": 0.04, "share_of_sum": 0.8}
     one = sl.code_gaps([0.02, 0.1], None, height_1=10.0, zone="III", numbers=stated)
     by_hand = {
         "asce_7": [0.02, 0.1],
+        "eurocode_8": [0.02, 0.1],
+        "peru_e030": [0.03, 0.1 * 2 / 3],
         "share_of_sum": [0.016, 0.08],
         "share_of_height": [0.05, 0.05],
         "fixed_distance": [0.04, 0.04],
@@ -214,7 +220,8 @@ def test_one_alone_stands_first(given: tuple[object, object], says: str) -> None
 
 @pytest.mark.invariant
 def test_what_is_of_a_second_building_is_refused() -> None:
-    for name, value in (("height_2", 12.0), ("floors_align", True)):
+    facts = dict.fromkeys(("floors_align", "same_property", "same_system"), True)
+    for name, value in ({"height_2": 12.0} | facts).items():
         with pytest.raises(ValueError, match=f"{name} is given, of a second building"):
             sl.separation(OFFICE, None, GROUND, 20.0, **{name: value})
         with pytest.raises(ValueError, match=f"{name} is given, of a second building"):
@@ -269,6 +276,8 @@ name = "Mill"
 confidence = "90 %"
 zone = "II"
 floors_align = true
+same_property = true
+same_system = true
 {more}
 [simulation]
 paths = 128
@@ -311,7 +320,7 @@ def test_the_command_answers_for_one_building(building: str, more: str, tmp_path
     assert "Mill: the set-back from the property line" in plain
     assert "Set-backs by rule" in plain
     for said in (done.output, plain):
-        assert not re.search(r"canada|Canada|Eurocode|\bnan\b|None", said)
+        assert not re.search(r"canada|Canada|IS 1893|\bnan\b|None", said)
     first = plain[: plain.index("The rules and the answer")]
     assert not ABOUT_TWO.search(first), ABOUT_TWO.search(first)
     assert ("The existing set-back" in plain) == bool(more)

@@ -153,6 +153,18 @@ def test_finite_motions_are_answered_where_there_is_no_stationary_one():
     assert "no stationary value" in answer.missing.sel(rule="eq_3_linearized").item()
 
 
+def test_codes_take_roofs_and_not_levels_for_the_same_height():
+    """Mexico City halves at every level for three storeys beside three, at none for three beside two."""
+    whole, alike = {"zone": "II"}, {"zone": "II", "floors_align": True, "same_system": True}
+    for other, share in ((3, 0.5), (2, 1.0)):
+        pair = building(3), building(other)
+        usual, found = (
+            sl.separation(*pair, FIRM, **(FEW | told)).gap_at_height.sel(rule="mexico_city")
+            for told in (whole, alike)
+        )
+        np.testing.assert_allclose(found, share * usual, rtol=1e-14)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

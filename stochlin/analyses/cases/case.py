@@ -53,7 +53,7 @@ from stochlin.models.grounds import Ground
 from stochlin.models.hazards import Hazard
 from stochlin.models.measures import Measure
 from stochlin.models.parameters import POSITIVE, Range
-from stochlin.models.rules.codes import CODE_RULES, ZONES
+from stochlin.models.rules.codes import CODE_RULES, IN_COMMON, ZONES
 from stochlin.models.rules.codes.families import Numbered
 from stochlin.models.uncertain import UncertainModel, median_of
 
@@ -87,6 +87,8 @@ class Case:
     confidence: float
     gaps: tuple[float, ...]
     floors_align: bool
+    same_property: bool
+    same_system: bool
     zone: str | None
     numbers: Mapping[str, float]
     unverified: bool
@@ -293,7 +295,7 @@ def read_case(path: str | os.PathLike[str]) -> Case:
         raise whole.error("hazard", "is of the site; write [site.hazard], below all else of the site")
     whole.only("title", *TABLES[:2], *keys, *TABLES[2:])
     site, motion, wanted = (whole.section(key) for key in ("site", "motion", "separation"))
-    wanted.only("confidence", "existing", "risk", "floors_align", "zone", "numbers", "unverified")
+    wanted.only("confidence", "existing", "risk", *IN_COMMON, "zone", "numbers", "unverified")
     records = recorded_motions(site, path.parent)
     spectrum = design_spectrum(site, path.parent) if SPECTRUM in site else None
     described = None
@@ -345,6 +347,8 @@ def read_case(path: str | os.PathLike[str]) -> Case:
         confidence=wanted.number("confidence", SHARE),
         gaps=read_gaps(wanted, len(buildings)),
         floors_align=align and not slabs,
+        same_property=wanted.truth("same_property"),
+        same_system=wanted.truth("same_system"),
         zone=wanted.text("zone", tuple(ZONES)) if "zone" in wanted else None,
         numbers=_numbers(wanted.section("numbers", needed=False)),
         unverified=wanted.truth("unverified"),

@@ -20,6 +20,7 @@ from stochlin.analyses.sites.simulated_spectra import simulated_spectrum
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.models.grounds import rms_acceleration
 from stochlin.models.parameters import Model
+from stochlin.models.rules.codes import IN_COMMON
 
 POINTS, SPECTRUM_PATHS = 401, 512
 OF_RISK = 0.2  # share of the work for the risk, if there is a hazard
@@ -95,13 +96,13 @@ def answer_case(case: Case, progress: Progress | None = None, sensitivities: boo
     if case.gap is not None:
         options = {**case.motion, "progress": part_of(progress, begin, middle)}
         existing = existing_gap(*pair, case.sampled_ground, gap=case.gap, **options)
+    in_common: dict[str, Any] = {} if case.alone else {name: getattr(case, name) for name in IN_COMMON}
     table = separation(
         *pair,
         case.sampled_ground,
-        **case.motion,
+        **case.motion | in_common,
         height_1=first.height,
         height_2=second.height if second else None,
-        floors_align=case.floors_align and not case.alone,
         zone=case.zone,
         numbers=case.numbers,
         unverified=case.unverified,

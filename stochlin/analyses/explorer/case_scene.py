@@ -38,6 +38,7 @@ from stochlin.models.envelopes import ENVELOPES
 from stochlin.models.grounds import GROUNDS
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Model
+from stochlin.models.rules.codes import IN_COMMON
 
 MEDIAN = "gaps by rules without simulation are those of the median strength"
 
@@ -149,7 +150,7 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
 
 def _motion(case: Case) -> dict[str, Any]:
     """Parameters of the scene for the motion, the gap and the options of the case."""
-    names = ("title", "confidence", "duration", "scatter", "floors_align", "zone", "unverified")
+    names = ("title", "confidence", "duration", "scatter", *IN_COMMON, "zone", "unverified")
     values: dict[str, Any] = {name: getattr(case, name) for name in (*names, "paths", "seed")}
     values["envelope"] = NONE
     if case.envelope is not None:

@@ -78,7 +78,7 @@ def case_text(scene: Scene) -> str:
     for number in (1, 2):
         lines += ["", *_building(scene, number)]
     lines += ["", "[separation]", f"confidence = {scene.confidence!r}", f'existing = "{scene.gap!r} m"']
-    lines += [f"floors_align = {_written(scene.for_codes()['floors_align'])}"]
+    lines += [f"{name} = {_written(value)}" for name, value in vars(scene.neighbours).items()]
     lines += [f"zone = {_written(scene.zone)}"] if scene.zone else []
     lines += [f"unverified = {_written(scene.unverified)}"]
     lines += _pairs(_said(scene, "separation"), ("risk", "numbers"))

@@ -209,9 +209,7 @@ def _rules(scene: Scene, seconds: float) -> list[Rule]:
             scene.confidence,
             scene.scatter,
         ),
-        *code_rules(
-            drifted[:, None], scene.heights, scene.floors_align, scene.zone, dict(scene.numbers)
-        ),
+        *code_rules(drifted[:, None], scene.heights, scene.neighbours, scene.zone, dict(scene.numbers)),
     ]
 
 

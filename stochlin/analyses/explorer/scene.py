@@ -51,6 +51,7 @@ from stochlin.models.grounds import GROUNDS, Ground, KanaiTajimi, ParallelGround
 from stochlin.models.grounds.named import ground_names, named_ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import POSITIVE, Model, Range, parameter
+from stochlin.models.rules.codes import Neighbours
 from stochlin.models.structures import DAMPING, HARDENING
 from stochlin.models.systems import AnyStructure
 
@@ -196,6 +197,8 @@ class Scene(Model):
     floor_masses: tuple[float, float] = (4e5, 4e5)
     storeys_of_file: tuple[StoreysOfFile | None, StoreysOfFile | None] = (None, None)
     floors_align: bool = False
+    same_property: bool = False
+    same_system: bool = False
     zone: str | None = None
     numbers: tuple[tuple[str, float], ...] = ()
     unverified: bool = False
@@ -390,6 +393,12 @@ class Scene(Model):
             "scatter": self.scatter,
         }
 
+    @property
+    def neighbours(self) -> Neighbours:
+        """What both buildings have in common; their floors align only if no slab meets a column."""
+        align = self.floors_align and not self.slabs_on_columns
+        return Neighbours(align, self.same_property, self.same_system)
+
     def for_codes(self) -> dict[str, Any]:
         """Arguments for rules of building codes; heights only of buildings without storeys."""
         heights = [
@@ -399,7 +408,7 @@ class Scene(Model):
         return {
             "height_1": heights[0],
             "height_2": heights[1],
-            "floors_align": self.floors_align and not self.slabs_on_columns,
+            **vars(self.neighbours),
             "zone": self.zone,
             "numbers": dict(self.numbers),
         }

@@ -25,6 +25,7 @@ from stochlin.analyses.separation.rules import (
 from stochlin.analyses.separation.storeys import (
     correlation_in,
     correlation_of,
+    of_storeys,
     stationary_motions,
     weights,
 )
@@ -133,12 +134,13 @@ def rules(scene: Scene, seconds: float) -> tuple[list[Rule], Array]:
     peaks = peaks_of(scene, both, seconds)
     apart = [m[2 * count :] for m in moments]
     texts = {"mark": "C", "assumptions": f"{EQ_3}; {LINEARIZED_PEAKS}"}
-    of_modes, asked = _of_first_modes(scene, scene.period_2).values, scene.for_codes()
+    of_modes = _of_first_modes(scene, scene.period_2).values
+    neighbours = of_storeys(scene.neighbours, scene.structures(), scene.heights)
     listed = [
         equation_3_rule(peaks, "eq_3_white_noise", of_modes, **texts),
         equation_3_rule(peaks, "eq_3_linearized", correlation_of(motion, one, two), **texts),
         linearized_rule(lambda: tuple(apart), seconds, scene.confidence, scene.scatter),
-        *code_rules(peaks, (heights, heights), asked["floors_align"], asked["zone"], asked["numbers"]),
+        *code_rules(peaks, (heights, heights), neighbours, scene.zone, dict(scene.numbers)),
     ]
     return listed, heights
 

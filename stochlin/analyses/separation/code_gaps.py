@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -16,6 +17,7 @@ from stochlin.models.rules.codes import (
     CODE_RULES,
     BuildingPeaks,
     CodeRule,
+    Neighbours,
     check_zone,
     code_rule,
     code_rule_names,
@@ -38,6 +40,8 @@ def code_gaps(
     height_1: Parameter | None = None,
     height_2: Parameter | None = None,
     floors_align: bool = False,
+    same_property: bool = False,
+    same_system: bool = False,
     zone: str | None = None,
     numbers: Mapping[str, float] | None = None,
 ) -> xr.Dataset:
@@ -56,6 +60,12 @@ def code_gaps(
         Heights of the buildings [m].
     floors_align : bool
         Whether the floors are at the same levels, which reduces the gap in some rules.
+    same_property : bool
+        Whether no property line is between the buildings. Between two properties, the default, some
+        codes ask for the sum of both distances from the line, and within one for less.
+    same_system : bool
+        Whether the structural systems are the same; for buildings of the same height and with level
+        floors, this halves the gap in Mexico City.
     zone : str, optional
         Zone of Mexico City: ``"I"``, ``"II"`` or ``"III"``.
     numbers : mapping, optional
@@ -88,8 +98,11 @@ def code_gaps(
     Examples
     --------
     >>> import stochlin as sl
-    >>> table = sl.code_gaps(0.03, 0.04, floors_align=True)
+    >>> table = sl.code_gaps(0.03, 0.04)
     >>> round(float(table.gap.sel(rule="eurocode_8")), 6)
+    0.07
+    >>> one_property = sl.code_gaps(0.03, 0.04, floors_align=True, same_property=True)
+    >>> round(float(one_property.gap.sel(rule="eurocode_8")), 6)
     0.035
     >>> table.missing.sel(rule="peru_e030").item()
     'height_1, height_2'
@@ -101,9 +114,9 @@ def code_gaps(
     0.12
     """
     check_zone(zone)
-    check_truth("floors_align", floors_align)
     alone = peak_2 is None
-    check_alone(alone, height_2, floors_align)
+    neighbours = Neighbours(floors_align, same_property, same_system)
+    check_neighbours(neighbours, alone, height_2)
     pair = BuildingPeaks(peak_1, peak_2, height_1, height_2)
     valid = pair.valid()
     values = {name: array.where(valid) for name, array in pair.arrays().items()}
@@ -111,10 +124,9 @@ def code_gaps(
     rules = rules_with(numbers)
     missing = [", ".join(rule.missing(given, alone)) for rule in rules]
     nothing = xr.full_like(valid, np.nan, float)
-    absent = {"peak_2": None} if alone else {}
+    arguments: dict[str, Any] = {"peak_2": None, **values, "zone": zone, **vars(neighbours)}
     gaps = [
-        nothing if lacks else rule.gap(**absent | values, floors_align=bool(floors_align), zone=zone)
-        for rule, lacks in zip(rules, missing, strict=True)
+        nothing if lacks else rule.gap(**arguments) for rule, lacks in zip(rules, missing, strict=True)
     ]
     dimension = xr.DataArray([rule.name for rule in rules], dims="rule", name="rule")
     dimension.attrs["long_name"] = "rule"
@@ -124,7 +136,11 @@ def code_gaps(
     usable = valid & xr.DataArray([not lacks for lacks in missing], dims="rule")
     table = xr.Dataset({"gap": gap, "status": labels.status_where(usable).transpose(*gap.dims)})
     for name, text in TEXTS.items():
-        kept = {"missing": missing, "assumptions": [rule.told(alone) for rule in rules]}
+        kept = {
+            "missing": missing,
+            "assumptions": [rule.told(alone) for rule in rules],
+            "family": [rule.governed_by(same_property) for rule in rules],
+        }
         told = kept.get(name) or [getattr(rule, name) for rule in rules]
         table = table.assign_coords({name: ("rule", told, {"long_name": text})})
     table = labels.label(table, VARIABLES)
@@ -132,7 +148,7 @@ def code_gaps(
     return labels.with_run_information(
         table,
         f"{'Set-back' if alone else 'Separation'} by the rules of building codes",
-        f"code_gaps(floors_align={bool(floors_align)}, zone={zone!r}{told_numbers(numbers)})",
+        f"code_gaps(zone={zone!r}{neighbours.told()}{told_numbers(numbers)})",
         {"pair": pair},
         "; ".join(dict.fromkeys(rule.reference for rule in rules)),
     )
@@ -152,9 +168,11 @@ def rules_with(numbers: Mapping[str, float] | None) -> list[CodeRule]:
     return [code_rule(name, stated.get(name)) for name in CODE_RULES if name in usual or name in stated]
 
 
-def check_alone(alone: bool, height_2: object, floors_align: bool) -> None:
-    """Raise a ValueError if an argument for a second building is given, but there is only one."""
-    told = {"height_2": height_2 is not None, "floors_align": floors_align}
+def check_neighbours(neighbours: Neighbours, alone: bool, height_2: object) -> None:
+    """Raise an error if a fact is no truth value, or is of a second building that is not there."""
+    for name, value in vars(neighbours).items():
+        check_truth(name, value)
+    told = {"height_2": height_2 is not None, **vars(neighbours)}
     for name in (name for name, given in told.items() if alone and given):
         raise ValueError(f"{name} is given, of a second building, and there is none; leave it out")
 

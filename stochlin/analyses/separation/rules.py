@@ -22,6 +22,7 @@ from stochlin.analyses.simulation.simulation import simulate
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.correlation.combination import double_difference
 from stochlin.models.grounds import Ground
+from stochlin.models.rules.codes import Neighbours
 from stochlin.models.rules.effective_properties import effective_rule, effective_rule_names
 from stochlin.models.rules.peak_factors.vanmarcke import Vanmarcke1975
 from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
@@ -202,7 +203,7 @@ def effective_arguments(structures: Sequence[Structure], ductilities: Array) -> 
 
 def all_rules(
     pair: PairInMotion,
-    floors_align: bool,
+    neighbours: Neighbours,
     zone: str | None,
     unverified: bool,
     numbers: Mapping[str, float] | None,
@@ -216,7 +217,7 @@ def all_rules(
             pair.confidence,
             pair.motions.attrs.get("scatter", 0.0),
         ),
-        *code_rules(pair.peaks, pair.code_heights, floors_align, zone, numbers),
+        *code_rules(pair.peaks, pair.code_heights, neighbours, zone, numbers),
     ]
 
 
@@ -306,7 +307,7 @@ def peak_quantile(
 def code_rules(
     peaks: Array,
     heights: tuple[Any, ...],
-    floors_align: bool,
+    neighbours: Neighbours,
     zone: str | None,
     numbers: Mapping[str, float] | None = None,
 ) -> list[Rule]:
@@ -321,9 +322,9 @@ def code_rules(
         next(iter(others), None),
         height_1=height_1,
         height_2=height_2,
-        floors_align=floors_align,
         zone=zone,
         numbers=numbers,
+        **vars(neighbours),
     )
     rules = []
     for name in table.rule.values:

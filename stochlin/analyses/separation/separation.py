@@ -13,14 +13,14 @@ import xarray as xr
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.records.cells import checked_motions
 from stochlin.analyses.records.gaps import recorded_gap
-from stochlin.analyses.separation.code_gaps import check_alone, rules_with, told_numbers
+from stochlin.analyses.separation.code_gaps import check_neighbours, rules_with, told_numbers
 from stochlin.analyses.separation.rules import (
     OscillatorsInMotion,
     PairInMotion,
     Rule,
     all_rules,
 )
-from stochlin.analyses.separation.storeys import StoreysInMotion, check_levels
+from stochlin.analyses.separation.storeys import StoreysInMotion, check_levels, of_storeys
 from stochlin.analyses.separation.variables import ALONE, VARIABLES
 from stochlin.analyses.simulation.finite_motions import (
     keeping_apart,
@@ -47,7 +47,7 @@ from stochlin.models.buildings import ShearBuilding
 from stochlin.models.envelopes import Envelope, strong_seconds
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
-from stochlin.models.rules.codes import BuildingPeaks, check_zone
+from stochlin.models.rules.codes import BuildingPeaks, Neighbours, check_zone
 from stochlin.models.structures import Structure
 from stochlin.models.systems import AnyStructure, first_period
 from stochlin.models.uncertain import median_of
@@ -87,6 +87,8 @@ def separation(
     height_1: float | None = None,
     height_2: float | None = None,
     floors_align: bool = False,
+    same_property: bool = False,
+    same_system: bool = False,
     zone: str | None = None,
     numbers: Mapping[str, float] | None = None,
     unverified: bool = False,
@@ -126,6 +128,9 @@ def separation(
         Heights of the buildings [m], for building codes that require them.
     floors_align : bool
         Whether the floors are at the same levels, which reduces the gap in some codes.
+    same_property, same_system : bool
+        Whether no property line is between the buildings, and whether their structural systems are the
+        same, as in `code_gaps`.
     zone : str, optional
         Zone of Mexico City, ``"I"``, ``"II"`` or ``"III"``.
     numbers : mapping, optional
@@ -194,7 +199,6 @@ def separation(
     check_scatter(scatter)
     check_zone(zone)
     rules_with(numbers)
-    check_truth("floors_align", floors_align)
     check_truth("unverified", unverified)
     if records is not None:
         checked_motions(records)
@@ -202,13 +206,16 @@ def separation(
     check_scalars(heights, "separation", "a number, the height of a building")
     given = standing(first, second)
     alone = second is None
-    check_alone(alone, height_2, floors_align)
+    neighbours = Neighbours(floors_align, same_property, same_system)
+    for_codes = neighbours
+    check_neighbours(neighbours, alone, height_2)
     both = {role: median_of(structure) for role, structure in given.items()}
     expect(median_of(ground), Ground, "ground")
     check_duration(duration, both)
     tall = (height_1, height_2)[: len(both)]
     if any(isinstance(structure, ShearBuilding) for structure in both.values()):
         check_levels(list(both.values()), tall, floors_align)
+        for_codes = of_storeys(neighbours, list(both.values()), tall)
 
     def of_cell(ground: Ground, **given: AnyStructure) -> xr.Dataset:
         with np.errstate(all="ignore"):  # overflow by extreme input shows in the status
@@ -233,7 +240,7 @@ def separation(
                 pair = StoreysInMotion(
                     in_metres(structures, ground), ground, motions, confidence, seconds
                 )
-            rules = all_rules(pair, floors_align, zone, unverified, numbers)
+            rules = all_rules(pair, for_codes, zone, unverified, numbers)
             table = _judged(rules, pair)
             if "input_factor" in motions:
                 table["input_factor"] = motions.input_factor
@@ -259,7 +266,7 @@ def separation(
         f"{SET_BACK if alone else 'Separation of two buildings'} by rule, "
         f"{median_of(ground).name} ground",
         f"separation(duration={duration:g}, confidence={confidence:g}, paths={paths}, seed={seed}"
-        f"{told_numbers(numbers)})",
+        f"{neighbours.told()}{told_numbers(numbers)})",
         models,
     )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -23,6 +23,7 @@ from stochlin.kernels.linearization.augmented import Solved
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
+from stochlin.models.rules.codes import Neighbours
 from stochlin.models.structures import DRIFT, Structure
 from stochlin.models.systems import (
     LEVEL,
@@ -206,6 +207,22 @@ def correlation_in(table: xr.Dataset, one: Array, two: Array) -> Array:
     shared = np.einsum("hi,ij,hj->h", one, covariance, two)
     rho: Array = shared / np.sqrt(variances[0] * variances[1])
     return rho
+
+
+def of_storeys(
+    neighbours: Neighbours, structures: Sequence[AnyStructure], heights: Sequence[float | None]
+) -> Neighbours:
+    """What two buildings have in common; the same structural system only if their roofs are level.
+
+    Codes that reduce the gap for the same system also ask for the same height, and with storeys they
+    are given the height of the level, which is the same for both.
+    """
+    roofs = [
+        float(structure.levels()[-1]) if isinstance(structure, ShearBuilding) else height
+        for structure, height in zip(structures, heights, strict=True)
+    ]
+    level = None not in roofs and len(set(roofs)) == 1
+    return replace(neighbours, same_system=neighbours.same_system and level)
 
 
 def check_levels(

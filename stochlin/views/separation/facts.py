@@ -23,7 +23,11 @@ if TYPE_CHECKING:
     from stochlin.analyses.cases.case import Case
     from stochlin.analyses.cases.separation import CaseAnswer
 
-
+TOLD = {
+    "floors_align": "floors align",
+    "same_property": "on one property",
+    "same_system": "same structural system",
+}
 LINE = (
     "The property line: it is on one side of the building, and nothing beyond it is in the model. Two "
     "neighbours that each stay on their own side cannot meet; if the neighbour stands nearer to the "
@@ -121,7 +125,7 @@ def facts(answer: CaseAnswer) -> list[tuple[str, str, str]]:
     wanted = [
         ("confidence", per_cent(case.confidence, 1)),
         (f"existing {subject_of(case).gap}", "none" if case.gap is None else length(case.gap)),
-        *([] if case.alone else [("floors align", "yes" if case.floors_align else "no")]),
+        *([] if case.alone else [(told, _yes_no(case, name)) for name, told in TOLD.items()]),
         ("zone of Mexico City", case.zone or "not given"),
         ("simulated motions", f"{case.paths}, seed {case.seed}"),
     ]
@@ -131,6 +135,10 @@ def facts(answer: CaseAnswer) -> list[tuple[str, str, str]]:
         for fact in _building(building, answer.separation, n)
     ]
     return [*ground, *motion, *both, *(("Separation", *fact) for fact in wanted)]
+
+
+def _yes_no(case: Case, name: str) -> str:
+    return "yes" if getattr(case, name) else "no"
 
 
 def _building(building: AnyBuilding, table: xr.Dataset, number: int) -> list[tuple[str, str]]:

@@ -34,8 +34,8 @@ COMMON = {
 
 SLABS = (
     "A slab can break the column that it hits, and the storey with it. Codes that allow a smaller gap "
-    "where floors align, such as Eurocode 8 (4.4.2.7) with 0.7 of the gap, mean only floors at the "
-    "same level."
+    "where floors align, such as Eurocode 8 (4.4.2.7) with 0.7 of the gap within one property, mean "
+    "only floors at the same level."
 )
 
 

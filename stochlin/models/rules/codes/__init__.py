@@ -23,6 +23,9 @@ ZONES: Mapping[str, float] = {"I": 0.001, "II": 0.003, "III": 0.006}  # share of
 SRSS, SUM, HEIGHT, FIXED = FAMILIES = ("SRSS", "sum", "height", "fixed")
 INELASTIC = "peaks are largest displacements, inelastic where the structure yields"
 ALIGNED = "the factor for floors that align accepts contact at slab level"
+ALIKE = "half for the same height, structural system and slab levels, which accepts contact of slabs"
+BETWEEN = "between two properties the gap is the sum of both distances from the line"
+OF_PAIRS = (ALIGNED, ALIKE, BETWEEN)  # statements that say nothing of one building
 TWO = "a second building: what it says of a property line is not known here"
 CODE_RULES: Registry[type[CodeRule]] = Registry("code rule", "stochlin.models.rules.codes")
 
@@ -56,13 +59,16 @@ class CodeRule(Published):
         height_2: Any = None,
         floors_align: bool = False,
         zone: str | None = None,
+        same_property: bool = False,
+        same_system: bool = False,
     ) -> Any:
         """Required separation [m] for peak displacements [m] as the rule defines them.
 
         Without ``peak_2`` it is the distance of one building from its property line. Some rules also
         need the heights of the buildings [m], or the zone ``"I"``, ``"II"`` or ``"III"`` of Mexico City;
         a ValueError names what is missing. ``floors_align`` states whether the floors of both buildings
-        are at the same levels.
+        are at the same levels, ``same_property`` whether no property line is between them, and
+        ``same_system`` whether their structural systems are the same.
         """
         if peak_2 is None and not self.line:
             raise ValueError(f"{self.name} needs {TWO}; give peak_2")
@@ -75,8 +81,9 @@ class CodeRule(Published):
             )
         check_zone(zone)
         if peak_2 is None:
-            return self.from_line(Site(peak_1, 0 * peak_1, height_1, height_1, False, zone))
-        return self.of_site(Site(peak_1, peak_2, height_1, height_2, floors_align, zone))
+            return self.from_line(Site(peak_1, 0 * peak_1, height_1, height_1, zone))
+        neighbours = Neighbours(floors_align, same_property, same_system)
+        return self.of_site(Site(peak_1, peak_2, height_1, height_2, zone, neighbours))
 
     def missing(self, given: Collection[str], alone: bool) -> list[str]:
         """Arguments that the rule requires and that are not ``given``, for two buildings or for one."""
@@ -95,11 +102,15 @@ class CodeRule(Published):
         """
         return self.of_site(site)
 
+    def governed_by(self, same_property: bool) -> str:
+        """The family of the rule for two buildings of one property or of two."""
+        return self.family
+
     def told(self, alone: bool) -> str:
         """The assumptions of the rule in words, with its number before them if it is not the default.
 
-        For one building (``alone``) they begin with the statement on property lines, and the one on
-        floors that align is left out.
+        For one building (``alone``) they begin with the statement on property lines, and those on two
+        buildings are left out.
         """
         stated = [
             f"{field.name} {getattr(self, field.name):g}"
@@ -107,8 +118,25 @@ class CodeRule(Published):
             if getattr(self, field.name) != field.default
         ]
         if alone and self.line:
-            return "; ".join([*stated, self.line, self.assumptions.removesuffix(f"; {ALIGNED}")])
+            of_one = [text for text in self.assumptions.split("; ") if text not in OF_PAIRS]
+            return "; ".join([*stated, self.line, *of_one])
         return "; ".join([*stated, self.assumptions])
+
+
+@dataclass(frozen=True)
+class Neighbours:
+    """What two buildings have in common, each False where it is not so or not known."""
+
+    floors_align: bool = False  # floors at the same levels
+    same_property: bool = False  # no property line between them
+    same_system: bool = False  # the same structural system
+
+    def told(self) -> str:
+        """What is true, for the run information: ``", floors_align=True"``, or empty."""
+        return "".join(f", {name}=True" for name, value in vars(self).items() if value)
+
+
+IN_COMMON = tuple(field.name for field in fields(Neighbours))
 
 
 @dataclass(frozen=True)
@@ -119,8 +147,8 @@ class Site:
     peak_2: Any
     height_1: Any
     height_2: Any
-    floors_align: bool
     zone: str | None
+    neighbours: Neighbours = Neighbours()
 
     @property
     def root_of_squares(self) -> Any:
@@ -149,7 +177,13 @@ class Site:
 
     def if_aligned(self, factor: float) -> float:
         """The factor if the floors align, else 1."""
-        return factor if self.floors_align else 1.0
+        return factor if self.neighbours.floors_align else 1.0
+
+    @property
+    def alike(self) -> Any:
+        """Whether floors, heights and structural systems of both buildings are the same."""
+        stated = self.neighbours.floors_align and self.neighbours.same_system
+        return stated * (self.height_1 == self.height_2)
 
 
 def check_zone(zone: str | None) -> None:
@@ -204,7 +238,10 @@ def code_rule(name: str, value: float | None = None) -> CodeRule:
     Examples
     --------
     >>> import stochlin as sl
-    >>> round(float(sl.code_rule("eurocode_8").gap(0.03, 0.04, floors_align=True)), 6)
+    >>> rule = sl.code_rule("eurocode_8")
+    >>> round(float(rule.gap(0.03, 0.04)), 6)
+    0.07
+    >>> round(float(rule.gap(0.03, 0.04, floors_align=True, same_property=True)), 6)
     0.035
     >>> float(sl.code_rule("share_of_height", 0.01).gap(0.03, 0.04, 12.0, 20.0))
     0.12

@@ -9,6 +9,8 @@ import numpy as np
 
 from stochlin.models.rules.codes import (
     ALIGNED,
+    ALIKE,
+    BETWEEN,
     CODE_RULES,
     FIXED,
     HEIGHT,
@@ -26,15 +28,35 @@ OWN_PEAK = "from a property line not common to a public way a building keeps its
 OWN_LOT = "a share of its height from its own boundary, 50 mm at least"
 
 
-@published(CODE_RULES, "asce_7", "ASCE 7, section on structural separation; IBC", "S", 3)
-class Asce7(SquareRoot):
-    """ASCE 7 and IBC: square root of the sum of the squared peaks.
+class ByProperty(SquareRoot):
+    """Square root of the sum of squares within one property, the sum of the peaks between two.
 
-    The distance from a property line is the displacement of the building (ASCE 7-16, 12.12.3).
+    A building keeps its own peak from a property line: between two properties the gap is the sum.
     """
 
     line = OWN_PEAK
-    assumptions = "peaks are maximum inelastic displacements, Cd times elastic over Ie"
+
+    def of_site(self, site: Site) -> Any:
+        return site.root_of_squares if site.neighbours.same_property else site.total
+
+    def from_line(self, site: Site) -> Any:
+        return site.peak_1
+
+    def governed_by(self, same_property: bool) -> str:
+        return SRSS if same_property else SUM
+
+
+@published(CODE_RULES, "asce_7", "ASCE 7-10 and 7-16, 12.12.3; IBC 2000 to 2003 and 2009", "S", 3)
+class Asce7(ByProperty):
+    """ASCE 7 and IBC: square root of the sum of the squared peaks within one property.
+
+    "Adjacent buildings on the same property" are separated by the root of squares; a structure is set
+    back from a property line that is not common to a public way by its own displacement, so that the gap
+    between two properties is the sum of both. So say IBC 2000 and 2003 (1620.4.5), IBC 2009 and, by
+    reference from IBC 2012 on, ASCE 7-10 and 7-16 (12.12.3); IBC 2006 and ASCE 7-05 lack the clause.
+    """
+
+    assumptions = f"peaks are maximum inelastic displacements, Cd times elastic over Ie; {BETWEEN}"
 
 
 @published(CODE_RULES, "canada", "National Building Code of Canada", "S", 4)
@@ -42,43 +64,59 @@ class Canada(SquareRoot):
     """National Building Code of Canada: square root of the sum of the squared peaks."""
 
 
-@published(CODE_RULES, "eurocode_8", "EN 1998-1, 4.4.2.7", "M high", 5)
-class Eurocode8(CodeRule):
-    """Eurocode 8, 4.4.2.7: square root of the sum of the squared peaks, times 0.7 if floors align."""
+@published(CODE_RULES, "eurocode_8", "EN 1998-1:2004, 4.4.2.7", "M high", 5)
+class Eurocode8(ByProperty):
+    """Eurocode 8, 4.4.2.7: square root of squares within one property, times 0.7 if floors align.
 
-    assumptions = f"peaks are design displacements, behaviour factor times elastic; {ALIGNED}"
-    family = SRSS
+    By paragraph (2) buildings of one property keep the root of squares of their displacements, and a
+    building keeps its own displacement from a property line, so that the gap between two properties is
+    the sum of both. Paragraph (3) reduces "the above referred distance" by 0.7 for floors at the same
+    elevations. The text was not seen in print: the reduction is taken within one property only.
+    """
+
+    line = "from a property line a building keeps its own displacement"
+    assumptions = f"peaks are design displacements, behaviour factor times elastic; {BETWEEN}; {ALIGNED}"
 
     def of_site(self, site: Site) -> Any:
-        return site.if_aligned(0.7) * site.root_of_squares
+        factor = site.if_aligned(0.7) if site.neighbours.same_property else 1.0
+        return factor * super().of_site(site)
 
 
 @published(CODE_RULES, "ubc_97", "Uniform Building Code 1997, 1633.2.11", "M high", 6)
-class Ubc97(SquareRoot):
-    """UBC-97: square root of the sum of the squared maximum inelastic displacements.
+class Ubc97(ByProperty):
+    """UBC-97: square root of the sum of the squared inelastic displacements within one property.
 
-    The distance from a property line is the displacement of the building.
+    A building keeps its own displacement from a property line, so that the gap between two properties is
+    the sum of both.
     """
 
-    line = OWN_PEAK
-    assumptions = "peaks are maximum inelastic displacements, 0.7 R times those of design"
+    assumptions = f"peaks are maximum inelastic displacements, 0.7 R times those of design; {BETWEEN}"
 
 
-@published(CODE_RULES, "mexico_city", "NTC-Sismo, Mexico City", "S", 7)
-class MexicoCity(CodeRule):
-    """Mexico City: the larger of ``D + c h`` and 50 mm from the boundary; half of it if slabs align.
+class OwnLot(CodeRule):
+    """Mexico City: the sum of both distances from the boundary, half of it for buildings that are alike.
+
+    NTC-Sismo, 1.10, allows half of the sum if both bodies have "la misma altura y estructuración" and
+    their slabs are at the same height in all storeys: the same height and structural system.
+    """
+
+    def of_site(self, site: Site) -> Any:
+        return (1 - 0.5 * site.alike) * (self.from_line(site) + self.from_line(site.mirrored()))
+
+
+@published(CODE_RULES, "mexico_city", "NTC-Sismo, Mexico City, 1.10", "S", 7)
+class MexicoCity(OwnLot):
+    """Mexico City: the larger of ``D + c h`` and 50 mm from the boundary.
 
     ``D`` is the peak displacement and ``h`` the height of the building; ``c`` is 0.001, 0.003 and 0.006
-    in zones I, II and III. The gap between two buildings is the sum of both distances.
+    in zones I, II and III. The gap between two buildings is the sum of both distances; half of it if
+    their heights, their structural systems and the levels of their slabs are the same.
     """
 
-    assumptions = f"{INELASTIC}; {ALIGNED}"
+    assumptions = f"{INELASTIC}; {ALIKE}"
     family = SUM
     needs = (*OF_HEIGHT, "zone")
     line = f"a building keeps its displacement and {OWN_LOT}"
-
-    def of_site(self, site: Site) -> Any:
-        return site.if_aligned(0.5) * (self.from_line(site) + self.from_line(site.mirrored()))
 
     def from_line(self, site: Site) -> Any:
         return np.maximum(site.peak_1 + ZONES[str(site.zone)] * site.height_1, 0.05)
@@ -86,13 +124,21 @@ class MexicoCity(CodeRule):
 
 @published(CODE_RULES, "is_1893", "IS 1893 (Part 1): 2016, 7.11.3", "M", 8)
 class India(CodeRule):
-    """IS 1893: the sum of the peaks; half of it if floors align."""
+    """IS 1893 of 2016: the sum of the peaks, also where floors align.
 
-    assumptions = f"peaks are R times the displacements under design forces; {ALIGNED}"
+    For floors at the same levels the clause asks for ``R_1 d_1 + R_2 d_2``, the sum of the peaks, for
+    others for ``R`` times ``d_1 + d_2``, with the larger ``R`` if they differ. Only the edition of 2002
+    halved ``R`` for two similar buildings with level floors.
+    """
+
+    assumptions = (
+        "peaks are R times the displacements under design forces, where floors are not level with the "
+        "larger R of both"
+    )
     family = SUM
 
     def of_site(self, site: Site) -> Any:
-        return site.if_aligned(0.5) * site.total
+        return site.total
 
 
 @published(CODE_RULES, "taiwan", "Seismic design specifications for buildings, Taiwan", "S", 9)
@@ -108,17 +154,31 @@ class Taiwan(CodeRule):
 
 @published(CODE_RULES, "peru_e030", "Norma E.030 (2018), Peru, article 33", "S", 10)
 class Peru(CodeRule):
-    """E.030: the largest of ``0.006 h``, 30 mm and 2/3 of the sum of the peaks.
+    """E.030: within one property the larger of ``s`` and 2/3 of the sum of the peaks.
 
-    ``h`` is the height of the level where the distance is checked: here the lower building's height.
+    ``s`` is the larger of ``0.006 h`` and 30 mm; ``h`` is the height of the level where the distance is
+    checked: here the lower building's height (33.2). From a property line a building keeps the larger of
+    2/3 of its peak and half of its own ``s`` (33.3), which suffices if the neighbour keeps its part. The
+    gap between two properties is the sum of both distances (33.4).
     """
 
+    assumptions = f"{INELASTIC}; {BETWEEN}"
     family = SUM
     needs = OF_HEIGHT
+    line = "a building keeps 2/3 of its own displacement and half of the joint for its own height"
 
     def of_site(self, site: Site) -> Any:
-        least = np.maximum(0.006 * site.lower_height, 0.03)
-        return np.maximum(least, site.total * (2 / 3))
+        if not site.neighbours.same_property:
+            return self.from_line(site) + self.from_line(site.mirrored())
+        return np.maximum(self.least(site.lower_height), site.total * (2 / 3))
+
+    def from_line(self, site: Site) -> Any:
+        return np.maximum(self.least(site.height_1) / 2, site.peak_1 * (2 / 3))
+
+    @staticmethod
+    def least(height: Any) -> Any:
+        """The least joint [m] at this height [m]."""
+        return np.maximum(0.006 * height, 0.03)
 
 
 @published(CODE_RULES, "asce_41", "ASCE 41-13, checklist, adjacent buildings; FEMA 310", "M high", 13)
@@ -138,21 +198,21 @@ class Asce41(ShareOfHeight):
 BY_HEIGHT = {"I": 0.007, "II": 0.009, "III": 0.012}  # share of the height by zone, simplified method
 
 
-@published(CODE_RULES, "mexico_city_simplified", "NTC-Sismo, Mexico City, simplified method", "S", 14)
-class MexicoCitySimplified(CodeRule):
-    """Mexico City, simplified method: the larger of ``c h`` and 50 mm; half of it if slabs align.
+@published(
+    CODE_RULES, "mexico_city_simplified", "NTC-Sismo, Mexico City, 1.10, simplified method", "S", 14
+)
+class MexicoCitySimplified(OwnLot):
+    """Mexico City, simplified method: the larger of ``c h`` and 50 mm from the boundary.
 
-    It is the distance of a building of height ``h`` from its boundary; ``c`` is 0.007, 0.009 and 0.012
-    in zones I, II and III. The gap between two buildings is the sum of both distances.
+    ``h`` is the height of the building; ``c`` is 0.007, 0.009 and 0.012 in zones I, II and III. The gap
+    between two buildings is the sum of both distances; half of it if their heights, their structural
+    systems and the levels of their slabs are the same.
     """
 
-    assumptions = f"{NO_PEAKS}: the simplified method has none; {ALIGNED}"
+    assumptions = f"{NO_PEAKS}: the simplified method has none; {ALIKE}"
     family = HEIGHT
     needs = (*OF_HEIGHT, "zone")
     line = f"a building keeps {OWN_LOT}"
-
-    def of_site(self, site: Site) -> Any:
-        return site.if_aligned(0.5) * (self.from_line(site) + self.from_line(site.mirrored()))
 
     def from_line(self, site: Site) -> Any:
         return np.maximum(BY_HEIGHT[str(site.zone)] * site.height_1, 0.05) + 0 * site.peak_1
