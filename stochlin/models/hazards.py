@@ -162,7 +162,9 @@ class PowerLawHazard(Hazard):
     Raises
     ------
     ValueError, TypeError
-        If a number is not positive, the measure is unknown, or a period is missing or not allowed.
+        If a number is not positive, the measure is unknown, or a period is missing or not allowed. Its
+        methods raise a ValueError where the intensity or frequency is beyond the range of numbers, and
+        give NaN in such cells of an array.
 
     References
     ----------
@@ -181,13 +183,30 @@ class PowerLawHazard(Hazard):
 
     def frequency(self, intensity: Parameter) -> Any:
         """Annual frequency at which an intensity is exceeded [1/yr]."""
-        law = self.arrays()
-        return _applied(lambda im, k0, k: k0 * im**-k, _of(intensity, "intensity"), law["k0"], law["k"])
+        law, given = self.arrays(), _of(intensity, "intensity")
+        found = _applied(lambda im, k0, k: np.exp(np.log(k0) - k * np.log(im)), given, *law.values())
+        return self._within_range(found, found >= 0, f"annual frequency of intensity = {brief(given)}")
 
     def intensity(self, return_period: Parameter) -> Any:
         """Intensity, in the unit of the measure, that is exceeded with a return period [yr]."""
-        law, years = self.arrays(), _of(return_period, "return_period")
-        return _applied(lambda years, k0, k: (k0 * years) ** (1 / k), years, law["k0"], law["k"])
+        law, given = self.arrays(), _of(return_period, "return_period")
+        found = _applied(
+            lambda years, k0, k: np.exp((np.log(k0) + np.log(years)) / k), given, *law.values()
+        )
+        return self._within_range(found, found > 0, f"intensity of return_period = {brief(given)}")
+
+    def _within_range(self, found: Any, known: Any, what: str) -> Any:
+        """What is known and finite; a number that is not raises a ValueError, in an array it is NaN."""
+        known = known & (found < np.inf)
+        if isinstance(found, xr.DataArray):
+            return found.where(known)
+        if not known:
+            raise ValueError(
+                f"PowerLawHazard: k0 = {self.k0:.4g} and k = {self.k:.4g} give an {what} beyond the "
+                "range of numbers; allowed: a law that is within it there; k is usually 2 to 4, so "
+                "correct k0 or k"
+            )
+        return found
 
 
 def check_curve(intensities: Array, frequencies: Array, places: Sequence[str]) -> None:

@@ -147,11 +147,30 @@ def test_a_return_period_by_intensity(tmp_path):
         (f"{TWO}frequencies = [0.01, 0.001]\nk0 = 1\n", "k0 = 1 is not a key that is known here"),
         ("", r'has no numbers; allowed: one of file = "hazard.csv"; intensities = .*; k0, k and units'),
         ('file = "none.csv"\n', ".file = 'none.csv' cannot be used: .*No such file"),
+        (
+            'k0 = 1e-4\nk = 400\nunits = "g"\n',
+            r"k = 400 is too large: with units = 'g'.*usual are 2 to 4",
+        ),
+        (
+            'k0 = 1e300\nk = 1e-300\nunits = "g"\n',
+            "k = 1e-300 cannot be used: .*beyond the range of numbers; allowed: .*correct k0 or k",
+        ),
+        (
+            'k0 = 1e-4\nk = 1e20\nunits = "m/s^2"\n',
+            "intensities of 1 and 1 m/s.2 at .*allowed: two that differ",
+        ),
     ],
 )
 def test_a_hazard_that_is_none_is_named_with_its_line(lines, told, tmp_path):
     with pytest.raises(ValueError, match=rf"case.toml, line \d+: site.hazard.*{told}"):
         read(tmp_path, f"{HAZARD}{lines}")
+
+
+def test_a_hazard_too_steep_for_its_motions_is_named(tmp_path):
+    steep = f'{HAZARD}k0 = 1e-4\nk = 400\nunits = "m/s^2"\n'
+    case = read(tmp_path, steep, 'existing = "0.1 mm"\n')
+    with pytest.raises(ValueError, match=r"case.toml: site.hazard cannot be used: .*k=400.*a smaller k"):
+        answer_case(case)
 
 
 def test_a_hazard_beside_the_site_is_sent_there(tmp_path):

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
 import xarray as xr
@@ -29,9 +31,16 @@ def simulated_risk(case: Case, progress: Progress | None) -> SimulatedRisk | Non
     motion = case.duration, case.envelope, case.scatter
     paths = max(FEWEST_PATHS, case.paths // SHARE)
     asked = RiskAsked(structures, case.sampled_ground, case.hazard, *motion, paths, case.seed)
-    try:
+    with _of_hazard(case):
         asked.check()
         return asked.simulated(progress)
+
+
+@contextmanager
+def _of_hazard(case: Case) -> Iterator[None]:
+    """Add the file and the place of the hazard to errors that occur inside the context."""
+    try:
+        yield
     except (ValueError, ArithmeticError) as error:
         raise ValueError(f"{case.file}: site.hazard cannot be used: {error}") from error
 
@@ -46,13 +55,14 @@ def risk_table(found: SimulatedRisk, case: Case, answer: float) -> xr.Dataset | 
     years, target = YEARS, xr.Dataset()
     if case.risk is not None:
         years = Target.of(case.risk).years or YEARS
-        target = found.gap_of(case.risk)
+        with _of_hazard(case):
+            target = found.gap_of(case.risk)
         gaps["target"] = float(target.required_gap)
         target = target[list(KEPT)]
     gaps = {what: gap for what, gap in gaps.items() if gap > 0}
     if not gaps:
         return None
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), _of_hazard(case):
         warnings.simplefilter("ignore", DoubtfulInput)  # on weak shaking; the report states it instead
         each = [found.of_gap(gap, years) for gap in gaps.values()]
     along = labels.axis(GAP, "gap of which the risk is", np.array(list(gaps.values())), "m")

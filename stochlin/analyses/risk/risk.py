@@ -55,6 +55,7 @@ POINTS = 13  # number of simulated intensities
 RETURN_PERIODS = (5.0, 2e5)  # [yr] of the lowest and highest intensity of a hazard without a table
 CERTAIN = 1.96  # standard errors to each side of a 95 % interval
 WEAKEST = 0.1  # largest pounding probability at the lowest intensity of a hazard without a warning
+OF_HAZARD, NARROWEST = (1e-100, 1e100), 1e-9  # intensities of a hazard, and least share between two
 CLOSE = 1e-6  # relative tolerance of a required gap
 ROUNDING = 1e-12  # relative rounding error allowed at the end of a hazard curve
 UNITS = {"pga": "m/s^2", "sa": "m/s^2", "intensity": "m^2/s^3"}
@@ -277,6 +278,13 @@ def simulated_at(hazard: Hazard) -> Array:
         ends = hazard.intensities
     else:
         ends = tuple(float(hazard.intensity(years)) for years in RETURN_PERIODS)
+        (least, most), (low, high), (short, long) = OF_HAZARD, ends, RETURN_PERIODS
+        if not least < low * (1 + NARROWEST) < high < most:
+            raise ValueError(
+                f"hazard: {hazard.describe()} has intensities of {low:.4g} and {high:.4g} "
+                f"{UNITS[hazard.measure]} at return periods of {short:g} and {long:g} years; allowed: "
+                f"two that differ, from {least:g} to {most:g}; k is usually 2 to 4, so correct k0 or k"
+            )
     return np.geomspace(ends[0], ends[-1], POINTS)
 
 
@@ -318,6 +326,12 @@ class RiskAsked(NamedTuple):
             least, top = self.hazard.intensities[0], self.hazard.intensities[-1]
             known = np.clip(intensity, least, top)
         found = np.asarray(self.hazard.frequency(xr.DataArray(known)))
+        if (lost := np.isnan(found) & ~np.isnan(known)).any():
+            raise ValueError(
+                f"hazard: {self.hazard.describe()} gives annual frequencies beyond the range of numbers "
+                f"for {known[lost].min():.3g} {UNITS[self.hazard.measure]}, at which motions still "
+                "count; allowed: a smaller k; usual are 2 to 4"
+            )
         return np.where(intensity > top * (1 + ROUNDING), 0.0, found)
 
     def simulated(self, progress: Progress | None) -> SimulatedRisk:

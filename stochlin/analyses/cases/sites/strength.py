@@ -12,6 +12,7 @@ import xarray as xr
 
 from stochlin.analyses.cases.values import Quantity, Section
 from stochlin.analyses.records.files import METRES
+from stochlin.analyses.risk.risk import simulated_at
 from stochlin.analyses.sites.hazard_files import read_hazard
 from stochlin.analyses.sites.intensity import paths_for, scale_ground
 from stochlin.models.envelopes import Envelope
@@ -150,7 +151,20 @@ def described_hazard(one: Section, folder: Path) -> Hazard:
     # k0 is the annual frequency of exceedance of 1 in the unit of the file, for instance 1 g.
     units_of = SPECTRAL_DENSITY.spellings if measure == INTENSITY else METRES
     unit = units_of[one.text("units", tuple(units_of))]
-    return PowerLawHazard(k0 * unit**k, k, **of)
+    try:
+        k0 *= unit**k
+    except OverflowError:
+        k0 = np.inf
+    if not 0 < k0 < np.inf:
+        raise one.error(
+            "k",
+            f"is too large: with units = {one.values['units']!r}, k0 in SI units is beyond the range of "
+            "numbers; allowed: an exponent that keeps it within; usual are 2 to 4, so correct k",
+        )
+    hazard = PowerLawHazard(k0, k, **of)
+    with one.naming("k"):
+        simulated_at(hazard)
+    return hazard
 
 
 def _of_points(one: Section, of: Mapping[str, Any]) -> HazardCurve:
