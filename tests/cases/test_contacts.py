@@ -428,7 +428,7 @@ WRONG = {
     "strength taken to nothing": (
         EXAMPLE.replace("strengthening_2 = 1.3", "strengthening_2 = 0"),
         "strengthening_2",
-        ["strengthening_2 = 0", "0 < value"],
+        ["strengthening_2 = 0", "0.001 <= value"],
     ),
     "limit": (
         EXAMPLE.replace("amplification_limit = 1.2", "amplification_limit = 0"),
