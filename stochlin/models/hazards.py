@@ -184,15 +184,13 @@ class PowerLawHazard(Hazard):
     def frequency(self, intensity: Parameter) -> Any:
         """Annual frequency at which an intensity is exceeded [1/yr]."""
         law, given = self.arrays(), _of(intensity, "intensity")
-        found = _applied(lambda im, k0, k: np.exp(np.log(k0) - k * np.log(im)), given, *law.values())
+        found = _applied(lambda im, k0, k: k0 * np.power(im, -k), given, *law.values())
         return self._within_range(found, found >= 0, f"annual frequency of intensity = {brief(given)}")
 
     def intensity(self, return_period: Parameter) -> Any:
         """Intensity, in the unit of the measure, that is exceeded with a return period [yr]."""
         law, given = self.arrays(), _of(return_period, "return_period")
-        found = _applied(
-            lambda years, k0, k: np.exp((np.log(k0) + np.log(years)) / k), given, *law.values()
-        )
+        found = _applied(lambda years, k0, k: np.power(k0 * years, 1 / k), given, *law.values())
         return self._within_range(found, found > 0, f"intensity of return_period = {brief(given)}")
 
     def _within_range(self, found: Any, known: Any, what: str) -> Any:
