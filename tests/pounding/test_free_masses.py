@@ -5,13 +5,23 @@ from __future__ import annotations
 import hypothesis.strategies as st
 import numpy as np
 import pytest
+import scipy.integrate
 from hypothesis import given
 
 import stochlin as sl
 from stochlin.kernels.pounding import contact as forces
 from stochlin.kernels.pounding import run as kernel
 from stochlin.kernels.pounding.contact import CLOSED, OPENING
-from stochlin.kernels.pounding.impacts import AFTER, APPROACH, BEFORE, BEGIN, END, HANDED, LARGEST
+from stochlin.kernels.pounding.impacts import (
+    AFTER,
+    APPROACH,
+    BEFORE,
+    BEGIN,
+    CONTACT,
+    END,
+    HANDED,
+    LARGEST,
+)
 
 pytestmark = pytest.mark.oracle
 
@@ -59,12 +69,12 @@ def free_row(masses, contact, gap=0.0):
     )
 
 
-def fly(masses, velocities, contact, duration, gap=0.0, samples=17, push=0.0):
+def fly(masses, velocities, contact, duration, gap=0.0, samples=17, push=0.0, places=0.0):
     """The run of free masses for ``duration`` under a ground acceleration ``push``."""
     n, dt = len(masses), duration / (samples - 1)
     row = free_row(masses, contact, gap)
     start = np.zeros(3 * n + 3 * n + n - 1)
-    start[n : 2 * n] = velocities
+    start[:n], start[n : 2 * n] = places, velocities
     ends = np.arange(samples - 1)
     motion = kernel.SampledMotion(np.full(samples, push), dt, ends, np.full(samples - 1, dt))
     return kernel.run(row, motion, start)
@@ -224,6 +234,37 @@ def test_a_hit_on_a_free_column_moves_both_its_floors(masses, share, e, side):
     assert line[AFTER] - line[BEFORE] == pytest.approx(lost, abs=1e-7 * size)
     right = energies[1:].sum() if side > 0 else energies[0]
     assert line[HANDED] == pytest.approx(right, abs=1e-7 * size)
+
+
+def test_an_element_without_tension_pushes_again_while_it_is_still_compressed():
+    """It lets go at 0.089 s; a third mass throws the second back, and it pushes at 0.122 s, at 7.7 mm.
+
+    Against ``max(k d + c v, 0)`` for ``d > 0`` by scipy; steps of 1e-4 s there leave 1e-8 m/s.
+    """
+    mass, places, velocities, duration = 2e5, [0.0, 0.0, 0.3], [1.0, 0.0, -2.0], 0.4
+    damping = 2 * np.sqrt(STIFFNESS * mass / 2)  # of critical of the reduced mass
+
+    def pushes(state):
+        d, v = -np.diff(state[:3], axis=0), -np.diff(state[3:], axis=0)
+        return np.where(d > 0, np.maximum(STIFFNESS * d + damping * v, 0), 0)
+
+    def rates(_, state):
+        one, two = pushes(state)
+        return [*state[3:], -one / mass, (one - two) / mass, two / mass]
+
+    exact = scipy.integrate.solve_ivp(
+        rates, (0, duration), [*places, *velocities], rtol=1e-10, atol=1e-13, max_step=1e-4
+    )
+    pushing = pushes(exact.y)[0] > 0
+    (changes,) = np.nonzero(np.diff(pushing))
+    assert exact.t[changes] == pytest.approx([0.0, 0.0894, 0.1224, 0.2635], abs=2e-4)
+    assert exact.y[0, changes[2]] - exact.y[1, changes[2]] == pytest.approx(7.7e-3, abs=1e-4)
+    contact = sl.NoTensionKelvin(STIFFNESS, damping_ratio=1.0)
+    run = fly([mass] * 3, velocities, contact, duration, places=places)
+    np.testing.assert_allclose(run.last[3:6], exact.y[3:, -1], atol=1e-7)
+    of_first = run.impacts[run.impacts[:, CONTACT] == 0]
+    assert len(of_first) == 1  # both pushes are one impact
+    assert of_first[0, END] == pytest.approx(exact.t[changes[3]], abs=2e-4)
 
 
 @given(d=st.floats(1e-6, 0.1), v=st.floats(-0.5, 0.5), v0=st.floats(0.01, 1))

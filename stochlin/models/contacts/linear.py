@@ -114,8 +114,12 @@ class NoTensionKelvin(LinearDamped):
 
     The coefficient of restitution is ``e = exp(-2 xi A)`` and the contact time ``2 A sqrt(m/k)``, where
     ``A = acos(xi)/sqrt(1 - xi^2)``, or ``acosh(xi)/sqrt(xi^2 - 1)`` for ``xi > 1``. The structures
-    separate while the element is still compressed. The element is assumed to have recovered its full
-    length before the next contact.
+    separate while the element is still compressed.
+
+    Once it has let go, the element is taken to have its full length again at once. If it is approached
+    again while ``d > 0`` still, it pushes again, with the same formula of the penetration and velocity
+    then, as soon as this is positive, and not only after the faces have parted to ``d = 0``. Both pushes
+    are one impact.
 
     Parameters
     ----------
