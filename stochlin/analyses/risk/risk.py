@@ -32,6 +32,7 @@ from stochlin.analyses.simulation.finite_motions import (
 )
 from stochlin.analyses.simulation.simulation import check_repeated, simulate
 from stochlin.analyses.sites.intensity import scale_ground
+from stochlin.analyses.sites.simulated_spectra import PGA_STEP
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import over_cells
 from stochlin.analyses.tables.checks import (
@@ -386,6 +387,7 @@ class RiskAsked(NamedTuple):
                 duration_s=float(self.duration),
                 envelope="none" if self.envelope is None else self.envelope.describe(),
                 measure=self.hazard.measure,
+                **({"pga_step_s": PGA_STEP} if self.hazard.measure == "pga" else {}),
                 **labels.of_scatter(self.scatter),
             ),
             f"Risk of {what}, {median_of(self.ground).name} ground",

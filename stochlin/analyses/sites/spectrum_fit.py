@@ -26,6 +26,7 @@ LONGEST, POINTS = 4.0, 72  # longest period [s] and number of periods for which 
 MOST_FILTERS = 3
 GOOD_RMS, GOOD_WORST = 0.02, 0.06  # relative errors at which no further filter is tried
 PATHS = 2048
+STEPS_PER_PERIOD = 16  # of the search; at most 1 % is lost, in the shortest of 24 neighbouring periods
 # Errors of the mean simulated spectrum at which corrections end, and the largest number of corrections.
 DELIVERED_RMS, DELIVERED_WORST, CORRECTIONS = 0.02, 0.05, 3
 _GROUND_WEIGHT = 10.0  # weight of the standard deviation of the ground; that of an oscillator is 1
@@ -148,6 +149,7 @@ def deliver(
             wanted.envelope,
             paths=paths,
             seed=seed + attempt,  # another sample, so that a correction does not fit its scatter
+            steps_per_period=STEPS_PER_PERIOD,
             progress=progress,
         ).mean(axis=0)
         now = Delivered(found.ground(), np.log(means / wanted.accelerations))

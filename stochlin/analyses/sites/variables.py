@@ -4,7 +4,10 @@ from stochlin.analyses.tables.labels import Variables
 
 _MEANS: Variables = {
     "pseudo_acceleration": ("m/s^2", "mean pseudo-acceleration of simulated motions"),
-    "peak_ground_acceleration": ("m/s^2", "mean peak ground acceleration of simulated motions"),
+    "peak_ground_acceleration": (
+        "m/s^2",
+        "mean peak ground acceleration of simulated motions, step 0.01 s",
+    ),
     "spectral_acceleration": (
         "m/s^2",
         "mean pseudo-acceleration of simulated motions at the period, damping ratio 0.05",
