@@ -13,9 +13,9 @@ import stochlin as sl
 from stochlin.analyses.explorer.buildings import REGULAR
 from stochlin.analyses.explorer.case_scene import scene_of
 from stochlin.analyses.explorer.case_text import case_text, files_named, left_out
-from stochlin.analyses.explorer.formulas import correlation, gap_rules, probability, spectra
+from stochlin.analyses.explorer.formulas import RATIOS, correlation, gap_rules, probability, spectra
 from stochlin.analyses.explorer.scene import ALLOWED, BY_DISPLACEMENT, SHAPES, SITES, WHOLE, Scene
-from stochlin.analyses.explorer.simulations import merge_tables, simulations
+from stochlin.analyses.explorer.simulations import SIMULATED_RATIOS, merge_tables, simulations
 from stochlin.analyses.explorer.sites import CODES
 from stochlin.analyses.linearization.equivalent_systems import INTERNAL, solve_structure
 from stochlin.analyses.linearization.tolerance import USUAL
@@ -332,6 +332,10 @@ def test_all_that_is_shown_becomes_one_file(simulated, tmp_path):
         assert list(read.gaps_rule.values) == list(tables["gaps"].rule.values)
     numbers = [v for v in whole.data_vars.values() if v.dtype.kind == "f"]
     assert all("units" in array.attrs and "long_name" in array.attrs for array in numbers)
+
+
+def test_simulated_correlations_reach_as_far_as_the_curves():
+    np.testing.assert_allclose(SIMULATED_RATIOS[[0, -1]], RATIOS[[0, -1]])
 
 
 def figures(scene, tables):
