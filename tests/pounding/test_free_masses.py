@@ -9,8 +9,10 @@ import scipy.integrate
 from hypothesis import given
 
 import stochlin as sl
+from stochlin.kernels.basics.linear_branch import evaluate
 from stochlin.kernels.pounding import contact as forces
 from stochlin.kernels.pounding import run as kernel
+from stochlin.kernels.pounding import steps
 from stochlin.kernels.pounding.contact import CLOSED, OPENING
 from stochlin.kernels.pounding.impacts import (
     AFTER,
@@ -22,6 +24,7 @@ from stochlin.kernels.pounding.impacts import (
     HANDED,
     LARGEST,
 )
+from stochlin.kernels.pounding.rates import STRAIN_RATE
 
 pytestmark = pytest.mark.oracle
 
@@ -280,3 +283,41 @@ def test_forces_on_branches_are_those_of_the_elements(d, v, v0):
             found = max(found, 0.0)  # this branch ends where it would pull
         wanted = forces.force(law, d, v, v0)
         assert found == pytest.approx(wanted, rel=1e-14, abs=1e-9)
+
+
+# --- Polynomials within a step: all forms of one have its values -----------------------------------
+
+TWO = free_row([1.0, 2.0], sl.Kelvin(1e6, damping_ratio=0.1))
+SHARES = np.linspace(0, 1, 41)
+
+
+def test_interpolated_states_are_their_polynomials_in_powers_of_time():
+    random, space = np.random.default_rng(1), steps.Space.of(TWO)
+    x = random.standard_normal(space.new.size)
+    space.shapes[:] = random.standard_normal(space.shapes.shape)
+    states = np.empty((SHARES.size, x.size))
+    for share, state in zip(SHARES, states, strict=True):
+        steps.state_within(x, share, space, state)
+    np.testing.assert_array_equal(states[[0, -1]], [x, x + space.shapes[0]])
+    for i in range(x.size):
+        steps.component_polynomial(i, -1, x, space)
+        values = [evaluate(space.line, share)[0] for share in SHARES]
+        np.testing.assert_allclose(values, -states[:, i], atol=1e-13)
+    for i in range(2):
+        steps.polynomial(TWO, STRAIN_RATE, i, 0.7, x, space)
+        values = [evaluate(space.line, share)[0] for share in SHARES]
+        np.testing.assert_allclose(values, states[:, 2 + i] - 0.7, atol=1e-13)
+
+
+def test_what_is_known_at_nodes_is_interpolated_and_integrated_exactly():
+    """Up to the degree of a polynomial through all nodes."""
+    space = steps.Space.of(TWO)
+    known = np.polynomial.Polynomial(np.random.default_rng(2).standard_normal(steps.NODES))
+    for values in (space.nodes, space.depths, space.powers):
+        values[:, 0] = known(np.linspace(0, 1, steps.NODES))
+    steps.force_polynomial(0, space)
+    np.testing.assert_allclose([evaluate(space.line, t)[0] for t in SHARES], known(SHARES), atol=1e-10)
+    depths = [steps.depth_within(0, share, space) for share in SHARES]
+    np.testing.assert_allclose(depths, known(SHARES), atol=1e-10)
+    works = [steps.work_within(0, share, space) for share in SHARES]
+    np.testing.assert_allclose(works, known.integ()(SHARES), atol=1e-10)
