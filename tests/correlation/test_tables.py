@@ -61,7 +61,7 @@ def test_differences_of_displacements_are_those_of_numpy():
     shapes = (600, 1, 3), (500, 1), (600, 500, 3), (600, 1, 1), (1,), (500, 3)
     one, other, rho, off_1, off_2, off = (rng.uniform(0.1, 0.9, shape) for shape in shapes)
     rho[::7, ::5], one[3], other[4], rho[3, 4], off_1[3], off_2[:] = np.nan, 0.5, 0.5, 1.0, 0.2, 0.2
-    off[4] = 0.0
+    off[4], rho[5] = 0.0, -0.95  # with its bias below -1
     found = [differences(one, other, rho, off_1, off_2, off, threads=cores) for cores in (True, False)]
     for array, same in zip(*found, strict=True):
         np.testing.assert_array_equal(array, same)
