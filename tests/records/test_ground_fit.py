@@ -117,6 +117,18 @@ def test_source_says_what_was_fitted_and_how_well():
     assert "resolved" not in sl.fit_ground(taft()).source
 
 
+@pytest.mark.parametrize("duration", [20.0, 80.0])
+def test_a_sinusoid_has_the_width_of_its_line(duration):
+    """That is (sin x/x)^2 of x = (w - wg) T/2 in a periodogram, half as high at x = 1.3916."""
+    time = 0.02 * np.arange(round(duration / 0.02) + 1)
+    record = xr.DataArray(np.sin(np.pi * time), dims="time", coords={"time": time})
+    ground = sl.fit_ground(record)
+    width = 2 * 1.3916 / (0.9 * duration) / np.pi
+    assert ground.period == pytest.approx(2.0, rel=1e-3)
+    assert ground.damping < width
+    assert f"damping not well resolved (a sinusoid of this duration gives {width:.2g})" in ground.source
+
+
 @needs_records
 @pytest.mark.parametrize("record", [lambda: lake_bed(1), taft], ids=["SCT NS", "Taft"])
 def test_default_hardly_depends_on_the_choices_around_it(record):
