@@ -18,14 +18,18 @@ from stochlin.analyses.tables.cellwise import row_of
 from stochlin.analyses.tables.checks import check_duration
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.linearization.augmented import Solved
 from stochlin.kernels.linearization.filters import Matrices
 from stochlin.kernels.linearization.gaussian import Closure
 from stochlin.kernels.linearization.lyapunov import UnsolvableError
 from stochlin.kernels.linearization.transient import (
+    NODES,
+    NODES_OF_STOREYS,
     Coefficients,
     Difference,
     Filters,
+    Group,
     Own,
     Structures,
     Transient,
@@ -46,8 +50,6 @@ COLUMNS = 8  # numbers that are stored for each structure or pair at an instant
 INSTANT, RATES, PRODUCT = 1e-4, 20, 8e-11
 POINTS = 101  # instants of a result
 TIME = "time"
-# Values for the storeys that a structure has less than the highest one; the others are 0.
-LACKING = {"yield_displacement": np.inf, "scale": 1.0}
 
 
 class Oscillators(NamedTuple):
@@ -83,6 +85,11 @@ class Side(NamedTuple):
     def has_storeys(self) -> bool:
         """Whether the structure is a building with storeys."""
         return isinstance(self.cells, Storeys)
+
+    @property
+    def storeys(self) -> int:
+        """Number of storeys; 1 for oscillators."""
+        return self.cells.stack.mass.size if isinstance(self.cells, Storeys) else 1
 
     def stack(self, cell: int) -> Stack:
         """Storeys of the structure of one cell; an oscillator is one storey with a mass of 1 kg."""
@@ -279,25 +286,31 @@ def course_of(envelope: Envelope | None, duration: float, shortest: float, point
     return Course(envelope, float(duration), times, shown, last)
 
 
-def solve_course(sides: Sequence[Side], ground: Ground, pairs: Array, course: Course) -> Moments:
+def solve_course(
+    sides: Sequence[Side],
+    ground: Ground,
+    pairs: Array,
+    course: Course,
+    progress: Progress | None = None,
+) -> Moments:
     """Second moments of all structures and of pairs of them, which are at rest at first.
 
-    ``pairs`` (2, p) has the numbers of their cells.
+    ``pairs`` (2, p) has the numbers of their cells. ``progress`` is called with the share of the
+    duration that is done.
     """
-    structures = _structures(sides)
-    fastest = np.sqrt(np.abs(structures.stiffness).sum(axis=-1).max())
-    n, m = structures.scale.shape
+    groups = _groups(sides, ground)
+    fastest = max(group.fastest() for group in groups)
+    n, m = sum(side.cells.period.size for side in sides), max(side.storeys for side in sides)
     check_work(
         f"{pairs.shape[1]} pairs at {course.times.size} instants, with {m} storeys, would take",
         "take fewer cells at a time, storeys together, or a shorter motion",
         memory=8 * COLUMNS * course.times.size * m * (n + pairs.shape[1]),
         seconds=RATES * fastest * course.duration * PRODUCT * (n + 2 * pairs.shape[1]) * (3 * m) ** 3,
     )
-    filters = _filters(ground, grounds_of(sides))
-    closure = _coefficients(sides) if np.isfinite(structures.yield_displacement).any() else None
-    transient = Transient(structures, filters, pairs, closure, course.values)
+    closure = _coefficients(sides) if any(group.yields.any() for group in groups) else None
+    transient = Transient(groups, pairs, closure, course.values)
     kinks = () if course.envelope is None else course.envelope.kinks()
-    return Moments(*transient.solve(course.times, kinks), tuple(sides), course)
+    return Moments(*transient.solve(course.times, kinks, progress), tuple(sides), course)
 
 
 def over_time(table: xr.Dataset, course: Course) -> xr.Dataset:
@@ -322,24 +335,21 @@ def over_time(table: xr.Dataset, course: Course) -> xr.Dataset:
     )
 
 
-def _structures(sides: Sequence[Side]) -> Structures:
-    """Equations of all cells, with the number of storeys of the highest building."""
-    parts = [
-        _storeys(side.cells, side.seen) if isinstance(side.cells, Storeys) else _oscillators(side.cells)
-        for side in sides
-    ]
-    widest = max(part.scale.shape[1] for part in parts)
-    kinds = zip(Structures._fields, zip(*parts, strict=True), strict=True)
-    return Structures(
-        *(np.concatenate([_widened(name, array, widest) for array in arrays]) for name, arrays in kinds)
-    )
-
-
-def _widened(name: str, array: Array, storeys: int) -> Array:
-    """An array of `Structures` extended to a larger number of storeys."""
-    lead = 2 if name == "seen" else 1
-    wider = [(0, 0) if axis < lead else (0, storeys - n) for axis, n in enumerate(array.shape)]
-    return np.pad(array, wider, constant_values=LACKING.get(name, 0.0))
+def _groups(sides: Sequence[Side], ground: Ground) -> list[Group]:
+    """Equations of all cells; sides with the same number of storeys are one group."""
+    found = []
+    nodes = NODES_OF_STOREYS if any(side.storeys > 1 for side in sides) else NODES
+    for _, members in groupby(sides, lambda side: side.storeys):
+        alike = list(members)
+        parts = [
+            _storeys(side.cells, side.seen)
+            if isinstance(side.cells, Storeys)
+            else _oscillators(side.cells)
+            for side in alike
+        ]
+        structures = Structures(*map(np.concatenate, zip(*parts, strict=True)))
+        found.append(Group(structures, _filters(ground, grounds_of(alike)), nodes))
+    return found
 
 
 def _oscillators(cells: Oscillators) -> Structures:

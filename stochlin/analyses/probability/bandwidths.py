@@ -14,6 +14,7 @@ from stochlin.analyses.linearization.transient_systems import (
     oscillators_of,
 )
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.linearization.augmented import Solved
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, linear_system
 from stochlin.kernels.linearization.lyapunov import UnsolvableError
@@ -25,7 +26,9 @@ INSTANTS = 13  # instants at which the bandwidth of yielding structures is compu
 NO_SLIP = 1e-12  # equivalent coefficients below which a structure counts as elastic
 
 
-def bandwidths(moments: Moments, pairs: Array, ground: Ground) -> Array:
+def bandwidths(
+    moments: Moments, pairs: Array, ground: Ground, progress: Progress | None = None
+) -> Array:
     """Bandwidth [-] of ``u_1 - u_2`` over (times, pairs h), with h heights.
 
     At each instant it is that of the stationary response of the equivalent linear systems at this
@@ -37,12 +40,14 @@ def bandwidths(moments: Moments, pairs: Array, ground: Ground) -> Array:
     of_pairs = _of_storeys if any(side.has_storeys for side in moments.sides) else _of_oscillators
     spectrum = of_pairs(moments, pairs, ground)
     found = []
-    for instant in chosen:
+    for done, instant in enumerate(chosen, start=1):
         with np.errstate(invalid="ignore", divide="ignore"):
             l0, l1, l2 = spectrum(own.slip[instant], own.relaxation[instant])
             narrow = 1 - l1**2 / (l0 * l2)
         # NaN, for structures that move together, becomes 1: crossings are then independent.
         found.append(np.sqrt(np.clip(np.nan_to_num(narrow, nan=1.0), 0, 1)))
+        if progress is not None:
+            progress(done / chosen.size)
     at = times[chosen]
     if at.size == 1:
         return np.broadcast_to(found[0], (times.size, found[0].size))
@@ -83,11 +88,11 @@ def _of_storeys(moments: Moments, pairs: Array, ground: Ground) -> Spectrum:
     """Spectral moments of pairs with storeys, at all heights; NaN without a stationary response."""
     one, two = moments.sides
     seen, cells = np.hstack([one.seen, -two.seen]), one.cells.period.size
-    widest = max(one.seen.shape[1], two.seen.shape[1])
     systems = []
     for i, j in pairs.T:
         stacks = one.stack(int(i)), two.stack(int(j) - cells)
-        storeys = [n * widest + np.arange(s.mass.size) for n, s in zip((i, j), stacks, strict=True)]
+        begins = i * one.storeys, cells * one.storeys + (j - cells) * two.storeys
+        storeys = [b + np.arange(s.mass.size) for b, s in zip(begins, stacks, strict=True)]
         equations = Equations(System(stacks, ()), ground_of(ground, one.ground, int(i)))
         rate = np.sqrt(np.concatenate([stack.elastic / stack.mass for stack in stacks]))
         systems.append((equations, np.concatenate(storeys), NO_SLIP * rate))

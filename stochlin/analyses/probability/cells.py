@@ -12,6 +12,7 @@ from stochlin.analyses.correlation.correlation import correlate
 from stochlin.analyses.linearization.linearization import linearize
 from stochlin.analyses.linearization.transient_systems import (
     TIME,
+    Course,
     Moments,
     Side,
     check_names,
@@ -32,7 +33,7 @@ from stochlin.analyses.simulation.finite_motions import quantile_intervals, shar
 from stochlin.analyses.simulation.views import displacement_at, meeting_heights
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.kernels.probability.drift_growth import drift_variances
 from stochlin.kernels.simulation.separation_histories import Histories
 from stochlin.messages import sentence
@@ -52,11 +53,19 @@ AT_HEIGHT = (
     "required_gap_simulated",
     "rho",
 )
+OF_MOMENTS = 0.9  # share of the progress that the moments have beside the bandwidths
 SAMPLES = "separation_samples"  # variable from which a fragility is fitted
 
 
+class Solved(NamedTuple):
+    """What linearization finds for pairs: it does not depend on gaps."""
+
+    moments: Moments
+    bandwidth: Array  # (times, pairs h) bandwidth of ``u_1 - u_2`` [-]
+
+
 class PairTable(NamedTuple):
-    """Second moments of p pairs in k strengths of the motion, and the positions of pairs and gaps.
+    """Cells of p pairs in k strengths of the motion, and the positions of pairs and gaps.
 
     With storeys there are h heights of contact, and a pair is counted at each of them.
     """
@@ -64,7 +73,8 @@ class PairTable(NamedTuple):
     weights: Array  # (k,) of the strengths of the motion
     every_pair: xr.DataArray  # number of each pair and strength, strength by strength
     structures_of_pair: Array  # (2, k p) numbers of both structures
-    moments: Moments
+    sides: tuple[Side, Side]
+    course: Course
     pair_number: xr.DataArray  # number of each pair and height, -1 where invalid
     cell_number: xr.DataArray  # number of each pair, height and gap, -1 where invalid
     gap: Array  # (c,) [m]
@@ -83,7 +93,7 @@ class PairTable(NamedTuple):
         points: int,
         weights: Array = ALONE,
     ) -> PairTable:
-        """Table of checked and solved pairs; with several weights the ground is over `STRENGTH`."""
+        """Table of checked pairs; with several weights the ground is over `STRENGTH`."""
         one = side_of(first, ground, duration, "first", 0)
         two = side_of(second, ground, duration, "second", one.cells.period.size)
         gap = distance.arrays()["gap"]
@@ -112,18 +122,26 @@ class PairTable(NamedTuple):
         sides, heights = _where_they_meet(one, two)
         at_height = (pair_number * heights.size + heights).where(pair_number >= 0, -1).astype(int)
         cell_number = numbered(xr.broadcast(good, heights)[0])
-        course = course_of(envelope, duration, shortest_period(sides), points)
         return cls(
             weights,
             every_pair,
             structures,
-            solve_course(sides, ground, structures, course),
+            sides,
+            course_of(envelope, duration, shortest_period(sides), points),
             at_height,
             cell_number,
             of_cells(wide, cell_number).astype(float),
             of_cells(at_height, cell_number),
             status.transpose(*good.dims).astype(np.int8),
         )
+
+    def solve(self, ground: Ground, progress: Progress | None = None) -> Solved:
+        """Second moments and bandwidths of the pairs by transient linearization."""
+        pairs = self.structures_of_pair
+        first = part_of(progress, 0.0, OF_MOMENTS)
+        moments = solve_course(self.sides, ground, pairs, self.course, first)
+        rest = part_of(progress, OF_MOMENTS, 1.0)
+        return Solved(moments, bandwidths(moments, pairs, ground, rest))
 
 
 def _where_they_meet(one: Side, two: Side) -> tuple[tuple[Side, Side], xr.DataArray]:
@@ -147,16 +165,15 @@ def height_numbers(heights: ArrayLike) -> xr.DataArray:
     return axis.copy(data=np.arange(axis.size))
 
 
-def by_formula(pairs: PairTable, ground: Ground, confidence: float) -> xr.Dataset:
+def by_formula(pairs: PairTable, solved: Solved, ground: Ground, confidence: float) -> xr.Dataset:
     """Variables of the table by linearization, and with its known bias corrected."""
-    moments, course = pairs.moments, pairs.moments.course
-    bandwidth = bandwidths(moments, pairs.structures_of_pair, ground)
+    course, (moments, bandwidth) = pairs.course, solved
     own, both = moments.own.displacement, moments.difference
     heights = both.d_d.shape[1] // pairs.structures_of_pair.shape[1]
     of_pair = pairs.structures_of_pair[..., None] * heights + np.arange(heights)
     table, required, weights = xr.Dataset(), None, pairs.weights
     nothing = np.zeros_like(own), np.zeros_like(both.d_d)
-    for ending, (drift, apart) in (("", nothing), ("_corrected", _drift(pairs, ground))):
+    for ending, (drift, apart) in (("", nothing), ("_corrected", _drift(pairs, moments, ground))):
         if required is None or np.isnan(apart).any() or apart.any():
             cells = pairs.gap, pairs.pair_of_cell
             found = chances(both, bandwidth, apart, *cells, course, weights)
@@ -226,9 +243,9 @@ def by_simulation(
     progress: Progress | None,
 ) -> xr.Dataset:
     """Variables of the table by simulation, with errors; ``pairs`` has one strength of the motion."""
-    cells, moments = (pairs.gap, pairs.pair_of_cell), pairs.moments
+    cells = pairs.gap, pairs.pair_of_cell
     found = simulate_course(
-        moments.sides, pairs.structures_of_pair, cells, ground, moments.course, draws, progress
+        pairs.sides, pairs.structures_of_pair, cells, ground, pairs.course, draws, progress
     )
     return simulated_table(found, pairs.cell_number, pairs.pair_number, confidence, draws.seed)
 
@@ -279,9 +296,9 @@ def _simulated_gaps(largest: Array, pair: xr.DataArray, confidence: float) -> di
     }
 
 
-def _drift(pairs: PairTable, ground: Ground) -> tuple[Array, Array]:
+def _drift(pairs: PairTable, moments: Moments, ground: Ground) -> tuple[Array, Array]:
     """Variances [m^2] of the plastic drifts and of their difference; NaN outside the map of the bias."""
-    own, both, sides, course = pairs.moments
+    own, both, sides, course = moments
     first, second = (side.structure for side in sides)
     if not (isinstance(first, Structure) and isinstance(second, Structure)):
         unknown = np.nan if first.yields or second.yields else 0.0  # the map has oscillators only

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import xarray as xr
@@ -12,7 +13,7 @@ from stochlin.analyses.linearization.transient_systems import (
     check_course,
     over_time,
 )
-from stochlin.analyses.probability.cells import SAMPLES, PairTable, by_formula, by_simulation
+from stochlin.analyses.probability.cells import SAMPLES, PairTable, Solved, by_formula, by_simulation
 from stochlin.analyses.probability.confidence_errors import cautions
 from stochlin.analyses.probability.hybrid import hybrid_pounding
 from stochlin.analyses.probability.simulated import Draws
@@ -22,7 +23,7 @@ from stochlin.analyses.probability.variables import VARIABLES
 from stochlin.analyses.simulation.draws import draw
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_confidence, check_scatter, check_whole
-from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.messages import brief
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
@@ -31,7 +32,9 @@ from stochlin.models.structures import Gap, Structure
 from stochlin.models.systems import STRUCTURES, AnyStructure
 from stochlin.models.uncertain import median_of
 
+Solve = Callable[[PairTable, Ground, Progress | None], Solved]
 METHODS = ("evolutionary", "hybrid")
+OF_FORMULA = 0.5  # share of the progress that the formula has beside a simulation
 REFERENCES = (
     f"{labels.PAPER} Vanmarcke, E. H. (1975), J. Appl. Mech. 42; Rice, S. O. (1945), Bell Syst. Tech. "
     "J. 24; Roberts, J. B. and Spanos, P. D. (1990). Random vibration and statistical linearization."
@@ -92,7 +95,7 @@ def pounding_probability(
         simulation, and the accuracy of the formulas is known from ``caution`` only. With a simulation
         only the intensity of the ground may be an array.
     progress : callable, optional
-        Called with the share of the simulation that is done.
+        Called with the share of the work that is done.
 
     Returns
     -------
@@ -210,12 +213,16 @@ def with_samples(
     record: xr.DataArray | None = None,
     confidence: float,
     scatter: float,
-    points: int,
+    points: int = POINTS,
     paths: int,
     seed: int,
     progress: Progress | None,
+    solve: Solve | None = PairTable.solve,
 ) -> xr.Dataset:
-    """Dataset of `pounding_probability`, with the peak of ``u_1 - u_2`` in each simulated motion."""
+    """Dataset of `pounding_probability`, with the peak of ``u_1 - u_2`` in each simulated motion.
+
+    ``solve`` is `PairTable.solve`, or gives what it has found before; None leaves out the formulas.
+    """
     if not isinstance(method, str) or method not in METHODS:
         raise ValueError(f"method = {brief(method)}; allowed: {', '.join(METHODS)}")
     described: dict[str, Any] = {"first": first, "second": second, "ground": ground}
@@ -246,19 +253,22 @@ def with_samples(
         raise ValueError("paths = 1; allowed: 0 for no simulation, or a whole number from 2")
     seconds = check_course(duration, envelope)
     pairs = PairTable.of(first, second, ground, distance, seconds, envelope, points)
-    course, of_formula, below = pairs.moments.course, pairs, ground
-    if scatter:
+    of_formula, below, table = pairs, ground, xr.Dataset()
+    if scatter and solve is not None:
         factors, weights = strengths(scatter)
         below = at_strengths(ground, factors)
         one, two = (strength_in_metres(structure, ground) for structure in (first, second))
         of_formula = PairTable.of(one, two, below, distance, seconds, envelope, points, weights)
-    table = by_formula(of_formula, below, confidence)
+    if solve is not None:
+        solved = solve(of_formula, below, part_of(progress, 0.0, OF_FORMULA if paths else 1.0))
+        table = by_formula(of_formula, solved, below, confidence)
+        table = table.assign(cautions(first, second, ground, table, scatter))
     if paths:
-        options = confidence, Draws(paths, seed, float(scatter)), progress
+        rest = part_of(progress, 0.0 if solve is None else OF_FORMULA, 1.0)
+        options = confidence, Draws(paths, seed, float(scatter)), rest
         simulated = _simulated(pairs, described, distance, *options)
         table = table.assign(simulated.data_vars).assign_attrs(simulated.attrs)
-    table = over_time(table, course).assign(status=of_formula.status)
-    table = table.assign(cautions(first, second, ground, table, scatter))
+    table = over_time(table, pairs.course).assign(status=of_formula.status)
     table = table.assign_attrs(confidence=confidence, **labels.of_scatter(scatter))
     table = labels.label(table, VARIABLES)
     labels.raise_if_lone_failure(table, "pounding_probability")
@@ -288,10 +298,10 @@ def _simulated(
     """
     first, second, ground = described.values()
     drawn = draw([first, second], ground, draws.paths, draws.seed)
-    if not drawn.factors and not any(side.has_storeys for side in pairs.moments.sides):
+    if not drawn.factors and not any(side.has_storeys for side in pairs.sides):
         return by_simulation(pairs, ground, confidence, draws, progress)
     (one, two), soil = drawn.medians
-    motion = distance, pairs.moments.course, confidence, draws, progress
+    motion = distance, pairs.course, confidence, draws, progress
     return storeys_in_motion(one, two, soil, *motion, drawn).assign(drawn.table())
 
 

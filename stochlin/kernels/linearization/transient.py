@@ -13,7 +13,7 @@ On white noise ``2 pi S0 m^2 b b'`` replaces ``m`` times the brackets. ``A`` of 
 depends on ``X`` through its coefficients. A structure has one or more storeys; an oscillator has one.
 The states are, storey by storey, ``d/s``, ``d'/(s w)`` and ``y/s``, with the storey drift ``d``, the
 slip ``y = d - uy z`` as in `covariance`, and a scale ``s`` for each storey that makes them of order
-one. In structures with fewer storeys than others the states of the missing storeys remain zero.
+one. Structures with the same number of storeys are computed together.
 
 Time is divided into panels. Within a panel, with ``t`` from its start, the transition matrix ``Phi`` of
 a structure, ``Phi' = A Phi``, reduces the equations to integrals over vectors:
@@ -24,26 +24,29 @@ a structure, ``Phi' = A Phi``, reduces the equations to integrals over vectors:
 with ``gamma = pi S0 beta`` on white noise. The integrals are those of polynomials through the
 Gauss-Lobatto nodes of the panel. For elastic structures ``Phi = exp(A t)``. For yielding ones ``A*`` has
 constant coefficients, those at an earlier time, and ``Phi = exp(A* t) V`` with
-``V' = exp(-A* t) (A - A*) Phi``. The coefficients at all nodes of a panel are found together by Picard
-iteration.
+``V' = exp(-A* t) (A - A*) Phi``; its inverse is ``U exp(-A* t)`` with
+``U' = -U exp(-A* t) (A - A*) exp(A* t)``. The coefficients, ``V`` and ``U`` at all nodes of a panel are
+found together by Picard iteration.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.collocation import exponentials, lobatto
+from stochlin.kernels.basics.collocation import Nodes, exponentials, lobatto
+from stochlin.kernels.basics.parallel import Progress
 
 RTOL, ATOL = 1e-9, 1e-12  # tolerances of covariances, in units of the elastic stationary response
 RTOL_YIELDING = 1e-7  # with yielding structures, for which linearization is itself an approximation
 LEAST_Z = 0.04  # sz over the yield displacement below which slip is neglected (probability 1e-130)
 LARGEST_CORRELATION = 1 - 1e-12  # to which corr(v, z) is limited
 RESTING = np.array([1.0, 1.0, 0.0])  # (sv, sz, r) in place of those at rest, whose result is not used
-NODES = lobatto(24)  # nodes of a panel
+# Nodes of a panel: fewer with storeys, whose larger matrices then remain in the processor's cache.
+NODES, NODES_OF_STOREYS = lobatto(24), lobatto(16)
 FIRST = 5.0  # length of the first panel, as phase of the fastest oscillation [rad]
 SHORTER, LONGER = 0.4, 2.0  # smallest and largest ratio of the lengths of successive panels
 MARGIN, WORTH_IT = 0.9, 1.25  # safety factor on the length; factor from which panels are lengthened
@@ -55,10 +58,9 @@ ROUNDING = 1e-9  # relative variance of the difference below which it is roundin
 
 
 class Structures(NamedTuple):
-    """Structures of up to ``m`` storeys, ``d'' = -damping d' - stiffness d + coupling y + f e_1``.
+    """Structures of ``m`` storeys, ``d'' = -damping d' - stiffness d + coupling y + f e_1``.
 
-    ``e_1`` is 1 in the first storey. Missing storeys of a structure have zeros, a scale of 1, and are
-    elastic.
+    ``e_1`` is 1 in the first storey.
     """
 
     frequency: Array  # (n,) w [rad/s], the scale of velocities
@@ -80,13 +82,13 @@ class Filters(NamedTuple):
 
 
 class Own(NamedTuple):
-    """Second moments and coefficients of the structures over time."""
+    """Second moments and coefficients of the structures over time, structure by structure."""
 
     displacement: Array  # (times, n h) variance [m^2]
     velocity: Array  # (times, n h) variance [m^2/s^2]
-    z: Array  # (times, n m) variance of uy z of the storeys [m^2]
-    slip: Array  # (times, n m) 1 + c_e
-    relaxation: Array  # (times, n m) k_e [1/s]
+    z: Array  # (times, all storeys) variance of uy z of the storeys [m^2]
+    slip: Array  # (times, all storeys) 1 + c_e
+    relaxation: Array  # (times, all storeys) k_e [1/s]
 
 
 class Difference(NamedTuple):
@@ -101,8 +103,8 @@ class Difference(NamedTuple):
 class Covariances(NamedTuple):
     """The covariances at a time, or at the nodes of a panel, which are then the first dimension."""
 
-    soil: Array  # C (n, 3 m, k)
-    own: Array  # X (n, 3 m, 3 m)
+    soil: list[Array]  # C (n, 3 m, k) of each group
+    own: list[Array]  # X (n, 3 m, 3 m) of each group
     both: Array  # X12 (p, 3 m, 3 m)
 
 
@@ -120,13 +122,25 @@ class Frame(NamedTuple):
 
 
 class Path(NamedTuple):
-    """The matrices of the module's docstring for the structures at the nodes of a panel."""
+    """The matrices of the module's docstring for the structures of a group at the nodes of a panel."""
 
     transition: Array  # Phi (q, n, 3 m, 3 m)
+    inverse: Array  # U (q, n, 3 m, 3 m)
     push: Array  # beta (q, n, 3 m)
     pull: Array  # gamma (q, n, 3 m)
     soil: Array  # D (q, n, 3 m, k)
-    own: Array  # X (q, n, 3 m, 3 m)
+    half: Array  # Phi^-1 X Phi'^-1 from the left by Phi (q, n, 3 m, 3 m)
+    squares: Array  # (6, q, n, m) the moments in X that give those of z
+
+    def own(self) -> Array:
+        """``X`` (q, n, 3 m, 3 m)."""
+        found: Array = self.half @ self.transition.swapaxes(-1, -2)
+        return found
+
+    def soil_at_end(self, frame: Frame) -> Array:
+        """``C`` (n, 3 m, k) at the end of the panel."""
+        found: Array = self.transition[-1] @ self.soil[-1] @ frame.filters.swapaxes(-1, -2)
+        return found
 
 
 Envelope = Callable[[Array], Array]
@@ -134,31 +148,17 @@ Envelope = Callable[[Array], Array]
 Coefficients = Callable[[Array], Array]
 
 
-class Transient:
-    """The equations of all structures and pairs; ``closure`` is None if all structures are elastic."""
+class Group:
+    """The equations of structures with the same number of storeys."""
 
-    def __init__(
-        self,
-        structures: Structures,
-        filters: Filters,
-        pairs: Array,
-        closure: Coefficients | None,
-        envelope: Envelope,
-    ) -> None:
-        self.structures, self.filters, self.envelope = structures, filters, envelope
-        self.pairs, self.closure = pairs, closure
-        self.tolerance = RTOL if closure is None else RTOL_YIELDING
+    def __init__(self, structures: Structures, filters: Filters, nodes: Nodes) -> None:
+        self.structures, self.filters, self.nodes = structures, filters, nodes
         w, s, k = structures.frequency, structures.scale, filters.output.shape[1]
         n, m = s.shape
-        self.shapes = (n, 3 * m, k), (n, 3 * m, 3 * m), (pairs.shape[1], 3 * m, 3 * m)
+        self.shapes = (n, 3 * m, k), (n, 3 * m, 3 * m)
         d, v, y = self.parts = slice(m), slice(m, 2 * m), slice(2 * m, 3 * m)
+        self.squares = (d, d), (d, y), (y, y), (v, d), (v, y), (v, v)
         self.yields = np.isfinite(structures.yield_displacement)
-        x = np.arange(n * (3 * m) ** 2).reshape(self.shapes[1])
-        squares = [
-            _diagonal(x[:, one, two]) for one, two in ((d, d), (d, y), (y, y), (v, d), (v, y), (v, v))
-        ]
-        self.squares = np.stack(squares)  # (6, n, m): indices in X of the moments that give those of z
-        self.of_yielding = self.squares[:, self.yields]
         self.unit = (s / structures.yield_displacement)[self.yields]
         self.frequency = np.broadcast_to(w[:, None], s.shape)[self.yields]
         self.seen = structures.seen * s[:, None]
@@ -171,70 +171,13 @@ class Transient:
         self.matrix[:, v, v] = -structures.damping * ratio
         self.matrix[:, v, y] = structures.coupling * ratio / rate
 
-    def solve(self, times: Array, kinks: Sequence[float] = ()) -> tuple[Own, Difference]:
-        """Moments at increasing ``times`` from 0 on, from rest at 0.
-
-        Panels end at ``kinks``, the times at which the envelope is not smooth. An ArithmeticError is
-        raised if panels become too short.
-        """
-        ends = (*sorted({kink for kink in kinks if 0 < kink < times[-1]}), times[-1])
-        _, own, both = self._at_rest()
-        seen, reached, found = [(own[None], both[None])], 1, []
-        for begin, end, over in self._panels(ends):
-            until = int(np.searchsorted(times, end, side="right"))
-            shares = (times[reached:until] - begin) / (end - begin)
-            seen.append((NODES.interpolate(over.own, shares), NODES.interpolate(over.both, shares)))
-            reached = until
-            if sum(len(own) for own, _ in seen) >= AT_ONCE or until == times.size:
-                found.append(self._moments(*map(np.concatenate, zip(*seen, strict=True))))
-                seen = []
-        structures, pairs = zip(*found, strict=True)
-        return (
-            Own(*(np.concatenate(column) for column in zip(*structures, strict=True))),
-            Difference(*(np.concatenate(column) for column in zip(*pairs, strict=True))),
-        )
-
-    def _at_rest(self) -> Covariances:
-        """Covariances at rest, all zero."""
-        return Covariances(*map(np.zeros, self.shapes))
-
-    def _panels(self, ends: Sequence[float]) -> Iterator[tuple[float, float, Covariances]]:
-        """Start, end and covariances of successive panels, which also end at each of ``ends``.
-
-        Their length is adapted to the tolerance, by the last terms of the Legendre series.
-        """
+    def fastest(self) -> float:
+        """Upper bound of the rates of all structures and filters [1/s]."""
         structures = np.sqrt(np.abs(self.structures.stiffness).sum(axis=-1).max())
-        fastest = max(structures, np.abs(self.filters.matrix).sum(axis=-1).max(initial=0))
-        begin, length, now, frame = 0.0, FIRST / fastest, self._at_rest(), None
-        for end in ends:
-            left, tried, mark = 0, 0, begin  # ``left``: number of panels of this length to the end
-            while begin < end:
-                if not left:
-                    left = int(np.ceil((end - begin) / length))
-                    length = (end - begin) / left
-                tried += 1
-                if tried % WINDOW == 0:
-                    _check_pace(begin - mark, length, begin, end)
-                    mark = begin
-                frame = self._frame(length, now.own, frame)
-                path = self._path(frame, self.envelope(begin + length * NODES.at), now)
-                error = np.inf
-                if path is not None:
-                    error = self._over_tolerance(NODES.last_terms(path.own), path.own)
-                factor = MARGIN * max(error, ATOL) ** (-1 / NODES.at.size)
-                if path is None or not error <= 1:
-                    length, left = length * max(SHORTER, factor), 0
-                    continue
-                left -= 1
-                over, until = self._covariances(frame, path, now), begin + length if left else end
-                yield begin, until, over
-                begin, now = until, Covariances(*(part[-1] for part in over))
-                if factor > WORTH_IT:
-                    length, left = length * min(factor, LONGER), 0
+        return float(max(structures, np.abs(self.filters.matrix).sum(axis=-1).max(initial=0)))
 
-    def _frame(self, length: float, own: Array, old: Frame | None) -> Frame:
-        """The old frame if its length and coefficients are still valid, else a new one for ``own``."""
-        held = self.coefficients(own)
+    def frame(self, length: float, held: Array, old: Frame | None) -> Frame:
+        """The old frame if its length and coefficients are still valid, else a new one for ``held``."""
         w, d, v, y = self.structures.frequency, *self.parts
         if old is not None and old.length == length:
             slip, relaxation = np.abs(held - old.held)
@@ -244,7 +187,7 @@ class Transient:
         a, f = self.matrix.copy(), self.filters
         _diagonal(a[:, y, d])[...], _diagonal(a[:, y, y])[...] = relaxation, -relaxation
         _diagonal(a[:, y, v])[...] = slip * w[:, None]
-        times = length * NODES.at
+        times = length * self.nodes.at
         back, soil = exponentials(-a, times), exponentials(f.matrix, times)
         return Frame(
             length,
@@ -257,105 +200,278 @@ class Transient:
             soil[-1],
         )
 
-    @np.errstate(over="ignore", invalid="ignore")  # too long a panel may overflow, and is repeated
-    def _path(self, frame: Frame, envelope: Array, now: Covariances) -> Path | None:
-        """The structures over a panel from ``now`` on; None if the iteration does not converge."""
+    def first(self, frame: Frame, envelope: Array, soil: Array, own: Array) -> Path:
+        """The path from covariances ``C`` and ``X`` on with the coefficients of the frame."""
+        one = np.broadcast_to(np.eye(frame.forward.shape[-1]), frame.forward.shape)
         push = frame.push * envelope[:, None, None]
-        path = self._at_nodes(frame, frame.forward, push, now)
-        if self.closure is None:
-            return path
-        for _ in range(SWEEPS):
-            slip, relaxation = self.coefficients(path.own) - frame.held[:, None]
-            slip *= self.structures.frequency[:, None]
-            by_drift, by_rate, by_slip = (path.transition[..., part, :] for part in self.parts)
-            rates = slip[..., None] * by_rate + relaxation[..., None] * (by_drift - by_slip)
-            turn = NODES.integrate(frame.slips @ rates, frame.length)  # V less the unit matrix
-            turn += np.eye(turn.shape[-1])
-            turned = np.linalg.solve(turn, push[..., None])[..., 0]
-            before, path = path, self._at_nodes(frame, frame.forward @ turn, turned, now)
-            if self._over_tolerance(path.own - before.own, path.own) <= SETTLED:
-                return path
-        return None
+        return self._at_nodes(frame, frame.forward, one, push, soil, own)
 
-    def _at_nodes(self, frame: Frame, transition: Array, push: Array, now: Covariances) -> Path:
-        """The path with these transition matrices ``Phi`` and with ``push``, that is ``beta``."""
-        soil = NODES.integrate(push[..., None] * frame.soil[..., None, :], frame.length) + now.soil
+    def next(
+        self, frame: Frame, envelope: Array, path: Path, held: Array, soil: Array, own: Array
+    ) -> Path:
+        """The path with other coefficients ``held`` (2, q, n, m) than that of the last iteration."""
+        slip, relaxation = held - frame.held[:, None]
+        slip = slip * self.structures.frequency[:, None]
+
+        def rates(transition: Array) -> Array:
+            """Rates of the slips by the difference of the coefficients."""
+            by_drift, by_rate, by_slip = (transition[..., part, :] for part in self.parts)
+            found: Array = by_drift - by_slip
+            found *= relaxation[..., None]
+            found += slip[..., None] * by_rate
+            return found
+
+        one = np.eye(frame.forward.shape[-1])
+        turn = self.nodes.integrate(frame.slips @ rates(path.transition), frame.length) + one
+        back = (path.inverse @ frame.slips) @ rates(frame.forward)
+        inverse = one - self.nodes.integrate(back, frame.length)
+        push = (inverse @ frame.push[..., None])[..., 0] * envelope[:, None, None]
+        return self._at_nodes(frame, frame.forward @ turn, inverse, push, soil, own)
+
+    def _at_nodes(
+        self, frame: Frame, transition: Array, inverse: Array, push: Array, soil: Array, own: Array
+    ) -> Path:
+        """The path with ``Phi``, ``U`` and ``beta``, which is ``push``."""
+        soil = self.nodes.integrate(push[..., None] * frame.soil[..., None, :], frame.length) + soil
         pull = (soil @ frame.output[..., None])[..., 0]
         pull += 0.5 * self.filters.intensity[:, None] * push
         forced = push[..., None] * pull[..., None, :]
-        own = NODES.integrate(forced + forced.swapaxes(-1, -2), frame.length) + now.own
-        return Path(transition, push, pull, soil, transition @ own @ transition.swapaxes(-1, -2))
+        forced += forced.swapaxes(-1, -2).copy()
+        half = transition @ (self.nodes.integrate(forced, frame.length) + own)
+        squares = [
+            np.einsum("qnij,qnij->qni", half[..., one, :], transition[..., two, :])
+            for one, two in self.squares
+        ]
+        return Path(transition, inverse, push, pull, soil, half, np.stack(squares))
 
-    def _over_tolerance(self, difference: Array, own: Array) -> float:
-        """Largest difference over its tolerance, which is relative to each structure's covariances."""
-        error, size = (np.abs(array).max(axis=(0, 2, 3)) for array in (difference, own))
-        return float((error / (self.tolerance * size + ATOL)).max())
+    def squares_of(self, own: Array) -> Array:
+        """The moments (6, ..., n, m) in ``X`` (..., n, 3 m, 3 m) that give those of z."""
+        return np.stack([np.einsum("...ii->...i", own[..., one, two]) for one, two in self.squares])
 
-    def _covariances(self, frame: Frame, path: Path, now: Covariances) -> Covariances:
-        """The covariances at the nodes; those with the ground's states only at the end of the panel."""
-        one, two = self.pairs
-        forced = path.push[:, one, :, None] * path.pull[:, two, None, :]
-        forced += path.pull[:, one, :, None] * path.push[:, two, None, :]
-        both = NODES.integrate(forced, frame.length) + now.both
-        both = path.transition[:, one] @ both @ path.transition[:, two].swapaxes(-1, -2)
-        soil = path.transition[-1:] @ path.soil[-1:] @ frame.filters.swapaxes(-1, -2)
-        return Covariances(soil, path.own, both)
+    def seen_in(self, own: Array) -> tuple[Array, Array, Array]:
+        """``E[u u]``, ``E[u u']`` and ``E[u' u']`` (..., n, h) of the displacements, in ``X``."""
+        w, (d, v, _) = self.structures.frequency[:, None], self.parts
+        return (
+            _weighted(self.seen, own[..., d, d], self.seen),
+            w * _weighted(self.seen, own[..., d, v], self.seen),
+            w**2 * _weighted(self.seen, own[..., v, v], self.seen),
+        )
 
-    @np.errstate(under="ignore", invalid="ignore", divide="ignore")
-    def coefficients(self, own: Array) -> Array:
-        """``1 + c_e`` and ``k_e`` (2, ..., n, m) by the closure, for ``X`` (..., n, 3 m, 3 m)."""
-        values = np.zeros((2, *own.shape[:-2], self.structures.scale.shape[1]))
-        if self.closure is None:
-            return values
-        state = own.reshape(*own.shape[:-3], -1)
-        d_d, d_y, y_y, v_d, v_y, v_v = np.moveaxis(state[..., self.of_yielding], -2, 0)
+    def latent(self, squares: Array) -> tuple[Array, Array]:
+        """``(sv, sz, r)`` (3, ..., y) of the yielding storeys, and which of them move."""
+        d_d, d_y, y_y, v_d, v_y, v_v = squares[..., self.yields]
         unit, z_z, v_z = self.unit, d_d - 2 * d_y + y_y, v_d - v_y
         sz, sv = np.sqrt(np.maximum(z_z, 0)), np.sqrt(np.maximum(v_v, 0))
         moving = (sz * unit > LEAST_Z) & (sv > 0)
         r = np.minimum(np.maximum(v_z / (sv * sz), -LARGEST_CORRELATION), LARGEST_CORRELATION)
         rates = sv * unit * self.frequency
         resting = RESTING.reshape(3, *(1,) * moving.ndim)
-        latent = np.where(moving, np.stack([rates, sz * unit, r]), resting)
-        values[..., self.yields] = np.where(moving, self.closure(latent), 0.0)
+        return np.where(moving, np.stack([rates, sz * unit, r]), resting), moving
+
+
+class Transient:
+    """The equations of all structures and pairs; ``closure`` is None if all structures are elastic.
+
+    In ``pairs`` (2, p), the numbers of structures are counted over all groups; the first of a pair is
+    in the first group, and the second in the last one, which may be the same.
+    """
+
+    def __init__(
+        self,
+        groups: Sequence[Group],
+        pairs: Array,
+        closure: Coefficients | None,
+        envelope: Envelope,
+    ) -> None:
+        self.groups, self.closure, self.envelope = groups, closure, envelope
+        self.nodes = groups[0].nodes
+        before = sum(group.shapes[0][0] for group in groups[:-1])
+        self.pairs = pairs[0], pairs[1] - before
+        self.tolerance = RTOL if closure is None else RTOL_YIELDING
+
+    def solve(
+        self, times: Array, kinks: Sequence[float] = (), progress: Progress | None = None
+    ) -> tuple[Own, Difference]:
+        """Moments at increasing ``times`` from 0 on, from rest at 0.
+
+        Panels end at ``kinks``, the times at which the envelope is not smooth. ``progress`` is called
+        with the share of the time that is done. An ArithmeticError is raised if panels become too short.
+        """
+        ends = (*sorted({kink for kink in kinks if 0 < kink < times[-1]}), times[-1])
+        _, own, both = self._at_rest()
+        seen, reached, found = [([x[None] for x in own], both[None])], 1, []
+        for begin, end, over in self._panels(ends):
+            until = int(np.searchsorted(times, end, side="right"))
+            shares = (times[reached:until] - begin) / (end - begin)
+            between = [self.nodes.interpolate(x, shares) for x in over.own]
+            seen.append((between, self.nodes.interpolate(over.both, shares)))
+            reached = until
+            if progress is not None:
+                progress(float(end / times[-1]))
+            if sum(len(both) for _, both in seen) >= AT_ONCE or until == times.size:
+                own = [np.concatenate(parts) for parts in zip(*(own for own, _ in seen), strict=True)]
+                found.append(self._moments(own, np.concatenate([both for _, both in seen])))
+                seen = []
+        structures, pairs = zip(*found, strict=True)
+        return (
+            Own(*(np.concatenate(column) for column in zip(*structures, strict=True))),
+            Difference(*(np.concatenate(column) for column in zip(*pairs, strict=True))),
+        )
+
+    def _at_rest(self) -> Covariances:
+        """Covariances at rest, all zero."""
+        soil, own = ([np.zeros(group.shapes[n]) for group in self.groups] for n in (0, 1))
+        return Covariances(soil, own, np.zeros((self.pairs[0].size, len(own[0][0]), len(own[-1][0]))))
+
+    def _panels(self, ends: Sequence[float]) -> Iterator[tuple[float, float, Covariances]]:
+        """Start, end and covariances of successive panels, which also end at each of ``ends``.
+
+        Their length is adapted to the tolerance, by the last terms of the Legendre series.
+        """
+        fastest = max(group.fastest() for group in self.groups)
+        begin, length, now = 0.0, FIRST / fastest, self._at_rest()
+        frames: Sequence[Frame] = ()
+        for end in ends:
+            left, tried, mark = 0, 0, begin  # ``left``: number of panels of this length to the end
+            while begin < end:
+                if not left:
+                    left = int(np.ceil((end - begin) / length))
+                    length = (end - begin) / left
+                tried += 1
+                if tried % WINDOW == 0:
+                    _check_pace(begin - mark, length, begin, end)
+                    mark = begin
+                frames = self._frames(length, now.own, frames)
+                paths = self._paths(frames, self.envelope(begin + length * self.nodes.at), now)
+                error = np.inf
+                if paths is not None:
+                    own = [path.own() for path in paths]
+                    error = self._over_tolerance(map(self.nodes.last_terms, own), own, (0, 2, 3))
+                factor = MARGIN * max(error, ATOL) ** (-1 / self.nodes.at.size)
+                if paths is None or not error <= 1:
+                    length, left = length * max(SHORTER, factor), 0
+                    continue
+                left -= 1
+                both = self._pairs(paths, length, now.both)
+                until = begin + length if left else end
+                yield begin, until, Covariances([], own, both)
+                soil = [path.soil_at_end(frame) for path, frame in zip(paths, frames, strict=True)]
+                begin, now = until, Covariances(soil, [x[-1] for x in own], both[-1])
+                if factor > WORTH_IT:
+                    length, left = length * min(factor, LONGER), 0
+
+    def _frames(self, length: float, own: Sequence[Array], old: Sequence[Frame]) -> Sequence[Frame]:
+        """Frames of all groups for a panel of this length, from ``X`` and those of the last one."""
+        squares = [group.squares_of(x) for group, x in zip(self.groups, own, strict=True)]
+        before: Sequence[Frame | None] = old or [None for _ in self.groups]
+        parts = zip(self.groups, self.coefficients(squares), before, strict=True)
+        return [group.frame(length, held, frame) for group, held, frame in parts]
+
+    @np.errstate(over="ignore", invalid="ignore")  # too long a panel may overflow, and is repeated
+    def _paths(
+        self, frames: Sequence[Frame], envelope: Array, now: Covariances
+    ) -> Sequence[Path] | None:
+        """All structures over a panel from ``now`` on; None if the iteration does not converge."""
+        parts = [*zip(self.groups, frames, now.soil, now.own, strict=True)]
+        paths = [group.first(frame, envelope, *begin) for group, frame, *begin in parts]
+        if self.closure is None:
+            return paths
+        for _ in range(SWEEPS):
+            before, held = paths, self.coefficients([path.squares for path in paths])
+            paths = [
+                group.next(frame, envelope, path, own, *begin)
+                for (group, frame, *begin), path, own in zip(parts, before, held, strict=True)
+            ]
+            squares = [path.squares for path in paths]
+            change = (one - path.squares for one, path in zip(squares, before, strict=True))
+            if self._over_tolerance(change, squares, (0, 1, 3)) <= SETTLED:
+                return paths
+        return None
+
+    def _over_tolerance(
+        self, differences: Iterable[Array], moments: Iterable[Array], axes: tuple[int, ...]
+    ) -> float:
+        """Largest difference over its tolerance, which is relative to each structure's moments.
+
+        ``axes`` are those of the arrays that are not over structures.
+        """
+        found = []
+        for both in zip(differences, moments, strict=True):
+            error, size = (np.abs(array).max(axis=axes) for array in both)
+            found.append((error / (self.tolerance * size + ATOL)).max())
+        return float(np.max(found))
+
+    def _pairs(self, paths: Sequence[Path], length: float, both: Array) -> Array:
+        """``X12`` of all pairs at the nodes, from ``both`` at the start of the panel on."""
+        (one, two), first, second = self.pairs, paths[0], paths[-1]
+        forced = first.push[:, one, :, None] * second.pull[:, two, None, :]
+        forced += first.pull[:, one, :, None] * second.push[:, two, None, :]
+        both = self.nodes.integrate(forced, length) + both
+        found: Array = first.transition[:, one] @ both @ second.transition[:, two].swapaxes(-1, -2)
+        return found
+
+    @np.errstate(under="ignore", invalid="ignore", divide="ignore")
+    def coefficients(self, squares: Sequence[Array]) -> Sequence[Array]:
+        """``1 + c_e`` and ``k_e`` (2, ..., n, m) of each group by the closure, for `squares_of` it."""
+        values = [np.zeros((2, *moments.shape[1:])) for moments in squares]
+        if self.closure is None:
+            return values
+        parts = [group.latent(moments) for group, moments in zip(self.groups, squares, strict=True)]
+        latent, moving = (np.concatenate(part, axis=-1) for part in zip(*parts, strict=True))
+        found = np.where(moving, self.closure(latent), 0.0)
+        ends = np.cumsum([group.unit.size for group in self.groups])
+        for group, value, of_group in zip(
+            self.groups, values, np.split(found, ends[:-1], axis=-1), strict=True
+        ):
+            value[..., group.yields] = of_group
         return values
 
-    def _moments(self, x: Array, both: Array) -> tuple[Own, Difference]:
+    def _moments(self, own: Sequence[Array], both: Array) -> tuple[Own, Difference]:
         """Moments from the covariances ``X`` and ``X12``, whose first dimension is time."""
-        w, (one, two) = self.structures.frequency[:, None], self.pairs
-        d, v, _ = self.parts
-
-        def seen(left: Array, blocks: Array, right: Array) -> Array:
-            """Covariances of weighted sums of drifts, from blocks of covariances of the drifts."""
-            return ((left @ blocks) * right).sum(axis=-1)
-
-        own, first, second = self.seen, self.seen[one], self.seen[two]
-        u_u, v_v = seen(own, x[..., d, d], own), w**2 * seen(own, x[..., v, v], own)
-        u_v = w * seen(own, x[..., d, v], own)
-        product = seen(first, both[..., d, d], second)
-        crossed = w[two] * seen(first, both[..., d, v], second)
-        crossed += w[one] * seen(first, both[..., v, d], second)
-        velocities = w[one] * w[two] * seen(first, both[..., v, v], second)
-
-        def of_both(values: Array) -> Array:
-            """Sums of the values of both structures of each pair."""
-            return values[:, one] + values[:, two]
-
-        squares = of_both(u_u)
-        d_d = squares - 2 * product
-        difference = Difference(
-            np.where(d_d > ROUNDING * squares, d_d, 0.0),
-            of_both(u_v) - crossed,
-            of_both(v_v) - 2 * velocities,
-            product,
-        )
-        d_d, d_y, y_y = np.moveaxis(x.reshape(len(x), -1)[:, self.squares[:3]], 1, 0)
-        z_z = self.structures.scale**2 * (d_d - 2 * d_y + y_y)
-        structures = Own(u_u, v_v, z_z, *self.coefficients(x))
-        rows = (len(x), -1)
+        squares = [group.squares_of(x) for group, x in zip(self.groups, own, strict=True)]
+        held = self.coefficients(squares)
+        sums = [group.seen_in(x) for group, x in zip(self.groups, own, strict=True)]
+        structures = [
+            Own(u_u, v_v, group.structures.scale**2 * (d_d - 2 * d_y + y_y), *coefficients)
+            for group, (u_u, _, v_v), (d_d, d_y, y_y, *_), coefficients in zip(
+                self.groups, sums, squares, held, strict=True
+            )
+        ]
+        rows = (len(both), -1)
         return (
-            Own(*(values.reshape(rows) for values in structures)),
-            Difference(*(values.reshape(rows) for values in difference)),
+            Own(
+                *(
+                    np.concatenate([part.reshape(rows) for part in parts], axis=1)
+                    for parts in zip(*structures, strict=True)
+                )
+            ),
+            Difference(*(part.reshape(rows) for part in self._difference(sums[0], sums[-1], both))),
         )
+
+    def _difference(
+        self, first: Sequence[Array], second: Sequence[Array], both: Array
+    ) -> tuple[Array, Array, Array, Array]:
+        """Moments of ``u_1 - u_2`` (times, p, h), from those of the structures of each group."""
+        (one, two), left, right = self.pairs, self.groups[0], self.groups[-1]
+        seen, with_seen = left.seen[one], right.seen[two]
+        rate, other = (
+            group.structures.frequency[which, None] for group, which in ((left, one), (right, two))
+        )
+        (d_1, v_1, _), (d_2, v_2, _) = left.parts, right.parts
+        product = _weighted(seen, both[..., d_1, d_2], with_seen)
+        crossed = other * _weighted(seen, both[..., d_1, v_2], with_seen)
+        crossed += rate * _weighted(seen, both[..., v_1, d_2], with_seen)
+        velocities = rate * other * _weighted(seen, both[..., v_1, v_2], with_seen)
+        squares, turning, moving = (a[:, one] + b[:, two] for a, b in zip(first, second, strict=True))
+        d_d = squares - 2 * product
+        d_d = np.where(d_d > ROUNDING * squares, d_d, 0.0)
+        return d_d, turning - crossed, moving - 2 * velocities, product
+
+
+def _weighted(left: Array, blocks: Array, right: Array) -> Array:
+    """Covariances of weighted sums of drifts, from blocks of covariances of the drifts."""
+    found: Array = ((left @ blocks) * right).sum(axis=-1)
+    return found
 
 
 def _check_pace(passed: float, length: float, begin: float, end: float) -> None:
