@@ -32,7 +32,7 @@ from stochlin.analyses.explorer.scene import (
 from stochlin.analyses.explorer.sites import PGA, SA, Measured, spectrum_of
 from stochlin.analyses.sites.suites import table_rows
 from stochlin.analyses.tables.inputs import only_within
-from stochlin.messages import DoubtfulInput, listed
+from stochlin.messages import DoubtfulInput, brief, listed
 from stochlin.models.buildings import PLAUSIBLE_COEFFICIENT
 from stochlin.models.envelopes import ENVELOPES
 from stochlin.models.grounds import GROUNDS
@@ -40,6 +40,7 @@ from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Model
 from stochlin.models.rules.codes import IN_COMMON
 
+LONGEST_NAME = 255  # bytes, of a file on most systems
 MEDIAN = "gaps by rules without simulation are those of the median strength"
 
 
@@ -55,6 +56,8 @@ def open_case(files: Mapping[str, bytes]) -> tuple[Scene, list[str]]:
             f"{len(cases)} case files are chosen; allowed: one, its name ends in .toml, together with "
             "the files that it names, such as records"
         )
+    for name in files:
+        _check_name(name)
     with tempfile.TemporaryDirectory() as folder, only_within(Path(folder)):
         for name, data in files.items():
             (Path(folder) / name).write_bytes(data)
@@ -67,6 +70,16 @@ def open_case(files: Mapping[str, bytes]) -> tuple[Scene, list[str]]:
             except (OSError, ValueError) as error:
                 raise ValueError(_without(folder, error)) from error
     return scene, [*(str(one.message) for one in doubts), *notes]
+
+
+def _check_name(name: str) -> None:
+    """Raise a ValueError unless an uploaded file can be kept under its name."""
+    if name.strip(".") and not set(name) & {"/", "\\", "\0"} and len(name.encode()) <= LONGEST_NAME:
+        return
+    raise ValueError(
+        f"the file name {brief(name)} cannot be used; allowed: a name of 1 to {LONGEST_NAME} bytes, not "
+        "of dots alone, and without slashes; rename the file, and choose it again"
+    )
 
 
 def _without(folder: str, error: Exception) -> str:
@@ -133,7 +146,10 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
             f"Uncertain parameters ({listed(case.uncertain)}) are taken at their medians here, and in a "
             "case file saved here."
         )
-    notes += [f"Motions scatter by {case.scatter:g}, as in the file; {MEDIAN}."] if case.scatter else []
+    if case.scatter:
+        of_file = "scatter" in whole.section("motion")
+        source = "as in the file" if of_file else "the usual scatter of records, since the file has none"
+        notes.append(f"Motions scatter by {case.scatter:g}, {source}; {MEDIAN}.")
     one, other = case.pair
     scene = Scene(
         case_file=CaseFile(case.inputs[0], case.records, whole.values),
