@@ -8,6 +8,8 @@ import socket
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 
 import pytest
 from browser import FLAGS, PATIENCE, PROGRAM, Browser, listens, wait
@@ -15,11 +17,10 @@ from browser import FLAGS, PATIENCE, PROGRAM, Browser, listens, wait
 import stochlin as sl
 
 
-@pytest.fixture(scope="session")
-def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """The page served by a process of its own, from the example case."""
-    folder = tmp_path_factory.mktemp("explorer")
-    (folder / "case.toml").write_text(sl.example_case(), encoding="utf-8")
+@contextmanager
+def served(folder: Path, case: str) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
+    """Address and process of a server of the page; at its end it must have said nothing else."""
+    (folder / "case.toml").write_text(case, encoding="utf-8")
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = free.getsockname()[1]
     # NiceGUI looks for this variable and would wait for a test runner of its own.
@@ -38,12 +39,55 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
         wait(lambda: "Ctrl+C" in log.read_text() or server.poll() is not None)
         assert server.poll() is None, log.read_text()
         wait(lambda: listens(port))  # it says where it is just before it listens
-        yield f"127.0.0.1:{port}"
+        yield f"127.0.0.1:{port}", server
     finally:
         server.terminate()
         server.wait(PATIENCE)
     said = log.read_text().splitlines()
     assert said == [f"The explorer is at http://127.0.0.1:{port} (Ctrl+C ends it)"]
+
+
+@pytest.fixture(scope="session")
+def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """The page served by a process of its own, from the example case."""
+    with served(tmp_path_factory.mktemp("explorer"), sl.example_case()) as (address, _):
+        yield address
+
+
+TALL = """
+title = "Tower and annex"
+[site]
+ground = "firm"
+intensity = "0.01 m^2/s^3"
+[motion]
+duration = "60 s"
+envelope = "none"
+scatter = 0.3
+[separation]
+confidence = 0.9
+existing = "8 cm"
+[simulation]
+paths = 128
+"""
+BUILDING = """
+[building_{}]
+name = "{}"
+period = "{} s"
+storeys = {}
+storey_height = "3.2 m"
+floor_mass = "400 t"
+damping = 0.05
+hardening = 0.05
+base_shear_coefficient = 0.12
+"""
+
+
+@pytest.fixture
+def tall(tmp_path: Path) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
+    """Address and process of a server for buildings with many storeys in a long motion."""
+    case = TALL + BUILDING.format(1, "Tower", 1.1, 10) + BUILDING.format(2, "Annex", 0.7, 6)
+    with served(tmp_path, case) as server:
+        yield server
 
 
 @pytest.fixture(scope="session")

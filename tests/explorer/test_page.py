@@ -93,13 +93,29 @@ def test_a_page_that_asks_while_the_server_ends_is_answered_by_a_cancelled_quest
     assert worker.ask(PROBABILITY, {}).answer.cancelled()
 
 
-def status(address: str, path: str, **headers: str) -> int:
+def response(address: str, path: str, **headers: str) -> http.client.HTTPResponse:
     connection = http.client.HTTPConnection(address, timeout=PATIENCE)
     try:
         connection.request("GET", path, headers=headers)
-        return connection.getresponse().status
+        return connection.getresponse()
     finally:
         connection.close()
+
+
+def status(address: str, path: str, **headers: str) -> int:
+    return response(address, path, **headers).status
+
+
+PATHS = ("docs", "openapi.json", "redoc", "nothing", "a/b", "_nicegui/nothing", "_nicegui/3/static/x.js")
+
+
+@pytest.mark.parametrize("path", ["", "favicon.ico", *PATHS])
+def test_only_the_page_is_served_and_never_within_another(address, path):
+    for headers in ({}, {"Host": "evil.example"}):
+        answer = response(address, f"/{path}", **headers)
+        assert answer.status == (403 if headers else 404 if path in PATHS else 200)
+        assert answer.getheader("X-Frame-Options") == "DENY"
+        assert answer.getheader("Content-Security-Policy") == "frame-ancestors 'none'"
 
 
 def test_requests_of_other_hosts_and_pages_are_refused(address):
@@ -387,11 +403,11 @@ def test_a_building_becomes_one_with_storeys_and_an_oscillator_again(page):
 def test_another_ground_has_other_controls(page):
     shown = "return document.querySelector('[data-slider=ground_period]').offsetParent !== null"
     assert page.script(shown) is False
-    page.choose("Kind of ground", "kanai_tajimi")
+    page.choose("Kind of ground", "Kanai-Tajimi filter")
     wait(lambda: page.script(shown))
     page.idle()
     assert re.search("too small for building 1", page.text("caution"))
-    page.choose("Kind of ground", "firm")
+    page.choose("Kind of ground", "firm ground")
     wait(lambda: not page.script(shown))
     page.idle()
 
@@ -408,7 +424,7 @@ def test_a_ground_by_a_spectrum_or_a_peak_is_sought_beside_the_page(page, capsys
     wait(lambda: page.curve("spectra", 0) != middle)
     page.idle()
     np.testing.assert_allclose(page.curve("spectra", 0), 4 * np.array(middle), rtol=1e-9)
-    page.choose("Kind of ground", "eurocode_8")
+    page.choose("Kind of ground", "Eurocode 8 spectrum")
     wait(lambda: page.shows("ag") and not page.shows("pga"))
     wait(lambda: "Finding the ground" in page.script(shown))
     start = time.monotonic()
@@ -423,7 +439,7 @@ def test_a_ground_by_a_spectrum_or_a_peak_is_sought_beside_the_page(page, capsys
     text = page.downloaded("case.toml").read_text(encoding="utf-8")
     assert 'spectrum = "eurocode_8"' in text
     assert 'existing = "0.09 m"' in text
-    page.choose("Kind of ground", "white_noise")
+    page.choose("Kind of ground", "white noise")
     wait(lambda: "white noise has no peak acceleration" in page.script(shown))
-    page.choose("Kind of ground", "firm")
+    page.choose("Kind of ground", "firm ground")
     page.idle()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import tempfile
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ import xarray as xr
 
 import stochlin as sl
 from stochlin.analyses.explorer.buildings import REGULAR
-from stochlin.analyses.explorer.case_scene import scene_of
+from stochlin.analyses.explorer.case_scene import open_case, scene_of
 from stochlin.analyses.explorer.case_text import case_text, files_named, left_out
 from stochlin.analyses.explorer.formulas import RATIOS, correlation, gap_rules, probability, spectra
 from stochlin.analyses.explorer.scene import ALLOWED, BY_DISPLACEMENT, SHAPES, SITES, WHOLE, Scene
@@ -292,10 +293,12 @@ def test_simulations_answer_the_same_questions(simulated):
     own = tables["correlation"].sel(period_ratio=scene.period_2 / scene.period_1)
     assert 0 < float(own.rho_standard_error) < 0.1
     formula = probability(scene)
-    np.testing.assert_array_equal(
-        tables["probability"].confidence_of_no_pounding, formula.confidence_of_no_pounding
-    )
     assert "confidence_of_no_pounding_simulated" not in formula
+    first, second = scene.structures()
+    both = sl.pounding_probability(first, second, scene.ground(), scene.gap, **scene.motion(), paths=128)
+    for name, array in both.items():
+        own = formula if name in formula else tables["probability"]
+        xr.testing.assert_identical(own[name], array)
 
 
 def test_what_progress_raises_stops_a_simulation():
@@ -336,6 +339,29 @@ def test_all_that_is_shown_becomes_one_file(simulated, tmp_path):
 
 def test_simulated_correlations_reach_as_far_as_the_curves():
     np.testing.assert_allclose(SIMULATED_RATIOS[[0, -1]], RATIOS[[0, -1]])
+
+
+@pytest.mark.parametrize("name", ["..", "", ".", "a/b.csv", "a\\b.csv", "a\0.csv", f"{'a' * 300}.csv"])
+def test_a_name_of_an_upload_that_no_file_can_have_is_told(name):
+    with pytest.raises(ValueError, match=r"the file name .* allowed: a name of 1 to 255 bytes") as told:
+        open_case({"case.toml": sl.example_case().encode(), name: b""})
+    assert tempfile.gettempdir() not in str(told.value)
+
+
+def test_a_scatter_is_said_to_be_of_the_file_only_if_it_is(tmp_path):
+    text = (
+        sl.example_case()
+        .replace('ground = "firm"', 'spectrum = "eurocode_8"')
+        .replace('intensity = "0.01 m^2/s^3"', 'ag = "0.25 g"\nsoil = "C"')
+    )
+    for scatter, said in (
+        ("", "the usual scatter of records, since the file has none"),
+        ("scatter = 0.2\n", "as in the file"),
+    ):
+        path = tmp_path / "case.toml"
+        path.write_text(text.replace("[motion]\n", f"[motion]\n{scatter}"), encoding="utf-8")
+        _, notes = scene_of(sl.read_case(path))
+        assert f"Motions scatter by {0.2 if scatter else 0.3}, {said};" in notes[0]
 
 
 def figures(scene, tables):

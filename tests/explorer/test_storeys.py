@@ -15,7 +15,7 @@ from stochlin.analyses.explorer.case_scene import scene_of
 from stochlin.analyses.explorer.case_text import case_text
 from stochlin.analyses.explorer.formulas import correlation, gap_rules, probability, spectra
 from stochlin.analyses.explorer.scene import Scene
-from stochlin.analyses.explorer.simulations import merge_tables, simulations
+from stochlin.analyses.explorer.simulations import few_motions, merge_tables, simulations, with_motions
 from stochlin.analyses.tables.storage import as_netcdf
 from stochlin.views.explorer import pictures as charts
 from stochlin.views.explorer import words
@@ -300,7 +300,8 @@ def test_simulations_of_storeys_answer_the_same_questions(simulated):
     assert 0 < error < 0.1
     rho = float(simulated["gaps"].rho.sel(rule="eq_3_simulated"))
     assert float(simulated["correlation"].rho[0]) == pytest.approx(rho, abs=4 * error)
-    chances = probability(REGULARS)
+    chances = few_motions(REGULARS)
+    assert "confidence_of_no_pounding" not in chances
     np.testing.assert_array_equal(
         simulated["probability"].confidence_of_no_pounding_simulated,
         chances.confidence_of_no_pounding_simulated,
@@ -310,7 +311,7 @@ def test_simulations_of_storeys_answer_the_same_questions(simulated):
 
 @pytest.mark.slow
 def test_few_motions_follow_a_slider():
-    assert probability(dataclasses.replace(REGULARS, paths=1024)).attrs["paths"] == 512
+    assert few_motions(dataclasses.replace(REGULARS, paths=1024)).attrs["paths"] == 512
 
 
 def test_all_that_is_shown_of_storeys_becomes_one_file(simulated, tmp_path):
@@ -354,7 +355,12 @@ def test_figures_and_words_of_storeys(changed):
     assert "too small where storeys yield" in words.gaps(gaps)
     table = correlation(scene)
     assert "9\N{NO-BREAK SPACE}m up" in words.correlation(table).replace("12", "9")
-    chances = probability(scene)
+    formula, motions = probability(scene), few_motions(scene)
+    assert with_motions(None, motions) is motions
+    assert "by formula" not in words.probability(motions)
+    json.dumps(charts.probability_figure(motions), allow_nan=False)
+    chances = with_motions(formula, motions)
+    assert with_motions(formula, None) is formula
     said = words.probability(chances)
     assert "by formula" in said
     assert "simulated by 128 motions (" in said
@@ -402,5 +408,5 @@ def test_where_the_weight_leaves_nothing_stationary_only_simulations_answer(tmp_
             ValueError, match="structures, number 2: the weight above takes all post-yield"
         ):
             formula(scene)
-    assert float(probability(scene).confidence_of_no_pounding_simulated[-1]) >= 0
+    assert float(few_motions(scene).confidence_of_no_pounding_simulated[-1]) >= 0
     assert set(simulations(scene)) == {"gaps", "probability"}

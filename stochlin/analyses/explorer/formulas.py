@@ -1,11 +1,12 @@
 """Results of a scene by formula: spectra, correlation, gaps by rule, probability of pounding.
 
-All raise an ArithmeticError if linearization fails. With storeys the probability is simulated, and the
-correlation takes some time.
+All raise an ArithmeticError if linearization fails. With storeys the correlation takes some time, and
+the probability more.
 """
 
 from __future__ import annotations
 
+import dataclasses
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -23,7 +24,8 @@ from stochlin.analyses.linearization.equivalent_systems import INTERNAL, solve_s
 from stochlin.analyses.linearization.peaks import relative_moments, response_moments
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.linearization.tolerance import USUAL
-from stochlin.analyses.probability.probability import pounding_probability
+from stochlin.analyses.probability.cells import PairTable, Solved
+from stochlin.analyses.probability.probability import with_samples
 from stochlin.analyses.records.gaps import recorded_gap
 from stochlin.analyses.separation.rules import (
     EQ_3,
@@ -39,11 +41,11 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.linearization.covariance import EquivalentSystem
 from stochlin.models.envelopes import strong_seconds
+from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Model
 from stochlin.models.structures import DRIFT, Structure
 
 FREQUENCIES = 301
-FEW_PATHS = 512  # paths of a simulation that is repeated while a slider moves
 _EVEN = np.linspace(-1, 1, 49)
 RATIOS = 4.0 ** (np.sign(_EVEN) * np.abs(_EVEN) ** 1.5)  # T2/T1, denser around 1
 RATIOS_OF_STOREYS = RATIOS[::2]  # fewer, since each of them takes some time
@@ -54,6 +56,9 @@ RHO = {
 }
 LINEARIZED_PEAKS = "peaks of linearization"
 DRIFTED_PEAKS = "peaks by standard deviations of the drift closure and peak factors of linearization"
+
+_solved_pairs: dict[Scene, Solved] = {}  # of the last probabilities
+MOST_PAIRS = 4
 
 
 class _SolvedScene(NamedTuple):
@@ -233,11 +238,23 @@ def _of_rules(
 
 
 def probability(scene: Scene, progress: Progress | None = None) -> xr.Dataset:
-    """Dataset of `pounding_probability`: by formula, or with storeys by few simulated motions."""
-    paths = min(FEW_PATHS, scene.paths) if scene.has_storeys else 0
+    """Dataset of `pounding_probability` by formula alone.
+
+    What linearization has found is kept; another gap or confidence needs nothing else.
+    """
+
+    def solve(pairs: PairTable, ground: Ground, progress: Progress | None) -> Solved:
+        key = dataclasses.replace(scene, gap=Scene.gap, confidence=Scene.confidence, paths=Scene.paths)
+        if key not in _solved_pairs:
+            found = pairs.solve(ground, progress)
+            while len(_solved_pairs) >= MOST_PAIRS:
+                del _solved_pairs[next(iter(_solved_pairs))]
+            _solved_pairs[key] = found
+        return _solved_pairs[key]
+
     first, second = scene.structures()
-    motions = scene.motion() | {"paths": paths, "seed": scene.seed, "progress": progress}
-    return pounding_probability(first, second, scene.ground(), scene.gap, **motions)
+    motions = scene.motion() | {"paths": 0, "seed": 0, "progress": progress, "solve": solve}
+    return with_samples(first, second, scene.ground(), scene.gap, **motions)
 
 
 def recorded(scene: Scene) -> xr.Dataset:

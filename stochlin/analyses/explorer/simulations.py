@@ -12,7 +12,8 @@ from stochlin.analyses.explorer.buildings import storeys_table
 from stochlin.analyses.explorer.formulas import models_of, swept
 from stochlin.analyses.explorer.scene import Scene
 from stochlin.analyses.explorer.storeys import simulated_correlation
-from stochlin.analyses.probability.probability import pounding_probability
+from stochlin.analyses.probability.cells import SAMPLES
+from stochlin.analyses.probability.probability import with_samples
 from stochlin.analyses.separation.separation import separation
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress, part_of
@@ -20,15 +21,16 @@ from stochlin.models.buildings import ShearBuilding
 
 SIMULATED_RATIOS = np.geomspace(0.25, 4.0, 13)
 RATIO_PATHS = 256  # correlations need fewer motions than quantiles
+FEW_PATHS = 512  # motions of a simulation that is repeated while a slider moves
 
 
 def simulations(scene: Scene, progress: Progress | None = None) -> dict[str, xr.Dataset]:
     """Results of a scene by nonlinear simulation.
 
     ``correlation`` is the dataset of `correlate` over the ratio of periods, with storeys only for the
-    ratio of the scene and at the lower roof; ``gaps`` that of `separation`; ``probability`` that of
-    `pounding_probability`. ``progress`` is called with the share that is done, and may stop the
-    simulation by an exception. Raises a ValueError if the work would take too much memory or time.
+    ratio of the scene and at the lower roof; ``gaps`` that of `separation`; ``probability`` what
+    `pounding_probability` simulates. ``progress`` is called with the share that is done, and may stop
+    the simulation by an exception. Raises a ValueError if the work would take too much memory or time.
     """
 
     def part(number: int) -> Progress:
@@ -39,12 +41,32 @@ def simulations(scene: Scene, progress: Progress | None = None) -> dict[str, xr.
     motions = scene.motion() | {"paths": scene.paths, "seed": scene.seed}
     rules = scene.for_codes() | {"unverified": scene.unverified}
     gaps = separation(first, second, ground, **motions, **rules, progress=part(0))
-    chances = pounding_probability(first, second, ground, scene.gap, **motions, progress=part(1))
+    chances = _probability(scene, scene.paths, part(1))
     return {
         **_correlation(scene, part(2)),
         "gaps": gaps.drop_dims("path").assign_attrs(peaks="simulated", gap_m=scene.gap),
         "probability": chances,
     }
+
+
+def few_motions(scene: Scene, progress: Progress | None = None) -> xr.Dataset:
+    """What `pounding_probability` simulates, with few motions."""
+    return _probability(scene, min(FEW_PATHS, scene.paths), progress)
+
+
+def _probability(scene: Scene, paths: int, progress: Progress | None) -> xr.Dataset:
+    first, second = scene.structures()
+    motions = scene.motion() | {"paths": paths, "seed": scene.seed, "progress": progress}
+    found = with_samples(first, second, scene.ground(), scene.gap, **motions, solve=None)
+    return found.drop_vars(SAMPLES)
+
+
+def with_motions(formula: xr.Dataset | None, motions: xr.Dataset | None) -> xr.Dataset | None:
+    """One dataset of the probability by formula and of simulated motions, of which one may be absent."""
+    if formula is None or motions is None:
+        return motions if formula is None else formula
+    drawn = {name: motions.attrs[name] for name in ("paths", "seed")}
+    return formula.assign(motions.data_vars).assign_attrs(drawn)
 
 
 def _correlation(scene: Scene, progress: Progress) -> dict[str, xr.Dataset]:

@@ -34,6 +34,24 @@ from stochlin.models.grounds import GROUNDS
 from stochlin.models.parameters import Model
 
 SCALES = {"cm": 100.0, "g": 1 / G}  # of a unit that is shown, for one in SI
+LABELS = {  # of options that are keys of a case file
+    "firm": "firm ground",
+    "medium": "medium ground",
+    "soft": "soft ground",
+    **{f"ec8_{soil}": f"Eurocode 8, ground type {soil.upper()}" for soil in "abcde"},
+    "taft_1952": "Taft 1952",
+    "taft_1952_yeh_wen": "Taft 1952, Yeh and Wen",
+    "mexico_city_1985_yeh_wen": "Mexico City 1985, Yeh and Wen",
+    "sct_1985_ns": "SCT 1985, north-south",
+    "sct_1985_ew": "SCT 1985, east-west",
+    "white_noise": "white noise",
+    "eurocode_8": "Eurocode 8 spectrum",
+    "asce_7": "ASCE 7 spectrum",
+    "parallel": "filters of the file, in parallel",
+    "amin_ang": "Amin and Ang",
+    "shinozuka_sato": "Shinozuka and Sato",
+    "hsu_bernard": "Hsu and Bernard",
+}
 OF_FACTOR = (
     "R is relative to the elastic response, so that a stronger ground motion makes the building "
     "stronger as well; choose the yield displacement above to keep the strength as it is."
@@ -233,6 +251,20 @@ NUMBERS: Mapping[str, Control] = {
     for control in group.controls
     if isinstance(control, Control)
 }
+
+
+def label_of(option: str) -> str:
+    """Name of an option for a reader."""
+    kind = GROUNDS.get(option)
+    return LABELS.get(option, option if kind is None else f"{kind.name} filter")
+
+
+def heading(title: str, scene: Scene) -> str:
+    """Title of a group, with the name of its building if it has one of its own."""
+    for number, name in enumerate(scene.names, start=1):
+        if title.startswith(f"Building {number}") and name != f"Building {number}":
+            return f"{title}: {name}"
+    return title
 
 
 def counts(name: str, values: Mapping[str, Any]) -> bool:

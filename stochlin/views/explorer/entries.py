@@ -8,7 +8,7 @@ from typing import Any
 from nicegui import ui
 
 from stochlin.analyses.explorer.scene import Scene
-from stochlin.views.explorer.controls import SCALES, Choice, Control
+from stochlin.views.explorer.controls import SCALES, Choice, Control, label_of
 from stochlin.views.shared.symbols import typeset_html
 
 PAUSE = 300  # ms after the last key, before an entry is read
@@ -99,7 +99,8 @@ def choice_entry(choice: Choice, group: str, scene: Scene, changed: Changed) -> 
     value = getattr(scene, choice.name)
     with ui.element("div").classes("entry wide") as row:
         if choice.options:
-            entry: Any = ui.select(list(choice.offered(scene)), label=choice.label, value=value)
+            offered = {option: label_of(option) for option in choice.offered(scene)}
+            entry: Any = ui.select(offered, label=choice.label, value=value)
             entry.props("outlined options-dense")
         else:
             entry = ui.switch(choice.label, value=value)

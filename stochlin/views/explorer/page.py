@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import dataclasses
 import logging
+import weakref
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
@@ -13,18 +14,19 @@ from nicegui import background_tasks, ui
 
 from stochlin.analyses.explorer import formulas as exploration
 from stochlin.analyses.explorer.case_text import case_text, files_named, left_out
-from stochlin.analyses.explorer.simulations import merge_tables
+from stochlin.analyses.explorer.simulations import merge_tables, with_motions
 from stochlin.analyses.tables.storage import as_netcdf
 from stochlin.models.systems import floor_count
 from stochlin.views.explorer import pictures as charts
 from stochlin.views.explorer import words
-from stochlin.views.explorer.controls import GROUPS, Control, counts
+from stochlin.views.explorer.controls import GROUPS, Control, counts, heading
 from stochlin.views.explorer.entries import NumberEntry, choice_entry
 from stochlin.views.explorer.panels import Panel
 from stochlin.views.explorer.workers import (
     CORRELATION,
     GAPS,
     GROUND,
+    MOTIONS,
     OPEN,
     PROBABILITY,
     RECORDS,
@@ -35,7 +37,7 @@ from stochlin.views.explorer.workers import (
 from stochlin.views.shared.words import columns_hit
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Awaitable, Callable, Mapping
 
     import xarray as xr
     from nicegui import events
@@ -50,6 +52,8 @@ PANELS = {
     GAPS: ("Required gap by rule", "Required gap by rule, beside the existing gap"),
     PROBABILITY: ("No pounding up to each time", "Probability of no pounding over time"),
 }
+# The chart that a question belongs to; the ground is that of all charts.
+PANEL_OF = {**{key: key for key in PANELS}, MOTIONS: PROBABILITY, RECORDS: GAPS}
 FOLD = "if (innerWidth < 720) document.querySelectorAll('details').forEach(d => d.open = false)"
 KEPT = "The charts keep the last values."
 LOG = logging.getLogger("stochlin")
@@ -58,10 +62,9 @@ FORMULAS: dict[str, Callable[[Scene], xr.Dataset]] = {
     SPECTRA: exploration.spectra,
     GAPS: exploration.gap_rules,
 }
-PATIENT = (SPECTRA, GAPS, PROBABILITY, CORRELATION)  # in this order, what is not there at once
 FEW_STOREYS = 24  # of both buildings, with which spectra and gaps are there at once
 MOST_BYTES = 64 * 2**20  # of a case file with its records
-LOOK = 0.2  # s between two looks at how far a simulation is
+LOOK = 0.25  # s between two looks at how far the calculations are
 # One thread for all pages: numpy's work between Python's steps gains nothing from more.
 _FAST = ThreadPoolExecutor(1, thread_name_prefix="explorer")
 
@@ -79,17 +82,21 @@ class Page:
         self._entries: dict[str, NumberEntry] = {}
         self._fast, self._slow = False, False  # whether a round is under way
         self._seeking = False  # whether a ground is sought
-        self._job: Job | None = None
-        self._patience: Job | None = None  # the last that was asked of the patient one
+        self._due = _questions(scene)  # what is not answered yet of the present values
+        self._jobs: dict[str, Job] = {}  # what the workers have been asked
+        self._chances: dict[str, xr.Dataset] = {}  # probability by formula and of few motions
         self._simulated: Mapping[str, xr.Dataset] = {}
         self._recorded: tuple[Scene, xr.Dataset] | None = None  # gaps of records, and of what values
-        self._closed = False
+        self._away, self._closed = False, False
+        self._client = ui.context.client
         self._build(notes)
-        ui.context.client.on_delete(self._leave)
-        ui.timer(0, self._begin, once=True)
+        self._client.on_disconnect(self._pause)
+        self._client.on_connect(self._resume)
+        self._client.on_delete(self._leave)
+        ui.timer(LOOK, self._look)
 
-    async def _begin(self) -> None:
-        await ui.context.client.connected()
+    async def begin(self) -> None:
+        """Fill the charts of a page that is connected."""
         ui.run_javascript(FOLD)
         await self._refresh()
 
@@ -106,7 +113,9 @@ class Page:
             with ui.element("div").props("id=charts tabindex=-1"):
                 self._words()
                 with ui.element("div").classes("charts"):
-                    self._panels = {key: Panel(*texts, key) for key, texts in PANELS.items()}
+                    self._panels = {
+                        key: Panel(*texts, key, self._stop_panel) for key, texts in PANELS.items()
+                    }
         with self._panels[GAPS].options:
             self._every = ui.switch("Every rule on a line of its own", on_change=self._draw_gaps)
             self._every.props("dense data-every")
@@ -128,7 +137,7 @@ class Page:
     def _group(self, title: str, controls: Any) -> None:
         with ui.element("details").props("open"):
             with ui.element("summary"):
-                ui.label(title).style("display: inline")
+                ui.label(heading(title, self._scene)).style("display: inline")
             for control in controls:
                 if isinstance(control, Control):
                     entry = NumberEntry(control, title, self._scene, self._change)
@@ -147,16 +156,16 @@ class Page:
                 self._start = _button("Simulate", self._simulate, "data-simulate")
                 self._stop = _button("Stop", self._interrupt, "outline data-stop")
                 self._bar = ui.element("progress").props('max=1 value=0 aria-label="Simulation"')
-                files = ui.upload(on_multi_upload=self._open, multiple=True, auto_upload=True)
+                files = ui.upload(on_multi_upload=_weakly(self._open), multiple=True, auto_upload=True)
                 files.props(f"max-total-size={MOST_BYTES}").classes("files")
-                files.on("rejected", self._too_large)
+                files.on("rejected", _weakly(self._too_large))
                 self._files = files
                 pick = f"() => getElement({files.id}).pickFiles()"
                 _button("Open case file", None, "outline data-open").on("click", js_handler=pick)
                 _button("Save case file", self._save_case, "outline data-save-case")
                 _button("Save dataset", self._save_data, "outline data-save-data")
             self._told = ui.label(words.START).props("role=status data-told")
-        self._running(False)
+        self._running()
 
     def _change(self, name: str, value: Any, wrong: str) -> None:
         """Take another value of a control; if it is not valid, the charts keep the last values."""
@@ -181,10 +190,9 @@ class Page:
 
     def _take(self, scene: Scene) -> None:
         """Other values, of which nothing is simulated."""
-        self._wanted = scene
-        self._interrupt()
-        self._drop()  # at once: the next round may begin before the refresh
-        self._simulated = {}
+        self._wanted, self._due = scene, _questions(scene)
+        self._stop_all()  # at once: the next round may begin before the refresh
+        self._simulated, self._chances = {}, {}
         self._told.text = words.START
         background_tasks.create(self._refresh())
 
@@ -205,7 +213,7 @@ class Page:
         self._files.reset()
         self._told.text = "Opening the case file ..."
         try:
-            scene, notes = await asyncio.wrap_future(self._patient.ask(OPEN, files).answer)
+            scene, notes = await self._ask(self._patient, OPEN, files)
         except (Stopped, asyncio.CancelledError):
             return
         except Exception as error:
@@ -222,12 +230,28 @@ class Page:
         for name, row in self._rows.items():
             row.set_visibility(counts(name, self._values))
 
+    def _ask(self, worker: Worker, question: str, subject: Any) -> Awaitable[Any]:
+        """The answer of a worker; until then its job is one of the page's."""
+        self._jobs[question] = job = worker.ask(question, subject)
+        self._look()
+
+        async def answer() -> Any:
+            try:
+                return await asyncio.wrap_future(job.answer)
+            finally:
+                if self._jobs.get(question) is job:
+                    del self._jobs[question]
+
+        return answer()
+
     async def _refresh(self) -> None:
         """Start the rounds that are not under way: those that are go on to the latest values."""
         if not await self._seek():
             return
-        for key in set(PATIENT).difference(_at_once(self._scene)):
-            self._panels[key].wait()
+        for key, panel in self._panels.items():
+            if key in self._due and key not in _at_once(self._scene):
+                panel.wait()
+        self._look()
         await self._fast_round()  # first, for both want the processor
         await self._slow_round()
 
@@ -236,21 +260,18 @@ class Page:
         if self._seeking:
             return False
         self._seeking = True
-        while not (self._wanted.settled or self._over):
+        while self._due and not (self._wanted.settled or self._over):
             for panel in self._panels.values():
-                panel.wait(words.SEEKING)
-            self._running(self._job is not None)
+                panel.wait()
+            self._running()
             asked = self._wanted
-            self._patience = self._patient.ask(GROUND, asked)
             try:
-                found: Scene = await asyncio.wrap_future(self._patience.answer)
+                found: Scene = await self._ask(self._patient, GROUND, asked)
             except (Stopped, asyncio.CancelledError):  # for the sake of other values
                 continue
             except Exception as error:
                 if asked is self._wanted:
-                    for panel in self._panels.values():
-                        panel.fail(_why(error, GROUND, asked))
-                    break
+                    self._end_all(_no_chart(_why(error, GROUND, asked)))
                 continue
             self._wanted = dataclasses.replace(
                 self._wanted, fitted=found.fitted, measured=found.measured
@@ -258,65 +279,79 @@ class Page:
         self._seeking = False
         if self._wanted.settled:
             self._scene = self._wanted
-        self._running(self._job is not None)
+        self._running()
         return self._wanted.settled
+
+    def _next(self, at_once: bool) -> str | None:
+        """The next question of the present values; none once there are others, or nobody waits."""
+        if self._over or self._scene is not self._wanted:
+            return None
+        fast = _at_once(self._scene)
+        return next((question for question in self._due if (question in fast) == at_once), None)
 
     async def _fast_round(self) -> None:
         if self._fast:
             return
-        self._fast, done = True, None
+        self._fast = True
         loop = asyncio.get_running_loop()
-        while done is not self._scene and not self._over:
-            done = scene = self._scene
-            for key in _at_once(scene):
-                await self._answer(key, scene, loop.run_in_executor(_FAST, FORMULAS[key], scene))
+        while (question := self._next(at_once=True)) is not None:
+            scene = self._scene
+            await self._answer(question, scene, loop.run_in_executor(_FAST, FORMULAS[question], scene))
         self._fast = False
 
     async def _slow_round(self) -> None:
         if self._slow or self._fast:
             return
-        self._slow, done = True, None
-        while done is not self._scene and not self._over:
-            done = scene = self._scene
-            for key in PATIENT:
-                if key not in _at_once(scene) and scene is self._scene:
-                    self._patience = self._patient.ask(key, scene)
-                    await self._answer(key, scene, asyncio.wrap_future(self._patience.answer))
-            if scene is self._scene:
-                await self._run_records(scene)
+        self._slow = True
+        while (question := self._next(at_once=False)) is not None:
+            scene = self._scene
+            answer = self._ask(self._patient, question, scene)
+            await self._answer(question, scene, answer)
         self._slow = False
 
-    async def _run_records(self, scene: Scene) -> None:
-        """Show the gaps that the records of the file need, beside those already shown."""
-        if not scene.records:
-            return
-        self._patience = self._patient.ask(RECORDS, scene)
-        try:
-            self._recorded = scene, await asyncio.wrap_future(self._patience.answer)
-        except (Stopped, asyncio.CancelledError):
-            return
-        except Exception as error:
-            self._told.text = f"The records were not evaluated: {_why(error, RECORDS, scene)}"
-            return
-        shown = self._panels[GAPS].table
-        if shown is not None and scene is self._wanted and not self._over:
-            self._draw(GAPS, shown, scene)
-
-    async def _answer(self, key: str, scene: Scene, answer: asyncio.Future[xr.Dataset]) -> None:
+    async def _answer(self, question: str, scene: Scene, answer: Awaitable[xr.Dataset]) -> None:
         """Draw an answer, or say why there is none; no error ends a round."""
+        table, why = None, ""
         try:
             table = await answer
-            if not self._over:
-                self._draw(key, table, scene)
-                if scene is not self._wanted:
-                    self._panels[key].wait()
-        except (Stopped, asyncio.CancelledError):  # for the sake of other values
-            self._panels[key].wait()
+        except (Stopped, asyncio.CancelledError):  # for the sake of other values, or of none
+            return
         except Exception as error:
-            self._panels[key].fail(_why(error, key, scene))
+            why = _why(error, question, scene)
+        if self._over:
+            return
+        present = scene is self._wanted
+        if present:
+            self._due = [other for other in self._due if other != question]
+        if table is None:
+            self._fail(question, why)
+        elif question == RECORDS:
+            self._recorded = scene, table
+            self._draw_gaps()
+        elif question not in (MOTIONS, PROBABILITY):
+            self._draw(question, table, scene)
+            if not present:
+                self._panels[question].wait()
+        elif present:
+            self._chances[question] = table
+            self._draw_chances(scene)
+        self._look()
+
+    def _fail(self, question: str, why: str) -> None:
+        """Say why a question about the present values has no answer."""
+        if question == RECORDS:
+            self._told.text = f"The records were not evaluated: {why}"
+        elif question != MOTIONS:  # the formula follows, and says the same
+            self._panels[question].end(_no_chart(why))
+
+    def _draw_chances(self, scene: Scene) -> None:
+        """Draw the probability by formula, of few motions, or by both, as far as they are known."""
+        table = with_motions(self._chances.get(PROBABILITY), self._chances.get(MOTIONS))
+        if table is not None:
+            self._draw(PROBABILITY, table, scene)
 
     def _draw(self, key: str, table: xr.Dataset, scene: Scene) -> None:
-        """Draw a formula's table, beside it the simulation of the present values if there is one."""
+        """Draw a table, beside it the simulation of the present values if there is one."""
         simulated = self._simulated.get(key) if scene is self._scene else None
         panel = self._panels[key]
         if key == SPECTRA:
@@ -341,7 +376,8 @@ class Page:
             panel.show(table, figure, " ".join(filter(None, told)))
         else:
             figure = charts.probability_figure(table, simulated)
-            panel.show(table, figure, words.probability(table, simulated))
+            more = PROBABILITY in self._due
+            panel.show(table, figure, words.probability(table, simulated), more)
 
     def _draw_gaps(self) -> None:
         """Draw the gaps with or without a line for every rule; while they wait, the next answer does."""
@@ -351,23 +387,18 @@ class Page:
 
     async def _simulate(self) -> None:
         scene = self._scene
-        self._job = job = self._simulator.ask(SIMULATIONS, scene)
-        self._running(True)
+        answer = self._ask(self._simulator, SIMULATIONS, scene)
         self._told.text = "Simulating."
-        look = ui.timer(LOOK, lambda: self._bar.props(f"value={job.share:.3f}"))
+        self._running()
         try:
-            tables = await asyncio.wrap_future(job.answer)
+            tables = await answer
         except (Stopped, asyncio.CancelledError):
             self._told.text = "Stopped."
         except Exception as error:
             self._told.text = f"Not simulated: {_why(error, SIMULATIONS, scene)}"
         else:
             self._keep(scene, tables)
-        finally:
-            look.cancel()
-            if self._job is job:
-                self._job = None
-                self._running(False)
+        self._running()
 
     def _keep(self, scene: Scene, tables: Mapping[str, xr.Dataset]) -> None:
         if scene is not self._wanted:
@@ -380,18 +411,55 @@ class Page:
                 self._draw(key, table, scene)
 
     def _interrupt(self) -> None:
-        if self._job is not None:
-            self._job.stop()
+        if SIMULATIONS in self._jobs:
+            self._jobs[SIMULATIONS].stop()
 
-    def _drop(self) -> None:
-        """Stop what the patient one does for values that are gone."""
-        if self._patience is not None:
-            self._patience.stop()
+    def _stop_all(self) -> None:
+        for job in list(self._jobs.values()):
+            job.stop()
 
-    def _too_large(self) -> None:
+    def _stop_panel(self, key: str) -> None:
+        """Give up what a chart waits for; of the ground, all charts give up."""
+        if self._seeking:
+            self._end_all(words.STOPPED)
+            return
+        self._due = [question for question in self._due if PANEL_OF[question] != key]
+        for question, job in list(self._jobs.items()):
+            if PANEL_OF.get(question) == key:
+                job.stop()
+        self._panels[key].end(words.STOPPED)
+
+    def _end_all(self, why: str) -> None:
+        """No chart waits any longer, and why."""
+        self._due = []
+        if GROUND in self._jobs:
+            self._jobs[GROUND].stop()
+        for panel in self._panels.values():
+            panel.end(why)
+
+    def _look(self) -> None:
+        """Say what each chart waits for, and how far it is."""
+        if SIMULATIONS in self._jobs:
+            self._bar.props(f"value={self._jobs[SIMULATIONS].share:.3f}")
+        asked = [job for job in self._jobs.values() if job.question in words.DOING]
+        before = words.after([PANELS[PANEL_OF.get(job.question, GAPS)][0] for job in asked])
+        for key, panel in self._panels.items():
+            if not panel.waiting:
+                continue
+            own = [job for job in asked if PANEL_OF.get(job.question, key) == key]
+            if not own:
+                panel.tell(before, None, bool(asked))
+            elif own[0].answer.running():
+                panel.tell(words.DOING[own[0].question], own[0].share, True)
+            else:
+                panel.tell(words.BUSY, None, True)
+
+    def _too_large(self, _: object) -> None:
         self._alert.text = f"The files are too large; allowed: {MOST_BYTES >> 20} MB in all."
 
-    def _running(self, running: bool) -> None:
+    def _running(self) -> None:
+        """Show whether a simulation runs, and whether one can be started."""
+        running = SIMULATIONS in self._jobs
         self._start.set_enabled(self._wanted.settled and not running)
         for element in (self._stop, self._bar):
             element.set_visibility(running)
@@ -419,13 +487,32 @@ class Page:
 
     @property
     def _over(self) -> bool:
-        """Whether nobody waits any longer: the page was left, or the server ends."""
-        return self._closed or self._patient.closed
+        """Whether nobody waits at present: the page was left, or the server ends."""
+        return self._closed or self._away or self._patient.closed
+
+    def _pause(self) -> None:
+        """Compute nothing for a page that has lost its connection; perhaps its tab is closed."""
+        self._away = not self._client.has_socket_connection
+        if self._away:
+            self._stop_all()
+
+    async def _resume(self) -> None:
+        """Go on with a page that is connected again."""
+        if self._away:
+            self._away = False
+            await self._refresh()
 
     def _leave(self) -> None:
         self._closed = True
-        self._drop()
-        self._interrupt()
+        self._stop_all()
+
+
+def _questions(scene: Scene) -> list[str]:
+    """What is asked about a scene, in this order; with storeys the formula last, which takes longest."""
+    records = [RECORDS] if scene.records else []
+    if scene.has_storeys:
+        return [SPECTRA, GAPS, MOTIONS, CORRELATION, *records, PROBABILITY]
+    return [CORRELATION, SPECTRA, GAPS, PROBABILITY, *records]
 
 
 def _at_once(scene: Scene) -> list[str]:
@@ -434,6 +521,21 @@ def _at_once(scene: Scene) -> list[str]:
         return list(FORMULAS)
     few = sum(floor_count(structure) for structure in scene.structures()) <= FEW_STOREYS
     return [SPECTRA, GAPS] if few else []
+
+
+def _weakly(method: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """A handler of the upload that does not keep its page, for the server keeps the upload."""
+    kept = weakref.WeakMethod(method)
+
+    def handler(event: Any) -> Any:
+        present = kept()
+        return present(event) if present else None
+
+    return handler
+
+
+def _no_chart(why: str) -> str:
+    return f"These values have no chart: {why}"
 
 
 def _why(error: Exception, what: str, scene: Scene) -> str:

@@ -29,7 +29,7 @@ ALONE = ("eq_3_simulated", "eq_3_drift", "eq_3_linearized", "eq_3_white_noise")
 LINEARIZED = ", linearized peaks"
 BY_HEIGHT = ("simulation", "linearization")  # the first that there is
 CHANCE = "confidence_of_no_pounding"
-HEIGHT_CHART, LINE = 170, 21  # px, of the gap over the height, and of a rule
+HEIGHT_CHART, LINE = 170, 27  # px, of the gap over the height, and of a rule
 AROUND, BELOW = 170, 55  # px: around the axes, with the legend; from the axes to the legend
 RATIO_TICKS = (0.25, 0.5, 1, 2, 4)
 FEW = 6  # ticks of an axis
@@ -154,6 +154,8 @@ def gaps_figure(
     ]
     layout["yaxis"] |= {"type": "category", "categoryarray": names, "nticks": 0}
     layout["yaxis"] |= {"range": [-0.6, len(names) - 0.1], "tickfont": {"size": 11}}
+    two_lines = [name.replace(LINEARIZED, f",<br>{LINEARIZED[2:]}") for name in names]
+    layout["yaxis"] |= {"tickvals": names, "ticktext": two_lines}
     _set_height(layout, LINE * len(names))
     layout["shapes"] = [_vertical(existing, "dash")]
     layout["annotations"] = [_note(existing, "existing gap"), *beyond]

@@ -2,31 +2,48 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import socket
 import sys
-from contextlib import suppress
+from collections import deque
 from importlib.resources import files
 from ipaddress import ip_address
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from urllib.parse import urlsplit
 
 import click
-from nicegui import app, ui
+from nicegui import Client, app, ui
+from starlette.requests import Request
+from starlette.responses import PlainTextResponse
 
+from stochlin.analyses.cases.site import NONE
+from stochlin.analyses.explorer.buildings import REGULAR
+from stochlin.analyses.explorer.scene import WHOLE, Scene
 from stochlin.views.explorer.page import Page
-from stochlin.views.explorer.workers import PROBABILITY, Worker
-
-if TYPE_CHECKING:
-    from stochlin.analyses.explorer.scene import Scene
+from stochlin.views.explorer.workers import ONE_THREAD, SIMULATIONS, Worker
 
 LOCAL = "localhost"
+NEVER_WITHIN = (  # a page of another site
+    (b"x-frame-options", b"DENY"),
+    (b"content-security-policy", b"frame-ancestors 'none'"),
+)
+MOST_WAITING = 32  # pages that were asked for and have not connected; beyond, the oldest is dropped
+TINY = Scene(
+    description_1=REGULAR,
+    description_2=REGULAR,
+    storey_count_1=1,
+    storey_count_2=1,
+    duration=2.0,
+    envelope=NONE,
+    paths=WHOLE["paths"][0],
+)
 PATIENCE = 30.0  # s that a page may take to connect, on a machine that is busy
 
 
 class OwnOrigin:
-    """Refuses requests for another host, and from pages of another one.
+    """Refuses requests for another host, from pages of another one, and to be shown within another one.
 
     Without it a page elsewhere could reach this one through the user's browser.
     """
@@ -36,14 +53,20 @@ class OwnOrigin:
 
     async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
         """Answer one request, or refuse it."""
+
+        async def send_with_headers(message: Any) -> None:
+            if message["type"] == "http.response.start":
+                message = message | {"headers": [*message.get("headers", ()), *NEVER_WITHIN]}
+            await send(message)
+
         if scope["type"] in ("http", "websocket") and not self.allows(dict(scope["headers"])):
             if scope["type"] == "websocket":
                 await send({"type": "websocket.close", "code": 1008})
                 return
-            await send({"type": "http.response.start", "status": 403, "headers": []})
+            await send_with_headers({"type": "http.response.start", "status": 403})
             await send({"type": "http.response.body", "body": b"This host is not served here.\n"})
             return
-        await self._inner(scope, receive, send)
+        await self._inner(scope, receive, send_with_headers)
 
     def allows(self, headers: dict[bytes, bytes]) -> bool:
         """Whether ``Host`` is one of ours, and ``Origin``, if there is one, the same."""
@@ -88,32 +111,49 @@ def check_address(host: str, port: int) -> None:
 
 def serve(scene: Scene, notes: list[str], host: str, port: int, show: bool) -> None:
     """Serve the page until it is interrupted; the address is one that `check_address` has passed."""
-    patient, simulator = Worker(), Worker()
-    style = files("stochlin.views.explorer").joinpath("page.css").read_text(encoding="utf-8")
+    os.environ.update(ONE_THREAD)  # of the workers; in this process linear algebra has begun
+    workers = Worker(), Worker()
+    ui.add_css(
+        files("stochlin.views.explorer").joinpath("page.css").read_text(encoding="utf-8"), shared=True
+    )
+    waiting: deque[Client] = deque()
 
-    def page() -> None:
-        ui.add_css(style)
-        Page(scene, notes, patient, simulator)
+    @ui.page("/")
+    async def page() -> None:
+        client = ui.context.client
+        waiting.append(client)
+        if len(waiting) > MOST_WAITING:
+            waiting.popleft().delete()
+        try:
+            await client.connected(PATIENCE)  # what only loads the page is not worth the controls
+        finally:
+            if client in waiting:
+                waiting.remove(client)
+        if not client.is_deleted:
+            await Page(scene, notes, *workers).begin()
+
+    @app.exception_handler(404)
+    def unknown(request: Request, error: Exception) -> PlainTextResponse:
+        return PlainTextResponse("This is not served here.\n", 404)
 
     def ready() -> None:
-        for worker in (patient, simulator):
-            worker.ask(PROBABILITY, scene)  # so that its libraries are there when they are needed
+        for worker in workers:
+            worker.ask(SIMULATIONS, TINY)  # so that its libraries are there when they are needed
         shown = f"[{host}]" if ":" in host else host
         click.echo(f"The explorer is at http://{shown}:{port} (Ctrl+C ends it)")
         if LOCAL not in (names_of(host) or ()):
             click.echo("Everyone who can reach this computer over the network can open it.")
 
     def end() -> None:
-        for worker in (patient, simulator):
+        for worker in workers:
             worker.close()
 
     app.on_startup(ready)
     app.on_shutdown(end)
     app.add_middleware(OwnOrigin, names=names_of(host))
     signal.signal(signal.SIGTERM, lambda *_: sys.exit())  # so that the processes beside it end well
-    with suppress(KeyboardInterrupt):
+    try:
         ui.run(
-            page,
             host=host,
             port=port,
             title="stochlin explore",
@@ -124,3 +164,7 @@ def serve(scene: Scene, notes: list[str], host: str, port: int, show: bool) -> N
             reconnect_timeout=PATIENCE,
             favicon="\N{BAR CHART}",
         )
+    except KeyboardInterrupt:
+        pass
+    finally:
+        gc.freeze()  # the interpreter would otherwise look for garbage for a second or two as it ends

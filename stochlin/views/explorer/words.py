@@ -39,7 +39,17 @@ STOREYS = (
 UNSAFE = "Caution: linearization alone is unsafe for buildings that yield."
 ELASTIC = "Both buildings stay elastic: linearization is exact here."
 TOGETHER = "Where several rules share a line, a marker shows the name of its rule when pointed at."
-SEEKING = "Finding the ground for these values by simulation ..."
+DOING = {  # of each question to the process beside the page
+    "ground": "Finding the ground for these values by simulation ...",
+    "spectra": "Linearizing all storeys ...",
+    "gaps": "Linearizing all storeys ...",
+    "correlation": "Linearizing at each ratio of the periods ...",
+    "motions": "Simulating some motions ...",
+    "probability": "Computing the curves by formula ...",
+    "records": "Running the records ...",
+}
+BUSY = "Waiting for another page of this server ..."
+STOPPED = "Stopped. Another value of any control starts it again."
 SAVED_LAST = "Saved with the last valid values."
 START = "These values are not simulated yet: press Simulate to run the nonlinear simulation."
 
@@ -102,7 +112,7 @@ def gaps(table: xr.Dataset, simulated: xr.Dataset | None = None, every: bool = T
     parts = [] if simulated is None else [_simulated_gap(simulated)]
     parts += [_linearized_gap(table), f"The existing gap is {length(table.attrs['gap_m'])}."]
     if simulated is None:
-        parts.append("Nothing is simulated.")
+        parts.append("No gap is simulated yet: press Simulate.")
     if simulated is None or every:
         parts.append(PEAKS[table.attrs["peaks"]])
     if simulated is not None:
@@ -159,13 +169,15 @@ def records(table: xr.Dataset | None) -> str:
 
 def probability(table: xr.Dataset, simulated: xr.Dataset | None = None) -> str:
     """The probability at the end of the motion, by every method."""
-    last, stem = table.isel(time=-1), "confidence_of_no_pounding"
-    corrected = float(last[f"{stem}_corrected"])
-    known = np.isfinite(corrected)
-    parts = [
-        f"{per_cent(float(last[stem]))} by formula",
-        f"{per_cent(corrected)} corrected for its bias" if known else "correction unknown here",
-    ]
+    last, stem, parts = table.isel(time=-1), "confidence_of_no_pounding", []
+    if stem in table:
+        corrected = float(last[f"{stem}_corrected"])
+        parts = [
+            f"{per_cent(float(last[stem]))} by formula",
+            f"{per_cent(corrected)} corrected for its bias"
+            if np.isfinite(corrected)
+            else "correction unknown here",
+        ]
     for one in simulations(table, simulated):
         low, high = (float(one[f"{stem}_simulated_{end}"][-1]) for end in ("lower", "upper"))
         share = per_cent(float(one[f"{stem}_simulated"][-1]))
@@ -173,9 +185,15 @@ def probability(table: xr.Dataset, simulated: xr.Dataset | None = None) -> str:
             f"{share} simulated by {one.attrs['paths']} motions ({per_cent(low)} to {per_cent(high)})"
         )
     words = f"No pounding to the end of the motion: {', '.join(parts)}."
-    if "comment" in table.attrs:
+    if stem in table and "comment" in table.attrs:
         words += " The formula is linearized and therefore in error where buildings yield."
     return words
+
+
+def after(charts: Sequence[str]) -> str:
+    """What a chart says that is not asked for yet, while these are computed."""
+    before = listed([chart for chart in charts if chart])
+    return f"Waiting for: {before} ..." if before else "Waiting ..."
 
 
 def beside(files: Sequence[str]) -> str:

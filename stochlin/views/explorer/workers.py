@@ -6,85 +6,170 @@ import multiprocessing
 import os
 import signal
 import threading
-from concurrent.futures import Future, ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
+import time
+import traceback
+from concurrent.futures import Future
 from multiprocessing.connection import wait
-from typing import TYPE_CHECKING, Any, NamedTuple
+from queue import SimpleQueue
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from multiprocessing.connection import Connection
+    from multiprocessing.context import SpawnProcess
 
     from stochlin.analyses.explorer.scene import Scene
+    from stochlin.kernels.basics.parallel import Progress
 
-RUNNING, SHARE, STOPPED = range(3)  # on the board: a job, how far it is, the job to be stopped
 CORRELATION, GAPS, PROBABILITY, SPECTRA = "correlation", "gaps", "probability", "spectra"
-SIMULATIONS, GROUND, RECORDS, OPEN = "simulations", "ground", "records", "open"
-EVERY_JOB = -1.0
-_board: Any = None  # of this process, if it is a worker
+MOTIONS, SIMULATIONS, GROUND, RECORDS, OPEN = "motions", "simulations", "ground", "records", "open"
+LOOK = 0.05  # s between two looks at whether a job is still wanted
+GRACE = 0.5  # s that a job may take to stop by itself, before its process is killed
+# A second thread of linear algebra doubles the processor time of matrices as small as these.
+ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
 
 class Stopped(Exception):  # noqa: N818 (no error: it was asked for)
-    """A simulation that was told to stop."""
+    """A calculation that was told to stop."""
 
 
-class Job(NamedTuple):
+class Job:
     """A question that a worker has been asked."""
 
-    number: int
-    answer: Future[Any]
-    board: Any
-
-    @property
-    def share(self) -> float:
-        """The share that is done; 0 while it waits for its turn."""
-        return float(self.board[SHARE]) if self.board[RUNNING] == self.number else 0.0
+    def __init__(self, question: str, subject: Any) -> None:
+        self.question, self.subject = question, subject
+        self.answer: Future[Any] = Future()
+        self.share = 0.0  # of the work that is done
+        self.unwanted = False
 
     def stop(self) -> None:
-        """Drop the question, or stop its simulation when it next tells how far it is."""
-        if not self.answer.cancel():
-            self.board[STOPPED] = self.number
+        """Drop the question; one that is being answered stops, or its process is killed."""
+        self.unwanted = True
+        self.answer.cancel()
 
 
 class Worker:
-    """One process, which answers one question after the other."""
+    """One process, which answers one question after the other.
+
+    A process that does not stop is killed, and the next question starts another one.
+    """
 
     def __init__(self) -> None:
         self._context = multiprocessing.get_context("spawn")  # numba's threads do not survive a fork
-        self._board = self._context.Array("d", 3)
-        self._count = 0
+        self._jobs: SimpleQueue[Job | None] = SimpleQueue()
+        self._process: SpawnProcess | None = None
         self.closed = False
-        self._pool = self._start()
+        self._start()
+        threading.Thread(target=self._serve, daemon=True).start()
 
-    def ask(self, question: str, scene: Scene | Mapping[str, bytes]) -> Job:
+    def ask(self, question: str, subject: Scene | Mapping[str, bytes]) -> Job:
         """Put a question about a scene, or about files of which one is to be; cancelled once closed."""
-        self._count += 1
+        job = Job(question, subject)
         if self.closed:
-            answer: Future[Any] = Future()
-            answer.cancel()
-            return Job(self._count, answer, self._board)
-        try:
-            answer = self._pool.submit(_answer, self._count, question, scene)
-        except BrokenProcessPool:  # the process was killed, for want of memory perhaps
-            self._pool = self._start()
-            answer = self._pool.submit(_answer, self._count, question, scene)
-        return Job(self._count, answer, self._board)
+            job.stop()
+        self._jobs.put(job)
+        return job
 
     def close(self) -> None:
-        """Stop what is running, and take no other question."""
+        """Take no other question, and kill the process; returns at once."""
         self.closed = True
-        self._board[STOPPED] = EVERY_JOB
-        self._pool.shutdown(cancel_futures=True)  # waits, as the exit would, which may race with it
+        self._jobs.put(None)
+        process = self._process
+        if process is not None:
+            process.kill()
 
-    def _start(self) -> ProcessPoolExecutor:
-        return ProcessPoolExecutor(1, self._context, _begin, (self._board,))
+    @property
+    def process_id(self) -> int | None:
+        """Number of the process that answers, None after it was killed."""
+        return None if self._process is None else self._process.pid
+
+    def _start(self) -> None:
+        self._pipe, other = self._context.Pipe()
+        self._process = self._context.Process(target=_answer_questions, args=(other,), daemon=True)
+        self._process.start()
+        other.close()  # so that the end of the process ends the pipe
+
+    def _serve(self) -> None:
+        """In a thread: have the questions answered, one after the other."""
+        while (job := self._jobs.get()) is not None:
+            if self.closed:
+                job.stop()
+            if not job.answer.set_running_or_notify_cancel():
+                continue
+            try:
+                answer = self._ask_process(job)
+            except Exception as error:
+                job.answer.set_exception(error)
+            else:
+                job.answer.set_result(answer)
+
+    def _ask_process(self, job: Job) -> Any:
+        """The answer of the process to a question; raises what it raised there."""
+        if self._process is None or not self._process.is_alive():
+            self._start()
+        try:
+            self._pipe.send((job.question, job.subject))
+            answer, failure = self._told(job)
+        except (EOFError, OSError) as error:
+            code = self._end()
+            if self.closed:
+                raise Stopped from error
+            raise RuntimeError(
+                f"the process that computes has ended (exit code {code}), perhaps for want of memory; "
+                "ask again, with fewer simulated motions or storeys"
+            ) from error
+        if failure is not None:
+            raise failure
+        return answer
+
+    def _told(self, job: Job) -> tuple[Any, Exception | None]:
+        """What the process tells at last: the answer, or why there is none."""
+        told: Any = 0.0
+        until = float("inf")
+        while not isinstance(told, tuple):  # but the share that is done
+            job.share = told
+            if job.unwanted and until == float("inf"):
+                self._pipe.send(None)
+                until = time.monotonic() + GRACE
+            if self.closed or time.monotonic() > until:
+                self._end()
+                raise Stopped
+            if self._pipe.poll(LOOK):
+                told = self._pipe.recv()
+        return told
+
+    def _end(self) -> int | None:
+        """Kill the process; its exit code."""
+        assert self._process is not None
+        self._process.kill()
+        self._process.join()
+        code, self._process = self._process.exitcode, None
+        self._pipe.close()
+        return code
 
 
-def _begin(board: Any) -> None:
-    """In the worker: share the board; leave Ctrl+C to the page, and end with it."""
-    global _board  # noqa: PLW0603 (a process is given it once, at its start)
-    _board = board
+def _answer_questions(pipe: Connection) -> None:
+    """In the process: answer what comes through the pipe; leave Ctrl+C to the page, and end with it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_the_page, daemon=True).start()
+
+    def progress(share: float) -> None:
+        if pipe.poll():  # while a question is answered, only the wish to stop can come
+            raise Stopped
+        pipe.send(float(share))
+
+    while True:
+        asked = pipe.recv()
+        if asked is None:  # to stop what has just been answered
+            continue
+        told: tuple[Any, Exception | None]
+        try:
+            question, subject = asked
+            told = _answer(question, subject, progress), None
+        except Exception as error:
+            error.add_note(traceback.format_exc())  # which does not pass the pipe otherwise
+            told = None, error
+        pipe.send(told)
 
 
 def _end_with_the_page() -> None:
@@ -94,31 +179,25 @@ def _end_with_the_page() -> None:
         os._exit(0)
 
 
-def _answer(number: int, question: str, scene: Any) -> Any:
+def _answer(question: str, subject: Any, progress: Progress) -> Any:
     from stochlin.analyses.explorer import formulas
     from stochlin.analyses.explorer.case_scene import open_case
-    from stochlin.analyses.explorer.simulations import simulations
-
-    _board[RUNNING], _board[SHARE] = number, 0.0
-
-    def progress(share: float) -> None:
-        if _board[STOPPED] in (number, EVERY_JOB):
-            raise Stopped
-        _board[SHARE] = share
+    from stochlin.analyses.explorer.simulations import few_motions, simulations
 
     if question == OPEN:
-        return open_case(scene)
+        return open_case(subject)
     if question == SPECTRA:
-        return formulas.spectra(scene)
+        return formulas.spectra(subject)
     if question == GAPS:
-        return formulas.gap_rules(scene)
+        return formulas.gap_rules(subject)
     if question == RECORDS:
-        return formulas.recorded(scene)
+        return formulas.recorded(subject)
     if question == GROUND:
-        return scene.settle(progress)
+        return subject.settle(progress)
     long = {
         CORRELATION: formulas.correlation,
         PROBABILITY: formulas.probability,
+        MOTIONS: few_motions,
         SIMULATIONS: simulations,
     }
-    return long[question](scene, progress)
+    return long[question](subject, progress)
