@@ -33,7 +33,7 @@ check: $(VENV)/.dev
 fuzz: $(VENV)/.dev
 	FUZZ_TIMES=60 $(BIN)/python -m pytest tests/fuzz
 
-# Changes the code at 60 random places, one at a time, and lists what no test notices: half an hour or so.
+# Changes the code at 60 random places, one at a time, and lists what no test notices: half an hour to an hour.
 SEED ?= 1
 mutants: $(VENV)/.dev
 	PYTHONPATH=tests $(BIN)/python -m house.mutants $(SEED)

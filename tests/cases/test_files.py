@@ -91,6 +91,13 @@ def at2(values: np.ndarray) -> str:
     return f"PEER NGA\nSomewhere\nACCELERATION IN UNITS OF G\nNPTS= {values.size}, DT= .02 SEC\n{rows}\n"
 
 
+def test_progress_of_an_answer_never_goes_back(tmp_path: Path) -> None:
+    shares: list[float] = []
+    answer_case(read(tmp_path, changed("paths = 2048", "paths = 100")), shares.append)
+    assert shares == sorted(shares)
+    assert shares[-1] == 1
+
+
 def test_the_example_of_a_record_is_what_its_description_says(tmp_path: Path) -> None:
     """To its last digit, where another library may round differently."""
     (tmp_path / "record.at2").write_text(sl.example_record())

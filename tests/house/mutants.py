@@ -8,7 +8,8 @@ others of its room, of a room with its name, and, where no test imports it, of t
 survivor is a hole in the tests, or a change without effect, as of a tolerance or the size of a chunk.
 
 At the end, the tests that caught a mutant run on the unchanged copy, where they have to pass. Run `make
-test` first: it keeps the compiled code, which is copied, too. 60 mutants then take half an hour.
+test` first: it keeps the compiled code, which is copied, too. 60 mutants then take half an hour on a
+free core, and an hour on a busy one.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ MODULES = sorted(
 TESTS = sorted(ROOT.glob("tests/**/test_*.py"))
 COUNT = 60
 LIMIT = 180  # seconds for one test, compilation included; one that takes longer hangs
-MEMORY = 12 << 30  # bytes for the tests of one mutant
+MEMORY = 12 << 30  # bytes of data of one process; of addresses, a browser needs more
 SURVIVED, MISUSED = (0, 5), 4  # exit statuses of pytest: all pass, or there is no test; wrong arguments
 NOT_COPIED = (".git", ".venv", "build", "dist", "figures", ".*_cache", ".hypothesis")
 
@@ -166,7 +167,7 @@ def run_tests(tests: list[str], mutant: Mutant | None = None) -> tuple[bool, set
             capture_output=True,
             text=True,
             check=False,
-            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY)),
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_DATA, (MEMORY, MEMORY)),
         )
     if done.returncode == MISUSED:
         raise RuntimeError(f"pytest did not run: {done.stdout}{done.stderr}")
