@@ -16,6 +16,7 @@ import signal
 import socket
 import subprocess
 import sys
+import tempfile
 import time
 import urllib.request
 from pathlib import Path
@@ -54,7 +55,8 @@ base_shear_coefficient = 0.12
 def main(loads: int = 2000, questions: int = 200) -> None:
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = free.getsockname()[1]
-    case = Path(os.environ.get("TMPDIR", "/tmp"), "explorer_benchmark.toml")
+    folder = tempfile.TemporaryDirectory()
+    case = Path(folder.name, "case.toml")
     one = BUILDING.format(number=1, name="Tower", period=1.1, storeys=10)
     case.write_text(TALL + one + BUILDING.format(number=2, name="Annex", period=0.7, storeys=6))
     command = [sys.executable, "-c", PROGRAM, "explore", "--no-open", "--port", str(port)]
@@ -63,7 +65,7 @@ def main(loads: int = 2000, questions: int = 200) -> None:
         follow(server, f"http://127.0.0.1:{port}/", loads, questions)
     finally:
         server.kill()
-        case.unlink()
+        folder.cleanup()
 
 
 def follow(server: subprocess.Popen[str], address: str, loads: int, questions: int) -> None:

@@ -137,6 +137,7 @@ def serve(scene: Scene, notes: list[str], host: str, port: int, show: bool) -> N
         return PlainTextResponse("This is not served here.\n", 404)
 
     def ready() -> None:
+        gc.freeze()  # so that a search for garbage is one of what pages leave, and not of all libraries
         for worker in workers:
             worker.ask(SIMULATIONS, TINY)  # so that its libraries are there when they are needed
         shown = f"[{host}]" if ":" in host else host
@@ -144,12 +145,16 @@ def serve(scene: Scene, notes: list[str], host: str, port: int, show: bool) -> N
         if LOCAL not in (names_of(host) or ()):
             click.echo("Everyone who can reach this computer over the network can open it.")
 
+    def forget() -> None:
+        gc.collect()  # the parts of a page refer to one another
+
     def end() -> None:
         for worker in workers:
             worker.close()
 
     app.on_startup(ready)
     app.on_shutdown(end)
+    app.on_delete(forget)
     app.add_middleware(OwnOrigin, names=names_of(host))
     signal.signal(signal.SIGTERM, lambda *_: sys.exit())  # so that the processes beside it end well
     try:
