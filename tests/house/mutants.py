@@ -39,7 +39,7 @@ COUNT = 60
 LIMIT = 180  # seconds for one test, compilation included; one that takes longer hangs
 MEMORY = 12 << 30  # bytes of data of one process; of addresses, a browser needs more
 SURVIVED, MISUSED = (0, 5), 4  # exit statuses of pytest: all pass, or there is no test; wrong arguments
-NOT_COPIED = (".git", ".venv", "build", "dist", "figures", ".*_cache", ".hypothesis")
+NOT_COPIED = (".git", ".venv", "build", "dist", ".*_cache", ".hypothesis")
 
 
 def both_ways(*pairs: tuple[Any, Any]) -> dict[Any, Any]:

@@ -114,6 +114,19 @@ def test_at2_headers(tmp_path, header):
     assert float(record.time[-1]) == pytest.approx(0.39)
 
 
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_a_time_may_be_a_quarter_of_a_step_astray(tmp_path, sign):
+    def read(share):
+        time = np.array(times())
+        time[20] += 0.02 * sign * share
+        options = {"units": "g", "column": 1, "time_column": 0}
+        return sl.read_record(write(tmp_path, lines(time.tolist(), WAVE)), **options)
+
+    np.testing.assert_allclose(read(0.24).time, times(), rtol=1e-9)
+    with pytest.raises(ValueError, match=r"time is uneven: its step changes before 0\.[34]\d* s"):
+        read(0.26)
+
+
 def test_at2_states_its_units(tmp_path):
     path = write(tmp_path, at2("NPTS= 40, DT= .01 SEC", units="CM/SEC/SEC"))
     np.testing.assert_allclose(sl.read_record(path), np.array(WAVE) / 100, rtol=1e-12)

@@ -188,3 +188,10 @@ def test_bad_envelopes_are_refused():
     for samples in (np.array([1.0]), xr.DataArray(["1.0"], dims="path")):
         with pytest.raises(TypeError, match=r"samples = .*allowed: an xarray\.DataArray of numbers"):
             sl.exceedance(samples, 0.5)
+
+
+def test_too_many_paths_are_refused_by_their_number():
+    with pytest.raises(
+        ValueError, match=r"duration = 20 s, in steps of .* and on 1000000000 paths, would"
+    ):
+        sl.simulate([sl.Bilinear(1.0, 0.05)], sl.WhiteNoise(0.01), paths=10**9, duration=20)
