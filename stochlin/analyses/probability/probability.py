@@ -254,6 +254,7 @@ def with_samples(
     seconds = check_course(duration, envelope)
     pairs = PairTable.of(first, second, ground, distance, seconds, envelope, points)
     of_formula, below, table = pairs, ground, xr.Dataset()
+    flags: dict[str, xr.DataArray] = {}
     if scatter and solve is not None:
         factors, weights = strengths(scatter)
         below = at_strengths(ground, factors)
@@ -262,13 +263,14 @@ def with_samples(
     if solve is not None:
         solved = solve(of_formula, below, part_of(progress, 0.0, OF_FORMULA if paths else 1.0))
         table = by_formula(of_formula, solved, below, confidence)
-        table = table.assign(cautions(first, second, ground, table, scatter))
+        flags = cautions(first, second, ground, table, scatter)
     if paths:
         rest = part_of(progress, 0.0 if solve is None else OF_FORMULA, 1.0)
         options = confidence, Draws(paths, seed, float(scatter)), rest
         simulated = _simulated(pairs, described, distance, *options)
         table = table.assign(simulated.data_vars).assign_attrs(simulated.attrs)
     table = over_time(table, pairs.course).assign(status=of_formula.status)
+    table = table.assign(flags)
     table = table.assign_attrs(confidence=confidence, **labels.of_scatter(scatter))
     table = labels.label(table, VARIABLES)
     labels.raise_if_lone_failure(table, "pounding_probability")

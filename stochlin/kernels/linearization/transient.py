@@ -25,8 +25,8 @@ with ``gamma = pi S0 beta`` on white noise. The integrals are those of polynomia
 Gauss-Lobatto nodes of the panel. For elastic structures ``Phi = exp(A t)``. For yielding ones ``A*`` has
 constant coefficients, those at an earlier time, and ``Phi = exp(A* t) V`` with
 ``V' = exp(-A* t) (A - A*) Phi``; its inverse is ``U exp(-A* t)`` with
-``U' = -U exp(-A* t) (A - A*) exp(A* t)``. The coefficients, ``V`` and ``U`` at all nodes of a panel are
-found together by Picard iteration.
+``U' = -U exp(-A* t) (A - A*) exp(A* t)``; of one storey, ``V`` is inverted. The coefficients, ``V`` and
+``U`` at all nodes of a panel are found together by Picard iteration.
 """
 
 from __future__ import annotations
@@ -223,9 +223,14 @@ class Group:
 
         one = np.eye(frame.forward.shape[-1])
         turn = self.nodes.integrate(frame.slips @ rates(path.transition), frame.length) + one
-        back = (path.inverse @ frame.slips) @ rates(frame.forward)
-        inverse = one - self.nodes.integrate(back, frame.length)
-        push = (inverse @ frame.push[..., None])[..., 0] * envelope[:, None, None]
+        push = frame.push[..., None]
+        if self.structures.scale.shape[1] == 1:  # matrices so small are solved with faster
+            inverse, push = path.inverse, np.linalg.solve(turn, push)
+        else:
+            back = (path.inverse @ frame.slips) @ rates(frame.forward)
+            inverse = one - self.nodes.integrate(back, frame.length)
+            push = inverse @ push
+        push = push[..., 0] * envelope[:, None, None]
         return self._at_nodes(frame, frame.forward @ turn, inverse, push, soil, own)
 
     def _at_nodes(
