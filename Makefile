@@ -10,7 +10,7 @@ BIN := $(VENV)/bin
 PARALLEL = -n auto --maxprocesses 4 --dist worksteal
 PYTEST = OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest $(PARALLEL)
 
-.PHONY: charts test test-all check fuzz mutants answers takes bench bias reality docs links oldest newest dist clean
+.PHONY: charts test test-all check lint sets fuzz mutants answers takes bench bias reality docs links oldest newest dist clean
 
 charts: $(VENV)/.run
 	$(BIN)/stochlin charts --out figures
@@ -22,12 +22,13 @@ test: $(VENV)/.dev
 test-all: $(VENV)/.dev
 	$(PYTEST)
 
-check: $(VENV)/.dev
+check: lint test
+
+lint: $(VENV)/.dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/codespell
 	$(BIN)/mypy
-	$(PYTEST) -m "not slow"
 
 # Mutated case files, records and specifications for an hour or so; `make test-all` has a minute of it.
 fuzz: $(VENV)/.dev
@@ -76,21 +77,27 @@ links: $(VENV)/.docs
 
 # `make test` in an environment of its own: with the lowest versions that pyproject.toml allows, and with
 # the newest libraries on the newest Python that is found, on the path or installed by pyenv.
-define test_with
-	$(BIN)/uv venv --quiet --clear --python $(1) .venv/$@
-	$(BIN)/uv pip install --quiet --python .venv/$@/bin/python --resolution $(2) -e ".[dev]"
-	$(BIN)/uv pip freeze --quiet --python .venv/$@/bin/python | grep -E "^(numpy|scipy|sympy|xarray|matplotlib|numba|click)="
-	.venv/$@/bin/stochlin warmup
-	OPENBLAS_NUM_THREADS=1 .venv/$@/bin/python -m pytest $(PARALLEL) -m "not slow"
-endef
 NEWEST ?= $(shell for python in python3.13 ~/.pyenv/versions/3.13*/bin/python python3.12 \
 	~/.pyenv/versions/3.12*/bin/python; do $$python -V >/dev/null 2>&1 && echo $$python && break; done)
 
-oldest: $(VENV)/.dev
-	$(call test_with,$(PYTHON),lowest-direct)
+oldest: $(VENV)/oldest/.ready
+	OPENBLAS_NUM_THREADS=1 $(VENV)/oldest/bin/python -m pytest $(PARALLEL) -m "not slow"
 
-newest: $(VENV)/.dev
-	$(if $(NEWEST),$(call test_with,$(NEWEST),highest),@echo "no Python 3.13 or 3.12 is found: nothing is tested with the newest libraries")
+newest: $(if $(NEWEST),$(VENV)/newest/.ready)
+	$(if $(NEWEST),OPENBLAS_NUM_THREADS=1 $(VENV)/newest/bin/python -m pytest $(PARALLEL) -m "not slow",\
+	@echo "no Python 3.13 or 3.12 is found: nothing is tested with the newest libraries")
+
+# The environments of both.
+sets: $(VENV)/oldest/.ready $(if $(NEWEST),$(VENV)/newest/.ready)
+
+$(VENV)/oldest/.ready: OF_SET = $(PYTHON) lowest-direct
+$(VENV)/newest/.ready: OF_SET = $(NEWEST) highest
+$(VENV)/oldest/.ready $(VENV)/newest/.ready: pyproject.toml | $(VENV)/.dev
+	$(BIN)/uv venv --quiet --clear --python $(firstword $(OF_SET)) $(@D)
+	$(BIN)/uv pip install --quiet --python $(@D)/bin/python --resolution $(lastword $(OF_SET)) -e ".[dev]"
+	$(BIN)/uv pip freeze --quiet --python $(@D)/bin/python | grep -E "^(numpy|scipy|sympy|xarray|matplotlib|numba|click)="
+	$(@D)/bin/stochlin warmup
+	touch $@
 
 # The wheel and the source archive in dist/, their contents compared with the repository; then the wheel
 # answers the example, in an environment of its own.
