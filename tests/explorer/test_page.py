@@ -133,7 +133,7 @@ def test_requests_of_other_hosts_and_pages_are_refused(address):
 
 
 def test_the_page_comes_from_this_machine_alone(page, address):
-    assert page.text("told").startswith("These values are not simulated yet")
+    assert page.text("told").startswith("Press Simulate to run")
     assert "linearization alone is unsafe" in page.text("caution")
     assert page.script("return document.body.innerText").count("Caution") == 1
     messages = [json.loads(e["message"])["message"] for e in page.driver.get_log("performance")]
@@ -321,7 +321,7 @@ def test_simulation_is_drawn_when_it_is_asked_for_and_forgotten_when_it_is_old(p
     page.enter("gap", "9")
     wait(lambda: page.script(curves) == 3)
     page.idle()
-    assert page.text("told").startswith("These values are not simulated yet")
+    assert page.text("told").startswith("Press Simulate to run")
     page.click("every")
     page.put_back(before)
 

@@ -15,6 +15,7 @@ from nicegui import background_tasks, ui
 from stochlin.analyses.explorer import formulas as exploration
 from stochlin.analyses.explorer.case_text import case_text, files_named, left_out
 from stochlin.analyses.explorer.simulations import merge_tables, with_motions
+from stochlin.analyses.tables.inputs import MOST_BYTES
 from stochlin.analyses.tables.storage import as_netcdf
 from stochlin.models.systems import floor_count
 from stochlin.views.explorer import pictures as charts
@@ -63,7 +64,6 @@ FORMULAS: dict[str, Callable[[Scene], xr.Dataset]] = {
     GAPS: exploration.gap_rules,
 }
 FEW_STOREYS = 24  # of both buildings, with which spectra and gaps are there at once
-MOST_BYTES = 64 * 2**20  # of a case file with its records
 LOOK = 0.25  # s between two looks at how far the calculations are
 # One thread for all pages: numpy's work between Python's steps gains nothing from more.
 _FAST = ThreadPoolExecutor(1, thread_name_prefix="explorer")

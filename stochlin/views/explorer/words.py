@@ -51,7 +51,7 @@ DOING = {  # of each question to the process beside the page
 BUSY = "Waiting for another page of this server ..."
 STOPPED = "Stopped. Another value of any control starts it again."
 SAVED_LAST = "Saved with the last valid values."
-START = "These values are not simulated yet: press Simulate to run the nonlinear simulation."
+START = "Press Simulate to run the nonlinear simulation for every chart."
 
 
 def caution(table: xr.Dataset) -> tuple[str, str]:
