@@ -11,12 +11,12 @@ effect of the weight above a storey.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.linalg
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
@@ -32,7 +32,11 @@ LEVEL = 0.05  # [m], floors whose heights differ by less are at the same level
 
 
 class Stack(NamedTuple):
-    """One structure as a stack of ``n`` floors, each with the storey below it."""
+    """One structure as a stack of ``n`` floors, each with the storey below it.
+
+    Of an oscillator with arrays of cells (c,) as parameters, all arrays but ``levels`` have the leading
+    dimension of the cells.
+    """
 
     mass: Array  # (n,) [kg]
     post: Array  # (n,) [N/m], post-yield stiffness of the storey
@@ -55,8 +59,10 @@ class Stack(NamedTuple):
     @property
     def law_parameters(self) -> Array:
         """Parameters that the law adds (n, k), one row for each storey."""
-        rows = [np.broadcast_to(a.to_numpy(), self.mass.size) for a in self.law.law_parameters()]
-        return np.reshape(rows, (len(rows), self.mass.size)).T.astype(float)
+        shape = self.mass.shape
+        values = (array.to_numpy() for array in self.law.law_parameters())
+        rows = [a[:, None] if a.ndim and len(shape) > 1 else a for a in values]
+        return np.stack([np.zeros(shape), *(np.broadcast_to(a, shape) for a in rows)], axis=-1)[..., 1:]
 
 
 class Tie(NamedTuple):
@@ -82,7 +88,7 @@ class System(NamedTuple):
     @property
     def first(self) -> Array:
         """Number of the first floor of each structure, followed by the count of all floors (s + 1,)."""
-        return np.concatenate([[0], np.cumsum([stack.mass.size for stack in self.stacks])])
+        return np.concatenate([[0], np.cumsum([stack.levels.size for stack in self.stacks])])
 
     @property
     def floors(self) -> list[str]:
@@ -91,7 +97,7 @@ class System(NamedTuple):
             name
             for s, stack in enumerate(self.stacks, start=1)
             for name in (
-                [str(s)] if stack.is_oscillator else [f"{s}.{i + 1}" for i in range(stack.mass.size)]
+                [str(s)] if stack.is_oscillator else [f"{s}.{i + 1}" for i in range(stack.levels.size)]
             )
         ]
 
@@ -103,8 +109,12 @@ class System(NamedTuple):
         return under
 
     def all(self, name: str) -> Array:
-        """The attribute ``name`` of all stacks, joined along its first dimension."""
-        return np.concatenate([getattr(stack, name) for stack in self.stacks])
+        """The attribute ``name`` of all stacks, joined along the floors."""
+        parts = [getattr(stack, name) for stack in self.stacks]
+        cells = np.broadcast_shapes(*(part.shape[:-1] for part in parts))
+        return np.concatenate(
+            [np.broadcast_to(part, (*cells, part.shape[-1])) for part in parts], axis=-1
+        )
 
     @property
     def extensions(self) -> Array:
@@ -126,8 +136,12 @@ class System(NamedTuple):
     @property
     def damping(self) -> Array:
         """Damping matrix of all floors (n, n) [N s/m], without the links."""
-        whole: Array = scipy.linalg.block_diag(*[stack.damping for stack in self.stacks])
-        return np.ascontiguousarray(whole)
+        n = int(self.first[-1])
+        cells = np.broadcast_shapes(*(stack.damping.shape[:-2] for stack in self.stacks))
+        whole = np.zeros((*cells, n, n))
+        for (begin, end), stack in zip(pairwise(self.first), self.stacks, strict=True):
+            whole[..., begin:end, begin:end] = stack.damping
+        return whole
 
     @property
     def without_stationary_answer(self) -> list[tuple[int, int]]:
@@ -135,19 +149,21 @@ class System(NamedTuple):
         return [
             (s, int(i) + 1)
             for s, stack in enumerate(self.stacks, start=1)
-            for i in np.flatnonzero((stack.post <= 0) & (stack.couple > 0))
+            for i in np.flatnonzero(
+                np.any(np.atleast_2d((stack.post <= 0) & (stack.couple > 0)), axis=0)
+            )
         ]
 
 
 def stack_of(structure: AnyStructure) -> Stack:
-    """A structure with scalar parameters as a stack of floors.
+    """A structure as a stack of floors; the parameters of an oscillator are numbers or arrays (c,).
 
     Its strength is given in metres. An oscillator without a mass is taken to have 1 kg.
     """
+    values = {name: np.asarray(value) for name, value in structure.cells().items()}
     if isinstance(structure, ShearBuilding):
-        values = {name: np.asarray(value) for name, value in structure.cells().items()}
         n, k, yields = structure.storeys, values["stiffnesses"], structure.yields
-        hardening = float(values["hardening"]) if yields else 1.0
+        hardening = values["hardening"] if yields else np.ones(())
         return Stack(
             mass=values["masses"],
             post=hardening * k - structure.geometric_stiffness(),
@@ -157,31 +173,29 @@ def stack_of(structure: AnyStructure) -> Stack:
             levels=structure.levels(),
             law=structure.storey_law,
         )
-    return next(_of_oscillators(structure, 1))
-
-
-def stacks_of(oscillators: Structure, dimension: str, count: int) -> list[Stack]:
-    """Stacks of ``count`` oscillators with parameters along ``dimension``; otherwise as `stack_of`."""
-    found = list(_of_oscillators(oscillators, count))
-    if not oscillators.own_parameters():
-        return found
-    return [one._replace(law=oscillators.isel({dimension: n})) for n, one in enumerate(found)]
-
-
-def _of_oscillators(structure: Structure, count: int) -> Iterator[Stack]:
-    """A stack for each of ``count`` oscillators; ``law`` of every stack is the whole ``structure``."""
-    values = {name: np.asarray(value) for name, value in structure.cells().items()}
-    mass = float(values.get("mass", 1.0))
-    w = 2 * np.pi / values["period"]
-    hardening = values["hardening"] if structure.yields else 1.0
+    mass, w = values.get("mass", np.float64(1.0)), 2 * np.pi / values["period"]
+    hardening = values["hardening"] if structure.yields else np.ones(())
     strength = values.get("yield_displacement", np.inf)
     with np.errstate(over="ignore", invalid="ignore"):  # extreme structures get a status
         k = mass * w**2
         columns = (mass, hardening * k, (1 - hardening) * k, strength, 2 * values["damping"] * w * mass)
-    rows = np.stack([np.broadcast_to(column, count) for column in columns], axis=1)
-    for row in rows[:, :, None]:
-        own, post, couple, limit, damping = row
-        yield Stack(own, post, couple, limit, damping[:, None], np.full(1, np.nan), structure)
+    shape = np.broadcast_shapes(*(np.shape(value) for value in (*values.values(), *columns)))
+    wide = (np.broadcast_to(column, shape).astype(float)[..., None] for column in columns)
+    own, post, couple, limit, damping = wide
+    return Stack(own, post, couple, limit, damping[..., None], np.full(1, np.nan), structure)
+
+
+def stacks_of(oscillators: Structure, dimension: str, count: int) -> list[Stack]:
+    """Stacks of ``count`` oscillators with parameters along ``dimension``."""
+    whole, own = stack_of(oscillators), bool(oscillators.own_parameters())
+    names = ("mass", "post", "couple", "strength")
+    rows = {name: np.broadcast_to(getattr(whole, name), (count, 1)) for name in names}
+    rows["damping"] = np.broadcast_to(whole.damping, (count, 1, 1))
+    laws = (oscillators.isel({dimension: n}) if own else oscillators for n in range(count))
+    return [
+        whole._replace(**{name: row[n] for name, row in rows.items()}, law=law)
+        for n, law in enumerate(laws)
+    ]
 
 
 def check_stationary(system: System) -> None:
@@ -276,11 +290,12 @@ def system_of(structures: Sequence[AnyStructure], links: Sequence[Link | None] =
             check_mass(structures[each - 1], f"structure {each}")
         floors = link.floors or common_floors(stacks[one - 1], stacks[two - 1], number)
         for each, floor in zip((one, two), floors, strict=True):
-            if floor > stacks[each - 1].mass.size:
+            highest = stacks[each - 1].levels.size
+            if floor > highest:
                 lowest = GROUND if link.within_one else 1
                 raise ValueError(
-                    f"link {number}: floors = {link.floors}, structure {each} has "
-                    f"{stacks[each - 1].mass.size}; allowed: {lowest} to {stacks[each - 1].mass.size}"
+                    f"link {number}: floors = {link.floors}, structure {each} has {highest}; allowed: "
+                    f"{lowest} to {highest}"
                 )
         on = int(first[one - 1]) + floors[0] - 1
         other = -1 if floors[1] == GROUND else int(first[two - 1]) + floors[1] - 1
@@ -295,7 +310,7 @@ def common_floors(one: Stack, two: Stack, number: int) -> tuple[int, int]:
     link, for messages.
     """
     if one.is_oscillator or two.is_oscillator:
-        return one.mass.size, two.mass.size
+        return one.levels.size, two.levels.size
     level = np.abs(one.levels[:, None] - two.levels) < LEVEL
     if not level.any():
         raise ValueError(

@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from functools import partial
+from typing import Any
+
 import numpy as np
 import xarray as xr
 
 from stochlin.analyses.correlation.variables import VARIABLES
-from stochlin.analyses.linearization.systems.solution import Loop
-from stochlin.analyses.linearization.systems.systems import check_laws, equations_of, solution_table
+from stochlin.analyses.linearization.systems.solution import solve_equations
+from stochlin.analyses.linearization.systems.systems import (
+    check_chain,
+    check_laws,
+    equations_of_cells,
+    solution_table,
+)
 from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.cells import over_cells
+from stochlin.analyses.tables.cells import Kinds, flat, in_chunks
+from stochlin.analyses.tables.cellwise import is_lazy
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
@@ -20,7 +30,13 @@ from stochlin.models.systems import check_mass
 
 OF_BOTH = ("rho", "relative_displacement_std", "link_force_std")
 OF_DASHPOT = "equivalent_damping_constant"  # only for a dashpot with an exponent
-OF_ONE = ("displacement_std", "velocity_std", "ductility_std", "c_eq", "k_eq")
+OF_ONE = {
+    "displacement_std": "floor",
+    "velocity_std": "floor",
+    "ductility_std": "element",
+    "c_eq": "element",
+    "k_eq": "element",
+}
 
 
 def correlate_linked(
@@ -103,27 +119,16 @@ def correlate_linked(
         )
     check_laws((first, second), closure)
 
-    of_both = [*OF_BOTH, OF_DASHPOT] if link.damping_exponent is not None else OF_BOTH
-    failed = dict.fromkeys([*of_both, *(f"{name}_{n}" for name in OF_ONE for n in (1, 2))], np.nan)
-
-    def of_cell(first: Structure, second: Structure, ground: Ground, link: Link) -> xr.Dataset:
-        try:
-            equations = equations_of((first, second), ground, [link])
-        except ArithmeticError:  # the elastic response that defines a strength cannot be computed
-            return xr.Dataset({**failed, "status": np.int8(labels.NOT_PHYSICAL)})
-        solution = Loop(equations, closure, USUAL).solve()
-        if solution.status >= labels.NOT_CONVERGED:
-            return xr.Dataset({**failed, "status": np.int8(solution.status)})
-        table = solution_table(equations, solution)
-        places = {"floor": 0, "floor_2": 1, "link": 0}
-        found = {name: table[name].isel(places, drop=True, missing_dims="ignore") for name in of_both}
-        for name in OF_ONE:
-            for n in (0, 1):
-                found[f"{name}_{n + 1}"] = table[name].isel({table[name].dims[0]: n}, drop=True)
-        return xr.Dataset({**found, "status": np.int8(solution.status)})
-
-    models = {"first": first, "second": second, "ground": ground, "link": link}
-    table = labels.label(over_cells(of_cell, models), VARIABLES)
+    models: dict[str, Any] = {"first": first, "second": second, "ground": ground, "link": link}
+    arrays = [array for model in models.values() for array in model.over_cells().values()]
+    if is_lazy(*arrays):
+        dims = xr.broadcast(*arrays)[0].dims
+        kinds: Kinds = dict.fromkeys(_names(link), (dims, float))
+        kinds["status"] = dims, np.int8
+        table = in_chunks(partial(_linked, closure=closure), models, xr.Dataset(), kinds)
+    else:
+        table = _linked(models, closure=closure)
+    table = labels.label(table, VARIABLES)
     labels.raise_if_lone_failure(table, f"correlate_linked({first.describe()}, {second.describe()})")
     if first.yields or second.yields:
         table = table.assign_attrs(comment=labels.CAUTION_SIGMA)
@@ -133,3 +138,32 @@ def correlate_linked(
         f"correlate_linked(closure={closure!r})",
         models,
     )
+
+
+def _names(link: Link) -> list[str]:
+    """Names of the variables over all cells, without the status."""
+    of_both = [*OF_BOTH, OF_DASHPOT] if link.damping_exponent is not None else OF_BOTH
+    return [*of_both, *(f"{name}_{n}" for name in OF_ONE for n in (1, 2))]
+
+
+def _linked(models: Mapping[str, Any], _: object = None, *, closure: str) -> xr.Dataset:
+    """Table of `correlate_linked`, without labels."""
+    first, second, ground, link = models.values()
+    roles = {"structure_1": first, "structure_2": second, "ground": ground, "link_1": link}
+    cells = flat(roles)
+    if not cells.where.size:
+        blank = {name: cells.table(np.empty(0)) for name in _names(link)}
+        status = cells.table(np.empty(0, np.int8), blank=labels.INVALID_INPUT)
+        return xr.Dataset(blank | {"status": status}, coords=cells.shape.coords)
+    equations = equations_of_cells(cells, [link])
+    check_chain(equations)
+    whole = solution_table(cells, equations, solve_equations(equations, closure, USUAL))
+    found = {"status": whole.status}
+    for name in _names(link):
+        stem, _, number = name.rpartition("_")
+        if stem in OF_ONE:
+            found[name] = whole[stem].isel({OF_ONE[stem]: int(number) - 1})
+        else:
+            found[name] = whole[name].isel({"floor": 0, "floor_2": 1, "link": 0}, missing_dims="ignore")
+    own = set(cells.shape.coords)
+    return xr.Dataset({name: array.drop_vars(set(array.coords) - own) for name, array in found.items()})

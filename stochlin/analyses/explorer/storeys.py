@@ -33,7 +33,7 @@ from stochlin.analyses.simulation.views import meeting_heights
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.linearization.augmented import Solved
+from stochlin.kernels.linearization.systems.response import Response
 from stochlin.models.parameters import Parameter
 from stochlin.models.systems import AnyStructure
 
@@ -44,7 +44,7 @@ LINEARIZED_PEAKS = "peaks of linearization, storey by storey"
 class Motion(NamedTuple):
     """Linearized response of both structures, and their displacements at the heights of contact."""
 
-    motion: Solved
+    motion: Response
     heights: Array  # [m], from the ground up to the lower roof
     one: Array  # (heights, floors) factors that give displacements from those of all floors
     two: Array  # (heights, floors)
@@ -72,12 +72,13 @@ def _together(scene: Scene, first: Alone, second: Alone) -> Motion:
     both = first, second
     equations = equations_of([one.structure for one in both], scene.ground(), ())
     c_eq, k_eq = (
-        np.concatenate([getattr(one.solution, name) for one in both]) for name in ("c_eq", "k_eq")
+        np.concatenate([getattr(one.solution, name) for one in both], axis=1)
+        for name in ("c_eq", "k_eq")
     )
-    own = np.isfinite(equations.strength) & ((c_eq != -1) | (k_eq != 0))
+    own = equations.yields & ((c_eq != -1) | (k_eq != 0))[0]
     heights = meeting_heights(*equations.system.stacks)
     one, two = (_weights(equations, number, heights) for number in (0, 1))
-    return Motion(Solved(equations.augmented(c_eq, k_eq, own)), heights, one, two)
+    return Motion(Response(equations.state_space(c_eq, k_eq, own)), heights, one, two)
 
 
 def _weights(equations: Equations, number: int, heights: Array) -> Array:
@@ -87,7 +88,7 @@ def _weights(equations: Equations, number: int, heights: Array) -> Array:
 def displacement_densities(scene: Scene, frequency: Array) -> tuple[Array, Array, float]:
     """Two-sided PSD [m^2 s] of both displacements at the lower roof, and its height [m]."""
     motion, heights, one, two = in_motion(scene)
-    of_one, of_two = motion.spectral_density(np.stack([one[-1], two[-1]]), frequency)
+    ((of_one, of_two),) = motion.spectral_density(np.stack([one[-1], two[-1]]), frequency)
     return of_one, of_two, float(heights[-1])
 
 
@@ -129,7 +130,7 @@ def rules(scene: Scene, seconds: float) -> tuple[list[Rule], Array]:
     """Rules that need no simulation, with peaks by linearization, and the heights of contact [m]."""
     motion, heights, one, two = in_motion(scene)
     count, dims = len(heights), ("building", "height")
-    moments = motion.spectral_moments(np.concatenate([one, two, one - two]))
+    moments = [m[0] for m in motion.spectral_moments(np.concatenate([one, two, one - two]))]
     both = tuple(xr.DataArray(m[: 2 * count].reshape(2, count), dims=dims) for m in moments)
     peaks = peaks_of(scene, both, seconds)
     apart = [m[2 * count :] for m in moments]

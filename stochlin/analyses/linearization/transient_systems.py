@@ -19,10 +19,10 @@ from stochlin.analyses.tables.checks import check_duration
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.linearization.augmented import Solved
 from stochlin.kernels.linearization.filters import Matrices
 from stochlin.kernels.linearization.gaussian import Closure
-from stochlin.kernels.linearization.lyapunov import UnsolvableError
+from stochlin.kernels.linearization.systems.lyapunov import INACCURATE, UNSTABLE
+from stochlin.kernels.linearization.systems.response import Response, alike
 from stochlin.kernels.linearization.transient import (
     NODES,
     NODES_OF_STOREYS,
@@ -37,7 +37,7 @@ from stochlin.kernels.linearization.transient import (
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.envelopes import Envelope, envelope_at
 from stochlin.models.grounds import Ground
-from stochlin.models.parameters import expect
+from stochlin.models.parameters import CASE, expect
 from stochlin.models.structures import Structure
 from stochlin.models.systems import AnyStructure, Stack, System, stack_of
 
@@ -208,22 +208,23 @@ def _building(structure: ShearBuilding, ground: Ground, role: str, first: int) -
     stack, count = stack_of(structure), int(valid.sum())
     system = System((stack,), ())
     elastic, none = np.full(structure.storeys, -1.0), np.zeros(structure.storeys)
-    drifts = []
-    for cell in range(count):
-        equations = Equations(system, ground_of(ground, below, cell))
-        try:
-            motion = Solved(equations.augmented(elastic, none, none > 0))
-        except UnsolvableError as error:
+    rows = {name: xr.DataArray(row, dims=CASE) for name, row in below.items()}
+    equations = Equations(system, ground.with_arrays(rows))
+    drifts = np.empty((count, structure.storeys))
+    for cells, part in alike(equations.state_space(elastic, none, none > 0)):
+        response = Response(part)
+        drifts[cells] = response.std(system.extensions)
+        if not np.isfinite(drifts[cells]).all():
             raise ArithmeticError(
-                f"{role}, elastic: {error}; use storeys whose stiffness over mass differs less"
-            ) from error
-        drifts.append(motion.std(system.extensions))
+                f"{role}, elastic: {INACCURATE if response.stable.all() else UNSTABLE}; use storeys "
+                "whose stiffness over mass differs less"
+            )
     return Side(
         structure,
         Storeys(
             stack,
             np.full(count, float(structure.periods()[0])),
-            np.array(drifts).reshape(count, structure.storeys),
+            drifts,
         ),
         np.tile(stack.law_parameters.T, count),
         below,

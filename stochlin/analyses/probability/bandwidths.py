@@ -15,10 +15,9 @@ from stochlin.analyses.linearization.transient_systems import (
 )
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.linearization.augmented import Solved
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, linear_system
-from stochlin.kernels.linearization.lyapunov import UnsolvableError
 from stochlin.kernels.linearization.spectral_moments import SpectralMoments, difference_moments
+from stochlin.kernels.linearization.systems.response import Response
 from stochlin.models.grounds import Ground
 from stochlin.models.systems import System
 
@@ -101,11 +100,8 @@ def _of_storeys(moments: Moments, pairs: Array, ground: Ground) -> Spectrum:
         found = np.full((3, pairs.shape[1], len(seen)), np.nan)
         for number, (equations, storeys, least) in enumerate(systems):
             c, k = slip[storeys], relaxation[storeys]
-            try:
-                solved = Solved(equations.augmented(c - 1, k, (c > NO_SLIP) & (k > least)))
-            except UnsolvableError:
-                continue
-            found[:, number] = solved.spectral_moments(seen)
+            response = Response(equations.state_space(c - 1, k, (c > NO_SLIP) & (k > least)))
+            found[:, number] = np.stack(response.spectral_moments(seen))[:, 0]
         return SpectralMoments(*found.reshape(3, -1))
 
     return spectrum

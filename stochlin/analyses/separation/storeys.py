@@ -19,7 +19,7 @@ from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.simulation.views import at_height, meeting_heights
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.linearization.augmented import Solved
+from stochlin.kernels.linearization.systems.response import Response
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
@@ -100,7 +100,7 @@ class StoreysInMotion(PairInMotion):
         return correlation_of(self.linearized, one, two)
 
     @cached_property
-    def linearized(self) -> Solved:
+    def linearized(self) -> Response:
         """Stationary response of the structures by linearization."""
         return linearized_motion(self.structures, self.ground)
 
@@ -112,7 +112,7 @@ class StoreysInMotion(PairInMotion):
         """See `PairInMotion`."""
         one, *others = self._weights
         try:
-            l0, l1, l2 = self.linearized.spectral_moments(one - sum(others))
+            l0, l1, l2 = (m[0] for m in self.linearized.spectral_moments(one - sum(others)))
         except (ArithmeticError, ValueError):
             l0 = l1 = l2 = np.full(self.heights.size, np.nan)
         return l0, l1, l2
@@ -162,12 +162,12 @@ def linearized_at_roof(
     system = system_of(structures)
     height = meeting_heights(*system.stacks)[-1]
     one, two = (weights(system, number, height)[None] for number in (0, 1))
-    return float(correlation_of(motion, one, two)[0]), float(motion.std(one - two)[0])
+    return float(correlation_of(motion, one, two)[0]), float(motion.std(one - two)[0, 0])
 
 
-def correlation_of(motion: Solved, one: Array, two: Array) -> Array:
+def correlation_of(motion: Response, one: Array, two: Array) -> Array:
     """Correlation of two displacements with these weights of the floors (k, floors), linearized."""
-    first, second, apart = (motion.std(row) for row in (one, two, one - two))
+    first, second, apart = (motion.std(row)[0] for row in (one, two, one - two))
     rho: Array = (first**2 + second**2 - apart**2) / (2 * first * second)
     return rho
 

@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from functools import partial, reduce
 from operator import and_
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -14,7 +14,9 @@ import pandas as pd
 import xarray as xr
 
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.cellwise import is_lazy
+from stochlin.analyses.tables.cellwise import is_lazy, row_of
+from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import sentence
 from stochlin.models.parameters import Model
 
 CELL = "_cell"  # temporary dimension; no dimension of a model has this name
@@ -48,6 +50,51 @@ def over_cells(
     else:
         table = _one_by_one(function, models, usable, beside, shape)
     return table.assign_attrs({role: model.describe() for role, model in models.items()})
+
+
+class Flat(NamedTuple):
+    """Models with arrays, for all valid cells of their table in one row."""
+
+    shape: xr.DataArray  # an array over the dimensions of the cells, in their order
+    where: Array  # (c,) places of the valid cells in the flat table
+    models: dict[str, Any]  # their parameters are numbers, or arrays over the valid cells
+
+    def table(self, values: Array, dims: Sequence[str] = (), blank: float = np.nan) -> xr.Variable:
+        """Values (c, ...) of the valid cells over the dimensions of the cells and ``dims``."""
+        whole = np.full((self.shape.size, *values.shape[1:]), blank, values.dtype)
+        whole[self.where] = values
+        return xr.Variable(
+            (*self.shape.dims, *dims), whole.reshape((*self.shape.shape, *values.shape[1:]))
+        )
+
+
+def flat(models: Mapping[str, Model]) -> Flat:
+    """The valid cells of models whose arrays broadcast by dimension name, in one row.
+
+    Raises a ValueError if dimensions of the same name differ in coordinates or length.
+    """
+    arrays = [a for model in models.values() for a in model.over_cells().values() if a.ndim]
+    if not arrays:
+        return Flat(xr.DataArray(0.0), np.zeros(1, int), dict(models))
+    try:
+        xr.align(*arrays, join="exact", copy=False)
+    except (xr.AlignmentError, ValueError) as error:
+        raise ValueError(
+            f"{', '.join(models)}: they share a dimension whose coordinates or lengths differ: "
+            f"{sentence(error)}; give them different dimension names for a table, or equal coordinates "
+            "for cells side by side"
+        ) from error
+    shape = xr.broadcast(*arrays)[0]
+    where = np.flatnonzero(row_of(_good(models, None), shape))
+
+    def row(model: Model) -> Model:
+        several = {name: array for name, array in model.over_cells().items() if array.ndim}
+        rows = {name: row_of(array, shape)[where] for name, array in several.items()}
+        return model.with_arrays(
+            {name: xr.DataArray(values, dims=CELL) for name, values in rows.items()}
+        )
+
+    return Flat(shape, where, {role: row(model) for role, model in models.items()})
 
 
 def _one_by_one(

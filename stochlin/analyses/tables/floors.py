@@ -37,6 +37,6 @@ def element_coordinates(system: System, links: Sequence[str] = ()) -> Coordinate
 
 def _places(system: System) -> tuple[Any, Any]:
     """Numbers from 1 of the structure and of the storey, for all floors."""
-    sizes = [stack.mass.size for stack in system.stacks]
+    sizes = [stack.levels.size for stack in system.stacks]
     numbers = np.concatenate([np.arange(1, size + 1) for size in sizes])
     return np.repeat(np.arange(1, len(sizes) + 1), sizes), numbers

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from scipy.optimize import elementwise
 
 from stochlin.analyses.linearization.equivalent_systems import check_closure
 from stochlin.analyses.linearization.variables import VARIABLES
@@ -15,6 +14,7 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import cellwise
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.gaussian import Closure
+from stochlin.kernels.linearization.systems.iteration import before_clipping
 from stochlin.messages import sentence
 from stochlin.models.laws.hysteretic import law_of
 from stochlin.models.parameters import POSITIVE, Model, Parameter, Range, parameter
@@ -156,33 +156,10 @@ def _coefficients(
     arrays = np.broadcast_arrays(valid, sv, sz, r, *own)
     where = np.flatnonzero(arrays[0])
     moments, parameters = np.split(np.stack([a.reshape(-1)[where] for a in arrays[1:]]), [3])
-    latent = _behind(moments, parameters, closure) if clips else moments
+    latent = before_clipping(moments, parameters, closure) if clips else moments
     found = np.full((2, arrays[0].size), np.nan)
     if where.size:
         slip, relaxation = closure(latent, parameters).coefficients
         found[:, where] = slip - 1, relaxation
     c_eq, k_eq = found.reshape(2, *arrays[0].shape)
     return c_eq, k_eq
-
-
-def _behind(moments: Array, parameters: Array, closure: Closure) -> Array:
-    """Moments of ``(v, z~)`` before clipping, for those after it.
-
-    The standard deviation of ``z~`` is found by a search. The covariance of ``v`` and ``z`` is
-    proportional to the correlation before clipping.
-    """
-    sv, sz, r = moments
-
-    def variance(log_sz: Array, index: Array) -> Array:
-        here = index.astype(int)
-        guess = np.stack([sv[here], np.exp(log_sz), np.zeros_like(log_sz)])
-        return np.log(closure(guess, parameters[:, here]).covariance[1] / sz[here] ** 2)
-
-    index = np.arange(sz.size, dtype=float)
-    lowest = np.full_like(sz, np.log(np.min(sz, initial=1.0)) - 1)
-    root = elementwise.find_root(variance, (lowest, np.full_like(sz, 25.0)), args=(index,))
-    latent = np.stack([sv, np.where(root.success, np.exp(root.x), np.nan), np.full_like(sz, 0.5)])
-    half = closure(latent, parameters).covariance[2]
-    latent[2] = 0.5 * r * sv * sz / half
-    latent[:, np.abs(latent[2]) >= 1] = np.nan
-    return latent

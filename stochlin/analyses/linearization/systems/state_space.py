@@ -1,10 +1,12 @@
 """State matrix of any number of linearized structures on one ground, and its stationary covariance.
 
-`correlate` has a faster method for pairs of oscillators without links; its tests compare both.
+`correlate` has a faster method for pairs of oscillators without links, and uses this one with the
+argument ``solver="lyapunov"``.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -17,13 +19,20 @@ import xarray as xr
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import as_numbers, check_scalars
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.linearization.augmented import Augmented, Solved
+from stochlin.kernels.linearization.filters import Matrices
+from stochlin.kernels.linearization.systems.lyapunov import INACCURATE, UNSTABLE
+from stochlin.kernels.linearization.systems.response import Response
+from stochlin.kernels.linearization.systems.state_space import (
+    Mechanics,
+    Order,
+    StateSpace,
+    state_space,
+)
 from stochlin.messages import brief
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
-from stochlin.models.parameters import expect
-from stochlin.models.structures import Structure
+from stochlin.models.parameters import Model, expect
 from stochlin.models.systems import (
     STRUCTURES,
     AnyStructure,
@@ -37,9 +46,9 @@ ONE_SYSTEM = "a scalar, since this describes one system"
 
 @dataclass(frozen=True)
 class Equations:
-    """Eqs. (5), (6), (8), (11) and (12) of structures on one ground.
+    """Eqs. (5), (6), (8), (11) and (12) of structures on one ground, in one or several cells (c).
 
-    The springs (s) are the storeys and, after them, the links (t). The elements (e) are the springs that
+    The springs (s) are the storeys and, after them, the links (l). The elements (e) are the springs that
     can have a hysteresis law: the storeys and the links that yield. There are n floors.
     """
 
@@ -59,8 +68,16 @@ class Equations:
 
     @cached_property
     def strength(self) -> Array:
-        """Yield drifts of the elements (e,) [m], infinite if elastic."""
-        return np.append(self.system.all("strength"), self._of_links("yield_displacement", yields=True))
+        """Yield drifts of the elements (c, e) [m], infinite if elastic."""
+        yields = [tie.link.yields for tie in self.system.ties]
+        return np.concatenate(
+            [self._wide(self.system.all("strength")), self._links[2][:, yields]], axis=1
+        )
+
+    @property
+    def yields(self) -> Array:
+        """Whether each element (e,) yields; a strength that could not be computed is NaN."""
+        return np.asarray(~np.isposinf(self.strength).all(axis=0))
 
     @cached_property
     def extensions(self) -> Array:
@@ -71,87 +88,93 @@ class Equations:
         """Names of the states, by structures, links last; elements with ``own`` (e,) have a ``z``."""
         floors, first = self.system.floors, self.system.first
         names = [self.springs[spring] for spring in self.elements[own]]
-        listed = list(self.ground.lone_filter().states)
+        listed = list(self.ground.filter(self._ground).states)
         for begin, end in pairwise(first):
             here = floors[begin:end]
             listed += [f"{state}_{name}" for state in "uv" for name in here]
             listed += [f"z_{name}" for name in here if name in names]
         return listed + [f"z_{name}" for name in names if name not in floors]
 
-    @cached_property
-    def dashpots(self) -> Array:
-        """Damping constants of the links (t,), in N s/m for the exponent 1."""
-        return self._of_links("damping_constant")
-
-    @cached_property
-    def exponents(self) -> Array:
-        """Exponents of the dashpots of the links (t,)."""
-        return np.array([tie.link.exponent for tie in self.system.ties], float)
-
-    def augmented(
-        self, c_eq: Array, k_eq: Array, own: Array, dashpots: Array | None = None
-    ) -> Augmented:
-        """Linear system for coefficients of the elements (e,); those with ``own`` have a state ``z``.
-
-        ``dashpots`` (t,) [N s/m] replace the damping constants of the links.
-        """
-        soil, n = self.ground.lone_filter(), len(self.system.floors)
+    def mechanics(self, own: Array) -> Mechanics:
+        """Masses, springs and ground of all cells; elements with ``own`` (e,) have a state ``z``."""
         names = {name: i for i, name in enumerate(self.states(own))}
-        springs = self.elements[own]
+        springs, soil = self.elements[own], self.ground.filter(self._ground)
         u, v = (np.array([names[f"{s}_{floor}"] for floor in self.system.floors]) for s in "uv")
         z = np.array([names[f"z_{self.springs[spring]}"] for spring in springs], int)
-        q = np.arange(len(soil.states))
-        mass, t = self.system.all("mass")[:, None], self.extensions
-        dampers = self.dashpots if dashpots is None else dashpots
-        links = t[n:]
-        damping = self.system.damping + (links.T * dampers) @ links
-        stiffness = self.stiffness.copy()
-        stiffness[springs] = self._post[springs]
+        post, couple, _, _, _ = self._links
+        return Mechanics(
+            Order(np.arange(len(soil.states)), u, v, z),
+            springs,
+            self.extensions,
+            self._wide(self.system.all("mass")),
+            self._wide(self.system.damping, 2),
+            np.concatenate([self._wide(self.system.all("post")), post], axis=1),
+            np.concatenate([self._wide(self.system.all("couple")), couple], axis=1),
+            Matrices(*(self._wide(a, n) for a, n in zip(soil.arrays, (2, 1, 1), strict=True))),
+            2 * np.pi * self._wide(np.asarray(soil.intensity), 0),
+        )
 
-        matrix, noise = np.zeros((len(names), len(names))), np.zeros(len(names))
-        matrix[np.ix_(q, q)], noise[q], output = soil.arrays
-        matrix[u, v] = 1.0
-        matrix[np.ix_(v, q)] = output
-        matrix[np.ix_(v, u)] = -((t.T * stiffness) @ t) / mass
-        matrix[np.ix_(v, v)] = -damping / mass
-        matrix[np.ix_(v, z)] = -(t.T * self._couple)[:, springs] / mass
-        matrix[np.ix_(z, v)] = -c_eq[own, None] * t[springs]
-        matrix[z, z] = -k_eq[own]
-        if not q.size:
-            noise[v] = 1.0
-        of_noise = 2 * np.pi * float(self.ground.arrays()["intensity"])
-        matrix += 0.0  # turns negative zeros, which a table would show, into 0
-        return Augmented(matrix, noise, of_noise, u, v, z, springs, t, self.stiffness)
+    def state_space(
+        self, c_eq: Array, k_eq: Array, own: Array, dashpots: Array | None = None
+    ) -> StateSpace:
+        """Linear systems for coefficients of the elements (e,); those with ``own`` have a state ``z``.
 
-    @cached_property
-    def stiffness(self) -> Array:
-        """Elastic stiffness of the springs (s,) [N/m]."""
-        return self._post + self._couple
+        ``dashpots`` (c, l) [N s/m] replace the damping constants of the links.
+        """
+        c, k = (np.broadcast_to(a[..., own], (self.cells, int(own.sum()))) for a in (c_eq, k_eq))
+        return state_space(self.mechanics(own), c, k, self.dashpots if dashpots is None else dashpots)
+
+    @property
+    def dashpots(self) -> Array:
+        """Damping constants of the links (c, l), in N s/m for the exponent 1."""
+        return self._links[3]
+
+    @property
+    def exponents(self) -> Array:
+        """Exponents of the dashpots of the links (c, l)."""
+        return self._links[4]
 
     @property
     def of_links(self) -> tuple[Array, Array]:
-        """Stiffness [N/m] of the links (t,) after yield, and that lost by yielding."""
-        n = len(self.system.floors)
-        return self._post[n:], self._couple[n:]
+        """Stiffness [N/m] of the links (c, l) after yield, and that lost by yielding."""
+        return self._links[0], self._links[1]
 
     @cached_property
-    def _post(self) -> Array:
-        return np.append(self.system.all("post"), [tie.link.spring[0] for tie in self.system.ties])
+    def cells(self) -> int:
+        """Number of cells."""
+        parts = [part.shape[:-1] for stack in self.system.stacks for part in stack[:4]]
+        values = [*self._ground.values(), *(v for tie in self.system.ties for v in _of_link(tie.link))]
+        return math.prod(np.broadcast_shapes(*parts, *(np.shape(value) for value in values)))
 
     @cached_property
-    def _couple(self) -> Array:
-        return np.append(self.system.all("couple"), [tie.link.spring[1] for tie in self.system.ties])
+    def _ground(self) -> dict[str, Array]:
+        """Parameters of the ground: numbers, or arrays of cells."""
+        return {name: value.to_numpy() for name, value in self.ground.arrays().items()}
 
-    def _of_links(self, name: str, *, yields: bool = False) -> Array:
-        """Values of a parameter of all links, or of those that yield."""
-        ties = [tie for tie in self.system.ties if tie.link.yields or not yields]
-        return np.array([tie.link.number(name) for tie in ties], float)
+    @cached_property
+    def _links(self) -> Array:
+        """Post-yield stiffness, what yielding takes of it, strength, dashpot and exponent: (5, c, l)."""
+        rows = [[self._wide(v, 0) for v in _of_link(tie.link)] for tie in self.system.ties]
+        return np.array(rows).reshape(len(rows), 5, self.cells).transpose(1, 2, 0)
+
+    def _wide(self, array: Array, dimensions: int = 1) -> Array:
+        """An array of one or all cells for all of them; ``dimensions`` are those of one cell."""
+        return np.broadcast_to(array, (self.cells, *array.shape[array.ndim - dimensions :]))
+
+
+def _of_link(link: Link) -> list[Array]:
+    """Post-yield stiffness, what yielding takes of it, strength, dashpot and exponent of a link."""
+    values = {name: np.asarray(value) for name, value in link.cells().items()}
+    usual = {"hardening": 1.0, "yield_displacement": np.inf, "damping_exponent": 1.0}
+    hardening, strength, exponent = (np.asarray(values.get(name, usual[name])) for name in usual)
+    k = values["stiffness"]
+    return [hardening * k, (1 - hardening) * k, strength, values["damping_constant"], exponent]
 
 
 def checked_system(
     structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None]
 ) -> tuple[Link | None, ...]:
-    """The links; raises if an argument is of the wrong kind or an array, or a link has slack."""
+    """The links; raises if an argument is of the wrong kind, or a link has slack."""
     expect(ground, Ground, "ground")
     if not isinstance(structures, (list, tuple)):
         raise TypeError(f"structures = {brief(structures)}; allowed: a list of structures")
@@ -159,19 +182,26 @@ def checked_system(
         raise ValueError("structures = []; allowed: at least one structure")
     for number, structure in enumerate(structures, start=1):
         expect(structure, STRUCTURES, f"structures, number {number}")
-        if isinstance(structure, Structure):
-            check_scalars(structure, f"structures, number {number}", ONE_SYSTEM)
-    check_scalars(ground, "ground", ONE_SYSTEM)
     links = check_links("links", links, len(structures))
     for number, link in enumerate(links, start=1):
-        if link is not None:
-            check_scalars(link, f"links, number {number}", ONE_SYSTEM)
-            if link.slack is not None:
-                raise ValueError(
-                    f"links, number {number}: slack = {link.slack:g}; allowed: none, since a link with "
-                    "slack only pulls, and linearization requires forces with zero mean; use simulate"
-                )
+        if link is not None and link.slack is not None:
+            raise ValueError(
+                f"links, number {number}: slack = {brief(link.slack)}; allowed: none, since a link with "
+                "slack only pulls, and linearization requires forces with zero mean; use simulate"
+            )
     return links
+
+
+def check_one_system(
+    structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None]
+) -> None:
+    """Raise a ValueError if a parameter of an oscillator, the ground or a link is an array."""
+    given: list[tuple[Model, str]] = [(ground, "ground")]
+    given += [(s, f"structures, number {n}") for n, s in enumerate(structures, start=1)]
+    given += [(link, f"links, number {n}") for n, link in enumerate(links, start=1) if link is not None]
+    for model, role in given:
+        if not isinstance(model, ShearBuilding):
+            check_scalars(model, role, ONE_SYSTEM)
 
 
 def statespace(
@@ -237,6 +267,7 @@ def statespace(
     ['xg', 'xg_rate', 'u_1', 'v_1', 'u_2', 'v_2']
     """
     links = checked_system(structures, ground, links)
+    check_one_system(structures, ground, links)
     for number, link in enumerate(links, start=1):
         if link is not None and link.is_power_law:
             raise ValueError(
@@ -266,16 +297,17 @@ def statespace(
                 f"{type(structure).__name__}, number {number}: hardening is not given; with c_eq = "
                 f"{given[0][element]:g}, k_eq = {given[1][element]:g} it yields, and needs its hardening"
             )
-    written, names = equations.augmented(given[0], given[1], own), equations.states(own)
+    written = equations.state_space(given[0], given[1], own)
+    names = equations.states(own)
     extension = np.zeros((len(equations.springs), len(names)))
-    extension[:, written.displacements] = written.extensions
+    extension[:, written.order.displacements] = written.extensions
     space = xr.Dataset(
         {
-            "state_matrix": (("state", "state_2"), written.matrix),
-            "noise_vector": ("state", written.noise),
-            "noise_intensity": ((), written.intensity, {"units": "m^2/s^3"}),
+            "state_matrix": (("state", "state_2"), written.matrix[0]),
+            "noise_vector": ("state", written.noise[0]),
+            "noise_intensity": ((), written.intensity[0], {"units": "m^2/s^3"}),
             "extension": (("spring", "state"), extension),
-            "stiffness": ("spring", written.stiffness, {"units": "N/m"}),
+            "stiffness": ("spring", written.stiffness[0], {"units": "N/m"}),
         },
         coords={"state": names, "state_2": names, "spring": equations.springs},
     )
@@ -342,19 +374,21 @@ def stationary_covariance(space: xr.Dataset) -> xr.DataArray:
     names = [str(name) for name in space.state.values]
     springs = [str(name) for name in space.spring.values]
     u, v, z = (np.array([n for n, name in enumerate(names) if name[:2] == f"{k}_"], int) for k in "uvz")
-    system = Augmented(
-        space.state_matrix.values,
-        space.noise_vector.values,
-        float(space.noise_intensity),
-        u,
-        v,
-        z,
+    other = np.array([n for n in range(len(names)) if n not in {*u, *v, *z}], int)
+    system = StateSpace(
+        space.state_matrix.values[None],
+        space.noise_vector.values[None],
+        np.array([float(space.noise_intensity)]),
+        Order(other, u, v, z),
         np.array([springs.index(names[n][2:]) for n in z], int),
         space.extension.values[:, u],
-        space.stiffness.values,
+        space.stiffness.values[None],
     )
+    response = Response(system)
+    if not np.isfinite(response.covariance).all():
+        raise ArithmeticError(INACCURATE if response.stable[0] else UNSTABLE)
     return xr.DataArray(
-        Solved(system).covariance,
+        response.covariance[0],
         dims=("state", "state_2"),
         coords={name: space.coords[name] for name in ("state", "state_2")},
         name="covariance",

@@ -10,23 +10,46 @@ import xarray as xr
 
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.linearization.systems.coefficients import check_element_closure
-from stochlin.analyses.linearization.systems.solution import Loop, Solution
-from stochlin.analyses.linearization.systems.state_space import Equations, checked_system
+from stochlin.analyses.linearization.systems.solution import Solution, solve_equations
+from stochlin.analyses.linearization.systems.state_space import (
+    Equations,
+    check_one_system,
+    checked_system,
+)
 from stochlin.analyses.linearization.systems.variables import VARIABLES
 from stochlin.analyses.linearization.tolerance import USUAL, Tolerance
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.cells import NONE_VALID, Flat, flat
+from stochlin.analyses.tables.checks import is_number
 from stochlin.analyses.tables.floors import element_coordinates, floor_coordinates
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.linearization.augmented import Solved
 from stochlin.kernels.linearization.gaussian import absolute_moment
+from stochlin.kernels.linearization.systems.response import Response, alike
+from stochlin.messages import brief
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
+from stochlin.models.parameters import Model
 from stochlin.models.structures import GAUSSIAN
 from stochlin.models.systems import AnyStructure, check_stationary, system_of
 
-SECONDS = 2e-8  # computing time [s] of ten iterations, for each element and cube of the states
+ITERATIONS = ("newton", "substitution")
+# Computing time [s] of ten iterations, for each element and cube of the states, and beside it.
+SECONDS, SECONDS_OF_CELL = 2e-8, 1e-3
+BYTES = 150  # approximate memory of a cell, for each square of the states
+# Variables of `linearize_system` and their dimensions beside those of the cells.
+DIMS = {
+    **dict.fromkeys(
+        ("drift_std", "ductility_std", "z_std", "velocity_z_corr", "c_eq", "k_eq", "yield_drift"),
+        ("element",),
+    ),
+    **dict.fromkeys(("displacement_std", "velocity_std"), ("floor",)),
+    **dict.fromkeys(("rho", "relative_displacement_std"), ("floor", "floor_2")),
+    "covariance": ("state", "state_2"),
+    **dict.fromkeys(("link_force_std", "equivalent_damping_constant"), ("link",)),
+    "residual": (),
+}
 
 
 def linearize_system(
@@ -35,6 +58,8 @@ def linearize_system(
     links: Sequence[Link | None] = (),
     *,
     closure: str = "gaussian",
+    iteration: str = "newton",
+    relaxation: float = 1.0,
     rtol: float = USUAL.rtol,
     max_iterations: int = USUAL.max_iterations,
 ) -> xr.Dataset:
@@ -42,16 +67,15 @@ def linearize_system(
 
     The coefficients of eqs. (9) and (10) of all elements define the linear system of `statespace`. From
     its covariance, that of `stationary_covariance`, new coefficients follow, and this is iterated until
-    both converge. Each iteration is a step of a damped Newton's method for the moments of the elements,
-    because direct substitution may cycle.
+    both converge. With arrays as parameters all cells of the table are iterated together.
 
     Parameters
     ----------
     structures : sequence of Bilinear, BoucWen, Hysteretic or ShearBuilding
-        Structures of any number and kind, with scalar parameters. A ``reduction_factor`` refers to the
-        elastic response of the structure without links.
+        Structures of any number and kind. A ``reduction_factor`` refers to the elastic response of the
+        structure without links.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
-        The ground, with scalar parameters.
+        The ground. All parameters of oscillators, ground and links broadcast by dimension name.
     links : sequence of Link or None, optional
         Links from each structure to the next, or between the structures that the ``structures`` of a
         link name; oscillators then need a mass. A link that yields is an element like a storey. A
@@ -59,6 +83,12 @@ def linearize_system(
         ``c E|v|^(a+1) / E v^2``, in the same iteration.
     closure : {"gaussian", "clipped"}
         Closure of the linearization, as in `linearize`.
+    iteration : {"newton", "substitution"}
+        ``"newton"``: each iteration is a step of a damped Newton's method for the moments of the
+        elements. ``"substitution"``: the coefficients for the moments of the response are substituted
+        directly, as in the paper. It needs more iterations and may cycle without end; see the notes.
+    relaxation : float
+        Share [-] of the way to the new coefficients that a substitution goes, in (0, 1].
     rtol : float
         The iteration stops when no covariance changes by more than ``rtol`` times the product of the
         standard deviations, no ``c_eq`` by more than ``rtol``, and no ``k_eq`` by more than ``rtol``
@@ -70,25 +100,29 @@ def linearize_system(
     Returns
     -------
     xarray.Dataset
-        Over ``element``, the storeys of all structures from the ground up (``1`` is oscillator 1,
-        ``2.3`` the third storey of structure 2) and the links that yield (``link 1``): ``drift_std``
-        [m], ``ductility_std`` [-], ``z_std`` [-], ``velocity_z_corr`` [-], ``c_eq`` [-], ``k_eq`` [1/s]
-        and ``yield_drift`` [m] (infinite if elastic). Over ``floor``: ``displacement_std`` [m] and
-        ``velocity_std`` [m/s]. Over (``floor``, ``floor_2``): ``rho`` [-] and
-        ``relative_displacement_std`` [m]. Over (``state``, ``state_2``): ``covariance``, with the states
-        of `statespace`. Over ``iteration``, for all iterations: ``covariance_change`` and
-        ``coefficient_change`` [-]. Over ``link``: ``link_force_std`` [N] and, if a link has a dashpot
-        with an exponent, ``equivalent_damping_constant`` [N s/m], which is NaN if the ends of the link
-        do not move relative to each other. And ``status``.
+        All variables are also over the dimensions of the parameters. Over ``element``, the storeys of
+        all structures from the ground up (``1`` is oscillator 1, ``2.3`` the third storey of structure
+        2) and the links that yield (``link 1``): ``drift_std`` [m], ``ductility_std`` [-], ``z_std``
+        [-], ``velocity_z_corr`` [-], ``c_eq`` [-], ``k_eq`` [1/s] and ``yield_drift`` [m] (infinite if
+        elastic). Over ``floor``: ``displacement_std`` [m] and ``velocity_std`` [m/s]. Over (``floor``,
+        ``floor_2``): ``rho`` [-] and ``relative_displacement_std`` [m]. Over (``state``, ``state_2``):
+        ``covariance``, with the states of `statespace`. Over ``iteration``: ``covariance_change`` and
+        ``coefficient_change`` [-], NaN after the last iteration of a cell. Over ``link``:
+        ``link_force_std`` [N] and, if a link has a dashpot with an exponent,
+        ``equivalent_damping_constant`` [N s/m], which is NaN if the ends of the link do not move
+        relative to each other. And ``iterations``; ``residual`` [-] of the Lyapunov equation, in units
+        of the standard deviations of the states and over the largest entry of the state matrix; and
+        ``status``.
 
     Raises
     ------
     ValueError, TypeError
-        If a parameter is an array or of the wrong kind, a law does not have the closure, a link has
-        slack or cannot be placed between the structures, or P-delta effects leave a storey no stiffness
-        after yield.
+        If an argument is of the wrong kind or not allowed, arrays do not broadcast or have too many
+        cells, a law does not have the closure, a link has slack or cannot be placed between the
+        structures, or P-delta effects leave a storey no stiffness after yield.
     ArithmeticError
-        If the iteration does not converge.
+        If the iteration of a single case does not converge; in a table the cell is NaN and its status
+        gives the reason.
 
     Notes
     -----
@@ -118,45 +152,79 @@ def linearize_system(
     links = checked_system(structures, ground, links)
     check_laws(structures, closure)
     tolerance = Tolerance(rtol, 0.0, max_iterations)
-    equations = equations_of(structures, ground, links)
-    elements = equations.elements.size
-    check_work(
-        "the rounds of the loop would take",
-        "take storeys together, or structures that are not linked apart",
-        seconds=SECONDS * elements * (3 * elements) ** 3,
-    )
-    solution = Loop(equations, closure, tolerance).solve()
+    factor = relaxation_of(iteration, relaxation)
+    models: dict[str, Model] = {f"structure_{n}": s for n, s in enumerate(structures, start=1)}
+    models |= {"ground": ground}
+    models |= {f"link_{n}": link for n, link in enumerate(links, start=1) if link is not None}
+    cells = flat(models)
+    if not cells.where.size:
+        raise ValueError(NONE_VALID)
+    equations = equations_of_cells(cells, links)
+    check_chain(equations)
+    solution = solve_equations(equations, closure, tolerance, factor)
+    table = labels.label(solution_table(cells, equations, solution), VARIABLES)
     given = ", ".join(structure.describe() for structure in structures)
-    failed = xr.Dataset({"status": np.int8(solution.status)})
-    labels.raise_if_lone_failure(failed, f"linearize_system([{given}], {ground.describe()})")
-    table = labels.label(solution_table(equations, solution), VARIABLES)
+    labels.raise_if_lone_failure(table, f"linearize_system([{given}], {ground.describe()})")
     if any(structure.yields for structure in structures):
         table = table.assign_attrs(comment=labels.CAUTION_SIGMA)
-    models = {f"structure_{n}": s for n, s in enumerate(structures, start=1)} | {"ground": ground}
+    how = "" if factor is None else f", iteration='substitution', relaxation={factor:g}"
     return labels.with_run_information(
         table,
         f"Linearization of {len(structures)} structures, {closure} closure, {ground.name} ground",
-        f"linearize_system(closure={closure!r})",
-        models | {f"link_{n}": link for n, link in enumerate(links, start=1) if link is not None},
+        f"linearize_system(closure={closure!r}{how})",
+        models,
+    )
+
+
+def relaxation_of(iteration: str, relaxation: float) -> float | None:
+    """The relaxation factor of a substitution, None for Newton's method; raises if not allowed."""
+    if not isinstance(iteration, str) or iteration not in ITERATIONS:
+        raise ValueError(f"iteration = {brief(iteration)}; allowed: {', '.join(ITERATIONS)}")
+    if not is_number(relaxation) or not 0 < relaxation <= 1:
+        raise ValueError(f"relaxation = {brief(relaxation)}; allowed: 0 < value <= 1")
+    if iteration == "newton" and relaxation != 1:
+        raise ValueError(
+            f"relaxation = {relaxation:g} with iteration = 'newton', which damps its steps by itself; "
+            "allowed: 1, or iteration='substitution'"
+        )
+    return float(relaxation) if iteration == "substitution" else None
+
+
+def check_chain(equations: Equations) -> None:
+    """Raise a ValueError if the iteration of all cells would take too long or too much memory."""
+    elements, cells = equations.elements.size, equations.cells
+    states = len(equations.states(equations.yields))
+    check_work(
+        f"the iteration of {cells} systems would take" if cells > 1 else "the iteration would take",
+        "take fewer cells at a time, storeys together, or structures that are not linked apart",
+        seconds=cells * (SECONDS_OF_CELL + SECONDS * elements * states**3),
+        memory=cells * BYTES * states**2,
     )
 
 
 def linearized_motion(
     structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None] = ()
-) -> Solved:
+) -> Response:
     """Response of the equivalent linear system by the Gaussian closure, with its covariance."""
-    motion = solved(equations_of(structures, ground, checked_system(structures, ground, links))).motion
-    assert motion is not None
-    return motion
+    links = checked_system(structures, ground, links)
+    check_one_system(structures, ground, links)
+    equations = equations_of(structures, ground, links)
+    return motion_of(equations, solved(equations))
+
+
+def motion_of(equations: Equations, solution: Solution) -> Response:
+    """Response of the equivalent linear systems, which all have the same states."""
+    own, dashpots = equations.yields, np.nan_to_num(solution.dashpots)
+    return Response(equations.state_space(solution.c_eq, solution.k_eq, own, dashpots))
 
 
 def solved(equations: Equations) -> Solution:
-    """Solution of the equations by the Gaussian closure; an ArithmeticError if it fails."""
-    solution = Loop(equations, GAUSSIAN, USUAL).solve()
-    if solution.motion is None or solution.status >= labels.NOT_CONVERGED:
+    """Solution of one system by the Gaussian closure; an ArithmeticError if it fails."""
+    solution = solve_equations(equations, GAUSSIAN, USUAL)
+    if solution.status[0] >= labels.NOT_CONVERGED:
         raise ArithmeticError(
             f"linearization of {len(equations.system.stacks)} structures: "
-            f"{labels.STATUS_MEANINGS[solution.status].replace('_', ' ')}"
+            f"{labels.STATUS_MEANINGS[solution.status[0]].replace('_', ' ')}"
         )
     return solution
 
@@ -181,78 +249,105 @@ def equations_of(
     return Equations(system, ground)
 
 
+def equations_of_cells(cells: Flat, links: Sequence[Link | None]) -> Equations:
+    """Equations of the valid cells; the models are those of `linearize_system` by their roles."""
+    structures = [model for role, model in cells.models.items() if role.startswith("structure_")]
+    flat_links = [
+        None if link is None else cells.models[f"link_{n}"] for n, link in enumerate(links, start=1)
+    ]
+    return equations_of(structures, cells.models["ground"], flat_links)
+
+
 @np.errstate(all="ignore")  # correlations of floors that do not move are 0/0
-def solution_table(equations: Equations, solution: Solution) -> xr.Dataset:
+def solution_table(cells: Flat, equations: Equations, solution: Solution) -> xr.Dataset:
     """Dataset of `linearize_system` from a solution, without labels."""
-    assert solution.motion is not None
-    system, motion = equations.system, solution.motion
-    own = np.isfinite(equations.strength)
-    n = len(system.floors)
-    strength = equations.strength
-    drift = motion.std(equations.extensions[equations.elements])
-    z, corr = np.zeros(strength.size), np.zeros(strength.size)
-    moments = motion.moments
-    z[own] = np.sqrt(moments.z) / strength[own]
-    corr[own] = moments.velocity_z / np.sqrt(moments.velocity * moments.z)
-    floors = np.eye(n)
-    std = motion.std(floors)
-    pairs = (floors[:, None] - floors[None]).reshape(n * n, n)
-    x = motion.covariance
-    u = motion.system.displacements
-    rho = np.clip(x[np.ix_(u, u)] / np.outer(std, std), -1, 1)
-    history = np.array(solution.history).reshape(-1, 2)
+    system, own = equations.system, equations.yields
+    n, count = len(system.floors), equations.cells
+    found = _responses(equations, solution)
+    finite = np.isfinite(found["covariance"]).all(axis=(1, 2))
+    status = np.where(
+        finite | (solution.status >= labels.NOT_CONVERGED), solution.status, labels.NOT_PHYSICAL
+    )
+    failed = status >= labels.NOT_CONVERGED
+    found |= {"c_eq": solution.c_eq.copy(), "k_eq": solution.k_eq.copy()}
+    for values in found.values():
+        values[failed] = np.nan
+    strength, std = equations.strength, found["displacement_std"]
+    z, corr = np.zeros((2, *strength.shape))
+    _, velocity, of_z, velocity_z = np.moveaxis(found.pop("moments"), 1, 0)
+    z[:, own] = np.sqrt(of_z) / strength[:, own]
+    corr[:, own] = velocity_z / np.sqrt(velocity * of_z)
+    u = equations.mechanics(own).order.displacements
+    x = found["covariance"]
+    rho = np.clip(x[:, u[:, None], u] / (std[:, :, None] * std[:, None]), -1, 1)
+    found |= {"z_std": z, "velocity_z_corr": corr, "rho": rho, "yield_drift": strength}
+    found["ductility_std"] = found["drift_std"] / strength
+    apart = found["relative_displacement_std"]
+    found["relative_displacement_std"] = apart.reshape(count, n, n)
+    if any(tie.link.damping_exponent is not None for tie in system.ties):
+        found["equivalent_damping_constant"] = np.where(failed[:, None], np.nan, solution.dashpots)
+    variables = {name: cells.table(found[name], DIMS[name]) for name in DIMS if name in found}
+    for row, name in enumerate(("covariance_change", "coefficient_change")):
+        changes = cells.table(solution.changes[:, row].T, ("iteration",))
+        variables[name] = changes.transpose("iteration", ...)
+    variables["iterations"] = cells.table(solution.iterations, blank=0)
+    variables["status"] = cells.table(status.astype(np.int8), blank=labels.INVALID_INPUT)
     states = equations.states(own)
+    links = [tie.name for tie in system.ties]
     table = xr.Dataset(
-        {
-            "drift_std": ("element", drift),
-            "ductility_std": ("element", drift / strength),
-            "z_std": ("element", z),
-            "velocity_z_corr": ("element", corr),
-            "c_eq": ("element", solution.c_eq),
-            "k_eq": ("element", solution.k_eq),
-            "yield_drift": ("element", strength),
-            "displacement_std": ("floor", std),
-            "velocity_std": ("floor", motion.std(floors, rates=True)),
-            "rho": (("floor", "floor_2"), rho),
-            "relative_displacement_std": (("floor", "floor_2"), motion.std(pairs).reshape(n, n)),
-            "covariance": (("state", "state_2"), x),
-            "covariance_change": ("iteration", history[:, 0]),
-            "coefficient_change": ("iteration", history[:, 1]),
-            "status": np.int8(solution.status),
-        },
+        variables,
         coords={
+            **{name: cells.shape.coords[name] for name in cells.shape.coords},
             **element_coordinates(system, [equations.springs[e] for e in equations.elements[n:]]),
             **floor_coordinates(system),
             "floor_2": ("floor_2", system.floors, {"long_name": "floor"}),
             "state": ("state", states, {"long_name": "state"}),
             "state_2": ("state_2", states, {"long_name": "state"}),
-            "iteration": ("iteration", 1 + np.arange(len(history)), {"long_name": "iteration"}),
+            "iteration": ("iteration", 1 + np.arange(len(solution.changes)), {"long_name": "iteration"}),
+            **({"link": links} if links else {}),
         },
     )
-    if system.ties:
-        links = [tie.name for tie in system.ties]
-        forces = xr.DataArray(link_forces(equations, solution), dims="link", coords={"link": links})
-        table = table.assign(link_force_std=forces)
-        if any(tie.link.damping_exponent is not None for tie in system.ties):
-            table["equivalent_damping_constant"] = ("link", solution.dashpots)
     table.covariance.attrs = {"long_name": "covariance of the states, in m and s"}
     return table
 
 
-def link_forces(equations: Equations, solution: Solution) -> Array:
-    """Standard deviations of the forces in all links (t,) [N].
+def _responses(equations: Equations, solution: Solution) -> dict[str, Array]:
+    """What follows from the responses of the equivalent linear systems, by variable."""
+    own, n = equations.yields, len(equations.system.floors)
+    floors = np.eye(n)
+    pairs = (floors[:, None] - floors[None]).reshape(n * n, n)
+    parts: list[tuple[Array, dict[str, Array]]] = []
+    dashpots = np.nan_to_num(solution.dashpots)
+    for cells, system in alike(equations.state_space(solution.c_eq, solution.k_eq, own, dashpots)):
+        motion = Response(system)
+        part = {
+            "drift_std": motion.std(equations.extensions[equations.elements]),
+            "displacement_std": motion.std(floors),
+            "velocity_std": motion.std(floors, rates=True),
+            "relative_displacement_std": motion.std(pairs),
+            "covariance": motion.covariance,
+            "residual": motion.residual,
+            "moments": np.stack(motion.moments, axis=1),
+        }
+        if equations.system.ties:
+            part["link_force_std"] = link_forces(equations, dashpots, motion, cells)
+        parts.append((cells, part))
+    order = np.argsort(np.concatenate([cells for cells, _ in parts]))
+    names = parts[0][1]
+    return {name: np.concatenate([part[name] for _, part in parts])[order] for name in names}
+
+
+def link_forces(equations: Equations, dashpots: Array, motion: Response, cells: Array) -> Array:
+    """Standard deviations of the forces in all links (c, l) [N], of some cells.
 
     For a dashpot with an exponent, the variance of its linearized force is replaced by that of the
     nonlinear force for a Gaussian rate.
     """
-    n, motion = len(equations.system.floors), solution.motion
-    assert motion is not None
-    springs, dashpots = np.arange(n, len(equations.springs)), np.nan_to_num(solution.dashpots)
-    linear = motion.force_std(springs, *equations.of_links, dashpots)
-    power = np.array([tie.link.is_power_law for tie in equations.system.ties]) & (dashpots > 0)
-    if not power.any():
-        return linear
-    rate = motion.std(equations.extensions[springs[power]], rates=True)
-    whole = equations.dashpots[power] ** 2 * absolute_moment(2 * equations.exponents[power], rate)
-    linear[power] = np.sqrt(linear[power] ** 2 + whole - (dashpots[power] * rate) ** 2)
-    return linear
+    springs = np.arange(len(equations.system.floors), len(equations.springs))
+    dashpots, exponents = dashpots[cells], equations.exponents[cells]
+    post, couple = (part[cells] for part in equations.of_links)
+    linear = motion.force_std(post, couple, dashpots)
+    rate = motion.std(equations.extensions[springs], rates=True)
+    whole = equations.dashpots[cells] ** 2 * absolute_moment(2 * exponents, rate)
+    nonlinear = np.sqrt(linear**2 + whole - (dashpots * rate) ** 2)
+    return np.where((exponents != 1) & (dashpots > 0), nonlinear, linear)

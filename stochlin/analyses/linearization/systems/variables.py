@@ -12,6 +12,7 @@ VARIABLES: Variables = {
     "relative_displacement_std": ("m", "standard deviation of the relative displacement of two floors"),
     "link_force_std": ("N", "standard deviation of the link force"),
     "equivalent_damping_constant": ("N s/m", "equivalent damping constant of the link"),
+    "residual": ("1", "relative residual of the Lyapunov equation"),
     "covariance_change": ("1", "largest relative change of the covariance"),
     "coefficient_change": ("1", "largest change of the equivalent coefficients"),
 }

@@ -1,0 +1,1 @@
+"""Linearization of systems: state space, Lyapunov equation, response, and iteration of coefficients."""
