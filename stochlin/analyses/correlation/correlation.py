@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.correlation.chained import chained_pairs
 from stochlin.analyses.correlation.drifting import drifting_pairs
 from stochlin.analyses.correlation.effective import EQ_4, effective_pair
 from stochlin.analyses.correlation.errors import difference
@@ -21,6 +22,7 @@ from stochlin.analyses.linearization.equivalent_systems import (
     derived_together,
     solved_together,
 )
+from stochlin.analyses.linearization.systems.coefficients import LACKING
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import (
@@ -50,6 +52,7 @@ def correlate(
     method: str = "linearization",
     *,
     closure: str = "gaussian",
+    solver: str = "closed_form",
     rule: str | EffectiveRule = "iwan_1980",
     rtol: float = 1e-10,
     atol: float = 1e-12,
@@ -86,6 +89,12 @@ def correlate(
         Closure of the linearization, as in `linearize`; for linearization and effective properties. With
         ``"drift"`` the correlation includes that of the plastic drifts, derived in ``docs/drift.md``
         and, on Kanai-Tajimi ground, corrected by a map of simulations.
+    solver : {"closed_form", "lyapunov"}
+        How linearization solves the equations of a pair. ``"closed_form"``: the covariances of a
+        structure and of a pair are formulas; a million pairs take seconds. ``"lyapunov"``: for each
+        pair the state matrix of both structures and the ground is formed, its Lyapunov equation solved
+        and the coefficients renewed, as `linearize_system` does; a pair takes about a millisecond. The
+        numbers are the same. For the closures ``"gaussian"`` and ``"clipped"``.
     rule : str or EffectiveRule
         Rule for effective properties, one of `effective_rule_names` or a rule object.
     rtol, atol, max_iterations : float, float, int
@@ -165,6 +174,7 @@ def correlate(
     """
     if not isinstance(method, str) or method not in METHODS:
         raise ValueError(f"method = {brief(method)} is not known; allowed: {', '.join(METHODS)}")
+    _check_solver(solver, method, closure)
     tolerance = Tolerance(rtol, atol, max_iterations)
     for role, structure in (("first", first), ("second", second)):
         expect(structure, STRUCTURES, role)
@@ -179,7 +189,7 @@ def correlate(
             memory=(DRIFTING if closure == DRIFT else BYTES[method])
             * count_cells(first, second, ground),
         )
-        asked = Question((first, second), ground, closure, tolerance, rule, settings)
+        asked = Question((first, second), ground, closure, solver, tolerance, rule, settings)
         found, details, attrs = METHODS[method](asked)
         table = xr.Dataset(found | difference(found), attrs=attrs)
     else:
@@ -197,12 +207,25 @@ def correlate(
     )
 
 
+def _check_solver(solver: object, method: str, closure: str) -> None:
+    """Raise a ValueError unless the solver is known and has this method and closure."""
+    if not isinstance(solver, str) or solver not in SOLVERS:
+        raise ValueError(f"solver = {brief(solver)}; allowed: {', '.join(SOLVERS)}")
+    lacks = isinstance(closure, str) and closure in LACKING
+    if solver == LYAPUNOV and (method != "linearization" or lacks):
+        raise ValueError(
+            f"solver = {LYAPUNOV!r} with method = {method!r}, closure = {brief(closure)}; allowed: "
+            "method linearization with the closures gaussian and clipped"
+        )
+
+
 class Question(NamedTuple):
     """Arguments of `correlate` that its methods share; a method may ignore some of them."""
 
     pair: tuple[Structure, Structure]
     ground: Ground
     closure: str
+    solver: str
     tolerance: Tolerance
     rule: str | EffectiveRule
     settings: Callable[[], SimulationSettings]  # a call checks them; only simulation makes it
@@ -218,13 +241,16 @@ Answer = tuple[dict[str, Cells], str, dict[str, Any]]
 
 
 def _by_linearization(asked: Question) -> Answer:
-    drifts = asked.closure == DRIFT
-    if drifts:
+    drifts, chained = asked.closure == DRIFT, asked.solver == LYAPUNOV
+    if chained:
+        found = chained_pairs(asked.pair, asked.ground, asked.closure, asked.tolerance)
+    elif drifts:
         found = drifting_pairs(*asked.pair, asked.ground, asked.tolerance)
     else:
         found = linearized_pairs(*asked.pair, asked.ground, asked.closure, asked.tolerance)
     attrs = {"comment": labels.CAUTION_DRIFT if drifts else labels.CAUTION_PAIR} if asked.yields else {}
-    return found, f"closure={asked.closure!r}", attrs
+    how = f", solver={LYAPUNOV!r}" if chained else ""
+    return found, f"closure={asked.closure!r}{how}", attrs
 
 
 def _by_white_noise(asked: Question) -> Answer:
@@ -253,6 +279,7 @@ def _by_simulation(asked: Question) -> Answer:
 # Approximate memory [bytes] for each cell of a table, by method; DRIFTING is for the drift closure.
 DRIFTING, WHITE_NOISE = 100, 30
 BYTES = {"linearization": 40, "white_noise": WHITE_NOISE, "effective": 40, "simulation": 80}
+SOLVERS = ("closed_form", LYAPUNOV := "lyapunov")
 METHODS: Mapping[str, Callable[[Question], Answer]] = {
     "linearization": _by_linearization,
     "white_noise": _by_white_noise,

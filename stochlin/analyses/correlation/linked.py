@@ -152,18 +152,15 @@ def _linked(models: Mapping[str, Any], _: object = None, *, closure: str) -> xr.
     roles = {"structure_1": first, "structure_2": second, "ground": ground, "link_1": link}
     cells = flat(roles)
     if not cells.where.size:
-        blank = {name: cells.table(np.empty(0)) for name in _names(link)}
-        status = cells.table(np.empty(0, np.int8), blank=labels.INVALID_INPUT)
-        return xr.Dataset(blank | {"status": status}, coords=cells.shape.coords)
+        blank = {name: cells.array(np.empty(0)) for name in _names(link)}
+        return xr.Dataset({**blank, "status": cells.array(np.empty(0, np.int8), labels.INVALID_INPUT)})
     equations = equations_of_cells(cells, [link])
     check_chain(equations)
-    whole = solution_table(cells, equations, solve_equations(equations, closure, USUAL))
-    found = {"status": whole.status}
+    whole = solution_table(cells.row, equations, solve_equations(equations, closure, USUAL))
+    found = {"status": cells.array(whole.status.values, labels.INVALID_INPUT)}
     for name in _names(link):
         stem, _, number = name.rpartition("_")
-        if stem in OF_ONE:
-            found[name] = whole[stem].isel({OF_ONE[stem]: int(number) - 1})
-        else:
-            found[name] = whole[name].isel({"floor": 0, "floor_2": 1, "link": 0}, missing_dims="ignore")
-    own = set(cells.shape.coords)
-    return xr.Dataset({name: array.drop_vars(set(array.coords) - own) for name, array in found.items()})
+        at = {OF_ONE[stem]: int(number) - 1} if stem in OF_ONE else {"floor": 0, "floor_2": 1, "link": 0}
+        array = whole[stem if stem in OF_ONE else name].isel(at, missing_dims="ignore")
+        found[name] = cells.array(array.values)
+    return xr.Dataset(found)

@@ -14,7 +14,7 @@ import pandas as pd
 import xarray as xr
 
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.cellwise import is_lazy, row_of
+from stochlin.analyses.tables.cellwise import is_lazy, lone, row_of
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import sentence
 from stochlin.models.parameters import Model
@@ -66,6 +66,17 @@ class Flat(NamedTuple):
         return xr.Variable(
             (*self.shape.dims, *dims), whole.reshape((*self.shape.shape, *values.shape[1:]))
         )
+
+    def array(self, values: Array, blank: float = np.nan) -> Any:
+        """Values (c,) of the valid cells as a labelled array, or the number of a single cell."""
+        coords = {name: self.shape.coords[name] for name in self.shape.coords}
+        return lone(xr.DataArray(self.table(values, blank=blank), coords))
+
+    @property
+    def row(self) -> Flat:
+        """The valid cells alone, along one dimension that no model has."""
+        count = self.where.size
+        return Flat(xr.DataArray(np.zeros(count), dims=CELL), np.arange(count), self.models)
 
 
 def flat(models: Mapping[str, Model]) -> Flat:

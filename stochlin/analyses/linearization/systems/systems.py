@@ -50,6 +50,7 @@ DIMS = {
     **dict.fromkeys(("link_force_std", "equivalent_damping_constant"), ("link",)),
     "residual": (),
 }
+OWN_DIMS = {"iteration", *(dim for dims in DIMS.values() for dim in dims)}
 
 
 def linearize_system(
@@ -157,6 +158,11 @@ def linearize_system(
     models |= {"ground": ground}
     models |= {f"link_{n}": link for n, link in enumerate(links, start=1) if link is not None}
     cells = flat(models)
+    if taken := OWN_DIMS & set(cells.shape.dims):
+        raise ValueError(
+            f"dimension {', '.join(map(str, sorted(taken)))} of a parameter is one of the result, too; "
+            f"allowed: names other than {', '.join(sorted(OWN_DIMS))}"
+        )
     if not cells.where.size:
         raise ValueError(NONE_VALID)
     equations = equations_of_cells(cells, links)

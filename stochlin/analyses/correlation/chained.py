@@ -1,0 +1,119 @@
+"""Table of pairs by the augmented state space: the chain of eqs. (5) to (12) for every cell.
+
+The state matrix of both structures and the ground is formed for each cell, its Lyapunov equation is
+solved, and the coefficients are renewed until both stand still, without the closed forms of
+`linearized`. The errors are those of linearization, from the same map of simulations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from stochlin.analyses.correlation.linearized import SHOWN
+from stochlin.analyses.linearization.bias_map import (
+    between_points,
+    caution_of,
+    place_in_map,
+    relative_bias,
+    rho_bias_map,
+)
+from stochlin.analyses.linearization.equivalent_systems import STRENGTH_RATIO, derived_together
+from stochlin.analyses.linearization.systems.solution import solve_equations
+from stochlin.analyses.linearization.systems.systems import (
+    check_chain,
+    equations_of_cells,
+    solution_table,
+)
+from stochlin.analyses.linearization.tolerance import Tolerance
+from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.cells import NONE_VALID, flat
+from stochlin.analyses.tables.cellwise import Cells, cellwise
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.interpolation import Grid
+from stochlin.kernels.correlation.tiles import EQUAL, SHARED
+from stochlin.models.grounds import Ground
+from stochlin.models.structures import GAUSSIAN, Structure
+
+Pair = tuple[Structure, Structure]
+
+
+def chained_pairs(pair: Pair, ground: Ground, closure: str, tolerance: Tolerance) -> dict[str, Cells]:
+    """Variables of `correlate` by linearization with ``solver="lyapunov"``."""
+    both = _solved(pair, ground, closure, tolerance)
+    base = both if closure == GAUSSIAN else _solved(pair, ground, GAUSSIAN, tolerance)
+    shown, biases, places = dict[str, Cells](), dict[str, Cells](), list[Cells]()
+    for number, (structure, elastic) in enumerate(
+        zip(pair, derived_together(pair, ground), strict=True), 1
+    ):
+        side = _solved((structure,), ground, closure, tolerance)
+        gaussian = side if base is both else _solved((structure,), ground, GAUSSIAN, tolerance)
+        for solved in {id(one): one for one in (side, gaussian)}.values():
+            solved[STRENGTH_RATIO] = elastic[STRENGTH_RATIO]
+        biases[f"bias_{number}"] = relative_bias(structure, ground, side, gaussian)
+        shown |= {f"{name}_{number}": side[name] for name in SHOWN}
+        places += place_in_map(structure, ground, elastic)
+    of_map = cellwise(_rho_bias, *places, grid=rho_bias_map(*pair, ground))[0]
+    bias = cellwise(_of_pair, both["rho"], base["rho"], both["all_elastic"], of_map)[0]
+    cautions = [caution_of(value) for value in (bias, *biases.values())]
+    return {
+        "rho": both["rho"],
+        **shown,
+        "status": both["status"],
+        "bias": bias,
+        **biases,
+        "caution": cellwise(_largest, *cautions, kinds=(np.int8,))[0],
+    }
+
+
+def _solved(
+    structures: Sequence[Structure], ground: Ground, closure: str, tolerance: Tolerance
+) -> dict[str, Cells]:
+    """Linearized response of a pair or of one structure, over the dimensions of the parameters.
+
+    A pair has ``rho`` of both; ``displacement_std``, ``ductility_std`` and ``yield_displacement`` are
+    those of the last structure.
+    """
+    roles = {f"structure_{n}": structure for n, structure in enumerate(structures, start=1)}
+    cells = flat({**roles, "ground": ground})
+    if not cells.where.size:
+        raise ValueError(NONE_VALID)
+    equations = equations_of_cells(cells, ())
+    check_chain(equations)
+    table = solution_table(cells.row, equations, solve_equations(equations, closure, tolerance))
+    calm = ((table.c_eq == -1) & (table.k_eq == 0)).any("element") & (table.status == labels.CONVERGED)
+    found = {
+        "rho": table.rho[:, 0, -1],
+        "displacement_std": table.displacement_std[:, -1],
+        "ductility_std": table.ductility_std[:, -1],
+        "yield_displacement": table.yield_drift[:, -1],
+        "all_elastic": np.isposinf(table.yield_drift).all("element"),
+    }
+    values = {name: cells.array(array.values.astype(float)) for name, array in found.items()}
+    status = table.status.where(~calm, np.int8(labels.ELASTIC_LIMIT)).values
+    return {**values, "status": cells.array(status, labels.INVALID_INPUT)}
+
+
+def _of_pair(rho: Array, base: Array, elastic: Array, of_map: Array) -> Array:
+    """Bias of rho; ``base`` is rho by the Gaussian closure, to which the map belongs."""
+    return rho - base + np.where(elastic == 1, 0.0, of_map)
+
+
+@np.errstate(all="ignore")  # invalid cells are NaN and stay so
+def _rho_bias(*places: Array, grid: Grid | None) -> Array:
+    """Bias of rho in the map; NaN outside and for structures whose shared properties differ."""
+    cells = np.broadcast_arrays(*(np.log(place) for place in places))
+    if grid is None:
+        return np.full(cells[0].shape, np.nan)
+    half = len(cells) // 2
+    one, two = cells[:half], cells[half:]
+    alike = np.all(
+        [np.abs(a - b) <= EQUAL for a, b in zip(one[:SHARED], two[:SHARED], strict=True)], axis=0
+    )
+    longer, ratio = np.maximum(one[SHARED], two[SHARED]) - one[-1], -np.abs(one[SHARED] - two[SHARED])
+    return np.where(alike, between_points(grid, [*one[:SHARED], longer, ratio]), np.nan)
+
+
+def _largest(*arrays: Array) -> Array:
+    return np.maximum.reduce(np.broadcast_arrays(*arrays))
