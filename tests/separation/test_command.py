@@ -126,6 +126,7 @@ def test_the_readme_shows_numbers_of_the_example(example: Done) -> None:
         "**nonlinear simulation**": "simulation",
         "eq. (3), rho of linearization": "eq_3_linearized",
         "eq. (3), rho of the drift closure": "eq_3_drift",
+        "eq. (3), as in the paper": "eq_3_paper",
         "eq. (3), secant properties": "eq_3_secant",
         "linearization alone": "linearization",
         "square root of the sum of squares": "srss",
@@ -190,7 +191,7 @@ def test_the_table_has_no_samples_in_csv(tmp_path: Path) -> None:
     assert run(tmp_path / "case.toml", "--out", tmp_path / "t.csv").exit_code == 0
     lines = (tmp_path / "t.csv").read_text().splitlines()
     assert lines[1].startswith("simulation,")
-    assert len(lines) == 24
+    assert len(lines) == 25
 
 
 class Page(HTMLParser):

@@ -31,7 +31,8 @@ GUMBEL = np.sqrt(6) / np.pi
 EQ_3 = "eq. (3) with the peaks of both structures"
 ALIKE = 1e-5  # gap over peak below which the gap is a rounding error of two equal structures
 COMBINES = "needs a second building: eq. (3) combines the peaks of two"
-SOLVED = "simulated", "linearized", "drift"
+SHORT = "not solved, or the motion is too short for a peak"
+SOLVED, PAPER = ("simulated", "linearized", "drift"), "paper"
 
 
 @dataclass(frozen=True)
@@ -80,6 +81,11 @@ class PairInMotion(ABC):
         return len(self.structures) == 1
 
     @property
+    def scatter(self) -> float:
+        """Scatter between the motions [-]."""
+        return float(self.motions.attrs.get("scatter", 0.0))
+
+    @property
     @abstractmethod
     def heights(self) -> Array:
         """Heights at which the structures could meet [m]."""
@@ -101,6 +107,13 @@ class PairInMotion(ABC):
     @abstractmethod
     def linearized_rho(self, closure: str) -> Array:
         """Correlation by linearization [-], (heights,); a ValueError if there is no solution."""
+
+    @abstractmethod
+    def amplified_peaks(self) -> Array:
+        """Quantile of the elastic peak ``|u|`` times ``D`` of linearization [m], as `peaks`.
+
+        A ValueError or an ArithmeticError if there is none.
+        """
 
     @abstractmethod
     def effective_arguments(self) -> dict[str, float]:
@@ -137,9 +150,14 @@ class OscillatorsInMotion(PairInMotion):
         return [solve_structure(s, self.ground, "gaussian", USUAL) for s in self.structures]
 
     @cached_property
+    def elastic(self) -> list[xr.Dataset]:
+        """The response of each structure as elastic."""
+        return [solve_elastic(s, self.ground) for s in self.structures]
+
+    @property
     def yield_displacements(self) -> list[float]:
         """Yield displacement of each structure [m], known even if linearization fails."""
-        return [float(solve_elastic(s, self.ground).yield_displacement) for s in self.structures]
+        return [float(side.yield_displacement) for side in self.elastic]
 
     @property
     def peaks(self) -> Array:
@@ -163,6 +181,17 @@ class OscillatorsInMotion(PairInMotion):
             raise ValueError(f"no {closure} closure for {', '.join(sorted(lacking))}")
         first, second = self.structures
         return np.atleast_1d(correlate(first, second, self.ground, closure=closure).rho.values)
+
+    def amplified_peaks(self) -> Array:
+        """See `PairInMotion`."""
+        peaks = np.empty((len(self.structures), 1))
+        for n, (elastic, yielding) in enumerate(zip(self.elastic, self.solved, strict=True)):
+            moments = response_moments(elastic, self.ground)
+            peak = peak_quantile(moments, self.strong_seconds, self.confidence, sides=2)
+            peaks[n] = peak * yielding.displacement_std / elastic.displacement_std
+        if not np.isfinite(peaks).all():
+            raise ArithmeticError(SHORT)
+        return peaks
 
     def effective_arguments(self) -> dict[str, float]:
         """See `PairInMotion`."""
@@ -211,12 +240,7 @@ def all_rules(
     """All rules, including those that have no gap because something is missing."""
     return [
         *_with_correlations(pair, effective_rule_names(unverified)),
-        linearized_rule(
-            pair.relative_moments,
-            pair.strong_seconds,
-            pair.confidence,
-            pair.motions.attrs.get("scatter", 0.0),
-        ),
+        linearized_rule(pair.relative_moments, pair.strong_seconds, pair.confidence, pair.scatter),
         *code_rules(pair.peaks, pair.code_heights, neighbours, zone, numbers),
     ]
 
@@ -224,7 +248,7 @@ def all_rules(
 def _with_correlations(pair: PairInMotion, effective: Sequence[str]) -> list[Rule]:
     """Eq. (3) with the correlation by each method; for one building alone there is no gap."""
     if pair.alone:
-        names = (f"eq_3_{name}" for name in (*SOLVED, *effective))
+        names = (f"eq_3_{name}" for name in (*SOLVED, PAPER, *effective))
         return [Rule(name, "equation_3", _nothing(pair), missing=COMBINES) for name in names]
     ways: list[tuple[str, Callable[[], Array]]] = [
         # The simulation raises an error for structures that yield so rarely that it would take hours.
@@ -234,6 +258,7 @@ def _with_correlations(pair: PairInMotion, effective: Sequence[str]) -> list[Rul
     ]
     return [
         *(_with_solved_rho(pair, name, *way) for name, way in zip(SOLVED, ways, strict=True)),
+        _of_paper(pair),
         *(_with_effective_rho(pair, name) for name in effective),
     ]
 
@@ -245,13 +270,39 @@ def equation_3_rule(peaks: Array, name: str, rhos: Array, **texts: str) -> Rule:
     return Rule(name, "equation_3", gaps, np.broadcast_to(rhos, gaps.shape), **texts)
 
 
-def _with_solved_rho(pair: PairInMotion, name: str, source: str, solve: Callable[[], Array]) -> Rule:
+def _with_solved_rho(pair: PairInMotion, name: str, source: str, rho: Callable[[], Array]) -> Rule:
+    texts = {"mark": "C", "assumptions": f"{EQ_3}; rho of {source}"}
+    return _solved_rule(pair, name, lambda: (pair.peaks, rho()), **texts)
+
+
+def _of_paper(pair: PairInMotion) -> Rule:
+    """Eq. (3) as the paper uses it, with ``rho`` of Fig. 5a and elastic peaks times ``D`` of Fig. 5b."""
+    return _solved_rule(
+        pair,
+        PAPER,
+        lambda: (pair.amplified_peaks(), pair.linearized_rho(GAUSSIAN)),
+        reference="Valles-Mattox and Reinhorn (1996), eq. (3) and Fig. 5",
+        mark="P",
+        assumptions="eq. (3) with elastic peaks times D; rho and D of linearization; "
+        + _unsimulated(pair.strong_seconds, pair.scatter),
+    )
+
+
+def _solved_rule(
+    pair: PairInMotion, name: str, solve: Callable[[], tuple[Array, Array]], **texts: str
+) -> Rule:
+    """Eq. (3) with the peaks and correlations that ``solve`` finds, or the reason why it does not."""
     try:
-        rhos = solve()
+        peaks, rhos = solve()
     except (ArithmeticError, ValueError) as error:
         return Rule(f"eq_3_{name}", "equation_3", _nothing(pair), missing=str(error))
-    texts = {"mark": "C", "assumptions": f"{EQ_3}; rho of {source}"}
-    return equation_3_rule(pair.peaks, f"eq_3_{name}", rhos, **texts)
+    return equation_3_rule(peaks, f"eq_3_{name}", rhos, **texts)
+
+
+def _unsimulated(seconds: float, scatter: float) -> str:
+    """Assumptions of a rule that uses no simulated peaks."""
+    without = f", without the scatter of {scatter:g} between motions" if scatter else ""
+    return f"stationary for {seconds:.3g} s, Gaussian; nothing simulated{without}"
 
 
 def _with_effective_rho(pair: PairInMotion, name: str) -> Rule:
@@ -281,16 +332,14 @@ def linearized_rule(
     """
     l0, l1, l2 = (xr.DataArray(np.atleast_1d(moment), dims="height") for moment in moments())
     gaps = peak_quantile((l0, l1, l2), seconds, confidence, sides=1).values
-    missing = "" if np.isfinite(gaps).all() else "not solved, or the motion is too short for a peak"
-    without = f", without the scatter of {scatter:g} between motions" if scatter else ""
     return Rule(
         "linearization",
         "linearization",
         gaps,
         reference=Vanmarcke1975.reference,
         mark="C",
-        assumptions=f"stationary for {seconds:.3g} s, Gaussian; nothing simulated{without}",
-        missing=missing,
+        assumptions=_unsimulated(seconds, scatter),
+        missing="" if np.isfinite(gaps).all() else SHORT,
     )
 
 

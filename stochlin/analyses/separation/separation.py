@@ -177,8 +177,15 @@ def separation(
     The verdict on a rule is safe or unsafe if the 95 % interval of its probability of no pounding is
     above or below the confidence. It does not include the load factors, minimum distances and
     definitions of displacement of a code, see ``assumptions``. With scatter, the peaks for the rules
-    include it; correlations for stationary motions, and the rule ``linearization``, which uses no
-    simulated peaks, are for motions of the median strength.
+    include it; correlations for stationary motions, and the rules ``eq_3_paper`` and
+    ``linearization``, which use no simulated peaks, are for motions of the median strength.
+
+    The rule ``eq_3_paper`` is the procedure of the paper: eq. (3) with the elastic peaks times ``D`` of
+    Fig. 5b, and ``rho`` of Fig. 5a, both by linearization with the Gaussian closure. The elastic peaks
+    are the quantiles of ``|u|`` of the elastic structures by Vanmarcke's peak factor. The rule
+    ``linearization`` has the same standard deviations and ``rho``, but one peak factor, that of
+    ``u_1 - u_2`` of the yielding structures in one direction. If this were also the factor of both
+    elastic peaks, the two gaps would be equal. Buildings with storeys have no ``eq_3_paper``.
 
     References
     ----------

@@ -37,6 +37,7 @@ from stochlin.models.systems import (
 PATHS, RELAXATION_TIMES = 64, 5.0  # of the stationary simulation; the error of rho is about 0.01
 SLOWEST = 20.0  # largest relaxation time of a drift over the duration for a stationary simulation
 NO_DRIFT = "the drift closure is only available for oscillators"
+NO_AMPLIFICATION = "the linearized amplification of Fig. 5b is only available for oscillators"
 
 
 @dataclass(frozen=True)
@@ -98,6 +99,10 @@ class StoreysInMotion(PairInMotion):
             raise ValueError(NO_DRIFT)
         one, two = self._weights
         return correlation_of(self.linearized, one, two)
+
+    def amplified_peaks(self) -> Array:
+        """See `PairInMotion`."""
+        raise ValueError(NO_AMPLIFICATION)
 
     @cached_property
     def linearized(self) -> Response:

@@ -25,6 +25,7 @@ FAR = 2.5  # times what most rules ask: gaps beyond are told at the border of a 
 CAPITALS = {
     **{word: word.upper() for word in ("asce", "is", "ubc", "srss", "gb")},
     "e030": "E.030",
+    "paper": "as in Valles-Mattox and Reinhorn (1996)",
 }
 COMMON = {
     *("simulation", "simulated", "linearization", "linearized", "elastic", "secant"),
