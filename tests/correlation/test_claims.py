@@ -147,6 +147,10 @@ TOO_HIGH = {
 # and of the true ones with the linearized rho.
 FED = {BROAD: (0.80, 1.00), NARROW: (0.46, 1.26)}
 ALONE = {BROAD: (0.51, 0.72, 1.0), NARROW: (0.39, 1.31, 0.83)}
+# Least and largest of these by T2, and of the error of a standard deviation.
+BY_PERIOD = {0.5: (0.51, 1.19), 1.0: (0.69, 1.31), 2.0: (0.39, 0.77)}
+OF_STD = {BROAD: (-0.63, -0.27), NARROW: (-0.89, 0.01)}
+AT_RESONANCE = (-0.09, -0.01)  # of a standard deviation on narrow band, T = Tg
 
 
 @pytest.mark.slow
@@ -155,6 +159,7 @@ def test_how_near_linearization_and_the_rules_are_to_simulation(band):
     """Over 144 pairs: three periods, three strengths, 16 ratios. Means are exact to 0.003."""
     away = {name: [] for name in ("linearization", "drift", *RULES)}
     alone, fed, higher, short = [], [], {name: [] for name in RULES}, {name: [] for name in RULES}
+    of_std = []
     for case in ((period, factor) for period in PERIODS for factor in FACTORS):
         found = simulated(band, *case)
         (linearized, rules), (drift, _) = formulas(band, *case), formulas(band, *case, "drift")
@@ -166,12 +171,20 @@ def test_how_near_linearization_and_the_rules_are_to_simulation(band):
             higher[name].append(rho > found.rho + 0.05)
             short[name].append(found.difference_std(rho) < 0.95 * needed)
         peaks = linearized.displacement_std_1, linearized.displacement_std_2
+        of_std.append(np.append(peaks[0], peaks[1].max()) / found.std - 1)
         fed.append(found.difference_std(linearized.rho.values) / needed)
         alone.append(sl.critical_gap(*peaks, linearized.rho).gap.values / needed)
     assert [np.mean(each) for each in away.values()] == pytest.approx(OFF[band], abs=0.007)
     least, largest, unsafe = ALONE[band]
     assert (np.min(alone), np.max(alone)) == pytest.approx((least, largest), abs=0.03)
     assert np.mean(np.array(alone) < 0.95) == pytest.approx(unsafe, abs=0.03)
+    assert (np.min(of_std), np.max(of_std)) == pytest.approx(OF_STD[band], abs=0.015)
+    if band == NARROW:
+        by_period = np.reshape(alone, (len(PERIODS), -1))
+        for period, each in zip(PERIODS, by_period, strict=True):
+            assert (each.min(), each.max()) == pytest.approx(BY_PERIOD[period], abs=0.03)
+        resonant = np.reshape(of_std, (len(PERIODS), len(FACTORS), -1))[1, :, -1]
+        assert (resonant.min(), resonant.max()) == pytest.approx(AT_RESONANCE, abs=0.015)
     assert (np.min(fed), np.max(fed)) == pytest.approx(FED[band], abs=0.02)
     assert not np.any(short["elastic"])
     if band == NARROW:

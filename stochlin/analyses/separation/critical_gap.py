@@ -53,7 +53,7 @@ def critical_gap(peak_1: Parameter, peak_2: Parameter, rho: Parameter) -> xr.Dat
     -----
     If the ground period lies between those of the structures, the correlation may be negative. The gap
     is then larger than the square root of the sum of the squared peaks. With ``rho`` and peaks by
-    linearization, the gap is too small for yielding structures, by 21 to 54 %.
+    linearization, the gap is mostly too small for yielding structures, as in `correlate`.
 
     References
     ----------
