@@ -56,6 +56,8 @@ GAP = "100 * answer.gap.sel(rule='{}')"
 AT_HEIGHT = "100 * at_height.sel(height={}, method='nearest')"
 SAID = {
     "start": [
+        ("100 * gaps(0.6, 4, 1.0, 4, ground)", "the function gives {:.1f} cm"),
+        ("100 * rules.separation_mean", "simulated separations is {:.1f} cm"),
         ("100 * alone.gap.sel(rule='simulation')", "not exceed: here {:.1f} cm"),
         ("100 * alone.gap.sel(rule='asce_7')", "either side, here {:.1f} cm"),
     ],
