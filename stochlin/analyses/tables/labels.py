@@ -29,16 +29,16 @@ CAUTION_DRIFT = (
     "% and 0.05."
 )
 CAUTION_SIGMA = (
-    "Caution: compared with nonlinear simulation, linearized displacements are 20 to 46 % too small "
-    "at α ≤ 0.05, and up to 30 times too small for structures much stiffer than a narrow-band ground; "
-    "see 'stochlin verify'."
+    "Caution: compared with nonlinear simulation, linearized displacements are 15 to 51 % too small "
+    "at α ≤ 0.05 on white noise, and up to 30 times too small for structures much stiffer than a "
+    "narrow-band ground; see 'stochlin verify'."
 )
 
 CAUTION_PAIR = (
     "Caution: compared with nonlinear simulation, linearized ρ is off by 0.05 to 0.2 for moderate "
-    "yielding, and linearized displacements are 20 to 46 % too small at α ≤ 0.05. For structures much "
-    "stiffer than a narrow-band ground ρ is off by up to 1.3, and displacements are up to 30 times too "
-    "small; see 'stochlin verify'."
+    "yielding, and linearized displacements are 15 to 51 % too small at α ≤ 0.05 on white noise. For "
+    "structures much stiffer than a narrow-band ground ρ is off by up to 1.3, and displacements are up "
+    "to 30 times too small; see 'stochlin verify'."
 )
 
 CONVERGED, ELASTIC_LIMIT, NOT_CONVERGED, INVALID_INPUT, NOT_PHYSICAL, TOO_STRONG = range(6)
