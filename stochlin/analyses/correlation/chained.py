@@ -34,6 +34,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.interpolation import Grid
 from stochlin.kernels.correlation.tiles import EQUAL, SHARED
 from stochlin.models.grounds import Ground
+from stochlin.models.parameters import Model
 from stochlin.models.structures import GAUSSIAN, Structure
 
 Pair = tuple[Structure, Structure]
@@ -43,7 +44,7 @@ def chained_pairs(pair: Pair, ground: Ground, closure: str, tolerance: Tolerance
     """Variables of `correlate` by linearization with ``solver="lyapunov"``."""
     both = _solved(pair, ground, closure, tolerance)
     base = both if closure == GAUSSIAN else _solved(pair, ground, GAUSSIAN, tolerance)
-    shown, biases, places = dict[str, Cells](), dict[str, Cells](), list[Cells]()
+    sides, biases, places = list[dict[str, Cells]](), dict[str, Cells](), list[Cells]()
     for number, (structure, elastic) in enumerate(
         zip(pair, derived_together(pair, ground), strict=True), 1
     ):
@@ -52,11 +53,12 @@ def chained_pairs(pair: Pair, ground: Ground, closure: str, tolerance: Tolerance
         for solved in {id(one): one for one in (side, gaussian)}.values():
             solved[STRENGTH_RATIO] = elastic[STRENGTH_RATIO]
         biases[f"bias_{number}"] = relative_bias(structure, ground, side, gaussian)
-        shown |= {f"{name}_{number}": side[name] for name in SHOWN}
+        sides.append(side)
         places += place_in_map(structure, ground, elastic)
     of_map = cellwise(_rho_bias, *places, grid=rho_bias_map(*pair, ground))[0]
     bias = cellwise(_of_pair, both["rho"], base["rho"], both["all_elastic"], of_map)[0]
     cautions = [caution_of(value) for value in (bias, *biases.values())]
+    shown = {f"{name}_{n}": side[name] for name in SHOWN for n, side in enumerate(sides, start=1)}
     return {
         "rho": both["rho"],
         **shown,
@@ -76,11 +78,12 @@ def _solved(
     those of the last structure.
     """
     roles = {f"structure_{n}": structure for n, structure in enumerate(structures, start=1)}
-    cells = flat({**roles, "ground": ground})
+    models: dict[str, Model] = {**roles, "ground": ground}
+    check_chain(models)
+    cells = flat(models)
     if not cells.where.size:
         raise ValueError(NONE_VALID)
     equations = equations_of_cells(cells, ())
-    check_chain(equations)
     table = solution_table(cells.row, equations, solve_equations(equations, closure, tolerance))
     calm = ((table.c_eq == -1) & (table.k_eq == 0)).any("element") & (table.status == labels.CONVERGED)
     found = {

@@ -150,12 +150,12 @@ def _linked(models: Mapping[str, Any], _: object = None, *, closure: str) -> xr.
     """Table of `correlate_linked`, without labels."""
     first, second, ground, link = models.values()
     roles = {"structure_1": first, "structure_2": second, "ground": ground, "link_1": link}
+    check_chain(roles)
     cells = flat(roles)
     if not cells.where.size:
         blank = {name: cells.array(np.empty(0)) for name in _names(link)}
         return xr.Dataset({**blank, "status": cells.array(np.empty(0, np.int8), labels.INVALID_INPUT)})
     equations = equations_of_cells(cells, [link])
-    check_chain(equations)
     whole = solution_table(cells.row, equations, solve_equations(equations, closure, USUAL))
     found = {"status": cells.array(whole.status.values, labels.INVALID_INPUT)}
     for name in _names(link):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,7 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import NONE_VALID, Flat, flat
 from stochlin.analyses.tables.checks import is_number
 from stochlin.analyses.tables.floors import element_coordinates, floor_coordinates
-from stochlin.analyses.tables.work import check_work
+from stochlin.analyses.tables.work import check_work, count_cells
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.gaussian import absolute_moment
 from stochlin.kernels.linearization.systems.response import Response, alike
@@ -157,6 +157,7 @@ def linearize_system(
     models: dict[str, Model] = {f"structure_{n}": s for n, s in enumerate(structures, start=1)}
     models |= {"ground": ground}
     models |= {f"link_{n}": link for n, link in enumerate(links, start=1) if link is not None}
+    check_chain(models)
     cells = flat(models)
     if taken := OWN_DIMS & set(cells.shape.dims):
         raise ValueError(
@@ -166,7 +167,6 @@ def linearize_system(
     if not cells.where.size:
         raise ValueError(NONE_VALID)
     equations = equations_of_cells(cells, links)
-    check_chain(equations)
     solution = solve_equations(equations, closure, tolerance, factor)
     table = labels.label(solution_table(cells, equations, solution), VARIABLES)
     given = ", ".join(structure.describe() for structure in structures)
@@ -196,15 +196,18 @@ def relaxation_of(iteration: str, relaxation: float) -> float | None:
     return float(relaxation) if iteration == "substitution" else None
 
 
-def check_chain(equations: Equations) -> None:
-    """Raise a ValueError if the iteration of all cells would take too long or too much memory."""
-    elements, cells = equations.elements.size, equations.cells
-    states = len(equations.states(equations.yields))
+def check_chain(models: Mapping[str, Model]) -> None:
+    """Raise a ValueError if the iteration of all cells would take too long or too much memory.
+
+    ``models`` are structures, ground and links by their roles.
+    """
+    elements = sum(model.storeys if isinstance(model, ShearBuilding) else 1 for model in models.values())
+    cells = max(1, count_cells(*(m for m in models.values() if not isinstance(m, ShearBuilding))))
     check_work(
         f"the iteration of {cells} systems would take" if cells > 1 else "the iteration would take",
         "take fewer cells at a time, storeys together, or structures that are not linked apart",
-        seconds=cells * (SECONDS_OF_CELL + SECONDS * elements * states**3),
-        memory=cells * BYTES * states**2,
+        seconds=cells * (SECONDS_OF_CELL + SECONDS * elements * (3 * elements) ** 3),
+        memory=cells * BYTES * (3 * elements) ** 2,
     )
 
 

@@ -1,0 +1,188 @@
+"""Tables by the chain of state matrix, Lyapunov equation and coefficients, all cells at once."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import cases
+import numpy as np
+import pytest
+import scipy.linalg
+import xarray as xr
+
+import stochlin as sl
+from stochlin.kernels.correlation import bilinear_pair, tables, tiles, white_noise
+
+GROUNDS = ("white_noise", "kanai_tajimi", "clough_penzien")
+
+
+def random_pairs(count, kind, seed):
+    """Two structures and a ground for each of ``count`` cells, as models with arrays."""
+    rng = np.random.default_rng([seed, len(kind)])
+    pair = [sl.Bilinear(**cases.draw_structure(rng, cases.PRACTICE, count)) for _ in range(2)]
+    period, damping = (cases.log_uniform(rng, limits, count) for limits in ((0.15, 4.0), (0.03, 0.8)))
+    ground = {
+        "white_noise": sl.WhiteNoise(np.full(count, 0.01)),
+        "kanai_tajimi": sl.KanaiTajimi(period, damping, 0.01),
+        "clough_penzien": sl.CloughPenzien(period, damping, 4 * period, 0.6, 0.01),
+    }[kind]
+    return pair, ground
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize("closure", ["gaussian", "clipped"])
+@pytest.mark.parametrize("kind", GROUNDS)
+def test_random_pairs_are_those_of_the_closed_forms(kind, closure):
+    """The same table in every variable, its missing values and its flags included."""
+    pair, ground = random_pairs(200, kind, 1)
+    usual = sl.correlate(*pair, ground, closure=closure)
+    chain = sl.correlate(*pair, ground, closure=closure, solver="lyapunov")
+    assert list(chain) == list(usual)
+    for name, array in usual.items():
+        assert (chain[name].dims, chain[name].dtype) == (array.dims, array.dtype)
+        assert str(chain[name].attrs) == str(array.attrs)
+        np.testing.assert_allclose(chain[name], array, rtol=1e-9, atol=1e-9, err_msg=name)
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize("closure", ["gaussian", "clipped"])
+@pytest.mark.parametrize("kind", GROUNDS)
+def test_random_pairs_are_fixed_points_by_scipy(kind, closure):
+    """The covariance by scipy for the coefficients, and the coefficients for this covariance."""
+    pair, ground = random_pairs(200, kind, 1)
+    chain = sl.correlate(*pair, ground, closure=closure, solver="lyapunov")
+    table, moments = sl.linearize_system(pair, ground, closure=closure), np.empty((2, 200, 3))
+    for cell in range(200):
+        alone = [replace(s.isel({"case": cell}), reduction_factor=None) for s in pair]
+        equivalent = table.c_eq[cell].values, table.k_eq[cell].values
+        space = sl.statespace(alone, ground.isel({"case": cell}), *equivalent)
+        a, b, names = space.state_matrix.values, space.noise_vector.values, space.state.values.tolist()
+        x = scipy.linalg.solve_continuous_lyapunov(a, -float(space.noise_intensity) * np.outer(b, b))
+        std = np.sqrt(np.diag(x))
+        corr = x / np.outer(std, std)
+        assert float(chain.rho[cell]) == pytest.approx(
+            corr[names.index("u_1"), names.index("u_2")], abs=1e-9
+        )
+        for n in (1, 2):
+            v, z = names.index(f"v_{n}"), names.index(f"z_{n}")
+            moments[n - 1, cell] = std[v], std[z], corr[v, z]
+    for n, (sv, sz, r) in enumerate(moments.transpose(0, 2, 1)):
+        uy = chain[f"yield_displacement_{n + 1}"].values
+        again = sl.equivalent_coefficients(sv / uy, sz / uy, r, closure=closure)
+        np.testing.assert_allclose(again.c_eq, table.c_eq[:, n], atol=1e-7)
+        np.testing.assert_allclose(again.k_eq, table.k_eq[:, n], rtol=1e-6)
+
+
+@pytest.mark.invariant
+def test_no_closed_form_of_a_pair_is_called(monkeypatch):
+    """They are replaced by functions that fail; the default solver then fails, the chain does not."""
+
+    def forbidden(*_args, **_options):
+        raise AssertionError("a closed form of a pair was called")
+
+    for module in (tables, tiles, bilinear_pair, white_noise):
+        for name, value in vars(module).items():
+            if callable(value) and getattr(value, "__module__", "") == module.__name__:
+                monkeypatch.setattr(module, name, forbidden)
+    monkeypatch.setattr("stochlin.analyses.correlation.linearized.pair_table", forbidden)
+    pair, ground = random_pairs(3, "kanai_tajimi", 2)
+    with pytest.raises(AssertionError, match="closed form"):
+        sl.correlate(*pair, ground)
+    assert sl.correlate(*pair, ground, solver="lyapunov").rho.notnull().all()
+
+
+def axis(name, *periods):
+    return xr.DataArray(list(periods), dims=name, coords={name: list(periods)})
+
+
+TABLE = [
+    sl.Bilinear(axis("one", 0.5, 1.0), 0.05, 0.05, reduction_factor=axis("R", 1.5, 4.0)),
+    sl.Bilinear(axis("two", 0.7, 2.0, 3.0), 0.05, 0.05, reduction_factor=axis("R", 1.5, 4.0)),
+]
+LAKE_BED = sl.KanaiTajimi(2.0, 0.05)
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize("iteration", ["newton", "substitution"])
+def test_a_cell_of_a_table_is_its_single_system(iteration):
+    table = sl.linearize_system(TABLE, LAKE_BED, iteration=iteration)
+    at = {"one": 1, "two": 2, "R": 1}
+    alone = sl.linearize_system([s.isel(at) for s in TABLE], LAKE_BED, iteration=iteration)
+    cell = table.isel(at)
+    used = int(cell.iterations)
+    assert used == int(alone.iterations) == alone.sizes["iteration"]
+    assert cell.covariance_change[used:].isnull().all()
+    for name in ("covariance_change", "coefficient_change"):
+        np.testing.assert_allclose(cell[name][1:used], alone[name][1:], rtol=1e-3, atol=1e-12)
+    for name in ("rho", "covariance", "c_eq", "k_eq", "displacement_std", "status"):
+        np.testing.assert_allclose(cell[name], alone[name], rtol=1e-12)
+    assert float(table.residual.max()) < 1e-14
+
+
+@pytest.mark.invariant
+def test_a_cell_that_does_not_converge_touches_no_other():
+    """Of a structure a million million times too weak, and of one that is out of range."""
+    strengths = axis("uy", 0.05, 1e-30, -1.0, 0.1)
+    first = replace(TABLE[0].isel({"R": 0}), reduction_factor=None, yield_displacement=strengths)
+    second = sl.Bilinear(1.5, 0.05, 0.05, reduction_factor=2.0)
+    limits = {"max_iterations": 40, "solver": "lyapunov"}
+    table = sl.correlate(first, second, LAKE_BED, **limits)
+    kept = sl.correlate(first.isel({"uy": [0, 3]}), second, LAKE_BED, **limits)
+    assert table.status.isel(one=0).values.tolist() == [0, 5, 3, 0]
+    assert table.rho.isel(uy=[1, 2]).isnull().all()
+    np.testing.assert_array_equal(table.rho.isel(uy=[0, 3]), kept.rho)
+    few = sl.linearize_system([first, second], LAKE_BED, max_iterations=2)
+    assert (few.status.isel(uy=0) == 2).all()
+    assert few.covariance.isel(uy=0).isnull().all()
+
+
+@pytest.mark.oracle
+def test_substitution_ends_where_newton_does():
+    """It takes several times the iterations; relaxed or not, it ends at the same coefficients."""
+    ground = sl.KanaiTajimi(2.0, 0.6)
+    newton = sl.linearize_system(TABLE, ground)
+    for relaxation in (1.0, 0.7):
+        table = sl.linearize_system(TABLE, ground, iteration="substitution", relaxation=relaxation)
+        assert (table.status == 0).all()
+        assert float(table.iterations.mean()) > 3 * float(newton.iterations.mean())
+        np.testing.assert_allclose(table.c_eq, newton.c_eq, atol=1e-8)
+        np.testing.assert_allclose(table.rho, newton.rho, atol=1e-8)
+
+
+@pytest.mark.invariant
+def test_a_substitution_that_ends_nowhere_says_so():
+    """The clipped closure has no coefficients where z of the linear system exceeds 1."""
+    structures = [replace(s, reduction_factor=xr.DataArray([2.0, 12.0], dims="R")) for s in TABLE]
+    table = sl.linearize_system(
+        structures, sl.WhiteNoise(0.1), closure="clipped", iteration="substitution"
+    )
+    assert set(np.unique(table.status)) <= {0, 2}
+    failed = table.status == 2
+    assert failed.any()
+    assert (table.rho.isel(floor=0, floor_2=1).isnull() == failed).all()
+    assert (sl.linearize_system(structures, sl.WhiteNoise(0.1), closure="clipped").status == 0).all()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"solver": "schur"}, "solver = 'schur'; allowed: closed_form, lyapunov"),
+        ({"closure": "drift"}, "closure = 'drift'; allowed: .*gaussian and clipped"),
+        ({"closure": "narrow_band"}, "closure = 'narrow_band'; allowed: .*gaussian and clipped"),
+        ({"method": "simulation"}, "method = 'simulation'.*allowed: method linearization"),
+        ({"second": sl.Bilinear(axis("one", 1.0, 2.0, 3.0), 0.05)}, "different dimension names"),
+        ({"second": sl.Bilinear(np.geomspace(0.1, 4, 20_000_000), 0.05)}, "allowed: .*fewer cells"),
+    ],
+)
+def test_what_the_chain_refuses(options, message):
+    given = {"first": TABLE[0], "second": TABLE[1], "ground": LAKE_BED, "solver": "lyapunov"}
+    with pytest.raises(ValueError, match=message):
+        sl.correlate(**(given | options))
+
+
+@pytest.mark.invariant
+def test_dimensions_of_the_result_are_its_own():
+    named = sl.Bilinear(xr.DataArray([0.5, 1.0], dims="floor"), 0.05)
+    with pytest.raises(ValueError, match=r"dimension floor of a parameter .* names other than"):
+        sl.linearize_system([named], LAKE_BED)
+    assert sl.correlate(named, TABLE[1], LAKE_BED, solver="lyapunov").rho.dims[0] == "floor"
