@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.correlation.derived_pairs import derived_correlation
+from stochlin.analyses.correlation.drift.derived import derived_correlation
 from stochlin.analyses.linearization.equivalent_systems import solve_derived
 from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.simulation import rare_yielding

@@ -15,7 +15,7 @@ import xarray as xr
 from arguments import file_and_work
 
 import stochlin as sl
-from stochlin.analyses.correlation.drifting_signatures import derived_gram, derived_signatures
+from stochlin.analyses.correlation.drift.signatures import derived_gram, derived_signatures
 from stochlin.analyses.linearization.bias_map import bias_map
 from stochlin.analyses.linearization.equivalent_systems import solve_derived
 from stochlin.analyses.linearization.tolerance import USUAL

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import re
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 
 import pytest
+import xarray as xr
 from cases import run_as_printed, with_slow
 
 pytestmark = pytest.mark.cli
@@ -16,7 +19,8 @@ CALLS = (ROOT / "docs" / "calls.md").read_text(encoding="utf-8")
 
 
 def blocks(text: str, language: str) -> list[str]:
-    return re.findall(rf"^```{language}\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
+    every = re.findall(r"^```(\w*)\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)
+    return [block for own, block in every if own == language]
 
 
 def command_lines() -> list[str]:
@@ -51,8 +55,12 @@ def test_python_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "agg")
     (example,) = blocks(README, "python")
-    exec(compile(example, "README.md", "exec"), {})
-    assert (tmp_path / "chart.nc").exists()
+    with redirect_stdout(StringIO()) as printed:
+        exec(compile(example, "README.md", "exec"), {})
+    (shown,) = blocks(README, "text")
+    # The last change is rounding error.
+    assert printed.getvalue().splitlines()[:-1] == shown.splitlines()[:-1]
+    assert xr.load_dataset(tmp_path / "rho.nc").rho.notnull().all()
 
 
 def test_pictures_and_links_exist() -> None:

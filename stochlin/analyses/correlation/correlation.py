@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.correlation.chained import chained_pairs
-from stochlin.analyses.correlation.drifting import drifting_pairs
+from stochlin.analyses.correlation.drift.pairs import drifting_pairs
 from stochlin.analyses.correlation.effective import EQ_4, effective_pair
 from stochlin.analyses.correlation.errors import difference
 from stochlin.analyses.correlation.linearized import SHOWN, linearized_pairs

@@ -15,7 +15,7 @@ import xarray as xr
 
 from stochlin.analyses.cases.separation import AROUND, periods_of
 from stochlin.analyses.correlation.correlation import rho_white_noise
-from stochlin.analyses.correlation.drifting import correlation_with_drift
+from stochlin.analyses.correlation.drift.pairs import correlation_with_drift
 from stochlin.analyses.correlation.linearized import pairs_of_solved
 from stochlin.analyses.correlation.variables import VARIABLES as OF_PAIRS
 from stochlin.analyses.explorer import storeys

@@ -6,7 +6,7 @@ simulations. The map holds these differences for many structures on many grounds
 - the logarithm of the simulated over the derived standard deviation of the displacement. Where the
   period of the ground exceeds that of the structure, the map has additional points between its points;
 - the simulated minus the derived signature of a structure, from which the correlation of a pair follows
-  (see `drifting_signatures`);
+  (see `drift.signatures`);
 - the slopes with which the correlation of two nearly equal structures decreases as they become more
   different.
 

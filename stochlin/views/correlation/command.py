@@ -19,6 +19,7 @@ from stochlin.views.shared.options import (
     record_options,
     shared_option,
     simulation_options,
+    solver_option,
 )
 from stochlin.views.shared.screen import (
     COMMANDS,
@@ -54,6 +55,7 @@ from stochlin.views.shared.screen import (
 )
 @simulation_options
 @closure_option
+@solver_option
 @click.option("--out", type=FILE, help="Save the table as .nc or .csv.")
 @record_options
 def rho(record: Path | None, out: Path | None, **options: Any) -> None:
@@ -86,7 +88,7 @@ def rho(record: Path | None, out: Path | None, **options: Any) -> None:
                 "--reduction-factor in its place"
             )
         ground = shared.site(record, options)[1] if record else shared.ground(options)
-        chosen = {key: options[key] for key in ("closure", "rule", "paths", "seed")}
+        chosen = {key: options[key] for key in ("closure", "solver", "rule", "paths", "seed")}
         with progress_bar("simulating") as progress:
             table = correlate(first, second, ground, options["method"], **chosen, progress=progress)
         click.echo(f"# {table.attrs['title']}")

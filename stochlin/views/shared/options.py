@@ -76,6 +76,14 @@ closure_option = click.option(
     show_default=True,
 )
 
+solver_option = click.option(
+    "--solver",
+    type=Names("stochlin.analyses.correlation.correlation", "SOLVERS"),
+    default="closed_form",
+    show_default=True,
+    help="Of the linearized pairs: formulas, or the Lyapunov equation of each pair, iterated.",
+)
+
 
 class Measured(click.ParamType):  # type: ignore[type-arg]  # no generic type before click 8.2
     """A number with its unit, as case files have it: ``5cm`` or ``"5 cm"``; ratios have none."""

@@ -425,7 +425,7 @@ def _newton_round(
     of_both[:, n:] *= of_rates
     slopes = np.zeros((cells, n + k, n + k))
     by_coefficients = of_both[..., : 2 * m].reshape(cells, n + k, 2, m)
-    chain = np.einsum("cxan,alcn->cxln", by_coefficients, by_unknowns)
+    chain = np.einsum("xyan,alxn->xyln", by_coefficients, by_unknowns)
     slopes[..., :n] = chain.reshape(cells, n + k, n)
     exponents = problem.exponents[:, problem.power]
     slopes[..., n:] = (

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stochlin.analyses.correlation.derived_pairs import OF_A_SIDE, pieces_of_rho
-from stochlin.analyses.correlation.drifting_signatures import insight_of, insights
+from stochlin.analyses.correlation.drift.derived import OF_A_SIDE, pieces_of_rho
+from stochlin.analyses.correlation.drift.signatures import insight_of, insights
 from stochlin.analyses.correlation.errors import (
     DIFFERENCE,
     corrected,

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.correlation.derived_pairs import OF_A_SIDE, derived_correlation
+from stochlin.analyses.correlation.drift.derived import OF_A_SIDE, derived_correlation
 from stochlin.analyses.linearization.bias_map import point_of
 from stochlin.analyses.linearization.drift_map import (
     CORRECTED_GROUNDS,

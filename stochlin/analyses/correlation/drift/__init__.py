@@ -1,0 +1,1 @@
+"""Correlation by the drift closure."""
