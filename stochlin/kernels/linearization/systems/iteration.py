@@ -408,42 +408,62 @@ def _newton_round(
     """Linear systems for the unknowns (c, u), their moments, and the mismatch (c, u) with its slopes."""
     linear, values = _linear(problem, unknowns)
     moments = respond(problem, linear, slopes=True)
-    latent, m, k = _of_springs(problem, unknowns), problem.strength.shape[1], problem.power.size
-    rates, cells, n = unknowns[:, 3 * m :], len(unknowns), 3 * m
+    cells, n = len(unknowns), 3 * problem.strength.shape[1]
     reached, by_moments = to_unknowns(moments.springs)
     reached[:2] += level[:, None]
     assumed, by_assumed = to_unknowns(values.covariance)
-    by_latent = np.stack([np.exp(latent[0]), np.exp(latent[1]), 1 - np.tanh(latent[2]) ** 2])
-    by_unknowns = values.coefficients_jacobian * by_latent  # (2, 3, c, m)
+    mismatch = np.empty_like(unknowns)
+    mismatch[:, :n] = (reached - assumed).transpose(1, 0, 2).reshape(cells, n)
+    mismatch[:, n:] = 0.5 * np.log(moments.rates) + level[:, None] - unknowns[:, n:]
+    slopes = _slopes_of_reached(problem, unknowns, linear, values, moments, by_moments)
+    latent = _by_latent(problem, unknowns)
+    own = np.einsum("iacm,alcm,lcm->cmil", by_assumed, values.covariance_jacobian, latent)
+    for spring, block in enumerate(own.swapaxes(0, 1)):
+        place = np.arange(spring, n, problem.strength.shape[1])
+        slopes[:, place[:, None], place] -= block
+    rates = np.arange(n, unknowns.shape[1])
+    slopes[:, rates, rates] -= 1.0
+    still = np.concatenate([np.zeros((cells, n), bool), problem.idle], axis=1)
+    mismatch[still] = 0.0
+    slopes = np.where(still[..., None], -np.eye(unknowns.shape[1]), slopes)
+    return linear, moments, mismatch, slopes
+
+
+def _slopes_of_reached(
+    problem: Problem,
+    unknowns: Array,
+    linear: Linear,
+    values: ClosureValue,
+    moments: Moments,
+    by_moments: Array,
+) -> Array:
+    """Derivatives (c, u, u) of what the response reaches, as unknowns, by the unknowns.
+
+    They are the product of those of the unknowns by the moments, of the moments by the coefficients, and
+    of the coefficients by the unknowns.
+    """
+    (cells, m), k = problem.strength.shape, problem.power.size
+    n, power = 3 * m, problem.power
     scaled = (
         moments.slopes[:, :n].reshape(cells, 3, m, 2 * m + k) / problem.strength[:, None, :, None] ** 2
     )
-    of_springs = np.einsum("iacm,camx->cimx", by_moments, scaled)
-    of_springs = of_springs.reshape(cells, n, 2 * m + k)
-    of_both = np.concatenate([of_springs, moments.slopes[:, n:]], axis=1)
-    of_rates = 0.5 / moments.rates[..., None]
-    of_both[:, n:] *= of_rates
-    slopes = np.zeros((cells, n + k, n + k))
-    by_coefficients = of_both[..., : 2 * m].reshape(cells, n + k, 2, m)
+    of_springs = np.einsum("iacm,camx->cimx", by_moments, scaled).reshape(cells, n, 2 * m + k)
+    of_rates = 0.5 / moments.rates[..., None] * moments.slopes[:, n:]
+    reached = np.concatenate([of_springs, of_rates], axis=1)
+    by_unknowns = values.coefficients_jacobian * _by_latent(problem, unknowns)
+    slopes = np.empty((cells, n + k, n + k))
+    by_coefficients = reached[..., : 2 * m].reshape(cells, n + k, 2, m)
     chain = np.einsum("xyan,alxn->xyln", by_coefficients, by_unknowns)
     slopes[..., :n] = chain.reshape(cells, n + k, n)
-    exponents = problem.exponents[:, problem.power]
-    slopes[..., n:] = (
-        of_both[..., 2 * m :] * (linear.dashpots[:, problem.power] * (exponents - 1))[:, None]
-    )
-    own = np.einsum("iacm,alcm,lcm->cmil", by_assumed, values.covariance_jacobian, by_latent)
-    for spring in range(m):
-        place = spring + m * np.arange(3)
-        slopes[:, place[:, None], place] -= own[:, spring]
-    mismatch = np.empty_like(unknowns)
-    mismatch[:, :n] = (reached - assumed).transpose(1, 0, 2).reshape(cells, n)
-    mismatch[:, n:] = 0.5 * np.log(moments.rates) + level[:, None] - rates
-    each = n + np.arange(k)
-    slopes[:, each, each] -= 1.0
-    still = np.concatenate([np.zeros((cells, n), bool), problem.idle], axis=1)
-    mismatch[still] = 0.0
-    slopes = np.where(still[..., None], -np.eye(n + k), slopes)
-    return linear, moments, mismatch, slopes
+    of_constants = linear.dashpots[:, power] * (problem.exponents[:, power] - 1)
+    slopes[..., n:] = reached[..., 2 * m :] * of_constants[:, None]
+    return slopes
+
+
+def _by_latent(problem: Problem, unknowns: Array) -> Array:
+    """Derivatives (3, c, m) of the assumed moments by their unknowns."""
+    sv, sz, r = _of_springs(problem, unknowns)
+    return np.stack([np.exp(sv), np.exp(sz), 1 - np.tanh(r) ** 2])
 
 
 def _linear(problem: Problem, unknowns: Array) -> tuple[Linear, ClosureValue]:
