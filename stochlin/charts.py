@@ -6,7 +6,6 @@
 from stochlin.analyses.cases.pounding import pound_case as pound_case
 from stochlin.analyses.cases.pounding import pound_motions as pound_motions
 from stochlin.analyses.charts.charts import CHARTS as CHARTS
-from stochlin.analyses.charts.charts import ChartSettings as ChartSettings
 from stochlin.analyses.charts.charts import chart_functions as chart_functions
 from stochlin.analyses.charts.contacts import contact_history_chart as contact_history_chart
 from stochlin.analyses.charts.contacts import contact_loop_chart as contact_loop_chart
@@ -21,6 +20,7 @@ from stochlin.analyses.charts.records import per_spectrum_chart as per_spectrum_
 from stochlin.analyses.charts.records import portrait_chart as portrait_chart
 from stochlin.analyses.charts.records import recorded_gap_chart as recorded_gap_chart
 from stochlin.analyses.charts.rules import effective_rules_chart as effective_rules_chart
+from stochlin.analyses.charts.settings import ChartSettings as ChartSettings
 from stochlin.analyses.charts.verification import verify_chart as verify_chart
 from stochlin.analyses.linearization.bias_map import bias_map as bias_map
 from stochlin.views.charts.charts import PICTURES as PICTURES

@@ -51,14 +51,23 @@ def test_maxima_of_stiff_structures_on_a_lake_bed_are_far_above_the_linearized_r
 
 
 @pytest.mark.cli
-def test_picture_has_a_panel_for_each_reduction_factor_with_lines_and_points_of_their_own(chart):
-    figure = draw(chart)
-    assert len(figure.axes) == 2
-    [legend] = figure.legends
-    told = [text.get_text() for text in legend.get_texts()]
-    assert told[:2] == ["linearized", "drift closure"]
-    assert sorted(told[2:]) == ["maxima, simulated", "std. deviations, simulated"]
-    assert {line.get_linestyle() for line in figure.axes[0].lines[:2]} == {"-", "--"}
+def test_pictures_show_maxima_at_every_strength_and_deviations_where_they_are_simulated(chart):
+    plain, beside = draw(chart), draw(chart, comparison=True)
+    assert len(plain.axes) == 1
+    assert [axes.get_title("left") for axes in beside.axes] == ["R = 1", "R = 4"]
+    [legend], [told] = plain.legends, beside.legends
+    assert [text.get_text() for text in legend.get_texts()] == [
+        "R = 1",
+        "R = 4",
+        "D of mean maxima, simulated",
+    ]
+    points = [
+        line for line in plain.axes[0].lines if line.get_marker() in "os" and len(line.get_xdata())
+    ]
+    assert [len(line.get_xdata()) for line in points] == [5, 5]
+    assert [text.get_text() for text in told.get_texts()][:2] == ["linearized", "drift closure"]
+    assert len(told.get_texts()) == 4
+    assert {line.get_linestyle() for line in beside.axes[0].lines[:2]} == {"-", "--"}
 
 
 @pytest.mark.invariant

@@ -24,6 +24,7 @@ from stochlin.views.command import main
 pytestmark = pytest.mark.cli
 
 FORMULAS = ("fig3a", "fig3b", "fig6", "fig7", "fig8")  # of no ground
+OF_MOTIONS = ("fig1", "fig1b", "fig2")
 YIELDING = ("--hardening", 0.05, "--reduction-factor", 4)
 FIGURES = (*FORMULAS, "fig4a", "fig4b", "fig4c", "fig5a", "fig5b")
 # A pair of points and of reduction factors in each, and few motions.
@@ -193,10 +194,10 @@ def test_every_chart_is_drawn_beside_its_dataset(
     monkeypatch.chdir(tmp_path)
     result = CliRunner().invoke(main, ["charts"], default_map=QUICK_CHARTS)
     assert result.exit_code == 0, result.output
-    narrow = set(FIGURES)
-    broad = {f"{name}_broad_band" for name in FIGURES if name not in FORMULAS}
-    assert {path.stem for path in Path("figures").glob("*.nc")} == narrow | broad
-    assert {path.stem for path in Path("figures").glob("*.png")} == narrow | broad
+    names = {*FIGURES, *OF_MOTIONS}
+    second = {f"{name}_comparison" for name in FIGURES if name not in FORMULAS}
+    assert {path.stem for path in Path("figures").glob("*.nc")} == names
+    assert {path.stem for path in Path("figures").glob("*.png")} == names | second
     assert not list(Path("figures").glob(".*"))
 
 
@@ -204,7 +205,11 @@ def test_one_chart_with_its_own_parameters(tmp_path: Path) -> None:
     options = ("--damping", 0.02, "--reduction-factors", "1,3", "--points", 9, "--format", "svg")
     options += ("--simulated-points", 0)
     assert run("charts", "fig4b", *options, "--out", tmp_path).exit_code == 0
-    assert {path.name for path in tmp_path.iterdir()} == {"fig4b.nc", "fig4b.svg"}
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "fig4b.nc",
+        "fig4b.svg",
+        "fig4b_comparison.svg",
+    }
     with xr.open_dataset(tmp_path / "fig4b.nc") as chart:
         assert chart.reduction_factor.values.tolist() == [1, 3]
         assert "ξ = 0.02" in chart.attrs["caption"]
@@ -236,8 +241,9 @@ def test_charts_of_a_site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     line = "charts --record record.at2 --out site"
     result = CliRunner().invoke(main, line.split(), default_map=QUICK_CHARTS)
     assert result.exit_code == 0, result.output
-    names = {f"{name}_site" for name in FIGURES if name not in FORMULAS} | set(RECORDED)
-    assert {path.stem for path in Path("site").glob("*.png")} == names
+    names = {f"{name}_site" for name in FIGURES if name not in FORMULAS}
+    second = {f"{name}_comparison" for name in names}
+    assert {path.stem for path in Path("site").glob("*.png")} == names | second | set(RECORDED)
     np.savetxt("column.txt", sl.read_record("record.at2"))
     without_step = run("charts", "--record", "column.txt", "--units", "m/s^2", "--out", "site")
     assert without_step.exit_code == 2

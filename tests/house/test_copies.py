@@ -15,7 +15,7 @@ import sympy
 
 import stochlin as sl
 from stochlin.analyses.atlases.specification import specification
-from stochlin.analyses.charts.charts import ChartSettings
+from stochlin.analyses.charts.settings import ChartSettings
 from stochlin.analyses.explorer.scene import Scene
 from stochlin.models.contacts.base import CONTACTS
 from stochlin.models.envelopes import ENVELOPES

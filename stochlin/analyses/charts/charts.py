@@ -2,159 +2,119 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import partial
 from inspect import signature
-from itertools import groupby
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
-from stochlin.analyses.tables.checks import check_whole, checked_gap, is_number
+from stochlin.analyses.charts.settings import (
+    BROAD_BAND_DAMPING,
+    NARROW_BAND_DAMPING,
+    ChartSettings,
+)
+from stochlin.analyses.simulation.ground_motions import simulated_motions
+from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.messages import brief
+from stochlin.models.envelopes import AminAng
 from stochlin.models.grounds import Ground, KanaiTajimi
-from stochlin.models.laws.bilinear import Bilinear
-from stochlin.models.rules.effective_properties import EffectiveRule, effective_rule
 from stochlin.registry import Registry
 
 # The names of the parameters of a chart function select its arguments: the settings; a ground, for
-# which there is one chart for each ground, with an ending of its name; a record; its site, the ground
-# fitted to it.
+# which the chart has a panel for each; a record; a motion, which is the record or else a simulated one;
+# its site, the ground fitted to the record or else the first model ground.
 CHARTS: Registry[Callable[..., xr.Dataset]] = Registry("chart", "stochlin.analyses.charts")
-GIVEN = {"settings", "ground", "record", "site"}
-NARROW_BAND_DAMPING = 0.05  # that of the paper for Figs. 4 and 5
-BROAD_BAND_DAMPING = 0.6  # firm ground, Der Kiureghian & Neuenhofer 1992
+GIVEN = {"settings", "ground", "record", "motion", "site"}
+GROUND = "ground"
+# Motions of Figs. 1, 2 and 5b, in periods of the ground, so that an amplification does not depend on it:
+# the duration, the ends of the rise and of the strong part, and the decay. For 2 s it lasts 30 s.
+DURATION, RISE_END, STRONG_END, DECAY = 15.0, 2.0, 7.5, 0.7
+SIMULATED_INTENSITY, SIMULATED_STEP = 0.004, 0.02  # m^2/s^3, s
 
 
 @dataclass(frozen=True)
-class ChartSettings:
-    """Parameters of the charts, most of which the paper does not state.
+class ChartFunction:
+    """A chart that is still to be computed: with several grounds, on each, joined over ``ground``.
 
     Parameters
     ----------
-    damping, hardening : float
-        Damping ratio and hardening ratio [-] of all structures.
-    reduction_factors : tuple of float
-        Reduction factors [-] of the curves in Figs. 4 and 5b.
-    plane_reduction_factor : float
-        Reduction factor [-] in Fig. 5a; that of the paper is 4.
-    ductility : float
-        Peak ductility [-] of both structures in Fig. 3b.
-    ground_period : float
-        Period ``Tg`` [s] of the two model grounds.
-    structure_period : float, optional
-        Period [s] of the structure of Fig. 1, and of the first structure in the chart of added damping.
-        The default is the period of the ground fitted to the record.
-    second_period : float, optional
-        Period [s] of the second structure in the chart of added damping. The default is 0.7 times the
-        first one.
-    gap : float, optional
-        Existing gap [m] in the chart of added damping.
-    closure : str
-        Closure of the linearization, as in `stochlin.linearize`.
-    points : int
-        Number of periods along an axis.
-    method : {"linearization", "simulation"}
-        Method for the response of yielding structures.
-    paths, seed : int
-        Number and seed of simulated motions, as in `stochlin.simulate`.
-    simulated_points : int, optional
-        Number of periods at which each curve of Fig. 4, and Fig. 5a along each axis, are also simulated;
-        0 for none. The default is 21 for a curve and 41 for an axis.
-    rules : tuple of str, optional
-        Names of `stochlin.effective_rule_names`, or of unverified rules, for Figs. 3b and 4. The default
-        is all verified rules for Fig. 3b, and for Fig. 4 that of the paper (Jeng et al., unverified) and
-        that of Iwan.
-
-    Raises
-    ------
-    ValueError, TypeError
-        If a value is out of range or of the wrong kind, or a rule is unknown.
-
-    Examples
-    --------
-    >>> from stochlin.charts import ChartSettings
-    >>> ChartSettings(points=5).fine_points
-    9
+    compute : callable
+        Function of the registry that computes the dataset.
+    given : dict
+        What the function asks for, except a ground.
+    grounds : dict
+        Grounds by the titles of their panels; empty for a chart that asks for none.
     """
 
-    damping: float = 0.05
-    hardening: float = 0.05
-    reduction_factors: tuple[float, ...] = (1.0, 2.0, 4.0, 6.0)
-    plane_reduction_factor: float = 4.0
-    ductility: float = 4.0
-    ground_period: float = 2.0
-    structure_period: float | None = None
-    second_period: float | None = None
-    gap: float | None = None
-    closure: str = "gaussian"
-    points: int = 161
-    method: str = "linearization"
-    paths: int = 256
-    seed: int = 0
-    simulated_points: int | None = None
-    rules: tuple[str, ...] | None = None
+    compute: Callable[..., xr.Dataset]
+    given: Mapping[str, Any]
+    grounds: Mapping[str, Ground]
 
-    @property
-    def options(self) -> dict[str, Any]:
-        """Keyword arguments for `stochlin.correlate` and `stochlin.amplification`."""
-        names = ("method", "closure", "paths", "seed")
-        return {name: getattr(self, name) for name in names}
-
-    @property
-    def fine_points(self) -> int:
-        """Number of points of a curve that is quickly computed, about twice ``points``."""
-        return 2 * self.points - 1
-
-    def __post_init__(self) -> None:
-        check_points(self.points)
-        check_whole("paths", self.paths, 2)
-        check_whole("seed", self.seed, 0)
-        if self.simulated_points is not None:
-            check_whole("simulated_points", self.simulated_points, 0)
-        if self.simulated_points == 1:
-            raise ValueError("simulated_points = 1; allowed: at least 2, or 0 for none")
-        chosen_rules(self.rules, ())
-        if not self.reduction_factors:
-            raise ValueError("reduction_factors is empty; allowed: at least one value")
-        asked = {"damping": "damping", "hardening": "hardening", "ground_period": "period"}
-        asked |= {"plane_reduction_factor": "reduction_factor", "ductility": "reduction_factor"}
-        for name in ("structure_period", "second_period"):
-            if getattr(self, name) is not None:
-                asked[name] = "period"
-        if self.gap is not None:
-            checked_gap(self.gap)
-        given = [(name, getattr(self, name), Bilinear.allowed(own)) for name, own in asked.items()]
-        factor = Bilinear.allowed("reduction_factor")
-        given += [("reduction_factors", value, factor) for value in self.reduction_factors]
-        for name, value, allowed in given:
-            if not is_number(value) or not allowed.contains(value):
-                raise ValueError(f"{name} = {brief(value)} is out of range; allowed: {allowed}")
+    def __call__(self, progress: Progress | None = None) -> xr.Dataset:
+        """The dataset as in its file; ``progress`` is called with the share that is done."""
+        reports = "progress" in signature(self.compute).parameters
+        tables: dict[str, xr.Dataset] = {}
+        runs = [{"ground": ground} for ground in self.grounds.values()] or [{}]
+        for number, own in enumerate(runs):
+            part = part_of(progress, number / len(runs), (number + 1) / len(runs))
+            told = {"progress": part} if reports else {}
+            tables[[*self.grounds, ""][number]] = self.compute(**self.given, **own, **told)
+        return for_file(_joined(tables))
 
 
-def check_points(points: int) -> None:
-    """Raise a ValueError if there are less than two points along an axis."""
-    if points < 2:
-        raise ValueError(f"points = {points}; allowed: at least 2")
+def _joined(tables: Mapping[str, xr.Dataset]) -> xr.Dataset:
+    """Tables of several grounds over ``ground``; captions and comments keep all that they say."""
+    first, *others = tables.values()
+    if not others:
+        return first
+    axis = xr.DataArray(list(tables), dims=GROUND, name=GROUND, attrs={"long_name": "ground"})
+    how: Any = {"data_vars": "all", "coords": "minimal", "compat": "override", "join": "exact"}
+    chart = xr.concat(list(tables.values()), axis, combine_attrs="drop_conflicts", **how)
+    lines = zip(
+        *(table.attrs.get("caption", "").splitlines() for table in tables.values()), strict=False
+    )
+    chart.attrs["caption"] = "\n".join(dict.fromkeys(line for same in lines for line in same))
+    if "comment" not in chart.attrs:
+        chart.attrs["comment"] = " ".join(
+            f"{name[0].upper()}{name[1:]}: {table.attrs['comment']}"
+            for name, table in tables.items()
+            if "comment" in table.attrs
+        )
+    return chart
 
 
-def chosen_rules(
-    rules: Iterable[str | EffectiveRule] | None, usual: Sequence[str]
-) -> list[EffectiveRule]:
-    """Rules for effective properties, without repetitions; the ``usual`` ones if ``rules`` is None."""
-    if isinstance(rules, str) or not isinstance(rules, Iterable | None):
-        raise TypeError(f"rules = {brief(rules)}; allowed: a list of names of effective rules")
-    names = usual if rules is None else list(rules)
-    if rules is not None and not names:
-        raise ValueError("rules is empty; allowed: at least one name, or none given")
-    found = [effective_rule(name) for name in names]
-    return list({rule.name: rule for rule in found}.values())
+def for_file(chart: xr.Dataset) -> xr.Dataset:
+    """A chart as its file and its picture have it: six significant digits, and no version.
+
+    The rounding errors of another processor or number of threads do not show in six digits, so that
+    the same inputs give the same file; what is below 1e-9 of a variable's largest value is zero.
+    """
+    chart = chart.copy()
+    for name, array in chart.variables.items():
+        if array.dtype.kind == "f":
+            chart[name] = array.dims, rounded(array.values), array.attrs
+    for key in ("stochlin_version", "history"):
+        chart.attrs.pop(key, None)
+    for key, value in chart.attrs.items():
+        if isinstance(value, float):
+            chart.attrs[key] = float(f"{value:.5e}")
+    return chart
+
+
+def rounded(values: np.ndarray) -> np.ndarray:
+    """Values to six significant digits, or to 1e-9 of the largest one."""
+    largest = np.abs(values[np.isfinite(values)]).max(initial=0.0)
+    if largest > 0:
+        decade = np.floor(np.log10(float(f"{largest:.5e}")))
+        values = np.round(values, int(9 - decade))
+    return np.char.mod("%.5e", values).astype(float) + 0.0  # no -0
 
 
 def chart_functions(
     settings: ChartSettings, record: xr.DataArray | None = None, site: Ground | None = None
-) -> Mapping[str, partial[xr.Dataset]]:
+) -> Mapping[str, ChartFunction]:
     """Charts by name, each as a function without arguments that computes its dataset.
 
     Parameters
@@ -162,14 +122,16 @@ def chart_functions(
     settings : ChartSettings
         Parameters of the charts.
     record : xarray.DataArray, optional
-        Record [m/s^2] for the charts of a site.
+        Record [m/s^2] for the charts of a site. The default is a simulated motion on the first of the
+        model grounds.
     site : Ground, optional
         Ground fitted to the record. With both, the charts are those of the site.
 
     Returns
     -------
     mapping
-        Functions by the name of the chart, which is the name of its file without suffix.
+        Functions by the name of the chart, which is the name of its file without suffix. They may be
+        given ``progress``, which is called with the share of the work that is done.
 
     Examples
     --------
@@ -178,25 +140,61 @@ def chart_functions(
     >>> functions["fig3a"]().rho.dims
     ('damping', 'period_ratio')
     """
+    grounds, ending = _model_grounds(settings), ""
     given: dict[str, Any] = {"settings": settings}
-    recorded = record is not None and site is not None
-    if recorded:
-        given |= {"record": record, "site": site}
-        on_grounds = {"_site": given | {"ground": site}}
+    if record is not None and site is not None:
+        given |= {"record": record, "motion": record, "site": site}
+        grounds, ending = {"": site}, "_site"
     else:
-        dampings = {"": NARROW_BAND_DAMPING, "_broad_band": BROAD_BAND_DAMPING}
-        on_grounds = {
-            ending: given | {"ground": KanaiTajimi(settings.ground_period, damping)}
-            for ending, damping in dampings.items()
-        }
-    functions: dict[str, partial[xr.Dataset]] = {}
-    for on_ground, group in groupby(CHARTS, lambda name: "ground" in _asked(name)):
-        names = [n for n in group if recorded == _of_record(n) or (recorded and on_ground)]
-        for ending, things in (on_grounds if on_ground else {"": given}).items():
-            for name in names:
-                chosen = {key: things[key] for key in _asked(name)}
-                functions[f"{name}{ending}"] = partial(CHARTS[name], **chosen)
+        site = next(iter(grounds.values()))
+        given |= {"motion": _simulated_motion(site, settings.seed), "site": site}
+    functions: dict[str, ChartFunction] = {}
+    for name, compute in CHARTS.items():
+        asked = _asked(name)
+        on_ground, own = GROUND in asked, asked - {GROUND}
+        of_site = on_ground or not asked.isdisjoint({"record", "motion"})
+        if own <= set(given) and (of_site or not ending):
+            ending_of = ending if on_ground else ""
+            chosen = {key: given[key] for key in own}
+            functions[f"{name}{ending_of}"] = ChartFunction(
+                compute, chosen, grounds if on_ground else {}
+            )
     return functions
+
+
+def _model_grounds(settings: ChartSettings) -> dict[str, Ground]:
+    """The model grounds by the titles of their panels."""
+    words = {NARROW_BAND_DAMPING: "narrow band, ", BROAD_BAND_DAMPING: "broad band, "}
+    return {
+        f"{words.get(damping, '')}ξg = {damping:g}": KanaiTajimi(settings.ground_period, damping)
+        for damping in settings.ground_dampings
+    }
+
+
+def _simulated_motion(ground: Ground, seed: int) -> xr.DataArray:
+    """A motion in place of a record, as strong as one on the lake bed of Mexico City in 1985."""
+    period, damping = (float(ground.arrays()[name]) for name in ("period", "damping"))
+    duration, envelope = design_motion(period)
+    strong = KanaiTajimi(period, damping, intensity=SIMULATED_INTENSITY)
+    motion = simulated_motions(strong, duration, envelope, paths=2, seed=seed, step=SIMULATED_STEP)[0]
+    about = (
+        f"Motion simulated with seed {seed}: Kanai-Tajimi ground, Tg = {period:.3g} s, "
+        f"ξg = {damping:.3g}, S0 = {SIMULATED_INTENSITY:g} m²/s³; {envelope_caption(duration, envelope)}"
+    )
+    return motion.assign_attrs(source="a simulated motion", about=about)
+
+
+def design_motion(period: float) -> tuple[float, AminAng]:
+    """Duration [s] and envelope of the finite motions on a ground of this period."""
+    return DURATION * period, AminAng(RISE_END * period, STRONG_END * period, DECAY / period)
+
+
+def envelope_caption(duration: float, envelope: AminAng) -> str:
+    """Duration and envelope, for the caption of a picture."""
+    return (
+        f"{duration:.3g} s of motion, Amin-Ang envelope: rise to {envelope.rise_end:.3g} s, strong to "
+        f"{envelope.strong_end:.3g} s, decay {envelope.decay:.3g} 1/s"
+    )
 
 
 def _asked(name: str) -> set[str]:
@@ -207,8 +205,3 @@ def _asked(name: str) -> set[str]:
         wrong, allowed = ", ".join(sorted(asked - GIVEN)), ", ".join(sorted(GIVEN))
         raise TypeError(f"chart {brief(name)} needs {wrong}; allowed: {allowed}")
     return asked
-
-
-def _of_record(name: str) -> bool:
-    """Whether a chart needs a record or its site."""
-    return not _asked(name).isdisjoint({"record", "site"})

@@ -15,7 +15,8 @@ import numpy as np
 import xarray as xr
 from scipy.integrate import solve_ivp
 
-from stochlin.analyses.charts.charts import CHARTS, ChartSettings, check_points
+from stochlin.analyses.charts.charts import CHARTS
+from stochlin.analyses.charts.settings import ChartSettings, check_points
 from stochlin.analyses.charts.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array

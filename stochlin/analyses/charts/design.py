@@ -1,4 +1,4 @@
-"""Data of the design charts: Figs. 3a, 4 and 5 of the paper, and the same on broad-band ground.
+"""Data of the design charts: Figs. 3a, 4 and 5 of the paper.
 
 The paper does not state the damping, the hardening and the period of the ground. They are settings, and
 stated in each dataset. Only ratios of periods matter, so that the period of the ground is arbitrary.
@@ -12,21 +12,24 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.charts.charts import CHARTS, ChartSettings
+from stochlin.analyses.charts.charts import CHARTS, design_motion, envelope_caption
+from stochlin.analyses.charts.settings import (
+    DRIFT_CLOSURE,
+    ELASTIC,
+    EQ_4,
+    SIMULATION,
+    ChartSettings,
+)
 from stochlin.analyses.charts.variables import VARIABLES
-from stochlin.analyses.charts.verification import with_rules, with_truth
+from stochlin.analyses.charts.verification import left_out, with_rules, with_truth
 from stochlin.analyses.correlation.amplification import amplification
 from stochlin.analyses.correlation.correlation import correlate, rho_white_noise
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress, part_of
-from stochlin.models.envelopes import AminAng
 from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import DRIFT
 
-# Motion of Fig. 5b, in periods of the ground, so that the amplification does not depend on the period:
-# its duration, the ends of the rise and of the strong part, and the decay. For 2 s it lasts 30 s.
-DURATION, RISE_END, STRONG_END, DECAY = 15.0, 2.0, 7.5, 0.7
 STD_INTERVALS, PEAK_INTERVALS = 8, 32  # intervals between simulated periods
 STD_PATHS = 64  # paths for standard deviations, whose simulations are long
 SLOWEST_DRIFT = 2.0  # smallest reduction factor whose standard deviation is simulated within minutes
@@ -64,7 +67,7 @@ def white_noise_chart(settings: ChartSettings) -> xr.Dataset:
     )
     damping = labels.axis("damping", "damping ratio", [0.01, 0.02, 0.05, 0.1, 0.2])
     table = rho_white_noise(ratio, 1.0, damping, damping).transpose("damping", "period_ratio")
-    return table.assign_attrs(
+    return labels.label(table, VARIABLES).assign_attrs(
         chart="curves",
         title="Correlation of linear structures under white noise, eq. (4)",
         caption="Linear structures of equal damping ratio on white noise ground.",
@@ -119,14 +122,12 @@ def period_ratio_chart(
     )
     table = correlate(first, second, ground, **settings.options)
     part_of(progress, 0.0, TABLE_SHARE)(1.0)
-    elastic_1, elastic_2 = (Bilinear(period, settings.damping) for period in periods)
     chart = table[_shown(table)].transpose("reduction_factor", "period_ratio")
-    chart = chart.assign(
-        rho_elastic=correlate(elastic_1, elastic_2, ground).rho,
-        rho_white_noise=correlate(elastic_1, elastic_2, ground, "white_noise").rho,
-    )
-    chart.rho_elastic.attrs["long_name"] = "rho of elastic structures on this ground"
-    chart.rho_white_noise.attrs["long_name"] = "rho of elastic structures under white noise, eq. (4)"
+    elastic_1, elastic_2 = (Bilinear(period, settings.damping) for period in periods)
+    if settings.draws(ELASTIC):
+        chart["rho_elastic"] = correlate(elastic_1, elastic_2, ground).rho
+    if settings.draws(EQ_4):
+        chart["rho_white_noise"] = correlate(elastic_1, elastic_2, ground, "white_noise").rho
     times = "" if frequency_ratio == 1 else f"{frequency_ratio:g} "
     title = f"Correlation of bilinear structures, ω2 = {times}ωg"
     where = f"{ground_caption(ground)}; T2 = {second_period:.3g} s"
@@ -136,7 +137,7 @@ def period_ratio_chart(
     chart = with_rules(chart, (first, second), ground, settings)
     left = part_of(progress, 2 * TABLE_SHARE, 1.0)
     left(0.0)
-    return with_truth(chart, (first, second), ground, settings, 21, left)
+    return left_out(with_truth(chart, (first, second), ground, settings, 21, left), settings)
 
 
 @CHARTS.register("fig5a", place=50)
@@ -187,7 +188,7 @@ def period_plane_chart(
         return chart
     left = part_of(progress, TABLE_SHARE, 1.0)
     left(0.0)
-    return with_truth(chart, (first, second), ground, settings, 41, left)
+    return left_out(with_truth(chart, (first, second), ground, settings, 41, left), settings)
 
 
 @CHARTS.register("fig5b", place=50)
@@ -238,25 +239,36 @@ def amplification_chart(
         return chart
     left = part_of(progress, TABLE_SHARE, 1.0)
     left(0.0)
-    return _with_simulated_amplification(chart, structure, ground, settings, left)
+    return left_out(_with_others(chart, structure, ground, settings, left), settings)
 
 
-def _with_simulated_amplification(
+def _with_others(
     chart: xr.Dataset,
     structure: Bilinear,
     ground: Ground,
     settings: ChartSettings,
     progress: Progress,
 ) -> xr.Dataset:
-    """A linearized Fig. 5b with the drift closure, and with simulated std. deviations and peaks."""
-    period, last = ground_period(ground), chart.sizes["period_ratio"] - 1
-    duration = DURATION * period
-    shape = RISE_END * period, STRONG_END * period, DECAY / period
-    envelope = AminAng(*shape)
-    seldom, often = (slice(None, None, max(1, last // n)) for n in (STD_INTERVALS, PEAK_INTERVALS))
-    if settings.closure != DRIFT:
+    """A linearized Fig. 5b with the drift closure, and with simulated peaks and std. deviations."""
+    if settings.draws(DRIFT_CLOSURE) and settings.closure != DRIFT:
         drifting = amplification(structure, ground, closure=DRIFT).amplification
         chart = chart.assign(amplification_drift=drifting.transpose(*chart.amplification.dims))
+    if settings.draws(SIMULATION):
+        chart = _simulated(chart, structure, ground, settings, progress)
+    return labels.label(chart, VARIABLES).assign_attrs(comparison="compared_curves")
+
+
+def _simulated(
+    chart: xr.Dataset,
+    structure: Bilinear,
+    ground: Ground,
+    settings: ChartSettings,
+    progress: Progress,
+) -> xr.Dataset:
+    """Fig. 5b with simulated peaks, and std. deviations where structures do not yield too rarely."""
+    duration, envelope = design_motion(ground_period(ground))
+    last = chart.sizes["period_ratio"] - 1
+    seldom, often = (slice(None, None, max(1, last // n)) for n in (STD_INTERVALS, PEAK_INTERVALS))
     motion: dict[str, Any] = {"of": "peak", "duration": duration, "envelope": envelope}
     runs = [(OF_PEAKS, slice(None), often, {**motion, "paths": settings.paths})]
     few = {"method": "simulation", "paths": min(settings.paths, STD_PATHS)}
@@ -275,13 +287,10 @@ def _with_simulated_amplification(
             values = found[f"amplification{end}"].transpose(*chart.amplification.dims).values
             chart[name + end][place] = values
     caption = (
-        f"{chart.attrs['caption']}\nMaxima: {duration:.3g} s of motion, Amin-Ang envelope: rise to "
-        f"{shape[0]:.3g} s, strong to {shape[1]:.3g} s, decay {shape[2]:.3g} 1/s; "
-        f"std. deviations simulated for R ≥ {SLOWEST_DRIFT:g}"
+        f"{chart.attrs['caption']}\nMaxima: {envelope_caption(duration, envelope)}; std. deviations "
+        f"simulated for R ≥ {SLOWEST_DRIFT:g}"
     )
-    return labels.label(chart, VARIABLES).assign_attrs(
-        chart="amplification", caption=caption, comment=_errors_of_amplification(chart)
-    )
+    return chart.assign_attrs(caption=caption, comment=_errors_of_amplification(chart))
 
 
 def _errors_of_amplification(chart: xr.Dataset) -> str:

@@ -9,8 +9,9 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.charts.charts import CHARTS, ChartSettings, check_points
+from stochlin.analyses.charts.charts import CHARTS
 from stochlin.analyses.charts.design import ground_caption, ground_period
+from stochlin.analyses.charts.settings import ChartSettings, check_points
 from stochlin.analyses.charts.variables import VARIABLES
 from stochlin.analyses.records.cells import Records
 from stochlin.analyses.records.records import strong_part
@@ -40,14 +41,14 @@ def _site_spectrum(record: xr.DataArray, site: Ground) -> xr.Dataset:
 
 
 @CHARTS.register("fig1", place=11)
-def _fig1(settings: ChartSettings, record: xr.DataArray, site: Ground) -> xr.Dataset:
-    return portrait_chart(record, _period(settings, site), settings.damping)
+def _fig1(settings: ChartSettings, motion: xr.DataArray, site: Ground) -> xr.Dataset:
+    return portrait_chart(motion, _period(settings, site), settings.damping)
 
 
 @CHARTS.register("fig1b", place=12)
-def _fig1b(settings: ChartSettings, record: xr.DataArray, site: Ground) -> xr.Dataset:
+def _fig1b(settings: ChartSettings, motion: xr.DataArray, site: Ground) -> xr.Dataset:
     strength = settings.hardening, settings.plane_reduction_factor
-    return energy_chart(record, _period(settings, site), settings.damping, *strength, settings.points)
+    return energy_chart(motion, _period(settings, site), settings.damping, *strength, settings.points)
 
 
 @CHARTS.register("per_spectrum", place=13)
@@ -57,8 +58,8 @@ def _per_spectrum(settings: ChartSettings, record: xr.DataArray) -> xr.Dataset:
 
 
 @CHARTS.register("fig2", place=14)
-def _fig2(settings: ChartSettings, record: xr.DataArray) -> xr.Dataset:
-    return recorded_gap_chart(record, settings.damping, min(settings.points, GAP_POINTS))
+def _fig2(settings: ChartSettings, motion: xr.DataArray) -> xr.Dataset:
+    return recorded_gap_chart(motion, settings.damping, min(settings.points, GAP_POINTS))
 
 
 @CHARTS.register("added_damping", place=15)
@@ -124,7 +125,8 @@ def portrait_chart(record: xr.DataArray, period: float, damping: float) -> xr.Da
     return labels.label(chart, VARIABLES).assign_attrs(
         chart="portrait",
         title=f"Pseudo energy radius of {_source(record)}",
-        caption=f"Elastic structure: T = {period:.3g} s, ξ = {damping:.3g}; r_PER = {float(peak):.3g} m",
+        caption=f"Elastic structure: T = {period:.3g} s, ξ = {damping:.3g}; r_PER = {float(peak):.3g} m"
+        f"{_about(record)}",
     )
 
 
@@ -207,7 +209,8 @@ def energy_chart(
         chart="energies",
         title=f"Pseudo energy radius and energies of {_source(record)}",
         caption=f"ξ = {damping:.3g}; over time: T = {period:.3g} s; yielding: R = {reduction_factor:g} "
-        f"and hardening ratio {hardening:.3g}. An energy E of a mass m is drawn as √(2E/m)/ω.",
+        f"and hardening ratio {hardening:.3g}. An energy E of a mass m is drawn as √(2E/m)/ω."
+        f"{_about(record)}",
     )
 
 
@@ -297,11 +300,12 @@ def recorded_gap_chart(record: xr.DataArray, damping: float, points: int = 61) -
     chart = chart[["separation", "srss", "rho", "status", "critical_gap", "rho_white_noise"]]
     chart.rho.attrs["long_name"] = "correlation over the recorded motion"
     chart.rho_white_noise.attrs["long_name"] = "rho under white noise, eq. (4)"
-    chart.critical_gap.attrs.update(units="m", long_name="critical gap, eqs. (3) and (4)")
+    chart.critical_gap.attrs.update(units="m", long_name="critical gap")
     return chart.assign_attrs(
         chart="critical_gap",
         title=f"Critical gap in {_source(record)}",
-        caption=f"Elastic structures: ξ = {damping:.3g}; the largest u1 - u2, and eqs. (3) and (4)",
+        caption=f"Elastic structures: ξ = {damping:.3g}; the largest u1 - u2, and eqs. (3) and (4)"
+        f"{_about(record)}",
     )
 
 
@@ -370,3 +374,8 @@ def _period(settings: ChartSettings, site: Ground) -> float:
 
 def _source(record: xr.DataArray) -> str:
     return str(record.attrs.get("source", "a record"))
+
+
+def _about(record: xr.DataArray) -> str:
+    """A line that says how a motion was simulated; empty for a record."""
+    return f"\n{record.attrs['about']}" if "about" in record.attrs else ""

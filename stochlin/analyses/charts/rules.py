@@ -3,21 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from stochlin._version import __version__
-from stochlin.analyses.charts.charts import CHARTS, ChartSettings, chosen_rules
+from stochlin.analyses.charts.charts import CHARTS
+from stochlin.analyses.charts.settings import ChartSettings
+from stochlin.analyses.charts.variables import VARIABLES
 from stochlin.analyses.correlation.effective import rho_effective
 from stochlin.analyses.tables import labels
-from stochlin.models.rules.effective_properties import EffectiveRule, effective_rule_names
+from stochlin.messages import brief
+from stochlin.models.rules.effective_properties import (
+    EffectiveRule,
+    effective_rule,
+    effective_rule_names,
+)
 
 
 def effective_rules_chart(
     damping: float,
     hardening: float,
-    ductility: float,
+    ductility: float | Sequence[float],
     points: int = 321,
     rules: Sequence[str | EffectiveRule] | None = None,
 ) -> xr.Dataset:
@@ -29,8 +37,10 @@ def effective_rules_chart(
 
     Parameters
     ----------
-    damping, hardening, ductility : float
-        Damping ratio, hardening ratio and peak ductility [-] of both structures.
+    damping, hardening : float
+        Damping ratio and hardening ratio [-] of both structures.
+    ductility : float or list of float
+        Peak ductility [-] of both structures; of a list, one panel for each.
     points : int
         Number of period ratios, from 1/4 to 4.
     rules : list of str or EffectiveRule, optional
@@ -40,13 +50,14 @@ def effective_rules_chart(
     Returns
     -------
     xarray.Dataset
-        ``rho`` [-] over ``rule`` and ``period_ratio``, the ratio of the elastic periods. The coordinates
+        ``rho`` [-] over ``rule`` and ``period_ratio``, the ratio of the elastic periods, and over
+        ``ductility`` for a list; NaN beyond the ductility to which a rule was fitted. The coordinates
         ``reference`` and ``mark`` over ``rule`` state the source of a rule and how it was checked.
 
     Raises
     ------
     ValueError, TypeError
-        If a rule is unknown, or ``rules`` is empty or no list.
+        If a rule is unknown, or ``rules`` is no list.
 
     References
     ----------
@@ -59,17 +70,24 @@ def effective_rules_chart(
     >>> chart.rule.values.tolist()
     ['iwan_1980', 'secant']
     """
-    chosen = chosen_rules(rules, effective_rule_names())
+    if isinstance(rules, str):
+        raise TypeError(f"rules = {brief(rules)}; allowed: a list of names of effective rules")
+    chosen = [effective_rule(rule) for rule in rules or effective_rule_names()]
+    values = np.atleast_1d(ductility).tolist()
+    mu: Any = labels.axis("ductility", "peak ductility", values) if len(values) > 1 else values[0]
     ratio = labels.axis("period_ratio", "elastic period ratio T1/T2", np.geomspace(0.25, 4, points))
-    both = {"damping": damping, "hardening": hardening, "ductility": ductility}
+    both = {"damping": damping, "hardening": hardening, "ductility": mu}
     pair = {f"{name}_{n}": value for name, value in both.items() for n in (1, 2)}
     tables = [rho_effective(ratio, 1.0, **pair, rule=rule)[["rho", "status"]] for rule in chosen]
+    for table, rule in zip(tables, chosen, strict=True):
+        table["rho"] = table.rho.where(np.less_equal(mu, rule.largest_ductility))
     doubts = [f"{rule.title or rule.name}: {rule.reason}." for rule in chosen if rule.reason]
-    return along_rules(tables, chosen).assign_attrs(
+    chart = along_rules(tables, chosen).transpose(..., "rule", "period_ratio")
+    return labels.label(chart, VARIABLES).assign_attrs(
         chart="curves",
         title="Correlation of bilinear structures by eq. (4) with effective properties",
         caption=f"White noise. Bilinear structures: ξ = {damping:g}, α = {hardening:g}, peak ductility "
-        f"{ductility:g} of both; ratio of the elastic periods",
+        f"{', '.join(f'{one:g}' for one in values)} of both; ratio of the elastic periods",
         comment=" ".join(
             [
                 "Estimates, which do not depend on the ground. Compared with nonlinear simulation, "
@@ -97,5 +115,5 @@ def along_rules(tables: Sequence[xr.Dataset], rules: Sequence[EffectiveRule]) ->
 
 @CHARTS.register("fig3b", place=30)
 def _fig3b(settings: ChartSettings) -> xr.Dataset:
-    given = settings.damping, settings.hardening, settings.ductility
-    return effective_rules_chart(*given, settings.fine_points, settings.rules)
+    given = settings.damping, settings.hardening, settings.ductilities
+    return effective_rules_chart(*given, settings.fine_points, settings.rules(effective_rule_names()))

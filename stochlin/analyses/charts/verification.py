@@ -4,15 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from inspect import signature
 from itertools import product
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.charts.charts import ChartSettings, chart_functions, chosen_rules
+from stochlin.analyses.charts.charts import chart_functions, for_file
 from stochlin.analyses.charts.rules import along_rules
+from stochlin.analyses.charts.settings import (
+    DRIFT_CLOSURE,
+    ELASTIC,
+    LINEARIZATION,
+    SIMULATION,
+    ChartSettings,
+)
 from stochlin.analyses.charts.variables import VARIABLES
 from stochlin.analyses.correlation.correlation import correlate
 from stochlin.analyses.tables import labels
@@ -22,9 +28,10 @@ from stochlin.models.grounds import Ground
 from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
 from stochlin.models.structures import DRIFT, Structure
 
-USUAL_RULES = ("jeng_kasai_maison_1992_unverified", "iwan_1980")  # that of the paper, and a verified one
+USUAL_RULES = ("penzien_1997", "iwan_1980")  # derived, and fitted to records
 DRIFT_SHARE = 0.02  # share of the drift closure in the time for it and for the simulations
 INTERVALS = 120  # least number of intervals of curves beside simulated points
+BESIDE = ("_drift", "_simulated", "_of_peaks")  # endings of what can be drawn without linearization
 Pair = tuple[Structure, Structure]
 Place = dict[str, slice]  # cells of a chart
 
@@ -35,21 +42,25 @@ def with_rules(chart: xr.Dataset, pair: Pair, ground: Ground, settings: ChartSet
     The peak ductilities are those for the reduction factor of the chart: the peak factor times the
     standard deviation of the ductility by the drift closure, whose bias is small.
     """
-    rules = chosen_rules(settings.rules, USUAL_RULES)
-    tables = [correlate(*pair, ground, "effective", closure=DRIFT, rule=rule) for rule in rules]
-    found = along_rules([table[["rho"]].rename(rho="rho_effective") for table in tables], rules)
-    ductilities = [tables[0][f"ductility_peak_{n}"] for n in (1, 2)]
+    rules = [rule for rule in settings.rules(USUAL_RULES) if rule.name != ELASTIC]  # that is eq. (4)
+    chart.attrs["comparison"] = "compared_curves"
+    if not rules:
+        return labels.label(chart, VARIABLES)
+    tables = []
+    for rule in rules:
+        table = correlate(*pair, ground, "effective", closure=DRIFT, rule=rule)
+        ductilities = [table[f"ductility_peak_{n}"] for n in (1, 2)]
+        fitted = [one <= rule.largest_ductility for one in ductilities]
+        tables.append(table[["rho"]].where(fitted[0] & fitted[1]).rename(rho="rho_effective"))
+    found = along_rules(tables, rules)
     chart = chart.assign(rho_effective=found.rho_effective.transpose("rule", *chart.rho.dims))
     chart = chart.assign({str(one.name): one for one in ductilities})
-    values = np.concatenate([one.values.ravel() for one in ductilities])
-    low, high = np.nanmin(values), np.nanmax(values)
     caption = (
         f"{chart.attrs['caption']}\nEffective properties: eq. (4) at the peak ductilities of the same "
-        f"R, 3 σu/uy by drift closure ({low:.3g} to {high:.3g})"
+        "R, 3 σu/uy by drift closure, as far as a rule was fitted"
     )
     sources = "; ".join([chart.attrs["references"], *(rule.reference for rule in rules)])
-    chart = chart.assign_attrs(chart="compared_curves", caption=caption, references=sources)
-    return labels.label(chart, VARIABLES)
+    return labels.label(chart.assign_attrs(caption=caption, references=sources), VARIABLES)
 
 
 def with_truth(
@@ -67,11 +78,12 @@ def with_truth(
     that would take too long are left out, which the comment states. ``progress`` is called with the
     share of this work that is done.
     """
-    if settings.closure != DRIFT:
+    if settings.draws(DRIFT_CLOSURE) and settings.closure != DRIFT:
         drift = correlate(*pair, ground, closure=DRIFT).rho
         chart = chart.assign(rho_drift=drift.transpose(*chart.rho.dims))
+        chart.attrs["comparison"] = f"compared_{chart.attrs['chart']}"
     progress(DRIFT_SHARE)
-    asked = settings.simulated_points
+    asked = settings.simulated_points if settings.draws(SIMULATION) else 0
     if count := usual_points if asked is None else asked:
         runs = part_of(progress, DRIFT_SHARE, 1.0)
         simulated, refused = _simulated(chart.rho, pair, ground, settings, count, runs)
@@ -82,6 +94,19 @@ def with_truth(
     return labels.label(chart, VARIABLES)
 
 
+def left_out(chart: xr.Dataset, settings: ChartSettings) -> xr.Dataset:
+    """A chart without the linearized curve, if it is not wanted."""
+    if settings.draws(LINEARIZATION):
+        return chart
+    names = [name for name in chart if name in ("rho", "rho_difference", "amplification")]
+    if not any(str(name).endswith(BESIDE) for name in chart):
+        raise ValueError(
+            f"curves = {', '.join(settings.curves or ())} leaves nothing to draw; allowed: also "
+            f"{LINEARIZATION}, {SIMULATION} or {DRIFT_CLOSURE}"
+        )
+    return chart.drop_vars(names)
+
+
 def beside(chart: xr.Dataset, simulated: xr.Dataset, shown: str, paths: int) -> xr.Dataset:
     """A chart with the simulated variable ``shown``, its standard error, and the difference from it."""
     error = f"{shown}_standard_error"
@@ -90,8 +115,8 @@ def beside(chart: xr.Dataset, simulated: xr.Dataset, shown: str, paths: int) -> 
     chart[f"{shown}_difference"] = chart[shown] - simulated[shown]
     largest = float(simulated[error].max())
     told = f"Simulated on {paths} paths; standard error at most {largest:.2g}."
-    kind = f"compared_{chart.attrs['chart'].removeprefix('compared_')}"
-    return labels.label(chart, VARIABLES).assign_attrs(chart=kind, comment=told)
+    kind = f"compared_{chart.attrs['chart']}"
+    return labels.label(chart, VARIABLES).assign_attrs(comparison=kind, comment=told)
 
 
 def verify_chart(name: str, settings: ChartSettings, progress: Progress | None = None) -> xr.Dataset:
@@ -121,19 +146,18 @@ def verify_chart(name: str, settings: ChartSettings, progress: Progress | None =
     Examples
     --------
     >>> from stochlin.charts import ChartSettings, verify_chart
-    >>> chart = verify_chart("fig5a_broad_band", ChartSettings(points=2, paths=32))
-    >>> int(chart.rho_simulated.notnull().sum())
-    4
+    >>> chart = verify_chart("fig5a", ChartSettings(points=2, paths=32))
+    >>> chart.rho_simulated.notnull().sum(["period_ratio_1", "period_ratio_2"]).values.tolist()
+    [4, 4]
     """
     intervals = settings.points - 1
     fine = intervals * -(-INTERVALS // intervals) + 1
     compared = replace(settings, method="linearization", points=fine, simulated_points=settings.points)
     functions = chart_functions(compared)
-    allowed = [key for key, function in functions.items() if "ground" in function.keywords]
+    allowed = [key for key, function in functions.items() if function.grounds]
     if name not in allowed:
         raise ValueError(f"NAME = {brief(name)} cannot be verified; allowed: {', '.join(allowed)}")
-    told = {"progress": progress} if "progress" in signature(functions[name]).parameters else {}
-    chart = functions[name](**told)
+    chart = functions[name](progress)
     if not any(str(key).endswith("_simulated") for key in chart):
         chart = _verified(name, settings)
     return chart.assign_attrs(title=f"{chart.attrs['title']}: linearized against simulated")
@@ -152,7 +176,7 @@ def _verified(name: str, settings: ChartSettings) -> xr.Dataset:
             f"NAME = {brief(name)} cannot be verified; allowed: charts of curves or a plane with a "
             "simulation"
         )
-    return beside(chart, simulated, shown, simulated.attrs["paths"])
+    return for_file(beside(chart, simulated, shown, simulated.attrs["paths"]))
 
 
 def _simulated(
@@ -221,5 +245,9 @@ def _errors(chart: xr.Dataset) -> str:
             known = EFFECTIVE_RULES.get(name)
             curves[known.published_name() if known else name] = chart.rho_effective.sel(rule=name)
     off = {name: np.abs(curve - chart.rho_simulated) for name, curve in curves.items()}
-    told = [f"{name} {float(one.mean()):.2g} ({float(one.max()):.2g})" for name, one in off.items()]
+    told = [
+        f"{name} {float(one.mean()):.2g} ({float(one.max()):.2g})"
+        for name, one in off.items()
+        if bool(one.notnull().any())
+    ]
     return f"Mean (largest) error: {'; '.join(told)}."

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
-from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,7 +24,7 @@ from stochlin.views.shared.screen import COMMANDS, PICTURES, bad_input, check_ta
 if TYPE_CHECKING:
     import xarray as xr
 
-    from stochlin.analyses.charts.charts import ChartSettings
+    from stochlin.analyses.charts.settings import ChartSettings
 
 
 def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
@@ -53,6 +52,15 @@ def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
             for name, default, units, text in numbers
         ),
         numbers_option("--reduction-factors", "R of the curves in Figs. 4 and 5b.", reduction_factors),
+        numbers_option(
+            "--ground-damping", "Damping of the model grounds: a panel for each.", "0.05,0.6"
+        ),
+        click.option(
+            "--print-width",
+            type=Measured("m"),
+            help="Width of the pictures in print, such as 84mm or 174mm for one or two columns: without "
+            "title and notes, and with text of 7 points or more. Default: pictures for the screen.",
+        ),
         closure_option,
         click.option(
             "--points",
@@ -68,16 +76,14 @@ def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
 @click.command()
 @click.argument("name", required=False)
 @chart_options(points=161, reduction_factors="1,2,4,6")
+@numbers_option("--ductility", "Peak ductilities in Fig. 3b: a panel for each.", "4")
 @click.option(
-    "--ductility", type=float, default=4.0, show_default=True, help="Peak ductility in Fig. 3b."
-)
-@click.option(
-    "--rules",
+    "--curves",
     callback=lambda _, __, given: given if given is None else tuple(given.split(",")),
     metavar="NAMES",
-    help="Rules for the effective properties of Figs. 3b and 4, such as iwan_1980,fema_440. Default: "
-    "for Fig. 3b the verified rules, for Fig. 4 that of the paper, "
-    "jeng_kasai_maison_1992_unverified, and iwan_1980.",
+    help="What is drawn in Figs. 3b, 4 and 5: linearization, simulation, drift, elastic, white_noise, "
+    "and rules such as iwan_1980,fema_440. Default: all; of the rules the verified ones in Fig. 3b, "
+    "penzien_1997 and iwan_1980 in Fig. 4.",
 )
 @click.option(
     "--simulated-points",
@@ -102,13 +108,20 @@ def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
 @click.option("--gap", type=Measured("m"), help="Existing gap, drawn in added_damping.")
 @record_options
 def charts(
-    name: str | None, out: Path, picture_format: str, record: Path | None, **options: Any
+    name: str | None,
+    out: Path,
+    picture_format: str,
+    print_width: float | None,
+    record: Path | None,
+    **options: Any,
 ) -> None:
     """Draw all design charts, or the one called NAME, and save the dataset of each beside it (.nc).
 
+    Charts that compare methods have a second picture with the ending _comparison, of the same data.
+
     \b
-    Without a record: fig3a, fig3b; on narrow-band ground (xi_g = 0.05) fig4a, fig4b, fig4c, fig5a,
-    fig5b, and the same with the ending _broad_band (xi_g = 0.6); of contact elements fig6, fig7, fig8.
+    Without a record: fig3a, fig3b; with a panel for each ground fig4a, fig4b, fig4c, fig5a, fig5b; of
+    contact elements fig6, fig7, fig8; of a simulated motion fig1, fig1b, fig2.
     With --record: site_spectrum, fig1 (pseudo energy radius), fig1b (beside energies),
     per_spectrum, fig2 (critical gap) and added_damping (the gap over supplemental damping) of the
     record, and Figs. 4 and 5 with the ending _site, on the fitted ground.
@@ -116,7 +129,8 @@ def charts(
     \b
     Examples:
       stochlin charts
-      stochlin charts fig3b --rules jeng_kasai_maison_1992_unverified,iwan_1980
+      stochlin charts fig3b --curves jeng_kasai_maison_1992_unverified,iwan_1980
+      stochlin charts fig4b --print-width 84mm --format pdf --out out
       stochlin charts fig5a --damping 0.02 --hardening 0.1 --format pdf --out out
       stochlin gap --example-record > record.at2
       stochlin charts --record record.at2
@@ -126,6 +140,7 @@ def charts(
     """
     from stochlin.analyses.charts.charts import chart_functions
     from stochlin.kernels.basics.parallel import part_of
+    from stochlin.views.charts.panels import width_in_print
 
     with bad_input():
         settings = chart_settings(options)
@@ -134,13 +149,13 @@ def charts(
         if name is not None and name not in functions:
             raise ValueError(f"NAME = {brief(name)} is no chart; allowed: {', '.join(functions)}")
         chosen = functions if name is None else {name: functions[name]}
+        width_in_print(print_width)
         files = {one: _chart_files(out / one, picture_format, record) for one in chosen}
         with progress_bar("charts", lambda _: chart) as progress:
             for number, (chart, compute) in enumerate(chosen.items()):
                 part = part_of(progress, number / len(chosen), (number + 1) / len(chosen))
                 part(0.0)
-                told = {"progress": part} if "progress" in signature(compute).parameters else {}
-                _write_chart(compute(**told), *files[chart])
+                _write_chart(compute(part), *files[chart], print_width)
                 part(1.0)
     click.echo(f"{len(chosen)} charts and their datasets in {out}")
 
@@ -150,7 +165,7 @@ def charts(
 @click.argument("name", default="fig5a")
 @chart_options(points=31, reduction_factors="2,4,6")
 @simulation_options
-def verify(name: str, out: Path, picture_format: str, **options: Any) -> None:
+def verify(name: str, out: Path, picture_format: str, print_width: float | None, **options: Any) -> None:
     """Draw the chart NAME linearized, simulated, and their difference (default: fig5a).
 
     \b
@@ -159,25 +174,30 @@ def verify(name: str, out: Path, picture_format: str, **options: Any) -> None:
       stochlin verify fig4b --reduction-factors 2,4 --paths 512
     """
     from stochlin.analyses.charts.verification import verify_chart
+    from stochlin.views.charts.panels import width_in_print
 
     with bad_input():
+        width_in_print(print_width)
         files = _chart_files(out / f"{name}_verified", picture_format)
         with progress_bar(name) as progress:
             progress(0.0)
             dataset = verify_chart(name, chart_settings(options), progress)
             progress(1.0)
-        _write_chart(dataset, *files)
+        _write_chart(dataset, *files, print_width, verified=True)
     click.echo(dataset.attrs["comment"])
     click.echo(f"{name}_verified and its dataset in {out}")
 
 
 def chart_settings(options: dict[str, Any]) -> ChartSettings:
     """Settings of the charts from the options of a command."""
-    from stochlin.analyses.charts.charts import ChartSettings
+    from stochlin.analyses.charts.settings import ChartSettings
 
+    lists = {"reduction_factors": "reduction_factors", "ground_damping": "ground_dampings"}
+    lists["ductility"] = "ductilities"
     names = {field.name for field in dataclasses.fields(ChartSettings)}
     chosen = {key: value for key, value in options.items() if key in names}
-    return ChartSettings(**chosen | {"reduction_factors": tuple(options["reduction_factors"])})
+    given = {own: tuple(options[key]) for key, own in lists.items() if key in options}
+    return ChartSettings(**chosen | given)
 
 
 def _chart_files(stem: Path, picture_format: str, record: Path | None = None) -> tuple[Path, Path]:
@@ -190,13 +210,27 @@ def _chart_files(stem: Path, picture_format: str, record: Path | None = None) ->
     return data, picture
 
 
-def _write_chart(dataset: xr.Dataset, data: Path, picture: Path) -> None:
-    """Write the dataset and its picture."""
+def _write_chart(
+    dataset: xr.Dataset,
+    data: Path,
+    picture: Path,
+    print_width: float | None,
+    verified: bool = False,
+) -> None:
+    """Write the dataset and its pictures; of one that is verified the comparison alone."""
     from stochlin.analyses.tables.storage import save_table
     from stochlin.views.charts.charts import draw
-    from stochlin.views.shared.style import save
+    from stochlin.views.shared.style import PRINT, SCREEN, save
 
-    drawn = draw(dataset)
+    beside = picture.with_stem(f"{picture.stem}_comparison")
+    kinds = {picture: verified, beside: True} if "comparison" in dataset.attrs else {picture: False}
+    if verified:
+        kinds.pop(beside)
+    drawn = {
+        path: draw(dataset, comparison=compared, print_width=print_width)
+        for path, compared in kinds.items()
+    }
     data.parent.mkdir(parents=True, exist_ok=True)
     save_table(dataset, data)
-    save(drawn, picture)
+    for path, figure in drawn.items():
+        save(figure, path, SCREEN if print_width is None else PRINT)

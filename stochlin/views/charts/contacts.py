@@ -9,7 +9,8 @@ import numpy as np
 import xarray as xr
 
 from stochlin.views.charts.charts import PICTURES
-from stochlin.views.shared.style import CURVES, legend_beside
+from stochlin.views.charts.panels import in_a_row, is_narrow, legend, panels
+from stochlin.views.shared.style import CURVES, quantity
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,70 +34,61 @@ LABELS = {
     "ImpactKelvin": "Impact Kelvin",
     "HertzDamp": "Hertz-damp",
 }
-DEFORMATION = r"deformation $d/(v_0\tau)$"
-FORCE = r"force $f/[k(v_0\tau)^n]$"
 SKETCHES = (
     ("(a) Kelvin element", r"$f = k\,d + c\,v$", ""),
     ("(b) Impact Kelvin element", r"$f = k\,d + c\,\max(v, 0)$", "in approach only"),
 )
-SYMBOLS = r"while $d > 0$, with $d = u_1 - u_2 - g$ and $v$ its rate"
+SYMBOLS = "while $d > 0$;\n$d = u_1 - u_2 - g$, and $v$ is its rate"
 INK: Any = {"color": "0.1", "lw": 1.1, "solid_capstyle": "butt", "clip_on": False}
 
 
 @PICTURES.register("contact_loops")
 def draw_loops(figure: Figure, dataset: xr.Dataset) -> None:
     """Fig. 6: sketches of two elements, and the force of all elements over the deformation."""
-    figure.set_size_inches(7.2, 6.8)
-    for n, (title, law, note) in enumerate(SKETCHES):
-        _sketch(figure.add_axes((0.1 + 0.45 * n, 0.685, 0.4, 0.195)), title, law, note)
-    figure.text(0.1, 0.657, SYMBOLS, size=8.5)
-    left = figure.add_axes((0.1, 0.22, 0.4, 0.33))
-    right = figure.add_axes((0.55, 0.22, 0.4, 0.33), sharey=left)
+    across = 1 if is_narrow(figure) else 2
+    every = list(panels(figure, 4 // across, across, 2.3).ravel())
+    for axes, (title, law, note) in zip(every, SKETCHES, strict=False):
+        _sketch(axes, title, law, note)
     looks = _looks(dataset)
     linear = {name: looks[name] for name in LINEAR if name in looks}
     others = {name: look for name, look in looks.items() if name not in LINEAR}
     headings = (
-        (left, linear, "(c) elements with a linear spring"),
-        (right, others, "(d) Hertz and other elements"),
+        (every[2], linear, "(c) elements with a linear spring"),
+        (every[3], others, "(d) Hertz and other elements"),
     )
+    every[3].sharey(every[2])
     for axes, shown, heading in headings:
         _curves(axes, dataset, shown, "scaled_deformation", "scaled_force")
         axes.axhline(0, color="0.4", lw=0.6)
-        axes.set(xlim=(0, None), xlabel=DEFORMATION)
-        axes.set_title(heading, loc="left", size=9, pad=34)
-        axes.legend(loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=2, fontsize=8, columnspacing=1)
-    left.set_ylabel(FORCE)
-    right.tick_params(labelleft=False)
+        axes.set(xlim=(0, None), xlabel=quantity(dataset.scaled_deformation))
+        axes.set_title(heading, loc="left")
+        axes.legend(loc="upper left", bbox_to_anchor=(-0.02, -0.22), ncols=2, columnspacing=1)
+    for axes in every[2::across]:
+        axes.set_ylabel(quantity(dataset.scaled_force))
 
 
 @PICTURES.register("contact_histories")
 def draw_histories(figure: Figure, dataset: xr.Dataset) -> None:
     """Fig. 7: deformation and force over time, from the beginning to the end of each contact."""
-    upper = figure.add_axes((0.1, 0.595, 0.64, 0.315))
-    lower = figure.add_axes((0.1, 0.255, 0.64, 0.315), sharex=upper)
+    upper, lower = panels(figure, 2, 1, 2.0, sharex=True).ravel()
     looks = _looks(dataset)
-    for axes, variable, word in (
-        (upper, "scaled_deformation", DEFORMATION),
-        (lower, "scaled_force", FORCE),
-    ):
+    for axes, variable in ((upper, "scaled_deformation"), (lower, "scaled_force")):
         _curves(axes, dataset, looks, "scaled_time", variable)
         for name, (color, _) in looks.items():
             end = dataset.sel(element=name).isel(point=-1)
             axes.plot(end.scaled_time, end[variable], color=color, marker="o", ms=3.5, ls="")
         axes.axhline(0, color="0.4", lw=0.6)
-        axes.set_ylabel(word)
+        axes.set_ylabel(quantity(dataset[variable]))
     lower.plot([], [], color="0.3", marker="o", ms=3.5, ls="", label="end of the contact")
-    upper.tick_params(labelbottom=False)
     upper.set_xlim(0, 1.02 * float(dataset.scaled_time.max()))
-    lower.set_xlabel(r"time $t/\tau$")
-    handles, labels = lower.get_legend_handles_labels()
-    upper.legend(handles, labels, loc="upper left", bbox_to_anchor=(1.02, 1), borderaxespad=0)
+    lower.set_xlabel(quantity(dataset.scaled_time))
+    legend(figure, [lower], columns=3)
 
 
 @PICTURES.register("restitution")
 def draw_restitution(figure: Figure, dataset: xr.Dataset) -> None:
     """Fig. 8: coefficient of restitution over the damping ratio, or the damping factor of Hertz-damp."""
-    axes = figure.add_axes((0.1, 0.25, 0.64, 0.54))
+    [axes] = in_a_row(figure, 1, 3.4)
     above = axes.twiny()
     for name, (color, dash) in _looks(dataset).items():
         row = dataset.restitution.sel(element=name)
@@ -104,12 +96,12 @@ def draw_restitution(figure: Figure, dataset: xr.Dataset) -> None:
     color, dash = LOOKS["HertzDamp"]
     factor = dataset.damping_factor.values
     above.plot(factor, dataset.restitution_hertz_damp, color=color, linestyle=dash)
-    axes.plot([], [], color=color, linestyle=dash, label="Hertz-damp,\nupper axis")
+    axes.plot([], [], color=color, linestyle=dash, label="Hertz-damp, upper axis")
     above.grid(visible=False)
-    above.set(xlim=(factor[0], factor[-1]), xlabel="damping factor $a$ of Hertz-damp")
+    above.set(xlim=(factor[0], factor[-1]), xlabel=quantity(dataset.damping_factor))
     axes.set(xlim=(float(dataset.damping_ratio[0]), float(dataset.damping_ratio[-1])), ylim=(0, 1))
-    axes.set(xlabel=r"damping ratio $\xi$", ylabel="coefficient of restitution $e$")
-    legend_beside(axes)
+    axes.set(xlabel=quantity(dataset.damping_ratio), ylabel=quantity(dataset.restitution))
+    legend(figure, [axes])
 
 
 def _looks(dataset: xr.Dataset) -> dict[str, tuple[str, Any]]:
@@ -132,7 +124,7 @@ def _sketch(axes: Axes, title: str, law: str, note: str) -> None:
     from matplotlib.patches import Rectangle
 
     axes.set_axis_off()
-    axes.set(xlim=(-0.03, 4.63), ylim=(-0.55, 1.2))
+    axes.set(xlim=(-0.03, 4.63), ylim=(-0.85, 1.2))
     for x, name in ((0.0, "$m_1$"), (3.75, "$m_2$")):
         axes.add_patch(Rectangle((x, 0), 0.85, 1.1, facecolor="0.88", edgecolor="0.1", lw=1.1))
         axes.text(x + 0.425, 0.55, name, ha="center", va="center")
@@ -142,9 +134,9 @@ def _sketch(axes: Axes, title: str, law: str, note: str) -> None:
     _spring(axes, 1.5, 3.75, 0.82)
     _dashpot(axes, 1.5, 3.75, 0.28)
     axes.text(2.62, 1.02, "$k$", ha="center")
-    axes.text(2.62, -0.16, f"$c$ {note}".strip(), ha="center", size=8)
-    axes.set_title(title, loc="left", size=9)
-    axes.text(0, -0.5, law, size=8.5)
+    axes.text(2.62, -0.16, f"$c$ {note}".strip(), ha="center", size=7.5)
+    axes.set_title(title, loc="left")
+    axes.text(0, -0.62, f"{law} {SYMBOLS}", size=7.5)
 
 
 def _spring(axes: Axes, left: float, right: float, y: float) -> None:

@@ -2,42 +2,50 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
 from stochlin.analyses.charts.records import ENERGIES
-from stochlin.views.charts.charts import AXES, PICTURES
-from stochlin.views.shared.style import CURVES, contours_of, legend_beside, plain_ticks, shades
+from stochlin.views.charts.charts import HEIGHT, PICTURES, SQUARE, finish
+from stochlin.views.charts.panels import (
+    CENTIMETRES,
+    bar_beside,
+    in_a_row,
+    in_cm,
+    is_narrow,
+    legend,
+    panels,
+)
+from stochlin.views.charts.planes import contours_of, shades
+from stochlin.views.shared.style import CURVES, plain_ticks, quantity
 from stochlin.views.shared.symbols import typeset
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 TICKS = (0.1, 0.2, 0.5, 1, 2, 5)  # s
-CENTIMETRES = 100.0
 
 
 @PICTURES.register("portrait")
 def draw_portrait(figure: Figure, dataset: xr.Dataset) -> None:
     """Fig. 1: phase portrait with the circle of the pseudo energy radius, and the radius over time."""
-    plane = figure.add_axes((0.1, 0.27, 0.36, 0.6))
-    history = figure.add_axes((0.58, 0.27, 0.37, 0.6))
+    plane, history = in_a_row(figure, 2, SQUARE)
     trace: Any = {"color": "0.35", "lw": 0.7}
     circle: Any = {"color": "#8c2d04", "linestyle": (0, (6, 1.5))}
-    states = ("displacement", "velocity_over_frequency")
-    plane.plot(*(CENTIMETRES * dataset[name] for name in states), **trace)
-    plane.plot(*(CENTIMETRES * dataset[f"circle_{name}"] for name in states), **circle)
+    states = [in_cm(dataset[name]) for name in ("displacement", "velocity_over_frequency")]
+    radius, largest = in_cm(dataset.radius), in_cm(dataset.pseudo_energy_radius)
+    plane.plot(*states, **trace)
+    plane.plot(*(in_cm(dataset[f"circle_{one.name}"]) for one in states), **circle)
     plane.set_aspect("equal", adjustable="datalim")
-    plane.set(xlabel="$u$ [cm]", ylabel=r"$\dot u/\omega$ [cm]")
-    largest = CENTIMETRES * float(dataset.pseudo_energy_radius)
-    history.plot(dataset.time, CENTIMETRES * dataset.radius, **trace)
-    history.axhline(largest, **circle)
-    end = float(dataset.time[-1])
-    history.text(end, 1.01 * largest, r"$r_{PER}$", color="#8c2d04", ha="right", va="bottom")
-    history.set(xlim=(float(dataset.time[0]), end), ylim=(0, 1.12 * largest), xlabel="time [s]")
-    history.set_ylabel("$r$ [cm]")
+    plane.set(xlabel=quantity(states[0]), ylabel=quantity(states[1]))
+    history.plot(dataset.time, radius, label=quantity(radius), **trace)
+    history.axhline(float(largest), label=quantity(largest), **circle)
+    history.set(xlim=(float(dataset.time[0]), float(dataset.time[-1])), ylim=(0, 1.06 * float(largest)))
+    history.set(xlabel=quantity(dataset.time), ylabel=quantity(radius))
+    legend(figure, [history])
 
 
 @PICTURES.register("energies")
@@ -45,52 +53,48 @@ def draw_energies(figure: Figure, dataset: xr.Dataset) -> None:
     """Fig. 1b: radius and energies over time and period, elastic above, yielding below."""
     times = float(dataset.significant_begin), float(dataset.significant_end)
     shown = (
-        ("pseudo energy\nradius", "radius", "pseudo_energy_radius"),
+        ("pseudo energy radius", "radius", "pseudo_energy_radius"),
         *(
             (f"{kind} energy", f"{kind}_energy_radius", f"{kind}_energy_radius_at_end")
             for kind in ENERGIES
         ),
     )
-    for row, factor in enumerate(dataset.reduction_factor.values):
-        one, bottom = dataset.sel(reduction_factor=factor), 0.57 - 0.34 * row
-        history = figure.add_axes((0.1, bottom, 0.28, 0.3))
-        spectrum = figure.add_axes((0.46, bottom, 0.28, 0.3))
-        history.axvspan(*times, color="0.92", label="5 to 95 % of the\nrecord's energy")
+    across = 1 if is_narrow(figure) else 2
+    every = panels(figure, 4 // across, across, 2.0).reshape(2, 2)
+    for (history, spectrum), factor in zip(every, dataset.reduction_factor.values, strict=True):
+        one = dataset.sel(reduction_factor=factor)
+        history.axvspan(*times, color="0.92", label="5 to 95 % of the record's energy")
         for (label, over_time, at_end), (color, dash) in zip(shown, CURVES, strict=False):
             if float(one[at_end].max()) > 0:
                 style: Any = {"color": color, "linestyle": dash, "lw": 1.0}
-                spectrum.plot(one.period, CENTIMETRES * one[at_end], **style)
-                values = (
-                    np.maximum.accumulate(one[over_time].values)
-                    if over_time == "radius"
-                    else one[over_time]
-                )
-                history.plot(one.time, CENTIMETRES * values, label=label, **style)
+                values = in_cm(one[over_time])
+                if over_time == "radius":
+                    values = values.copy(data=np.maximum.accumulate(values.values))
+                history.plot(one.time, values, label=label, **style)
+                spectrum.plot(one.period, in_cm(one[at_end]), **style)
         history.set(xlim=(float(one.time[0]), float(one.time[-1])), ylim=(0, None))
-        history.set_ylabel("elastic [cm]" if factor == 1 else f"R = {factor:g} [cm]")
         spectrum.set(xscale="log", xlim=(float(one.period[0]), float(one.period[-1])), ylim=(0, None))
         plain_ticks(spectrum.xaxis, TICKS)
-        for axes, name in ((history, "time [s]"), (spectrum, "period [s]")):
-            axes.set_xlabel(name if row else "")
-            axes.tick_params(labelbottom=bool(row))
-    figure.legend(*history.get_legend_handles_labels(), loc="upper left", bbox_to_anchor=(0.765, 0.88))
+        strength = "elastic" if factor == 1 else f"R = {factor:g}"
+        for axes, along in ((history, one.time), (spectrum, one.period)):
+            axes.set(xlabel=quantity(along), ylabel=quantity(in_cm(one.radius)))
+            axes.set_title(strength, loc="left")
+    legend(figure, [history], columns=3)
 
 
 @PICTURES.register("per_spectrum")
 def draw_per_spectrum(figure: Figure, dataset: xr.Dataset) -> None:
     """Pseudo energy radius and peak displacement over the period."""
-    axes = figure.add_axes(AXES)
-    shown = (
-        ("pseudo_energy_radius", "pseudo energy\nradius"),
-        ("displacement_max", "largest\ndisplacement"),
-    )
-    for (name, label), (color, dash) in zip(shown, CURVES, strict=False):
-        axes.plot(dataset.period, CENTIMETRES * dataset[name], color=color, linestyle=dash, label=label)
+    [axes] = in_a_row(figure, 1, HEIGHT - 1.2)
+    names = ("pseudo_energy_radius", "displacement_max")
+    for name, (color, dash) in zip(names, CURVES, strict=False):
+        table = in_cm(dataset[name])
+        axes.plot(dataset.period, table, color=color, linestyle=dash, label=quantity(table))
     axes.set_xscale("log")
     plain_ticks(axes.xaxis, TICKS)
     axes.set(xlim=(float(dataset.period[0]), float(dataset.period[-1])), ylim=(0, None))
-    axes.set(xlabel="period [s]", ylabel="radius, displacement [cm]")
-    legend_beside(axes)
+    axes.set(xlabel=quantity(dataset.period), ylabel="[cm]")
+    legend(figure, [axes], columns=1)
 
 
 @PICTURES.register("critical_gap")
@@ -98,32 +102,30 @@ def draw_critical_gap(figure: Figure, dataset: xr.Dataset) -> None:
     """Fig. 2: peak of ``u_1 - u_2`` in the record, and eqs. (3) and (4), over the periods."""
     from matplotlib.colors import BoundaryNorm
 
-    panels = (("separation", "largest u1 - u2"), ("critical_gap", "eqs. (3) and (4)"))
-    highest = CENTIMETRES * max(float(dataset[name].max()) for name, _ in panels)
-    levels = _one_two_five(highest)
-    for n, (name, title) in enumerate(panels):
-        axes = figure.add_axes((0.1 + 0.4 * n, 0.27, 0.36, 0.58))
+    drawn = (("separation", "largest u1 - u2"), ("critical_gap", "eqs. (3) and (4)"))
+    tables = [in_cm(dataset[name]) for name, _ in drawn]
+    levels = _one_two_five(max(float(table.max()) for table in tables))
+    every = in_a_row(figure, 2, SQUARE, sharex=True, sharey=True)
+    labels = []
+    for axes, table, (_, title) in zip(every, tables, drawn, strict=True):
         x, y = dataset.period_1.values, dataset.period_2.values
-        gap = CENTIMETRES * dataset[name].transpose("period_2", "period_1").values
+        gap = table.transpose("period_2", "period_1").values
         axes.set(xscale="log", yscale="log")
         fill, draw_lines = contours_of(axes, x, y, gap)
         filled = fill(levels=levels, cmap=shades(), norm=BoundaryNorm(levels, 256))
         lines = draw_lines(levels=levels[1:], colors="0.1", linewidths=0.5)
         axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
-        axes.clabel(
-            lines, manual=_first_crossings(x, y, gap, levels), fontsize=7, fmt="%g", inline_spacing=1
-        )
-        axes.set_title(typeset(title), loc="left", size=9)
+        style: Any = {"fontsize": 7, "fmt": "%g", "inline_spacing": 1}
+        labels.append(partial(axes.clabel, lines, manual=_first_crossings(x, y, gap, levels), **style))
+        axes.set_title(typeset(title), loc="left")
         axes.grid(visible=False)
         axes.set_box_aspect(1)
         plain_ticks(axes.xaxis, TICKS)
         plain_ticks(axes.yaxis, TICKS)
-        axes.set(xlabel="$T_1$ [s]", ylabel="$T_2$ [s]" if n == 0 else "")
-        axes.tick_params(labelleft=n == 0)
-    bar = figure.colorbar(
-        filled, cax=figure.add_axes((0.885, 0.27, 0.02, 0.58)), label="gap [cm]", format="%g"
-    )
-    bar.ax.grid(visible=False)
+        axes.set(xlabel=quantity(dataset.period_1), ylabel=quantity(dataset.period_2))
+        axes.label_outer()
+    bar_beside(figure, filled, every, tables[1])
+    finish(figure, labels)
 
 
 @PICTURES.register("added_damping")
@@ -133,25 +135,24 @@ def draw_added_damping(figure: Figure, dataset: xr.Dataset) -> None:
         ("separation", "largest u1 - u2 in the record", "least_added_damping_recorded", "o"),
         ("critical_gap", "eqs. (3) and (4), energy radii", "least_added_damping", "s"),
     )
-    added = 100 * dataset.added_damping.values
     gap = dataset.attrs.get("gap_m")
     highest = max(float(dataset[name].max()) for name, *_ in shown)
-    for n, where in enumerate(dataset.damped.values):
-        axes = figure.add_axes((0.1 + 0.3 * n, 0.25, 0.265, 0.53))
+    every = in_a_row(figure, dataset.sizes["damped"], SQUARE, sharex=True, sharey=True)
+    added = dataset.added_damping
+    for axes, where in zip(every, dataset.damped.values, strict=True):
         one = dataset.sel(damped=where)
         for (name, label, least, marker), (color, dash) in zip(shown, CURVES, strict=False):
-            axes.plot(added, CENTIMETRES * one[name], color=color, linestyle=dash, label=typeset(label))
+            axes.plot(added, in_cm(one[name]), color=color, linestyle=dash, label=typeset(label))
             if gap is not None and np.isfinite(one[least]):
-                place = 100 * float(one[least]), CENTIMETRES * gap
+                place = float(one[least]), CENTIMETRES * gap
                 axes.plot(*place, marker=marker, ms=6, mfc="w", color=color, zorder=4)
         if gap is not None:
             axes.axhline(CENTIMETRES * gap, color="0.5", lw=1, label="existing gap")
-        axes.set_title(f"added to {where}", loc="left", size=9)
-        axes.set(xlim=(0, added[-1]), ylim=(0, 1.05 * CENTIMETRES * max(highest, gap or 0)))
-        axes.set(xlabel="added damping [%]", ylabel="gap [cm]" if n == 0 else "")
-        axes.tick_params(labelleft=n == 0)
-    handles = axes.get_legend_handles_labels()
-    figure.legend(*handles, loc="lower left", bbox_to_anchor=(0.09, 0.83), ncols=3, fontsize=8)
+        axes.set_title(f"added to {where}", loc="left")
+        axes.set(xlim=(0, float(added[-1])), ylim=(0, 1.05 * CENTIMETRES * max(highest, gap or 0)))
+        axes.set(xlabel=quantity(added), ylabel=quantity(in_cm(one.separation)))
+        axes.label_outer()
+    legend(figure, every[:1], columns=3)
 
 
 def _first_crossings(

@@ -8,6 +8,8 @@ elastic.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
+from typing import ClassVar
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
@@ -27,8 +29,12 @@ class EffectiveRule(Published):
 
     The linear structure replaces a yielding one. The methods take numbers or arrays that broadcast:
     ``ductility`` is the peak ductility [-], ``hardening`` the hardening ratio [-] and ``damping`` the
-    viscous damping ratio [-] of the yielding structure.
+    viscous damping ratio [-] of the yielding structure. ``largest_ductility`` [-] is that to which a
+    rule was fitted, infinite for one that was derived or whose source was not seen; the methods go on
+    beyond it, charts do not.
     """
+
+    largest_ductility: ClassVar[float] = inf
 
     def period_ratio(self, ductility: Array, hardening: Array) -> Array:
         """Effective over elastic period ``T*/T`` [-]."""

@@ -37,8 +37,12 @@ class _PowerRule(EffectiveRule):
     "Iwan (1980)",
 )
 class Iwan1980(_PowerRule):
-    """``T*/T = 1 + 0.121 (mu - 1)^0.939``, ``xi* = xi + 0.0587 (mu - 1)^0.371``, a fit to spectra."""
+    """``T*/T = 1 + 0.121 (mu - 1)^0.939``, ``xi* = xi + 0.0587 (mu - 1)^0.371``, a fit to spectra.
 
+    The spectra are those of ductilities from 2 to 8.
+    """
+
+    largest_ductility = 8.0
     period_law = (0.121, 0.939)
     damping_law = (0.0587, 0.371)
 
@@ -49,8 +53,10 @@ class Fema440(EffectiveRule):
 
     The published formulas do not quite meet: at ``mu = 4`` the period falls by 5.9 % and the damping
     ratio rises by 0.0056; at ``mu = 6.5`` the period rises by 0.04 % and the damping ratio falls by
-    0.0037.
+    0.0037. The report calls results for ductilities beyond 10 to 12 unreliable.
     """
+
+    largest_ductility = 10.0
 
     def period_ratio(self, ductility: Array, hardening: Array) -> Array:
         x = _beyond(ductility, hardening)
