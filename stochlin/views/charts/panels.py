@@ -73,7 +73,7 @@ def is_narrow(figure: Figure) -> bool:
     return bool(figure.get_figwidth() < NARROW)
 
 
-def legend(figure: Figure, axes: Sequence[Axes], columns: int = 4, more: Sequence[Any] = ()) -> None:
+def legend(figure: Figure, axes: Sequence[Axes], columns: int = 5, more: Sequence[Any] = ()) -> None:
     """The legend of all curves of these axes, which `arrange` places above them."""
     entries: dict[str, Any] = {}
     for one in axes:

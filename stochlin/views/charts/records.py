@@ -93,7 +93,7 @@ def draw_per_spectrum(figure: Figure, dataset: xr.Dataset) -> None:
     axes.set_xscale("log")
     plain_ticks(axes.xaxis, TICKS)
     axes.set(xlim=(float(dataset.period[0]), float(dataset.period[-1])), ylim=(0, None))
-    axes.set(xlabel=quantity(dataset.period), ylabel="[cm]")
+    axes.set(xlabel=quantity(dataset.period), ylabel=quantity(in_cm(dataset.pseudo_energy_radius)))
     legend(figure, [axes], columns=1)
 
 
@@ -150,7 +150,7 @@ def draw_added_damping(figure: Figure, dataset: xr.Dataset) -> None:
             axes.axhline(CENTIMETRES * gap, color="0.5", lw=1, label="existing gap")
         axes.set_title(f"added to {where}", loc="left")
         axes.set(xlim=(0, float(added[-1])), ylim=(0, 1.05 * CENTIMETRES * max(highest, gap or 0)))
-        axes.set(xlabel=quantity(added), ylabel=quantity(in_cm(one.separation)))
+        axes.set(xlabel=quantity(added), ylabel=quantity(in_cm(one.critical_gap)))
         axes.label_outer()
     legend(figure, every[:1], columns=3)
 
