@@ -72,16 +72,16 @@ def _joined(tables: Mapping[str, xr.Dataset]) -> xr.Dataset:
     axis = xr.DataArray(list(tables), dims=GROUND, name=GROUND, attrs={"long_name": "ground"})
     how: Any = {"data_vars": "all", "coords": "minimal", "compat": "override", "join": "exact"}
     chart = xr.concat(list(tables.values()), axis, combine_attrs="drop_conflicts", **how)
-    lines = zip(
-        *(table.attrs.get("caption", "").splitlines() for table in tables.values()), strict=False
-    )
-    chart.attrs["caption"] = "\n".join(dict.fromkeys(line for same in lines for line in same))
-    if "comment" not in chart.attrs:
-        chart.attrs["comment"] = " ".join(
-            f"{name[0].upper()}{name[1:]}: {table.attrs['comment']}"
-            for name, table in tables.items()
-            if "comment" in table.attrs
-        )
+    for key in ("caption", "plain_caption"):
+        texts = [table.attrs[key].splitlines() for table in tables.values() if key in table.attrs]
+        if texts:
+            lines = [line for same in zip(*texts, strict=False) for line in same]
+            chart.attrs[key] = "\n".join(dict.fromkeys(lines))
+    for key in ("comment", "plain_comment"):
+        told = {name: table.attrs[key] for name, table in tables.items() if key in table.attrs}
+        if told and key not in chart.attrs:
+            sentences = (f"{name[0].upper()}{name[1:]}: {text}" for name, text in told.items())
+            chart.attrs[key] = " ".join(sentences)
     return chart
 
 

@@ -6,6 +6,7 @@ stated in each dataset. Only ratios of periods matter, so that the period of the
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
@@ -120,12 +121,12 @@ def period_ratio_chart(
         Bilinear(period, settings.damping, settings.hardening, reduction_factor=factors)
         for period in periods
     )
-    table = correlate(first, second, ground, **settings.options)
+    table = correlate(first, second, ground, **settings.options_of_pairs)
     part_of(progress, 0.0, TABLE_SHARE)(1.0)
     chart = table[_shown(table)].transpose("reduction_factor", "period_ratio")
     elastic_1, elastic_2 = (Bilinear(period, settings.damping) for period in periods)
     if settings.draws(ELASTIC):
-        chart["rho_elastic"] = correlate(elastic_1, elastic_2, ground).rho
+        chart["rho_elastic"] = correlate(elastic_1, elastic_2, ground, solver=settings.solver).rho
     if settings.draws(EQ_4):
         chart["rho_white_noise"] = correlate(elastic_1, elastic_2, ground, "white_noise").rho
     times = "" if frequency_ratio == 1 else f"{frequency_ratio:g} "
@@ -180,7 +181,7 @@ def period_plane_chart(
         )
         for n in (1, 2)
     )
-    table = correlate(first, second, ground, **settings.options)
+    table = correlate(first, second, ground, **settings.options_of_pairs)
     title = f"Correlation of bilinear structures, R = {settings.plane_reduction_factor:g}"
     chart = table[_shown(table)]
     chart = _captioned(chart, "plane", title, ground_caption(ground), settings, labels.CAUTION_RHO)
@@ -286,22 +287,28 @@ def _simulated(
                 chart[name + end] = xr.full_like(chart.amplification, np.nan)
             values = found[f"amplification{end}"].transpose(*chart.amplification.dims).values
             chart[name + end][place] = values
-    caption = (
-        f"{chart.attrs['caption']}\nMaxima: {envelope_caption(duration, envelope)}; std. deviations "
-        f"simulated for R ≥ {SLOWEST_DRIFT:g}"
+    plain = f"{chart.attrs['caption']}\nMaxima: {envelope_caption(duration, envelope)}"
+    return chart.assign_attrs(
+        caption=f"{plain}; std. deviations simulated for R ≥ {SLOWEST_DRIFT:g}",
+        plain_caption=plain,
+        comment=_errors_of_amplification(chart),
+        plain_comment=f"{_simulation_errors(chart, {OF_PEAKS: 'maxima'})}.",
     )
-    return chart.assign_attrs(caption=caption, comment=_errors_of_amplification(chart))
 
 
-def _errors_of_amplification(chart: xr.Dataset) -> str:
-    """Text with the standard errors of the simulations, and the errors of the curves against them."""
-    simulated = {OF_PEAKS: "maxima", OF_STD: "std. deviations"}
+def _simulation_errors(chart: xr.Dataset, simulated: Mapping[str, str]) -> str:
+    """Text with the largest standard errors of the simulated variables, by their words."""
     told = [
         f"{text} {100 * float((chart[f'{name}_standard_error'] / chart[name]).max()):.2g} %"
         for name, text in simulated.items()
         if name in chart
     ]
-    text = f"Largest standard error of the simulated {', '.join(told)}."
+    return f"Largest standard error of the simulated {', '.join(told)}"
+
+
+def _errors_of_amplification(chart: xr.Dataset) -> str:
+    """Text with the standard errors of the simulations, and the errors of the curves against them."""
+    text = f"{_simulation_errors(chart, {OF_PEAKS: 'maxima', OF_STD: 'std. deviations'})}."
     curves = {"amplification": "linearized", "amplification_drift": "drift closure"}
     if OF_STD not in chart:
         return text

@@ -55,6 +55,8 @@ class ChartSettings:
         Existing gap [m] in the chart of added damping.
     closure : str
         Closure of the linearization, as in `stochlin.linearize`.
+    solver : {"closed_form", "lyapunov"}
+        Solver of the linearized pairs of Figs. 4 and 5a, as in `stochlin.correlate`.
     points : int
         Number of periods along an axis.
     method : {"linearization", "simulation"}
@@ -94,6 +96,7 @@ class ChartSettings:
     second_period: float | None = None
     gap: float | None = None
     closure: str = "gaussian"
+    solver: str = "closed_form"
     points: int = 161
     method: str = "linearization"
     paths: int = 256
@@ -103,9 +106,15 @@ class ChartSettings:
 
     @property
     def options(self) -> dict[str, Any]:
-        """Keyword arguments for `stochlin.correlate` and `stochlin.amplification`."""
+        """Keyword arguments for `stochlin.amplification`."""
         names = ("method", "closure", "paths", "seed")
         return {name: getattr(self, name) for name in names}
+
+    @property
+    def options_of_pairs(self) -> dict[str, Any]:
+        """Keyword arguments for `stochlin.correlate`."""
+        solver = {"solver": self.solver} if self.method == LINEARIZATION else {}
+        return self.options | solver
 
     @property
     def fine_points(self) -> int:

@@ -60,7 +60,8 @@ def with_rules(chart: xr.Dataset, pair: Pair, ground: Ground, settings: ChartSet
         "R, 3 σu/uy by drift closure, as far as a rule was fitted"
     )
     sources = "; ".join([chart.attrs["references"], *(rule.reference for rule in rules)])
-    return labels.label(chart.assign_attrs(caption=caption, references=sources), VARIABLES)
+    told = {"caption": caption, "plain_caption": chart.attrs["caption"], "references": sources}
+    return labels.label(chart.assign_attrs(told), VARIABLES)
 
 
 def with_truth(
@@ -89,6 +90,8 @@ def with_truth(
         simulated, refused = _simulated(chart.rho, pair, ground, settings, count, runs)
         if bool(simulated.rho.notnull().any()):
             chart = beside(chart, simulated, "rho", settings.paths)
+            told = chart.attrs["comment"]
+            chart.attrs["plain_comment"] = " ".join([told, _errors(chart, plain=True), *refused])
             refused = [_errors(chart), *refused]
         chart = chart.assign_attrs(comment=" ".join([chart.attrs["comment"], *refused]))
     return labels.label(chart, VARIABLES)
@@ -235,12 +238,12 @@ def _runs(rho: xr.DataArray, count: int) -> Iterator[Place]:
         yield {dim: cells for one in chosen for dim, cells in one.items()}
 
 
-def _errors(chart: xr.Dataset) -> str:
-    """Text with the errors of all curves, compared with simulation."""
+def _errors(chart: xr.Dataset, *, plain: bool = False) -> str:
+    """Text with the errors of all curves, or of those of the plain picture, compared with simulation."""
     curves = {"linearized": chart.rho}
-    if "rho_drift" in chart:
+    if "rho_drift" in chart and not plain:
         curves["drift closure"] = chart.rho_drift
-    if "rho_effective" in chart:
+    if "rho_effective" in chart and not plain:
         for name in chart.rule.values.tolist():
             known = EFFECTIVE_RULES.get(name)
             curves[known.published_name() if known else name] = chart.rho_effective.sel(rule=name)

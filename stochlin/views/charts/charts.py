@@ -94,8 +94,16 @@ def draw(dataset: xr.Dataset, *, comparison: bool = False, print_width: float | 
     with mpl.rc_context({} if print_width is None else PRINT_STYLE):
         figure = Figure(figsize=(width_in_print(print_width), HEIGHT))
         draw_axes(figure, dataset)
-        arrange(figure, {} if print_width is not None else dataset.attrs)
+        arrange(figure, {} if print_width is not None else _words(dataset, comparison))
     return figure
+
+
+def _words(dataset: xr.Dataset, comparison: bool) -> dict[str, str]:
+    """Title, caption and comment of a picture; those of a plain one are about what it shows."""
+    words = {key: str(dataset.attrs.get(key, "")) for key in ("title", "caption", "comment")}
+    if comparison:
+        return words
+    return {key: str(dataset.attrs.get(f"plain_{key}", text)) for key, text in words.items()}
 
 
 def _kind(dataset: xr.Dataset) -> str:

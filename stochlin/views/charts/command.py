@@ -17,6 +17,7 @@ from stochlin.views.shared.options import (
     numbers_option,
     record_options,
     simulation_options,
+    solver_option,
     together,
 )
 from stochlin.views.shared.screen import COMMANDS, PICTURES, bad_input, check_target, progress_bar
@@ -62,6 +63,7 @@ def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
             "title and notes, and with text of 7 points or more. Default: pictures for the screen.",
         ),
         closure_option,
+        solver_option,
         click.option(
             "--points",
             type=click.IntRange(min=2),
