@@ -91,3 +91,19 @@ def test_pictures_are_drawn_from_the_rounded_data(tmp_path):
     exact = sl.charts.white_noise_chart(sl.charts.ChartSettings(points=9))
     np.testing.assert_array_equal(for_file(exact).rho, chart.rho)
     assert bool((exact.rho != chart.rho).any())
+
+
+@pytest.mark.oracle
+def test_either_solver_draws_the_same_chart(tmp_path):
+    """The Lyapunov equation of each pair, iterated, and the closed forms: the same six digits."""
+    for chart in ("fig4b", "fig5a"):
+        given = [*SMALL[:-1], "--simulated-points", "0", chart]
+        for solver in ("closed_form", "lyapunov"):
+            arguments = [*given, "--solver", solver, "--out", str(tmp_path / solver)]
+            result = CliRunner().invoke(main, arguments)
+            assert result.exit_code == 0, result.output
+        names = [f"{chart}.nc", f"{chart}.png"]
+        one, two = (
+            [(tmp_path / s / n).read_bytes() for n in names] for s in ("closed_form", "lyapunov")
+        )
+        assert one == two
