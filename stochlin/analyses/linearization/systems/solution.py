@@ -48,23 +48,13 @@ def solve_equations(
 ) -> Solution:
     """The equivalent coefficients of all elements, by Newton's method, or by substitution if relaxed."""
     own, stacks = equations.yields, equations.system.stacks
-    mechanics = equations.mechanics(own)
-    exponents, dashpots = equations.exponents, equations.dashpots
-    power = np.flatnonzero(((exponents != 1) & (dashpots > 0)).any(axis=0))
-    problem = Problem(
-        mechanics,
-        equations.strength[:, own],
-        list(_laws(equations, closure)),
-        dashpots,
-        exponents,
-        power,
-        np.zeros((equations.cells, power.size), bool),
-    )
+    problem = problem_of(equations, closure)
+    power = problem.power
     one = (s.law.has_one_solution().to_numpy() for s in stacks if not np.isposinf(s.strength).all())
     one_solution = np.broadcast_to(reduce(and_, one, np.array(True)), equations.cells)
     solved = solve(problem, one_solution, tolerance.rtol, tolerance.max_iterations, relaxation)
     slip, k, linear = solved.linear
-    still = (np.abs(slip) < ELASTIC) & (np.abs(k) < ELASTIC * mechanics.frequency)
+    still = (np.abs(slip) < ELASTIC) & (np.abs(k) < ELASTIC * problem.mechanics.frequency)
     c_eq, k_eq = np.full((equations.cells, own.size), -1.0), np.zeros((equations.cells, own.size))
     c_eq[:, own], k_eq[:, own] = np.where(still, -1.0, slip - 1), np.where(still, 0.0, k)
     linear[:, power] = np.where(solved.idle, np.nan, linear[:, power])
@@ -75,6 +65,21 @@ def solve_equations(
     history = solved.history
     changes = history.changes[: history.iterations.max(initial=0)]
     return Solution(c_eq, k_eq, linear, changes, history.iterations, status)
+
+
+def problem_of(equations: Equations, closure: str) -> Problem:
+    """What the iteration takes: springs that yield with their laws, and dashpots that it linearizes."""
+    own, exponents, dashpots = equations.yields, equations.exponents, equations.dashpots
+    power = np.flatnonzero(((exponents != 1) & (dashpots > 0)).any(axis=0))
+    return Problem(
+        equations.mechanics(own),
+        equations.strength[:, own],
+        list(_laws(equations, closure)),
+        dashpots,
+        exponents,
+        power,
+        np.zeros((equations.cells, power.size), bool),
+    )
 
 
 def _laws(equations: Equations, closure: str) -> Iterator[Law]:

@@ -20,6 +20,7 @@ from stochlin.kernels.linearization.systems.lyapunov import Lyapunov
 from stochlin.kernels.linearization.systems.state_space import StateSpace
 
 SLOW = 1e-13  # relaxation over the largest frequency below which z is proportional to the extension
+AT_ONCE = 1024  # cells that are solved together
 FAST = 1e-2  # relaxation over the largest frequency from which z is a state in place of y
 
 
@@ -44,12 +45,17 @@ class Basis(NamedTuple):
 
 
 def alike(system: StateSpace) -> Iterator[tuple[Array, StateSpace]]:
-    """Groups of systems that are solved for the same states: numbers of their cells, and the systems."""
+    """Groups of systems that are solved for the same states: numbers of their cells, and the systems.
+
+    A group has at most `AT_ONCE` cells, which limits the memory for intermediate results.
+    """
     shape = np.concatenate([_trees(system), _moves(system)], axis=1)
     _, group = np.unique(shape, axis=0, return_inverse=True)
     for number in range(group.max(initial=-1) + 1):
         cells = np.flatnonzero(group.ravel() == number)
-        yield cells, system.at(cells)
+        for begin in range(0, cells.size, AT_ONCE):
+            part = cells[begin : begin + AT_ONCE]
+            yield part, system.at(part)
 
 
 class Response:
