@@ -11,6 +11,7 @@ import scipy.linalg
 import xarray as xr
 
 import stochlin as sl
+from stochlin.analyses.correlation import linearized
 from stochlin.kernels.correlation import bilinear_pair, tables, tiles, white_noise
 
 GROUNDS = ("white_noise", "kanai_tajimi", "clough_penzien")
@@ -84,7 +85,7 @@ def test_no_closed_form_of_a_pair_is_called(monkeypatch):
         for name, value in vars(module).items():
             if callable(value) and getattr(value, "__module__", "") == module.__name__:
                 monkeypatch.setattr(module, name, forbidden)
-    monkeypatch.setattr("stochlin.analyses.correlation.linearized.pair_table", forbidden)
+    monkeypatch.setattr(linearized, "pair_table", forbidden)
     pair, ground = random_pairs(3, "kanai_tajimi", 2)
     with pytest.raises(AssertionError, match="closed form"):
         sl.correlate(*pair, ground)
@@ -134,6 +135,16 @@ def test_a_cell_that_does_not_converge_touches_no_other():
     few = sl.linearize_system([first, second], LAKE_BED, max_iterations=2)
     assert (few.status.isel(uy=0) == 2).all()
     assert few.covariance.isel(uy=0).isnull().all()
+
+
+@pytest.mark.invariant
+def test_a_table_without_a_valid_cell_is_blank():
+    wrong = sl.Bilinear([-1.0, np.nan], 0.05)
+    table = sl.correlate(wrong, TABLE[1], LAKE_BED, solver="lyapunov")
+    usual = sl.correlate(wrong, TABLE[1], LAKE_BED)
+    assert (table.status == 3).all()
+    for name, array in usual.items():
+        np.testing.assert_allclose(table[name], array, rtol=1e-12, err_msg=name)
 
 
 @pytest.mark.oracle

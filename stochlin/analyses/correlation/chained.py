@@ -28,7 +28,7 @@ from stochlin.analyses.linearization.systems.systems import (
 )
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.cells import NONE_VALID, flat
+from stochlin.analyses.tables.cells import flat
 from stochlin.analyses.tables.cellwise import Cells, cellwise
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.interpolation import Grid
@@ -38,6 +38,7 @@ from stochlin.models.parameters import Model
 from stochlin.models.structures import GAUSSIAN, Structure
 
 Pair = tuple[Structure, Structure]
+OF_PAIR = ("rho", *SHOWN, "all_elastic")
 
 
 def chained_pairs(pair: Pair, ground: Ground, closure: str, tolerance: Tolerance) -> dict[str, Cells]:
@@ -45,15 +46,14 @@ def chained_pairs(pair: Pair, ground: Ground, closure: str, tolerance: Tolerance
     both = _solved(pair, ground, closure, tolerance)
     base = both if closure == GAUSSIAN else _solved(pair, ground, GAUSSIAN, tolerance)
     sides, biases, places = list[dict[str, Cells]](), dict[str, Cells](), list[Cells]()
-    for number, (structure, elastic) in enumerate(
-        zip(pair, derived_together(pair, ground), strict=True), 1
-    ):
-        side = _solved((structure,), ground, closure, tolerance)
-        gaussian = side if base is both else _solved((structure,), ground, GAUSSIAN, tolerance)
-        for solved in {id(one): one for one in (side, gaussian)}.values():
-            solved[STRENGTH_RATIO] = elastic[STRENGTH_RATIO]
-        biases[f"bias_{number}"] = relative_bias(structure, ground, side, gaussian)
+    for structure, elastic in zip(pair, derived_together(pair, ground), strict=True):
+        ratio = {STRENGTH_RATIO: elastic[STRENGTH_RATIO]}
+        side = _solved((structure,), ground, closure, tolerance) | ratio
+        gaussian = side
+        if closure != GAUSSIAN:
+            gaussian = _solved((structure,), ground, GAUSSIAN, tolerance) | ratio
         sides.append(side)
+        biases[f"bias_{len(sides)}"] = relative_bias(structure, ground, side, gaussian)
         places += place_in_map(structure, ground, elastic)
     of_map = cellwise(_rho_bias, *places, grid=rho_bias_map(*pair, ground))[0]
     bias = cellwise(_of_pair, both["rho"], base["rho"], both["all_elastic"], of_map)[0]
@@ -82,18 +82,21 @@ def _solved(
     check_chain(models)
     cells = flat(models)
     if not cells.where.size:
-        raise ValueError(NONE_VALID)
+        blank = dict.fromkeys(OF_PAIR, cells.array(np.empty(0)))
+        return blank | {"status": cells.array(np.empty(0, np.int8), labels.INVALID_INPUT)}
     equations = equations_of_cells(cells, ())
     table = solution_table(cells.row, equations, solve_equations(equations, closure, tolerance))
     calm = ((table.c_eq == -1) & (table.k_eq == 0)).any("element") & (table.status == labels.CONVERGED)
-    found = {
-        "rho": table.rho[:, 0, -1],
-        "displacement_std": table.displacement_std[:, -1],
-        "ductility_std": table.ductility_std[:, -1],
-        "yield_displacement": table.yield_drift[:, -1],
-        "all_elastic": np.isposinf(table.yield_drift).all("element"),
+    found = (
+        table.rho[:, 0, -1],
+        table.displacement_std[:, -1],
+        table.ductility_std[:, -1],
+        table.yield_drift[:, -1],
+        np.isposinf(table.yield_drift).all("element"),
+    )
+    values = {
+        name: cells.array(array.values.astype(float)) for name, array in zip(OF_PAIR, found, strict=True)
     }
-    values = {name: cells.array(array.values.astype(float)) for name, array in found.items()}
     status = table.status.where(~calm, np.int8(labels.ELASTIC_LIMIT)).values
     return {**values, "status": cells.array(status, labels.INVALID_INPUT)}
 

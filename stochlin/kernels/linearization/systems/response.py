@@ -149,10 +149,9 @@ class Response:
         """
         order, basis = self.system.order, self.basis
         m, cells, states = order.z.size, len(mass), basis.into.shape[1]
-        rates = self.system.extensions[dashpots] @ basis.back[:, order.velocities]
-        pushes = basis.into[:, :, order.velocities] @ (
-            self.system.extensions[dashpots] / mass[:, None]
-        ).swapaxes(1, 2)
+        extensions = self.system.extensions[dashpots]
+        rates = extensions @ basis.back[:, order.velocities]
+        pushes = basis.into[:, :, order.velocities] @ (extensions / mass[:, None]).swapaxes(1, 2)
         columns, rows = np.zeros((2, cells, 2 * m + dashpots.size, states))
         own = np.where(
             self.moves, basis.into[:, :, order.z], basis.into @ self.system.matrix[..., order.z]
@@ -162,11 +161,9 @@ class Response:
         rows[:, m : 2 * m] = -np.where(self.moves[:, None], basis.z, 0.0)
         columns[:, 2 * m :], rows[:, 2 * m :] = pushes.swapaxes(1, 2), -rates
         change = self._equation.slopes(columns, rows, self._solution)
-        of_shared = (np.broadcast_to(part, (cells, m, states)) for part in (basis.velocities,))
-        v, z, beyond, rate = (
-            self._equation.schur_rows(part)[:, None]
-            for part in (*of_shared, basis.z, basis.beyond, rates)
-        )
+        velocities = np.broadcast_to(basis.velocities, (cells, m, states))
+        seen = velocities, basis.z, basis.beyond, rates
+        v, z, beyond, rate = (self._equation.schur_rows(part)[:, None] for part in seen)
         pairs = (v, v), (z, z), (v, beyond), (rate, rate)
         found = np.concatenate([((one @ change) * two).sum(axis=-1) for one, two in pairs], axis=2)
         follows = np.flatnonzero(~self.moves)
