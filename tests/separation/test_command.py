@@ -432,7 +432,7 @@ def test_a_table_of_storeys_has_a_row_a_rule(storeyed: dict[str, Done]) -> None:
         case, out = one.folder / "few.toml", one.folder / "t.csv"
         case.write_text(few((one.folder / "case.toml").read_text(encoding="utf-8")), encoding="utf-8")
         assert run(case, "--out", out).exit_code == 0
-        assert len(out.read_text().splitlines()) == 24
+        assert len(out.read_text().splitlines()) == 25
 
 
 def test_a_picture_over_height_needs_heights(example: Done) -> None:
