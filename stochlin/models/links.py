@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import KW_ONLY, dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -154,19 +155,28 @@ class Link(Model):
         return ", ".join([super().describe()[:-1], *told]) + ")"
 
     @property
-    def spring(self) -> tuple[float, float, float]:
+    def springs(self) -> tuple[Any, Any, Any]:
         """``post``, ``couple`` [N/m] and strength [m] of the spring; its force is ``post x + couple z``.
 
         ``x`` is ``u1 - u2`` and ``z`` its elastic part. For a spring with slack ``x`` is ``u2 - u1`` and
-        the strength is the slack.
+        the strength is the slack. They are numbers, or arrays where the parameters are.
         """
-        k = self.number("stiffness")
+        values = self.cells()
+        k = values["stiffness"]
         if self.slack is not None:
-            return 0.0, k, self.number("slack")
+            return 0.0, k, values["slack"]
         if not self.yields:
             return k, 0.0, np.inf
-        hardening = self.number("hardening")
-        return hardening * k, (1 - hardening) * k, self.number("yield_displacement")
+        hardening = values["hardening"]
+        return hardening * k, (1 - hardening) * k, values["yield_displacement"]
+
+    @property
+    def spring(self) -> tuple[float, float, float]:
+        """The same as numbers; an error if a parameter of the spring is an array."""
+        for name in ("stiffness", "slack", "hardening", "yield_displacement"):
+            self.number(name)
+        post, couple, strength = map(float, self.springs)
+        return post, couple, strength
 
     def number(self, name: str) -> float:
         """The parameter ``name`` as a number, NaN if it is not set; an error if it is an array."""

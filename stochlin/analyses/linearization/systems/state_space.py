@@ -95,16 +95,21 @@ class Equations:
             listed += [f"z_{name}" for name in here if name in names]
         return listed + [f"z_{name}" for name in names if name not in floors]
 
+    def order(self, own: Array) -> Order:
+        """Numbers of the states; elements with ``own`` (e,) have a ``z``."""
+        states = self.states(own)
+        names = {name: i for i, name in enumerate(states)}
+        u, v = (np.array([names[f"{s}_{floor}"] for floor in self.system.floors]) for s in "uv")
+        z = np.array([names[f"z_{self.springs[spring]}"] for spring in self.elements[own]], int)
+        return Order(np.arange(len(states) - u.size - v.size - z.size), u, v, z)
+
     def mechanics(self, own: Array) -> Mechanics:
         """Masses, springs and ground of all cells; elements with ``own`` (e,) have a state ``z``."""
-        names = {name: i for i, name in enumerate(self.states(own))}
-        springs, soil = self.elements[own], self.ground.filter(self._ground)
-        u, v = (np.array([names[f"{s}_{floor}"] for floor in self.system.floors]) for s in "uv")
-        z = np.array([names[f"z_{self.springs[spring]}"] for spring in springs], int)
+        soil = self.ground.filter(self._ground)
         post, couple, _, _, _ = self._links
         return Mechanics(
-            Order(np.arange(len(soil.states)), u, v, z),
-            springs,
+            self.order(own),
+            self.elements[own],
             self.extensions,
             self._wide(self.system.all("mass")),
             self._wide(self.system.damping, 2),
@@ -164,11 +169,9 @@ class Equations:
 
 def _of_link(link: Link) -> list[Array]:
     """Post-yield stiffness, what yielding takes of it, strength, dashpot and exponent of a link."""
-    values = {name: np.asarray(value) for name, value in link.cells().items()}
-    usual = {"hardening": 1.0, "yield_displacement": np.inf, "damping_exponent": 1.0}
-    hardening, strength, exponent = (np.asarray(values.get(name, usual[name])) for name in usual)
-    k = values["stiffness"]
-    return [hardening * k, (1 - hardening) * k, strength, values["damping_constant"], exponent]
+    values = link.cells()
+    dashpot = values["damping_constant"], values.get("damping_exponent", 1.0)
+    return [np.asarray(value) for value in (*link.springs, *dashpot)]
 
 
 def checked_system(

@@ -26,6 +26,7 @@ from stochlin.analyses.tables.work import check_work, count_cells
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.gaussian import absolute_moment
 from stochlin.kernels.linearization.systems.response import Response, alike
+from stochlin.kernels.linearization.systems.state_space import StateSpace
 from stochlin.messages import brief
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.grounds import Ground
@@ -223,13 +224,13 @@ def linearized_motion(
     links = checked_system(structures, ground, links)
     check_one_system(structures, ground, links)
     equations = equations_of(structures, ground, links)
-    return motion_of(equations, solved(equations))
+    return Response(equivalent_systems(equations, solved(equations)))
 
 
-def motion_of(equations: Equations, solution: Solution) -> Response:
-    """Response of the equivalent linear systems, which all have the same states."""
-    own, dashpots = equations.yields, np.nan_to_num(solution.dashpots)
-    return Response(equations.state_space(solution.c_eq, solution.k_eq, own, dashpots))
+def equivalent_systems(equations: Equations, solution: Solution) -> StateSpace:
+    """The linear systems with the coefficients and dashpots of a solution."""
+    dashpots = np.nan_to_num(solution.dashpots)
+    return equations.state_space(solution.c_eq, solution.k_eq, equations.yields, dashpots)
 
 
 def solved(equations: Equations) -> Solution:
@@ -291,7 +292,7 @@ def solution_table(cells: Flat, equations: Equations, solution: Solution) -> xr.
     _, velocity, of_z, velocity_z = np.moveaxis(found.pop("moments"), 1, 0)
     z[:, own] = np.sqrt(of_z) / strength[:, own]
     corr[:, own] = velocity_z / np.sqrt(velocity * of_z)
-    u = equations.mechanics(own).order.displacements
+    u = equations.order(own).displacements
     x = found["covariance"]
     rho = np.clip(x[:, u[:, None], u] / (std[:, :, None] * std[:, None]), -1, 1)
     found |= {"z_std": z, "velocity_z_corr": corr, "rho": rho, "yield_drift": strength}
@@ -327,12 +328,12 @@ def solution_table(cells: Flat, equations: Equations, solution: Solution) -> xr.
 
 def _responses(equations: Equations, solution: Solution) -> dict[str, Array]:
     """What follows from the responses of the equivalent linear systems, by variable."""
-    own, n = equations.yields, len(equations.system.floors)
+    n = len(equations.system.floors)
     floors = np.eye(n)
     pairs = (floors[:, None] - floors[None]).reshape(n * n, n)
     parts: list[tuple[Array, dict[str, Array]]] = []
     dashpots = np.nan_to_num(solution.dashpots)
-    for cells, system in alike(equations.state_space(solution.c_eq, solution.k_eq, own, dashpots)):
+    for cells, system in alike(equivalent_systems(equations, solution)):
         motion = Response(system)
         part = {
             "drift_std": motion.std(equations.extensions[equations.elements]),

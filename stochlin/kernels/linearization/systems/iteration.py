@@ -102,6 +102,12 @@ class Linear(NamedTuple):
         """The cells with these numbers."""
         return Linear(*(part[cells] for part in self))
 
+    @classmethod
+    def unknown(cls, problem: Problem) -> Linear:
+        """NaN for all cells."""
+        parts = problem.strength, problem.strength, problem.dashpots
+        return cls(*(np.full_like(part, np.nan) for part in parts))
+
 
 class Moments(NamedTuple):
     """What the iteration needs of the response; NaN in cells without a stationary one."""
@@ -153,8 +159,7 @@ def solve(
     law may have several solutions, so that ``one_solution`` (c,) is false.
     """
     problem, elastic = elastic_start(problem)
-    history, count = History(len(elastic)), len(elastic)
-    linear = Linear(*(np.full_like(part, np.nan) for part in _linear(problem, elastic)[0]))
+    history, count, linear = History(len(elastic)), len(elastic), Linear.unknown(problem)
     solvable, converged = np.isfinite(elastic).all(axis=1), np.zeros(count, bool)
     start, all_cells = _yielding(problem, elastic), np.ones(count, bool)
     if not elastic.shape[1]:  # nothing is to be linearized
@@ -368,9 +373,8 @@ class _Last(NamedTuple):
     def none(cls, problem: Problem) -> _Last:
         """Before the first iteration."""
         states = sum(part.size for part in problem.mechanics.order)
-        parts = problem.strength, problem.strength, problem.dashpots
-        linear = Linear(*(np.full_like(part, np.nan) for part in parts))
-        return cls(linear, np.full((len(problem.strength), states, states), np.nan))
+        covariance = np.full((len(problem.strength), states, states), np.nan)
+        return cls(Linear.unknown(problem), covariance)
 
     def change(
         self,
