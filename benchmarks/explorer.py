@@ -22,34 +22,11 @@ import urllib.request
 from pathlib import Path
 
 import socketio  # that of NiceGUI
+from tall_case import tower_and_annex
 
 PROGRAM = "from stochlin.views.command import main; main()"
 TICKS = os.sysconf("SC_CLK_TCK")
 REST = 1.0  # s without work, after which a process rests
-TALL = """
-title = "Tower and annex"
-[site]
-ground = "firm"
-intensity = "0.01 m^2/s^3"
-[motion]
-duration = "20 s"
-envelope = "none"
-scatter = 0.3
-[separation]
-confidence = 0.9
-existing = "8 cm"
-"""
-BUILDING = """
-[building_{number}]
-name = "{name}"
-period = "{period} s"
-storeys = {storeys}
-storey_height = "3.2 m"
-floor_mass = "400 t"
-damping = 0.05
-hardening = 0.05
-base_shear_coefficient = 0.12
-"""
 
 
 def main(loads: int = 2000, questions: int = 200) -> None:
@@ -57,8 +34,7 @@ def main(loads: int = 2000, questions: int = 200) -> None:
         port = free.getsockname()[1]
     folder = tempfile.TemporaryDirectory()
     case = Path(folder.name, "case.toml")
-    one = BUILDING.format(number=1, name="Tower", period=1.1, storeys=10)
-    case.write_text(TALL + one + BUILDING.format(number=2, name="Annex", period=0.7, storeys=6))
+    case.write_text(tower_and_annex(duration=20))
     command = [sys.executable, "-c", PROGRAM, "explore", "--no-open", "--port", str(port)]
     server = subprocess.Popen([*command, "--case", str(case)], stdout=subprocess.PIPE, text=True)
     try:

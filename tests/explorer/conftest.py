@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 from browser import FLAGS, PATIENCE, PROGRAM, Browser, listens, wait
+from tall_case import tower_and_annex
 
 import stochlin as sl
 
@@ -54,39 +55,10 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
         yield address
 
 
-TALL = """
-title = "Tower and annex"
-[site]
-ground = "firm"
-intensity = "0.01 m^2/s^3"
-[motion]
-duration = "60 s"
-envelope = "none"
-scatter = 0.3
-[separation]
-confidence = 0.9
-existing = "8 cm"
-[simulation]
-paths = 128
-"""
-BUILDING = """
-[building_{}]
-name = "{}"
-period = "{} s"
-storeys = {}
-storey_height = "3.2 m"
-floor_mass = "400 t"
-damping = 0.05
-hardening = 0.05
-base_shear_coefficient = 0.12
-"""
-
-
 @pytest.fixture
 def tall(tmp_path: Path) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
     """Address and process of a server for buildings with many storeys in a long motion."""
-    case = TALL + BUILDING.format(1, "Tower", 1.1, 10) + BUILDING.format(2, "Annex", 0.7, 6)
-    with served(tmp_path, case) as server:
+    with served(tmp_path, tower_and_annex(duration=60, paths=128)) as server:
         yield server
 
 

@@ -215,8 +215,7 @@ def set_axes(every: list[Axes], table: xr.DataArray, drawn: list[xr.DataArray]) 
 @PICTURES.register("plane")
 def _plane(figure: Figure, dataset: xr.Dataset) -> None:
     """A panel for each ground."""
-    table = shown(dataset)
-    table = known(table)
+    table = known(shown(dataset))
     levels = contour_levels(table)
     found = list(places(table, 2))
     every = in_a_row(figure, len(found), SQUARE, sharex=True, sharey=True)

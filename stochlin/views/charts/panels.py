@@ -19,10 +19,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 INCH = 0.0254  # m
-WIDTH, NARROW = (
-    7.2,
-    5.0,
-)  # inches: of a picture on the screen; what is narrower has its panels in one column
+WIDTH = 7.2  # inches, of a picture on the screen
+NARROW = 5.0  # inches, below which panels stand in one column
 PRINT_WIDTHS = 0.08, 0.25  # m, the range
 # Of a picture in print, where no text is below 7 points; on the screen it is 8 to 10.
 PRINT_STYLE: Any = {
