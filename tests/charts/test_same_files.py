@@ -16,6 +16,7 @@ from click.testing import CliRunner
 import stochlin as sl
 from stochlin.analyses.charts.charts import for_file, rounded
 from stochlin.views.command import main
+from stochlin.views.shared.style import SCREEN, save
 
 pytestmark = pytest.mark.invariant
 
@@ -85,7 +86,7 @@ def test_pictures_are_drawn_from_the_rounded_data(tmp_path):
     command = ["charts", "fig3a", "--points", "9", "--out", str(tmp_path)]
     assert CliRunner().invoke(main, command).exit_code == 0
     with xr.open_dataset(tmp_path / "fig3a.nc") as chart:
-        sl.charts.draw(chart.load()).savefig(tmp_path / "again.png", dpi=150)
+        save(sl.charts.draw(chart.load()), tmp_path / "again.png", SCREEN)
     told, again = (matplotlib.image.imread(tmp_path / f"{name}.png") for name in ("fig3a", "again"))
     np.testing.assert_array_equal(told, again)
     exact = sl.charts.white_noise_chart(sl.charts.ChartSettings(points=9))

@@ -117,4 +117,20 @@ def save(figure: Figure, path: str | os.PathLike[str], dpi: float | None = None)
         raise ValueError(f"path = {brief(os.fspath(path))} ends in {brief(suffix)}; allowed: {allowed}")
     undated = {"png": {"Software": None}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}[suffix]
     with mpl.rc_context(STYLE), whole_file(path) as temporary:
+        _fix_layout(figure, dpi or PRINT)
         figure.savefig(temporary, dpi=dpi or PRINT, metadata=undated)
+
+
+def _fix_layout(figure: Figure, dpi: float) -> None:
+    """Leave the axes where the layout engine puts them, to 1e-9 of the figure.
+
+    The engine's solver orders its terms by addresses in memory, so that its last digits vary.
+    """
+    if figure.get_layout_engine() is None:
+        return
+    own, figure.dpi = figure.dpi, dpi
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    for axes in figure.axes:
+        axes.set_position(tuple(round(float(bound), 9) for bound in axes.get_position(original=True).bounds))
+    figure.dpi = own
