@@ -132,5 +132,6 @@ def _fix_layout(figure: Figure, dpi: float) -> None:
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     for axes in figure.axes:
-        axes.set_position(tuple(round(float(bound), 9) for bound in axes.get_position(original=True).bounds))
+        left, low, width, height = axes.get_position(original=True).bounds
+        axes.set_position((round(left, 9), round(low, 9), round(width, 9), round(height, 9)))
     figure.dpi = own
