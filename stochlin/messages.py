@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterable
 
 LONGEST = 80  # of a value that is shown
 LONGEST_MESSAGE = 2000  # on a terminal, with all names that are allowed
-# Called before a piece of code is compiled, which takes up to seconds: True if it will then be kept.
-WHEN_COMPILING: list[Callable[[bool], None]] = []
+# Called before a function is compiled, which takes up to seconds, and then kept.
+WHEN_COMPILING: list[Callable[[], None]] = []
 
 
 class DoubtfulInput(UserWarning):

@@ -240,7 +240,7 @@ def _exponents(models: Sequence[Element]) -> str:
 def _force(model: Element, history: History) -> Array:
     """Contact force; at both ends it has the force of the dashpot, although the deformation is 0."""
     within = np.maximum(history.deformation, np.finfo(float).tiny)
-    return kernel.forces(*model.force_law(1.0), within, history.velocity, 1.0)
+    return kernel.forces(model.force_law(1.0), within, history.velocity, 1.0)
 
 
 def _linear(model: LinearSpring | LinearDamped, points: int) -> History:

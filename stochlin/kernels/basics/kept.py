@@ -1,41 +1,41 @@
-"""The disk cache of compiled functions, made safe against damaged files and full disks.
+"""The folder in which numba keeps compiled functions, so that nothing damaged or old is taken from it.
 
-numba's own cache raises if no folder can be written, if a file is truncated or if the disk is full. It
-numbers its files in an index: two processes that start together can give one number to code for
-different argument types, and a file with a damaged byte is executed. Here each file is named after its
-function and argument types, repeats both inside and begins with a digest of its content. A file that
-does not match is compiled again, and replaced if possible.
-
-numba recompiles a function only if its own source file has changed. Here it is also recompiled if a
-module of `stochlin.kernels` that this file imports has changed, since functions of that module are
-compiled into it.
+numba (``cache=True``) compiles a function again only if its own source file has changed, lets processes
+that start together overwrite one another's files, and runs a file whose bytes have changed. Each process
+therefore has a folder of its own, and each function a folder in it. What numba has written there is
+packed into one archive of the function, which is replaced whole and whose check sums are compared when
+it is unpacked. The archives lie in a folder named after a digest of all kernel sources and versions.
 """
 
 from __future__ import annotations
 
+import atexit
 import hashlib
-import pickle
-import re
+import os
+import platform
+import shutil
+import tempfile
+import time
 import warnings
+import zipfile
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
-from numba.core.caching import FunctionCache, IndexDataCacheFile, NullCache
+import llvmlite
+import numba as nb
+import numpy as np
 
 from stochlin.messages import WHEN_COMPILING
 
-DIGEST = hashlib.sha256
-ROOT = Path(__file__).parents[3]
-IMPORTS = re.compile(r"^from (stochlin\.kernels[.\w]*) import (?:\(([^)]*)\)|(.*))$", re.MULTILINE)
+KERNELS = Path(__file__).parents[1]
+DAY = 86400.0  # [s]: folders of other versions, and of processes that were killed, are then removed
 NOT_KEPT = (
     "compiled code cannot be kept: neither stochlin's own folder nor the user's cache folder can be "
     "written, or the disk is full. Every process compiles anew what it uses, which takes seconds to a "
     "minute; set the environment variable NUMBA_CACHE_DIR to a folder that can be written"
-)
-NOT_COMPILED = (
-    "the environment variable NUMBA_DISABLE_JIT is set: nothing is compiled, and simulations take a "
-    "thousand times as long, hours for what takes seconds; unset it, unless that is wanted"
 )
 
 
@@ -45,87 +45,121 @@ def warn_once(why: str) -> None:
     warnings.warn(why, stacklevel=2)
 
 
+def digest_of(sources: Path) -> str:
+    """Digest of all modules below a folder, and of what else compiled code depends on."""
+    versions = sources, platform.python_version(), nb.__version__, llvmlite.__version__, np.__version__
+    digest = hashlib.sha256(repr(versions).encode())
+    for file in sorted(sources.rglob("*.py")):
+        digest.update(file.read_bytes())
+    return digest.hexdigest()[:16]
+
+
 @cache
-def digest_of(file: Path) -> bytes:
-    """Digest of the source of a module and of all modules of `stochlin.kernels` that it imports."""
-    source = file.read_bytes()
-    digest = DIGEST(source)
-    for package, lines, line in IMPORTS.findall(source.decode()):
-        for name in ("", *re.findall(r"\w+", lines or line)):
-            module = ROOT.joinpath(*package.split("."), name).with_suffix(".py")
-            if module.is_file():
-                digest.update(digest_of(module))
-    return digest.digest()
-
-
-def kept(function: Any) -> FunctionCache | NullCache:
-    """The disk cache of a function; an empty one, with a warning, if no folder can be written."""
-    found = _place(function)
-    if isinstance(found, NullCache):
-        warn_once(NOT_KEPT)
-    return found
-
-
-def check_that_it_is_kept() -> None:
-    """Raise a RuntimeError if no folder can be written for the disk cache."""
-    if isinstance(_place(check_that_it_is_kept), NullCache):
-        raise RuntimeError(NOT_KEPT)
-
-
-def _place(function: Any) -> FunctionCache | NullCache:
-    """The disk cache of a function, or an empty one if no folder can be written."""
-    try:
-        return _Cache(function)
-    except (RuntimeError, OSError):  # numba raises "no locator available"
-        return NullCache()
-
-
-class _Cache(FunctionCache):
-    """Numba's cache of one function, with `_Files` in place of its index and data files."""
-
-    def __init__(self, function: Any) -> None:
-        super().__init__(function)  # type: ignore[no-untyped-call]
-        stamp = digest_of(Path(function.__code__.co_filename))
-        self._cache_file = _Files(self._cache_path, self._impl.filename_base, stamp)  # type: ignore[no-untyped-call]
-
-    def save_overload(self, sig: Any, data: Any) -> None:
-        """Write the code for one signature, or warn if the disk does not take it."""
+def archives() -> Path | None:
+    """The folder of the archives; None, with a warning, if there is none that can be written."""
+    user = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+    named = nb.config.CACHE_DIR  # type: ignore[attr-defined]
+    for place in [named] if named else [KERNELS.parent / "__pycache__", Path(user, "stochlin")]:
+        folder = Path(place, f"kernels-{digest_of(KERNELS)}")
         try:
-            super().save_overload(sig, data)  # type: ignore[no-untyped-call]
+            folder.mkdir(parents=True, exist_ok=True)
+            tempfile.TemporaryFile(dir=folder).close()
+            os.utime(folder)
         except OSError:
-            warn_once(NOT_KEPT)
+            continue
+        _remove_unused(folder.parent, "kernels-*")
+        return folder
+    warn_once(NOT_KEPT)
+    return None
 
 
-class _Files(IndexDataCacheFile):
-    """One file for the code of each signature (the ``key``), without an index."""
+@cache
+def _of_process() -> Path:
+    """The folder of this process."""
+    folder = Path(tempfile.mkdtemp(prefix="stochlin-kernels-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    _remove_unused(folder.parent, "stochlin-kernels-*")
+    return folder
 
-    def save(self, key: Any, data: Any) -> None:
-        """Write the file of this key, whole or not at all."""
-        content = self._dump((self._source_stamp, key, data))  # type: ignore[no-untyped-call]
-        with self._open_for_write(self._path(key)) as file:
-            file.write(DIGEST(content).digest() + content)
 
-    def load(self, key: Any) -> Any:
-        """The code in the file of this key; None if the file is missing, damaged or out of date."""
-        data = self._read(key)
-        if data is None:
-            for call in tuple(WHEN_COMPILING):
-                call(True)
-        return data
+def _remove_unused(place: Path, names: str) -> None:
+    """Remove folders of these names which were not used for a day."""
+    for folder in place.glob(names):
+        with suppress(OSError):  # another process removes it, or it belongs to another user
+            if time.time() - folder.stat().st_mtime > DAY:
+                shutil.rmtree(folder, ignore_errors=True)
 
-    def _read(self, key: Any) -> Any:
-        """The code in the file of this key, after its digest, source and key are checked; else None."""
+
+class Kept:
+    """A function that numba compiles at its first call, or finds compiled in its archive.
+
+    ``options`` are those of ``numba.njit``.
+    """
+
+    def __init__(self, function: Any, options: dict[str, Any]) -> None:
+        self.py_func, self.__doc__ = function, function.__doc__
+        self._lock, self._fetched, self._kinds, self._misses = Lock(), False, 0, 0
+        name = f"{function.__module__}.{function.__qualname__}-{function.__code__.co_firstlineno}"
+        within, config = archives(), nb.config
+        self._archive = within and within / f"{name}.zip"
+        if within is None:
+            self._compiled = nb.njit(**options)(function)
+            return
+        self._folder = _of_process() / name
+        named, config.CACHE_DIR = config.CACHE_DIR, str(self._folder)  # type: ignore[attr-defined]
         try:
-            whole = Path(self._path(key)).read_bytes()
-            size = DIGEST().digest_size
-            if DIGEST(whole[size:]).digest() != whole[:size]:
-                return None
-            stamp, of, data = pickle.loads(whole[size:])
-        except Exception:  # reading failed, or an older version pickled names that no longer exist
-            return None
-        return data if (stamp, of) == (self._source_stamp, key) else None
+            self._compiled = nb.njit(cache=True, **options)(function)
+        finally:
+            config.CACHE_DIR = named  # type: ignore[attr-defined]
 
-    def _path(self, key: Any) -> str:
-        """Path of the file of this key, named after a digest of the key and numba's version."""
-        name = DIGEST(repr((self._version, key)).encode()).hexdigest()[:16]
-        return f"{self._index_path.removesuffix('.nbi')}.{name}.nbc"
+    @property
+    def signatures(self) -> list[Any]:
+        """The kinds of arguments for which the function is compiled in this process."""
+        return list(self._compiled.signatures)
+
+    def __call__(self, *args: Any) -> Any:
+        """The function, compiled."""
+        if not self._fetched:
+            self._fetch()
+        try:
+            result = self._compiled(*args)
+        except OSError:  # of numba, which could not write the code that it has just compiled
+            warn_once(NOT_KEPT)
+            result = self._compiled(*args)
+        if len(self._compiled.signatures) > self._kinds:
+            self._store()
+        return result
+
+    def _fetch(self) -> None:
+        """Unpack the archive, if there is one that is whole."""
+        with self._lock:
+            if self._fetched:
+                return
+            self._fetched = True
+            try:
+                with zipfile.ZipFile(self._archive or "") as archive:
+                    archive.extractall(self._folder)
+                return
+            except Exception:  # what a damaged archive raises is not documented
+                if self._archive is not None:
+                    shutil.rmtree(self._folder, ignore_errors=True)
+            for call in tuple(WHEN_COMPILING):
+                call()
+
+    def _store(self) -> None:
+        """Replace the archive, if numba has compiled and written something."""
+        with self._lock:
+            self._kinds = len(self._compiled.signatures)
+            misses = sum(self._compiled.stats.cache_misses.values())
+            if self._archive is None or misses == self._misses:
+                return
+            self._misses, whole = misses, self._archive.with_suffix(f".{os.getpid()}")
+            try:
+                whole.parent.mkdir(parents=True, exist_ok=True)
+                with zipfile.ZipFile(whole, "w") as archive:
+                    for file in self._folder.rglob("*.nb?"):
+                        archive.write(file, file.relative_to(self._folder))
+                whole.replace(self._archive)
+            except OSError:
+                warn_once(NOT_KEPT)
+                whole.unlink(missing_ok=True)

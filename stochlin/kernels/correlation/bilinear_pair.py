@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from stochlin.kernels.basics.compiled import called_often, compiled, entry, shared
+from stochlin.kernels.basics.compiled import called_often, compiled, entry
 from stochlin.kernels.correlation.tables import parameters_of
 from stochlin.kernels.correlation.tiles import correlation
 from stochlin.kernels.linearization.cells.elementary import atanh, log
@@ -123,4 +123,4 @@ def _response(system, ground, oscillators):
     return found, own_covariance(system, found)
 
 
-shared(parameters_of)
+called_often(parameters_of)

@@ -11,10 +11,9 @@ from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import called_often, compiled, elementwise, entry
+from stochlin.kernels.basics.compiled import called_often, compiled, entry
 
 # Branches of a contact: no contact; in contact; in contact and opening, if the dashpot acts only while
 # closing; compressed but without force; two floors that move together after a stereomechanical impact.
@@ -74,7 +73,7 @@ def has_fractional_power(law):
     return law.exponent != 1.0 or law.damping_exponent != 0.0
 
 
-@entry
+@compiled
 def force(law, d, v, v0):
     """Force [N] of one element; zero where there is no contact, ``d <= 0``."""
     if d <= 0.0:
@@ -83,13 +82,22 @@ def force(law, d, v, v0):
     return total if law.tension else max(total, 0.0)
 
 
-@elementwise
-def forces(k, n, c, p, approach_only, over_approach, tension, d, v, v0):
-    """`force` [N] for arrays that broadcast: fields of a `ForceLaw`, then ``d``, ``v`` and ``v0``."""
-    return force(ForceLaw(k, n, c, p, approach_only, over_approach, tension), d, v, v0)
+def forces(law, d, v, v0):
+    """`force` [N] for fields of the law and for ``d``, ``v`` and ``v0`` that broadcast."""
+    given = np.broadcast_arrays(*law, d, v, v0)
+    result = np.empty(given[-1].shape)
+    _forces(*(np.ascontiguousarray(array).ravel() for array in given), result.reshape(-1))
+    return result
 
 
 @entry
+def _forces(k, n, c, p, approach_only, over_approach, tension, d, v, v0, out):
+    for i in range(out.size):
+        law = ForceLaw(k[i], n[i], c[i], p[i], approach_only[i], over_approach[i], tension[i])
+        out[i] = force(law, d[i], v[i], v0[i])
+
+
+@compiled
 def separation_margin(law, d, v):
     """Quantity that falls to zero when the contact ends [m].
 
@@ -105,13 +113,13 @@ def stored_energy(law: Array, d: Array) -> Array:
     return k * np.maximum(d, 0.0) ** (n + 1) / (n + 1)
 
 
-@register_jitable
+@called_often
 def reduced_mass(mass_1: Any, mass_2: Any) -> Any:
     """Reduced mass ``m1 m2/(m1 + m2)`` [kg]; an infinite mass is a rigid wall. Scalars or arrays."""
     return 1.0 / (1.0 / mass_1 + 1.0 / mass_2)
 
 
-@register_jitable
+@called_often
 def velocities_after_impact(
     velocity_1: Any, velocity_2: Any, mass_1: Any, mass_2: Any, restitution: Any
 ) -> tuple[Any, Any]:
@@ -120,7 +128,7 @@ def velocities_after_impact(
     return velocity_1 - jump / (1.0 + mass_1 / mass_2), velocity_2 + jump / (1.0 + mass_2 / mass_1)
 
 
-@register_jitable
+@called_often
 def impact_loss(mass_1: Any, mass_2: Any, restitution: Any) -> Any:
     """Energy lost in a stereomechanical impact, over ``(u1' - u2')^2`` [kg]. Scalars or arrays."""
     return 0.5 * (1.0 - restitution) * (1.0 + restitution) * reduced_mass(mass_1, mass_2)

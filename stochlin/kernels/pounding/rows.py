@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import called_often
@@ -88,7 +87,7 @@ def slip_of(row, j):
     return 3 * n + 3 * s + c + len(row.tied) + j
 
 
-@register_jitable
+@called_often
 def creep_of(row: Any, j: int) -> Any:
     """Rate [m/s] below which the dashpot of link ``j`` with an exponent is linear.
 

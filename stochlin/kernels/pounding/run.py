@@ -14,7 +14,6 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import called_often, compiled, entry
-from stochlin.kernels.basics.lending import borrow
 from stochlin.kernels.pounding.contact import (
     CLOSED,
     OPEN,
@@ -31,6 +30,7 @@ from stochlin.kernels.pounding.events import (
     watch_state,
 )
 from stochlin.kernels.pounding.impacts import COLUMNS, FIRST_LINES, MOST_BLOWS, begin_entry, end_entry
+from stochlin.kernels.pounding.lending import borrow
 from stochlin.kernels.pounding.rates import rates, rates_at_times, start
 from stochlin.kernels.pounding.rows import LAWS, Branches, Row, sizes_of
 from stochlin.kernels.pounding.steps import (

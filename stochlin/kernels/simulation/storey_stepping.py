@@ -30,7 +30,7 @@ from numba.extending import overload
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import (
-    OF_OVERLOADS,
+    OFTEN,
     UNCOMPILED,
     called_often,
     compiled,
@@ -38,7 +38,6 @@ from stochlin.kernels.basics.compiled import (
     of_lane,
     smallest,
 )
-from stochlin.kernels.basics.lending import borrow
 from stochlin.kernels.simulation.stepping import LANES, bouc_wen_middle
 
 # Kinds of elements; numbers from OTHER on are laws given as functions.
@@ -200,7 +199,7 @@ def _own(own: Any, lane: int) -> Any:
     return own if own.ndim == 1 else own[:, lane].copy()
 
 
-@overload(_own, jit_options=OF_OVERLOADS)
+@overload(_own, jit_options=OFTEN)
 def _own_of_lane(own, lane):
     if own.ndim == 1:
         return lambda own, lane: own
@@ -360,15 +359,14 @@ def _first_slips(steps, change, slip):
 
 
 @entry
-def storey_block(f, owned, law, d, v, z, every, out, first):
-    """Steps of the elements ``owned``, a `Steps`, under the forcing ``f`` (steps, LANES).
+def storey_block(f, steps, law, d, v, z, every, out, first):
+    """Steps of the elements ``steps``, a `Steps`, under the forcing ``f`` (steps, LANES).
 
     ``d``, ``v`` and ``z`` (e, LANES) are the drifts [m], their rates [m/s] and the hysteretic drifts
     [m]; they are updated. The displacements of the floors and the drifts of the links after every
     ``every``-th step [m] are written to the rows of ``out`` (samples, e or more, LANES) from ``first``
     on. ``law`` is the result of `law_of`.
     """
-    steps = borrow(owned)
     e, n = steps.kind.size, steps.lowest.size
     known, change, slip = np.empty((n + e, LANES)), np.empty((e, LANES)), np.zeros((e, LANES))
     new, twice = np.empty(LANES), 2.0 / steps.dt

@@ -104,7 +104,12 @@ class Element(Contact):
         v0 = checked(name, "approach_velocity", approach_velocity, "m/s", POSITIVE)
         given = [xr.DataArray(value) for value in (*self.force_law(mass), d, v, v0)]
         with np.errstate(invalid="ignore"):  # cells out of range are blanked below
-            result: xr.DataArray = xr.apply_ufunc(forces, *given, join="exact", keep_attrs=False)
+            result: xr.DataArray = xr.apply_ufunc(
+                lambda *arrays: forces(ForceLaw(*arrays[:-3]), *arrays[-3:]),
+                *given,
+                join="exact",
+                keep_attrs=False,
+            )
         result = result.where(self.valid() & POSITIVE.contains(mass) & POSITIVE.contains(v0))
         return result.rename("contact_force").assign_attrs(units="N", long_name="contact force")
 

@@ -10,7 +10,6 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from functools import cache
-from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -82,24 +81,17 @@ def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
 
 @contextmanager
 def compiling_told() -> Iterator[None]:
-    """Say on the error stream, once, when code has to be compiled; on a terminal a sign then turns."""
-    signs = cycle("|/-\\")
+    """Say on the error stream, once, when code has to be compiled."""
 
     @cache
     def say_once() -> None:
         click.echo(COMPILING, err=True)
 
-    def say(kept: bool) -> None:
-        if kept:
-            say_once()
-        if sys.stderr.isatty():
-            click.echo(f"{next(signs)}\r", nl=False, err=True)
-
-    WHEN_COMPILING.append(say)
+    WHEN_COMPILING.append(say_once)
     try:
         yield
     finally:
-        WHEN_COMPILING.remove(say)
+        WHEN_COMPILING.remove(say_once)
 
 
 @contextmanager

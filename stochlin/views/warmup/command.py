@@ -33,13 +33,14 @@ def warmup(jobs: int | None) -> None:
     from concurrent.futures import ProcessPoolExecutor, as_completed
     from multiprocessing import get_context
 
-    from stochlin.kernels.basics.compiled import UNCOMPILED
-    from stochlin.kernels.basics.kept import NOT_COMPILED, check_that_it_is_kept
+    from stochlin.kernels.basics.compiled import NOT_COMPILED, UNCOMPILED
+    from stochlin.kernels.basics.kept import NOT_KEPT, archives
     from stochlin.kernels.basics.parallel import cores
     from stochlin.views.warmup.tasks import TASKS, perform
 
     with bad_input():
-        check_that_it_is_kept()
+        if archives() is None:
+            raise RuntimeError(NOT_KEPT)
     if UNCOMPILED:
         click.echo(NOT_COMPILED)
         return

@@ -9,11 +9,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numba as nb
 import numpy as np
-from numba.extending import intrinsic, overload
+from numba.extending import overload
 
-from stochlin.kernels.basics.compiled import OF_OVERLOADS, called_often
+from stochlin.kernels.basics.compiled import OFTEN, called_often
 
 LOG2_E = 1 / math.log(2)
 LN2_HIGH, LN2_LOW = 6.93147180369123816490e-01, 1.90821492927058770002e-10  # ln 2 in two parts
@@ -116,19 +115,13 @@ def scaled(value: Any, rounded: Any) -> Any:
     return math.ldexp(value, int(rounded - ROUND))
 
 
-@intrinsic
-def _scaled(context, value, rounded):
-    def code(context, builder, signature, given):
-        whole, real = (context.get_value_type(kind) for kind in (nb.int64, nb.float64))
-        bits, power = (builder.bitcast(one, whole) for one in given)
-        return builder.bitcast(builder.add(bits, builder.shl(power, whole(52))), real)
-
-    return nb.float64(nb.float64, nb.float64), code
-
-
-@overload(scaled, jit_options=OF_OVERLOADS)
+@overload(scaled, jit_options=OFTEN)
 def _scaled_in_code(value, rounded):
-    return lambda value, rounded: _scaled(value, rounded)  # type: ignore[call-arg]  # noqa: PLW0108
+    def by_bits(value, rounded):
+        power = np.float64(rounded).view(np.int64) << 52
+        return np.int64(np.float64(value).view(np.int64) + power).view(np.float64)
+
+    return by_bits
 
 
 def split(x: Any) -> Any:
@@ -137,21 +130,12 @@ def split(x: Any) -> Any:
     return (2 * factor, exponent - 1.0) if factor < ROOT_HALF else (factor, float(exponent))
 
 
-@intrinsic
-def _split(context, x):
-    def code(context, builder, signature, given):
-        whole, real = (context.get_value_type(kind) for kind in (nb.int64, nb.float64))
-        raised = builder.add(builder.bitcast(given[0], whole), whole(BITS_OF_ONE - BITS_OF_ROOT_HALF))
-        exponent = builder.or_(builder.lshr(raised, whole(52)), whole(BITS_OF_2_52))
-        exponent = builder.fsub(builder.bitcast(exponent, real), real(2.0**52 + 1023))
-        factor = builder.add(builder.and_(raised, whole(2**52 - 1)), whole(BITS_OF_ROOT_HALF))
-        found = builder.bitcast(factor, real), exponent
-        return context.make_tuple(builder, signature.return_type, found)
-
-    two: Any = nb.types.UniTuple
-    return two(nb.float64, 2)(nb.float64), code
-
-
-@overload(split, jit_options=OF_OVERLOADS)
+@overload(split, jit_options=OFTEN)
 def _split_in_code(x):
-    return lambda x: _split(x)  # type: ignore[call-arg]  # noqa: PLW0108
+    def by_bits(x):
+        raised = np.uint64(np.float64(x).view(np.uint64) + np.uint64(BITS_OF_ONE - BITS_OF_ROOT_HALF))
+        exponent = np.uint64((raised >> np.uint64(52)) | np.uint64(BITS_OF_2_52))
+        factor = np.uint64((raised & np.uint64(2**52 - 1)) + np.uint64(BITS_OF_ROOT_HALF))
+        return factor.view(np.float64), exponent.view(np.float64) - (2.0**52 + 1023)
+
+    return by_bits

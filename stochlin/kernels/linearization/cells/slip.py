@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from stochlin.kernels.basics.compiled import called_often, compiled, shared
+from stochlin.kernels.basics.compiled import called_often, compiled
 from stochlin.kernels.linearization.cells.elementary import erfcx, exp
 from stochlin.kernels.linearization.cells.tiles import LANES, read3, write3
 from stochlin.kernels.linearization.gaussian import clipped_values, gaussian_values, regressed
@@ -150,4 +150,4 @@ def read_values(tile, lane):
 
 
 for _ in (gaussian_values, clipped_values, regressed):
-    shared(_)
+    called_often(_)

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stochlin.kernels.basics.compiled import called_often, compiled, entry, shared
+from stochlin.kernels.basics.compiled import called_often, compiled, entry
 from stochlin.kernels.basics.small_systems import solve_3x3
 from stochlin.kernels.linearization.cells.elementary import atanh, exp, log, tanh
 from stochlin.kernels.linearization.cells.grounds import FORCINGS
@@ -212,7 +212,7 @@ def next_delta(delta: Any, before: Any, now: Any, pace: Pace) -> Any:
 
 
 for _ in (characteristic, hurwitz, stable, own_covariance, solve_3x3, slope_of_unknowns, next_delta):
-    shared(_)
+    called_often(_)
 
 
 @called_often
