@@ -7,9 +7,8 @@ one fails: the examples of the mutated module, the tests that import it, those w
 others of its room, of a room with its name, and, where no test imports it, of the rooms that do. A
 survivor is a hole in the tests, or a change without effect, as of a tolerance or the size of a chunk.
 
-At the end, the tests that caught a mutant run on the unchanged copy, where they have to pass. Run `make
-test` first: it keeps the compiled code, which is copied, too. 60 mutants then take half an hour on a
-free core, and an hour on a busy one.
+At the end, the tests that caught a mutant run on the unchanged copy, where they have to pass. Each copy
+compiles the kernels that its tests call. 60 mutants take an hour on a free core.
 """
 
 from __future__ import annotations

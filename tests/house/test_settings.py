@@ -20,13 +20,7 @@ from stochlin.views.command import main
 pytestmark = pytest.mark.cli
 
 UNCOMPILED = {"NUMBA_DISABLE_JIT": "1"}
-NO_FOLDER = {
-    "NUMBA_CACHE_LOCATOR_CLASSES": "UserProvidedCacheLocator",  # neither stochlin's own folder
-    "NUMBA_CACHE_DIR": "",
-    "HOME": os.devnull,  # nor the user's
-    "XDG_CACHE_HOME": os.devnull,
-    "XDG_CONFIG_HOME": os.devnull,
-}
+NO_FOLDER = {"NUMBA_CACHE_DIR": os.devnull}
 ONE_CORE = {"NUMBA_NUM_THREADS": "1"}
 
 COMMANDS = """
@@ -132,7 +126,7 @@ def test_simulations_run_uncompiled(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_commands_run_where_nothing_can_be_kept(tmp_path: Path) -> None:
     done = ran(tmp_path, NO_FOLDER, [RHO, *ATLAS])
-    assert done.stdout.count("set the environment variable NUMBA_CACHE_DIR to a folder") == 1
+    assert done.stdout.count("NUMBA_CACHE_DIR to a folder that can be written") == 1
 
 
 @pytest.mark.slow
@@ -144,4 +138,4 @@ def test_commands_run_on_one_core(tmp_path: Path) -> None:
 def test_warmup_says_that_it_is_in_vain(tmp_path: Path) -> None:
     done = process(tmp_path, NO_FOLDER, "-m", "stochlin", "warmup")
     assert done.returncode == 1
-    assert "set the environment variable NUMBA_CACHE_DIR to a folder" in done.stderr
+    assert "NUMBA_CACHE_DIR to a folder that can be written" in done.stderr

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
-import sys
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
@@ -14,9 +13,7 @@ from click.testing import CliRunner
 
 import stochlin as sl
 from stochlin import kernels
-from stochlin.kernels.basics.compiled import compiled as compiled_part
-from stochlin.kernels.basics.compiled import not_kept
-from stochlin.kernels.basics.kept import _Cache
+from stochlin.kernels.basics.kept import Kept
 from stochlin.messages import WHEN_COMPILING
 from stochlin.views.command import main
 from stochlin.views.shared.screen import compiling_told
@@ -28,7 +25,7 @@ def compiled() -> dict[str, int]:
     found = {}
     for module in pkgutil.walk_packages(kernels.__path__, f"{kernels.__name__}."):
         for name, value in vars(importlib.import_module(module.name)).items():
-            if isinstance(getattr(value, "_cache", None), _Cache):
+            if isinstance(value, Kept):
                 found[f"{value.py_func.__module__}.{name}"] = len(value.signatures)
     return found
 
@@ -58,22 +55,8 @@ def test_commands_need_nothing_that_the_tasks_do_not_call(tmp_path: Path) -> Non
 
 def test_that_something_is_compiled_is_said_once(capsys: pytest.CaptureFixture[str]) -> None:
     with compiling_told():
-        for kept in (False, True, True):
+        for _ in range(3):
             for call in list(WHEN_COMPILING):
-                call(kept)
+                call()
     assert capsys.readouterr().err.count("compiling for this machine, once") == 1
     assert not WHEN_COMPILING
-
-
-def test_a_sign_turns_on_a_terminal_while_parts_are_compiled(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    part = compiled_part(lambda x: 2 * x)
-
-    def entry(x):
-        return part(x) + 1
-
-    with compiling_told():
-        monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-        assert not_kept(entry)(1.5) == 4.0
-    assert capsys.readouterr().err == "|\r"

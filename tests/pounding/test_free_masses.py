@@ -277,7 +277,7 @@ def test_forces_on_branches_are_those_of_the_elements(d, v, v0):
         contact = kind(3e7, restitution=0.5)
         law = contact.force_law(mass)
         branch = OPENING if v < 0 and kind in (sl.ImpactKelvin, sl.Jankowski) else CLOSED
-        found, elastic = forces.branch_force.py_func(law, branch, d, v, v0)
+        found, elastic = forces.branch_force(law, branch, d, v, v0)
         assert elastic == pytest.approx(3e7 * d**law.exponent, rel=1e-14)
         if kind is sl.NoTensionKelvin:
             found = max(found, 0.0)  # this branch ends where it would pull

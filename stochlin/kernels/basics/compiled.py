@@ -10,6 +10,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numba as nb
@@ -25,14 +26,14 @@ NOT_COMPILED = (
 )
 OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 # Functions that only compiled code calls need no code to be called from elsewhere, a third of the time.
-INNER: dict[str, Any] = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-OFTEN: dict[str, Any] = INNER | {"forceinline": True}
+INNER: Any = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+OFTEN: Any = INNER | {"forceinline": True}
 FEW = 256  # cells that take less time in plain Python than to load compiled code, or to compile it
 _met: dict[Any, int] = {}
 
 not_kept = nb.njit(**OPTIONS)
-compiled: Any = register_jitable(**INNER)
-called_often: Any = register_jitable(**OFTEN)
+compiled: Callable[[Any], Any] = register_jitable(**INNER)
+called_often: Callable[[Any], Any] = register_jitable(**OFTEN)
 
 
 def entry(function: Any, **more: Any) -> Any:

@@ -20,22 +20,23 @@ import warnings
 import zipfile
 from contextlib import suppress
 from functools import cache
+from importlib.metadata import version
 from pathlib import Path
 from threading import Lock
 from typing import Any
 
-import llvmlite
 import numba as nb
-import numpy as np
 
 from stochlin.messages import WHEN_COMPILING
 
 KERNELS = Path(__file__).parents[1]
+BUILT_WITH = ("numba", "llvmlite", "numpy")
 DAY = 86400.0  # [s]: folders of other versions, and of processes that were killed, are then removed
 NOT_KEPT = (
-    "compiled code cannot be kept: neither stochlin's own folder nor the user's cache folder can be "
-    "written, or the disk is full. Every process compiles anew what it uses, which takes seconds to a "
-    "minute; set the environment variable NUMBA_CACHE_DIR to a folder that can be written"
+    "compiled code cannot be kept: the folder that NUMBA_CACHE_DIR names, or without it both stochlin's "
+    "own folder and the user's cache folder, cannot be written, or the disk is full. Every process then "
+    "compiles anew what it uses, which takes seconds to a minute; set the environment variable "
+    "NUMBA_CACHE_DIR to a folder that can be written"
 )
 
 
@@ -47,7 +48,7 @@ def warn_once(why: str) -> None:
 
 def digest_of(sources: Path) -> str:
     """Digest of all modules below a folder, and of what else compiled code depends on."""
-    versions = sources, platform.python_version(), nb.__version__, llvmlite.__version__, np.__version__
+    versions = sources, platform.python_version(), [version(name) for name in BUILT_WITH]
     digest = hashlib.sha256(repr(versions).encode())
     for file in sorted(sources.rglob("*.py")):
         digest.update(file.read_bytes())
@@ -103,30 +104,30 @@ class Kept:
         within, config = archives(), nb.config
         self._archive = within and within / f"{name}.zip"
         if within is None:
-            self._compiled = nb.njit(**options)(function)
+            self.dispatcher = nb.njit(**options)(function)
             return
         self._folder = _of_process() / name
         named, config.CACHE_DIR = config.CACHE_DIR, str(self._folder)  # type: ignore[attr-defined]
         try:
-            self._compiled = nb.njit(cache=True, **options)(function)
+            self.dispatcher = nb.njit(cache=True, **options)(function)
         finally:
             config.CACHE_DIR = named  # type: ignore[attr-defined]
 
     @property
     def signatures(self) -> list[Any]:
         """The kinds of arguments for which the function is compiled in this process."""
-        return list(self._compiled.signatures)
+        return list(self.dispatcher.signatures)
 
     def __call__(self, *args: Any) -> Any:
         """The function, compiled."""
         if not self._fetched:
             self._fetch()
         try:
-            result = self._compiled(*args)
+            result = self.dispatcher(*args)
         except OSError:  # of numba, which could not write the code that it has just compiled
             warn_once(NOT_KEPT)
-            result = self._compiled(*args)
-        if len(self._compiled.signatures) > self._kinds:
+            result = self.dispatcher(*args)
+        if len(self.dispatcher.signatures) > self._kinds:
             self._store()
         return result
 
@@ -135,22 +136,21 @@ class Kept:
         with self._lock:
             if self._fetched:
                 return
-            self._fetched = True
             try:
                 with zipfile.ZipFile(self._archive or "") as archive:
                     archive.extractall(self._folder)
-                return
             except Exception:  # what a damaged archive raises is not documented
                 if self._archive is not None:
                     shutil.rmtree(self._folder, ignore_errors=True)
-            for call in tuple(WHEN_COMPILING):
-                call()
+                for call in tuple(WHEN_COMPILING):
+                    call()
+            self._fetched = True
 
     def _store(self) -> None:
         """Replace the archive, if numba has compiled and written something."""
         with self._lock:
-            self._kinds = len(self._compiled.signatures)
-            misses = sum(self._compiled.stats.cache_misses.values())
+            self._kinds = len(self.dispatcher.signatures)
+            misses = sum(self.dispatcher.stats.cache_misses.values())
             if self._archive is None or misses == self._misses:
                 return
             self._misses, whole = misses, self._archive.with_suffix(f".{os.getpid()}")
@@ -162,4 +162,5 @@ class Kept:
                 whole.replace(self._archive)
             except OSError:
                 warn_once(NOT_KEPT)
-                whole.unlink(missing_ok=True)
+                with suppress(OSError):
+                    whole.unlink()

@@ -82,7 +82,7 @@ def force(law, d, v, v0):
     return total if law.tension else max(total, 0.0)
 
 
-def forces(law, d, v, v0):
+def forces(law: ForceLaw, d: Any, v: Any, v0: Any) -> Array:
     """`force` [N] for fields of the law and for ``d``, ``v`` and ``v0`` that broadcast."""
     given = np.broadcast_arrays(*law, d, v, v0)
     result = np.empty(given[-1].shape)
