@@ -90,8 +90,9 @@ class Model:
 
     def __new__(cls, *args: Any, **kwargs: Any) -> Self:
         """A new model, or an `UncertainModel` if an argument is `Uncertain`."""
-        if any(isinstance(value, Uncertain) for value in (*args, *kwargs.values())):
-            return UncertainModel.of(cls, args, kwargs)  # type: ignore[return-value]
+        for value in (*args, *kwargs.values()):
+            if isinstance(value, Uncertain):
+                return UncertainModel.of(cls, args, kwargs)  # type: ignore[return-value]
         return super().__new__(cls)
 
     def __post_init__(self) -> None:
@@ -103,9 +104,8 @@ class Model:
                 checked = check(prefix, field.name, value, field.metadata)
                 object.__setattr__(self, field.name, checked)
                 several += [checked] if isinstance(checked, xr.DataArray) else []
-        self._forget()
         try:
-            if not _plainly_alike(several):
+            if len(several) > 1 and not _plainly_alike(several):
                 xr.align(*several, join="exact", copy=False)
         except (xr.AlignmentError, ValueError) as error:
             raise ValueError(
@@ -115,8 +115,9 @@ class Model:
             ) from error
 
     @classmethod
+    @functools.cache
     def _declared(cls) -> tuple[dataclasses.Field[Any], ...]:
-        return _declared_of(cls)  # type: ignore[arg-type]
+        return tuple(field for field in dataclasses.fields(cls) if "allowed" in field.metadata)
 
     @classmethod
     def kinds(cls) -> Collection[type[Model]]:
@@ -145,14 +146,10 @@ class Model:
         """The parameters that are set, by name: numbers, or labelled arrays."""
         made: dict[str, Any] | None = self.__dict__.get(_CELLS)
         if made is None:
-            values = ((field.name, getattr(self, field.name)) for field in self._declared())
-            made = {name: value for name, value in values if value is not None}
+            fields = self._declared()
+            made = {f.name: value for f in fields if (value := getattr(self, f.name)) is not None}
             object.__setattr__(self, _CELLS, made)
         return dict(made)
-
-    def _forget(self) -> None:
-        for made in (_CELLS, _MADE):
-            self.__dict__.pop(made, None)
 
     def arrays(self) -> dict[str, xr.DataArray]:
         """The parameters that are set, by name, as labelled arrays (0-d for scalars)."""
@@ -182,7 +179,8 @@ class Model:
     def with_arrays(self, arrays: Mapping[str, xr.DataArray]) -> Self:
         """A copy of the model with these arrays as parameters, without checking them again."""
         changed = copy.copy(self)
-        changed._forget()
+        for made in (_CELLS, _MADE):
+            changed.__dict__.pop(made, None)
         for name, array in arrays.items():
             object.__setattr__(changed, name, array)
         return changed
@@ -203,11 +201,6 @@ class Model:
         """The model with its parameters in one line, for metadata and charts; arrays by their range."""
         parts = [f"{name}={_brief(value)}" for name, value in self.cells().items()]
         return f"{type(self).__name__}({', '.join(parts)})"
-
-
-@functools.cache
-def _declared_of(kind: type[Model]) -> tuple[dataclasses.Field[Any], ...]:
-    return tuple(field for field in dataclasses.fields(kind) if "allowed" in field.metadata)
 
 
 def _plainly_alike(arrays: Sequence[xr.DataArray]) -> bool:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import KW_ONLY, dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -89,6 +89,7 @@ class Structure(Model):
         return LAWS.values() if cls is Structure else super().kinds()
 
     @classmethod
+    @cache
     def own_parameters(cls) -> tuple[str, ...]:
         """Names of the parameters that this law adds to those of every structure."""
         common = Structure.parameter_names()

@@ -209,8 +209,7 @@ def _of_peaks(
         run = partial(_on_one_ground, duration=seconds, grounds=grounds, **drawn)
         table = over_grounds(run, [structure], ground)
     table = labels.label(table, {**VARIABLES, **OF_PEAKS})
-    case = f"amplification({structure.describe()}, {ground.describe()})"
-    labels.raise_if_lone_failure(table, case)
+    labels.raise_if_lone_failure(table, "amplification", structure, ground)
     return labels.with_run_information(
         table,
         f"Amplification of the largest displacement by yielding, {ground.name} ground",

@@ -45,7 +45,8 @@ def chained_pairs(pair: Pair, ground: Ground, closure: str, tolerance: Tolerance
     """Variables of `correlate` by linearization with ``solver="lyapunov"``."""
     both = _solved(pair, ground, closure, tolerance)
     base = both if closure == GAUSSIAN else _solved(pair, ground, GAUSSIAN, tolerance)
-    sides, biases, places = list[dict[str, Cells]](), dict[str, Cells](), list[Cells]()
+    sides, biases = list[dict[str, Cells]](), dict[str, Cells]()
+    places, cautions = list[Cells](), list[Cells]()
     for structure, elastic in zip(pair, derived_together(pair, ground), strict=True):
         ratio = {STRENGTH_RATIO: elastic[STRENGTH_RATIO]}
         side = _solved((structure,), ground, closure, tolerance) | ratio
@@ -53,11 +54,11 @@ def chained_pairs(pair: Pair, ground: Ground, closure: str, tolerance: Tolerance
         if closure != GAUSSIAN:
             gaussian = _solved((structure,), ground, GAUSSIAN, tolerance) | ratio
         sides.append(side)
-        biases[f"bias_{len(sides)}"] = relative_bias(structure, ground, side, gaussian)
+        biases[f"bias_{len(sides)}"], caution = relative_bias(structure, ground, side, gaussian)
+        cautions.append(caution)
         places += place_in_map(structure, ground, elastic)
     of_map = cellwise(_rho_bias, *places, grid=rho_bias_map(*pair, ground))[0]
     bias = cellwise(_of_pair, both["rho"], base["rho"], both["all_elastic"], of_map)[0]
-    cautions = [caution_of(value) for value in (bias, *biases.values())]
     shown = {f"{name}_{n}": side[name] for name in SHOWN for n, side in enumerate(sides, start=1)}
     return {
         "rho": both["rho"],
@@ -65,7 +66,7 @@ def chained_pairs(pair: Pair, ground: Ground, closure: str, tolerance: Tolerance
         "status": both["status"],
         "bias": bias,
         **biases,
-        "caution": cellwise(_largest, *cautions, kinds=(np.int8,))[0],
+        "caution": cellwise(_largest, caution_of(bias), *cautions, kinds=(np.int8,))[0],
     }
 
 

@@ -31,7 +31,7 @@ from stochlin.analyses.tables.cellwise import (
     cellwise_pair,
     valid_cells,
 )
-from stochlin.analyses.tables.work import check_work, count_cells
+from stochlin.analyses.tables.work import check_table
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.basics.slabs import in_slabs
@@ -185,12 +185,7 @@ def correlate(
     if isinstance(first, Structure) and isinstance(second, Structure):
         check_closure(first, closure)
         check_closure(second, closure)
-        check_work(
-            "the table would take",
-            "take fewer cells at a time, or arrays in chunks of dask",
-            memory=(DRIFTING if closure == DRIFT else BYTES[method])
-            * count_cells(first, second, ground),
-        )
+        check_table(DRIFTING if closure == DRIFT else BYTES[method], first, second, ground)
         asked = Question((first, second), ground, closure, solver, tolerance, rule, settings)
         found, details, attrs = METHODS[method](asked)
         table = xr.Dataset(found | difference(found), attrs=attrs)
@@ -198,9 +193,8 @@ def correlate(
         both = first, second
         table, details = floor_pairs(both, ground, method, closure, tolerance, settings)
         table = table.assign(difference(table))
+    labels.raise_if_lone_failure(table, "correlate", first, second, ground)
     table = labels.label(table, VARIABLES)
-    case = f"correlate({first.describe()}, {second.describe()}, {ground.describe()})"
-    labels.raise_if_lone_failure(table, case)
     return labels.with_run_information(
         table,
         f"Correlation of two structures by {method.replace('_', ' ')}, {ground.name} ground",
@@ -344,11 +338,7 @@ def rho_white_noise(
     0.473028
     """
     pair = LinearPair(period_1, period_2, damping_1, damping_2)
-    check_work(
-        "the table would take",
-        "take fewer cells at a time, or arrays in chunks of dask",
-        memory=WHITE_NOISE * count_cells(pair),
-    )
+    check_table(WHITE_NOISE, pair)
     valid = valid_cells(pair)
     (rho,) = cellwise_pair(_eq_4_where_valid, valid, *pair.cells().values())
     table = xr.Dataset({"rho": rho, "status": labels.status_where(valid)})

@@ -11,7 +11,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from stochlin.analyses.linearization.bias_map import (
-    caution_of,
     place_in_map,
     relative_bias,
     rho_bias_map,
@@ -65,11 +64,11 @@ def pairs_of_solved(
     biases: dict[str, Cells] = {}
     solved = zip(pair, sides, gaussians, strict=True)
     for number, (structure, side, gaussian) in enumerate(solved, start=1):
-        bias = relative_bias(structure, ground, side, gaussian)
+        bias, caution = relative_bias(structure, ground, side, gaussian)
         inputs += [side[name] for name in SYSTEM]
         inputs += [gaussian[name] for name in SYSTEM] if other_closure else []
         inputs += place_in_map(structure, ground, gaussian)
-        inputs += [side["status"], caution_of(bias), np.isinf(gaussian["yield_displacement"])]
+        inputs += [side["status"], caution, np.isinf(gaussian["yield_displacement"])]
         biases[f"bias_{number}"] = bias
     rho, status, bias, caution = cellwise_pair(
         _cells,

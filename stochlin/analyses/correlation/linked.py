@@ -129,7 +129,7 @@ def correlate_linked(
     else:
         table = _linked(models, closure=closure)
     table = labels.label(table, VARIABLES)
-    labels.raise_if_lone_failure(table, f"correlate_linked({first.describe()}, {second.describe()})")
+    labels.raise_if_lone_failure(table, "correlate_linked", first, second)
     if first.yields or second.yields:
         table = table.assign_attrs(comment=labels.CAUTION_SIGMA)
     return labels.with_run_information(

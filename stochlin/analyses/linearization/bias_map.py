@@ -9,8 +9,9 @@ its parameters and is not extrapolated. ``make bias`` computes it.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cache
+from functools import cache, partial
 from importlib.resources import files
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -25,7 +26,7 @@ from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import Structure
 
 FILE = "bias_map.nc"
-SHARED = ("elastic_ductility_std", "hardening", "damping")
+RATIO = "elastic_ductility_std"  # R/p: standard deviation of the elastic displacement over uy
 STD = "displacement_std"
 KNOWN_GROUNDS = (KanaiTajimi, WhiteNoise)
 EXPECTED = 0.05  # expected error above which an error of more than OFF is not rare
@@ -54,15 +55,19 @@ def map_name(ground: Ground) -> str:
 
 def point_of(structure: Structure, ground: Ground, solved: Solved) -> list[Cells]:
     """Coordinates of a solved structure along the axes of the variable `map_name`."""
-    point = [solved[SHARED[0]], *(_property(structure, name) for name in SHARED[1:])]
+    own, soil = structure.cells(), ground.cells()
+    point = [solved[RATIO], own.get("hardening", 1.0), own["damping"]]
     if isinstance(ground, WhiteNoise):
         return point
-    soil = ground.cells()
-    return [*point, soil["damping"], _property(structure, "period") / soil["period"]]
+    return [*point, soil["damping"], own["period"] / soil["period"]]
 
 
-def relative_bias(structure: Structure, ground: Ground, solved: Solved, gaussian: Solved) -> Cells:
-    """Relative bias of ``displacement_std`` by any closure; 0 if elastic, NaN if unknown.
+def relative_bias(
+    structure: Structure, ground: Ground, solved: Solved, gaussian: Solved
+) -> tuple[Cells, ...]:
+    """Relative bias of ``displacement_std`` by any closure, and its caution as by `caution_of`.
+
+    The bias is 0 if the structure is elastic, and NaN if it is unknown.
 
     ``solved`` is by that closure and ``gaussian`` by the Gaussian one, whose bias is in the map. For the
     Gaussian closure both are the same object.
@@ -70,15 +75,20 @@ def relative_bias(structure: Structure, ground: Ground, solved: Solved, gaussian
     known = type(ground) in KNOWN_GROUNDS and isinstance(structure, Bilinear)
     point = point_of(structure, ground, gaussian) if known else []
     arrays = (solved[STD], gaussian[STD], gaussian["yield_displacement"], *point)
-    return cellwise(_relative_bias, *arrays, name=map_name(ground), other=solved is not gaussian)[0]
+    options = {"name": map_name(ground), "other": solved is not gaussian}
+    return cellwise(_relative_bias, *arrays, kinds=(float, np.int8), **options)
 
 
-@np.errstate(invalid="ignore")  # invalid cells are NaN and stay so
+@np.errstate(divide="ignore", invalid="ignore")  # invalid cells are NaN and stay so
 def _relative_bias(
     std: Array, gaussian: Array, yield_displacement: Array, *point: Array, name: str, other: bool
-) -> Array:
-    bias = np.where(np.isinf(yield_displacement), 0.0, _at_point(*point, name=name) if point else np.nan)
-    return (1 + bias) * std / gaussian - 1 if other else np.where(np.isnan(std), np.nan, bias)
+) -> tuple[Array, Array]:
+    of_map: Any = np.nan
+    if point:
+        of_map = np.expm1(between_points(_grid(name), np.log(np.array(in_one_shape(*point)))))
+    bias = np.where(np.isinf(yield_displacement), 0.0, of_map)
+    bias = (1 + bias) * std / gaussian - 1 if other else np.where(np.isnan(std), np.nan, bias)
+    return bias, _caution(bias, OFF)
 
 
 def rho_bias_map(first: Structure, second: Structure, ground: Ground) -> Grid | None:
@@ -91,15 +101,9 @@ def rho_bias_map(first: Structure, second: Structure, ground: Ground) -> Grid | 
 
 def place_in_map(structure: Structure, ground: Ground, solved: Solved) -> list[Cells]:
     """Coordinates of a structure in `rho_bias_map`; white noise has the damping and period 1."""
-    one: dict[str, Cells] = {"damping": 1.0, "period": 1.0}
-    soil = one if isinstance(ground, WhiteNoise) else one | ground.cells()
-    return [
-        solved[SHARED[0]],
-        *(_property(structure, name) for name in SHARED[1:]),
-        soil["damping"],
-        _property(structure, "period"),
-        soil["period"],
-    ]
+    own, soil = structure.cells(), ground.cells()
+    shared = [solved[RATIO], own.get("hardening", 1.0), own["damping"], soil.get("damping", 1.0)]
+    return [*shared, own["period"], soil.get("period", 1.0)]
 
 
 @cache
@@ -115,25 +119,20 @@ def _rho_grid(white_noise: bool) -> Grid:
 
 def caution_of(bias: Cells) -> Cells:
     """Flag (int8) of a bias: 0 up to `OFF`, 1 above, 2 unknown."""
-    return cellwise(_caution, bias, kinds=(np.int8,), most=OFF)[0]
+    return cellwise(_cautions, bias, kinds=(np.int8,), most=OFF)[0]
 
 
 def caution_of_error(error: Cells) -> Cells:
     """Flag (int8) of an expected error: 0 up to `EXPECTED`, 1 above, 2 unknown."""
-    return cellwise(_caution, error, kinds=(np.int8,), most=EXPECTED)[0]
+    return cellwise(_cautions, error, kinds=(np.int8,), most=EXPECTED)[0]
+
+
+def _cautions(off: Array, most: float) -> Array:
+    return in_slabs(partial(_caution, most=most), off, kinds=(np.int8,))[0]
 
 
 def _caution(off: Array, most: float) -> Array:
-    return in_slabs(lambda one: 2 * np.isnan(one) + (np.abs(one) > most), off, kinds=(np.int8,))[0]
-
-
-def _property(structure: Structure, name: str) -> Cells:
-    return structure.cells().get(name, 1.0)
-
-
-@np.errstate(divide="ignore", invalid="ignore")  # invalid cells are NaN and stay so
-def _at_point(*point: Array, name: str) -> Array:
-    return np.expm1(between_points(_grid(name), in_one_shape(*map(np.log, point))))
+    return np.asarray(np.int8(2) * np.isnan(off) + (np.abs(off) > most))
 
 
 def between_points(grid: Grid, place: Sequence[Array] | Array) -> Array:

@@ -15,7 +15,7 @@ from stochlin.analyses.linearization.drift_map import with_correction
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, lone, valid_cells
-from stochlin.analyses.tables.work import check_work, count_cells
+from stochlin.analyses.tables.work import check_table
 from stochlin.kernels.basics.arrays import Array, in_one_shape
 from stochlin.kernels.basics.slabs import in_slabs
 from stochlin.kernels.linearization.amplitude_averaging import solve_amplitude_average
@@ -95,11 +95,7 @@ def solved_together(
     """
     for structure in structures:
         check_closure(structure, closure)
-        check_work(
-            "the table would take",
-            "take fewer cells at a time, or arrays in chunks of dask",
-            memory=(DRIFTING if closure == DRIFT else SOLVED) * count_cells(structure, ground),
-        )
+        check_table(DRIFTING if closure == DRIFT else SOLVED, structure, ground)
     solved = derived_together(structures, ground, closure, tolerance)
     if closure != DRIFT:
         return solved

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.linearization.bias_map import caution_of, caution_of_error, relative_bias
+from stochlin.analyses.linearization.bias_map import caution_of_error, relative_bias
 from stochlin.analyses.linearization.equivalent_systems import PUBLIC, solved_together
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.linearization.variables import VARIABLES
@@ -130,7 +130,7 @@ def linearize(
         found |= {"displacement_error": known_error(solved), "drift_std": solved["drift_std"]}
         (found["drift_time"],) = cellwise(_drift_time, solved["drift_std"], solved["drift_rate"])
     table = labels.label(xr.Dataset(found), VARIABLES)
-    labels.raise_if_lone_failure(table, f"linearize({structure.describe()}, {ground.describe()})")
+    labels.raise_if_lone_failure(table, "linearize", structure, ground)
     if structure.yields:
         table = table.assign_attrs(comment=caution_in_words(closure))
     return labels.with_run_information(
@@ -161,8 +161,8 @@ def judged(
     gaussian = solved
     if closure != "gaussian":
         (gaussian,) = solved_together((structure,), ground, "gaussian", tolerance)
-    bias = relative_bias(structure, ground, solved, gaussian)
-    return {"bias": bias, "caution": caution_of(bias)}
+    bias, caution = relative_bias(structure, ground, solved, gaussian)
+    return {"bias": bias, "caution": caution}
 
 
 def caution_in_words(closure: str) -> str:

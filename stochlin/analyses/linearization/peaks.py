@@ -135,8 +135,7 @@ def peak_response(
     check_closure(structure, closure)
     motion = StationaryMotion(duration)
     solved = solve_structure(structure, ground, closure, USUAL)
-    case = f"peak_response({structure.describe()}, {ground.describe()})"
-    labels.raise_if_lone_failure(solved, case)
+    labels.raise_if_lone_failure(solved, "peak_response", structure, ground)
     time = motion.arrays()["duration"]
     length = time.where(motion.valid())
     l0, l1, l2 = response_moments(solved, ground)

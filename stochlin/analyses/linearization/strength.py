@@ -221,7 +221,7 @@ def reduction_factor(structure: Structure, ground: Ground) -> xr.Dataset:
         ),
         VARIABLES,
     )
-    labels.raise_if_lone_failure(table, f"reduction_factor({structure.describe()}, {ground.describe()})")
+    labels.raise_if_lone_failure(table, "reduction_factor", structure, ground)
     return labels.with_run_information(
         table,
         f"Reduction factor, {ground.name} ground",

@@ -142,9 +142,13 @@ def _status(good: Array, otherwise: int) -> Array:
     return np.where(good, np.int8(CONVERGED), np.int8(otherwise))
 
 
-def raise_if_lone_failure(dataset: xr.Dataset, what: str) -> None:
-    """Raise an ArithmeticError if the dataset is a single cell that has failed."""
-    status = dataset["status"]
-    if status.ndim == 0 and int(status) >= NOT_CONVERGED:
-        code = int(status)
+def raise_if_lone_failure(dataset: xr.Dataset, what: str, *models: Model) -> None:
+    """Raise an ArithmeticError if the dataset is a single cell that has failed.
+
+    The message begins with ``what`` was called, and with the ``models`` that it was called with.
+    """
+    status = dataset.variables["status"]
+    if status.ndim == 0 and (code := int(status)) >= NOT_CONVERGED:
+        given = ", ".join(model.describe() for model in models)
+        what = f"{what}({given})" if models else what
         raise ArithmeticError(f"{what}: {STATUS_MEANINGS[code].replace('_', ' ')}; {CURES[code]}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Hashable
 
 import xarray as xr
 
@@ -35,10 +36,22 @@ def check_work(what: str, cure: str, *, memory: float = 0.0, seconds: float = 0.
 
 def count_cells(*models: Model) -> int:
     """Number of cells over all dimensions of the models; 0 with dask arrays, which need no check."""
-    values = [value for model in models for value in model.cells().values()]
-    arrays = [value for value in values if isinstance(value, xr.DataArray)]
-    sizes = {dim: size for array in arrays for dim, size in array.sizes.items()}
-    return 0 if any(array.chunks is not None for array in arrays) else math.prod(sizes.values())
+    sizes: dict[Hashable, int] = {}
+    for model in models:
+        for value in model.cells().values():
+            if isinstance(value, xr.DataArray):
+                if value.chunks is not None:
+                    return 0
+                sizes.update(value.sizes)
+    return math.prod(sizes.values())
+
+
+def check_table(memory: float, *models: Model) -> None:
+    """`check_work` for a table over the dimensions of the models, with ``memory`` [bytes] for a cell."""
+    cells = count_cells(*models)
+    if cells > 1:
+        cure = "take fewer cells at a time, or arrays in chunks of dask"
+        check_work("the table would take", cure, memory=memory * cells)
 
 
 def _installed() -> float:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -52,12 +51,8 @@ class Ground(Model):
         return {f"ground_{n}" if n in AS_STRUCTURES else n: n for n in cls.parameter_names()}
 
     def filter_of(self, rows: Iterable[Array]) -> Filter:
-        """The filter for arrays over cells; ``rows`` are parameter values in the order of `arrays`."""
-        return self.filter(dict(zip(self._given, rows, strict=True)))
-
-    @cached_property
-    def _given(self) -> tuple[str, ...]:
-        return tuple(self.arrays())
+        """The filter for arrays over cells; ``rows`` are parameter values in the order of `cells`."""
+        return self.filter(dict(zip(self.cells(), rows, strict=True)))
 
     def lone_filter(self) -> Filter:
         """The filter of a ground whose parameters are all numbers."""

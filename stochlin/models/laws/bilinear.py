@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
     from stochlin.kernels.simulation.ensemble import Block
 
+ALWAYS = xr.DataArray(True)
+
 
 def symbolic() -> sympy.Expr:
     """``G(v, z)`` of eq. (7) as a sympy expression in the symbols ``v`` and ``z``."""
@@ -84,7 +86,7 @@ class Bilinear(Structure):
 
         This is not proved; no second solution was found in many thousand random cells.
         """
-        return xr.DataArray(True)
+        return ALWAYS
 
     def block(self) -> Block:
         """Time-stepping function of oscillators with this law."""
