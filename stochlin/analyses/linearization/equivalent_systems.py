@@ -14,7 +14,7 @@ import xarray as xr
 from stochlin.analyses.linearization.drift_map import with_correction
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, lone, valid_cells
+from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, is_labelled, lone, valid_cells
 from stochlin.analyses.tables.work import check_table
 from stochlin.kernels.basics.arrays import Array, in_one_shape
 from stochlin.kernels.basics.slabs import in_slabs
@@ -128,11 +128,12 @@ def derived_together(
     asked = [_asked(structure, ground, closure, tolerance) for structure in structures]
     solver = asked[0][0]
     alike = len(asked) > 1 and all(other == solver for other, _ in asked)
-    if not alike or any(isinstance(one, xr.DataArray) for _, inputs in asked for one in inputs):
+    if not alike or any(is_labelled(*inputs) for _, inputs in asked):
         return [_solved_cells(*one) for one in asked]
-    found = solver.solve(*(np.array(row) for row in zip(*(inputs for _, inputs in asked), strict=True)))
+    found = solver.solve(*map(np.array, zip(*(inputs for _, inputs in asked), strict=True)))
     return [
-        dict(zip(solver.names, (row[n, ...] for row in found), strict=True)) for n in range(len(asked))
+        {name: row[n, ...] for name, row in zip(solver.names, found, strict=True)}
+        for n in range(len(asked))
     ]
 
 
@@ -152,14 +153,13 @@ def _asked(
         tolerance,
         closure == DRIFT,
     )
-    strength = (values[k] for k in ("yield_displacement", "reduction_factor") if k in values)
     inputs = [
         valid_cells(structure),
         valid_cells(ground),
         values["period"],
         values["damping"],
         values.get("hardening", 1.0),
-        next(strength, np.inf),
+        values.get("yield_displacement", values.get("reduction_factor", np.inf)),
         values["peak_factor"],
         lone(structure.has_one_solution()),
         *(values[name] for name in law),
@@ -219,38 +219,35 @@ class _Solver(NamedTuple):
             outputs.append(value.reshape(shape))
         return tuple(outputs)
 
-    def forcing(self, system: EquivalentSystem, ground: Array) -> Forcing:
-        """Covariance of the structures with the forcing by the ground, whose parameters are rows."""
-        return self.filter_of(ground).forcing(system)
-
     def _solve_valid(self, columns: Array) -> dict[str, Array]:
         period, damping, hardening, strength, peak_factor, one_solution = columns[:6]
         law, ground = columns[6 : 6 + self.laws], columns[6 + self.laws :]
         w = 2 * np.pi / period
-        elastic = linear_system(w, damping)
-        own = own_covariance(elastic, self.forcing(elastic, ground))
+        elastic, soil = linear_system(w, damping), self.filter_of(ground)
+        own = own_covariance(elastic, soil.forcing(elastic))
         uy = peak_factor * np.sqrt(own.mu_mu) / strength if self.by_factor else strength
         # A given reduction factor is used as it is, so that equal structures have exactly equal ratios.
         ratio = strength / peak_factor if self.by_factor else np.sqrt(own.mu_mu) / uy
         if self.closure is None or self.tolerance is None:
-            return self._report(_Solution.elastic(elastic), ground, uy, ratio)
+            return self._report(_Solution.elastic(elastic), soil, uy, ratio)
         scaled = ground.copy()
         scaled[self.intensity] /= uy**2  # the equation of motion is that of the ductility u/uy
         start = np.sqrt(np.array([own.mu_mu, own.v_v])) / uy
         solve = self._amplitude_average if self.closure == NARROW_BAND else self._fixed_point
-        batch = _Batch(w, damping, hardening, law, one_solution > 0, scaled, start)
-        return self._report(solve(batch, self.tolerance), ground, uy, ratio)
+        batch = _Batch(
+            elastic, w, damping, hardening, law, one_solution > 0, self.filter_of(scaled), start
+        )
+        return self._report(solve(batch, self.tolerance), soil, uy, ratio)
 
     def _fixed_point(self, batch: _Batch, tolerance: Tolerance) -> _Solution:
-        w, damping, hardening, law, one_solution, ground, start = batch
-        elastic = linear_system(w, damping)
+        elastic, w, _, hardening, law, one_solution, soil, start = batch
         oscillator = np.array([w**2, elastic.damping, (1 - hardening) * w**2])
         latent = np.array([start[1], start[0], np.full_like(w, 0.1)])
         assert self.law is not None
         solved = solve_fixed_point(
             oscillator,
             law,
-            self.filter_of(ground),
+            soil,
             latent,
             one_solution,
             self.law,
@@ -266,17 +263,17 @@ class _Solver(NamedTuple):
         return _Solution(system, *counts, still, solved.latent)
 
     def _amplitude_average(self, batch: _Batch, tolerance: Tolerance) -> _Solution:
-        w, damping, hardening, _, _, ground, start = batch
-        soil, limits = self.filter_of(ground), (tolerance.rtol, tolerance.max_iterations)
+        _, w, damping, hardening, _, _, soil, start = batch
+        limits = tolerance.rtol, tolerance.max_iterations
         average = solve_amplitude_average(w, damping, hardening, start[0], soil, *limits)
         return _Solution(*average, np.zeros(w.size, bool), None)
 
-    def _drift(self, solution: _Solution, ground: Array, uy: Array) -> dict[str, Array]:
+    def _drift(self, solution: _Solution, soil: Filter, uy: Array) -> dict[str, Array]:
         """Variables `OF_DRIFT`, in m and 1/s; an elastic structure has no drift."""
         nothing = dict.fromkeys(OF_DRIFT, np.zeros_like(uy)) | {"drift_rate": np.ones_like(uy)}
         if solution.latent is None:
             return nothing
-        cycles = half_cycles(solution.system, self.filter_of(ground))
+        cycles = half_cycles(solution.system, soil)
         drift = drift_of(solution.system, solution.latent, cycles)
         found = uy * np.sqrt(drift.variance), drift.rate, *drift.shares
         return {
@@ -284,14 +281,14 @@ class _Solver(NamedTuple):
             for name, value in zip(OF_DRIFT, found, strict=True)
         }
 
-    def _report(self, solution: _Solution, ground: Array, uy: Array, ratio: Array) -> dict[str, Array]:
+    def _report(self, solution: _Solution, soil: Filter, uy: Array, ratio: Array) -> dict[str, Array]:
         system, elastic = solution.system, solution.still
-        forcing = self.forcing(system, ground)
+        forcing = soil.forcing(system)
         own = own_covariance(system, forcing)
         displacement, velocity, z = np.sqrt(own.mu_mu), np.sqrt(own.v_v), np.sqrt(own.z_z)
         corr = own.v_z / (velocity * z)
         share = own.mu_z / (displacement * z)
-        drift = self._drift(solution, ground, uy) if self.drifts else {}
+        drift = self._drift(solution, soil, uy) if self.drifts else {}
         total = np.hypot(displacement, drift.get("drift_std", 0.0))
         physical = (own.mu_mu > 0) & (own.v_v > 0)
         for extent in (total, velocity, total / uy):
@@ -320,8 +317,9 @@ class _Solver(NamedTuple):
             **drift,
         }
         usable = status < labels.NOT_CONVERGED
+        shown = np.where(usable, np.array(list(values.values())), np.nan)
         return {
-            **{name: np.where(usable, value, np.nan) for name, value in values.items()},
+            **dict(zip(values, shown, strict=True)),
             STRENGTH_RATIO: ratio,
             "iterations": solution.iterations,
             "residual": solution.residual,
@@ -332,12 +330,13 @@ class _Solver(NamedTuple):
 class _Batch(NamedTuple):
     """Yielding structures, with displacements in units of the yield displacement."""
 
+    elastic: EquivalentSystem
     w: Array  # (n,) [rad/s]
     damping: Array
     hardening: Array
     law: Array  # (m, n)
     one_solution: Array
-    ground: Array  # (k, n) parameters of the ground
+    soil: Filter
     start: Array  # (2, n) standard deviations of u/uy and its rate, of the elastic structure
 
 

@@ -32,6 +32,11 @@ def row_of(array: xr.DataArray, like: xr.DataArray) -> Array:
     return array.broadcast_like(like).transpose(*like.dims).to_numpy().ravel()
 
 
+def is_labelled(*arrays: Cells) -> bool:
+    """Whether one of the arrays has labels."""
+    return any(isinstance(array, xr.DataArray) for array in arrays)
+
+
 def is_lazy(*arrays: Cells) -> bool:
     """Whether one of the arrays is a dask array."""
     return any(isinstance(array, xr.DataArray) and array.chunks is not None for array in arrays)
@@ -46,8 +51,7 @@ def lone(array: Cells) -> Cells:
 
 def valid_cells(model: Model) -> Cells:
     """Whether the parameters of each cell are in range; True for scalars, which were checked before."""
-    arrays = any(isinstance(value, xr.DataArray) for value in model.cells().values())
-    return model.valid() if arrays else True
+    return model.valid() if is_labelled(*model.cells().values()) else True
 
 
 def where_valid(values: Cells, valid: Cells) -> Cells:
@@ -100,10 +104,10 @@ def cellwise(
     xarray.AlignmentError
         If dimensions of the same name differ in coordinates or length.
     """
-    if not any(isinstance(array, xr.DataArray) for array in arrays):
+    if not is_labelled(*arrays):
         found = function(*map(np.asarray, arrays), **options)
         several = found if len(kinds) > 1 else (found,)
-        return tuple(np.asarray(one, kind) for one, kind in zip(several, kinds, strict=True))
+        return tuple(map(np.asarray, several, kinds))
     labelled = [one if isinstance(one, xr.DataArray) else xr.DataArray(one) for one in arrays]
     with warnings.catch_warnings():
         # A table has more chunks than its axes, which is intended here.

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stochlin.kernels.basics.arrays import Array, in_one_shape
-from stochlin.kernels.basics.compiled import called_often, entry
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.compiled import called_often, entry, worth_compiling
 from stochlin.kernels.basics.interpolation import Grid
 from stochlin.kernels.basics.parallel import in_ranges
 from stochlin.kernels.correlation.tiles import (
@@ -64,12 +64,14 @@ class RhoTable(NamedTuple):
 def pair_parameters(system: EquivalentSystem, forcing: Forcing, displacement_std: Array) -> Array:
     """Quantities (PARAMETERS, n) of each structure from which `tiles.rho_of_tile` computes rho.
 
+    The arrays have one shape.
+
     They are the coefficients of the state matrix ``A`` in the coordinates of `covariance.coordinates`,
     the forcing, the characteristic polynomial, the lower two rows of ``A^2``, and some further terms.
     """
     (_, (soft, _, h), (back, p, _)), third, _ = coordinates(system, forcing)
     columns = parameters_of(system, forcing, (-soft, h, back, p, third), displacement_std)
-    return np.array(in_one_shape(*columns)).reshape(PARAMETERS, -1)
+    return np.array(columns).reshape(PARAMETERS, -1)
 
 
 def parameters_of(system: Any, forcing: Any, chosen: Any, displacement_std: Any) -> Any:
@@ -106,7 +108,7 @@ def pair_table(
     ground's, and the last of the ratio of the shorter to the longer period. No cell depends on another.
     """
     count = math.prod(shape)
-    if count == 1:
+    if count == 1 and not worth_compiling(_fill, 1):
         return _lone_pair(first, second, grid, codes)
     result = RhoTable(*(np.empty(count, kind) for kind in KINDS))
     other_closure = first.gaussian is not first.parameters or second.gaussian is not second.parameters

@@ -67,7 +67,7 @@ class Filter:
 
     def __post_init__(self) -> None:
         sizes = {len(self.states), len(self.matrix), len(self.noise), len(self.output)}
-        if len(sizes | {len(row) for row in self.matrix}) > 1:
+        if len(sizes.union(map(len, self.matrix))) > 1:
             raise ValueError(
                 f"a ground filter of {len(self.states)} states has a matrix of rows of "
                 f"{[len(row) for row in self.matrix]}, {len(self.noise)} numbers of noise and "
@@ -305,7 +305,7 @@ class KanaiTajimiFilter(_OfOscillators):
     def of(cls, intensity: Entry, frequency: Entry, damping: Entry) -> KanaiTajimiFilter:
         """From ``S0``, ``wg`` and ``xig``."""
         signal = frequency**2, 2 * damping * frequency
-        matrix = (0.0, 1.0), tuple(-entry for entry in signal)
+        matrix = (0.0, 1.0), (-signal[0], -signal[1])
         own = {"frequency": frequency, "damping": damping}
         return cls(intensity, ("xg", "xg_rate"), matrix, (0.0, 1.0), signal, **own)
 

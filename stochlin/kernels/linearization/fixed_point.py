@@ -91,7 +91,7 @@ def solve_fixed_point(
         return _solve(whole.of(cells), start[:, cells], max_iterations)
 
     parts = in_ranges(part, start.shape[1], CHUNK)
-    return FixedPoint(*(np.concatenate(field, axis=-1) for field in zip(*parts, strict=True)))
+    return FixedPoint(*map(np.hstack, zip(*parts, strict=True)))
 
 
 class _Problem(NamedTuple):
@@ -127,31 +127,24 @@ def _columns(rows: Array, cells: Array | slice) -> Array:
 def _solve(problem: _Problem, start: Array, max_iterations: int) -> FixedPoint:
     """Try the three methods in turn, each for the cells in which those before did not converge."""
     elastic = _unknowns(start)
+    # Starting values from the elastic response, with the standard deviation of z at most 1.
+    yielding = np.array([elastic[0], np.minimum(elastic[1], 0), elastic[2]])
     bold = max(1, int(BOLD_SHARE * max_iterations))
     with_care, any_law = max_iterations - bold, np.ones(start.shape[1], bool)
     ways = (
-        (_at_once, bold, problem.one_solution),
-        (_relax, with_care, problem.one_solution),
-        (_follow, with_care, any_law),
+        (BOLD, yielding, bold, problem.one_solution),  # nearly Newton's method
+        (CAREFUL, yielding, with_care, problem.one_solution),  # also passes the end of a branch
+        (None, elastic, with_care, any_law),
     )
     solution = _nothing(start.shape[1])
-    for way, most, allowed in ways:
+    for pace, begin, most, allowed in ways:
         cells = np.flatnonzero(~solution.converged & allowed)
         if cells.size and most > 0:
-            found = way(problem.of(cells), elastic[:, cells], most)
+            part, y = problem.of(cells), begin[:, cells]
+            found = _evolve(part, y, most, pace) if pace else _follow(part, y, most)
             spent = found.iterations + solution.iterations[cells]
             _put(solution, cells, found._replace(iterations=spent))
     return solution
-
-
-def _at_once(problem: _Problem, elastic: Array, max_iterations: int) -> FixedPoint:
-    """From the elastic response, nearly by Newton's method."""
-    return _evolve(problem, _yielding(elastic), max_iterations, BOLD)
-
-
-def _relax(problem: _Problem, elastic: Array, max_iterations: int) -> FixedPoint:
-    """From the elastic response with short pseudo-time steps, which also pass the end of a branch."""
-    return _evolve(problem, _yielding(elastic), max_iterations, CAREFUL)
 
 
 def _follow(problem: _Problem, elastic: Array, most_levels: int) -> FixedPoint:
@@ -196,11 +189,6 @@ def _put(solution: FixedPoint, cells: Array, found: FixedPoint) -> None:
     """Write the results of some cells into those of all."""
     for field, value in zip(solution, found, strict=True):
         field[..., cells] = value
-
-
-def _yielding(elastic: Array) -> Array:
-    """Starting values from the elastic response, with the standard deviation of ``z`` at most 1."""
-    return np.array([elastic[0], np.minimum(elastic[1], 0), elastic[2]])
 
 
 def _unknowns(latent: Array) -> Array:

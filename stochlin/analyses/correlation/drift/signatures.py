@@ -29,7 +29,7 @@ from stochlin.analyses.linearization.drift_map import (
 )
 from stochlin.analyses.linearization.equivalent_systems import solve_derived
 from stochlin.analyses.linearization.tolerance import Tolerance
-from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise
+from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, is_labelled
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.correlation.nearness import AXES, ENTRIES, Nearness
 from stochlin.kernels.correlation.signatures import OWN, Insight, insight, signature
@@ -126,7 +126,7 @@ def insights(
         both = zip(points, pairs, strict=True)
         return [_like([*point, *soil], one.cells()["period"]) for point, (one, _) in both]
     one_ground = all(array.ndim == 0 for array in ground.arrays().values())
-    labelled = any(isinstance(one, xr.DataArray) for side in solved for one in side.values())
+    labelled = any(is_labelled(*side.values()) for side in solved)
     if one_ground and not labelled:  # two single cells take hardly longer than one
         sides = {name: np.array([side[name] for side in solved])[:, None] for name in OF_A_SIDE}
         place: list[Cells] = [np.array(one) for one in zip(*points, strict=True)]
