@@ -7,7 +7,7 @@ from scipy import special
 
 import stochlin as sl
 from stochlin.kernels.correlation.bilinear_pair import linearized_pair
-from stochlin.kernels.linearization import fixed_point, gaussian
+from stochlin.kernels.linearization import gaussian, iteration, single_structures
 from stochlin.kernels.linearization.cells import elementary, fixed_points, grounds, slip
 
 GROUNDS = (
@@ -47,7 +47,7 @@ def test_closures_of_numbers_are_those_of_arrays(closure):
     latent = np.array([rng.uniform(0.5, 5, 500), sz, r])
     expected = np.concatenate([field.reshape(-1, 500) for field in closure(latent, np.empty((0, 500)))])
     for n, moments in enumerate(latent.T.tolist()):
-        pair, *rows, matrix = slip.closure_of(fixed_point.CLIPPED[closure], moments)
+        pair, *rows, matrix = slip.closure_of(single_structures.CLIPPED[closure], moments)
         found = [*pair, *(number for row in (*rows, *matrix) for number in row)]
         # Slopes of k_e are differences, by the clipped closure of terms a thousand times as large.
         assert found == pytest.approx(expected[:, n], rel=1e-10, abs=1e-12)
@@ -62,7 +62,7 @@ def test_a_cell_has_the_same_bits_in_plain_python_and_in_any_table(clipped, osci
     cells = np.array([w**2, 0.1 * w, 0.95 * w**2, 0 * w])
     ground = np.array([rng.uniform(0.1, 3, count), *np.ones((4, count)) * [[10.0], [1.0], [0.1], [0.4]]])
     start = np.array([np.log(w), 0 * w, 0 * w + 0.1])
-    rule = fixed_point.BOLD, 1e-10, 1e-12, 30
+    rule = iteration.BOLD, 1e-10, 1e-12, 30
     found, iterations = np.empty((fixed_points.FOUND, count)), np.zeros(count, np.int32)
     ground[0, 77] = np.nan  # fails alone
     fixed_points.settle_cells(clipped, oscillators, cells, ground, start, *rule, found, iterations)

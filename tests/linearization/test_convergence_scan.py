@@ -10,7 +10,7 @@ import pytest
 
 import stochlin as sl
 from stochlin.kernels.linearization.filters import KanaiTajimiFilter
-from stochlin.kernels.linearization.fixed_point import solve_fixed_point
+from stochlin.kernels.linearization.single_structures import SingleStructures, solve_on_all_cores
 from stochlin.models.laws import bilinear
 
 pytestmark = pytest.mark.invariant
@@ -180,17 +180,10 @@ def solve_from(start, structure, ground, uy):
     oscillator = np.stack([w**2, 2 * structure["damping"] * w, (1 - structure["hardening"]) * w**2])
     soil = np.stack([1 / uy**2, 2 * np.pi / ground["period"], ground["damping"]])
     # The stop rule of `linearize`, with patience for a far start.
-    return solve_fixed_point(
-        oscillator,
-        np.empty((0, w.size)),
-        KanaiTajimiFilter.of(*soil),
-        start * np.stack([w, np.ones_like(w), np.ones_like(w)]),
-        np.full(w.size, True),
-        bilinear.gaussian,
-        1e-10,
-        1e-12,
-        200,
-    )
+    own = oscillator, np.empty((0, w.size)), KanaiTajimiFilter.of(*soil), np.zeros_like(w)
+    latent = start * np.stack([w, np.ones_like(w), np.ones_like(w)])
+    problem = SingleStructures(*own, bilinear.gaussian, 1e-10, 1e-12)
+    return solve_on_all_cores(problem, latent, np.full(w.size, True), 200)
 
 
 @pytest.mark.slow

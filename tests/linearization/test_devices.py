@@ -12,10 +12,10 @@ import scipy.optimize
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.linearization.systems.solution import problem_of
+from stochlin.analyses.linearization.systems.solution import springs_of
 from stochlin.analyses.linearization.systems.systems import equations_of
 from stochlin.kernels.linearization.gaussian import absolute_moment, equivalent_dashpot
-from stochlin.kernels.linearization.systems.iteration import Linear, respond
+from stochlin.kernels.linearization.systems.springs import Linear, respond
 
 pytestmark = pytest.mark.oracle
 
@@ -99,7 +99,7 @@ def test_end_of_the_loop_is_that_of_the_linear_dashpots_it_names(closure):
 
 def test_slopes_of_the_moments_are_their_differences():
     """By slip and relaxation of four storeys and a link, and by its dashpot; one storey is elastic."""
-    problem = problem_of(equations_of([TALL, ONE], GROUND, [BETWEEN]), "gaussian")
+    problem = springs_of(equations_of([TALL, ONE], GROUND, [BETWEEN]), "gaussian", 1e-10)
     rng = np.random.default_rng(34)
     linear = Linear(rng.uniform(0.02, 0.6, (1, 5)), rng.uniform(0.2, 4, (1, 5)), np.full((1, 1), 3e5))
     linear.slip[0, 1] = linear.relaxation[0, 1] = 0.0

@@ -27,8 +27,12 @@ from stochlin.kernels.linearization.covariance import (
 )
 from stochlin.kernels.linearization.drift import ORDERS, drift_of, half_cycles
 from stochlin.kernels.linearization.filters import Filter
-from stochlin.kernels.linearization.fixed_point import solve_fixed_point
 from stochlin.kernels.linearization.gaussian import Closure
+from stochlin.kernels.linearization.single_structures import (
+    SingleStructures,
+    moments_of,
+    solve_on_all_cores,
+)
 from stochlin.messages import brief, sentence
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import DRIFT, NARROW_BAND, Structure
@@ -244,23 +248,15 @@ class _Solver(NamedTuple):
         oscillator = np.array([w**2, elastic.damping, (1 - hardening) * w**2])
         latent = np.array([start[1], start[0], np.full_like(w, 0.1)])
         assert self.law is not None
-        solved = solve_fixed_point(
-            oscillator,
-            law,
-            soil,
-            latent,
-            one_solution,
-            self.law,
-            tolerance.rtol,
-            tolerance.atol,
-            tolerance.max_iterations,
-        )
+        limits = tolerance.rtol, tolerance.atol
+        problem = SingleStructures(oscillator, law, soil, np.zeros_like(w), self.law, *limits)
+        solved = solve_on_all_cores(problem, latent, one_solution, tolerance.max_iterations)
         slip, relaxation = solved.coefficients
         still = (np.abs(slip) < ELASTIC) & (np.abs(relaxation) < ELASTIC * w)
         pairs = zip(elastic, (*oscillator, slip, relaxation), strict=True)
         system = EquivalentSystem(*(np.where(still, e, s) for e, s in pairs))
         counts = solved.iterations, solved.residual, solved.converged
-        return _Solution(system, *counts, still, solved.latent)
+        return _Solution(system, *counts, still, moments_of(solved.unknowns))
 
     def _amplitude_average(self, batch: _Batch, tolerance: Tolerance) -> _Solution:
         _, w, damping, hardening, _, _, soil, start = batch

@@ -12,7 +12,7 @@ from stochlin.kernels.linearization.cells.elementary import atanh, log
 from stochlin.kernels.linearization.cells.fixed_points import settle
 from stochlin.kernels.linearization.cells.grounds import forcing_of
 from stochlin.kernels.linearization.covariance import FAST, EquivalentSystem, Forcing, own_covariance
-from stochlin.kernels.linearization.fixed_point import BOLD, CAREFUL
+from stochlin.kernels.linearization.iteration import BOLD, CAREFUL
 
 ELASTIC = 1e-18  # slip and relaxation over w below which the structure is taken as elastic
 RTOL, ATOL, AT_FIRST, WITH_CARE = 1e-10, 1e-12, 30, 170  # stop rule of `linearize`, largest iterations

@@ -14,7 +14,7 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import cellwise
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.gaussian import Closure
-from stochlin.kernels.linearization.systems.iteration import before_clipping
+from stochlin.kernels.linearization.systems.springs import before_clipping
 from stochlin.messages import sentence
 from stochlin.models.laws.hysteretic import law_of
 from stochlin.models.parameters import POSITIVE, Model, Parameter, Range, parameter

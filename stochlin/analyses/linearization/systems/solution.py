@@ -14,7 +14,7 @@ from stochlin.analyses.linearization.systems.state_space import Equations
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.linearization.systems.iteration import Law, Problem, solve
+from stochlin.kernels.linearization.systems.springs import Law, Springs, solve_springs
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import GAUSSIAN
 
@@ -48,11 +48,11 @@ def solve_equations(
 ) -> Solution:
     """The equivalent coefficients of all elements, by Newton's method, or by substitution if relaxed."""
     own, stacks = equations.yields, equations.system.stacks
-    problem = problem_of(equations, closure)
+    problem = springs_of(equations, closure, tolerance.rtol)
     power = problem.power
     one = (s.law.has_one_solution().to_numpy() for s in stacks if not np.isposinf(s.strength).all())
     one_solution = np.broadcast_to(reduce(and_, one, np.array(True)), equations.cells)
-    solved = solve(problem, one_solution, tolerance.rtol, tolerance.max_iterations, relaxation)
+    solved = solve_springs(problem, one_solution, tolerance.max_iterations, relaxation)
     slip, k, linear = solved.linear
     still = (np.abs(slip) < ELASTIC) & (np.abs(k) < ELASTIC * problem.mechanics.frequency)
     c_eq, k_eq = np.full((equations.cells, own.size), -1.0), np.zeros((equations.cells, own.size))
@@ -62,24 +62,17 @@ def solve_equations(
     failed = np.where(np.isnan(solved.demand), labels.NOT_PHYSICAL, failed)
     calm = np.where(still.all(axis=1), labels.ELASTIC_LIMIT, labels.CONVERGED)
     status = np.where(solved.converged, calm, failed).astype(np.int8)
-    history = solved.history
-    changes = history.changes[: history.iterations.max(initial=0)]
-    return Solution(c_eq, k_eq, linear, changes, history.iterations, status)
+    watch = problem.watch
+    changes = watch.changes[: watch.iterations.max(initial=0)]
+    return Solution(c_eq, k_eq, linear, changes, watch.iterations, status)
 
 
-def problem_of(equations: Equations, closure: str) -> Problem:
+def springs_of(equations: Equations, closure: str, rtol: float) -> Springs:
     """What the iteration takes: springs that yield with their laws, and dashpots that it linearizes."""
-    own, exponents, dashpots = equations.yields, equations.exponents, equations.dashpots
-    power = np.flatnonzero(((exponents != 1) & (dashpots > 0)).any(axis=0))
-    return Problem(
-        equations.mechanics(own),
-        equations.strength[:, own],
-        list(_laws(equations, closure)),
-        dashpots,
-        exponents,
-        power,
-        np.zeros((equations.cells, power.size), bool),
-    )
+    own = equations.yields
+    laws = list(_laws(equations, closure))
+    links = equations.dashpots, equations.exponents
+    return Springs.of(equations.mechanics(own), equations.strength[:, own], laws, *links, rtol)
 
 
 def _laws(equations: Equations, closure: str) -> Iterator[Law]:

@@ -37,7 +37,7 @@ from stochlin.kernels.linearization.cells.tiles import LANES, fill, read3, write
 OF_GROUND = 5  # at most; intensity, and stiffness and damping of each oscillator
 GROUND = STEPPED
 ROWS = GROUND + OF_GROUND
-# Results of a cell: coefficients (2), latent moments (3), norm of the mismatch, and 1 if converged.
+# Results of a cell: coefficients (2), unknowns (3), norm of the mismatch, and 1 if converged.
 FOUND = 7
 
 
@@ -48,13 +48,15 @@ def _result(moments, value, state):
     The closure was evaluated before this step. It is so small in a converged cell that the slopes give
     the coefficients to rounding error.
     """
+    base, norm, step, _, done = state
+    unknowns = base[0] + step[0], base[1] + step[1], base[2] + step[2]
     after = moments_of(state)
     change = after[0] - moments[0], after[1] - moments[1], after[2] - moments[2]
     (slip, relaxation), of_slip, of_relaxation, _, _ = value
     slip += of_slip[0] * change[0] + of_slip[1] * change[1] + of_slip[2] * change[2]
     relaxation += of_relaxation[0] * change[0] + of_relaxation[1] * change[1]
     relaxation += of_relaxation[2] * change[2]
-    return slip, relaxation, *after, state[1], state[4]
+    return slip, relaxation, *unknowns, norm, done
 
 
 @compiled

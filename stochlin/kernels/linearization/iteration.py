@@ -1,0 +1,222 @@
+"""The iteration of statistical linearization, for single structures and for systems of springs.
+
+The unknowns are the moments ``(sigma_v, sigma_z, corr(v, z))`` of the Gaussian density that a closure
+assumes for each spring that yields, in the variables ``(log, log, atanh)``, in which every iterate is a
+valid density for any hysteresis law. The mismatch ``F`` is the difference of two sets of moments: those
+of the stationary response of the linear system with the closure's coefficients, less those that the
+closure assumes. The fixed point is the stationary solution of ``y' = F(y)``. It is approached by
+pseudo-transient continuation (Kelley and Keyes 1998, SIAM J. Numer. Anal. 35), with steps from
+``(1/delta - dF/dy) step = F``, which become those of Newton's method as ``delta`` grows.
+
+`solve` tries large steps, then small ones, and then follows the solution from weak to full shaking.
+`iterate` makes the steps of all cells together. What a step is, a `Problem` knows: `single_structures`
+have closed forms, and `systems.springs` a Lyapunov equation.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol, Self
+
+import numpy as np
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.linearization.cells.steps import Pace
+
+BOLD = Pace(first=30.0, restart=1.0, shorter=0.25, longer=3.0, longest=100.0)  # nearly Newton's method
+CAREFUL = Pace(first=0.5, restart=0.5, shorter=0.5, longer=1.1, longest=1.5)  # short pseudo-time steps
+# Share of max_iterations for nearly Newton's method: 30 of 200, while the bilinear law needs 13.
+BOLD_SHARE = 0.15
+WEAK = 0.3  # standard deviation of the elastic ductility at which hardly any structure yields
+FIRST_RISE, LONGER, SHORTER, LEAST_RISE = 0.5, 2.0, 0.5, 1e-4  # rise of the logarithm of the shaking
+AT_LEVEL = 12  # iterations at one level of shaking
+NEAR = 0.05  # largest distance of a solution from its extrapolation for the same branch of solutions
+
+
+class State(NamedTuple):
+    """State of the iteration of n cells with u unknowns."""
+
+    base: Array  # (u, n) last unknowns that have a stationary response
+    norm: Array  # (n,) norm of their mismatch
+    step: Array  # (u, n) from them to the next unknowns
+    delta: Array  # (n,) pseudo-time step
+    done: Array  # (n,) 1 where it has converged
+
+    @classmethod
+    def begin(cls, unknowns: Array, pace: Pace) -> State:
+        """Before the first step."""
+        n = unknowns.shape[1]
+        first = np.full(n, np.inf), np.zeros_like(unknowns), np.full(n, pace.first), np.zeros(n)
+        return cls(unknowns.copy(), *first)
+
+    @property
+    def unknowns(self) -> Array:
+        """The unknowns (u, n) of the next step."""
+        moved: Array = self.base + self.step
+        return moved
+
+    @property
+    def ended(self) -> Array:
+        """The cells (n,) that have converged, or whose next step is not a number."""
+        ended: Array = (self.done > 0) | ~np.isfinite(self.step).all(axis=0)
+        return ended
+
+    def at(self, cells: Array) -> State:
+        """The state of the cells with these numbers."""
+        return State(*(part.take(cells, axis=-1) for part in self))
+
+    def put(self, cells: Array, state: State) -> None:
+        """Replace the state of the cells with these numbers."""
+        for whole, part in zip(self, state, strict=True):
+            whole[..., cells] = part
+
+
+class FixedPoint(NamedTuple):
+    """The last iterate of each cell; NaN in cells that were not tried."""
+
+    unknowns: Array  # (u, n)
+    coefficients: Array  # (k, n): of single structures 1 + c_e and k_e
+    iterations: Array  # (n,)
+    residual: Array  # (n,): norm of the mismatch
+    converged: Array  # (n,)
+
+
+class Problem(Protocol):
+    """Cells whose equivalent coefficients are sought.
+
+    The unknowns are ``log sigma_v`` of the m springs, their ``log sigma_z``, their ``atanh corr``, and
+    ``log sigma`` of the rates of dashpots.
+    """
+
+    @property
+    def springs(self) -> int:
+        """Number m of the springs that yield in a cell."""
+        raise NotImplementedError
+
+    @property
+    def size(self) -> int:
+        """Number k of the equivalent coefficients of a cell."""
+        raise NotImplementedError
+
+    def at(self, cells: Array) -> Self:
+        """The cells with these numbers."""
+        raise NotImplementedError
+
+    def shaken(self, level: Array) -> Self:
+        """The cells under other shaking, with this logarithm (n,) of the ratio to the full one."""
+        raise NotImplementedError
+
+    def settle(self, unknowns: Array, most: int, pace: Pace) -> FixedPoint:
+        """The fixed points from these unknowns (u, n) in at most so many steps, as by `iterate`."""
+        raise NotImplementedError
+
+
+class Stepping(Protocol):
+    """Cells whose steps are made one by one."""
+
+    def at(self, cells: Array) -> Self:
+        """The cells with these numbers."""
+        raise NotImplementedError
+
+    def advance(self, state: State, pace: Pace) -> State:
+        """The state after one more step of each cell."""
+        raise NotImplementedError
+
+    def coefficients(self, unknowns: Array) -> Array:
+        """Equivalent coefficients (k, n) for these unknowns."""
+        raise NotImplementedError
+
+
+def iterate(problem: Stepping, unknowns: Array, most: int, pace: Pace) -> FixedPoint:
+    """Take at most so many steps from these unknowns, each cell until it converges."""
+    whole = State.begin(unknowns, pace)
+    state, part, cells = whole, problem, np.arange(unknowns.shape[1])
+    iterations = np.zeros(cells.size, np.int32)
+    for _ in range(most):
+        state = part.advance(state, pace)
+        iterations[cells] += 1
+        whole.put(cells, state)
+        left = np.flatnonzero(~state.ended)
+        if not left.size:
+            break
+        if left.size < cells.size:
+            state, part, cells = state.at(left), part.at(left), cells[left]
+    reached = whole.unknowns
+    return FixedPoint(reached, problem.coefficients(reached), iterations, whole.norm, whole.done > 0)
+
+
+def solve(problem: Problem, elastic: Array, one_solution: Array, max_iterations: int) -> FixedPoint:
+    """Solve all cells, whose elastic response has the unknowns ``elastic`` (u, n).
+
+    Cells for which ``one_solution`` (n,) is true have at most one solution, and the iteration starts
+    from the elastic response, with ``sigma_z`` at most 1. For the others, and where this fails, the
+    branch of solutions that begins with the elastic response to weak shaking is followed up to full
+    shaking. ``max_iterations`` limits the steps of an iteration, or the levels of shaking along a
+    branch.
+    """
+    m, bold = problem.springs, max(1, int(BOLD_SHARE * max_iterations))
+    yielding, solution = elastic_limit(elastic, m), _nothing(problem, elastic)
+    for pace, most in ((BOLD, bold), (CAREFUL, max_iterations - bold), (None, max_iterations - bold)):
+        allowed = one_solution if pace else True
+        cells = np.flatnonzero(~solution.converged & allowed)
+        if cells.size and most > 0:
+            part = problem.at(cells)
+            if pace:
+                found = part.settle(yielding[:, cells], most, pace)
+            else:
+                found = _follow(part, elastic[:, cells], most)
+            _add(solution, cells, found)
+    return solution
+
+
+def elastic_limit(elastic: Array, springs: int) -> Array:
+    """The unknowns (u, n) of the elastic response, with ``sigma_z`` of the ``springs`` at most 1."""
+    limited, z = elastic.copy(), slice(springs, 2 * springs)
+    limited[z] = np.minimum(elastic[z], 0.0)
+    return limited
+
+
+def _follow(problem: Problem, elastic: Array, most_levels: int) -> FixedPoint:
+    """Follow a branch of solutions from weak to full shaking, level by level.
+
+    A level is the logarithm of the ratio of the shaking to the full one. It begins where hardly any
+    spring yields. The solution at the next level is extrapolated linearly from the last two. A solution
+    that is farther than `NEAR` from its extrapolation belongs to another branch, and the step is
+    repeated with a lower level.
+    """
+    m, n = problem.springs, elastic.shape[1]
+    slope = np.ones_like(elastic)
+    slope[2 * m : 3 * m] = 0.0  # the elastic response keeps its correlations
+    strongest = elastic[m : 2 * m].max(axis=0, initial=-np.inf)
+    level = np.minimum(0.0, np.log(WEAK) - strongest) - FIRST_RISE
+    y, rise, near = elastic + slope * level, np.full(n, FIRST_RISE), np.full(n, np.inf)
+    solution, cells = _nothing(problem, elastic), np.arange(n)
+    for _ in range(most_levels):
+        at = np.minimum(0.0, level[cells] + rise[cells])
+        guess = y[:, cells] + slope[:, cells] * (at - level[cells])
+        found = problem.at(cells).shaken(at).settle(guess, AT_LEVEL, BOLD)
+        reached = found.unknowns
+        good = found.converged & (np.abs(reached - guess).max(axis=0) <= near[cells])
+        _add(solution, cells, found._replace(converged=good & (at == 0)))
+        on, known = cells[good], np.isfinite(near[cells[good]])
+        found_slope = (reached[:, good] - y[:, on]) / (at[good] - level[on])
+        slope[:, on] = np.where(known, found_slope, slope[:, on])
+        y[:, on], level[on], near[on] = reached[:, good], at[good], NEAR
+        rise[cells] *= np.where(good, LONGER, SHORTER)
+        cells = np.flatnonzero(~solution.converged & (rise > LEAST_RISE))
+        if not cells.size:
+            break
+    return solution
+
+
+def _nothing(problem: Problem, unknowns: Array) -> FixedPoint:
+    """The result for cells that are not yet solved."""
+    n = unknowns.shape[1]
+    coefficients, none = np.full((problem.size, n), np.nan), np.full(n, np.nan)
+    return FixedPoint(0 * unknowns + np.nan, coefficients, np.zeros(n, np.int32), none, none > 0)
+
+
+def _add(solution: FixedPoint, cells: Array, found: FixedPoint) -> None:
+    """Write the results of some cells into those of all, and add their iterations."""
+    spent = found.iterations + solution.iterations[cells]
+    for field, value in zip(solution, found._replace(iterations=spent), strict=True):
+        field[..., cells] = value
