@@ -7,7 +7,7 @@ from scipy import special
 
 import stochlin as sl
 from stochlin.kernels.correlation.bilinear_pair import linearized_pair
-from stochlin.kernels.linearization import gaussian, iteration, single_structures
+from stochlin.kernels.linearization import gaussian, iteration
 from stochlin.kernels.linearization.cells import elementary, fixed_points, grounds, slip
 
 GROUNDS = (
@@ -39,18 +39,35 @@ def test_hyperbolic_tangent_is_that_of_numpy():
 
 
 @pytest.mark.oracle
-@pytest.mark.parametrize("closure", [gaussian.gaussian, gaussian.clipped])
-def test_closures_of_numbers_are_those_of_arrays(closure):
-    """Owen's function among them is scipy's for arrays, and a quadrature for numbers."""
+def test_moments_over_the_quadrant_of_slip_follow_from_functions_of_scipy():
+    """Owen's function there is a quadrature here, and that of scipy is another algorithm."""
     rng = np.random.default_rng(7)
-    sz, r = np.exp(rng.uniform(np.log(0.15), np.log(100), 500)), np.tanh(rng.uniform(0, 4, 500))
-    latent = np.array([rng.uniform(0.5, 5, 500), sz, r])
-    expected = np.concatenate([field.reshape(-1, 500) for field in closure(latent, np.empty((0, 500)))])
-    for n, moments in enumerate(latent.T.tolist()):
-        pair, *rows, matrix = slip.closure_of(single_structures.CLIPPED[closure], moments)
-        found = [*pair, *(number for row in (*rows, *matrix) for number in row)]
-        # Slopes of k_e are differences, by the clipped closure of terms a thousand times as large.
-        assert found == pytest.approx(expected[:, n], rel=1e-10, abs=1e-12)
+    sz, r = np.exp(rng.uniform(np.log(0.15), np.log(100), 500)), np.tanh(rng.uniform(-1, 4, 500))
+    h, q = 1 / sz, np.sqrt((1 - r) * (1 + r))
+    edge = np.exp(-0.5 * h * h) / np.sqrt(2 * np.pi) * special.ndtr(r / q * h)
+    corner = np.exp(-0.5 * (h / q) ** 2) / (2 * np.pi)
+    probability = 0.5 * special.ndtr(-h) + special.owens_t(h, r / q)
+    first = special.ndtr(-h / q) / np.sqrt(2 * np.pi) + r * edge
+    second = probability + r * (r * h * edge + q * corner)
+    expected = np.array([probability, first, second, h, q, edge, corner])
+    # With r < 0 the terms of the moments cancel.
+    np.testing.assert_allclose(slip.quadrants(sz, r), expected, rtol=1e-10, atol=1e-15)
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize("closure", [gaussian.gaussian, gaussian.clipped])
+def test_a_closure_has_the_same_bits_in_plain_python_and_in_any_table(closure):
+    rng = np.random.default_rng(8)
+    latent = np.array([rng.uniform(0.5, 5, 500), rng.uniform(0.1, 9, 500), rng.uniform(-0.9, 1, 500)])
+    latent[:, 3] = 1.0, 0.0, 0.5  # without yielding: compiled code has no exceptions
+    whole = closure(latent, np.empty((0, 500)))
+    for n in (0, 4, 499):
+        *rows, matrix = slip.closure_of(closure is gaussian.clipped, latent[:, n].tolist())
+        found = [number for row in (*rows, *matrix) for number in row]
+        assert np.array_equal(found, np.concatenate([field[..., n].ravel() for field in whole]))
+    alone = closure(latent[:, 3:4], np.empty((0, 1)))
+    for one, many in zip(alone, whole, strict=True):
+        np.testing.assert_array_equal(one[..., 0], many[..., 3])
 
 
 @pytest.mark.invariant

@@ -19,6 +19,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import in_ranges
 from stochlin.kernels.basics.small_systems import solve_3x3
 from stochlin.kernels.linearization.cells.kicks import add_powers, follow, variance_by_order
+from stochlin.kernels.linearization.cells.slip import quadrants
 from stochlin.kernels.linearization.cells.tiles import in_tiles
 from stochlin.kernels.linearization.covariance import (
     EquivalentSystem,
@@ -28,7 +29,7 @@ from stochlin.kernels.linearization.covariance import (
     own_covariance,
 )
 from stochlin.kernels.linearization.filters import Filter
-from stochlin.kernels.linearization.gaussian import SlipQuadrant, slip_quadrant
+from stochlin.kernels.linearization.gaussian import SlipQuadrant
 
 ORDERS = 12  # orders of the Laguerre series; the rest counts as one more order
 NODES = 40  # nodes of the quadrature over amplitudes
@@ -61,7 +62,7 @@ def drift_of(system: EquivalentSystem, latent: Array, cycles: HalfCycles) -> Dri
     the closure clips, in units of the yield displacement.
     """
     sv, sz, r = latent
-    slip = slip_quadrant(sz, r)
+    slip = SlipQuadrant(*quadrants(sz, r))
     kick = 2 * sv * slip.first * cycles.time  # mean size over all half-cycles, also without yielding
     with np.errstate(all="ignore"):
         orders = kick**2 * _orders(sz)

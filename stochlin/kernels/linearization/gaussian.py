@@ -1,7 +1,7 @@
 """What a closure computes; the closures of the bilinear law, and Gaussian expectations for dashpots.
 
-The formulas of the closures take numbers, in compiled code, or arrays of cells. For arrays the special
-functions are those of scipy; `cells.slip` has them for numbers.
+The formulas of the closures take the numbers of one cell, and `cells.slip` has the special functions
+among them.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.special import erf, erfc, gamma, gammainc, ndtr, owens_t
+from scipy.special import gamma
 
 from stochlin.kernels.basics.arrays import Array
 
@@ -49,31 +49,13 @@ class SlipQuadrant(NamedTuple):
     ``a = r/q``.
     """
 
-    probability: Array  # P(v > 0, z > 1) = Q(h)/2 + T(h, a)
+    probability: Array  # P(v > 0, z > 1)
     first: Array  # E[x; v > 0, z > 1]
     second: Array  # E[x^2; v > 0, z > 1]
     h: Array  # 1/sz
     q: Array  # sqrt(1 - r^2)
     edge: Array  # phi(h) Phi(a h)
     corner: Array  # exp(-h^2/(2 q^2))/(2 pi)
-
-
-def slip_quadrant(sz: Array, r: Array) -> SlipQuadrant:
-    """Truncated moments of a bivariate Gaussian (Rosenbaum 1961, J. R. Stat. Soc. B 23).
-
-    For ``r >= 0`` all terms of the probability, with Owen's function ``T``, are positive, so that its
-    relative error remains small if slip is rare.
-    """
-    h = 1 / sz
-    q = np.sqrt((1 - r) * (1 + r))
-    a = r / q
-    with np.errstate(under="ignore"):
-        edge = np.exp(-0.5 * h * h) / SQRT_2PI * ndtr(a * h)
-        corner = np.exp(-0.5 * (h / q) ** 2) / (2 * np.pi)
-        probability = 0.5 * ndtr(-h) + owens_t(h, a)
-        first = ndtr(-h / q) / SQRT_2PI + r * edge
-    second = probability + r * (r * h * edge + q * corner)
-    return SlipQuadrant(probability, first, second, h, q, edge, corner)
 
 
 def absolute_moment(power: Array, std: Array) -> Array:
@@ -111,8 +93,7 @@ def regressed(right: Any, covariance: Any) -> Any:
 
 def gaussian(latent: Array, parameters: Array) -> ClosureValue:
     """Gaussian closure: the equivalent coefficients of eqs. (9) and (10) in closed form."""
-    moments = latent[0], latent[1], latent[2]
-    return _in_arrays(gaussian_values(moments, slip_quadrant(latent[1], latent[2])))
+    return _of_cells(latent, clipped=False)
 
 
 def clipped(latent: Array, parameters: Array) -> ClosureValue:
@@ -121,22 +102,14 @@ def clipped(latent: Array, parameters: Array) -> ClosureValue:
     ``(v, z~)`` is Gaussian with the latent moments, so that ``|z| <= 1`` always holds. The equivalent
     coefficients are those of the linear regression of the slip rate ``v - G`` on ``(v, z)``.
     """
-    moments, h = (latent[0], latent[1], latent[2]), 1 / latent[1]
-    far = h / np.sqrt(2)
-    within = erf(far), gammainc(1.5, 0.5 * h * h), erfc(far)
-    return _in_arrays(clipped_values(moments, slip_quadrant(latent[1], latent[2]), within))
+    return _of_cells(latent, clipped=True)
 
 
-def _in_arrays(values: Any) -> ClosureValue:
-    """What the functions below found for arrays of cells, stacked."""
-    coefficients, by_slip, by_relaxation, covariance, by_latent = values
-    shape = coefficients[0].shape
-    slopes, of_covariance = np.empty((2, 3, *shape)), np.empty((3, 3, *shape))
-    for filled, rows in ((slopes, (by_slip, by_relaxation)), (of_covariance, by_latent)):
-        for row, entries in zip(filled, rows, strict=True):
-            for column, entry in zip(row, entries, strict=True):
-                column[...] = entry
-    return ClosureValue(np.array(coefficients), slopes, np.array(covariance), of_covariance)
+def _of_cells(latent: Array, *, clipped: bool) -> ClosureValue:
+    from stochlin.kernels.linearization.cells import slip  # imports numba, which takes long
+
+    rows, n = slip.values(latent, clipped), latent.shape[1]
+    return ClosureValue(rows[:2], rows[2:8].reshape(2, 3, n), rows[8:11], rows[11:].reshape(3, 3, n))
 
 
 def gaussian_values(moments: Any, quadrant: Any) -> Any:

@@ -1,17 +1,21 @@
-"""The closures of the bilinear law for each cell, as in `linearization.gaussian`.
+"""The closures of the bilinear law for each cell: compiled for many, in plain Python for a few.
 
-Owen's function among the terms of `gaussian.slip_quadrant` is a Gaussian integral over a finite length,
-``T(h, a) = exp(-h^2/2)/(2 pi) Int_0^a exp(-h^2 x^2/2)/(1 + x^2) dx``, by Gauss-Legendre quadrature. For
-``a > 1`` it follows from ``T(a h, 1/a)``.
+They consist of the moments of a bivariate Gaussian over the quadrant ``v > 0, z > 1``, where the law
+slips (Rosenbaum 1961, J. R. Stat. Soc. B 23). Its probability is ``Q(h)/2 + T(h, a)`` with Owen's
+function, a Gaussian integral over a finite length, ``T(h, a) = exp(-h^2/2)/(2 pi) Int_0^a exp(-h^2
+x^2/2)/(1 + x^2) dx``, by Gauss-Legendre quadrature. For ``a > 1`` it follows from ``T(a h, 1/a)``. For
+``r >= 0`` all terms are positive, so that the relative error remains small if slip is rare.
 """
 
 import math
+from itertools import chain
 
 import numpy as np
 
-from stochlin.kernels.basics.compiled import called_often, compiled
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.compiled import called_often, compiled, entry, worth_compiling
 from stochlin.kernels.linearization.cells.elementary import erfcx, exp
-from stochlin.kernels.linearization.cells.tiles import LANES, read3, write3
+from stochlin.kernels.linearization.cells.tiles import LANES, fill, load, read3, store, write3
 from stochlin.kernels.linearization.gaussian import clipped_values, gaussian_values, regressed
 
 # First rows in a tile: latent moments, the integral, and what the fields of `ClosureValue` are.
@@ -42,6 +46,16 @@ def _length(sz, r):
 def _node(square, weight, length_squared, decay):
     """Contribution of a node of the quadrature, over the length."""
     return weight * exp(-decay * square) / (1 + length_squared * square)
+
+
+@called_often
+def _integral(sz, r):
+    """Owen's integral by quadrature."""
+    length, squared, decay = _length(sz, r)
+    total = 0.0
+    for square, weight in zip(SQUARES, WEIGHTS):  # noqa: B905  numba has no strict=
+        total += _node(square, weight, squared, decay)
+    return total * length
 
 
 @called_often
@@ -89,11 +103,7 @@ def _clipped(moments, integral):
 @called_often
 def closure_of(clipped, moments):
     """Coefficients, slopes of both, covariance and its slopes by a closure, for one cell."""
-    length, squared, decay = _length(moments[1], moments[2])
-    integral = 0.0
-    for square, weight in zip(SQUARES, WEIGHTS):  # noqa: B905  numba has no strict=
-        integral += _node(square, weight, squared, decay)
-    integral *= length
+    integral = _integral(moments[1], moments[2])
     return _clipped(moments, integral) if clipped else _gaussian(moments, integral)
 
 
@@ -147,6 +157,56 @@ def read_values(tile, lane):
             read3(tile, BY_LATENT + 6, lane),
         ),
     )
+
+
+def values(latent: Array, clipped: bool) -> Array:
+    """What a closure finds for moments (3, n): the fields of `gaussian.ClosureValue` as rows (20, n)."""
+    found = np.empty((CLOSED - COEFFICIENTS, latent.shape[1]))
+    if worth_compiling(close_cells, latent.shape[1]):
+        close_cells(clipped, np.ascontiguousarray(latent), found)
+        return found
+    for cell, moments in enumerate(latent.T.tolist()):
+        try:
+            *rows, matrix = closure_of(clipped, moments)
+            found[:, cell] = [*chain(*rows), *chain(*matrix)]
+        except (ArithmeticError, ValueError):  # compiled code goes on with infinity or NaN
+            close_cells(clipped, latent[:, cell : cell + 1].copy(), found[:, cell : cell + 1])
+    return found
+
+
+@entry
+def close_cells(clipped, latent, found):
+    """`values` of cells, written to ``found`` (20, n)."""
+    tile = np.empty(CLOSED * LANES)
+    fill(tile, 1.0)
+    for start in range(0, found.shape[1], LANES):
+        load(latent, start, tile, MOMENTS)
+        close(tile, clipped)
+        store(tile, COEFFICIENTS, found, start)
+
+
+def quadrants(sz: Array, r: Array) -> Array:
+    """The fields of `gaussian.SlipQuadrant` (7, n)."""
+    found = np.empty((7, sz.size))
+    if worth_compiling(find_quadrants, sz.size):
+        find_quadrants(np.ascontiguousarray(sz), np.ascontiguousarray(r), found)
+        return found
+    for cell, moments in enumerate(zip(sz.tolist(), r.tolist(), strict=True)):
+        try:
+            found[:, cell] = _quadrant(*moments, _integral(*moments))[0]
+        except (ArithmeticError, ValueError):
+            one = slice(cell, cell + 1)
+            find_quadrants(sz[one], r[one], found[:, one])
+    return found
+
+
+@entry
+def find_quadrants(sz, r, found):
+    """`quadrants` of cells, written to ``found`` (7, n)."""
+    for cell in range(sz.size):
+        here, _, _ = _quadrant(sz[cell], r[cell], _integral(sz[cell], r[cell]))
+        for row in range(7):
+            found[row, cell] = here[row]
 
 
 for _ in (gaussian_values, clipped_values, regressed):
