@@ -270,15 +270,12 @@ def _dashpot(steps, i, change, slip, more):
 
 @called_often
 def _more_slip(law, steps, i, d, z, change, slip, more):
-    """Write to ``more`` (LANES,) how much element ``i`` slips beyond ``slip``, for given other slips."""
+    """Write to ``more`` (LANES,) how much element ``i`` slips beyond ``slip``, for given other slips.
+
+    The element is not a bilinear one.
+    """
     kind, relief, strength = steps.kind[i], steps.relief[i, i], steps.strength[i]
-    if kind == BILINEAR:
-        for lane in range(LANES):
-            g, uy = of_lane(relief, lane), of_lane(strength, lane)
-            ease = 1.0 / (1.0 - g)
-            y = z[i, lane] + (change[i, lane] - g * slip[i, lane])
-            more[lane] = (y - min(max(y, -uy), uy)) * ease - slip[i, lane]
-    elif kind == SLACK:
+    if kind == SLACK:
         for lane in range(LANES):
             g, uy = of_lane(relief, lane), of_lane(strength, lane)
             ease = 1.0 / (1.0 - g)
@@ -310,29 +307,41 @@ def _largest(change, slip, relief, most):
 
 
 @called_often
+def _widest(steps, change, slip):
+    """Largest drift increment of all elements; 0 if no dashpot needs it."""
+    widest = 0.0
+    if steps.passes == MOST_VISCOUS:
+        for i in range(steps.kind.size):
+            widest = _largest(change[i], slip[i], 0.0, widest)
+    return widest
+
+
+@called_often
 def _slips(law, steps, d, z, change, slip, more):
     """Find the slips (e, LANES) of a step in passes over all elements.
 
     ``change`` (e, LANES), the increments of the drifts, is updated with the slips.
     """
-    e = steps.kind.size
-    widest = 0.0
-    if steps.passes == MOST_VISCOUS:
-        for i in range(e):
-            widest = _largest(change[i], slip[i], 0.0, widest)
+    e, widest = steps.kind.size, _widest(steps, change, slip)
     for _ in range(steps.passes):
         moved = False
         for i in range(e):
             if steps.kind[i] == LINEAR:
                 continue
-            _more_slip(law, steps, i, d, z, change, slip, more)
+            relief, strength = steps.relief[i, i], steps.strength[i]
+            if steps.kind[i] == BILINEAR:  # not in a function, for which references would be counted
+                for lane in range(LANES):
+                    g, uy = of_lane(relief, lane), of_lane(strength, lane)
+                    ease = 1.0 / (1.0 - g)
+                    y = z[i, lane] + (change[i, lane] - g * slip[i, lane])
+                    more[lane] = (y - min(max(y, -uy), uy)) * ease - slip[i, lane]
+            else:
+                _more_slip(law, steps, i, d, z, change, slip, more)
             if not _beyond(more, 0.0):
                 continue
-            least = smallest(steps.strength[i])
-            if steps.kind[i] == SLACK:
-                least = max(least, LEAST_SLACK)
-            elif steps.kind[i] == VISCOUS:
-                least = _largest(change[i], slip[i], steps.relief[i, i], HARDLY * widest)
+            least = max(smallest(strength), LEAST_SLACK if steps.kind[i] == SLACK else 0.0)
+            if steps.kind[i] == VISCOUS:
+                least = _largest(change[i], slip[i], relief, HARDLY * widest)
             moved = moved or _beyond(more, CLOSE * least)
             for lane in range(LANES):
                 slip[i, lane] += more[lane]
