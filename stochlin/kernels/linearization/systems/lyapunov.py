@@ -9,6 +9,7 @@ no longer changes. The leading dimension of all arrays is that of the systems, c
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
 
 import numpy as np
 import scipy.linalg
@@ -21,6 +22,7 @@ STILL = 1e-14  # correction of a correlation that is rounding error
 WORSE = 0.5  # ratio of a correction to the last one above which it is rounding error
 ACCURATE = 1e-8  # largest last correction over the largest covariance; above it the result is refused
 BLOCK = 32  # columns that LAPACK reduces together
+HALVED = 32  # states above which a triangular equation is halved
 
 UNSTABLE = "the state matrix is not stable; allowed: eigenvalues with negative real parts"
 INACCURATE = "the system is too near to one without a stationary covariance"
@@ -29,27 +31,40 @@ INACCURATE = "the system is too near to one without a stationary covariance"
 class Lyapunov:
     """Solver of ``A X + X A' + R = 0`` for stable matrices ``A`` (c, n, n) and any symmetric ``R``.
 
+    The states come in ``parts``, arrays of their numbers, which do not act on one another, except that
+    those of the last part act on all, as the ground does on structures without links. The Schur form of
+    the whole consists of those of the parts.
+
     ``stable`` (c,) tells which matrices are stable; results for the others are NaN.
     """
 
-    def __init__(self, matrix: Array) -> None:
+    def __init__(self, matrix: Array, parts: Sequence[Array]) -> None:
         count, n, _ = matrix.shape
-        self.scale = np.ones((count, n))
-        self.matrix, self.triangle, self.vectors = (np.empty_like(matrix) for _ in range(3))
-        self.stable = np.asarray(np.isfinite(matrix).all(axis=(1, 2)))
-        for cell in range(count):
-            if self.stable[cell]:
-                balanced, _, _, self.scale[cell], _ = lapack.dgebal(matrix[cell], scale=1)
-                self.matrix[cell] = balanced
-                triangle, _, _, _, self.vectors[cell], _, failed = lapack.dgees(
-                    _any_order, balanced, lwork=(3 + BLOCK) * n
-                )
-                # The diagonal has the real parts of the eigenvalues.
-                self.stable[cell] = not failed and triangle.diagonal().max() < 0
-                self.triangle[cell] = triangle
-            if not self.stable[cell]:
-                self.matrix[cell] = self.triangle[cell] = -np.eye(n)
-                self.vectors[cell] = np.eye(n)
+        self.matrix, self.scale = matrix.copy(), np.ones((count, n))
+        self.triangle, self.vectors = np.zeros((2, count, n, n))
+        self.parts, ends = parts, np.cumsum([part.size for part in parts])
+        self.places = np.split(np.arange(n), ends[:-1])  # the parts in the Schur basis
+        # With rates whose squares overflow, variances would be too small for a number.
+        self.stable = np.asarray(np.isfinite(matrix * matrix).all(axis=(1, 2)))
+        for cell in np.flatnonzero(self.stable).tolist():
+            self.matrix[cell], _, _, self.scale[cell], _ = lapack.dgebal(matrix[cell], scale=1)
+            for part, place in zip(parts, self.places, strict=True):
+                if part.size:
+                    self._reduce(cell, part[:, None], place)
+        self.matrix[~self.stable] = self.triangle[~self.stable] = -np.eye(n)
+        self.vectors[~self.stable] = np.eye(n)
+        own, last = np.split(self.vectors, [n - parts[-1].size], axis=2)
+        self.triangle[:, : own.shape[2], own.shape[2] :] = own.swapaxes(1, 2) @ (self.matrix @ last)
+
+    def _reduce(self, cell: int, part: Array, place: Array) -> None:
+        """Write the Schur form of one part (k, 1) of a cell, and see whether it is stable."""
+        triangle, _, _, _, vectors, _, failed = lapack.dgees(
+            _any_order, self.matrix[cell, part, part.T], lwork=(3 + BLOCK) * part.size
+        )
+        self.triangle[cell, place[:, None], place] = triangle
+        self.vectors[cell, part, place] = vectors
+        # The diagonal has the real parts of the eigenvalues.
+        self.stable[cell] &= not failed and triangle.diagonal().max() < 0
 
     def covariance(self, noise: Array, intensity: Array) -> Array:
         """Covariances (c, n, n) for ``R = intensity b b'``, with ``b`` the columns ``noise`` (c, n)."""
@@ -74,20 +89,27 @@ class Lyapunov:
         accurate &= self.stable & np.isfinite(found).all(axis=(1, 2))
         return np.where(accurate[:, None, None], found, np.nan)
 
-    def slopes(self, columns: Array, rows: Array, covariance: Array) -> Array:
-        """Derivatives of the covariance by ``e`` if the matrix changes by ``e column row'``.
+    def slopes(self, columns: Array, rows: Array, covariance: Array, one: Array, two: Array) -> Array:
+        """Derivatives (c, s, r) of ``one X two'`` by ``e`` if the matrix changes by ``e column row'``.
 
-        There are r changes, ``columns`` and ``rows`` (c, r, n). The derivatives (c, r, n, n) are in the
-        Schur basis; `schur_rows` gives rows to multiply them with.
+        There are r changes, ``columns`` and ``rows`` (c, r, n), and s pairs of outputs, ``one`` and
+        ``two`` (c, s, n). None is of the last part: a change in one part moves outputs of this part
+        only, so that it is solved for in the Schur basis of this part and the last.
         """
-        one = (columns / self.scale[:, None]) @ self.vectors
-        two = (rows @ covariance / self.scale[:, None]) @ self.vectors
-        right = one[..., :, None] * two[..., None, :]
-        return self._triangular(np.arange(len(right)), right + right.swapaxes(2, 3))
-
-    def schur_rows(self, rows: Array) -> Array:
-        """Rows ``c`` (c, k, n) in the Schur basis, to be multiplied with the `slopes`."""
-        return (rows * self.scale[:, None]) @ self.vectors
+        found = np.zeros((len(rows), one.shape[1], rows.shape[1]))
+        drive = (columns / self.scale[:, None], rows @ covariance / self.scale[:, None])
+        seen = (one * self.scale[:, None], two * self.scale[:, None])
+        for part, place in zip(self.parts[:-1], self.places, strict=False):
+            changes = np.flatnonzero(columns[..., part].any(axis=(0, 2)))
+            outputs = np.flatnonzero(one[..., part].any(axis=(0, 2)))
+            states = np.concatenate([place, self.places[-1]])
+            vectors, triangles = self.vectors[..., states], self.triangle[:, states[:, None], states]
+            a, b = (factor[:, changes] @ vectors for factor in drive)
+            c, d = (factor[:, None, outputs] @ vectors[:, None] for factor in seen)
+            right = a[..., :, None] * b[..., None, :]
+            x = _triangular(triangles, right + right.swapaxes(2, 3))
+            found[:, outputs[:, None], changes] = ((c @ x) * d).sum(axis=-1).swapaxes(1, 2)
+        return found
 
     def spectral_moments(self, rows: Array, covariance: Array) -> tuple[Array, Array, Array]:
         """Spectral moments ``l0, l1, l2`` (c, k) of outputs ``c x``, for ``rows`` (c, k, n) of ``c``.
@@ -117,21 +139,59 @@ class Lyapunov:
         """``X`` of ``A X + X A' + right = 0`` for some cells, with balanced matrices; symmetric."""
         vectors = self.vectors[cells]
         turned = vectors.swapaxes(1, 2) @ right @ vectors
-        x = vectors @ self._triangular(cells, turned[:, None])[:, 0] @ vectors.swapaxes(1, 2)
+        x = vectors @ _triangular(self.triangle[cells], turned[:, None])[:, 0] @ vectors.swapaxes(1, 2)
         return 0.5 * (x + x.swapaxes(1, 2))
 
-    def _triangular(self, cells: Array, right: Array) -> Array:
-        """The same in the Schur basis, where the matrix is quasi-triangular.
 
-        ``right`` (c, r, n, n) has r symmetric matrices for each cell.
-        """
-        found = np.empty_like(right)
-        for number, cell in enumerate(cells):
-            triangle = np.asfortranarray(self.triangle[cell])
-            for change, given in enumerate(right[number]):
-                x, factor, _ = lapack.dtrsyl(triangle, triangle, given.T, tranb="T")
-                found[number, change] = x / -factor
+def _triangular(triangles: Array, right: Array) -> Array:
+    """Solutions (c, r, n, n) of ``T X + X T' + R = 0`` for r symmetric ``R`` of each cell."""
+    found = np.empty_like(right)
+    for x, triangle, given in zip(found, triangles, right, strict=True):
+        x[:] = _symmetric(triangle, given)
+    return found
+
+
+def _symmetric(triangle: Array, right: Array) -> Array:
+    """Solutions of ``T X + X T' + R = 0`` for a quasi-triangular ``T`` and symmetric ``R`` (r, n, n).
+
+    They are solved by halves, down to what LAPACK solves from the cache, so that nearly all of the work
+    is products of matrices (Jonsson and Kågström 2002, ACM Trans. Math. Softw. 28).
+    """
+    if len(triangle) <= HALVED:
+        return _sylvester(triangle, triangle, right)
+    (upper, lower), found = _halves(triangle), np.empty_like(right)
+    across = triangle[upper, lower]
+    found[:, lower, lower] = x = _symmetric(triangle[lower, lower], right[:, lower, lower])
+    mixed = right[:, upper, lower] + across @ x
+    y = _sylvester(triangle[upper, upper], triangle[lower, lower], mixed)
+    found[:, upper, lower], found[:, lower, upper] = y, y.swapaxes(1, 2)
+    more = y @ across.T
+    more = right[:, upper, upper] + more + more.swapaxes(1, 2)
+    found[:, upper, upper] = _symmetric(triangle[upper, upper], more)
+    return found
+
+
+def _sylvester(one: Array, two: Array, right: Array) -> Array:
+    """Solutions of ``T1 X + X T2' + R = 0`` for quasi-triangular matrices and any ``R`` (r, n, m)."""
+    if max(len(one), len(two)) <= HALVED:
+        first, second, found = np.asfortranarray(one), np.asfortranarray(two), np.empty_like(right)
+        for number, given in enumerate(right):
+            x, factor, _ = lapack.dtrsyl(second, first, given.T, tranb="T")
+            found[number] = x.T / -factor
         return found
+    if len(one) < len(two):
+        return _sylvester(two, one, right.swapaxes(1, 2)).swapaxes(1, 2)
+    upper, lower = _halves(one)
+    x = _sylvester(one[lower, lower], two, right[:, lower])
+    y = _sylvester(one[upper, upper], two, right[:, upper] + one[upper, lower] @ x)
+    return np.concatenate([y, x], axis=1)
+
+
+def _halves(triangle: Array) -> tuple[slice, slice]:
+    """Both halves of the states of a quasi-triangular matrix; a block of two rows is not cut."""
+    middle = len(triangle) // 2
+    middle += triangle[middle, middle - 1] != 0
+    return slice(0, middle), slice(middle, None)
 
 
 def _any_order(_real: float, _imaginary: float) -> None:

@@ -13,6 +13,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.spectral_moments import SpectralMoments
@@ -36,6 +37,7 @@ class SpringMoments(NamedTuple):
 class Basis(NamedTuple):
     """The transformation from the states to those that are solved for, and back."""
 
+    ground: Array  # (q,): numbers of the ground's states among those that are solved for
     into: Array  # (c, k, states): matrix to the ``k`` states that are solved for
     back: Array  # (c, states, k): matrix back
     drifts: Array  # (m, k): rows of the extensions of the yielding springs
@@ -64,7 +66,8 @@ class Response:
     def __init__(self, system: StateSpace) -> None:
         self.system, self.basis, self.moves = system, _basis(system), _moves(system)[0]
         into, back = self.basis.into, self.basis.back
-        self._equation = Lyapunov(into @ system.matrix @ back)
+        matrix = into @ system.matrix @ back
+        self._equation = Lyapunov(matrix, _parts(matrix, self.basis.ground))
         self._noise = (into @ system.noise[..., None])[..., 0]
         self._solution = self._equation.covariance(self._noise, system.intensity)
 
@@ -98,7 +101,7 @@ class Response:
     @cached_property
     def moments(self) -> SpringMoments:
         """Second moments of the yielding springs."""
-        _, _, d, v, z, beyond = self.basis
+        _, _, _, d, v, z, beyond = self.basis
         pairs = (d, d), (v, v), (z, z), (v, beyond)
         return SpringMoments(*(self._product(one, two) for one, two in pairs))
 
@@ -160,15 +163,13 @@ class Response:
         rows[:, :m] = -np.where(self.moves[:, None], basis.velocities, basis.drifts)  # else z = -c_eq d
         rows[:, m : 2 * m] = -np.where(self.moves[:, None], basis.z, 0.0)
         columns[:, 2 * m :], rows[:, 2 * m :] = pushes.swapaxes(1, 2), -rates
-        change = self._equation.slopes(columns, rows, self._solution)
         velocities = np.broadcast_to(basis.velocities, (cells, m, states))
-        seen = velocities, basis.z, basis.beyond, rates
-        v, z, beyond, rate = (self._equation.schur_rows(part)[:, None] for part in seen)
-        pairs = (v, v), (z, z), (v, beyond), (rate, rate)
-        found = np.concatenate([((one @ change) * two).sum(axis=-1) for one, two in pairs], axis=2)
+        one = np.concatenate([velocities, basis.z, velocities, rates], axis=1)
+        two = np.concatenate([velocities, basis.z, basis.beyond, rates], axis=1)
+        found = self._equation.slopes(columns, rows, self._solution, one, two)
         follows = np.flatnonzero(~self.moves)
-        found[:, follows, m + follows] -= 2 * self._product(basis.drifts, basis.z)[:, follows]
-        return found.swapaxes(1, 2)
+        found[:, m + follows, follows] -= 2 * self._product(basis.drifts, basis.z)[:, follows]
+        return found
 
     def _std(self, rows: Array) -> Array:
         """Standard deviations of linear functions (c, k, states) of the states that are solved for."""
@@ -215,9 +216,23 @@ def _moves(system: StateSpace) -> Array:
     return np.abs(relaxation) > SLOW * _fastest(system)
 
 
+def _parts(matrix: Array, ground: Array) -> list[Array]:
+    """States (c, k, k) of structures that are not linked, each array a part, and last the ground's.
+
+    They follow from the entries of the matrix that are not zero.
+    """
+    acts = np.asarray((matrix != 0).any(axis=0))
+    acts[:, ground] = False
+    acts[np.ix_(ground, ground)] = True
+    _, part = connected_components(acts, directed=False)
+    driving = np.isin(part, part[ground])
+    apart = [np.flatnonzero(part == number) for number in np.unique(part[~driving])]
+    return [*apart, np.flatnonzero(driving)]
+
+
 def _basis(system: StateSpace) -> Basis:
     """The transformation that the module's docstring describes."""
-    matrix, (_, u, v, z) = system.matrix, system.order
+    matrix, (q, u, v, z) = system.matrix, system.order
     own, tree = system.extensions[system.springs], system.extensions[_trees(system)[0]]
     moves, floors = _moves(system)[0], np.rint(np.linalg.inv(tree))
     follows = (matrix[:, z[:, None], v] * own).sum(axis=2) / (own**2).sum(axis=1)  # -c_eq
@@ -240,4 +255,4 @@ def _basis(system: StateSpace) -> Basis:
     beyond = np.where(moves[:, None], back[:, z], 0.0)
     of_drift = np.where(moves, by_y, follows)
     back[:, z] = beyond + of_drift[..., None] * drifts
-    return Basis(into, back, drifts, velocities, back[:, z], beyond)
+    return Basis(where[q], into, back, drifts, velocities, back[:, z], beyond)

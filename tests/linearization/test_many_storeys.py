@@ -1,0 +1,101 @@
+"""Buildings with many storeys: structures that are not linked are solved one by one, by halves."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+import stochlin as sl
+from stochlin.analyses.linearization.systems.solution import springs_of
+from stochlin.analyses.linearization.systems.systems import equations_of
+from stochlin.kernels.linearization.systems.response import Response
+from stochlin.kernels.linearization.systems.springs import Linear, respond
+from stochlin.kernels.linearization.systems.state_space import state_space
+
+pytestmark = pytest.mark.oracle
+
+GROUNDS = {
+    "white noise": sl.WhiteNoise(0.01),
+    "Kanai-Tajimi": sl.KanaiTajimi(1.0, 0.3, intensity=0.01),
+}
+
+
+def building(storeys):
+    return sl.ShearBuilding.regular(
+        period=0.1 * storeys,
+        storeys=storeys,
+        storey_height=3.0,
+        mass=1e6,
+        damping=0.05,
+        hardening=0.05,
+        base_shear_coefficient=0.08,
+    )
+
+
+def problem_of(storeys, ground, links=()):
+    equations = equations_of([building(n) for n in storeys], GROUNDS[ground], links)
+    return springs_of(equations, "gaussian", 1e-10)
+
+
+def coefficients(problem, seed):
+    rng, shape = np.random.default_rng(seed), problem.strength.shape
+    return Linear(rng.uniform(0.02, 0.6, shape), rng.uniform(0.2, 4, shape), problem.dashpots)
+
+
+@pytest.mark.parametrize("ground", GROUNDS)
+@pytest.mark.parametrize(
+    ("storeys", "linked"),
+    [
+        ((1, 1), False),
+        ((3, 2), False),
+        ((3, 2), True),
+        ((13,), False),
+        ((24, 15), False),
+        ((24, 15), True),
+    ],
+)
+def test_covariance_is_that_of_scipy_for_the_whole_matrix(storeys, ground, linked):
+    """In units of the standard deviations; scipy solves for all states together."""
+    links = [sl.Link(1e6, 1e4, structures=(1, 2))] if linked else []
+    problem = problem_of(storeys, ground, links)
+    linear = coefficients(problem, 35)
+    system = state_space(problem.mechanics, linear.slip - 1, linear.relaxation, linear.dashpots)
+    found = Response(system).covariance[0]
+    matrix, noise = system.matrix[0], system.noise[0]
+    std = np.sqrt(np.diagonal(found))
+    right = system.intensity[0] * np.outer(noise / std, noise / std)
+    known = scipy.linalg.solve_continuous_lyapunov(matrix * std / std[:, None], -right)
+    np.testing.assert_allclose(found / np.outer(std, std), known, atol=1e-7)
+
+
+@pytest.mark.parametrize("storeys", [(3, 2), (24, 15)])
+def test_slopes_of_the_moments_are_their_differences(storeys):
+    problem = problem_of(storeys, "Kanai-Tajimi")
+    linear, m = coefficients(problem, 36), sum(storeys)
+    slopes = respond(problem, linear, slopes=True).slopes[0]
+
+    def moments(field, spring, change):
+        moved = Linear(*(part.copy() for part in linear))
+        moved[field][0, spring] += change
+        found = respond(problem, moved).springs * problem.strength**2
+        return found[:, 0].ravel()
+
+    size = np.abs(moments(0, 0, 0.0))
+    for field, step in ((0, 1e-5), (1, 1e-4)):
+        for spring in (0, storeys[0] - 1, storeys[0], m - 1):
+            known = (moments(field, spring, step) - moments(field, spring, -step)) / (2 * step)
+            own = slopes[:, field * m + spring]
+            np.testing.assert_allclose(own * step / size, known * step / size, atol=3e-9)
+
+
+@pytest.mark.invariant
+def test_a_building_beside_another_is_as_it_is_alone():
+    """Each is solved in its own states and those of the ground."""
+    ground = GROUNDS["Kanai-Tajimi"]
+    pair = sl.linearize_system([building(24), building(15)], ground)
+    for number, storeys in ((1, 24), (2, 15)):
+        alone = sl.linearize_system([building(storeys)], ground)
+        for name in ("c_eq", "k_eq"):
+            own = [str(e).startswith(f"{number}") for e in pair.element.values]
+            np.testing.assert_allclose(pair[name][own], alone[name], rtol=1e-8)
