@@ -17,7 +17,7 @@ from stochlin.messages import brief
 if TYPE_CHECKING:
     from stochlin.kernels.simulation.ensemble import Block
 
-ORDER = 40
+ORDER = 52
 ACCURACY = 1e-9
 LARGEST = 1e300
 _FUNCTIONS = {  # that both numpy and math have
@@ -97,8 +97,8 @@ class SymbolicLaw:
         return sympy.lambdify((v, z, rows), expression.subs(values), module, cse=True)
 
     def _kinks(self) -> Callable[[Array], Sequence[Array | float]]:
-        """A function of the parameters that gives the values of ``z`` where the law may jump or bend."""
-        kinks = _kinks(self.expression)
+        """A function of the parameters: the ``z`` besides 0 where the law may jump or bend."""
+        kinks = _kinks(self.expression) - {sympy.S.Zero}
         fixed = sorted(float(kink) for kink in kinks if kink.is_number)
         moving = self._function(sympy.Tuple(*(k for k in kinks if not k.is_number)), "numpy")
 

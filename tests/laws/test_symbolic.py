@@ -43,7 +43,8 @@ def test_bilinear_law_as_an_expression():
 
 
 @pytest.mark.parametrize(
-    ("beta", "gamma", "exponent"), [(0.5, 0.5, 1), (0.7, -0.4, 1), (0.5, 0.5, 2), (0.9, 0.1, 3)]
+    ("beta", "gamma", "exponent"),
+    [(0.5, 0.5, 1), (0.7, -0.4, 1), (0.5, 0.5, 2), (0.9, 0.1, 3), (0.5, 0.5, 2.5), (0.6, 0.3, 1.2)],
 )
 def test_bouc_wen_law_as_an_expression(beta, gamma, exponent):
     law = bouc_wen_expression(beta, gamma, exponent)

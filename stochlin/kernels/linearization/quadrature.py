@@ -79,13 +79,16 @@ def _panels(
     """Nodes and weights in ``t``, on panels between kinks and around ``t = 0``.
 
     At 0 the conditional mean of ``v`` changes sign, and the inner integral changes within
-    ``q/|r|``, the more rapidly the nearer the correlation is to 1.
+    ``q/|r|``, the more rapidly the nearer the correlation is to 1. The nodes are those of Gauss and
+    Legendre in ``x`` with ``(3 x - x^3)/2`` as place in a panel. This makes a power of the distance to
+    its end, such as that of ``|z|^1.5``, as smooth as twice the power.
     """
     turn = np.minimum(6 * q / np.maximum(np.abs(r), 1e-3), REACH)
     edges = [np.full_like(sz, -REACH), -turn, 0 * sz, turn, np.full_like(sz, REACH)]
     edges += [np.clip(kink / sz, -REACH, REACH) for kink in kinks]
     border = np.sort(np.concatenate(edges, axis=1), axis=1)
-    nodes, weights = gauss_legendre(order)
+    x, weights = gauss_legendre(order)
+    nodes, weights = 0.5 * x * (3 - x * x), 1.5 * (1 - x * x) * weights
     half = 0.5 * np.diff(border, axis=1)[:, :, None]
     middle = 0.5 * (border[:, 1:] + border[:, :-1])[:, :, None]
     shape = (sz.shape[0], -1)
@@ -108,7 +111,7 @@ def _inner_quadrature(law: SlipRate, sv: Array, z: Array, mean: Array, q: Array,
     The panels become smaller towards ``v = 0``, near which a rate-dependent law may change within a
     small part of ``sv``.
     """
-    nodes, weights = on_panels(GRADED, order // 2)
+    nodes, weights = on_panels(GRADED, 2 * order // 5)
     low, high = np.maximum(mean - REACH * q, 0), np.maximum(mean, 0) + REACH * q
     width = (high - low)[..., None]
     x = low[..., None] + width * nodes
