@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 import xarray as xr
 
+from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.gaussian import Closure
 from stochlin.models.parameters import POSITIVE, Model, Parameter, Range, parameter
 from stochlin.registry import Registry
@@ -105,8 +106,14 @@ class Structure(Model):
         raise NotImplementedError
 
     def closure(self, name: str) -> Closure:
-        """The closure ``name`` of this law: equivalent coefficients as a function of latent moments."""
-        return self.closures.get(name) or self._compiled.gaussian
+        """The closure ``name`` of this law: equivalent coefficients as a function of latent moments.
+
+        It raises an ArithmeticError if the law has none in closed form, and none accurate by quadrature.
+        """
+        closed = self.closures.get(name)
+        if closed is None:
+            self._compiled.check_expectations(self._examples)
+        return closed or self._compiled.gaussian
 
     def has_one_solution(self) -> xr.DataArray:
         """True for the cells in which linearization is known to have only one solution.
@@ -131,15 +138,20 @@ class Structure(Model):
 
     @cached_property
     def _compiled(self) -> SymbolicLaw:
-        """The compiled `symbolic` expression, checked for some of the valid parameter sets."""
+        """The compiled `symbolic` expression, checked for the `_examples`."""
         from stochlin.models.symbolic import compiled
 
         law = compiled(self.symbolic(), self.own_parameters())
+        law.check(self._examples)
+        return law
+
+    @cached_property
+    def _examples(self) -> Array:
+        """Some of the valid parameter sets of the law, one in each column."""
         arrays = xr.broadcast(self.valid(), *self.law_parameters())
         valid, *columns = (array.values.ravel() for array in arrays)
         sets = np.unique(np.array(columns).reshape(len(columns), valid.size)[:, valid], axis=1)
-        law.check(sets[:, :: 1 + sets.shape[1] // CHECKED])
-        return law
+        return sets[:, :: 1 + sets.shape[1] // CHECKED]
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,7 @@ _PARTS = (  # of expressions besides these functions
     *(sympy.functions.elementary.piecewise.ExprCondPair, sympy.core.relational.Relational),
     *(sympy.And, sympy.Or, sympy.Not, sympy.logic.boolalg.BooleanAtom),
 )
+_SIDES = (1, 1), (-1, -1), (1, 0)  # of the probes: as they are, mirrored, and at z = 0
 _PROBES = np.random.default_rng(1996).uniform(-2.5, 2.5, (2, 400))
 
 
@@ -52,7 +53,7 @@ class SymbolicLaw:
         self.slip_rate = SlipRate(slip, self._kinks(), False)
         probes = np.random.default_rng(4).uniform(0.3, 1.7, (len(parameters), _PROBES.shape[1]))
         self.slip_rate = self.slip_rate._replace(rate_independent=self._is_rate_independent(probes))
-        self._good: set[bytes] = set()
+        self._good: set[tuple[str, bytes]] = set()
 
     def __reduce__(self) -> tuple[Callable[..., SymbolicLaw], tuple[sympy.Expr, tuple[str, ...]]]:
         """Pickle the expression and the parameter names: compiled functions cannot be pickled."""
@@ -79,15 +80,22 @@ class SymbolicLaw:
         return law_block(self.middle)
 
     def check(self, parameters: Array) -> None:
-        """Raise a ValueError if the law is not odd, not real, or has kinks that cannot be located.
+        """Raise a ValueError if the law is not odd, or not real and finite.
 
         ``parameters`` (m, n) holds the m parameters of the law, one set in each of its n columns.
         """
+        self._check_each(parameters, self._check_odd)
+
+    def check_expectations(self, parameters: Array) -> None:
+        """Raise an ArithmeticError if `gaussian` is not accurate; parameters as for `check`."""
+        self._check_each(parameters, self._check_quadrature)
+
+    def _check_each(self, parameters: Array, check: Callable[[Array], None]) -> None:
         for column in np.ascontiguousarray(parameters.T):
-            if column.tobytes() not in self._good:
-                self._check_odd(column)
-                self._check_quadrature(column)
-                self._good.add(column.tobytes())
+            key = check.__name__, column.tobytes()
+            if key not in self._good:
+                check(column)
+                self._good.add(key)
 
     def _function(self, expression: sympy.Expr, module: str) -> Callable[..., Array]:
         """The expression as a function of ``v``, ``z`` and one array with the rows of parameters."""
@@ -123,9 +131,12 @@ class SymbolicLaw:
     @np.errstate(all="ignore")
     def _check_odd(self, column: Array) -> None:
         v, z = _PROBES
-        value, mirrored = (self.slip_rate.function(side * v, side * z, column) for side in (1, -1))
-        if np.iscomplexobj(value) or not np.isfinite(value).all():
-            raise ValueError(f"{self._named(column)} is not real and finite in |v|, |z| < 2.5")
+        value, mirrored, start = (self.slip_rate.function(n * v, m * z, column) for n, m in _SIDES)
+        if np.iscomplexobj(value) or not np.isfinite([value, start]).all():
+            raise ValueError(
+                f"{self._named(column)} is not real and finite in |v|, |z| < 2.5 and at z = 0, where "
+                "motions start; take powers of Abs(z) instead of z, and write a limit as Piecewise"
+            )
         if np.abs(value + mirrored).max() > 1e-9 * (1 + np.abs(value).max()):
             raise ValueError(
                 f"{self._named(column)} is not odd; allowed: G(-v, -z) = -G(v, z), the same "
@@ -138,6 +149,7 @@ class SymbolicLaw:
         whole, double = (self.slip_rate.function(n * v, z, parameters) for n in (1, 2))
         return bool(np.abs(double - 2 * whole).max() <= 1e-11 * (1 + np.abs(whole).max()))
 
+    @np.errstate(all="ignore")
     def _check_quadrature(self, column: Array) -> None:
         latent = np.array([[0.1, 1.0, 2.0, 50.0], [2.5, 0.4, 0.9, 1.2], [0.7, 0.0, 0.3, 0.5]])
         parameters = np.repeat(column[:, None], latent.shape[1], axis=1)
@@ -145,12 +157,15 @@ class SymbolicLaw:
             slip_expectations(self.slip_rate, latent, parameters, order)[0]
             for order in (ORDER, 3 * ORDER)
         )
-        error = np.max(np.abs(coarse - fine) / (np.abs(fine) + latent[0]))
+        error = np.nan_to_num(np.max(np.abs(coarse - fine) / (np.abs(fine) + latent[0])), nan=np.inf)
         if not error < ACCURACY:
-            raise ValueError(
-                f"{self._named(column)} has kinks that could not be located (quadrature error "
-                f"{error:.1e}, allowed {ACCURACY:.0e}); found are kinks at v = 0, and those written as "
-                "Abs, sign, Heaviside, Max, Min or Piecewise of z alone"
+            kinks = np.unique([0.0, *(float(np.squeeze(k)) for k in self.slip_rate.kinks(column))])
+            raise ArithmeticError(
+                f"{self._named(column)} cannot be linearized: its Gaussian expectations have the error "
+                f"{error:.1e}, allowed {ACCURACY:.0e}, since it bends, jumps or is steep elsewhere than "
+                f"at v = 0 and z = {', '.join(f'{kink:g}' for kink in kinks)}, has a power below 1/2 "
+                "there, or grows too fast. Write kinks as Abs, sign, Heaviside, Max, Min or Piecewise "
+                "of z alone and make the law smoother, or use simulation, which takes it as it is"
             )
 
 

@@ -150,9 +150,9 @@ def test_symbols_are_known_by_name_whatever_their_assumptions():
         (V - sympy.Symbol("beta") * Z, ValueError, "beta"),
         (sympy.sin(Z), ValueError, "allowed: 'v' and 'z' only"),
         (sympy.Integer(0), ValueError, "allowed: 'v' and 'z' only"),
-        (V / Z, ValueError, "not odd"),
-        (V - sympy.sqrt(Z), ValueError, "not real"),
-        (V - sympy.Heaviside(V + Z - 1) + sympy.Heaviside(-V - Z - 1), ValueError, "kinks"),
+        (V / Z, ValueError, "at z = 0"),
+        (V - V * abs(Z) ** -0.5, ValueError, "at z = 0, where motions start"),
+        (V - sympy.sqrt(Z), ValueError, r"not real.* take powers of Abs\(z\)"),
         ("v - z", TypeError, "sympy expression"),
         (None, TypeError, "sympy expression"),
         (1.0, TypeError, "sympy expression"),
@@ -163,3 +163,47 @@ def test_symbols_are_known_by_name_whatever_their_assumptions():
 def test_unusable_law_is_refused_with_a_reason(law, error, message):
     with pytest.raises(error, match=message):
         sl.Hysteretic(period=1.0, damping=0.05, hardening=0.1, reduction_factor=2, law=law)
+
+
+HIDDEN = sympy.Heaviside(-V - Z - 1) - sympy.Heaviside(V + Z - 1)
+LIMITED = V * sympy.Max(abs(Z) - 0.7, 0)
+
+
+@pytest.mark.parametrize(
+    ("law", "cause"),
+    [
+        (V + HIDDEN, "v = 0 and z = 0, has"),
+        (V - LIMITED - 0.1 * HIDDEN, "v = 0 and z = -0.7, 0, 0.7, has"),
+        (V - V * abs(Z) ** 0.1, "a power below 1/2 there"),
+        (V - V * sympy.exp(Z**4), "error inf, allowed 1e-09, .* or grows too fast"),
+    ],
+    ids=str,
+)
+@pytest.mark.parametrize(
+    "linearizing",
+    [
+        lambda one: sl.linearize(one, GROUND),
+        lambda one: sl.correlate(one, sl.Bilinear(0.7, 0.05), GROUND),
+        lambda one: sl.linearize_system([one], GROUND),
+        lambda one: sl.transient_response(one, GROUND, 1.0, points=3),
+        lambda one: sl.equivalent_coefficients(1.0, 0.5, 0.3, law=one.law),
+    ],
+    ids=["linearize", "correlate", "linearize_system", "transient_response", "equivalent_coefficients"],
+)
+def test_linearization_refuses_a_law_whose_expectations_are_not_accurate(law, cause, linearizing):
+    one = sl.Hysteretic(1.0, 0.05, 0.1, yield_displacement=0.1, mass=1e5, law=law)
+    with pytest.raises(ArithmeticError, match=f"cannot be linearized.*{cause}.*use simulation"):
+        linearizing(one)
+
+
+def test_parameters_of_a_law_are_named_with_their_values_where_it_is_refused():
+    beta, limit = sympy.symbols("beta limit")
+    law = SymbolicLaw(V - beta * V * sympy.Max(abs(Z) - limit, 0) ** 0.1, ("beta", "limit"))
+    with pytest.raises(ArithmeticError, match=r"with beta = 0.5, limit = 0.7 .* z = -0.7, 0, 0.7, has"):
+        law.check_expectations(np.array([[0.5], [0.7]]))
+
+
+def test_elastic_structure_needs_no_linearization_of_its_law():
+    weak, elastic = sl.Hysteretic(1.0, 0.05, law=V + HIDDEN), sl.Bilinear(1.0, 0.05)
+    one, other = (sl.linearize(each, GROUND).displacement_std for each in (weak, elastic))
+    assert float(one) == float(other)

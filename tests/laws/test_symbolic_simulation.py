@@ -49,6 +49,69 @@ def test_law_in_sympy_gives_the_table_of_the_compiled_law():
     assert abs(sigma[2] / sigma[0] - 1) > 1e-3  # laws are not mixed up
 
 
+@pytest.mark.parametrize("options", [{"duration": 5.0}, {"relaxation_times": 2.0}], ids=str)
+def test_fractional_power_moves_as_the_compiled_law(options):
+    """The same law twice on the same motions: what is left is the tolerance of both implicit steps."""
+    power = sympy.Abs(Z) ** 2.5
+    law = V - 0.5 * sympy.Abs(V) * sympy.sign(Z) * power - 0.5 * V * power
+    given = {"yield_displacement": 0.05, "mass": 1e5}
+    own = sl.Hysteretic(0.5, 0.05, 0.1, law=law, **given)
+    compiled = sl.BoucWen(0.5, 0.05, 0.1, exponent=2.5, **given)
+    table = sl.simulate([own, compiled], GROUND, paths=16, **options)
+    what = "peak_mean" if "duration" in options else "displacement_std"
+    one, other = table[what].values
+    assert one == pytest.approx(other, rel=1e-7)
+
+
+def corner(beyond):
+    """A law with this part, which is to be 0 for |z| < 1 and |z| - 1 else."""
+    loops = (sympy.Abs(V) * Z + V * sympy.Abs(Z)) / 2
+    law = V - loops - sympy.Abs(V) * sympy.sign(Z) * beyond
+    return sl.Hysteretic(0.5, 0.05, 0.1, reduction_factor=3.0, mass=1e5, law=law)
+
+
+# The same law, but for 1e-10 near its kink: once as linearization takes it, once as it does not.
+FOUND = corner(sympy.Max(sympy.Abs(Z) - 1, 0))
+HIDDEN = corner((sympy.Abs(Z) - 1 + sympy.sqrt((sympy.Abs(Z) - 1) ** 2 + 1e-20)) / 2)
+OTHER = sl.Bilinear(0.7, 0.05, 0.1, yield_displacement=0.1, mass=1e5)
+STRENGTH = {"hardening": 0.1, "yield_drifts": 0.01}
+MOTIONS = {"duration": 5.0, "paths": 32}
+
+
+def test_law_that_cannot_be_linearized_is_simulated():
+    with pytest.raises(ArithmeticError, match="cannot be linearized"):
+        sl.linearize(HIDDEN, GROUND)
+    one, other = (sl.simulate([law, OTHER], GROUND, **MOTIONS) for law in (FOUND, HIDDEN))
+    np.testing.assert_allclose(one.peak_mean, other.peak_mean, rtol=1e-8)
+    for members in (
+        [HIDDEN, OTHER],
+        [sl.ShearBuilding([1e5], [1e7], [3.0], 0.05, law=HIDDEN.law, **STRENGTH)],
+    ):
+        stationary = sl.simulate(members, GROUND, paths=16, relaxation_times=2.0)
+        assert np.isfinite(stationary.displacement_std).all()
+
+
+def test_gaps_of_a_law_that_cannot_be_linearized():
+    """Only rules that linearize are missing, each with the reason; the others are as they were."""
+    known, table = (sl.separation(law, OTHER, GROUND, **MOTIONS) for law in (FOUND, HIDDEN))
+    lacking = table.rule.values[np.isnan(table.gap) & ~np.isnan(known.gap)]
+    assert set(lacking) == {"linearization", "eq_3_linearized", "eq_3_paper"}
+    for rule in lacking:
+        assert "cannot be linearized" in str(table.missing.sel(rule=rule).values)
+    rest = [rule for rule in table.rule.values if rule not in {*lacking, "eq_3_simulated"}]
+    np.testing.assert_allclose(table.gap.sel(rule=rest), known.gap.sel(rule=rest), rtol=1e-8)
+    limits = [sl.existing_gap(law, OTHER, GROUND, gap=0.3, **MOTIONS) for law in (FOUND, HIDDEN)]
+    for name in limits[0].data_vars:
+        np.testing.assert_allclose(limits[1][name], limits[0][name], rtol=1e-6, err_msg=name)
+
+
+def test_rules_of_storeys_name_the_law_that_cannot_be_linearized():
+    tall = sl.ShearBuilding([1e5] * 2, [1e8] * 2, [3.0] * 2, 0.05, law=HIDDEN.law, **STRENGTH)
+    table = sl.separation(tall, None, GROUND, **MOTIONS)
+    assert np.isnan(table.gap.sel(rule="linearization"))
+    assert "cannot be linearized" in str(table.missing.sel(rule="linearization").values)
+
+
 def test_maxwell_element_has_the_variance_of_its_linear_system():
     damper = sl.Hysteretic(1.0, 0.05, 0.3, yield_displacement=0.1, law=V - 3 * Z)
     spring = sl.Bilinear(0.7, 0.05)

@@ -209,7 +209,7 @@ def _rules(scene: Scene, seconds: float) -> list[Rule]:
         equation_3_rule(drifted[:, None], "eq_3_white_noise", rho.rho_white_noise.values, **drift),
         equation_3_rule(peaks[:, None], "eq_3_linearized", rho.rho_linearized.values, **linear),
         linearized_rule(
-            lambda: relative_moments(solved[0], solved[1], ground),
+            relative_moments(solved[0], solved[1], ground),
             seconds,
             scene.confidence,
             scene.scatter,

@@ -140,7 +140,7 @@ def rules(scene: Scene, seconds: float) -> tuple[list[Rule], Array]:
     listed = [
         equation_3_rule(peaks, "eq_3_white_noise", of_modes, **texts),
         equation_3_rule(peaks, "eq_3_linearized", correlation_of(motion, one, two), **texts),
-        linearized_rule(lambda: tuple(apart), seconds, scene.confidence, scene.scatter),
+        linearized_rule(tuple(apart), seconds, scene.confidence, scene.scatter),
         *code_rules(peaks, (heights, heights), neighbours, scene.zone, dict(scene.numbers)),
     ]
     return listed, heights

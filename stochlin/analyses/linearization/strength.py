@@ -277,7 +277,7 @@ def _search(structure: Structure, ground: Ground, target: DuctilityTarget, closu
 
 
 def solved_reduction_factor(structure: Structure, solved: xr.Dataset) -> float:
-    """Reduction factor of a single structure from its dataset by `solve_structure`; NaN if elastic."""
+    """Reduction factor of a single structure from its dataset by `solve_elastic`; NaN if elastic."""
     factor = float(structure.arrays()["peak_factor"] * solved[STRENGTH_RATIO])
     return factor if structure.yields else np.nan
 

@@ -10,9 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.linearization.equivalent_systems import solve_structure
+from stochlin.analyses.linearization.equivalent_systems import solve_elastic
 from stochlin.analyses.linearization.strength import solved_reduction_factor, strength_in_metres
-from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.separation.searches import Edge, Required, around, least, up_to
 from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.simulation.finite_motions import (
@@ -189,8 +188,7 @@ class _ExistingPair(NamedTuple):
         usual = median_of(ground)
         pair = [applied(lambda s: strength_in_metres(s, usual), each) for each in structures]
         modes = [first_mode(median_of(structure)) for structure in structures]
-        solved = [solve_structure(mode, usual, "gaussian", USUAL) for mode in modes]
-        factors = [solved_reduction_factor(*both) for both in zip(modes, solved, strict=True)]
+        factors = [solved_reduction_factor(mode, solve_elastic(mode, usual)) for mode in modes]
         return cls(pair, ground, factors)
 
     def weaker(self, factor: float) -> list[AnyStructure]:

@@ -209,7 +209,7 @@ class OscillatorsInMotion(PairInMotion):
     def quantities(self) -> dict[str, Any]:
         """See `PairInMotion`."""
         table: dict[str, float] = {}
-        for n, (structure, side) in enumerate(zip(self.structures, self.solved, strict=True)):
+        for n, (structure, side) in enumerate(zip(self.structures, self.elastic, strict=True)):
             mean = ("peak_mean", "peak_mean_standard_error")
             table |= {f"{name}_{n + 1}": float(self.motions[name][n]) for name in mean}
             table[f"peak_{n + 1}"] = float(self.peaks[n, 0])
@@ -240,7 +240,7 @@ def all_rules(
     """All rules, including those that have no gap because something is missing."""
     return [
         *_with_correlations(pair, effective_rule_names(unverified)),
-        linearized_rule(pair.relative_moments, pair.strong_seconds, pair.confidence, pair.scatter),
+        _linearized(pair),
         *code_rules(pair.peaks, pair.code_heights, neighbours, zone, numbers),
     ]
 
@@ -323,14 +323,22 @@ def _nothing(pair: PairInMotion) -> Array:
     return np.full(pair.heights.size, np.nan)
 
 
+def _linearized(pair: PairInMotion) -> Rule:
+    try:
+        moments = pair.relative_moments()
+    except (ArithmeticError, ValueError) as error:
+        return Rule("linearization", "linearization", _nothing(pair), missing=str(error))
+    return linearized_rule(moments, pair.strong_seconds, pair.confidence, pair.scatter)
+
+
 def linearized_rule(
-    moments: Callable[[], tuple[Any, ...]], seconds: float, confidence: float, scatter: float = 0.0
+    moments: tuple[Any, ...], seconds: float, confidence: float, scatter: float = 0.0
 ) -> Rule:
     """The gap by linearization: the one-sided peak of a Gaussian ``u_1 - u_2`` by Vanmarcke.
 
     It does not include the ``scatter`` between motions, which is stated in its assumptions.
     """
-    l0, l1, l2 = (xr.DataArray(np.atleast_1d(moment), dims="height") for moment in moments())
+    l0, l1, l2 = (xr.DataArray(np.atleast_1d(moment), dims="height") for moment in moments)
     gaps = peak_quantile((l0, l1, l2), seconds, confidence, sides=1).values
     return Rule(
         "linearization",

@@ -116,10 +116,7 @@ class StoreysInMotion(PairInMotion):
     def relative_moments(self) -> tuple[Array, Array, Array]:
         """See `PairInMotion`."""
         one, *others = self._weights
-        try:
-            l0, l1, l2 = (m[0] for m in self.linearized.spectral_moments(one - sum(others)))
-        except (ArithmeticError, ValueError):
-            l0 = l1 = l2 = np.full(self.heights.size, np.nan)
+        l0, l1, l2 = (m[0] for m in self.linearized.spectral_moments(one - sum(others)))
         return l0, l1, l2
 
     def quantities(self) -> dict[str, Any]:

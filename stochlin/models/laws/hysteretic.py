@@ -34,7 +34,8 @@ class Hysteretic(Structure):
     ------
     ValueError, TypeError
         As in `Bilinear`; also if the law is not given, has other symbols or functions, is not odd, or
-        has kinks that cannot be located.
+        is not finite. What linearizes raises an ArithmeticError if the law has kinks that cannot be
+        located, or powers of ``Abs(z)`` below 1/2.
 
     References
     ----------
